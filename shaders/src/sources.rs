@@ -12,7 +12,7 @@ pub fn stages(folder: &Path) -> Result<Vec<String>> {
 }
 
 /// Returns one line for every source, include and SPIR-V file in `folder`: its hash and its name. A
-/// source that was changed without compiling it, or a SPIR-V file that nobody compiled, changes a
+/// source that was changed without compiling it, or a SPIR-V file of another origin, changes a
 /// line.
 pub fn hashes(folder: &Path) -> Result<String> {
     let mut lines = String::new();

@@ -1,4 +1,4 @@
-//! The harness of the GPU tests: a device per test, and any validation message fails it.
+//! The harness of the GPU tests: a device per test, and a failure on any validation message.
 //!
 //! A missing driver or layer fails a test: a test that passes because nothing ran proves nothing.
 // A harness fails by panicking.
@@ -57,8 +57,8 @@ pub fn open(driver: Driver) -> (Instance, Device) {
     (instance, device.expect("a device"))
 }
 
-/// Waits until no other test of this process has an instance, and keeps them waiting until the
-/// calling thread, and with it the test, is over.
+/// Waits until no other test of this process has an instance, and blocks them until the calling
+/// thread, and with it the test, ends.
 ///
 /// Devices that share nothing harm each other all the same: the validation layer of Debian 12 looks
 /// devices up in a table that other threads change, the loader does so in a list (Vulkan-Loader,
@@ -76,12 +76,12 @@ pub fn instance() -> Instance {
     instance_with(gpu::load_entry().unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// Returns the same through an entry of the test's own.
+/// Returns an instance with synchronization validation through an entry of the test's own.
 pub fn instance_with(entry: gpu::Entry) -> Instance {
     instance_for(entry, None)
 }
 
-/// Returns the same for windows.
+/// Returns an instance with synchronization validation, for windows.
 pub fn instance_for(entry: gpu::Entry, windows: Option<gpu::WindowSystem>) -> Instance {
     take_turn();
     let options = InstanceOptions {
@@ -94,12 +94,12 @@ pub fn instance_for(entry: gpu::Entry, windows: Option<gpu::WindowSystem>) -> In
     })
 }
 
-/// Runs `test` on `driver` and returns what the layers said until everything was torn down.
+/// Runs `test` on `driver` and returns the layers' messages until everything was destroyed.
 pub fn messages_of(driver: Driver, test: impl FnOnce(&Device)) -> Vec<Message> {
     let (instance, device) = open(driver);
     test(&device);
     let log = instance.validation_log().clone();
-    // What was leaked is told when the device and the instance go.
+    // Leaks are reported when the device and the instance are destroyed.
     drop(device);
     drop(instance);
     log.drain()

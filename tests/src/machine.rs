@@ -1,6 +1,6 @@
-//! A Vulkan loader that lies: the real one, but for what a test says that this machine lacks.
+//! A Vulkan loader that lies: the real one, except for the features that a test hides.
 //!
-//! The calls are replaced above the validation layer, which so never hears of what they hide.
+//! The calls are replaced above the validation layer, which therefore never sees the hidden parts.
 
 mod replacements;
 
@@ -25,34 +25,34 @@ type Function = unsafe extern "system" fn();
 pub struct Fault {
     /// The Vulkan call.
     pub call: &'static CStr,
-    /// Which of its calls fail, counted from 0.
+    /// The calls that fail, counted from 0.
     pub fails: Range<usize>,
-    /// What it returns then.
+    /// The result that it returns then.
     pub code: vk::Result,
 }
 
-/// What is wrong with this machine. A test's thread has one.
+/// The faults of this machine. A test's thread has one.
 #[derive(Clone, Debug, Default)]
 pub struct Machine {
-    /// The version that the loader says it has; 0 for a loader of Vulkan 1.0, which cannot say it.
+    /// The version that the loader reports; 0 for a loader of Vulkan 1.0, which cannot report it.
     pub loader_version: Option<u32>,
-    /// There are no devices.
+    /// True if there are no devices.
     pub has_no_devices: bool,
-    /// What every device lacks.
+    /// The feature that every device lacks.
     pub lacks: Option<Required>,
-    /// No device has conditional rendering.
+    /// True if no device has conditional rendering.
     pub is_unconditional: bool,
-    /// No device counts samples.
+    /// True if no device counts samples.
     pub is_imprecise: bool,
     /// The most draws that a device draws or counts at once.
     pub most_draws: Option<u32>,
-    /// Windows have no pixel: they are minimised.
+    /// True if windows have no pixel: they are minimised.
     pub is_minimised: bool,
-    /// No device shows pictures in windows.
+    /// True if no device shows pictures in windows.
     pub is_blind: bool,
-    /// No device has present fences.
+    /// True if no device has present fences.
     pub is_fenceless: bool,
-    /// What fails.
+    /// The calls that fail.
     pub faults: Vec<Fault>,
 }
 
@@ -76,7 +76,7 @@ impl Machine {
         });
     }
 
-    /// Returns the same, and a way into its loader.
+    /// Installs it, and returns an entry of its loader.
     pub fn entry(self) -> Entry {
         self.install();
         let get_instance_proc_addr = instance_proc_addr;
@@ -86,12 +86,12 @@ impl Machine {
     }
 }
 
-/// Returns how often this thread called `call` since the machine was installed.
+/// Returns the number of calls of `call` by this thread since the machine was installed.
 pub fn calls(call: &'static CStr) -> usize {
     STATE.with_borrow(|state| state.calls.get(call).copied().unwrap_or(0))
 }
 
-/// Counts a call, and says what it returns if it is to fail.
+/// Counts a call, and returns its result if it is to fail.
 fn due(call: &'static CStr) -> Option<vk::Result> {
     STATE.with_borrow_mut(|state| {
         let count = state.calls.entry(call).or_default();
@@ -106,13 +106,13 @@ fn machine<R>(ask: impl FnOnce(&Machine) -> R) -> R {
     STATE.with_borrow(|state| ask(&state.machine))
 }
 
-/// Returns the real loader, which stays loaded: functions of it are held everywhere.
+/// Returns the real loader, which stays loaded: its functions are held everywhere.
 fn loader() -> &'static Entry {
     static LOADER: OnceLock<Entry> = OnceLock::new();
     LOADER.get_or_init(|| gpu::load_entry().unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// Returns the function that `call` would have been.
+/// Returns the real function of `call`.
 ///
 /// # Safety
 /// `F` is the type of the Vulkan function of that name.

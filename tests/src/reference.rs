@@ -1,5 +1,5 @@
-//! The formulas of glTF 2.0 (appendix B), KHR_lights_punctual and Khronos PBR Neutral, written down
-//! as they stand there, in double precision: what the shaders are compared with.
+//! The formulas of glTF 2.0 (appendix B), KHR_lights_punctual and Khronos PBR Neutral, as written
+//! there, in double precision: the reference for the shaders.
 
 use glam::{DVec3, dvec3};
 use std::f64::consts::PI;
@@ -13,9 +13,9 @@ pub struct Point {
     pub metallic: f64,
     /// 0 to 1.
     pub roughness: f64,
-    /// Factor of ambient light.
+    /// The factor of ambient light.
     pub occlusion: f64,
-    /// Its own light.
+    /// The emitted light.
     pub emission: DVec3,
     /// In the world, in metres.
     pub position: DVec3,
@@ -23,32 +23,32 @@ pub struct Point {
     pub normal: DVec3,
 }
 
-/// A light, with what KHR_lights_punctual says of it.
+/// A light, with its properties of KHR_lights_punctual.
 #[derive(Debug, Clone, Copy)]
 pub enum Light {
-    /// From everywhere along a direction.
+    /// Light from everywhere along a direction.
     Directional {
         /// Unit vector to it.
         towards: DVec3,
         /// Its illuminance.
         lux: DVec3,
     },
-    /// From a place in all directions.
+    /// Light from a place in all directions.
     Point {
-        /// Where it is.
+        /// Its position.
         position: DVec3,
         /// Its intensity.
         candela: DVec3,
-        /// How far it reaches, in metres.
+        /// Its range, in metres.
         range: Option<f64>,
     },
-    /// From a place into a cone.
+    /// Light from a place into a cone.
     Spot {
-        /// Where it is.
+        /// Its position.
         position: DVec3,
         /// Its intensity.
         candela: DVec3,
-        /// How far it reaches, in metres.
+        /// Its range, in metres.
         range: Option<f64>,
         /// Unit vector along which it shines.
         along: DVec3,
@@ -59,7 +59,7 @@ pub enum Light {
     },
 }
 
-/// Above, below: the hemisphere of ambient light.
+/// The hemisphere of ambient light: above, below.
 pub type Ambient = [DVec3; 2];
 
 fn lerp(a: DVec3, b: DVec3, t: f64) -> DVec3 {
@@ -70,8 +70,8 @@ fn step(positive: f64) -> f64 {
     if positive > 0.0 { 1.0 } else { 0.0 }
 }
 
-/// Appendix B.2 and B.3: material = mix of a metal's and a dielectric's BRDF, with the terms of
-/// B.3.
+/// Returns the BRDF of appendix B.2 and B.3: material = mix of a metal's and a dielectric's BRDF,
+/// with the terms of B.3.
 fn brdf(point: &Point, v: DVec3, l: DVec3) -> DVec3 {
     let n = point.normal;
     let h = (l + v).normalize();
@@ -97,7 +97,7 @@ fn brdf(point: &Point, v: DVec3, l: DVec3) -> DVec3 {
     lerp(dielectric, metal, point.metallic)
 }
 
-/// Light and its direction at a place.
+/// Returns the light at a place, and the direction to it.
 fn arriving(light: &Light, place: DVec3) -> (DVec3, DVec3) {
     let falloff = |position: DVec3, range: Option<f64>| {
         let distance = (position - place).length();
@@ -140,7 +140,7 @@ pub fn radiance(point: &Point, eye: DVec3, lights: &[Light], ambient: &Ambient) 
     sum + (diffuse * hemisphere(point.normal.y) + specular * hemisphere(up)) * point.occlusion
 }
 
-/// Khronos PBR Neutral.
+/// Returns the colour after Khronos PBR Neutral.
 pub fn tone_mapped(light: DVec3) -> DVec3 {
     const F90: f64 = 0.04;
     const K_S: f64 = 0.8 - F90;
@@ -157,7 +157,7 @@ pub fn tone_mapped(light: DVec3) -> DVec3 {
     colour * (n / p) * g + DVec3::splat(n) * (1.0 - g)
 }
 
-/// Returns what a pixel of the picture holds, not rounded.
+/// Returns the value of a pixel of the picture, not rounded.
 pub fn encoded(linear: DVec3) -> [f64; 3] {
     linear.to_array().map(|value| {
         let value = value.clamp(0.0, 1.0);
@@ -170,13 +170,13 @@ pub fn encoded(linear: DVec3) -> [f64; 3] {
     })
 }
 
-/// Returns the light that a byte of a colour stands for.
+/// Returns the light that the byte of a colour encodes.
 pub fn decoded(byte: u8) -> f64 {
     let value = f64::from(byte) / 255.0;
     if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Returns three numbers of `f32`s as they are.
+/// Returns three `f32`s as `f64`s.
 pub fn wide(v: [f32; 3]) -> DVec3 {
     dvec3(v[0].into(), v[1].into(), v[2].into())
 }

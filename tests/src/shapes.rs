@@ -13,7 +13,7 @@ use scene::{
     Vertex, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
 };
 
-/// Draws boxes into the depth buffer only.
+/// A pipeline that draws boxes into the depth buffer only.
 pub struct DepthBoxes {
     pipeline: GraphicsPipeline,
 }
@@ -26,7 +26,7 @@ struct Constants {
 }
 
 impl DepthBoxes {
-    /// Compiles it.
+    /// Compiles the pipeline.
     pub fn new(device: &Device) -> Self {
         let shader = shaders::find("proxy.vert");
         let spirv = Spirv::from_bytes("proxy.vert", shader.expect("the shader").spirv);
@@ -106,8 +106,8 @@ pub fn box_scene(boxes: &[Aabb]) -> Scene {
     }
 }
 
-/// Unit cubes in so many colours, one mesh each, as `objects` place them, with surfaces that are
-/// these colours whatever the light.
+/// Returns unit cubes in so many colours, one mesh each, as `objects` place them. Their surfaces
+/// have these colours in any light.
 pub fn coloured_cubes(colours: u32, objects: Vec<Object>) -> Scene {
     let channel =
         |number: u32, by: u32| 0.1 + 0.9 * (number * by % colours) as f32 / colours as f32;

@@ -1,15 +1,15 @@
-//! A window of a test that is shown a picture after every change.
+//! A window of a test that shows a picture after every change.
 
 use gpu::{PresentMode, PresentSkipped, Shown, Swapchain, SwapchainOptions};
 
 use crate::stage::{Painter, Stage, await_picture, show_surely};
 use crate::x11_window::X11Window;
 
-/// So many swapchains at most wait for their end: eight that need a proof of it, one that is
+/// The most swapchains that wait for their end: eight that need a proof of it, one that is
 /// replaced.
 const MOST_RETIRING: usize = 9;
 
-/// A window that is shown a picture after every change.
+/// A window that shows a picture after every change.
 pub struct Show<'a> {
     /// The window's device.
     pub stage: &'a Stage,
@@ -17,7 +17,7 @@ pub struct Show<'a> {
     pub window: &'a X11Window,
     /// The source of pictures.
     pub painter: Painter,
-    /// The swapchain that is tried.
+    /// The swapchain under test.
     pub swapchain: Swapchain,
     /// The window's size in pixels.
     pub size: [u32; 2],
@@ -42,7 +42,7 @@ impl<'a> Show<'a> {
         }
     }
 
-    /// A frame of any size, to a window that the caller believes to have `believed` pixels.
+    /// Draws a frame of any size, for a window that the caller believes to have `believed` pixels.
     pub fn frame(&mut self, seed: u32, believed: [u32; 2]) {
         self.painter.paint(seed, None);
         match self.swapchain.show(&self.painter.target, believed).unwrap() {
@@ -55,7 +55,7 @@ impl<'a> Show<'a> {
         assert!(self.stage.device.retired() < 40, "{}", self.stage.device.retired());
     }
 
-    /// The window shows exactly what was drawn for its size.
+    /// Checks that the window shows exactly the picture that was drawn for its size.
     pub fn check(&mut self, seed: u32) {
         self.window.show();
         self.window.place(0, 0);

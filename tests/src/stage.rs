@@ -1,4 +1,5 @@
-//! What every test of a window has: a device that can show pictures there, and pictures to show.
+//! The parts of every test of a window: a device that can show pictures there, and pictures to
+//! show.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -43,7 +44,7 @@ impl Stage {
         Swapchain::new(&self.device, &self.surface, options).unwrap()
     }
 
-    /// Tears everything down. The layers have said nothing, of what was leaked neither.
+    /// Destroys everything. Checks that the layers reported nothing, leaks included.
     pub fn end(self) {
         let Self { instance, surface, device } = self;
         let log = instance.validation_log().clone();
@@ -53,11 +54,11 @@ impl Stage {
     }
 }
 
-/// Paints pictures: tiles, each of another colour.
+/// A source of pictures: tiles, each of another colour.
 pub struct Painter {
     device: Device,
     ring: FrameRing,
-    /// What the last picture was painted on.
+    /// The target of the last picture.
     pub target: Target,
 }
 
@@ -71,7 +72,7 @@ impl Painter {
         Self { device: device.clone(), ring, target }
     }
 
-    /// Paints a picture of its own for every seed, and copies it, if it is wanted.
+    /// Paints a picture of its own for every seed, and copies it, if there is a readback.
     pub fn paint(&mut self, seed: u32, copy: Option<&Readback>) {
         let frame = self.ring.begin().unwrap();
         let commands = frame.commands();
@@ -96,7 +97,7 @@ impl Painter {
         self.target.submitted();
     }
 
-    /// Returns what a seed's picture is.
+    /// Returns the pixels of a seed's picture.
     pub fn expected(&mut self, seed: u32) -> Vec<[u8; 3]> {
         let copy = Readback::new(&self.device, self.target.size()).unwrap();
         self.paint(seed, Some(&copy));
@@ -105,7 +106,7 @@ impl Painter {
     }
 }
 
-/// Shows the picture until it is on its way; the window changes are over.
+/// Shows the picture until it is presented; the window's changes must be over.
 pub fn show_surely(swapchain: &mut Swapchain, target: &Target, size: [u32; 2]) -> gpu::Presented {
     let mut others = Vec::new();
     for _ in 0..20 {
@@ -117,7 +118,7 @@ pub fn show_surely(swapchain: &mut Swapchain, target: &Target, size: [u32; 2]) -
     panic!("not shown: {others:?}")
 }
 
-/// Waits until `look` sees what is expected; presents end when they will.
+/// Waits until `look` returns the expected pixels; there is no bound on when presents end.
 pub fn await_picture(expected: &[[u8; 3]], look: impl Fn() -> Vec<[u8; 3]>) {
     let began = Instant::now();
     loop {
@@ -136,7 +137,7 @@ pub fn await_picture(expected: &[[u8; 3]], look: impl Fn() -> Vec<[u8; 3]>) {
     }
 }
 
-/// Numbers that look random and are the same each time (SplitMix64, Steele, Lea, Flood 2014).
+/// A pseudorandom sequence, the same each time (SplitMix64, Steele, Lea, Flood 2014).
 pub struct Random(u64);
 
 impl Random {

@@ -1,4 +1,4 @@
-//! A studio: draws a scene with surfaces whole, pass by pass, with nothing culled.
+//! A studio: draws a scene with surfaces, pass by pass, with nothing culled.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{Camera, Hierarchy, View};
@@ -20,8 +20,8 @@ struct Instance {
     tail: [u32; 4],
 }
 
-/// Returns a picture of `scene`, four bytes a pixel: depth first, then the colour of what is seen,
-/// the sky, and what is blended, in its order.
+/// Returns a picture of `scene`, four bytes per pixel: depth first, then the colour of the visible
+/// surfaces, the sky, and transparent objects in their order.
 pub fn picture(
     device: &Device,
     scene: &Scene,
@@ -110,8 +110,8 @@ pub fn picture(
     readback.rgba8().expect("a picture").to_vec()
 }
 
-/// Returns a scene of these meshes, one object of each at its place, that nothing but its lights
-/// light.
+/// Returns a scene of these meshes, one object of each at its place, without light other than its
+/// own.
 pub fn scene(
     meshes: Vec<(Mesh, SurfaceMesh)>,
     transforms: &[Affine3A],
@@ -138,7 +138,7 @@ pub fn scene(
     }
 }
 
-/// Returns a mesh from its corners, whose surface vertices lie beside them.
+/// Returns a mesh from its corners, with its surface vertices.
 pub fn mesh(
     positions: &[Vec3],
     vertices: Vec<SurfaceVertex>,
@@ -158,7 +158,7 @@ pub fn mesh(
 /// Returns a square of the picture that [`square_camera`](crate::shapes::square_camera) takes,
 /// `side` pixels large: from one corner of pixels to another, `distance_m` away, facing the camera.
 /// Coordinates of textures go from the upper left (`uv[0]`) to the lower right (`uv[1]`), in both
-/// sets; `change` may have it otherwise.
+/// sets; `change` may change the vertices.
 pub fn quad(
     side: u32,
     [from, to]: [[u32; 2]; 2],

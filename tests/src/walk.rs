@@ -22,7 +22,7 @@ impl SceneKind {
     /// Both.
     pub const ALL: [SceneKind; 2] = [SceneKind::City, SceneKind::Field];
 
-    /// Builds it.
+    /// Builds the scene.
     pub fn build(self, objects: u32) -> GeneratedScene {
         let scene = match self {
             SceneKind::City => scenes::city(objects, 7),
@@ -32,7 +32,7 @@ impl SceneKind {
     }
 }
 
-/// Shows a motion as it is in `frame`.
+/// Shows a motion at `frame`.
 ///
 /// # Errors
 /// As [`Renderer::update`]; then the scene and `cast` are as they were.
@@ -47,7 +47,7 @@ pub fn show_motion(
     Ok(report)
 }
 
-/// What a walk found.
+/// The results of a walk.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Found {
     /// Frames compared.
@@ -56,7 +56,7 @@ pub struct Found {
     pub pixels_wrong: usize,
     /// Waits other than for slots, in the frame loops.
     pub blocking_waits: u64,
-    /// The oldest answer that came home, in frames.
+    /// The oldest answer that was read back, in frames.
     pub oldest_answer_frames: u64,
     /// Objects drawn by plain frustum culling and by the strategy, over all frames.
     pub draws: [u64; 2],
@@ -74,7 +74,7 @@ pub fn walk(
     walk_with(device, scene, path, frames, options, Strategy::Antumbra)
 }
 
-/// Returns the same with any strategy.
+/// Walks with any strategy, and compares each picture with plain frustum culling.
 pub fn walk_with(
     device: &Device,
     GeneratedScene { scene, routes }: &GeneratedScene,
@@ -88,7 +88,7 @@ pub fn walk_with(
     walk_cameras_with(device, scene, &cameras, options, strategy)
 }
 
-/// `antumbra` over any cameras.
+/// Walks over any cameras with `antumbra`.
 pub fn walk_cameras(
     device: &Device,
     scene: &Scene,
@@ -98,7 +98,7 @@ pub fn walk_cameras(
     walk_cameras_with(device, scene, cameras, options, Strategy::Antumbra)
 }
 
-/// Returns any strategy over any cameras.
+/// Walks over any cameras with any strategy.
 pub fn walk_cameras_with(
     device: &Device,
     scene: &Scene,
@@ -125,13 +125,13 @@ pub fn walk_cameras_with(
     found
 }
 
-/// What a frame loop leaves.
+/// The results of a frame loop.
 pub struct Loop {
     /// A picture of every frame.
     pub pictures: Vec<Readback>,
-    /// What was known of every frame when it was submitted.
+    /// The report of every frame when it was submitted.
     pub reports: Vec<FrameReport>,
-    /// What became of every frame.
+    /// The outcome of every frame.
     pub outcomes: Vec<FrameOutcome>,
     /// Waits other than for slots.
     pub blocking_waits: u64,
@@ -164,7 +164,7 @@ fn pixels(picture: &Readback) -> Pixels<'_> {
     picture.rgba8().expect("a frame that is over")
 }
 
-/// Pixels whose bits differ.
+/// Returns the number of pixels whose bits differ.
 pub fn pixels_that_differ(a: &[u8], b: &[u8]) -> usize {
     assert!(!a.is_empty() && a.len() == b.len(), "nothing to compare");
     a.chunks_exact(4).zip(b.chunks_exact(4)).filter(|(a, b)| a != b).count()

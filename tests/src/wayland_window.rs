@@ -15,13 +15,13 @@ use wayland_client::protocol::{wl_compositor, wl_registry, wl_surface};
 use wayland_client::{Connection, Dispatch, EventQueue, Proxy, QueueHandle, delegate_noop};
 use wayland_protocols::xdg::shell::client::{xdg_surface, xdg_toplevel, xdg_wm_base};
 
-/// What the compositor told of the window.
+/// The compositor's events about the window.
 #[derive(Default)]
 pub struct Events {
     configured: bool,
 }
 
-/// A window. It answers the compositor when it is told to.
+/// A window. It answers the compositor when [`Self::answer`] is called.
 pub struct WaylandWindow {
     connection: Connection,
     queue: Mutex<(EventQueue<Events>, Events)>,
@@ -64,7 +64,7 @@ impl WaylandWindow {
         Arc::new(Self { connection, queue, surface, _roles: roles })
     }
 
-    /// Answers what came since the last time, as an event loop would.
+    /// Answers the events since the last call, as an event loop would.
     pub fn answer(&self) {
         let mut queue = self.queue.lock().unwrap();
         let (queue, events) = &mut *queue;

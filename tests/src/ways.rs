@@ -1,11 +1,11 @@
-//! The ways to a window that are tested, and the present modes that they have.
+//! The window libraries that are tested, and the present modes that they have.
 
 use crate::Driver;
 use gpu::PresentMode;
 
 use crate::x11_window::Library;
 
-/// Each way to a window that the drivers have.
+/// Each driver with each window library that it supports.
 pub const WAYS: [(Driver, Library); 4] = [
     (Driver::Lavapipe, Library::Xcb),
     (Driver::Lavapipe, Library::Xlib),
@@ -13,9 +13,10 @@ pub const WAYS: [(Driver, Library); 4] = [
     (Driver::SwiftShader, Library::Xlib),
 ];
 
-/// Those for thousands of swapchains. Before its process ends, SwiftShader never lets go of the
-/// shared memory of a swapchain that was replaced, and crashes where there is no more: a machine
-/// has 4,096 pieces. So tests that make a thousand swapchains with it are in programs of their own.
+/// The ways that can have thousands of swapchains. Before its process ends, SwiftShader never frees
+/// the shared memory of a swapchain that was replaced, and crashes where there is no more: a
+/// machine has 4,096 pieces. So tests that make a thousand swapchains with it are in programs of
+/// their own.
 pub const LASTING_WAYS: &[(Driver, Library)] = WAYS.split_at(3).0;
 
 /// Returns the present modes that a driver has under Xvfb.

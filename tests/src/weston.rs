@@ -1,4 +1,4 @@
-//! A Wayland compositor without a screen, one for each test that wants one.
+//! A Wayland compositor without a screen, one for each test that needs one.
 
 use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
@@ -59,18 +59,18 @@ impl Weston {
         }
     }
 
-    /// Has `command` open its windows here.
+    /// Makes `command` open its windows here.
     pub fn environment(&self, command: &mut Command) {
         command.env("XDG_RUNTIME_DIR", &self.folder).env("WAYLAND_DISPLAY", SOCKET);
         command.env_remove("DISPLAY").env_remove("WAYLAND_SOCKET");
     }
 
-    /// Stops the compositor in its tracks, as one that has much to do.
+    /// Stops the compositor, as if it were busy.
     pub fn freeze(&self) {
         self.signal("-STOP");
     }
 
-    /// Lets it go on.
+    /// Continues the compositor.
     pub fn thaw(&self) {
         self.signal("-CONT");
     }
@@ -80,7 +80,7 @@ impl Weston {
         assert!(sent.expect("the command kill").success());
     }
 
-    /// Ends the compositor, whoever is connected.
+    /// Ends the compositor, with any clients still connected.
     pub fn end(&mut self) {
         let _is_gone_already = self.compositor.kill();
         let _is_gone_already = self.compositor.wait();

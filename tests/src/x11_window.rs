@@ -19,7 +19,7 @@ use x11rb::protocol::xproto::{
 };
 use x11rb::xcb_ffi::XCBConnection;
 
-/// Through which library Vulkan talks to the server.
+/// The library through which Vulkan talks to the server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Library {
     /// libxcb, through `VK_KHR_xcb_surface`.
@@ -28,7 +28,7 @@ pub enum Library {
     Xlib,
 }
 
-/// A window. The test talks to it through a connection of its own.
+/// A window, with a connection of its own for the test.
 pub struct X11Window {
     connection: XCBConnection,
     xlib: Option<(Xlib, NonNull<Display>)>,
@@ -41,7 +41,7 @@ unsafe impl Send for X11Window {}
 // SAFETY: as above.
 unsafe impl Sync for X11Window {}
 
-/// Errors of a window that is gone reach Xlib, whose own function would end the program.
+/// Ignores errors of a window that is gone: Xlib's own function would end the program.
 unsafe extern "C" fn ignore_error(_display: *mut Display, _error: *mut XErrorEvent) -> i32 {
     0
 }
@@ -85,7 +85,7 @@ impl X11Window {
         Arc::new(window)
     }
 
-    /// Waits until the server has done what it was asked for.
+    /// Waits until the server has handled all requests.
     fn settle(&self) {
         self.connection.get_input_focus().unwrap().reply().unwrap();
     }
@@ -121,7 +121,7 @@ impl X11Window {
         self.settle();
     }
 
-    /// Returns what is in the window now: red, green, blue; rows from the top.
+    /// Returns the pixels of the window now: red, green, blue; rows from the top.
     pub fn pixels(&self, size: [u32; 2]) -> Vec<[u8; 3]> {
         let [width, height] = size.map(|side| side as u16);
         let format = ImageFormat::Z_PIXMAP;

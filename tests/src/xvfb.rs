@@ -1,4 +1,4 @@
-//! An X server without a screen, one for each test that wants one.
+//! An X server without a screen, one for each test that needs one.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -38,12 +38,12 @@ impl Xvfb {
         Self { server, display, _client: client }
     }
 
-    /// Its display, as in the variable `DISPLAY`.
+    /// Returns its display, as in the variable `DISPLAY`.
     pub fn display(&self) -> &str {
         &self.display
     }
 
-    /// Ends the server, whoever is connected.
+    /// Ends the server, with any clients still connected.
     pub fn end(&mut self) {
         let _is_gone_already = self.server.kill();
         let _is_gone_already = self.server.wait();

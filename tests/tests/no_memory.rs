@@ -1,5 +1,5 @@
-//! Where memory ends, a renderer is refused with a sentence, and the process goes on: one test in a
-//! process, whose allocator has a limit. What a driver takes is not counted.
+//! A renderer without enough memory is refused with an error, and the process goes on: one test in
+//! a process, whose allocator has a limit. Allocations of drivers are not counted.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::unwrap_used,

@@ -1,5 +1,4 @@
-//! Whatever a driver answers about a window has a name, and the loop goes on where there is a
-//! window.
+//! Every error of a driver about a window has a name, and the loop goes on while there is a window.
 // A program of its own: SwiftShader keeps shared memory of every swapchain until its program ends,
 // and the system has 4096 pieces.
 #![allow(
@@ -27,7 +26,7 @@ const SIZE: [u32; 2] = [96, 64];
 const ACQUIRE: &CStr = c"vkAcquireNextImageKHR";
 const PRESENT: &CStr = c"vkQueuePresentKHR";
 
-/// A window on a machine that lies, after a few frames on which it did not.
+/// A window on a machine that lies, after a few frames without lies.
 struct Liar {
     stage: Stage,
     window: std::sync::Arc<X11Window>,
@@ -59,7 +58,8 @@ impl Liar {
         self.try_show().unwrap()
     }
 
-    /// The machine stops lying: the right picture is shown, and everything ends in order.
+    /// Stops the lies, and checks that the right picture is shown and that everything ends in
+    /// order.
     fn end(mut self) {
         Machine::default().install();
         let expected = self.painter.expected(77);
@@ -86,7 +86,7 @@ fn what_happens_to_a_window_has_a_name_and_is_got_over() {
     let outdated = Code::ERROR_OUT_OF_DATE_KHR;
     for driver in Driver::ALL {
         for (call, times, code, expected) in [
-            // Made anew and asked again at once.
+            // Recreated and tried again at once.
             (ACQUIRE, 1, outdated, None),
             (ACQUIRE, 2, outdated, Some(PresentSkipped::OutOfDate)),
             (ACQUIRE, 1, Code::TIMEOUT, Some(PresentSkipped::Hidden)),
@@ -191,7 +191,7 @@ fn a_call_that_fails_is_named_and_the_next_frames_are_shown() {
                 failing(call, number..number + 1, Code::ERROR_OUT_OF_HOST_MEMORY).install();
                 let (mut errors, mut shown) = (Vec::new(), 0);
                 for frame in 0..6 {
-                    // Each time the window is made anew.
+                    // Each time the window is recreated.
                     let size = [SIZE[0] + frame, SIZE[1]];
                     liar.window.resize(size);
                     liar.frame += 1;

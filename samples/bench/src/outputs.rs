@@ -62,7 +62,7 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// Does the same for the files of a walk.
+    /// Prepares the folders of a walk's files in the same way.
     ///
     /// # Errors
     /// As [`Outputs::prepare`].
@@ -75,7 +75,7 @@ impl Outputs {
         // With its folders made or not, it must be a name.
         match Destination::of(path) {
             Ok(Destination::File(file)) => self.prepare_folder(option, folder_of(&file)),
-            // Opened when there is something to tell: a reader takes the end of the first writer
+            // Opened when there is something to write: a reader takes the end of the first writer
             // for the end of all.
             Ok(Destination::Output(_) | Destination::Stream(_)) => Ok(()),
             Err(error) => {

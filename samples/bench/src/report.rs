@@ -144,7 +144,7 @@ pub struct BuildReport {
 /// Median and maximum of the age of query results, in frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct AgeReport {
-    /// The median; absent where no result came home.
+    /// The median; absent where no result was read back.
     pub median: Option<u64>,
     /// The largest.
     pub max: Option<u64>,

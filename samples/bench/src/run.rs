@@ -110,7 +110,7 @@ pub fn pipeline_cache_file() -> Option<PathBuf> {
     Some(folder.join("antumbra").join("pipelines.bin"))
 }
 
-/// Does the same on an open device.
+/// Walks as [`run`] does, on an open device.
 ///
 /// # Errors
 /// As [`run`].

@@ -79,7 +79,8 @@ impl Session {
         let hidden = if shown == Side::Culled { Side::Unculled } else { Side::Culled };
         let mut tick = Tick::default();
         for side in [hidden, shown] {
-            // The history with culling goes on in every frame; what nobody compares nobody needs.
+            // The history with culling goes on in every frame; frames that are not compared are not
+            // needed.
             if (side, shown, pair) == (Side::Unculled, Side::Culled, None) {
                 continue;
             }

@@ -11,7 +11,7 @@ use super::conditions::Conditions;
 
 /// The number of frames in a graph.
 const KEPT: usize = 130;
-/// The number of frames in the CPU's median; the GPU's is over as many that were timed.
+/// The number of frames in the CPU's median; the GPU's is over `GPU_FRAMES`.
 const CPU_FRAMES: usize = 32;
 const GPU_FRAMES: usize = 5;
 /// The time over which the rate is taken, if there are as many frames (milliseconds).

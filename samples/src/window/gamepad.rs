@@ -111,7 +111,7 @@ impl Gamepad {
         let state = Arc::new(Mutex::new(PadState::default()));
         let (sender, actions) = mpsc::channel();
         let theirs = Arc::clone(&state);
-        // It ends with the program, or when nobody wants its actions any more.
+        // It ends with the program, or when the receiver of its actions is dropped.
         let thread = thread::Builder::new().name("gamepad".to_owned());
         thread.spawn(move || look_and_read(&theirs, &sender)).ok()?;
         Some(Self { state, actions })

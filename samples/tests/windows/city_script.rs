@@ -51,7 +51,7 @@ fn a_strategy_that_is_not_exact_is_found_out_and_its_errors_are_marked() {
     let scratch = Scratch::new("script-differs");
     let rest = ["--path", "fly", "--objects", "2000", "--frames", "30", "--out", "out"];
     let log = run(&scratch, "2 compare\n", &[&rest[..], &["--strategy", "next_frame"]].concat());
-    // What comes into view is missing until its answers are home.
+    // Objects that come into view are missing until their results are read back.
     let differing = number_before(&log, "of 28 frames differ");
     assert!((1..=28).contains(&differing) && !log.contains("at most by 0"), "{log}");
     let is_marked =
@@ -112,6 +112,6 @@ fn what_a_frozen_view_left_out_says_so() {
     {
         assert!(said(&format!("decision: {decision}")) > 0, "{decision}: {log}");
     }
-    // Where it stands still all answers are home: nothing is open.
+    // With a standing camera all results are read back: nothing is open.
     assert_eq!(said("drawn if it shows"), 0, "{log}");
 }

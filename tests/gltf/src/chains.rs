@@ -1,11 +1,11 @@
-//! Chains of nodes that skins hang on: short files that ask for much.
+//! Chains of nodes that skins hang on: short files that cost much to load.
 
 use serde_json::{Value, json};
 
 use crate::files::{Scene, U8};
 
-/// `chains` chains of `depth` nodes each, and `meshes` nodes whose mesh hangs on the ends of all
-/// chains, by `skins` different skins.
+/// Returns a file of `chains` chains of `depth` nodes each, and `meshes` nodes whose mesh hangs on
+/// the ends of all chains, by `skins` different skins.
 pub fn chains(chains: usize, depth: usize, meshes: usize, skins: usize) -> Scene {
     let mut scene = Scene::triangle();
     let joints = scene.numbers(U8, "VEC4", 3, &[0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0]);

@@ -1,4 +1,4 @@
-//! Small valid files, made here: each test changes what it is about.
+//! Small valid files, made here: each test changes one part.
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -6,13 +6,13 @@ use serde_json::{Value, json};
 
 /// The component type of bytes.
 pub const U8: u32 = 5121;
-/// Of signed 16-bit integers.
+/// The component type of signed 16-bit integers.
 pub const I16: u32 = 5122;
-/// Of 16-bit integers.
+/// The component type of 16-bit integers.
 pub const U16: u32 = 5123;
-/// Of 32-bit integers.
+/// The component type of 32-bit integers.
 pub const U32: u32 = 5125;
-/// Of numbers.
+/// The component type of floats.
 pub const F32: u32 = 5126;
 
 /// A file: its JSON, and one buffer.
@@ -20,7 +20,7 @@ pub const F32: u32 = 5126;
 pub struct Scene {
     /// The document.
     pub json: Value,
-    /// What its buffer holds.
+    /// The contents of its buffer.
     pub binary: Vec<u8>,
 }
 
@@ -44,14 +44,15 @@ impl Scene {
         scene
     }
 
-    /// Appends to a list of the JSON, and says where.
+    /// Appends to a list of the JSON, and returns the index.
     pub fn push(&mut self, list: &str, value: Value) -> usize {
         let list = self.json[list].as_array_mut().expect("a list");
         list.push(value);
         list.len() - 1
     }
 
-    /// Textures of the first images, each shown by a material of a primitive of the first mesh.
+    /// Adds textures of the first images, each shown by a material of a primitive of the first
+    /// mesh.
     pub fn show_images(&mut self, count: usize) {
         let primitive = self.json["meshes"][0]["primitives"][0].clone();
         let primitives = (0..count).map(|material| {
@@ -66,7 +67,7 @@ impl Scene {
         self.set("/materials", (0..count).map(material).collect());
     }
 
-    /// Puts a value where a JSON pointer says; objects on the way are made.
+    /// Sets the value at a JSON pointer; objects on the way are made.
     pub fn set(&mut self, pointer: &str, value: Value) {
         let mut place = &mut self.json;
         for key in pointer.split('/').skip(1) {
@@ -84,14 +85,14 @@ impl Scene {
         *place = value;
     }
 
-    /// Removes what a JSON pointer names.
+    /// Removes the value at a JSON pointer.
     pub fn remove(&mut self, pointer: &str) {
         let (parent, key) = pointer.rsplit_once('/').expect("a pointer");
         let parent = self.json.pointer_mut(parent).expect("it exists");
         parent.as_object_mut().expect("an object").remove(key).expect("it exists");
     }
 
-    /// Appends bytes, and a view of them.
+    /// Appends bytes and a view of them; returns the view's index.
     pub fn view(&mut self, bytes: &[u8]) -> usize {
         self.binary.resize(self.binary.len().next_multiple_of(4), 0);
         let view =
@@ -100,7 +101,7 @@ impl Scene {
         self.push("bufferViews", view)
     }
 
-    /// Appends an accessor with a view of its own.
+    /// Appends an accessor with a view of its own; returns its index.
     pub fn numbers(&mut self, component: u32, kind: &str, count: usize, bytes: &[u8]) -> usize {
         let view = self.view(bytes);
         let accessor =
@@ -108,7 +109,7 @@ impl Scene {
         self.push("accessors", accessor)
     }
 
-    /// Appends an accessor of floats, with their bounds where these are numbers.
+    /// Appends an accessor of floats, with their bounds where these are finite; returns its index.
     pub fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
         let components = match kind {
             "SCALAR" => 1,
@@ -131,13 +132,13 @@ impl Scene {
         accessor
     }
 
-    /// Its buffer as a data URI.
+    /// Returns its buffer as a data URI.
     pub fn data_uri(&self) -> String {
         let data = BASE64_STANDARD.encode(&self.binary);
         format!("data:application/octet-stream;base64,{data}")
     }
 
-    /// As .gltf, its buffer in a data URI.
+    /// Returns it as .gltf, its buffer in a data URI.
     pub fn gltf(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         if json["buffers"].as_array().is_some_and(Vec::is_empty) {
@@ -147,7 +148,7 @@ impl Scene {
         json.to_string().into_bytes()
     }
 
-    /// As .glb.
+    /// Returns it as .glb.
     pub fn glb(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         if json["buffers"].as_array().is_some_and(Vec::is_empty) {
@@ -208,7 +209,7 @@ pub fn everything() -> Scene {
     scene
 }
 
-/// Texture coordinates, a colour, a material, and images of all formats.
+/// Adds texture coordinates, a colour, a material, and images of all formats.
 fn add_surface(scene: &mut Scene) {
     let uv = scene.numbers(U8, "VEC2", 3, &[0, 0, 9, 9, 255, 0, 9, 9, 0, 255]);
     scene.set(&format!("/accessors/{uv}/normalized"), json!(true));
@@ -253,7 +254,7 @@ fn add_surface(scene: &mut Scene) {
     scene.set("/meshes/0/primitives/0/material", json!(0));
 }
 
-/// A skinned mesh with a morph target, and an animation of it.
+/// Adds a skinned mesh with a morph target, and an animation of it.
 fn add_life(scene: &mut Scene) {
     let joints = scene.numbers(U8, "VEC4", 3, &[0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]);
     let weights =

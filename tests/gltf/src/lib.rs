@@ -1,7 +1,7 @@
-//! Small glTF files that are made here, and what must hold whatever is in a file.
+//! Small glTF files that are made here, and the invariants of everything loaded from any file.
 //!
-//! [`files`] and [`chains`] make them; [`target`] tries any bytes, as the tests and `cargo fuzz`
-//! do: what was loaded is [checked](loaded), and [plays](perform).
+//! [`files`] and [`chains`] make them; [`target`] tries arbitrary bytes, as the tests and `cargo
+//! fuzz` do: the loaded scene is [checked](loaded), and [plays](perform).
 // A harness fails by panicking.
 #![allow(clippy::panic, clippy::expect_used)]
 #![forbid(unsafe_code)]

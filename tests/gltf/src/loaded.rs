@@ -1,8 +1,8 @@
-//! What holds for every scene that was loaded, whatever its file was.
+//! The invariants of a loaded scene, for any file.
 
 use import::{GltfScene, PlacedNode};
 
-/// Fails where a number is not finite, an index is out of range, or a box is none.
+/// Checks that every number is finite, every index in range, and every box valid.
 pub fn check(imported: &GltfScene) {
     imported.scene.validate().expect("it can be drawn");
     check_surfaces(imported);

@@ -1,19 +1,19 @@
-//! What was loaded plays: all clips, faded into each other, at any time and at none.
+//! Playback of loaded scenes: all clips, faded into each other, at any time and at none.
 
 use cull::Aabb;
 use glam::Affine3A;
 use import::{GltfScene, LevelOptions, SceneAnimator};
 use scene::{LightMove, ObjectChange, PoseBounds, SceneUpdate};
 
-/// Times to look at, in this order: seeks forwards and back, before the beginning, and what is no
-/// time.
+/// The times to look at, in this order: seeks forwards and back, before the beginning, NaN and infinity.
 const SECONDS: [f64; 7] = [0.0, 0.37, 1.0e9, -3.5, f64::NAN, f64::INFINITY, 0.5];
-/// Clips that are played one after the other.
+/// The most clips that are played one after the other.
 const MOST_CLIPS: usize = 4;
-/// No coordinate of a box is beyond this.
+/// The largest coordinate of a box.
 const FARTHEST: f32 = 1.001e15;
 
-/// Makes coarser forms, then plays; fails where something would reach a renderer that it refuses.
+/// Makes coarser levels of detail, then plays; panics if a change would reach a renderer that the
+/// renderer refuses.
 pub fn perform(mut imported: GltfScene) {
     imported.make_levels(&LevelOptions { least_triangles: 1, ..LevelOptions::default() });
     imported.scene.validate().expect("it can be drawn with its levels");
@@ -42,13 +42,13 @@ pub fn perform(mut imported: GltfScene) {
     }
 }
 
-/// What a renderer knows of the scene: where its objects are, and in which boxes.
+/// A renderer's knowledge of the scene: the objects' transforms, and their boxes.
 struct Shown<'a> {
     scene: &'a scene::Scene,
     surfaces: &'a scene::Surfaces,
-    /// The objects, and the blended ones behind them.
+    /// The transforms of the objects, and of the transparent ones behind them.
     transforms: Vec<Affine3A>,
-    /// By mesh, in its own space.
+    /// The boxes by mesh, in the mesh's own space.
     bounds: Vec<Aabb>,
     forms: Vec<PoseBounds>,
 }
@@ -69,7 +69,8 @@ impl<'a> Shown<'a> {
         }
     }
 
-    /// Takes changes in the order in which a renderer does, and fails where that would refuse one.
+    /// Applies changes in the order in which a renderer does, and panics if a renderer would refuse
+    /// one.
     fn check(&mut self, changes: &SceneUpdate) {
         for moved in &changes.objects {
             let ObjectChange::Move { object, transform } = *moved else {

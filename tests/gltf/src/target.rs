@@ -1,4 +1,4 @@
-//! What is tried with every malformed file, here and by `cargo fuzz`.
+//! The checks on every malformed file, here and by `cargo fuzz`.
 
 use std::ops::ControlFlow;
 
@@ -28,7 +28,7 @@ pub fn small_limits() -> Limits {
     }
 }
 
-/// Reads these bytes as a scene, and all that is in it. Whatever they are, it must not panic.
+/// Reads these bytes as a scene, with everything in it. No bytes may make it panic.
 pub fn try_bytes(bytes: &[u8]) -> Result<(), ImportError> {
     let source = read(bytes.to_vec(), None, &small_limits())?;
     read_everything(&source);
@@ -43,7 +43,7 @@ pub fn try_bytes(bytes: &[u8]) -> Result<(), ImportError> {
     Ok(())
 }
 
-/// Looks at everything that the document links, by the methods that panic where a link is wrong.
+/// Visits everything that the document links, by the methods that panic on a bad link.
 fn read_everything(source: &Source) {
     let document = &source.document;
     for accessor in document.accessors() {

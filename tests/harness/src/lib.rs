@@ -1,4 +1,4 @@
-//! Runs programs as users do: in folders of their own, in terminals, with scenes that are made
+//! Runs programs as users do: in folders of their own, in terminals, with scenes that are generated
 //! here.
 // A harness fails by panicking.
 #![allow(clippy::panic, clippy::expect_used)]

@@ -4,11 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A folder of the test's own, gone when dropped.
+/// A folder of the test's own, removed when dropped.
 pub struct Scratch(pub PathBuf);
 
 impl Scratch {
-    /// Makes it anew.
+    /// Creates the folder, empty.
     pub fn new(name: &str) -> Self {
         let folder = tests_folder().join(name);
         let _absent = fs::remove_dir_all(&folder);
@@ -16,7 +16,7 @@ impl Scratch {
         Self(folder)
     }
 
-    /// Returns the names of what is in it, sorted.
+    /// Returns the names of its entries, sorted.
     pub fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.0.join(folder)).expect("it exists");
         let name = |entry: std::io::Result<fs::DirEntry>| entry.expect("it is read").file_name();
@@ -40,9 +40,9 @@ pub fn program(name: &str, folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// Returns the same for a program that is to be sent signals. One that ignored them from its start
-/// would go on ignoring them, as the programs of a background job do where the shell has no job
-/// control.
+/// Returns the same for a program that is to be sent signals. A program that ignored them from its
+/// start would go on ignoring them, as the programs of a background job do where the shell has no
+/// job control.
 pub fn signalled_program(name: &str, folder: &Path, arguments: &[&str]) -> Command {
     program("env", folder, &[&["--default-signal=INT,TERM,HUP", name], arguments].concat())
 }
@@ -52,19 +52,19 @@ pub fn cache() -> PathBuf {
     tests_folder().join("cache")
 }
 
-/// Cargo's folder for what tests write: beside that of the profile, in which `deps` has this
-/// program.
+/// Returns Cargo's folder for files of tests: beside the folder of the profile, in which `deps` has
+/// this program.
 fn tests_folder() -> PathBuf {
     let this = std::env::current_exe().expect("a program");
     this.ancestors().nth(3).expect("a target folder").join("tmp")
 }
 
-/// Returns what it wrote to standard error.
+/// Returns the text that a program wrote to standard error.
 pub fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A copy of the engine's GLSL in which `name` has `to` in the place of `from`.
+/// Writes a copy of the engine's GLSL in which `name` has `to` instead of `from`.
 pub fn edited_shaders(scratch: &Scratch, name: &str, from: &str, to: &str) {
     let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
     for entry in fs::read_dir(committed).expect("the shaders") {

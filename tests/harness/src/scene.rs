@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-/// Everything that a buffer holds, and the views and accessors of it.
+/// The bytes of a buffer, and the views and accessors of it.
 #[derive(Default)]
 struct Bytes {
     all: Vec<u8>,
@@ -14,7 +14,7 @@ struct Bytes {
 }
 
 impl Bytes {
-    /// Adds numbers; answers their accessor.
+    /// Adds numbers; returns their accessor.
     fn floats(&mut self, kind: &str, width: usize, numbers: &[f32]) -> usize {
         let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
         let rows = numbers.chunks_exact(width);
@@ -73,27 +73,27 @@ pub fn small() -> Vec<u8> {
     small_seen_by(&json!({"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}))
 }
 
-/// Returns the same with other cameras.
+/// Returns the scene with other cameras.
 pub fn small_seen_by(camera: &Value) -> Vec<u8> {
     small_with(Some(camera), 7.0)
 }
 
-/// Returns the same with all of its nodes and clips, and no camera.
+/// Returns the scene with all of its nodes and clips, and no camera.
 pub fn small_without_cameras() -> Vec<u8> {
     small_with(None, 7.0)
 }
 
-/// Returns the same, and the camera `walk` goes right before the wall.
+/// Returns the scene with the camera `walk` going right before the wall.
 pub fn small_before_the_wall() -> Vec<u8> {
     let camera = json!({"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}});
     small_with(Some(&camera), 1.0)
 }
 
-/// What is said of [`small_with_lamps`] with more than 16 lamps.
+/// The note about [`small_with_lamps`] with more than 16 lamps.
 pub const LAMPS_NOTE: &str =
     "64 objects are reached by more than 16 lights: the weakest of them are left out";
 
-/// Returns the same, and so many lamps that reach everything.
+/// Returns the scene with so many lamps that reach everything.
 pub fn small_with_lamps(lamps: usize) -> Vec<u8> {
     let small = small();
     let length = u32::from_le_bytes(small[12..16].try_into().expect("a length")) as usize;
@@ -112,7 +112,7 @@ pub fn small_with_lamps(lamps: usize) -> Vec<u8> {
     glb(&document, buffer)
 }
 
-/// Writes files of which none is a scene, or leaves them out. Returns their names.
+/// Writes files of which none is a scene, or omits them. Returns their names.
 pub fn write_unreadable(folder: &Path) -> [&'static str; 5] {
     let whole = small();
     let [cut, empty, text] = ["cut.glb", "empty.glb", "text.gltf"];
@@ -181,8 +181,8 @@ fn small_with(camera: Option<&Value>, walk_z: f32) -> Vec<u8> {
     glb(&document, &bytes.all)
 }
 
-/// Red points at the corners of a square, a green loop of lines around it, slightly turned; no
-/// camera.
+/// Returns red points at the corners of a square, a green loop of lines around it, slightly turned;
+/// no camera.
 pub fn thin() -> Vec<u8> {
     let mut bytes = Bytes::default();
     let square = |half: f32, turned: f32| {
@@ -203,7 +203,7 @@ pub fn thin() -> Vec<u8> {
     )
 }
 
-/// Returns one blended mesh of two cards, red before blue, in that order or the other.
+/// Returns one transparent mesh of two cards, red before blue, in that order or the other.
 pub fn cards(order: [usize; 2]) -> Vec<u8> {
     let mut bytes = Bytes::default();
     let card = |side: f32, z: f32| {
@@ -244,7 +244,7 @@ pub fn transformed(png: &[u8]) -> Vec<u8> {
     plain(&[mesh], &[material], &bytes)
 }
 
-/// Returns a node for each mesh, and nothing else.
+/// Returns a scene with one node per mesh, and nothing else.
 fn plain(meshes: &[Value], materials: &[Value], bytes: &Bytes) -> Vec<u8> {
     let nodes: Vec<Value> = (0..meshes.len()).map(|mesh| json!({"mesh": mesh})).collect();
     // What is behind all numbers is an image.

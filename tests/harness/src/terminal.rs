@@ -1,4 +1,4 @@
-//! Runs a program in a terminal, and checks what each of ours does there.
+//! Runs a program in a terminal, and checks the behaviour that all of ours share.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use crate::{Scratch, cache, program, stderr};
 
-/// Runs a command line in a terminal of so many columns. Returns what that shows.
+/// Runs a command line in a terminal of so many columns. Returns the terminal's text.
 pub fn in_terminal(
     scratch: &Scratch,
     columns: u32,
@@ -23,7 +23,7 @@ pub fn in_terminal(
     String::from_utf8_lossy(&output.stdout).replace("\r\n", "\n")
 }
 
-/// Returns the help of a program, which fits the terminal and says what its exit codes mean.
+/// Returns the help of a program. Checks that it fits the terminal and explains the exit codes.
 pub fn help_that_fits(scratch: &Scratch, program: &str, columns: u32) -> String {
     let help = in_terminal(scratch, columns, &[("NO_COLOR", "1")], &format!("{program} --help"));
     for line in help.lines() {
@@ -33,7 +33,7 @@ pub fn help_that_fits(scratch: &Scratch, program: &str, columns: u32) -> String 
     help
 }
 
-/// Fails unless a reader of the help may go early, and a full disk is an error.
+/// Checks that a reader of the help may go early, and that a full disk is an error.
 pub fn assert_readers_may_go(scratch: &Scratch, program: &str) {
     let mut command = Command::new(program);
     command.current_dir(&scratch.0).arg("--help").stdout(Stdio::piped());
@@ -45,7 +45,7 @@ pub fn assert_readers_may_go(scratch: &Scratch, program: &str) {
     assert_eq!(output.status.code(), Some(1), "{program}");
 }
 
-/// Fails unless a program refuses files in a line that a terminal shows and does not obey: files
+/// Checks that a program refuses files in a line that a terminal shows and does not obey: files
 /// that are no scene, no script and no report; after some options, files below which it is to
 /// write.
 pub fn assert_names_give_no_orders(

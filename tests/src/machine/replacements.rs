@@ -1,4 +1,4 @@
-//! The Vulkan functions that a lying loader puts in the place of the real ones.
+//! The Vulkan functions that a lying loader returns instead of the real ones.
 
 use std::ffi::{CStr, c_void};
 use std::mem::transmute;
@@ -8,7 +8,7 @@ use gpu::Required;
 
 use super::{Function, device_proc_addr, due, machine, real};
 
-/// Writes functions that count, fail when it is their turn, and else do what the real ones do.
+/// Writes functions that count, fail when they are to fail, and otherwise call the real ones.
 macro_rules! counted {
     ($list:ident $functions:ident {
         $($ours:ident $pfn:ident $name:literal ($($argument:ident: $kind:ty),+);)+

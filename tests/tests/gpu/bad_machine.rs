@@ -139,7 +139,7 @@ fn a_driver_that_does_not_give_its_pipelines_away_leaves_the_file_as_it_is() {
     drop(Device::new(&instance, &adapter, &options).unwrap());
     let stored = std::fs::read(&file).unwrap();
     for &call in CALLS_THAT_SAVE {
-        // Sometimes the size is told and the data is not.
+        // Sometimes the size is returned and the data is not.
         for number in 0..calls(call) {
             let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
             let fault = Fault { call, fails: number..usize::MAX, code };
@@ -163,7 +163,7 @@ fn an_instance_that_cannot_start_says_which_call_failed() {
     }
 }
 
-/// What the walks below need, made once.
+/// The parts that the walks below need, made once.
 struct Stage {
     instance: Instance,
     adapter: Adapter,
@@ -220,7 +220,7 @@ impl Stage {
         failed
     }
 
-    /// Walks on a machine with one fault; says the sentence that came of it, if any.
+    /// Walks on a machine with one fault; returns the message of the error, if any.
     fn walk_with(&self, fault: Fault, options: &RendererOptions, goes: Goes) -> Option<String> {
         let place = format!("{fault:?}");
         Machine { faults: vec![fault], ..Machine::default() }.install();
@@ -232,7 +232,7 @@ impl Stage {
         sentence
     }
 
-    /// The last word of the layers, on what is still there when the instance goes.
+    /// Drops the instance, and checks that the layers report nothing, leaked objects included.
     fn finish(self) {
         let log = self.instance.validation_log().clone();
         drop(self.instance);
@@ -240,7 +240,7 @@ impl Stage {
     }
 }
 
-/// What a program does after a frame that failed.
+/// The behaviour of a program after a frame that failed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Goes {
     On,
@@ -259,7 +259,7 @@ fn options(predication: Predication) -> RendererOptions {
     }
 }
 
-/// Returns how often a walk that nothing happens to calls each of `names`.
+/// Returns the numbers of calls of each of `names` in a walk without a fault.
 fn clean_calls(
     stage: &Stage,
     options: &RendererOptions,
@@ -322,7 +322,7 @@ fn a_lost_device_is_an_error_with_the_call_and_the_code() {
         for number in 0..count {
             let fault = Fault { call, fails: number..usize::MAX, code };
             let sentence = stage.walk_with(fault, &options, Goes::Home);
-            // Closing a device has nobody to tell.
+            // Closing a device cannot report an error.
             let told = sentence.as_deref().unwrap_or("");
             let last_wait = call == c"vkWaitSemaphores" && number + 1 == count;
             if !at_close && !last_wait {
@@ -340,7 +340,7 @@ fn a_frame_that_is_never_over_is_an_error_and_closing_does_not_hang() {
     let (stage, options) = (Stage::new(), options(Predication::Conditional));
     let call = c"vkWaitSemaphores";
     let [waits] = clean_calls(&stage, &options, &[call])[..] else { unreachable!() };
-    // The last wait is that of closing the device, which has nobody to tell.
+    // The last wait is that of closing the device, which cannot report an error.
     for number in 0..waits - 1 {
         for fails in [number..number + 1, number..usize::MAX] {
             let fault = Fault { call, fails, code: vk::Result::TIMEOUT };
@@ -367,7 +367,8 @@ fn after_a_frame_that_failed_the_next_ones_are_drawn() {
     stage.finish();
 }
 
-/// Each call fails once, or from then on, somewhere while prices are measured.
+/// Checks that costs that cannot be measured are no reason to fail: each call fails once, or from
+/// then on, at some point of the measurement.
 #[test]
 fn prices_that_cannot_be_measured_are_no_reason_to_fail() {
     let stage = Stage::new();

@@ -1,5 +1,5 @@
-//! Costs measured on a device: what comes out can be, the validation layer stays silent, and
-//! pictures stay right whatever things are said to cost.
+//! Costs measured on a device: they are plausible, the validation layer stays silent, and pictures
+//! are right with any costs.
 
 use cull::{CostTable, Strategy};
 use gpu::{Device, Predication, Readback};
@@ -9,8 +9,8 @@ use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [160, 90];
 
-/// Walks with a renderer of these costs and compares every picture with frustum culling's; answers
-/// how many leaves were not tested because of their cost.
+/// Walks with a renderer of these costs and compares every picture with frustum culling's; returns
+/// the costs, and the number of leaves that were not tested because of their cost.
 fn walk(device: &Device, options: &RendererOptions) -> (Option<CostTable>, u32) {
     let GeneratedScene { scene, routes } = city(400, 5).unwrap();
     let path = CameraPath::new(PathKind::Street, &routes).unwrap();

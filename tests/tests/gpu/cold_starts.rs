@@ -1,4 +1,4 @@
-//! The first frames of a view that knows nothing yet, at standing cameras, in pictures of odd sizes
+//! The first frames of a view with an empty history, at standing cameras, in pictures of odd sizes
 //! and scenes of several seeds: every frame is compared, from the first on.
 
 use cull::{Camera, Strategy};
@@ -8,17 +8,17 @@ use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::walk::{frame_loop, pixels_that_differ};
 use tests::{Driver, run};
 
-/// Frames in which a camera stands: answers of the first are home before the last.
+/// The frames for which a camera stands: results of the first are read back before the last.
 const FRAMES: usize = 4;
 
-/// Returns those that promise the picture and need nothing found beforehand, but the one that waits
-/// for each object.
+/// Returns the strategies that promise the picture and need nothing found beforehand, but the one
+/// that waits for each object.
 fn strategies() -> impl Iterator<Item = Strategy> {
     let left_out = [Strategy::Frustum, Strategy::Naive, Strategy::Ideal];
     Strategy::ALL.into_iter().filter(move |it| it.is_exact() && !left_out.contains(it))
 }
 
-/// Wrong pixels of every strategy, each with a new view, where `camera` stands.
+/// Checks that every strategy has no wrong pixels, each with a new view, with a standing `camera`.
 fn check_standing(renderer: &mut Renderer, camera: Camera, what: &str) {
     let cameras = [camera; FRAMES];
     let mut plain = renderer.new_view().unwrap();

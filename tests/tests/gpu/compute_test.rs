@@ -1,5 +1,5 @@
-//! The compute tester against the rasteriser: it never hides what a query on the proxy shows, and
-//! shows little that the query hides.
+//! The compute tester against the rasteriser: it never hides a box that a query on the proxy shows,
+//! and shows few that the query hides.
 
 use cull::{Aabb, Camera, View};
 use glam::Vec3;
@@ -25,7 +25,7 @@ impl Numbers {
         low + (high - low) * self.next()
     }
 
-    /// Spread evenly over orders of magnitude.
+    /// Returns a number spread evenly over orders of magnitude.
     fn scale(&mut self, low: f32, high: f32) -> f32 {
         low * (high / low).powf(self.next())
     }
@@ -35,7 +35,7 @@ impl Numbers {
     }
 }
 
-/// Occluders, boxes to test, and the eye that looks at them.
+/// Occluders, boxes to test, and the eye.
 struct World {
     camera: Camera,
     occluders: Vec<Aabb>,
@@ -45,7 +45,7 @@ struct World {
 const TESTS: usize = 150;
 
 impl World {
-    /// Creates a world around `origin`: small numbers round otherwise than large ones.
+    /// Creates a world around `origin`: small numbers round differently from large ones.
     fn new(numbers: &mut Numbers, origin: Vec3) -> Self {
         let eye = origin + numbers.vector(-1.0, 1.0);
         let camera = Camera {
@@ -81,8 +81,8 @@ impl World {
         Self { camera, occluders, tested: tested.collect() }
     }
 
-    /// Returns the same boxes, each behind a smaller copy of its proxy seen from the eye, which
-    /// covers it but for less than a pixel: where rounding decides.
+    /// Returns the same boxes, each behind a smaller copy of its proxy seen from the eye. The copy
+    /// covers it but for less than a pixel, where rounding decides.
     fn close_calls(numbers: &mut Numbers, size: [u32; 2], bits: u32) -> Self {
         let world = Self::new(numbers, Vec3::ZERO);
         let view = View::new(&world.camera, size, bits);
@@ -101,8 +101,8 @@ impl World {
     }
 }
 
-/// Returns what both testers said of each box of each world: samples of the query, word of the
-/// tester.
+/// Returns the results of both testers for each box of each world: samples of the query, word of
+/// the compute tester.
 fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)> {
     let (occluder_pass, proxies) = (DepthBoxes::new(device), proxy_pass(device));
     let tester = ComputeTest::new(device, &ShaderSet::embedded().unwrap(), size).unwrap();
@@ -162,7 +162,8 @@ fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)>
     said
 }
 
-/// Fails if anything was lost; gives how many boxes the query hid, and how many of those showed.
+/// Checks that no visible box was lost; returns the number of boxes that the query hid, and how
+/// many of those the compute tester showed.
 fn judge(said: &[(u32, u32)], what: &str) -> (usize, usize) {
     assert!(said.iter().all(|(_, word)| *word <= 1), "{what}: a word is 0 or 1");
     let lost = said.iter().filter(|(samples, word)| *samples > 0 && *word == 0);

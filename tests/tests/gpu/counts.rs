@@ -1,4 +1,4 @@
-//! How much of single objects shows: counted to the pixel, home late and never waited for, and
+//! Visible samples of single objects: counted exactly, read back late and never waited for, and
 //! never taken for another object's.
 
 use cull::{Aabb, Camera, ObjectId, Strategy};
@@ -49,8 +49,8 @@ fn picture(renderer: &mut Renderer, camera: Camera) -> Vec<u8> {
     picture.rgba8().unwrap().to_vec()
 }
 
-/// A wall before the left half of what comes third, one before all of what comes fourth, a floor
-/// that reaches behind the eye, and something behind the eye.
+/// The objects of [`half_covered`] behind the two walls: one half hidden, one hidden, a floor that
+/// reaches behind the eye, and one behind the eye.
 const HALF: u32 = 2;
 const HIDDEN: u32 = 3;
 const FLOOR: u32 = 4;
@@ -67,14 +67,14 @@ fn half_covered() -> Vec<Aabb> {
     ]
 }
 
-/// Pixels that are other ones without an object.
+/// Returns the number of pixels that change without an object.
 fn pixels_of(renderer: &mut Renderer, object: u32, camera: Camera) -> u32 {
     let whole = picture(renderer, camera);
     renderer.update(&[ObjectChange::Remove { object: ObjectId(object) }]).unwrap();
     pixels_that_differ(&whole, &picture(renderer, camera)) as u32
 }
 
-/// Returns every strategy that the device has everything for.
+/// Returns every strategy that the device supports.
 fn strategies(renderer: &Renderer) -> impl Iterator<Item = Strategy> {
     Strategy::ALL.into_iter().filter(|strategy| renderer.supports(*strategy).is_ok())
 }
@@ -128,7 +128,7 @@ fn counts_are_pixels_with_every_strategy() {
     });
 }
 
-/// The samples of all objects are all pixels that are not sky.
+/// Checks that the samples of all objects are all pixels that are not sky.
 #[test]
 fn counts_of_all_objects_add_up_to_the_picture() {
     run_on_all(|device| {
@@ -174,7 +174,7 @@ fn each_view_counts_what_it_sees() {
             for history in &mut histories {
                 history.watch(&[ObjectId(HALF)]).unwrap();
             }
-            // The second eye looks past the wall, into an area that overlaps that of the first.
+            // The second eye looks past the wall, into an area that overlaps the first one's.
             let camera = square_camera();
             let cameras = [camera, Camera { eye: Vec3::new(5.0, 0.0, 0.0), ..camera }];
             let areas = [0, 32].map(|x| Rect { origin: [x, 0], size: [96, 96] });
@@ -282,7 +282,7 @@ fn lists_can_change_and_nothing_is_recorded_for_an_empty_one() {
     });
 }
 
-/// A picture with counting has the bits of one without.
+/// Checks that a picture with counting has the bits of one without.
 #[test]
 fn counting_changes_nothing() {
     run_on_all(|device| {

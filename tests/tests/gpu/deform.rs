@@ -1,5 +1,5 @@
-//! Meshes that change their form on the GPU: the same form as the formulas of glTF 2.0 give on the
-//! CPU, and exact pictures while they hide and are hidden.
+//! Skinned and morphed meshes on the GPU: their vertices are those of the formulas of glTF 2.0 on
+//! the CPU, and pictures are exact while they hide and are hidden.
 
 use cull::{Camera, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec3, vec3};
@@ -16,7 +16,7 @@ use tests::walk::pixels_that_differ;
 
 pub const SIZE: [u32; 2] = [160, 90];
 
-/// A slab 4 m wide that bends about two joints along its width, and bulges.
+/// The width of a slab that bends about two joints along its width, and bulges.
 pub const WIDTH_M: f32 = 4.0;
 
 fn slab(colour: [f32; 4]) -> Mesh {
@@ -62,7 +62,7 @@ fn skinned_mesh(number: u32, mesh: &Mesh) -> SkinnedMesh {
     }
 }
 
-/// What is told each frame.
+/// The pose of a frame.
 pub struct Pose {
     pub joints: [Affine3A; 3],
     pub weights: [f32; 2],
@@ -80,7 +80,7 @@ pub fn pose(turn: f32) -> Pose {
     Pose { joints: [first, second, third], weights: [(turn * 3.0).sin(), 0.0_f32.max(turn * 0.2)] }
 }
 
-/// Morphs and skins as the specification says: glTF 2.0, "Morph Targets", "Skins".
+/// Returns the mesh morphed and skinned by the specification: glTF 2.0, "Morph Targets", "Skins".
 fn deformed(mesh: &Mesh, skinned_mesh: &SkinnedMesh, pose: &Pose) -> Mesh {
     let mut mesh = mesh.clone();
     let skin = skinned_mesh.skin.as_ref().unwrap();
@@ -165,7 +165,7 @@ pub fn options(frames_in_flight: usize) -> RendererOptions {
     }
 }
 
-/// Returns the scene as it is once both slabs took their poses, on the CPU.
+/// Returns the scene after both slabs took their poses, on the CPU.
 fn bent(scene: &Scene, turns: [f32; 2]) -> Scene {
     let mut bent = scene.clone();
     for (mesh, turn) in turns.into_iter().enumerate() {
@@ -178,7 +178,7 @@ fn bent(scene: &Scene, turns: [f32; 2]) -> Scene {
     bent
 }
 
-/// Has a renderer take the poses.
+/// Sets the poses in a renderer.
 pub fn take(renderer: &mut Renderer, turns: [f32; 2]) {
     for (number, turn) in (0..).zip(turns) {
         let Pose { joints, weights } = pose(turn);
@@ -200,7 +200,7 @@ pub fn draw(renderer: &mut Renderer, strategy: Strategy) -> Readback {
     picture
 }
 
-/// Pixels that differ by more than rounding does.
+/// Returns the number of pixels that differ by more than rounding.
 pub fn pixels_far_apart(a: &Readback, b: &Readback) -> usize {
     let far = |(a, b): (&[u8], &[u8])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 8);
     a.rgba8()

@@ -1,5 +1,4 @@
-//! Levels of detail: frames are exact whoever decides what is drawn, and far objects have fewer
-//! triangles.
+//! Levels of detail: frames are exact with every strategy, and far objects have fewer triangles.
 
 use cull::{Camera, DetailPolicy, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3};
@@ -12,8 +11,8 @@ use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [160, 160];
 
-/// Returns a wood of cubes before the camera. Their coarser form lacks half of each face, so that
-/// nobody can take one for the other.
+/// Returns a wood of cubes before the camera. Their coarser level lacks half of each face, so that
+/// the levels cannot be confused.
 fn wood() -> Scene {
     let place = |number: u32| {
         let across = (number * 7 % 23) as f32 - 11.0;
@@ -125,7 +124,8 @@ fn coarse_forms_have_fewer_triangles_and_go_again() {
     });
 }
 
-/// Returns the wood with the back of each triangle, of coarser forms too, as a triangle of its own.
+/// Returns the wood with the back of each triangle, of coarser levels too, as a triangle of its
+/// own.
 fn wood_from_both_sides() -> Scene {
     let add_backs = |indices: &mut Vec<u32>| {
         let backs: Vec<u32> =

@@ -1,5 +1,5 @@
-//! Sills at the height of the eye: a rasteriser that takes depth from where vertices were before it
-//! snapped them draws streaks of such faces through the walls before them, wherever a row of
+//! Sills at the height of the eye. A rasteriser that interpolates depth from vertices before
+//! snapping them draws streaks of such faces through the walls before them, wherever a row of
 //! samples lies at that height. With vertices that are on its grid already there is nothing to
 //! streak.
 
@@ -10,14 +10,15 @@ use scene::Scene;
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::run_on_all;
 
-/// Odd, so that the middle of a row of samples is at the height of the eye.
+/// An odd size, so that the middle of a row of samples is at the height of the eye.
 const SIZE: [u32; 2] = [321, 181];
 
 fn request(strategy: Strategy, camera: Camera, picture: &Readback) -> FrameRequest<'_> {
     FrameRequest { picture: Some(picture), ..FrameRequest::new(strategy, camera) }
 }
 
-/// Compares what strategies draw from nothing, standing still, with frustum culling.
+/// Compares the frames of strategies with frustum culling's, from an empty history, with a standing
+/// camera.
 fn compare(device: &Device, scene: &Scene, camera: Camera) {
     let options =
         RendererOptions { methods: methods::ALL, size: SIZE, ..RendererOptions::default() };

@@ -1,4 +1,4 @@
-//! An image with culling equals the image without it, at every frame, on every device we can have.
+//! An image with culling equals the image without it, at every frame, on every available device.
 
 use cull::{Camera, Strategy};
 use glam::Vec3;
@@ -25,7 +25,7 @@ fn check(found: &Found, frames_in_flight: usize, what: &str) {
     assert!(found.oldest_answer_frames <= frames_in_flight as u64, "{what}: {found:?}");
 }
 
-/// All scenes and paths with 1 to 4 frames in flight.
+/// Walks all scenes and paths with 1 to 4 frames in flight.
 fn walk_everything(device: &Device, objects: u32, size: [u32; 2], frames: u32) {
     for scene_kind in SceneKind::ALL {
         let scene = scene_kind.build(objects);
@@ -149,7 +149,7 @@ fn strategies_and_views_can_change_from_frame_to_frame() {
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut views = [renderer.new_view().unwrap(), renderer.new_view().unwrap()];
         let mut plain = renderer.new_view().unwrap();
-        // The ideal needs to be told what is visible: tests/ideal.rs has it. The literature's
+        // The ideal needs the visible set: tests/ideal.rs has it. The literature's
         // methods, which may be slow or not exact, are in tests/strategies.rs.
         let slow = [Strategy::Naive, Strategy::StopAndWait, Strategy::Ideal];
         let is_fit = |it: &Strategy| it.is_exact() && !slow.contains(it);

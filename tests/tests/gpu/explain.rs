@@ -1,5 +1,4 @@
-//! What explains frames: it is drawn where it belongs, changes nothing of what is decided, and
-//! goes.
+//! Explanations of frames: drawn at the right place, without effect on decisions, and removable.
 
 use cull::Strategy;
 use gpu::{Device, Predication, Readback};
@@ -59,7 +58,7 @@ impl Studio {
     }
 }
 
-/// Returns how many pixels differ inside of an area and outside of it.
+/// Returns the numbers of pixels that differ inside of an area and outside of it.
 fn differences(a: &[u8], b: &[u8], area: Rect) -> (usize, usize) {
     let (mut inside, mut outside) = (0, 0);
     for (place, (a, b)) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0).enumerate() {

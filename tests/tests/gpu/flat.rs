@@ -1,4 +1,5 @@
-//! Flat pictures over the scene: they are where they were laid out, leave the rest alone, and go.
+//! Flat pictures over the scene: at the place where they were laid out, without effect elsewhere,
+//! and removable.
 
 use cull::Strategy;
 use gpu::{Device, Readback};

@@ -1,4 +1,4 @@
-//! The frame loop never waits for the GPU but for its own slot, and tells what it does.
+//! The frame loop never waits for the GPU but for its own slot, and reports its work.
 
 use cull::Strategy;
 use gpu::{Device, Readback, Tick, Timeline};

@@ -1,8 +1,8 @@
-//! Real scenes look as they did when somebody last looked at them, and are exact while they live.
+//! Real scenes look as in the committed pictures, and are exact while they move.
 //!
 //! The scenes are not part of the project: ANTUMBRA_ASSETS names the folder that has them; without
-//! it these tests say that they were skipped. With ANTUMBRA_GOLDEN=write the pictures are written
-//! anew, to be looked at and committed.
+//! it these tests report that they were skipped. With ANTUMBRA_GOLDEN=write the pictures are
+//! rewritten, to be looked at and committed.
 
 use std::fs;
 use std::io::Write;
@@ -18,7 +18,7 @@ use tests::{Driver, run};
 
 const SIZE: [u32; 2] = [256, 144];
 
-/// Files, and their cameras; where there is none, all is framed.
+/// The files, and their cameras; where there is none, all is framed.
 const SCENES: [(&str, &[Option<&str>]); 5] = [
     ("fox.glb", &[None]),
     ("morphstresstest.gltf", &[None]),
@@ -27,7 +27,7 @@ const SCENES: [(&str, &[Option<&str>]); 5] = [
     ("rooms.glb", &[Some("walk"), Some("fly")]),
 ];
 
-/// When pictures are taken, in seconds.
+/// The times of the pictures, in seconds.
 const MOMENTS_S: [f64; 2] = [0.4, 5.0];
 
 fn assets() -> Option<PathBuf> {
@@ -42,7 +42,7 @@ fn assets() -> Option<PathBuf> {
     folder
 }
 
-/// A scene of a file on a device, and its life.
+/// A scene of a file on a device, with its animation.
 struct Stage {
     renderer: Renderer,
     animator: SceneAnimator,

@@ -45,7 +45,7 @@ fn a_message_fails_a_test() {
     });
 }
 
-/// Draws a wall and asks about a box before it and one behind it, `pairs` times a frame.
+/// Draws a wall and tests a box before it and one behind it, `pairs` times per frame.
 fn ask(
     device: &Device,
     frames_in_flight: usize,
@@ -136,7 +136,7 @@ fn the_loop_goes_on_while_the_gpu_is_held_back() {
             let frame = ring.begin().unwrap();
             submitted.push(frame.submit(Some((&gate, Tick(1)))).unwrap());
         }
-        // All slots are on their way and none is over: nobody waited for any of them.
+        // All slots are on their way and none is over: no call waited for any of them.
         assert_eq!(device.completed().unwrap(), before);
         assert_eq!(device.wait_counts().other, 0);
         gate.signal(Tick(1)).unwrap();

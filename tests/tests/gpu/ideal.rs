@@ -1,5 +1,5 @@
-//! The yardstick is right: the ideal's picture is the whole one, and nothing in it could be left
-//! out.
+//! The yardstick is right: the ideal's picture equals the whole one, and nothing in it could be
+//! left out.
 
 use cull::{Aabb, Camera, CullConfig, ObjectId, Strategy};
 use glam::Vec3;
@@ -73,8 +73,8 @@ fn the_ideal_without_a_set_is_refused() {
     });
 }
 
-/// More boxes show at once than the list of switched-on draws holds, in layers, so that tests
-/// answer for each other: the set is whole all the same.
+/// Checks that the set is whole where more boxes show at once than the list of enabled draws holds:
+/// they lie in layers, so that tests answer for each other.
 #[test]
 fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
     run_on_all(|device| {

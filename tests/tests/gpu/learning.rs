@@ -1,5 +1,4 @@
-//! What frames take on the GPU reaches the governors, whatever views there are; pictures stay
-//! right.
+//! The GPU times of frames reach the cost models with any set of views; pictures stay right.
 
 use cull::{Camera, Corrections, CostTable, Strategy};
 use gpu::{Device, FrameRing, Readback};
@@ -12,7 +11,7 @@ use tests::walk::pixels_that_differ;
 
 const SIZE: [u32; 2] = [160, 90];
 const FRAMES: u32 = 64;
-/// One frame in 16 is timed; one may not be home at the end.
+/// The least number of timed frames: one in 16 is timed; one may not be read back at the end.
 const LEAST_TIMED: u64 = FRAMES as u64 / 16 - 1;
 
 fn renderer(device: &Device, costs: Costs, frames_in_flight: usize) -> (Renderer, Vec<Camera>) {
@@ -95,7 +94,8 @@ fn views_that_are_drawn_together_learn_the_same() {
     });
 }
 
-/// With three slots, a view's frame is never in the slot of its frame before.
+/// Checks that views that take turns learn each their own times: with three slots, a view's frame
+/// is never in the slot of its frame before.
 #[test]
 fn views_that_take_turns_learn_each_their_own() {
     run_on_all(|device| {
@@ -112,7 +112,8 @@ fn views_that_take_turns_learn_each_their_own() {
     });
 }
 
-/// Slots and sizes change under frames whose times are not home.
+/// Checks that learning continues while slots and sizes change under frames whose times were not
+/// read back.
 #[test]
 fn learning_goes_on_whatever_changes_between_frames() {
     run_on_all(|device| {

@@ -1,5 +1,5 @@
-//! What does not belong together is refused before anything is recorded, with a sentence that
-//! helps.
+//! Objects that do not belong together are refused before anything is recorded, with a helpful
+//! message.
 
 use cull::{Aabb, CostTable, Hierarchy, Strategy};
 use gpu::{Readback, Tick, Timeline};
@@ -195,7 +195,7 @@ fn a_picture_is_read_when_its_frame_is_over_and_not_before() {
         assert!(device.completed().unwrap() >= tick);
         let first = picture.rgba8().unwrap();
 
-        // As long as somebody reads, no frame writes; and the picture stays what it is.
+        // During a read, no frame writes; and the picture stays the same.
         let before = first.to_vec();
         let refused = renderer.render(&mut view, &request(40, None)).unwrap_err().to_string();
         assert!(refused.contains("that is being read"), "{refused}");
@@ -248,8 +248,8 @@ fn a_picture_whose_frame_was_given_up_is_never_there() {
     });
 }
 
-/// The older of two open frames could be submitted last, and overwrite what is read after the newer
-/// one.
+/// Checks that of two open frames only one may copy a picture to the same place: the older one
+/// could be submitted last, and overwrite data that are read after the newer one.
 #[test]
 fn of_two_open_frames_one_copies_a_picture_to_the_same_place() {
     run(Driver::Lavapipe, |device| {

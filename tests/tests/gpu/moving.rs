@@ -1,5 +1,5 @@
-//! Scenes that change between frames: exact at every frame, on both drivers, at a cost that is that
-//! of the changes.
+//! Scenes that change between frames: exact at every frame, on both drivers, at a cost proportional
+//! to the changes.
 
 mod updates;
 
@@ -15,7 +15,7 @@ use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [240, 135];
 
-/// Every exact strategy that asks or decides in another way than the device's best.
+/// Every exact strategy that tests or decides by another mechanism than the device's best.
 const TESTERS: [Strategy; 7] = [
     Strategy::Batched,
     Strategy::StopAndWait,
@@ -37,7 +37,7 @@ fn options(frames_in_flight: usize) -> RendererOptions {
     }
 }
 
-/// A scene on its way through a motion.
+/// A scene during a motion.
 struct Moving {
     scene: Scene,
     path: CameraPath,
@@ -52,8 +52,8 @@ impl Moving {
         Self { scene, path, motion }
     }
 
-    /// Shows `frames` one after the other without looking back; answers their pictures and how many
-    /// objects were drawn.
+    /// Shows `frames` one after the other without looking back; returns their pictures and the
+    /// number of objects drawn.
     fn walk(
         &self,
         renderer: &mut Renderer,
@@ -78,7 +78,7 @@ impl Moving {
         (pictures, draws)
     }
 
-    /// Walks with ours and compares; answers the objects drawn by frustum culling and by ours.
+    /// Walks with ours and compares; returns the objects drawn by frustum culling and by ours.
     fn check(&self, device: &Device, options: &RendererOptions, frames: u32) -> [u64; 2] {
         self.check_with(device, Strategy::Antumbra, options, frames)
     }
@@ -153,8 +153,8 @@ fn every_way_to_skip_draws_is_exact_while_objects_move() {
     });
 }
 
-/// What decides is the tester's answer, wherever the objects are now: boxes that moved on the GPU,
-/// draws that others took over, leaves that are free.
+/// Checks that every tester is exact while objects move: boxes that moved on the GPU, draws that
+/// others took over, leaves that are free.
 #[test]
 fn every_tester_is_exact_while_objects_move() {
     run_on_all(|device| {
@@ -189,7 +189,8 @@ fn a_field_that_moves_is_exact_from_above() {
     });
 }
 
-/// What the updates left on the GPU is what a renderer has that was made with the moved scene.
+/// Checks that the updates leave the same state on the GPU as building the moved scene from the
+/// start.
 #[test]
 fn an_updated_scene_is_the_scene_built_anew() {
     run_on_all(|device| {
@@ -212,7 +213,7 @@ fn an_updated_scene_is_the_scene_built_anew() {
     });
 }
 
-/// Views that take turns, pause and look elsewhere, on one scene that moves.
+/// Checks views that take turns, pause and look elsewhere, on one scene that moves.
 #[test]
 fn views_that_pause_stay_exact() {
     run(Driver::Lavapipe, |device| {
@@ -289,8 +290,8 @@ fn what_a_wall_hid_shows_in_the_frame_in_which_it_goes() {
     });
 }
 
-/// Everybody changes seats with somebody far away: parts of the hierarchy are rebuilt, or all of
-/// it.
+/// Checks that all objects can change places with distant ones: parts of the hierarchy are rebuilt,
+/// or all of it.
 #[test]
 fn objects_that_jump_far_stay_exact() {
     run_on_all(|device| {
@@ -380,7 +381,7 @@ fn an_update_costs_what_changed_and_not_what_there_is() {
                     render(&mut renderer, &mut view, Strategy::Antumbra, camera, &picture);
                 }
             }
-            // Nothing changed, nothing is brought.
+            // Nothing changed, nothing is uploaded.
             assert_eq!(renderer.update(&[]).unwrap().dirty_leaves, 0);
             device.drain().unwrap();
         }

@@ -1,5 +1,5 @@
-//! Walks the table of object pairs: each public call that takes two objects gets one of another
-//! device, instance or renderer, says so, and nothing of it reaches Vulkan.
+//! The table of object pairs: each public call that takes two objects gets one of another device,
+//! instance or renderer, and returns an error before anything reaches Vulkan.
 
 mod calls;
 mod commands;
@@ -17,11 +17,11 @@ use tests::{Driver, open, run};
 pub struct Row {
     /// The call.
     pub call: &'static str,
-    /// What it is given, as the error names it.
+    /// The argument, as the error names it.
     pub given: &'static str,
-    /// What both have to be made from.
+    /// The object that both have to be made from.
     pub owner: &'static str,
-    /// Makes the mistake, with things of ours and one of theirs, and returns the error.
+    /// The mistake: makes the call, with objects of ours and one of theirs, and returns the error.
     pub mistake: fn(&mut Side, &mut Side) -> String,
 }
 
@@ -73,7 +73,8 @@ fn the_document_and_the_test_name_the_same_pairs() {
     assert!(tried.len() > 60, "{}", tried.len());
 }
 
-/// Ticks are numbers: one of another device, which may be far ahead, proves nothing about this one.
+/// Checks that a tick of another device proves nothing: ticks are numbers, and the other device may
+/// be far ahead.
 #[test]
 fn a_tick_of_another_device_proves_nothing() {
     run(Driver::Lavapipe, |device| {

@@ -1,4 +1,5 @@
-//! Which object owns a pixel, why it is drawn or not, its outline, and what the scene alone shows.
+//! The object that owns a pixel, why it is drawn or not, its outline, and the picture of the scene
+//! alone.
 
 use cull::{Camera, Decision, ObjectId, Outcome, Strategy};
 use glam::{Affine3A, Vec3};
@@ -82,8 +83,8 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
     });
 }
 
-/// Returns a square of `half` metres around the ray, far away, and before it more frames than
-/// anyone would count: the boxes of all of them hold the ray, and their corners alone are there.
+/// Returns a square of `half` metres around the ray, far away, and before it very many frames. The
+/// boxes of all of them hold the ray, but only their corners have geometry.
 fn behind_frames(frames: u32, half: f32) -> Scene {
     let corners = |corners: [[f32; 2]; 3]| corners.map(|[x, y]| ([x, y, 0.0], [1.0; 3]));
     let [low, high] = [
@@ -143,8 +144,8 @@ fn what_is_explained_of_objects_is_what_was_drawn() {
     });
 }
 
-/// Every object of the newest frame, which is waited for, was drawn if and only if that is
-/// explained; counts those drawn, hidden and outside.
+/// Checks that every object of the newest frame, which is waited for, was drawn if and only if that
+/// is explained; counts those drawn, hidden and outside.
 fn check(
     renderer: &mut Renderer,
     view: &mut ViewState,

@@ -1,5 +1,5 @@
-//! Poses of meshes that change their form: the boxes of their objects follow them, and the GPU gets
-//! those alone that a view may show.
+//! Poses of skinned meshes: the boxes of their objects follow them, and only poses that a view may
+//! show are uploaded.
 
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -74,7 +74,7 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
     });
 }
 
-/// Returns what a frame did for poses, seen along `forward`.
+/// Returns the work of a frame for poses, seen along `forward`.
 fn skinned(renderer: &mut Renderer, view: &mut ViewState, forward: Vec3) -> (u32, u64) {
     let camera = Camera { forward, ..camera() };
     let report = renderer.render(view, &FrameRequest::new(Strategy::Antumbra, camera)).unwrap();
@@ -96,7 +96,8 @@ fn poses_wait_until_a_view_may_show_them() {
         take(&mut renderer, [0.6, 0.9]);
         assert_eq!(look(&mut renderer, there), (2, 2 * vertices), "the newest of each");
         assert_eq!(look(&mut renderer, there), (0, 0), "it is there");
-        // One leaves the view: its vertices are still where they were seen, so it is brought.
+        // One leaves the view: its vertices are still in the place where they were seen, so its
+        // pose is uploaded.
         let Pose { joints, weights } = pose(0.2);
         let far = |by: f32| joints.map(|it| Affine3A::from_translation(Vec3::Z * by) * it);
         renderer.set_pose(SkinnedMeshId(0), &far(50.0), &weights).unwrap();
@@ -112,7 +113,7 @@ fn poses_wait_until_a_view_may_show_them() {
     });
 }
 
-/// Returns all frames of somebody who looks about; if `sees_all`, all poses are brought in each
+/// Returns all frames of a camera that looks around; if `sees_all`, all poses are uploaded in each
 /// frame.
 fn looking_about(device: &Device, strategy: Strategy, sees_all: bool) -> Vec<Readback> {
     let mut renderer = Renderer::new(device, &scene(), &options(2)).unwrap();

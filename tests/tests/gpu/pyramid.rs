@@ -1,4 +1,5 @@
-//! The pyramid strategy: exact on every device, culls, never waits; the pyramid is what it says.
+//! The pyramid strategy: exact on every device, culls, never waits; the pyramid holds the farthest
+//! depths.
 
 use cull::{Camera, Strategy};
 use glam::Vec3;
@@ -86,8 +87,8 @@ fn eyes_in_walls_and_on_the_ground_are_exact() {
     });
 }
 
-/// Screens at many distances, and behind each a box: a small one, or one that reaches past the
-/// screen by less than a pixel.
+/// Returns screens at many distances, and behind each a box: a small one, or one that reaches past
+/// the screen by less than a pixel.
 fn slivers(side: u32) -> Scene {
     let pixel = 2.0 / side as f32;
     let boxes = (0..20 * 20).flat_map(|cell: u32| {

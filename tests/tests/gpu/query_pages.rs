@@ -1,4 +1,5 @@
-//! Queries of a frame that is sent off in pieces: every answer is home when its piece is over.
+//! Queries of a frame that is submitted in pieces: every result is read back when its piece is
+//! over.
 
 use glam::Vec3;
 use gpu::{BlockingQueryPool, Counting, FrameRing, Optional, QueryIndex, Target};

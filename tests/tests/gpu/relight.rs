@@ -14,7 +14,7 @@ use tests::{run_on_all, shapes};
 
 const SIZE: [u32; 2] = [128, 96];
 
-/// Cubes side by side, panes before them, and bulbs between.
+/// Returns cubes side by side, panes before them, and bulbs between.
 fn room() -> Scene {
     let cube = shapes::box_scene(&[]).meshes.remove(0);
     let positions: Vec<Vec3> =

@@ -1,9 +1,8 @@
-//! Shading: the pictures of the surface pass are what the specification's formulas say, pixel by
-//! pixel.
+//! Shading: the pictures of the surface pass equal the specification's formulas, pixel by pixel.
 //!
-//! The comparison is exact in where things are: flat patches whose corners lie on corners of
-//! pixels, so that nothing is snapped or covered in part, with normals that turn over them as over
-//! a sphere. What is compared is every pixel that a patch covers.
+//! The comparison is exact in positions: flat patches whose corners lie on corners of pixels, so
+//! that nothing is snapped or covered in part, with normals that turn over them as over a sphere.
+//! Every pixel that a patch covers is compared.
 
 use glam::{Affine3A, DMat3, DVec3, Mat3A, Vec3, Vec3A, vec3};
 use gpu::Device;
@@ -16,18 +15,18 @@ use tests::run_on_all;
 use tests::shapes::square_camera;
 use tests::studio::{mesh, picture, scene, snorm16};
 
-/// Pixels a side of the picture, which the camera at the origin sees at a right angle.
+/// The side of the picture in pixels, which the camera at the origin sees at a right angle.
 const SIDE: u32 = 256;
-/// How far all patches are.
+/// The distance of all patches.
 const DISTANCE_M: f32 = 4.0;
-/// Pixels a side of a patch, and how many a side of its cells.
+/// The side of a patch in pixels, and the number of its cells along a side.
 const PATCH: u32 = 48;
 const CELL: u32 = 8;
 const CELLS: u32 = PATCH / CELL;
-/// Patches in a row and in a column.
+/// The number of patches in a row and in a column.
 const PATCHES: u32 = 5;
 
-/// Returns where a corner of pixels is in the world.
+/// Returns the position of a corner of pixels in the world.
 fn place(x: u32, y: u32) -> Vec3 {
     let part = |pixel: u32| pixel as f32 / (SIDE / 2) as f32 - 1.0;
     vec3(part(x) * DISTANCE_M, -part(y) * DISTANCE_M, -DISTANCE_M)
@@ -40,8 +39,8 @@ fn normal(column: u32, row: u32) -> Vec3 {
     vec3(x, y, (1.0 - x * x - y * y).sqrt())
 }
 
-/// Returns a patch in a space in which it is `scale` times as large, as the world's is after
-/// `scale`'s inverse.
+/// Returns a patch in a space in which it is `scale` times as large; the inverse of `scale` leads
+/// to the world's space.
 fn patch(origin: [u32; 2], scale: Vec3, material: u32) -> (Mesh, SurfaceMesh) {
     let mut positions = Vec::new();
     let mut vertices = Vec::new();
@@ -64,7 +63,7 @@ fn patch(origin: [u32; 2], scale: Vec3, material: u32) -> (Mesh, SurfaceMesh) {
     mesh(&positions, vertices, (0..CELLS * CELLS).flat_map(cell).collect(), material)
 }
 
-/// Returns what a surface normal at a pixel of a patch is: turned into the world's space at the
+/// Returns the surface normal at a pixel of a patch: transformed into the world's space at the
 /// corners by `to_world`, and interpolated over the triangle that the pixel's middle is in.
 fn normal_at([x, y]: [u32; 2], to_world: DMat3) -> DVec3 {
     let at = |column, row| {
@@ -148,7 +147,7 @@ impl Sweep {
         scene
     }
 
-    /// Returns what the specification says of a pixel; `None` where there is no patch.
+    /// Returns the specification's value of a pixel; `None` where there is no patch.
     fn expected(&self, pixel: [u32; 2]) -> Option<[f64; 3]> {
         let number = (0..PATCHES * PATCHES).find(|number| {
             let origin = Self::origin(*number);
@@ -175,8 +174,8 @@ impl Sweep {
         Some(reference::encoded(reference::tone_mapped(light * f64::from(self.exposure))))
     }
 
-    /// Draws and compares every pixel; answers how bright patches are on average, so that a test
-    /// can see that it saw something.
+    /// Draws and compares every pixel; returns the average brightness of patches, so that a test
+    /// can check that it saw something.
     fn compare(&self, device: &Device, what: &str) -> f64 {
         let found =
             picture(device, &self.scene(), &square_camera(), [SIDE; 2], &SurfaceOptions::default());

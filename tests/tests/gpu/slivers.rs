@@ -1,4 +1,4 @@
-//! Boxes that show by less than a pixel beside what hides them: no rounding of a proxy, no snapping
+//! Boxes that show by less than a pixel beside their occluder: no rounding of a proxy, no snapping
 //! of vertices may lose them. If an object owns a sample, its proxy must have one too.
 
 use cull::{Aabb, Camera, View};
@@ -13,7 +13,7 @@ use tests::shapes::{box_at, box_scene, proxy_pass, square_camera};
 use tests::{Driver, run};
 
 const SIDE: u32 = 512;
-/// Pairs in a row and in a column: each has its own part of the picture.
+/// The pairs in a row and in a column: each has its own part of the picture.
 const CELLS: u32 = 24;
 
 /// A seeded source of numbers from 0 to 1 (splitmix64).
@@ -32,7 +32,7 @@ impl Numbers {
     }
 }
 
-/// Screens, then the boxes behind them, which reach past the screens by -0.1 to 0.4 pixels.
+/// Returns screens, then the boxes behind them, which reach past the screens by -0.1 to 0.4 pixels.
 fn pairs(numbers: &mut Numbers) -> Vec<Aabb> {
     let pixel = 2.0 / SIDE as f32;
     let cell = 2.0 / CELLS as f32;
@@ -51,7 +51,7 @@ fn pairs(numbers: &mut Numbers) -> Vec<Aabb> {
     screens
 }
 
-/// Copies of a mesh as the opaque pass reads them.
+/// The copies of a mesh as the opaque pass reads them.
 struct Copies {
     io: OpaqueIo,
     indices: u32,
@@ -81,7 +81,7 @@ impl Copies {
     }
 }
 
-/// Returns how many boxes own a sample, and how many of them have a proxy without one.
+/// Returns the number of boxes that own a sample, and the number of them whose proxy has none.
 fn lost(device: &Device, seeds: u64, proxy_of: impl Fn(&View, &Aabb) -> Aabb) -> (usize, usize) {
     let opaque = OpaquePass::new(device, &ShaderSet::embedded().unwrap()).unwrap();
     let proxies = proxy_pass(device);

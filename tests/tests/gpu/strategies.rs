@@ -1,5 +1,5 @@
-//! The literature's methods on real drivers: exact where they say so, counted where not, and each
-//! waits as it is known to.
+//! The literature's methods on real drivers: exact if they promise it, counted if not, and each
+//! with its known waits.
 
 use cull::{BlockingOptions, Camera, CoherentOptions, FirstPass, LeafTest, Strategy};
 use glam::Vec3;
@@ -277,7 +277,7 @@ fn passes_are_timed_by_their_labels() {
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         renderer.time_passes().unwrap();
         let mut view = renderer.new_view().unwrap();
-        // Nothing is known in the only frame of each slot whose times come home.
+        // Nothing is known in the only frame of each slot whose times are read back.
         let cameras: Vec<_> = (0..3).map(|frame| path.camera(frame)).collect();
         frame_loop(&mut renderer, &mut view, Strategy::Coherent, &cameras);
         let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();

@@ -1,4 +1,4 @@
-//! Whoever answers for the proxies, the picture is the same: queries, fragments, a compute shader.
+//! The picture is the same with every tester of the proxies: queries, fragments, a compute shader.
 
 use cull::Strategy;
 use gpu::{Device, Predication};

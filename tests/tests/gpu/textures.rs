@@ -1,5 +1,4 @@
-//! Textures of the surface pass: every pixel shows the texel that the specification says, in the
-//! right light.
+//! Textures of the surface pass: every pixel shows the specification's texel, in the right light.
 
 mod arrays;
 mod covering;
@@ -17,10 +16,10 @@ use tests::run_on_all;
 use tests::shapes::square_camera;
 use tests::studio;
 
-/// Pixels a side of the pictures.
+/// The side of the pictures in pixels.
 const SIDE: u32 = 64;
 
-/// A texel for each pixel, sharp.
+/// A sampler that shows one texel per pixel, without filtering.
 const SHARP: Sampler = Sampler {
     wrap: [Wrap::Repeat; 2],
     magnified: Filter::Nearest,
@@ -34,7 +33,7 @@ fn image(size: [u32; 2], texel: impl Fn(u32, u32) -> [u8; 4]) -> Image {
     Image { name: "test".to_owned(), size, rgba8 }
 }
 
-/// Texels that are all different, in every channel.
+/// Returns texels that are all different, in every channel.
 fn distinct(x: u32, y: u32) -> [u8; 4] {
     [(40 + 50 * x) as u8, (30 + 50 * y) as u8, (200 - 20 * x - 10 * y) as u8, 255]
 }
@@ -47,12 +46,12 @@ fn using(texture: u32) -> Option<TextureUse> {
     Some(TextureUse { texture: TextureId(texture), uv_set: 0, transform: Affine2::IDENTITY })
 }
 
-/// Returns what shows its texels and nothing else.
+/// Returns a material that shows its texels and nothing else.
 fn unlit() -> Material {
     Material { base_colour_texture: using(0), is_unlit: true, ..Material::default() }
 }
 
-/// Surfaces of one image, one texture and one material.
+/// Returns surfaces of one image, one texture and one material.
 fn one(image: Image, texture: Texture, material: Material) -> Surfaces {
     Surfaces {
         images: vec![image],
@@ -89,7 +88,7 @@ fn at(pixel: usize, uv: [[f32; 2]; 2]) -> Vec2 {
     from + (to - from) * share
 }
 
-/// Returns the texel of an image of `size` at texture coordinates, sharp.
+/// Returns the texel of an image of `size` at texture coordinates, without filtering.
 fn texel_at(uv: Vec2, size: u32, wrap: [Wrap; 2]) -> [u32; 2] {
     std::array::from_fn(|side| {
         let texel = (uv[side] * size as f32).floor() as i32;

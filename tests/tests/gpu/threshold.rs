@@ -1,5 +1,5 @@
 //! A visibility threshold: pictures that are not exact, with an error that is counted and never
-//! larger than what was counted.
+//! larger than the count.
 
 use cull::{Aabb, BlockingOptions, Camera, CoherentOptions, Strategy};
 use glam::Vec3;
@@ -30,7 +30,7 @@ fn options(threshold_samples: u32) -> RendererOptions {
     }
 }
 
-/// What a walk found, over all frames.
+/// The results of a walk, over all frames.
 #[derive(Debug, Default)]
 struct Found {
     pixels_wrong: u64,
@@ -38,7 +38,7 @@ struct Found {
     draws: u64,
 }
 
-/// Walks with `strategy`; no frame may have more wrong pixels than were counted.
+/// Walks with `strategy`; no frame may have more wrong pixels than its count.
 fn walk(
     device: &Device,
     scene: &Scene,
@@ -116,7 +116,8 @@ fn every_executor_that_can_compare_leaves_out_the_same() {
     });
 }
 
-/// A row of boxes behind a wall, each peeping out by a little more than the one before.
+/// Checks that an object that shows as much as the threshold is hidden and one with a sample more
+/// is not: a row of boxes behind a wall, each visible by a little more than the one before.
 #[test]
 fn what_shows_as_much_as_the_threshold_is_hidden_and_a_sample_more_is_not() {
     run_on_all(|device| {

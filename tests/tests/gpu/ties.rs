@@ -20,7 +20,7 @@ use tests::{Driver, run, run_on_all};
 const SIZE: [u32; 2] = [160, 90];
 const COLOURS: u32 = 7;
 
-/// Returns what each strategy shows that promises to be exact, whatever stands still or moves.
+/// Returns the strategies that promise to be exact, in resting or in moving scenes.
 fn exact() -> impl Iterator<Item = Strategy> {
     Strategy::ALL.into_iter().filter(|it| it.is_exact() && *it != Strategy::Frustum)
 }
@@ -31,9 +31,9 @@ fn object(number: u32, low: Vec3, high: Vec3, turn_rad: f32) -> Object {
     Object { mesh: MeshId(number % COLOURS), transform, tint: u32::MAX }
 }
 
-/// Rows of walls across the way, each three boxes deep in the same place, some turned a little;
-/// between them boxes with corners on a coarse grid; under all of it tiles in one plane that
-/// overlap.
+/// Returns rows of walls across the way, each three boxes deep in the same place, some turned a
+/// little; between them boxes with corners on a coarse grid; under all of it tiles in one plane
+/// that overlap.
 fn ties() -> Scene {
     let mut objects = Vec::new();
     let mut state = 12_345_u32;
@@ -65,7 +65,8 @@ fn ties() -> Scene {
     coloured_cubes(COLOURS, objects)
 }
 
-/// Along the walls and through them, so that something is seen for the first time in most frames.
+/// Returns cameras along the walls and through them, so that something is seen for the first time
+/// in most frames.
 fn cameras(frames: u32) -> Vec<Camera> {
     let camera = |frame: u32| {
         let along = frame as f32 / frames as f32;
@@ -95,7 +96,7 @@ fn options(frames_in_flight: usize) -> RendererOptions {
     }
 }
 
-/// Draws with one strategy from nothing.
+/// Draws with one strategy from an empty history.
 fn pictures(renderer: &mut Renderer, strategy: Strategy, cameras: &[Camera]) -> Vec<Readback> {
     let mut view = renderer.new_view().unwrap();
     if strategy != Strategy::Ideal {
@@ -118,7 +119,7 @@ fn pictures(renderer: &mut Renderer, strategy: Strategy, cameras: &[Camera]) -> 
     cameras.iter().map(draw).collect()
 }
 
-/// Pixels of each frame that differ from frustum culling's, over the strategies.
+/// Returns the number of pixels of each frame that differ from frustum culling's, by strategy.
 fn wrong(
     device: &Device,
     scene: &Scene,
@@ -177,7 +178,7 @@ fn every_way_to_skip_draws_is_exact_with_ties() {
     });
 }
 
-/// Returns the same with holes: two of the materials cut what is less than half there, by the
+/// Returns the same scene with holes: two of the materials have an alpha cutoff of a half, by the
 /// corners of faces.
 fn with_holes() -> Scene {
     let mut scene = ties();
@@ -207,8 +208,8 @@ fn what_is_seen_through_holes_is_exact() {
     });
 }
 
-/// Returns the same with clouds of points and tangles of lines before, behind and in the walls:
-/// some turned, some mirrored, some flat.
+/// Returns the same scene with clouds of points and tangles of lines before, behind and in the
+/// walls: some turned, some mirrored, some flat.
 fn with_sprites(mut scene: Scene) -> Scene {
     let mut state = 99_u32;
     let mut random = || {

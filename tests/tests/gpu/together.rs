@@ -1,5 +1,5 @@
-//! All that a scene can have at once: lamps that move, holes, panes, a mesh that changes its form,
-//! a door that opens. Whatever decides what is drawn, the pictures are the same.
+//! All features that a scene can have at once: lamps that move, holes, panes, a skinned mesh, a
+//! door that opens. The pictures are the same with every strategy.
 
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -18,7 +18,7 @@ const COLOURS: u32 = 4;
 /// The mesh with holes.
 const HOLES: u32 = 1;
 const GLASS: u32 = COLOURS;
-/// The mesh that changes its form.
+/// The skinned mesh.
 const SOFT: u32 = COLOURS + 1;
 const FRAMES: u32 = 10;
 const LAMPS: u32 = 40;
@@ -41,8 +41,8 @@ fn lamp(number: u32, frame: u32) -> PunctualLight {
     }
 }
 
-/// Walls with doors one behind the other, some with holes, things between them, and a soft one at
-/// the side.
+/// Returns walls with doors one behind the other, some with holes, things between them, and a
+/// skinned mesh at the side.
 fn scene() -> Scene {
     let mut objects = vec![object(SOFT, vec3(1.0, -1.0, -4.0), vec3(2.0, 2.0, 0.5))];
     for wall in 0..4_u32 {
@@ -110,7 +110,7 @@ fn camera(frame: u32) -> Camera {
     }
 }
 
-/// Everything that moves goes where it is in a frame.
+/// Moves everything to its place in a frame.
 fn live(renderer: &mut Renderer, scene: &Scene, frame: u32) {
     for number in (frame % 3..LAMPS).step_by(3) {
         renderer.set_light(LightId(number), lamp(number, frame)).unwrap();
@@ -127,7 +127,7 @@ fn live(renderer: &mut Renderer, scene: &Scene, frame: u32) {
     }
 }
 
-/// Returns all frames in one go, from nothing.
+/// Returns all frames in one go, from an empty history.
 fn film(device: &Device, strategy: Strategy, costs: Costs) -> Vec<Readback> {
     let scene = scene();
     let options =

@@ -1,5 +1,5 @@
-//! Scenes with more than a renderer takes are refused by name, with the limit and what to do; with
-//! more than it shows, they are shown, and it says what is left out.
+//! Scenes with more than a renderer takes are refused by name, with the limit and the remedy;
+//! scenes with more than it shows are shown, and the report lists the rest.
 
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine2, Affine3A, Vec2, Vec3, vec3};

@@ -1,4 +1,4 @@
-//! Blended objects: back to front over the finished picture, the same whatever culling leaves out.
+//! Transparent objects: back to front over the finished picture, the same with any culling.
 
 use cull::{Camera, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -30,7 +30,7 @@ fn pane(number: u32) -> Object {
     object(COLOURS + number % 3, low, size)
 }
 
-/// Walls with doors one behind the other, and panes before, between and behind them.
+/// Returns walls with doors one behind the other, and panes before, between and behind them.
 fn scene() -> Scene {
     let mut objects = Vec::new();
     for wall in 0..4 {
@@ -94,7 +94,7 @@ fn draw_into(
     (picture, report)
 }
 
-/// Returns a door opens and panes fly about: all frames in one go.
+/// Returns all frames in one go while a door opens and panes fly about.
 fn film(device: &Device, strategy: Strategy, options: &RendererOptions) -> Vec<Readback> {
     let scene = scene();
     let mut renderer = Renderer::new(device, &scene, options).unwrap();

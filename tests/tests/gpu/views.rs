@@ -138,7 +138,8 @@ fn a_stereo_pair_is_exact_with_every_tester() {
     });
 }
 
-/// Each eye of a pair draws what it alone sees, in a picture that cannot be halved evenly.
+/// Checks that each eye of a pair draws exactly its own visible set, in a picture that cannot be
+/// halved evenly.
 #[test]
 fn each_eye_has_an_ideal_of_its_own() {
     run_on_all(|device| {
@@ -205,7 +206,7 @@ fn every_way_to_skip_draws_knows_its_view() {
     });
 }
 
-/// Four views that look to all sides, in parts of all sizes, one over another.
+/// Checks four views that look to all sides, in parts of all sizes, one over another.
 #[test]
 fn areas_may_be_anywhere() {
     run_on_all(|device| {
@@ -235,8 +236,8 @@ fn areas_may_be_anywhere() {
     });
 }
 
-/// A view is what it is alone: the same plan and the same pixels with others beside it. (In another
-/// place of the picture a device may round otherwise.)
+/// Checks that a view has the same plan and the same pixels alone and with others beside it. (In
+/// another place of the picture a device may round otherwise.)
 #[test]
 fn a_view_does_not_notice_the_others() {
     run_on_all(|device| {

@@ -1,4 +1,4 @@
-//! Compiling at run time: what it makes is what is committed, and its errors lead to the line.
+//! Compiling at run time: its output equals the committed SPIR-V, and its errors lead to the line.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use tests::Driver;
 
 use crate::{REGENERATE, committed_spirv, folder, sources};
 
-/// A copy of the shader folder to break, gone when dropped.
+/// A copy of the shader folder to break, removed when dropped.
 struct Copy(PathBuf);
 
 impl Copy {

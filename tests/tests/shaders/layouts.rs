@@ -1,4 +1,4 @@
-//! What the committed SPIR-V says of its buffers and constants, against the structures in Rust.
+//! The buffers and constants of the committed SPIR-V, against the structures in Rust.
 
 use std::mem::offset_of;
 
@@ -9,10 +9,10 @@ use spirq::var::Variable;
 
 use crate::{OF_GPU, committed_spirv};
 
-/// Stride of each storage buffer's array and offsets of its elements' members, by binding.
+/// The stride of each storage buffer's array and the offsets of its elements' members, by binding.
 type Buffers = Vec<(u32, usize, Vec<usize>)>;
 
-/// Returns what one stage reads: its storage buffers, beside textures, and the bytes of its push
+/// Returns the inputs of one stage: its storage buffers, beside textures, and the bytes of its push
 /// constants.
 fn interface(name: &str) -> (Buffers, usize) {
     let spirv = committed_spirv(name);
@@ -45,7 +45,8 @@ fn interface(name: &str) -> (Buffers, usize) {
     (buffers, push_bytes)
 }
 
-/// Returns a storage buffer is one structure that holds one array without an end.
+/// Returns the stride and the offsets of a storage buffer, which is one structure that holds one
+/// array without an end.
 fn array_in(name: &str, ty: &Type) -> (usize, Vec<usize>) {
     let Type::Struct(block) = ty else { panic!("{name}: no block but {ty}") };
     let [member] = &block.members[..] else { panic!("{name}: more than an array in {ty}") };

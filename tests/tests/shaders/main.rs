@@ -1,4 +1,5 @@
-//! The shaders: the committed SPIR-V is what the GLSL says, and both sides agree on every layout.
+//! The shaders: the committed SPIR-V is compiled from the GLSL, and both sides agree on every
+//! layout.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::unwrap_used,
@@ -16,7 +17,7 @@ use std::path::PathBuf;
 
 use shaders::{Shader, sources};
 
-/// What to run after a shader was changed.
+/// The command to run after a shader was changed.
 const REGENERATE: &str = "run `cargo --config ci/shaderc-debian.toml run -p antumbra-gpu \
     --features shader-compiler --example compile_shaders` and commit what it writes";
 

@@ -1,4 +1,4 @@
-//! What makes no Vulkan object and allocates no memory at rest. The allocator counts.
+//! Loops that make no Vulkan object and allocate no memory at rest. The allocator counts.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

@@ -1,5 +1,5 @@
-//! A renderer in a window: at rest it makes no Vulkan object and allocates no memory, and whatever
-//! is switched while it runs leaves the picture right, waits for nothing and keeps nothing.
+//! A renderer in a window: at rest it makes no Vulkan object and allocates no memory. Every switch
+//! while it runs leaves the picture right, waits for nothing and keeps nothing.
 
 use std::ffi::CStr;
 
@@ -20,8 +20,8 @@ const MODES: [(Driver, &[PresentMode]); 2] = [
     (Driver::SwiftShader, &[PresentMode::Fifo, PresentMode::Mailbox]),
 ];
 
-/// Objects that were made, beside the recording of commands and the sets that a frame takes from
-/// its slot's pool: both begin anew with every frame.
+/// Returns the number of objects that were made, beside the recording of commands and the sets that
+/// a frame takes from its slot's pool: both begin again with every frame.
 fn made() -> usize {
     const EVERY_FRAME: [&CStr; 4] = [
         c"vkBeginCommandBuffer",
@@ -33,7 +33,8 @@ fn made() -> usize {
     all.filter(|call| !EVERY_FRAME.contains(call)).map(|call| calls(call)).sum()
 }
 
-/// Not the methods of the literature that wait by their nature or are not exact, nor the yardstick.
+/// Returns false for the methods of the literature that wait by their nature or are not exact, and
+/// for the yardstick.
 fn is_ours(strategy: &Strategy) -> bool {
     !strategy.is_blocking() && ![Strategy::Ideal, Strategy::NextFrame].contains(strategy)
 }

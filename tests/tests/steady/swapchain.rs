@@ -1,4 +1,4 @@
-//! A window that nothing happens to: its frame loop makes no Vulkan object and allocates no memory.
+//! A window at rest: its frame loop makes no Vulkan object and allocates no memory.
 
 use gpu::{PresentMode, SwapchainOptions};
 use tests::Driver;

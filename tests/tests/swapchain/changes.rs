@@ -50,7 +50,7 @@ fn a_window_survives_a_thousand_changes() {
             }
         }
         assert!(resizes > 800 && show.presented > 500, "{resizes}, {}", show.presented);
-        // One chain a change at most: nothing is made anew without a reason.
+        // One swapchain per change at most: nothing is recreated without a reason.
         assert!(show.swapchain.replaced() <= resizes, "{}", show.swapchain.replaced());
         // At rest nothing is made at all.
         let replaced = show.swapchain.replaced();

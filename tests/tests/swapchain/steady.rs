@@ -1,5 +1,5 @@
-//! A window that nothing happens to: no Vulkan object is made, no memory allocated, nobody waited
-//! for; and the renderer's frame in it is the frame without it.
+//! A window at rest: no Vulkan object is made, no memory allocated, nothing waited for; and the
+//! renderer's frame in it is the frame without it.
 
 use std::time::Duration;
 
@@ -83,7 +83,7 @@ fn presents_are_numbered_and_told_of_where_the_driver_tells() {
         }
         assert!(swapchain.format().unwrap().contains("UNORM in SRGB_NONLINEAR"));
         assert!(swapchain.image_count() >= 3);
-        // Neither driver tells: what is unknown is unknown, at once.
+        // Neither driver reports it: the result is unknown, at once.
         assert_eq!(swapchain.newest_shown().unwrap(), None);
         assert!(!swapchain.wait_until_shown(PresentId(5), Duration::from_secs(9)).unwrap());
         assert_eq!(swapchain.refresh_duration().unwrap(), None);

@@ -10,7 +10,7 @@ use tests::weston::Weston;
 
 const SIZE: [u32; 2] = [320, 200];
 const BOUND: Duration = Duration::from_millis(100);
-/// No call of a frame loop takes longer than a few bounds, on however slow a machine.
+/// The longest time of a call of a frame loop: a few bounds, on any machine.
 const A_WHILE: Duration = Duration::from_secs(2);
 
 fn options(mode: PresentMode) -> SwapchainOptions {
@@ -53,7 +53,7 @@ fn a_window_on_wayland_takes_pictures_of_every_size_in_every_mode() {
     stage.end();
 }
 
-/// Runs a frame loop to a window that takes no pictures; says what came of each frame.
+/// Runs a frame loop to a window that takes no pictures; returns the result of each frame.
 fn run_loop(
     window: &WaylandWindow,
     device: &Device,

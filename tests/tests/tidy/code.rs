@@ -1,4 +1,4 @@
-//! A look at Rust text that is blind to comments, strings and tests.
+//! Rust text without comments, strings and tests.
 
 /// Returns the text with comments, strings and characters blanked; lines stay where they are.
 pub fn without_comments_and_strings(text: &str) -> String {
@@ -21,7 +21,7 @@ pub fn without_comments_and_strings(text: &str) -> String {
     code
 }
 
-/// Length of the comment that begins here, if one does.
+/// Returns the length of the comment that begins here, if one does.
 fn comment_length(rest: &str) -> Option<usize> {
     if rest.starts_with("//") {
         return Some(rest.find('\n').unwrap_or(rest.len()));
@@ -46,7 +46,7 @@ fn comment_length(rest: &str) -> Option<usize> {
     Some(rest.len())
 }
 
-/// Length of the string or character that begins here, if one does.
+/// Returns the length of the string or character that begins here, if one does.
 fn literal_length(rest: &str, before: &str) -> Option<usize> {
     if let Some(inside) = rest.strip_prefix('"') {
         return Some(match raw_hashes(before) {
@@ -71,7 +71,7 @@ fn raw_hashes(before: &str) -> Option<usize> {
     (!in_word).then_some(before.len() - without.len())
 }
 
-/// Length of a quoted piece in which a backslash escapes.
+/// Returns the length of a quoted piece in which a backslash escapes.
 fn escaped_length(rest: &str, quote: u8) -> usize {
     let bytes = rest.as_bytes();
     let mut at = 1;
@@ -85,7 +85,7 @@ fn escaped_length(rest: &str, quote: u8) -> usize {
     bytes.len()
 }
 
-/// Blanks what stands under `#[cfg(test)]`, in text that has gone through
+/// Blanks items under `#[cfg(test)]`, in text that has gone through
 /// [`without_comments_and_strings`].
 pub fn without_tests(code: &str) -> String {
     const MARK: &str = "#[cfg(test)]";
@@ -101,7 +101,7 @@ pub fn without_tests(code: &str) -> String {
     kept + rest
 }
 
-/// Length of an item up to its closing brace or, where it has none, its semicolon.
+/// Returns the length of an item up to its closing brace or, if it has none, its semicolon.
 fn item_length(item: &str) -> usize {
     let mut depth = 0_usize;
     for (at, byte) in item.bytes().enumerate() {
@@ -116,7 +116,7 @@ fn item_length(item: &str) -> usize {
     item.len()
 }
 
-/// Returns true if a word stands in a line, not as a part of a longer one.
+/// Returns true if a line has a word, not as a part of a longer one.
 pub fn has_word(line: &str, word: &str) -> bool {
     let joins = |character: char| character.is_alphanumeric() || character == '_';
     line.match_indices(word)

@@ -1,13 +1,13 @@
-//! The files of the workspace, read once a test.
+//! The files of the workspace, read once per test.
 
 use std::fs;
 use std::path::Path;
 
 /// A file, by its path from the workspace's root with `/` between the parts.
 pub struct SourceFile {
-    /// As "engine/gpu/src/lib.rs".
+    /// The path, as "engine/gpu/src/lib.rs".
     pub path: String,
-    /// Empty where it is no text.
+    /// The contents; empty for a file that is no text.
     pub text: String,
 }
 
@@ -16,7 +16,7 @@ impl SourceFile {
         Self { path: path.to_owned(), text: text.to_owned() }
     }
 
-    /// Returns what follows the last dot of its name, or nothing.
+    /// Returns the part after the last dot of its name, or an empty text.
     pub fn extension(&self) -> &str {
         let name = self.path.rsplit('/').next().unwrap_or_default();
         name.rsplit_once('.').map_or("", |(_, extension)| extension)
@@ -26,12 +26,12 @@ impl SourceFile {
         self.extension() == "rs"
     }
 
-    /// Returns a shader of one stage, not an include.
+    /// Returns true for a shader of one stage, false for an include.
     pub fn is_stage(&self) -> bool {
         ["vert", "frag", "comp", "geom", "tesc", "tese"].contains(&self.extension())
     }
 
-    /// Returns a script, or a file that scripts read.
+    /// Returns true for a script, or a file that scripts read.
     pub fn is_script(&self) -> bool {
         self.path.starts_with("ci/") || self.path.starts_with(".ci/") || self.extension() == "sh"
     }
@@ -52,7 +52,7 @@ impl SourceFile {
     }
 }
 
-/// Returns every file but what is built and what git keeps, in the order of their paths.
+/// Returns every file except build outputs and git's own, in the order of their paths.
 pub fn workspace() -> Vec<SourceFile> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the root");
     let mut files = Vec::new();

@@ -1,18 +1,20 @@
-//! No knots: files of a crate lie above each other, and a type is at home in one of them.
+//! Rules against knots: files of a crate lie above each other, and the methods of a type are in one
+//! of them.
 
 use std::collections::BTreeMap;
 
 use crate::files::SourceFile;
 use crate::modules::{Modules, Ties, product_code};
 
-/// Files that import each other in a circle are read as one; more than three are too much to read.
+/// The largest circle of files that import each other: these are read as one, and more than three
+/// are too much to read.
 const MAX_CIRCLE: usize = 3;
 
 /// The sizes of the larger circles that are left, largest first. Numbers here only fall: a crate
-/// that is not here has none, and whoever makes a circle smaller lowers its number.
+/// that is not here has none, and a change that makes a circle smaller lowers its number.
 const CIRCLES_LEFT: [(&str, &[usize]); 2] = [("samples", &[7]), ("samples/scenes", &[10])];
 
-/// Types whose blocks `impl X` stand in more files than one, and in how many. Numbers here only
+/// Types whose blocks `impl X` are in several files, with the number of files. Numbers here only
 /// fall.
 const SCATTERED_LEFT: [(&str, &str, usize); 11] = [
     ("engine/animation", "Clip", 2),
@@ -44,12 +46,12 @@ fn crate_of(root: &str) -> &str {
     root.rsplit_once("/src/").map_or(root, |(folder, _)| folder)
 }
 
-/// Returns the files of a crate import each other in no circle of more than three.
+/// Finds files of a crate that import each other in a circle of more than three.
 pub fn circles(files: &[SourceFile]) -> Vec<String> {
     circles_but(files, &CIRCLES_LEFT)
 }
 
-/// As [`circles`], with what is left of old ones.
+/// Finds circles as [`circles`] does, except for `left` old ones.
 pub fn circles_but(files: &[SourceFile], left: &[(&str, &[usize])]) -> Vec<String> {
     let code = product_code(files);
     let mut findings = Vec::new();
@@ -89,7 +91,7 @@ fn shown(circle: &[usize], modules: &Modules<'_>, ties: &Ties<'_>) -> String {
     format!("circle of {}:\n{}", circle.len(), arrows.join("\n"))
 }
 
-/// Returns the strongly connected files, as far as they are too many, the largest first.
+/// Returns the strongly connected files in sets that are too large, the largest first.
 fn large_circles(count: usize, ties: &Ties<'_>) -> Vec<Vec<usize>> {
     let reached = |from: usize| {
         let mut reached = vec![false; count];
@@ -117,12 +119,12 @@ fn large_circles(count: usize, ties: &Ties<'_>) -> Vec<Vec<usize>> {
     circles
 }
 
-/// Returns the blocks `impl X` stand in one file, or in X's file and in one folder `api/`.
+/// Finds blocks `impl X` outside of one file, or of X's file and one folder `api/`.
 pub fn scattered_impls(files: &[SourceFile]) -> Vec<String> {
     scattered_impls_but(files, &SCATTERED_LEFT)
 }
 
-/// As [`scattered_impls`], with what is left of old ones.
+/// Finds blocks as [`scattered_impls`] does, except for `left` old ones.
 pub fn scattered_impls_but(files: &[SourceFile], left: &[(&str, &str, usize)]) -> Vec<String> {
     let code = product_code(files);
     let mut findings = Vec::new();

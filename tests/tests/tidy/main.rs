@@ -1,4 +1,4 @@
-//! The rules of the house, as tests: style, arrows between crates, what must appear nowhere.
+//! The rules of the workspace, as tests: style, arrows between crates, forbidden code.
 //!
 //! Each rule is a function from the files to findings, "file:line: reason". One test runs a rule
 //! over the workspace, another shows it something forbidden and expects a finding.
@@ -17,7 +17,7 @@ mod tokens;
 use files::{SourceFile, workspace};
 use rules::Rule;
 
-/// Fails with every finding in the workspace.
+/// Checks that there is no finding in the workspace.
 fn assert_obeyed(rule: Rule) {
     let files = workspace();
     assert!(files.len() > 20, "only {} files found: wrong folder?", files.len());
@@ -25,7 +25,7 @@ fn assert_obeyed(rule: Rule) {
     assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
 }
 
-/// Fails unless the rule finds something in each of these files by itself.
+/// Checks that the rule finds something in each of these files by itself.
 fn assert_catches(rule: Rule, forbidden: &[(&str, &str)]) {
     for &(path, text) in forbidden {
         let findings = rule(&[SourceFile::new(path, text)]);
@@ -34,7 +34,7 @@ fn assert_catches(rule: Rule, forbidden: &[(&str, &str)]) {
     }
 }
 
-/// Fails if the rule finds something in any of these files.
+/// Checks that the rule finds nothing in any of these files.
 fn assert_permits(rule: Rule, allowed: &[(&str, &str)]) {
     for &(path, text) in allowed {
         let findings = rule(&[SourceFile::new(path, text)]);
@@ -286,7 +286,7 @@ fn names_say_what_things_are() {
     assert_permits(rules::names, &[("a.rs", "device.get_device_queue(0, 0) // no Manager")]);
 }
 
-/// Files of a crate, by what follows `a/src/`.
+/// Returns files of a crate, by the part of the path after `a/src/`.
 fn crate_files<const N: usize>(files: [(&str, &str); N]) -> [SourceFile; N] {
     files.map(|(path, text)| SourceFile::new(&format!("a/src/{path}"), text))
 }

@@ -1,4 +1,4 @@
-//! The modules of a crate: which file defines a name, and which file takes it from there.
+//! The modules of a crate: the file that defines a name, and the files that import it.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,12 +6,12 @@ use crate::code::{without_comments_and_strings, without_tests};
 use crate::files::SourceFile;
 use crate::tokens::{Import, Token, imports, tokens};
 
-/// What is compiled from one file.
+/// The contents of one file, as a module.
 struct Module<'a> {
     path: &'a str,
     parent: Option<usize>,
     children: BTreeMap<&'a str, usize>,
-    /// What stands at its outermost level, by name.
+    /// The names at its outermost level.
     items: BTreeSet<&'a str>,
     uses: Vec<Import<'a>>,
     tokens: Vec<Token<'a>>,
@@ -27,14 +27,14 @@ pub struct Modules<'a> {
 /// The names that a file takes from another one, by the indices of both.
 pub type Ties<'a> = BTreeMap<(usize, usize), BTreeSet<&'a str>>;
 
-/// Where a path leads: to a module, or to what a module's file defines.
+/// The target of a path: a module, or an item that a module's file defines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Place {
     Module(usize),
     Item(usize),
 }
 
-/// Code of each file that is no test, without what is compiled for tests alone.
+/// Returns the code of each file that is no test, without items that are compiled for tests alone.
 pub fn product_code(files: &[SourceFile]) -> BTreeMap<&str, String> {
     let product = files.iter().filter(|file| file.is_rust() && !file.is_test());
     let code = |file: &SourceFile| without_tests(&without_comments_and_strings(&file.text));
@@ -80,8 +80,8 @@ impl<'a> Modules<'a> {
         self.modules.len()
     }
 
-    /// Returns what each file takes from which other one. Names that come through a re-export
-    /// come from the file that defines them; a child that is declared is not taken.
+    /// Returns the names that each file takes from each other one. Names that come through a
+    /// re-export come from the file that defines them; a child that is declared is not taken.
     pub fn ties(&self) -> Ties<'a> {
         let mut ties = Ties::new();
         for own in 0..self.modules.len() {
@@ -139,7 +139,7 @@ impl<'a> Modules<'a> {
         Some(Place::Module(here))
     }
 
-    /// Finds what a name means in a module; names of other crates are found nowhere.
+    /// Finds the target of a name in a module; names of other crates are found nowhere.
     fn look_up(&self, module: usize, name: &str, seen: &mut Vec<(usize, String)>) -> Option<Place> {
         let key = (module, name.to_owned());
         if seen.contains(&key) {
@@ -159,7 +159,7 @@ impl<'a> Modules<'a> {
     }
 }
 
-/// Returns the paths of more than one name that stand in code outside of `use`.
+/// Returns the paths of more than one name in code outside of `use`.
 fn paths<'a>(tokens: &[Token<'a>]) -> Vec<Vec<&'a str>> {
     let mut paths = Vec::new();
     let mut path = Vec::new();

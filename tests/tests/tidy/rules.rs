@@ -1,9 +1,9 @@
-//! The rules: each looks at all files and says what it does not like.
+//! The rules: each searches all files and returns its findings.
 
 use crate::code::{has_word, without_comments_and_strings, without_tests};
 use crate::files::SourceFile;
 
-/// Looks at files, answers with findings.
+/// A rule: searches files, returns findings.
 pub type Rule = fn(&[SourceFile]) -> Vec<String>;
 
 const MAX_LINES: usize = 500;
@@ -27,7 +27,7 @@ fn in_code(
     findings
 }
 
-/// Returns a first line, or one after the `#!`, that says what the file is for.
+/// Finds files whose first line, or the one after the `#!`, does not name their purpose.
 pub fn purpose(files: &[SourceFile]) -> Vec<String> {
     let mut findings = Vec::new();
     for file in files {
@@ -47,7 +47,7 @@ pub fn purpose(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// No file that people write is longer than a person reads at once.
+/// Finds files written by people that are too long to be read at once.
 pub fn length(files: &[SourceFile]) -> Vec<String> {
     let written = |file: &&SourceFile| {
         file.is_rust()
@@ -63,7 +63,8 @@ pub fn length(files: &[SourceFile]) -> Vec<String> {
     files.iter().filter(written).filter_map(too_long).collect()
 }
 
-/// Returns a crate includes no file outside of itself, so that each can be packaged.
+/// Finds files of a crate that include a file outside of the crate, which could then not be
+/// packaged.
 pub fn own_files(files: &[SourceFile]) -> Vec<String> {
     let mut findings = Vec::new();
     for file in files.iter().filter(|file| file.is_rust() && !file.is_test()) {
@@ -121,7 +122,7 @@ const ARROWS: [(&str, &[&str]); 14] = [
     ("shaders/Cargo.toml", &[]),
 ];
 
-/// Crates depend on each other as [`ARROWS`] says and no other way.
+/// Finds dependencies between crates that [`ARROWS`] does not allow.
 pub fn arrows(files: &[SourceFile]) -> Vec<String> {
     const OURS: [&str; 16] = [
         "animation",
@@ -158,7 +159,7 @@ pub fn arrows(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Names and packages of a manifest's dependencies, of every kind, with their lines.
+/// Returns the names and packages of a manifest's dependencies, of every kind, with their lines.
 fn dependencies(manifest: &str) -> Vec<(usize, String)> {
     let mut names = Vec::new();
     let mut in_dependencies = false;
@@ -179,8 +180,8 @@ fn dependencies(manifest: &str) -> Vec<(usize, String)> {
     names
 }
 
-/// Returns what measures compiles no window system and no fonts, and charts only where they are
-/// asked for.
+/// Finds dependencies of the measuring crate on window systems and fonts, and on charts unless
+/// optional.
 pub fn light_instrument(files: &[SourceFile]) -> Vec<String> {
     const OF_WINDOWS: [&str; 7] =
         ["arboard", "egui", "epaint", "evdev", "renderdoc", "tracy-client", "winit"];
@@ -199,7 +200,7 @@ pub fn light_instrument(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Libraries without unsafe code, and the samples, say so to the compiler.
+/// Finds libraries without unsafe code, and samples, that do not forbid it to the compiler.
 pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
     let must = |file: &&SourceFile| {
         [
@@ -227,7 +228,7 @@ pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
     silent.map(|file| file.finding(1, "must say #![forbid(unsafe_code)]")).collect()
 }
 
-/// Returns all the unsafe code is in `gpu`; tests may wrap Vulkan calls.
+/// Finds unsafe code outside of `gpu` and of tests, which may wrap Vulkan calls.
 pub fn unsafe_code(files: &[SourceFile]) -> Vec<String> {
     in_code(
         files,
@@ -237,7 +238,7 @@ pub fn unsafe_code(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// Returns what is left for later goes to an issue.
+/// Finds marks of unfinished work, which belongs in an issue.
 pub fn unfinished(files: &[SourceFile]) -> Vec<String> {
     // Put together, so that this file does not find itself.
     let marks =
@@ -259,7 +260,7 @@ pub fn unfinished(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Waiting for the whole device is how the device itself goes, and nothing else.
+/// Finds waits for the whole device, except the one when the device itself is destroyed.
 pub fn device_wait_idle(files: &[SourceFile]) -> Vec<String> {
     let waits = |line: &str| has_word(line, "device_wait_idle") || line.contains("queue_wait_idle");
     let in_gpu = |file: &SourceFile| file.path.starts_with("engine/gpu/src/");
@@ -269,7 +270,8 @@ pub fn device_wait_idle(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Results come home through mapped memory when their tick is over.
+/// Finds blocking readbacks of queries: results are read back through mapped memory when their tick
+/// is over.
 pub fn query_readback(files: &[SourceFile]) -> Vec<String> {
     in_code(
         files,
@@ -279,7 +281,7 @@ pub fn query_readback(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// Returns a wait without a bound hangs where a bounded one says what went wrong.
+/// Finds waits without a bound, which hang instead of reporting the error.
 pub fn unbounded_waits(files: &[SourceFile]) -> Vec<String> {
     const WAITS: [&str; 4] =
         ["wait_semaphores", "wait_for_fences", "acquire_next_image", "wait_for_present"];
@@ -306,7 +308,7 @@ pub fn unbounded_waits(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Bad input gets an error, never a panic.
+/// Finds panics on bad input, which must be errors.
 pub fn unwraps(files: &[SourceFile]) -> Vec<String> {
     let mut findings = Vec::new();
     for file in files.iter().filter(|file| file.is_rust() && !file.is_test()) {
@@ -320,7 +322,8 @@ pub fn unwraps(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Modules lie where their names say; what several programs share is a module or a crate.
+/// Finds modules that do not lie where their names say; code that several programs share is a
+/// module or a crate.
 pub fn module_paths(files: &[SourceFile]) -> Vec<String> {
     in_code(
         files,
@@ -330,7 +333,7 @@ pub fn module_paths(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// Names that say nothing are taken by things that do too much.
+/// Finds empty names, which things that do too much attract.
 pub fn names(files: &[SourceFile]) -> Vec<String> {
     let empty = |word: &str| {
         ["Manager", "Helper", "Helpers", "Util", "Utils"].iter().any(|end| word.ends_with(end))
@@ -347,7 +350,7 @@ pub fn names(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// Returns the code that the README shows is the example that is compiled with the facade's
+/// Finds code in the README that is not the example that is compiled with the facade's
 /// documentation.
 pub fn quoted_example(files: &[SourceFile]) -> Vec<String> {
     const FACADE: &str = "engine/antumbra/src/lib.rs";
@@ -364,7 +367,7 @@ pub fn quoted_example(files: &[SourceFile]) -> Vec<String> {
     if is_quoted { Vec::new() } else { vec![readme.finding(1, &reason)] }
 }
 
-/// Links of documents lead to files and folders that are there.
+/// Finds links of documents that do not lead to an existing file or folder.
 pub fn links(files: &[SourceFile]) -> Vec<String> {
     let exists = |path: &str| {
         let folder = format!("{path}/");
@@ -394,7 +397,7 @@ pub fn links(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Whoever builds without a shader compiler finds what the shaders say today.
+/// Finds shaders without their compiled SPIR-V, which builds without a shader compiler need.
 pub fn committed_spirv(files: &[SourceFile]) -> Vec<String> {
     let exists = |path: &str| files.iter().any(|file| file.path == path);
     let mut findings = Vec::new();

@@ -1,11 +1,11 @@
-//! Rust text as words and marks: as much of the language as tells who names whom.
+//! A tokeniser of Rust text, for as much of the language as names and imports need.
 
 /// A piece of code that has gone through [`crate::code`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Token<'a> {
     /// A name or a keyword.
     Word(&'a str),
-    /// `::`.
+    /// The path separator, `::`.
     Path,
     /// Any other character that is no space.
     Mark(char),

@@ -30,7 +30,7 @@ pub fn start<A: Parser>(level: &str) -> Result<A, ExitCode> {
         .with_writer(io::stderr)
         // It would panic where standard error is full.
         .log_internal_errors(false);
-    // Modules and times are for whoever set `RUST_LOG`; users read sentences.
+    // Modules and times are for those who set `RUST_LOG`; users read sentences.
     if is_debugging {
         tracing_subscriber::registry().with(log.with_filter(level)).init();
     } else {

@@ -102,7 +102,7 @@ fn what_cannot_be_printed_is_no_success() {
     let output = command.stdout(full()).output().expect("it starts");
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert_eq!(scratch.names("."), ["report.json"], "what can be written is");
-    // Where nobody can be told anything, it ends as it would.
+    // Without any working output it ends as it would.
     let mut command = walkthrough(&scratch.0, &SMALL);
     assert_eq!(command.stderr(full()).output().expect("it starts").status.code(), Some(0));
 }

@@ -1,4 +1,4 @@
-//! What is dropped is freed as soon as nothing can use it any more, and no sooner.
+//! Dropped objects are freed as soon as nothing can use them any more, and no sooner.
 
 use gpu::{Buffer, Device, FrameRing, MemoryKind, Tick, Timeline, vk};
 use tests::run_on_all;

@@ -7,7 +7,8 @@ use gpu::{
 };
 use tests::{Driver, open, run, run_on_all};
 
-/// Turns words into counts: the words, what they decide, the counts.
+/// Creates a pipeline that turns predicates into counts: the predicates, the draws that they
+/// decide, the counts.
 fn compute(device: &Device) -> ComputePipeline {
     let shader = shaders::PREDICATE_COUNTS;
     let spirv = Spirv::from_bytes(shader.name, shader.spirv).unwrap();
@@ -76,7 +77,7 @@ fn commands_that_run_once_say_what_failed() {
     });
 }
 
-/// Returns the sentence that comes of recording something that cannot be run.
+/// Returns the message of the error of recording a command that cannot be run.
 fn sentence(device: &Device, record: impl FnOnce(&Commands)) -> String {
     let before = device.submitted();
     let error = device.run_once("wrong", record).expect_err("an error");
@@ -119,7 +120,7 @@ fn no_more_workgroups_than_the_device_takes() {
                 commands.bind_compute(&pipeline, &lists.slices());
                 commands.push_compute_constants(&pipeline, &[0u32, 0, 0]);
                 commands.dispatch(groups);
-                // What goes wrong later is not what is told.
+                // The first error is reported, not later ones.
                 commands.bind_compute(&pipeline, &[]);
             });
             assert!(text.contains("more workgroups"), "{text}");

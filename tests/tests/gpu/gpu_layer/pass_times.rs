@@ -1,4 +1,4 @@
-//! Times of passes belong to the labels they come with, whatever became of the frames in between.
+//! Times of passes belong to the labels they come with, for any history of the frames in between.
 
 use gpu::{Commands, Device, Frame, FrameRing};
 use tests::run_on_all;

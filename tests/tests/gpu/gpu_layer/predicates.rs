@@ -1,4 +1,5 @@
-//! What words decide, with every executor: nothing, everything, and more than one dispatch takes.
+//! The effect of predicates, with every executor: nothing, everything, and more than one dispatch
+//! takes.
 
 use glam::Vec3;
 use gpu::{
@@ -17,8 +18,8 @@ fn executors(device: &Device) -> Vec<Predication> {
     all.into_iter().filter(|p| Predicates::new(device, Some(*p), &[], 1).is_ok()).collect()
 }
 
-/// Returns whether two decisions draw something, one as a whole and one box by box, in frames with
-/// words that hide all and in frames without words.
+/// Returns the results of two decisions per frame, one as a whole and one box by box: true if the
+/// frame has predicates (which hide all), true if it is by boxes, and true if something is drawn.
 fn drawn(device: &Device, predication: Predication) -> Vec<(bool, bool, bool)> {
     let (proxies, view) = (proxy_pass(device), square_view(device, 64));
     let mut target = Target::new(device, [64, 64], "target").unwrap();

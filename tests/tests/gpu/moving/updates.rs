@@ -1,4 +1,4 @@
-//! Updates are made whole or not at all.
+//! Updates are applied whole or not at all.
 
 use cull::{Aabb, ObjectId, Strategy};
 use glam::{Affine3A, Vec3};
@@ -66,7 +66,7 @@ fn changes_are_made_all_or_none_and_the_first_that_cannot_be_is_named() {
             (moved(21, far), "object 21 is not in the hierarchy"),
             (moved(99, far), "object 99 is not in the hierarchy"),
             (removed(22), "object 22"),
-            // Gone, and whoever has the id now is not known yet.
+            // Removed, and the new object of this id is not known yet.
             (removed(5), "object 5"),
             (moved(5, far), "object 5"),
             (ObjectChange::Add { object: Object { mesh: MeshId(7), ..someone } }, "no such mesh"),

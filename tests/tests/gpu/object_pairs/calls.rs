@@ -1,4 +1,4 @@
-//! Calls that answer for themselves: of instances, devices, windows and frames.
+//! Calls that return their error: of instances, devices, windows and frames.
 #![allow(unsafe_code, reason = "handles that point nowhere are borrowed from raw ones")]
 
 use std::ptr::NonNull;
@@ -13,13 +13,13 @@ use raw_window_handle::{
 use super::Row;
 use super::side::{SIZE, SOURCE, Side, framed};
 
-/// A window whose handles point nowhere: it is refused before they are followed.
+/// A window with dangling handles: it is refused before they are followed.
 struct NowhereOnWayland;
 
 impl HasDisplayHandle for NowhereOnWayland {
     fn display_handle(&self) -> Result<DisplayHandle<'_>, HandleError> {
         let raw = RawDisplayHandle::Wayland(WaylandDisplayHandle::new(NonNull::dangling()));
-        // SAFETY: nobody follows it, which is what is tested.
+        // SAFETY: the pointer is never followed, which is tested here.
         Ok(unsafe { DisplayHandle::borrow_raw(raw) })
     }
 }
@@ -82,7 +82,7 @@ pub fn rows() -> Vec<Row> {
     rows
 }
 
-/// Calls that take a frame.
+/// Returns the calls that take a frame.
 fn frames() -> Vec<Row> {
     let row = |call, given, mistake| Row { call, given, owner: "Device", mistake };
     const TIMELINE: &str = "a timeline (`Timeline`)";

@@ -1,4 +1,4 @@
-//! Calls of a renderer: what is of another renderer, or of another device.
+//! Calls of a renderer with objects of another renderer, or of another device.
 
 use cull::Strategy;
 use gpu::Tick;
@@ -19,14 +19,14 @@ fn text<T>(result: Result<T, Error>) -> String {
     result.err().expect("an error").to_string()
 }
 
-/// Renders with what `request` makes of a plain request.
+/// Renders with a request that `request` changes, and returns the error.
 fn rendered<'a>(ours: &mut Side, change: impl FnOnce(&mut FrameRequest<'a>)) -> String {
     let mut request = FrameRequest::new(Strategy::Antumbra, ours.camera);
     change(&mut request);
     text(ours.renderer.render(&mut ours.view, &request))
 }
 
-/// Returns the same by `render_views`, of a view of its own and of another one.
+/// Returns the error of `render_views`, of a view of its own and of another one.
 fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> String {
     let (camera, area) = (ours.camera, Rect::whole(SIZE));
     let history = if what == VIEW { &mut theirs.view } else { &mut ours.view };

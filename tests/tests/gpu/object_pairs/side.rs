@@ -1,4 +1,5 @@
-//! One of two sides that share nothing: an instance, a device, a renderer, and one of everything.
+//! One of two sides that share nothing: an instance, a device, a renderer, and one object of each
+//! kind.
 
 use cull::{Camera, Strategy};
 use gpu::{
@@ -23,7 +24,7 @@ use tests::xvfb::Xvfb;
 pub const SIZE: [u32; 2] = [64, 36];
 pub const SOURCE: ResultSource = ResultSource::Queries;
 
-/// Things of one device. What they own goes before the stage.
+/// Objects of one device. They are dropped before the stage.
 pub struct Side {
     pub renderer: Renderer,
     pub view: ViewState,
@@ -145,7 +146,7 @@ impl Side {
         side
     }
 
-    /// Begins everything that is begun for a frame, in a frame that never is.
+    /// Begins the rings of a frame that is never drawn.
     fn begin_rings(&mut self, ring: &mut FrameRing) {
         let mut frame = ring.begin().unwrap();
         let ranges = [DrawRange { first: 0, count: 1 }];
@@ -159,7 +160,7 @@ impl Side {
         self.begin_predicates(&mut frame);
     }
 
-    /// Lets one draw hang on the first word of the buffer.
+    /// Makes one draw depend on the first predicate of the buffer.
     pub fn begin_predicates(&mut self, frame: &mut Frame<'_>) {
         let range = DrawRange { first: 0, count: 1 };
         let decided = [PredicatedRange { word: 0, range, reveal: Reveal::Whole }].into_iter();
@@ -174,7 +175,7 @@ impl Side {
         self.buffer.whole()
     }
 
-    /// Lays out something flat over the renderer's pictures.
+    /// Lays out a flat picture over the renderer's pictures.
     pub fn lay_out(&mut self) {
         let overlay = self.renderer.flat_overlay().unwrap();
         overlay.begin_atlas([1, 1]).unwrap();
@@ -184,7 +185,7 @@ impl Side {
         overlay.add([0, 0], SIZE, &corners, &[0, 1, 2]);
     }
 
-    /// Draws a frame with everything of its own, shows it, and waits for it.
+    /// Draws a frame with every object of its own, shows it, and waits for it.
     pub fn draw(&mut self) {
         let request = FrameRequest {
             visible: Some(&self.visible),
@@ -197,19 +198,19 @@ impl Side {
         assert!(self.picture.rgba8().unwrap().chunks(4).any(|pixel| pixel[0] > 0));
     }
 
-    /// Drops everything, the instance last, after which the layers have said nothing.
+    /// Drops everything, the instance last, and checks that the layers reported nothing.
     pub fn end(self) {
         let Self { stage, .. } = self;
         stage.end();
     }
 }
 
-/// Returns the error that comes of recording something.
+/// Returns the error of a recording.
 pub fn recorded(device: &Device, record: impl FnOnce(&Commands)) -> String {
     device.run_once("mistake", record).expect_err("an error").to_string()
 }
 
-/// Returns the error that comes of a frame that is recorded so.
+/// Returns the error of a frame with such a recording.
 pub fn framed(
     device: &Device,
     record: impl FnOnce(&mut Frame<'_>) -> Result<(), gpu::Error>,

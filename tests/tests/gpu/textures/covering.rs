@@ -1,4 +1,4 @@
-//! How surfaces cover each other: holes, ties, blending, the sky.
+//! Surfaces that cover each other: holes, ties, blending, the sky.
 
 use glam::{Affine3A, DVec3, EulerRot, Quat, Vec3};
 use scene::{
