@@ -49,6 +49,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     renderer.drain(&mut view)?;
     let drawn = view.take_outcomes().last().map_or(0, |outcome| outcome.draws);
     let red = picture.rgba8()?.chunks_exact(4).filter(|pixel| pixel[0] / 2 > pixel[1]).count();
-    println!("{drawn} of 1002 objects drawn; {red} pixels of the tile that peeps out");
+    println!("{drawn} of 1002 objects drawn; {red} pixels of the tile beside the wall");
     Ok(())
 }

@@ -317,9 +317,9 @@ impl Arguments {
         };
         let shown = shown(file);
         for (option, is_there, why) in [
-            ("--objects", self.made.objects.is_some(), "the file has those that it has"),
-            ("--seed", self.made.seed.is_some(), "nothing in a file is left to chance"),
-            ("--moving", self.moving > 0, "what moves in a file is what its clips move"),
+            ("--objects", self.made.objects.is_some(), "the number of objects is that of the file"),
+            ("--seed", self.made.seed.is_some(), "nothing in a file is random"),
+            ("--moving", self.moving > 0, "only its clips move the objects of a file"),
         ] {
             if is_there {
                 return usage(format!(
@@ -333,7 +333,7 @@ impl Arguments {
     /// Returns the strategies, and those that cannot run and were not asked for by name.
     fn strategies(&self) -> Result<(Vec<Strategy>, Vec<LeftOut>), UsageError> {
         const STANDS_STILL: &str =
-            "it draws what was found visible beforehand, in a scene that stands still";
+            "it draws visible sets found in advance, in a scene that stands still";
         let mut strategies = match &self.strategy {
             None => vec![Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal],
             Some(StrategyList::All) => Strategy::ALL.to_vec(),
@@ -417,7 +417,7 @@ fn refuse_unheeded(
     let asked = names(&mut strategies.iter().copied());
     let heeding = names(&mut Strategy::ALL.into_iter().filter(|strategy| heeds(*strategy)));
     usage(format!(
-        "{option} changes nothing for --strategy {asked}: leave it out, or name one that heeds it ({heeding})"
+        "{option} changes nothing for --strategy {asked}: leave it out, or name one that uses it ({heeding})"
     ))
 }
 

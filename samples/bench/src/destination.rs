@@ -92,7 +92,7 @@ fn open_stream(path: &Path) -> io::Result<File> {
                 return Err(error);
             }
             Err(_) if began.elapsed() > READER_WAIT => {
-                return Err(io::Error::new(io::ErrorKind::TimedOut, "nobody reads from this pipe"));
+                return Err(io::Error::new(io::ErrorKind::TimedOut, "this pipe has no reader"));
             }
             Err(_) => thread::sleep(READER_POLL),
         }

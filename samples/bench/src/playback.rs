@@ -159,11 +159,11 @@ impl Clips {
         match names.len() {
             0 => None,
             1..=8 => Some(format!(
-                "of its clips {} do not play at first: they move what others move",
+                "of its clips {} do not play at first: others move the same objects",
                 names.join(", ")
             )),
             count => Some(format!(
-                "{count} of its clips do not play at first: they move what others move"
+                "{count} of its clips do not play at first: others move the same objects"
             )),
         }
     }

@@ -168,7 +168,7 @@ fn parse_frame(line: &str) -> Result<PathFrame, String> {
         near: numbers[11] as f32,
     };
     if camera.forward.cross(camera.up).length_squared() < 1e-12 {
-        return Err("nobody can look along that forward with that up".to_owned());
+        return Err("forward and up are parallel, or one is zero".to_owned());
     }
     if !(camera.fov_y > 0.0 && camera.fov_y < std::f32::consts::PI) {
         return Err(format!("a field of view is between 0 and pi, not {}", camera.fov_y));

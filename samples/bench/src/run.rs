@@ -128,7 +128,7 @@ pub fn walk_on(
     let hierarchy = Hierarchy::build(&object_bounds(&scene)?).map_err(RunError::machine)?;
     let hierarchy_ms = clock.lap_ms();
     signals.check()?;
-    progress.stage("bringing it to the device");
+    progress.stage("uploading it to the device");
     let mut renderer =
         Renderer::with_hierarchy(device, &scene, hierarchy, &renderer_options(options)?).map_err(
             |error| match &options.scene {

@@ -141,7 +141,7 @@ fn more_lines(report: &Report) -> String {
     if report.threshold_pixels > 0 {
         let most = count(Some(report.threshold_pixels.into()));
         lines += &format!(
-            "\nnot exact: what shows at most {most} pixels counts as hidden in antumbra, antumbra_queries, coherent"
+            "\nnot exact: objects that show at most {most} pixels count as hidden in antumbra, antumbra_queries, coherent"
         );
     }
     for LeftOut { strategy, reason } in &report.left_out {
@@ -174,7 +174,7 @@ fn ratio_lines(report: &Report) -> String {
     for (place, a) in names.iter().enumerate() {
         for b in names.iter().skip(place + 1) {
             if let Some(ratio) = ratio(a, b) {
-                lines.push(format!("{a} takes {ratio:.2} times as long a frame as {b}"));
+                lines.push(format!("{a} takes {ratio:.2} times as long per frame as {b}"));
             }
         }
     }
@@ -197,7 +197,7 @@ fn cost_lines(report: &Report) -> String {
             (frames, Some(times)) => format!("{times:.2}, from {} frames", count(Some(frames))),
         };
         Some(format!(
-            "{}, by cost: {} objects untested a frame, {} ms saved (expected); tests times {times}",
+            "{}, by cost: {} objects untested per frame, {} ms saved (expected); tests times {times}",
             run.strategy,
             count(run.untested_by_cost),
             milliseconds(saving_ms),
@@ -213,7 +213,7 @@ fn pass_lines(report: &Report) -> String {
         let pass =
             |(label, time): (&String, &Summary)| format!("{label} {}", milliseconds(time.median));
         let passes: Vec<String> = run.passes_ms.iter().map(pass).collect();
-        format!("{}, GPU ms a pass: {}", run.strategy, passes.join(", "))
+        format!("{}, GPU ms per pass: {}", run.strategy, passes.join(", "))
     };
     timed.map(line).collect::<Vec<_>>().join("\n")
 }

@@ -96,7 +96,7 @@ impl<'a> Walk<'a> {
         }
         let mut eyes = Eyes::new(self.renderer, self.views)?;
         let frames: BTreeSet<u32> = self.schedule.steps().map(|step| step.frame).collect();
-        progress.begin_frames("finding out what is visible", frames.len() as u64);
+        progress.begin_frames("finding the visible sets", frames.len() as u64);
         for frame in frames {
             signals.check()?;
             self.moving.show(self.renderer, frame)?;

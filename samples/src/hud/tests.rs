@@ -37,7 +37,7 @@ fn overview() -> Overview {
         scene: "a scene whose name is longer than the panel is wide".to_owned(),
         strategy: "antumbra_queries, frozen".to_owned(),
         rate: figure("1234", "frames/s"),
-        frame_time: figure("16.6", "ms a frame"),
+        frame_time: figure("16.6", "ms/frame"),
         frames_ms,
         caption: "frame time, ms",
         budget_ms: Some(16.7),

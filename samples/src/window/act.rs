@@ -117,7 +117,7 @@ impl Session {
 
     fn choose(&mut self, strategy: Strategy) {
         if strategy == Strategy::Ideal {
-            let reason = "ideal draws what was found visible beforehand, which nobody did here";
+            let reason = "ideal draws visible sets found in advance, and here there are none";
             return self.refuse(reason.to_owned());
         }
         match self.renderer.supports(strategy) {
@@ -167,7 +167,7 @@ impl Session {
             true => "; the boxes are those that stayed hidden",
             false => "",
         };
-        self.tell(format!("the culling stands still; fly on and look at it{boxes}"));
+        self.tell(format!("the culling is frozen; fly on and look at it{boxes}"));
         Ok(())
     }
 

@@ -82,7 +82,7 @@ pub const KEYS: [(&str, &str, Action); 20] = [
     ("U", "list of strategies", Action::ListStrategies),
     ("V", "compare with no culling", Action::Compare),
     ("C", "freeze the culling", Action::Freeze),
-    ("I", "what is in the middle", Action::Identify(None)),
+    ("I", "identify the middle", Action::Identify(None)),
     ("B", "view from above", Action::TopDown),
     ("X", "boxes that are tested", Action::Boxes),
     ("G", "wireframe", Action::Wireframe),
@@ -113,7 +113,7 @@ pub const STEERING: [(&str, &str); 5] = [
     ("WASD QE", "fly, down, up"),
     ("Shift", "faster"),
     ("Wheel", "how fast"),
-    ("Click", "what is that, and why is it drawn"),
+    ("Click", "identify an object"),
     ("Mouse", "look, a button held; right click: capture"),
 ];
 

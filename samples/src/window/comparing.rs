@@ -18,11 +18,11 @@ impl Session {
             return Ok(());
         }
         if self.frozen.is_some() {
-            self.refuse("the culling stands still: let it go on to compare".to_owned());
+            self.refuse("the culling is frozen: let it go on to compare".to_owned());
             return Ok(());
         }
         if self.strategy == Strategy::Frustum {
-            self.refuse("frustum is what others are compared with: choose another".to_owned());
+            self.refuse("frustum is the reference of the comparison: choose another".to_owned());
             return Ok(());
         }
         self.comparison = Some(Comparison::new(&self.renderer, self.strategy)?);

@@ -94,7 +94,7 @@ impl LoadedScene {
             imported.make_levels(&import::LevelOptions::default());
         }
         let hierarchy = scene_file::hierarchy(&imported.scene, told)?;
-        scene_file::tell(told, "bringing it to the device", None)?;
+        scene_file::tell(told, "uploading it to the device", None)?;
         let renderer_options = renderer_options(options, size)?;
         let renderer =
             Renderer::with_hierarchy(device, &imported.scene, hierarchy, &renderer_options)

@@ -137,7 +137,7 @@ impl ObjectCard<'_> {
 /// not pay yet.
 fn until(due: u64, now: u64) -> String {
     match due.checked_sub(now) {
-        None | Some(0) => "due, once it is worth its price".to_owned(),
+        None | Some(0) => "due, once it pays".to_owned(),
         Some(frames) => format!("in {}", in_frames(frames)),
     }
 }

@@ -73,8 +73,8 @@ impl Known<'_> {
         let figure = |value: String, name| Figure { value, name };
         // While frames with and without culling are compared, each moment is drawn twice.
         let [rate_name, time_name, caption] = match self.compared {
-            Some(_) => ["pairs/s", "ms a pair", "time of a pair of frames, ms"],
-            None => ["frames/s", "ms a frame", "frame time, ms"],
+            Some(_) => ["pairs/s", "ms/pair", "time of a pair of frames, ms"],
+            None => ["frames/s", "ms/frame", "frame time, ms"],
         };
         let [cpu, _] = self.times.cpu_ms();
         let [gpu, _] = self.times.gpu_ms();

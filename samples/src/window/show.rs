@@ -143,10 +143,10 @@ impl ShowArguments {
 /// Reads the name of a strategy that needs no knowledge in advance.
 fn parse_product(text: &str) -> Result<Strategy, String> {
     match parse_strategy(text)? {
-        Strategy::Ideal => Err(
-            "it draws what was found visible beforehand, on a path that is known; see walkthrough"
-                .to_owned(),
-        ),
+        Strategy::Ideal => {
+            Err("it draws visible sets found in advance, on a known path; see walkthrough"
+                .to_owned())
+        }
         strategy => Ok(strategy),
     }
 }
@@ -154,5 +154,5 @@ fn parse_product(text: &str) -> Result<Strategy, String> {
 fn frame_limit(text: &str) -> Result<f64, String> {
     let [least, most] = pacing::FRAME_LIMIT_HZ;
     let limit = text.parse().ok().filter(|hz| (least..=most).contains(hz));
-    limit.ok_or_else(|| format!("it takes {least} to {most} frames a second"))
+    limit.ok_or_else(|| format!("it takes {least} to {most} frames per second"))
 }

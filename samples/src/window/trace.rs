@@ -94,7 +94,7 @@ impl Events {
             return self.kept.push(event);
         }
         if self.left_out == 0 {
-            tracing::warn!("the trace is full: what happens from now on is not in it");
+            tracing::warn!("the trace is full: later events are not in it");
         }
         self.left_out += 1;
     }

@@ -63,9 +63,9 @@ fn a_strategy_that_is_not_exact_is_found_out_and_its_errors_are_marked() {
 fn what_cannot_be_compared_is_said() {
     let scratch = Scratch::new("script-compare-not");
     let log = run(&scratch, "2 strategy frustum\n2 compare\n", &["--frames", "4"]);
-    assert!(log.contains("frustum is what others are compared with"), "{log}");
+    assert!(log.contains("frustum is the reference of the comparison"), "{log}");
     let log = run(&scratch, "2 freeze\n3 compare\n", &["--frames", "5"]);
-    assert!(log.contains("the culling stands still: let it go on to compare"), "{log}");
+    assert!(log.contains("the culling is frozen: let it go on to compare"), "{log}");
     // Frozen while it compares, it says what it found and ends.
     let log = run(&scratch, "2 compare\n6 freeze\n", &["--frames", "8"]);
     assert!(log.contains("antumbra: 0 pixels differ in"), "{log}");

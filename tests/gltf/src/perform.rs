@@ -5,7 +5,8 @@ use glam::Affine3A;
 use import::{GltfScene, LevelOptions, SceneAnimator};
 use scene::{LightMove, ObjectChange, PoseBounds, SceneUpdate};
 
-/// The times to look at, in this order: seeks forwards and back, before the beginning, NaN and infinity.
+/// The times to look at, in this order: seeks forwards and back, before the beginning, NaN and
+/// infinity.
 const SECONDS: [f64; 7] = [0.0, 0.37, 1.0e9, -3.5, f64::NAN, f64::INFINITY, 0.5];
 /// The most clips that are played one after the other.
 const MOST_CLIPS: usize = 4;

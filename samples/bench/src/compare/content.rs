@@ -223,7 +223,7 @@ fn left_out(cases: &Cases<'_>, sizes: &[u64]) -> Vec<String> {
             if !larger.is_empty() {
                 let (size, time) = (thousands(size as f64), short(time.median()));
                 sentences.push(format!(
-                    "{name}: left out above {size} objects: {time} ms a frame there"
+                    "{name}: left out above {size} objects: {time} ms per frame there"
                 ));
             }
         }
@@ -275,7 +275,7 @@ fn frames(reports: &[Measured]) -> String {
     let in_flight = sorted(timed(reports).map(|report| report.frames_in_flight));
     let in_flight: Vec<String> = in_flight.iter().map(u32::to_string).collect();
     format!(
-        "{frames} timed frames of {} a walk, {} in flight",
+        "{frames} timed frames of {} per walk, {} in flight",
         sizes.join(" and "),
         in_flight.join(" and ")
     )

@@ -36,7 +36,7 @@ fn methods(content: &Content) -> String {
     };
     let mut text = format!(
         "\n## The methods\n\nFrame time on `street` in times of `{}`, by the number of objects; CPU \
-         time, draws, boxes tested by whatever means and occlusion queries of a frame at {} objects.\n\n",
+         time, draws, boxes tested by all mechanisms and occlusion queries of a frame at {} objects.\n\n",
         content.yardstick,
         objects(detail as f64)
     );
@@ -71,7 +71,7 @@ fn methods(content: &Content) -> String {
 }
 
 fn figures(content: &Content) -> String {
-    let mut text = "\n## What is asked for, and what was found\n\nFound: the median of the \
+    let mut text = "\n## Goals and results\n\nFound: the median of the \
         repetitions and, in brackets, their spread.\n\n"
         .to_owned();
     let columns = ["case", "figure", "asked", "found", "", "note"];

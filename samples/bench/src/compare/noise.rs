@@ -87,7 +87,7 @@ pub fn verdict(cases: &Cases<'_>) -> String {
     let percent = |noise: f64| format!("{:.0} %", noise * 100.0);
     let most = percent(NOISE_MAX);
     let Some((case, worst)) = noises.first() else {
-        return "No case with the ideal was measured twice: how steady the machine was is not known"
+        return "No case with the ideal was measured twice: the steadiness of the machine is unknown"
             .to_owned();
     };
     let noisy: Vec<String> = noises

@@ -137,7 +137,7 @@ fn methods(content: &Content) -> String {
     let detail = objects(detail as f64);
     let mut text = format!(
         "<h2>The methods</h2>\n<p>Frame time on <i>street</i> in times of {}, by the number of \
-         objects; CPU time, draws, boxes tested by whatever means and occlusion queries of a frame at \
+         objects; CPU time, draws, boxes tested by all mechanisms and occlusion queries of a frame at \
          {detail} objects.</p>\n\
          <div class=\"scroll\"><table>\n<tr><th>strategy</th>",
         content.yardstick
@@ -191,7 +191,7 @@ fn class_of(verdict: Verdict) -> &'static str {
 }
 
 fn figures(content: &Content) -> String {
-    let mut text = "<h2>What is asked for, and what was found</h2>\n\
+    let mut text = "<h2>Goals and results</h2>\n\
         <p>Found: the median of the repetitions and, in brackets, their spread. Ratios are medians of \
         the ratios frame by frame.</p>\n<div class=\"scroll\"><table>\n\
         <tr><th>case</th><th>figure</th><th>asked</th><th class=\"number\">found</th><th></th></tr>\n"
@@ -273,7 +273,7 @@ fn how_measured(content: &Content) -> String {
         })
         .collect();
     format!(
-        "<h2>How it was measured</h2>\n<p>{}. {}. {}.</p>\n\
+        "<h2>Measurement</h2>\n<p>{}. {}. {}.</p>\n\
          <p>The strategies of a walk take turns in short rounds of consecutive frames, each after \
          some frames that do not count. A case is measured in two walks: plain frustum culling \
          leaves the caches cold for those that follow it, so it has one of its own with the ideal, \

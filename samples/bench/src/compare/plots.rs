@@ -59,7 +59,7 @@ pub fn ratios(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
     );
     let svg = if over == IDEAL {
         caption.push_str(
-            " Short horizontal bars: what is asked of antumbra. Lines that leave the right plot are \
+            " Short horizontal bars: the goals of antumbra. Lines that leave the right plot are \
              named at its top.",
         );
         let near = LineChart {
@@ -197,10 +197,10 @@ pub fn counts(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, DrawErro
             .collect(),
     };
     // Whoever has few queries may test many boxes by other means: both, or neither.
-    let tests = chart("Boxes tested a frame", |run| run.tests);
-    let queries = chart("Occlusion queries a frame", |run| run.queries);
-    let draws = chart("Draws a frame", |run| run.draws);
-    let describe = "Boxes tested, occlusion queries and draws a frame";
+    let tests = chart("Boxes tested per frame", |run| run.tests);
+    let queries = chart("Occlusion queries per frame", |run| run.queries);
+    let draws = chart("Draws per frame", |run| run.draws);
+    let describe = "Boxes tested, occlusion queries and draws per frame";
     let svg = picture((WIDTH, queries.height()), describe, |canvas| {
         let third = i32::try_from(WIDTH / 3).unwrap_or(0);
         let (left, rest) = canvas.split_at(third);
@@ -333,7 +333,7 @@ mod tests {
         assert!(path.svg.contains("logarithmic") && path.caption.contains("2 frames later"));
         assert!(!path.caption.contains("at once"), "nobody waits: {}", path.caption);
         let bars = counts(&cases, &place).unwrap().unwrap();
-        let titles = ["Boxes tested a frame", "Occlusion queries a frame", "Draws a frame"];
+        let titles = ["Boxes tested per frame", "Occlusion queries per frame", "Draws per frame"];
         for text in titles.into_iter().chain(["300", "120", "0", "50"]) {
             assert!(bars.svg.lines().any(|line| line.trim() == text), "{text}");
         }

@@ -17,8 +17,8 @@ fn a_person_finds_every_number() {
         "3.15",
         "1.05",
         "3,000",
-        "frustum takes 3.00 times as long a frame as antumbra",
-        "antumbra, by cost: 4 objects untested a frame, 0.00 ms saved (expected); tests times 1.00, from 7",
+        "frustum takes 3.00 times as long per frame as antumbra",
+        "antumbra, by cost: 4 objects untested per frame, 0.00 ms saved (expected); tests times 1.00, from 7",
         "scene 1.50, hierarchy 2.50, upload 3.50; peak memory 123 MiB, on the device 56 MiB",
         "frames compared with frustum culling: 2; blocking waits: 0; validation messages: 0",
     ] {
@@ -65,7 +65,7 @@ fn of_many_runs_each_is_compared_with_three() {
     let lines = text.lines().filter(|line| line.starts_with("a frame of ")).count();
     assert_eq!(lines, Strategy::ALL.len(), "{text}");
     let naive = "a frame of naive takes 2.00 times frustum, 0.25 times antumbra, 0.17 times ideal";
-    assert!(text.contains(naive) && !text.contains("as long a frame"), "{text}");
+    assert!(text.contains(naive) && !text.contains("as long per frame"), "{text}");
 }
 
 #[test]
@@ -114,7 +114,7 @@ fn what_a_threshold_leaves_out_is_told_and_not_called_wrong() {
     report.runs[1].pixels_wrong_at_most = Some(2_409);
     let text = render(&report, 120);
     for expected in [
-        "not exact: what shows at most 12 pixels counts as hidden",
+        "not exact: objects that show at most 12 pixels count as hidden",
         "antumbra left out 2,500 samples in 2 frames; of those compared 1,234 pixels differ, at most 2,409 could",
     ] {
         assert!(text.contains(expected), "'{expected}' is missing in\n{text}");

@@ -77,13 +77,13 @@ fn progress_counts_and_does_not_guess() {
     let said = in_terminal(&scratch, 120, &[], &walk);
     let bars: Vec<&str> = said.split('\r').collect();
     let counts = |what: &str| bars.iter().any(|bar| bar.contains(" frames") && bar.contains(what));
-    assert!(counts("/1000 frames  finding out what is visible"), "{said}");
+    assert!(counts("/1000 frames  finding the visible sets"), "{said}");
     assert!(counts("frames  ideal") || counts("frames  antumbra"), "{said}");
     assert!(!said.contains("0s left"), "{said}");
     let walk = format!("{SMALL} --strategy=ideal,antumbra");
     let piped = walkthrough(&scratch.0, &walk.split(' ').collect::<Vec<_>>()).output();
     let said = stderr(&piped.expect("it starts"));
-    assert!(said.contains("finding out what is visible: 12 of 12 frames"), "{said}");
+    assert!(said.contains("finding the visible sets: 12 of 12 frames"), "{said}");
 }
 
 #[test]

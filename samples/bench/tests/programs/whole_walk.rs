@@ -237,7 +237,7 @@ fn a_threshold_is_not_exact_and_says_how_wrong_it_can_be() {
         let output = walkthrough(&scratch.0, &asked).output().expect("it starts");
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         let table = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert!(table.contains("not exact: what shows at most 60 pixels"), "{table}");
+        assert!(table.contains("not exact: objects that show at most 60 pixels"), "{table}");
         assert!(table.contains("without antumbra_flags: ") && !table.contains("WRONG"), "{table}");
         assert!(table.contains("antumbra left out "), "{table}");
         let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");

@@ -148,10 +148,10 @@ fn what_a_person_looks_for_is_said_first() {
     let overview = known.overview("keys");
     assert_eq!(overview.strategy, "antumbra, frozen, recording");
     assert_eq!(overview.rate, figure("62", "frames/s"));
-    assert_eq!(overview.frame_time, figure("16.0", "ms a frame"));
+    assert_eq!(overview.frame_time, figure("16.0", "ms/frame"));
     let compared = Known { compared: Some(Tally::default()), ..known }.overview("keys");
     assert_eq!(compared.rate, figure("62", "pairs/s"));
-    assert_eq!(compared.frame_time, figure("16.0", "ms a pair"));
+    assert_eq!(compared.frame_time, figure("16.0", "ms/pair"));
     assert_eq!(
         overview.objects,
         [figure("10,000", "objects"), figure("2,055", "in frustum"), figure("1,001", "drawn")]

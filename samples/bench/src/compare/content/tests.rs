@@ -49,7 +49,7 @@ fn what_beats_the_ideal_is_marked() {
 #[test]
 fn what_is_left_out_is_said_with_its_time() {
     let content = Content::of(&example()).unwrap();
-    assert_eq!(content.left_out[0], "naive: left out above 2,000 objects: 90.0 ms a frame there");
+    assert_eq!(content.left_out[0], "naive: left out above 2,000 objects: 90.0 ms per frame there");
     let few = [measured("city", "fly", 10_000, &[("mystery", 1.0)])];
     let left_out = Content::of(&few).unwrap().left_out;
     for strategy in Strategy::ALL {
