@@ -1,9 +1,10 @@
-// The metallic-roughness model of glTF 2.0, appendix B: a metal's BRDF (GGX, tinted) and a dielectric's
-// (Lambert below, GGX above, mixed by Schlick's Fresnel term), mixed by how metallic a surface is. Both
-// share the GGX term, so their Fresnel terms mix; the light that a dielectric lets through is its own.
+// The metallic-roughness model of glTF 2.0, appendix B: a metal's BRDF (GGX, tinted) and a
+// dielectric's (Lambert below, GGX above, mixed by Schlick's Fresnel term), mixed by the surface's
+// metalness. Both share the GGX term, so their Fresnel terms mix; the light that a dielectric lets
+// through is its own.
 
 const float PI = 3.14159265358979;
-// What a dielectric of index 1.5 mirrors of what meets it head on.
+// The reflectance of a dielectric of index 1.5 at normal incidence.
 const float DIELECTRIC = 0.04;
 
 // A material at one point of a surface, seen from one direction.
@@ -32,7 +33,7 @@ Brdf brdf_of(vec3 base_colour, float metallic, float roughness, vec3 normal, vec
     return Brdf(diffuse, specular, squared, masked, normal, towards_eye);
 }
 
-// What of the light from one direction goes to the eye, the cosine included.
+// The part of the light from one direction that goes to the eye, the cosine included.
 vec3 reflected(Brdf brdf, vec3 towards_light) {
     float n_l = dot(brdf.normal, towards_light);
     if (n_l <= 0.0) return vec3(0.0);
@@ -40,10 +41,12 @@ vec3 reflected(Brdf brdf, vec3 towards_light) {
     vec3 sum = towards_light + brdf.towards_eye;
     float length_squared = max(dot(sum, sum), 1e-12);
     float n_sum = dot(brdf.normal, sum);
-    // (N.H)^2 (alpha^2 - 1) + 1 is alpha^2 (N.H)^2 + |N x H|^2, which does not cancel in highlights.
+    // (N.H)^2 (alpha^2 - 1) + 1 is alpha^2 (N.H)^2 + |N x H|^2, which does not cancel in
+    // highlights.
     vec3 across = cross(brdf.normal, sum);
     float lobe = (brdf.squared * n_sum * n_sum + dot(across, across)) / length_squared;
-    // D times G / (4 |N.L| |N.V|), in one division; both cosines with H are positive where D is not 0.
+    // D times G / (4 |N.L| |N.V|), in one division; both cosines with H are positive where D is not
+    // 0.
     float shadowed = n_l + sqrt(brdf.squared + (1.0 - brdf.squared) * n_l * n_l);
     float glossy = n_sum > 0.0 ? brdf.squared / (PI * lobe * lobe * shadowed * brdf.masked) : 0.0;
     float rest = max(1.0 - 0.5 * sqrt(length_squared), 0.0);

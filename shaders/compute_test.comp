@@ -1,11 +1,12 @@
-// Tests boxes against the depth so far: a workgroup a box, cell by cell of 8x8 pixels, then pixel by
-// pixel in the cells that are open.
+// Tests boxes against the depth so far: one workgroup per box, cell by cell of 8x8 pixels, then
+// pixel by pixel in the cells that are open.
 //
-// At a pixel the ray from the eye is inside of a box between its farthest entry and its nearest exit
-// (the slab method). Reversed depth is proportional to 1 / w, so the depth at which the ray meets a
-// plane is affine in the pixel's coordinates: its extremes over a cell, or over all that a rasteriser
-// may take a pixel for, are its value in the middle and the slope times the reach. So entries are taken
-// as near as they can be, exits as far, and a box that a rasteriser would show is never called hidden.
+// At a pixel the ray from the eye is inside of a box between its farthest entry and its nearest
+// exit (the slab method). Reversed depth is proportional to 1 / w, so the depth at which the ray
+// meets a plane is affine in the pixel's coordinates: its extremes over a cell, or over all that a
+// rasteriser may take a pixel for, are its value in the middle and the slope times the reach. So
+// entries are taken as near as they can be, exits as far, and a box that a rasteriser would show is
+// never called hidden.
 #version 460
 
 layout(local_size_x = 64) in;
@@ -34,8 +35,8 @@ layout(std430, binding = 3) writeonly buffer Words { uint words[]; };
 layout(push_constant) uniform Constants {
     vec3 eye;
     float near;
-    // The direction with view depth 1 through the middle of the picture, and what a pixel to the
-    // right and a pixel down add to it.
+    // The direction with view depth 1 through the middle of the picture, and its change per pixel
+    // to the right and per pixel down.
     vec3 forward;
     uint first;
     vec3 right;
@@ -53,7 +54,7 @@ struct Planes {
     vec3 slack;
 };
 
-// What a box is in this view.
+// A box in this view.
 struct Slabs {
     Planes entries;
     Planes exits;
@@ -116,8 +117,8 @@ float largest(vec3 v) {
     return max(max(v.x, v.y), v.z);
 }
 
-// Whether the box may be as near as `depth` anywhere up to `reach` pixels, in x and in y, from `at`,
-// which is counted from the middle of the picture.
+// True if the box may be as near as `depth` anywhere up to `reach` pixels, in x and in y, from
+// `at`, which is counted from the middle of the picture.
 bool may_show(Slabs slabs, vec2 at, float reach, float depth) {
     float entry = least(nearest(slabs.entries, at, reach));
     float exit = max(largest(farthest(slabs.exits, at, reach)),

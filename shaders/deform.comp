@@ -1,16 +1,16 @@
-// The deform pass: morphs the vertices of a mesh, then skins them, and writes them where all passes read
-// them. What stays as it is, colours and coordinates, is not touched.
+// The deform pass: morphs the vertices of a mesh, then skins them, and writes them where all passes
+// read them. Colours and coordinates do not change and are not touched.
 #version 460
 
 layout(local_size_x = 64) in;
 
-// Five words a vertex: position, normal as snorm8, colour.
+// Five words per vertex: position, normal as snorm8, colour.
 layout(std430, binding = 0) writeonly buffer Vertices { uint vertices[]; };
-// Ten words a vertex: normal and tangent as snorm16, then what shading needs beside them.
+// Ten words per vertex: normal and tangent as snorm16, then the other attributes of shading.
 layout(std430, binding = 1) writeonly buffer Surfaces { uint surfaces[]; };
-// What does not change: vertices at rest, how they hang on joints, what targets add to them.
+// The constant part: vertices at rest, their joints and weights, the targets' differences.
 layout(std430, binding = 2) readonly buffer Forms { uint forms[]; };
-// What changes: the joints, and the targets that count.
+// The pose: the joints, and the targets with weights.
 layout(std430, binding = 3) readonly buffer Poses { uint poses[]; };
 
 // All but the counts are numbers of words.
@@ -39,7 +39,7 @@ vec4 pose_row(uint at) {
     return uintBitsToFloat(uvec4(poses[at], poses[at + 1], poses[at + 2], poses[at + 3]));
 }
 
-// What a target adds; `list` is where its list begins, if it has one.
+// The difference that a target adds; `list` is where its list begins, if it has one.
 vec3 added(uint list, uint vertex) {
     return list == NOTHING ? vec3(0.0) : form_vector(list + 3 * vertex);
 }

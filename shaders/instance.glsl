@@ -1,9 +1,11 @@
-// What the vertex shaders know of an object: one entry per leaf, in depth-first order of the hierarchy.
+// The data of an object for vertex shaders: one entry per leaf, in depth-first order of the
+// hierarchy.
 
 struct Instance {
     vec4 rows[3]; // object to world, row-major 3x4
-    // With surfaces: material, slot of its list of lights, how many lights. Without: the bits of the tint, linear;
-    // the vertex colour says how much of it shows. The last: place of its sprites, 0 without any.
+    // With surfaces: material, slot of its list of lights, number of lights. Without: the bits of
+    // the tint, linear; the vertex colour has its share. The last: place of its sprites, 0 without
+    // any.
     uvec4 tail;
 };
 

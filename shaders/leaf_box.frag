@@ -1,5 +1,5 @@
-// The leaf-box pass: a fragment that passes the depth test switches on the draw of its leaf; the first
-// one also notes it in the list that goes home.
+// The leaf-box pass: a fragment that passes the depth test switches on the draw of its leaf; the
+// first one also adds it to the list that is read back.
 #version 460
 
 layout(early_fragment_tests) in;
@@ -21,7 +21,7 @@ layout(std430, binding = 2) buffer List { uint list[]; };
 
 const uint LISTED_DRAWS = 4095;
 
-// Others may be at the same draw: who reads an old zero exchanges once more.
+// Other fragments may set the same draw: one that reads an old zero exchanges once more.
 void main() {
     if (draws[leaf].instance_count != 0 || atomicExchange(draws[leaf].instance_count, 1) != 0) {
         return;

@@ -1,4 +1,5 @@
-// The leaf-box pass: the front faces of the proxy of a leaf, enlarged here as `cull::Margin` does it.
+// The leaf-box pass: the front faces of the proxy of a leaf, enlarged here as `cull::Margin` does
+// it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "box.glsl"
@@ -13,7 +14,7 @@ layout(push_constant) uniform Constants {
 
 layout(location = 0) flat out uint leaf;
 
-// What other rounding than on the CPU may cost, as a share of the distance.
+// The error of rounding that differs from the CPU's, as a share of the distance.
 const float CAUTION = 1.0 + 1.0 / 65536.0;
 
 void main() {

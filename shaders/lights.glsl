@@ -1,4 +1,4 @@
-// The lights of KHR_lights_punctual: how much of each arrives where.
+// The lights of KHR_lights_punctual: the light that arrives at a place.
 
 struct PunctualLight {
     vec4 position;  // w: 1 / range, 0 without one
@@ -17,8 +17,8 @@ uint light_of_list(uint slot, uint place) {
     return (place & 1u) != 0u ? word >> 16 : word & 0xFFFFu;
 }
 
-// What of a point's or spot's light arrives at a place, of which it lies that way and that far: the inverse
-// square, which the recommended window takes to 0 at the light's range, and the cone.
+// The part of a point's or spot's light that arrives at a place, from this direction and distance:
+// the inverse square, which the recommended window takes to 0 at the light's range, and the cone.
 vec3 arriving(PunctualLight light, vec3 towards_light, float squared_distance, float inverse_distance) {
     float inverse_square = inverse_distance * inverse_distance;
     float share = squared_distance * light.position.w * light.position.w;

@@ -1,9 +1,11 @@
 // Materials, as `surfaces/materials.rs` packs them, and the textures they lie on.
 
 struct Material {
-    // Base colour as four unorm16; roughness and metallic; strength of occlusion as unorm16 and flags.
+    // Base colour as four unorm16; roughness and metallic; strength of occlusion as unorm16 and
+    // flags.
     uvec4 factors;
-    // Cutoff of alpha and scale of normals as floats; textures of the base colour, of roughness and metallic.
+    // Cutoff of alpha and scale of normals as floats; textures of the base colour, of roughness and
+    // metallic.
     uvec4 cuts;
     // Three floats, and its texture.
     uvec4 emission;

@@ -1,4 +1,4 @@
-// What hangs on a word, and the draws of boxes that go before a decision draw by draw.
+// The draws that depend on a predicate, and the draws of boxes that precede a decision per draw.
 
 struct Decided {
     uint first;

@@ -1,5 +1,5 @@
-// Turns the word of each decision into two draw counts: 0 if no more showed than the threshold, else
-// the whole range and the one command that draws its boxes.
+// Turns the word of each decision into two draw counts: 0 if no more showed than the threshold,
+// else the whole range and the one command that draws its boxes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "predicate.glsl"

@@ -1,5 +1,5 @@
-// What both phases of the pyramid strategy share: the boxes and draws of all leaves, what of the
-// picture a box may cover, and the list of what is drawn.
+// The parts that both phases of the pyramid strategy share: the boxes and draws of all leaves, the
+// pixels that a box may cover, and the list of draws.
 
 struct Box {
     vec3 low;
@@ -56,7 +56,7 @@ float largest(vec3 v) {
     return max(max(v.x, v.y), v.z);
 }
 
-// Whether some of a box may lie beyond none of the planes left, right, top, bottom and near.
+// True if some of a box may lie beyond none of the planes left, right, top, bottom and near.
 bool is_in_sight(vec3 centre, vec3 extent, float near) {
     vec3 planes[4] = vec3[](row_w.xyz + row_x.xyz, row_w.xyz - row_x.xyz,
                             row_w.xyz + row_y.xyz, row_w.xyz - row_y.xyz);
@@ -68,10 +68,10 @@ bool is_in_sight(vec3 centre, vec3 extent, float near) {
     return in_sight;
 }
 
-// What a box may cover. The box is enlarged as in `cull::Margin`, whose argument then says: where the
-// object owns a sample, the enlarged box holds a point that is as near, under a pixel away. Rounding
-// here is far below what the box has grown by; on top, the rectangle grows by half a pixel and to whole
-// pixels, the nearest depth by some units in its last place.
+// The pixels that a box may cover. The box is enlarged as in `cull::Margin`, whose proof then says:
+// where the object owns a sample, the enlarged box holds a point that is as near, under a pixel
+// away. Rounding here is far below what the box has grown by; on top, the rectangle grows by half a
+// pixel and to whole pixels, the nearest depth by some units in its last place.
 Coverage coverage(Box box) {
     const float NEAR_SLACK = 1.0 / 1024.0;
     const float DEPTH_SLACK = 1.0 / 1048576.0;
@@ -89,7 +89,7 @@ Coverage coverage(Box box) {
     float farthest = max(depth + dot(abs(row_w.xyz), extent), near);
     extent += row_y.w * farthest + slack;
     float reach = dot(abs(row_w.xyz), extent);
-    // Written so that what is no number counts as too near.
+    // Written so that NaN counts as too near.
     covers.too_near = !(depth - reach - slack > near * (1.0 + NEAR_SLACK));
     covers.nearest = near / (depth - reach) * (1.0 + DEPTH_SLACK);
     vec2 middle = vec2(dot(row_x.xyz, centre), dot(row_y.xyz, centre));

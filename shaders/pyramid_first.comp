@@ -1,4 +1,5 @@
-// Phase 1 of the pyramid strategy: draws what is in the frustum and was visible in the last frame.
+// Phase 1 of the pyramid strategy: draws leaves that are in the frustum and were visible in the
+// last frame.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "pyramid.glsl"

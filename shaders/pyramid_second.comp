@@ -1,5 +1,6 @@
-// Phase 2 of the pyramid strategy: tests all that is in the frustum against the farthest depths of what
-// phase 1 drew, draws what shows and was not drawn, and notes what shows for the next frame.
+// Phase 2 of the pyramid strategy: tests all leaves in the frustum against the farthest depths of
+// the draws of phase 1, draws those that are visible and were not drawn, and notes the visible ones
+// for the next frame.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "pyramid.glsl"
@@ -7,8 +8,8 @@
 
 layout(std430, binding = 5) readonly buffer Depths { float depths[]; };
 
-// True if every sample the box may cover is nearer than all of the box. Reads the lowest level at which
-// the rectangle meets at most 4x4 texels, and all of these.
+// True if every sample the box may cover is nearer than all of the box. Reads the lowest level at
+// which the rectangle meets at most 4x4 texels, and all of these.
 bool is_hidden(Coverage covers) {
     const int MOST = 4;
     int level = 0;

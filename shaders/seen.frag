@@ -1,4 +1,4 @@
-// The seen pass: whoever passes the test against the finished depth owns a pixel.
+// The seen pass: a fragment that passes the test against the finished depth owns a pixel.
 #version 460
 
 layout(early_fragment_tests) in;

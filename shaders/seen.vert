@@ -1,4 +1,4 @@
-// The seen pass: the opaque pass's positions to the bit, and which leaf a vertex belongs to.
+// The seen pass: the opaque pass's positions to the bit, and the leaf that a vertex belongs to.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "instance.glsl"

@@ -1,14 +1,15 @@
-// Sprites: points and lines, drawn as squares and bars that face the camera. An object of sprites has vertices
-// without a place of their own: each says which corner of which sprite it is. Where the sprites are lies behind
-// all instances, as words of four numbers:
+// Sprites: points and lines, drawn as squares and bars that face the camera. An object of sprites
+// has vertices without a position of their own: each names a corner of a sprite. The sprites lie
+// behind all instances, as words of four numbers:
 //
-//   head   radius in the object's space; words of an end; ends of a sprite, 1 of a point and 2 of a line
+//   head   radius in the object's space; words of an end; ends of a sprite (a point: 1, a line: 2)
 //   end    position; square root of the linear colour in 24 bits, as a whole number
 //          normal, where an end has two words
 //
-// Whoever includes this has `instances` at binding 0.
+// A shader that includes this has `instances` at binding 0.
 
-// Scenes without sprites are drawn by pipelines compiled without them: SIMD drivers execute both sides of a branch.
+// Scenes without sprites are drawn by pipelines compiled without them: SIMD drivers execute both
+// sides of a branch.
 layout(constant_id = 13) const bool SPRITES = false;
 
 // A little less than the room that boxes have around the ends for each metre of the radius.
@@ -20,7 +21,8 @@ vec4 sprite_word(uint place) {
     return part == 3u ? uintBitsToFloat(block.tail) : block.rows[part];
 }
 
-// Where the words of an end begin. Of a corner x is the end, 0 or 1, y the side, -1 or 1, z the sprite's number.
+// The index of the first word of an end. Of a corner x is the end, 0 or 1, y the side, -1 or 1, z
+// the sprite's number.
 uint sprite_end(uint head_place, vec4 head, vec3 corner, float end) {
     uint ends = uint(head.z);
     uint number = uint(corner.z) * ends + min(uint(end), ends - 1u);
@@ -48,7 +50,7 @@ vec3 sprite_to_world(Instance instance, vec3 corner, mat4 view_proj) {
     return (corner.x > 0.5 ? to : from) + aside;
 }
 
-// Where a vertex is: of an object of sprites a corner, else its position.
+// The position of a vertex: of an object of sprites a corner, else its own.
 vec3 vertex_to_world(Instance instance, vec3 position, mat4 view_proj) {
     return SPRITES && instance.tail.w != 0u ? sprite_to_world(instance, position, view_proj) : to_world(instance, position);
 }

@@ -1,5 +1,5 @@
-// The surface pass: metallic-roughness materials under punctual lights and a hemisphere of ambient light;
-// sRGB is encoded by the attachment.
+// The surface pass: metallic-roughness materials under punctual lights and a hemisphere of ambient
+// light; sRGB is encoded by the attachment.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "material.glsl"
@@ -30,7 +30,7 @@ vec3 shading_normal() {
     return unit_or(mapped.x * t + mapped.y * b + mapped.z * n, n);
 }
 
-// What comes from everywhere: the hemisphere on the diffuse part, and, where it is mirrored, on the
+// The ambient light: the hemisphere on the diffuse part, and, where it is mirrored, on the
 // specular one; rougher surfaces mirror more of what is around their normal.
 vec3 ambient(Brdf brdf, float roughness) {
     float mirrored = reflect(-brdf.towards_eye, brdf.normal).y;

@@ -1,4 +1,5 @@
-// The surface pass: places vertices of a scene with surfaces, at the opaque pass's positions to the bit.
+// The surface pass: places vertices of a scene with surfaces, at the opaque pass's positions to the
+// bit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "instance.glsl"
@@ -54,8 +55,8 @@ void main() {
     vec4 clip = view_proj * vec4(world, 1.0);
     gl_Position = snapped(clip, vec2(ambient_above.w, ambient_below.w));
 
-    // Normals follow the cofactors of the matrix, which stay finite for flat objects; they turn around
-    // where it mirrors, and so would bitangents.
+    // Normals follow the cofactors of the matrix, which stay finite for flat objects; they turn
+    // around where it mirrors, and so would bitangents.
     vec3 own_normal = normal.xyz;
     vertex_colour = colour;
     if (SPRITES && instance.tail.w != 0u) {
@@ -70,8 +71,8 @@ void main() {
     y = near_one(y, largest);
     z = near_one(z, largest);
     float turn = dot(x, cross(y, z)) < 0.0 ? -1.0 : 1.0;
-    // Of a triangle with both sides a mirror shows the other one, which has all of this turned: the normal
-    // stays what it is then, and the tangent turns instead.
+    // Of a triangle with both sides a mirror shows the other one, which has all of this turned: the
+    // normal stays what it is then, and the tangent turns instead.
     bool has_both_sides = normal.w > 0.5;
     float tangent_turn = has_both_sides ? turn : 1.0;
     turn = has_both_sides ? 1.0 : turn;

@@ -1,4 +1,4 @@
-// What decides, for fragments of the surface passes, what a surface's base colour and alpha are.
+// The base colour and the alpha of a surface, for fragments of the surface passes.
 
 layout(location = 0) in vec4 uvs;           // two sets
 layout(location = 1) in vec4 vertex_colour; // linear

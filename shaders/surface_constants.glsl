@@ -1,5 +1,5 @@
-// What is the same for all that one surface pass draws: the view and the ambient light in 112 bytes of push
-// constants, and what the scene makes use of, which pipelines are compiled for.
+// The constants of all draws of one surface pass: the view and the ambient light in 112 bytes of
+// push constants, and the features that the scene uses, for which pipelines are compiled.
 
 layout(push_constant) uniform Constants {
     mat4 view_proj;

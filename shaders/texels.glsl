@@ -1,6 +1,6 @@
-// Texels of materials: which page a texture lies on, and where on it.
+// Texels of materials: the page that a texture lies on, and its place there.
 
-// From texture coordinates to those of one texture.
+// The transform from texture coordinates to those of one texture.
 struct TextureTransform {
     vec4 axes; // columns of a 2x2 matrix
     vec4 origin;
@@ -20,8 +20,8 @@ bool has_texture(uint texture_word) {
 // with it to one material: they take the same branch, and derivatives are defined.
 vec4 texel(const uint used, uint texture_word, vec4 uvs) {
     vec2 uv = (texture_word & 16u) != 0u ? uvs.zw : uvs.xy;
-    // Of coordinates that were not transformed yet: beyond a triangle's edge, where only derivatives are
-    // looked for, some drivers read zeros from buffers (Mesa's llvmpipe does).
+    // Of coordinates that were not transformed yet: beyond a triangle's edge, where only
+    // derivatives are looked for, some drivers read zeros from buffers (Mesa's llvmpipe does).
     vec2 step_x = dFdx(uv);
     vec2 step_y = dFdy(uv);
     if (TRANSFORMED) {

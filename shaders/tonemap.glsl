@@ -1,5 +1,5 @@
-// Khronos PBR Neutral tone mapping: colours that a display has stay what they are, save for the 4 % that
-// a dielectric's surface adds; brighter ones are compressed and lose their saturation.
+// Khronos PBR Neutral tone mapping: colours that a display has stay what they are, save for the 4 %
+// that a dielectric's surface adds; brighter ones are compressed and lose their saturation.
 
 vec3 tone_mapped(vec3 light) {
     const float compressed_from = 0.8 - 0.04;

@@ -1,4 +1,5 @@
-// Edges of what is drawn: a colour that stands out from all materials, with a trace of theirs.
+// Edges of the drawn triangles: a colour that stands out from all materials, with a trace of
+// theirs.
 #version 460
 
 layout(location = 0) in vec3 world_normal;

@@ -2,7 +2,7 @@
 
 use crate::files::SourceFile;
 
-/// A crate says in its manifest all that a registry shows of it, or that it is not published.
+/// Finds published crates whose manifest lacks a description that registries show.
 pub fn published(files: &[SourceFile]) -> Vec<String> {
     const SHOWN: [&str; 5] = ["description", "license", "readme", "keywords", "categories"];
     let mut findings = Vec::new();
