@@ -11,6 +11,7 @@ mod knots;
 mod manifests;
 mod map;
 mod modules;
+mod prose;
 mod rules;
 mod tokens;
 
