@@ -51,7 +51,7 @@ impl<'a> Show<'a> {
             Shown::Not(other) => panic!("{other:?}"),
         }
         assert!(self.swapchain.retiring() <= MOST_RETIRING, "{}", self.swapchain.retiring());
-        // What waits for a tick: chains, and what a few frames left.
+        // These wait for a tick: swapchains, and objects of a few frames.
         assert!(self.stage.device.retired() < 40, "{}", self.stage.device.retired());
     }
 

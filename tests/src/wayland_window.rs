@@ -69,7 +69,7 @@ impl WaylandWindow {
         let mut queue = self.queue.lock().unwrap();
         let (queue, events) = &mut *queue;
         queue.flush().unwrap();
-        // Where the driver waits for the compositor in another thread, reading waits for that
+        // If the driver waits for the compositor in another thread, reading waits for that
         // thread unless there is something to read.
         if let Some(guard) = queue.prepare_read() {
             let mut sockets = [PollFd::from_borrowed_fd(guard.connection_fd(), PollFlags::IN)];

@@ -11,7 +11,7 @@ use std::path::Path;
 /// the system.
 pub fn open(path: &Path, bytes_max: u64) -> io::Result<io::Take<File>> {
     let file = open_at_once(path)?;
-    // What was opened counts: what stands there may change.
+    // The opened file counts: the name may come to stand for another.
     let found = file.metadata()?;
     let refuse = |reason: String| Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
     if found.is_dir() {

@@ -34,7 +34,7 @@ pub struct Walk<'a> {
     reference: Eyes,
     references: BTreeMap<u32, Vec<u8>>,
     pictures: Vec<Readback>,
-    // What owns a pixel in each frame, for `ideal`.
+    // The objects that own a pixel in each frame, for `ideal`.
     visible_sets: BTreeMap<u32, Vec<VisibleSet>>,
 }
 

@@ -221,7 +221,7 @@ impl Cast {
                 _ => {}
             }
         }
-        // Who goes makes room for who comes.
+        // Objects that go make room for those that come.
         changes.append(&mut arrivals);
         changes.append(&mut moves);
         &self.changes

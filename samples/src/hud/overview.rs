@@ -31,7 +31,7 @@ pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, measures: &Measures) -> Opt
         Room::None => return None,
     };
     if end > bottom {
-        // What has no room as a whole is left out as a whole.
+        // A part that does not fit as a whole is left out as a whole.
         canvas.shapes.truncate(begin);
         return None;
     }

@@ -107,7 +107,7 @@ fn check(page: &HudPage, size: [u32; 2]) {
     let (panels, texts, screen) = laid_out(page, size);
     let said = [&page.toast, &page.asked].into_iter().flatten().count();
     for (place, panel) in panels.iter().enumerate() {
-        // What is said alone is shown however small the picture is.
+        // A message alone is shown in pictures of any size.
         let is_notice = place < said;
         assert!(is_notice || screen.expand(0.1).contains_rect(*panel), "{size:?}: {panel:?}");
         for other in &panels[..place] {

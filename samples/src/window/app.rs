@@ -102,7 +102,7 @@ impl App<'_> {
     fn key(&mut self, event: &KeyEvent) -> Result<bool, RunError> {
         let Some(opened) = &mut self.opened else { return Ok(false) };
         let is_escape = event.physical_key == PhysicalKey::Code(KeyCode::Escape);
-        // What is typed into a list or field neither steers nor does actions.
+        // Keys in a list or field neither steer nor trigger actions.
         if opened.session.menu.is_none() || is_escape || !event.state.is_pressed() {
             let action = self.input.key(event);
             return action.map_or(Ok(false), |action| opened.act(action));

@@ -129,7 +129,7 @@ impl Comparison {
             self.strategy = strategy;
             self.tally = Tally::default();
             self.marks.clear();
-            // What is on its way is of the other one.
+            // The pending pairs are of the other one.
             self.pairs.clear();
         }
     }

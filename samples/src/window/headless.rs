@@ -110,7 +110,7 @@ fn draw_frames(
         if let (Some(picture), Some(folder)) = (&picture, &options.out) {
             device.drain()?;
             let path = folder.join(format!("frame_{frame:05}.png"));
-            // What is lost is an error in the end; the next one may have a place.
+            // A lost picture is an error in the end; the next one may be written.
             let _kept = session.screenshots.write(picture, &path);
         }
         session.after_frame()?;

@@ -104,7 +104,7 @@ impl Input {
             KeyCode::End => Some(MenuKey::Last),
             KeyCode::Enter | KeyCode::NumpadEnter => Some(MenuKey::Enter),
             KeyCode::Backspace => Some(MenuKey::Backspace),
-            // What a layout writes matters here, and only here.
+            // The layout's characters matter here, and only here.
             _ => event.text.as_ref().map(|text| MenuKey::Text(text.to_string())),
         }
     }

@@ -52,7 +52,7 @@ mod tests {
         assert_eq!(leaving.escape(at(1), Some(Escape::Free)), Escape::Free);
         assert_eq!(leaving.escape(at(2), None), Escape::Ask);
         assert_eq!(leaving.escape(at(10), None), Escape::Ask, "too late");
-        // What closes or frees something in between is no confirmation.
+        // An Esc that closes or frees something in between is no confirmation.
         assert_eq!(leaving.escape(at(11), Some(Escape::Free)), Escape::Free);
         assert_eq!(leaving.escape(at(11), None), Escape::Ask);
         assert_eq!(leaving.escape(at(12), None), Escape::Quit);

@@ -48,7 +48,7 @@ mod tests {
         assert!(titles(nothing, false).is_empty());
         let above = "Boxes and the camera";
         assert_eq!(titles(all, false), ["Boxes that are tested", "Wireframe", above]);
-        // What is frozen shows the boxes by their level, whatever is explained.
+        // A frozen view shows the boxes by their level, with any explanation.
         assert_eq!(titles(nothing, true), [above]);
         assert_eq!(titles(all, true), [above, "Wireframe", above]);
         for legend in of(all, false) {

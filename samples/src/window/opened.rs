@@ -206,7 +206,7 @@ impl Opened {
         if self.is_occluded {
             self.not_before = now.after(HIDDEN_INTERVAL);
         } else if self.arrivals.is_first_awaited() {
-            // What is on its way needs the machine more than an empty sky.
+            // Loading needs the machine more than an empty sky.
             self.not_before = now.after(WAITING_INTERVAL);
         }
         match shown {

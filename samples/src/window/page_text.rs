@@ -222,7 +222,7 @@ fn how_evenly(screen: &ScreenFacts) -> Facts {
         ms(times.as_ref().map(|times| pick(times).as_secs_f64() * 1e3))
     };
     let count = |number: Option<u64>| number.map_or(UNKNOWN.to_owned(), grouped);
-    // What is not reported from the screen is known from the starts of frames at least.
+    // Without reports from the screen, the starts of frames are known at least.
     let intervals = summary.present_intervals.or(summary.start_intervals);
     let hitches = summary.hitches.or(summary.start_hitches);
     vec![

@@ -148,7 +148,7 @@ impl Screen {
         frame: PacedFrameId,
         size: [u32; 2],
     ) -> Result<Shown, RunError> {
-        // What is finished by now cannot be what the window's image is waited for.
+        // Frames that are finished by now cannot be the reason to wait for the window's image.
         self.look()?;
         let from = self.clock.now();
         let shown = renderer.present(&mut self.swapchain, size);

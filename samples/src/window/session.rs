@@ -232,7 +232,7 @@ impl Session {
         let scope = self.begin_scope("render");
         let began = scope.began;
         self.follow_selection()?;
-        // What was decided stays decided while the culling stands still, so all else does, too.
+        // Decisions stay while the culling is frozen, so all else stays, too.
         if self.frozen.is_none() {
             self.scene_view.advance(seconds);
         }

@@ -28,7 +28,7 @@ impl Running {
 
     pub fn city(scratch: &Scratch, server: &Xvfb, arguments: &[&str]) -> Self {
         let all = ["--objects", "500", "--size", SIZE, "--device", "llvmpipe"];
-        // What pays is for the machine to say; the keys that show tests want some.
+        // The tests that pay depend on the machine; the keys that show tests need some.
         let all = [&all[..], &["--validation", "sync", "--costs", "ignored"], arguments].concat();
         let mut command = program(crate::CITY, &scratch.0, &all);
         command.env("DISPLAY", server.display()).env("RUST_LOG", "samples=info,winit=error");

@@ -33,7 +33,7 @@ pub fn try_bytes(bytes: &[u8]) -> Result<(), ImportError> {
     let source = read(bytes.to_vec(), None, &small_limits())?;
     read_everything(&source);
     drop(source);
-    // What is well-formed can still hold numbers of which no scene can be made.
+    // Well-formed files can still hold numbers of which no scene can be made.
     let options = LoadOptions { limits: small_limits(), ..LoadOptions::default() };
     let listener = &mut |_| ControlFlow::Continue(());
     if let Ok(imported) = load_bytes(bytes.to_vec(), None, &options, listener) {

@@ -247,7 +247,7 @@ pub fn transformed(png: &[u8]) -> Vec<u8> {
 /// Returns a scene with one node per mesh, and nothing else.
 fn plain(meshes: &[Value], materials: &[Value], bytes: &Bytes) -> Vec<u8> {
     let nodes: Vec<Value> = (0..meshes.len()).map(|mesh| json!({"mesh": mesh})).collect();
-    // What is behind all numbers is an image.
+    // The bytes behind all numbers are an image.
     let is_image = |accessor: &&Value| accessor["componentType"] == 5121;
     let images: Vec<Value> = bytes
         .accessors

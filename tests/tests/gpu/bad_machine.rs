@@ -388,7 +388,7 @@ fn prices_that_cannot_be_measured_are_no_reason_to_fail() {
     let (without, with) = (counts(&told), counts(&measured));
     let mut forgiven = 0;
     for (call, (without, with)) in all.iter().zip(without.into_iter().zip(with)) {
-        // What comes after it is a handful of calls; half of those that it makes are surely its
+        // A handful of calls follow it; half of those that it makes are surely its
         // own.
         let own = with.saturating_sub(without) / 2;
         for number in (without..without + own).step_by(own.div_ceil(3).max(1)) {

@@ -155,7 +155,7 @@ fn a_triangle_and_its_back_are_counted_as_one() {
             ..Default::default()
         };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
-        // What is decided by the CPU is counted there, and by the pyramid on the GPU.
+        // Draws that the CPU decides are counted there, those of the pyramid on the GPU.
         for (error_pixels, of_cube) in [(0.0, 12), (1e6, 6)] {
             let policy = DetailPolicy { error_pixels, hysteresis: 0.0 };
             renderer.choose_detail(&[camera(0)], &policy);

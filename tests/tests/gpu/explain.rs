@@ -26,7 +26,7 @@ impl Studio {
     fn with(device: &Device, predication: Option<Predication>) -> Self {
         let GeneratedScene { scene, routes } = city(400, 5).unwrap();
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
-        // What is measured differs from one renderer to the next, and plans with it.
+        // Measured costs differ from one renderer to the next, and plans with them.
         let costs = Costs::Ignored;
         let options = RendererOptions {
             methods: methods::ALL,

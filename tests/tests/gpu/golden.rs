@@ -97,7 +97,7 @@ fn every_frame_is_exact_while_the_scene_lives() {
         let mut stage = Stage::open(device, file, camera);
         let strategies = [Strategy::Frustum, Strategy::Antumbra];
         let mut views = strategies.map(|_| stage.renderer.new_view().unwrap());
-        // Plain frustum culling takes seconds a frame for 65 million triangles.
+        // Plain frustum culling takes seconds per frame for 65 million triangles.
         let frames = if file.ends_with("rooms.glb") { 6 } else { 24 };
         let frames: Vec<[Readback; 2]> = (0..frames)
             .map(|frame| {

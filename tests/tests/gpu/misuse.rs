@@ -101,7 +101,7 @@ fn options_beyond_all_limits_are_refused_before_anything_is_made() {
             let sentence = refused(RendererOptions { spare_objects, ..options() });
             assert!(sentence.contains("objects are more than one hierarchy holds"), "{sentence}");
         }
-        // What a hierarchy could hold, and the device cannot: 64 bytes each.
+        // More than the device holds, but not more than a hierarchy: 64 bytes each.
         let most = device.adapter().limits.max_storage_buffer_range as usize / 64;
         let sentence = refused(RendererOptions { spare_objects: most, ..options() });
         let names_limit = sentence.contains(&format!("at most {most} here"));

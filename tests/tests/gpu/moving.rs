@@ -124,7 +124,7 @@ fn exact_while_moving(device: &Device, objects: u32, frames: u32) {
             let moving = Moving::new(SceneKind::City.build(objects), path, percent);
             for in_flight in 1..=3 {
                 let [all, ours] = moving.check(device, &options(in_flight), frames);
-                // Where everything moves, much comes and goes, and hides less.
+                // In a scene that moves everywhere, much comes and goes, and hides less.
                 let most = if percent == 10 { all / 2 } else { all * 3 / 4 };
                 assert!(ours < most, "{path}, {percent} %: {ours} of {all} drawn");
             }

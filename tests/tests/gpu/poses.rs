@@ -104,7 +104,7 @@ fn poses_wait_until_a_view_may_show_them() {
         assert_eq!(look(&mut renderer, there), (1, vertices));
         renderer.set_pose(SkinnedMeshId(0), &far(60.0), &weights).unwrap();
         assert_eq!(look(&mut renderer, there), (0, 0), "neither is seen");
-        // What is seen behind the camera is what was set last.
+        // Behind the camera, the last pose is the one seen.
         assert_eq!(look(&mut renderer, away), (1, vertices));
         renderer.update(&[ObjectChange::Remove { object: ObjectId(0) }]).unwrap();
         renderer.set_pose(SkinnedMeshId(0), &far(10.0), &weights).unwrap();

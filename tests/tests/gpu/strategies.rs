@@ -304,7 +304,7 @@ fn a_frame_is_sent_off_in_pieces() {
         gate.signal(Tick(1)).unwrap();
         frame.wait(ticks[50]).unwrap();
         assert!(device.completed().unwrap() >= ticks[50]);
-        // What was never submitted is not waited for.
+        // A tick that was never submitted is not waited for.
         frame.wait(Tick(u64::MAX)).unwrap();
         assert!(frame.waits() <= 2);
         ticks.push(frame.submit(None).unwrap());

@@ -349,7 +349,7 @@ fn many_objects_are_left_out() {
 
 #[test]
 fn next_frame_is_right_once_its_answers_are_home() {
-    // What ties counts as visible on its own draw, too, or it would come and go for ever.
+    // A tied surface counts as visible on its own draw, too, or it would flicker for ever.
     run_on_all(|device| {
         let mut renderer = Renderer::new(device, &ties(), &options(2)).unwrap();
         let [from, .., to] = cameras(12)[..] else { panic!("cameras") };

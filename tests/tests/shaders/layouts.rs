@@ -124,7 +124,7 @@ fn predicates_read_words_and_ranges() {
     let [of_counts, of_instances] = OF_GPU.map(|shader| interface(shader.name));
     assert_eq!(of_counts, (vec![words.clone(), ranges.clone(), counts], 12));
     assert_eq!(of_instances, (vec![words, ranges, draws, boxes], 12));
-    // What vkCmdDrawIndexedIndirect reads.
+    // The layout that vkCmdDrawIndexedIndirect reads.
     assert_eq!(size_of::<IndirectDraw>(), size_of::<gpu::vk::DrawIndexedIndirectCommand>());
     assert_eq!(INDIRECT_DRAW_OFFSETS, [0, 4, 8, 12, 16]);
 }
@@ -194,7 +194,7 @@ fn push_constants_fit_every_device() {
 fn the_deform_pass_reads_and_writes_words() {
     let words = |binding| (binding, 4, vec![0]);
     assert_eq!(interface("deform.comp"), ([0, 1, 2, 3].map(words).to_vec(), 32));
-    // What its words are: a vertex is five of them, a surface vertex ten.
+    // Its words: a vertex has five of them, a surface vertex ten.
     assert_eq!(size_of::<scene::Vertex>(), 5 * 4);
     assert_eq!(size_of::<scene::SurfaceVertex>(), 10 * 4);
     assert_eq!(offset_of!(scene::Vertex, normal), 3 * 4);

@@ -132,7 +132,7 @@ fn a_thousand_switches_leave_the_picture_and_keep_nothing() {
         }
         stage.device.drain().unwrap();
         let memory = stage.device.memory_bytes().0;
-        // What the strategies took turns with may lie a little differently.
+        // The memory that the strategies used in turn may be laid out a little differently.
         assert!(memory <= halfway.0 + (8 << 20), "{driver:?}: {memory} bytes, {}", halfway.0);
         assert!(most_retired <= 2 * halfway.1, "{driver:?}: {most_retired}, {}", halfway.1);
         drop((swapchain, picture, view, renderer));

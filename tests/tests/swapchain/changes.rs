@@ -110,7 +110,7 @@ fn what_is_let_go_is_not_used_again_before_its_time() {
                 Acquired::Image(image) => image,
                 Acquired::Not(other) => panic!("{driver:?}: {other:?}"),
             };
-            // What is presented may depend on nothing that is yet to be signalled.
+            // A present may depend on nothing that is yet to be signalled.
             gate.signal(gpu::Tick(1)).unwrap();
             assert!(image.show(&painter.target).unwrap().presented().is_some());
             await_picture(&expected, || window.pixels(size));

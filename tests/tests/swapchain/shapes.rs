@@ -73,7 +73,7 @@ fn a_circle_stays_a_circle_in_windows_of_any_shape() {
                     let found = f64::from(white[1][side] - white[0][side] + 1);
                     let middle = f64::from(white[1][side] + white[0][side] + 1) / 2.0;
                     let all = f64::from(picture[1][side] - picture[0][side] + 1);
-                    // What is interpolated at the edge is not white.
+                    // Interpolated pixels at the edge are not white.
                     (found - diameter).abs() < 4.0
                         && (middle - f64::from(size[side]) / 2.0).abs() < 2.0
                         && (all - f64::from(PICTURE[side]) * scale).abs() < 2.0

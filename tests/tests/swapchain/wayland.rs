@@ -117,7 +117,7 @@ fn a_window_may_be_closed_while_it_holds_a_picture_back() {
     let began = Instant::now();
     drop((swapchain, painter));
     assert!(began.elapsed() < A_WHILE, "closing took {:?}", began.elapsed());
-    // What the window left goes when the compositor lets go of the picture, and not before.
+    // The window's remains are freed when the compositor releases the picture, and not before.
     let held = stage.surface.holders();
     compositor.end();
     while stage.surface.holders() >= held {

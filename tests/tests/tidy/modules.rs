@@ -129,7 +129,7 @@ impl<'a> Modules<'a> {
                 "self" | "*" => {}
                 _ => match self.look_up(here, name, seen) {
                     Some(Place::Module(module)) => here = module,
-                    // What a macro made is found nowhere: it is of the module that it was asked of.
+                    // An item made by a macro is found nowhere: it belongs to the module named.
                     None if is_ours && at > 0 => return Some(Place::Item(here)),
                     other => return other,
                 },

@@ -32,7 +32,7 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
         assert!(message.contains(sentence), "{message}");
         assert_empty(&scratch);
     };
-    // What is wrong by itself: as every program says it.
+    // Arguments that are wrong by themselves: as in every program.
     for (mistake, sentence) in [
         (["--scene", "citty"], "did you mean 'city'?"),
         (["--strategy", "frustum,frustum"], "'frustum' twice"),
@@ -65,7 +65,7 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
         assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
         refused(mistake, sentence, message);
     }
-    // What is wrong with the others: one sentence.
+    // Arguments that are wrong together: one sentence.
     for (mistake, sentence) in [
         (["--path", "Camera"], "there is street, fly and cut"),
         (["--top-down", "120"], "from 0 to 119, not '120'"),

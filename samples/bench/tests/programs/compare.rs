@@ -151,7 +151,7 @@ fn the_page_shows_what_was_walked_through_and_how_steady_the_machine_was() {
     assert!(page.contains("alt=\"street 10k\" width=\"240\" height=\"135\""), "no thumbnail");
     assert!(page.contains("src=\"data:image/png;base64,iVBORw0KGgo"), "no picture in it");
     assert!(page.contains("pictures/b.1/frame_00000.png: "), "what is no picture is named");
-    // What was measured once, or differs too much, is to be measured again.
+    // Walks that were measured once, or differ too much, are to be repeated.
     let noisy = compare(&scratch, &["reports", "--noisy"]);
     assert_eq!(String::from_utf8_lossy(&noisy.stdout), "b\n");
 }

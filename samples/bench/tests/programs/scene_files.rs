@@ -131,7 +131,7 @@ fn without_a_name_it_is_the_first_camera_and_a_still_one_stands() {
     let more = ["--path=still", "--strategy=antumbra", "--out=still", "--pictures=24"];
     walk(&scratch, "llvmpipe", &more);
     let picture = |frame: u32| pixels(&scratch.0.join(format!("still/frame_{frame:05}.png")));
-    // Only the door moves, sixty frames a second.
+    // Only the door moves, sixty frames per second.
     assert!(picture(0) != picture(23));
 }
 

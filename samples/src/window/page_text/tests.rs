@@ -157,7 +157,7 @@ fn what_a_person_looks_for_is_said_first() {
         [figure("10,000", "objects"), figure("2,055", "in frustum"), figure("1,001", "drawn")]
     );
     assert_eq!(overview.split, Some(Split { drawn: 1_001, culled: 1_054 }));
-    // What the overlay takes is none of the engine's.
+    // The overlay's times are not the engine's.
     assert_eq!(overview.times, [figure("6.38 ms", "GPU"), figure("1.25 ms", "CPU")]);
     let verdict = Verdict::Inexact("inexact: 44 px at most".to_owned());
     assert_eq!(overview.verdict, verdict, "a threshold neglected samples");
