@@ -16,7 +16,7 @@ pub const fn summary(strategy: Strategy) -> &'static str {
         Strategy::AntumbraQueries => "ours, with occlusion queries for all tests",
         Strategy::AntumbraFlags => "ours, with flags set by fragments for all tests",
         Strategy::AntumbraCompute => "ours, with a compute shader for all tests",
-        Strategy::Ideal => "the bound: objects that own a pixel, found in advance",
+        Strategy::Ideal => "the bound: the exact visible set, found in advance",
     }
 }
 
