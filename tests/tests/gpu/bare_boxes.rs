@@ -196,7 +196,7 @@ fn an_owner_of_bare_boxes_gets_the_same_picture_and_draws_less() {
             let found = culled.draw(Strategy::Antumbra, &camera);
             assert_eq!(pixels_that_differ(&expected, &found), 0, "frame {frame}");
         }
-        let drawn = |host: &mut Host| host.state.take_outcomes().last().unwrap().draws;
+        let drawn = |host: &mut Host| host.state.take_outcomes().next_back().unwrap().draws;
         let [all, few] = [&mut plain, &mut culled].map(drawn);
         assert!(few > 1 && few < all / 2, "{few} of {all} boxes drawn");
     });
