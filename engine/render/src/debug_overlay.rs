@@ -22,8 +22,8 @@ pub struct DebugOverlay {
     /// True to draw the edges of all triangles that are taken as visible.
     pub has_wireframe: bool,
     /// True to draw the boxes of the tested nodes, seen through everything, coloured by their state
-    /// ([`crate::BOX_HIDDEN`], [`crate::BOX_BEHIND`], [`crate::BOX_UNKNOWN`],
-    /// [`crate::BOX_SHOWED`]).
+    /// ([`BOX_HIDDEN`], [`BOX_BEHIND`],
+    /// [`BOX_UNKNOWN`], [`BOX_SHOWED`]).
     pub has_boxes: bool,
     /// The part of the picture for the view from above.
     pub top_down: Option<Rect>,

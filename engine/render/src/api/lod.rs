@@ -9,7 +9,7 @@ impl Renderer {
     /// Lets objects take the forms ([`Surfaces::levels`](scene::Surfaces::levels)) whose errors are
     /// too small to be seen by any of the `cameras`; returns the number of objects that took
     /// another. To be called once per frame, before it: each call looks at no more than
-    /// [`DETAIL_OBJECTS_A_CALL`](crate::DETAIL_OBJECTS_A_CALL) objects, in turn, so that larger
+    /// 2,048 objects, in turn, so that larger
     /// scenes follow the camera some frames late.
     ///
     /// Visibility plays no part in it, so that frames are the same under every strategy. An error

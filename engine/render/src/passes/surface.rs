@@ -16,7 +16,8 @@ use occlusion::{Error, ShaderSet};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
     /// Depth alone, with the holes of masked materials. Where there are none,
-    /// [`OpaquePass::depth_only`](crate::OpaquePass::depth_only) draws the same depth for less.
+    /// [`OpaquePass::depth_only`](crate::passes::OpaquePass::depth_only) draws the same depth for
+    /// less.
     Depth,
     /// The colour of the surfaces that own a pixel of the finished depth, which was drawn by either
     /// of the two. Of equally near surfaces the larger value of each channel is kept, so the order

@@ -146,8 +146,8 @@ impl SurfaceResources {
     }
 
     /// Returns true if some object that is not blended has holes: then a
-    /// [`SurfaceKind::Depth`](crate::SurfaceKind::Depth) pass draws the depth, else
-    /// [`OpaquePass::depth_only`](crate::OpaquePass::depth_only).
+    /// [`SurfaceKind::Depth`](crate::passes::SurfaceKind::Depth) pass draws the depth, else
+    /// [`OpaquePass::depth_only`](crate::passes::OpaquePass::depth_only).
     pub fn is_masked(&self) -> bool {
         self.features[0].is_masked
     }
