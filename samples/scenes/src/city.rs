@@ -27,15 +27,10 @@ use self::ground::{KERB_M, Middle, PAVEMENT_M};
 use self::layout::{Axis, Court, DIVISIONS, Plan, block_centre, boundary_m};
 use self::palette::{Materials, TintKind, prop_tint, stone_tint, wall_tint};
 use self::props::Site;
+use super::error::GeneratorError;
+use super::generated::{GeneratedScene, HOVER_M, placement, room_for_objects, share};
 use super::random::Random;
-use super::{
-    Flight, GeneratedScene, GeneratorError, HOVER_M, Routes, Streets, placement, room_for_objects,
-    share,
-};
-
-/// The distance between the middles of neighbouring blocks, in metres: a binary fraction, so that
-/// neighbouring ground tiles have exactly the same edges.
-pub(super) const TILE_M: f32 = 64.0;
+use super::routes::{Flight, Routes, Streets};
 
 /// The distance between a district's wall and the line on which one walks along it, in metres.
 const WALL_WALK_M: f32 = 5.4;

@@ -8,11 +8,10 @@ use super::builder::{MeshBuilder, Paint};
 use super::city::ground::Plates;
 use super::city::palette::{Materials, TintKind, prop_tint};
 use super::city::{pavilions::pavilions, props::props};
+use super::error::GeneratorError;
+use super::generated::{GeneratedScene, HOVER_M, placement, room_for_objects, share};
 use super::random::Random;
-use super::{
-    Flight, GeneratedScene, GeneratorError, HOVER_M, Routes, Streets, placement, room_for_objects,
-    share,
-};
+use super::routes::{Flight, Routes, Streets};
 
 /// The side of a cell in metres; a cell holds one object in its middle.
 const CELL_M: f32 = 16.0;

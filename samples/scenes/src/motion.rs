@@ -14,7 +14,7 @@ use scene::{Object, ObjectChange, Scene};
 
 use self::act::Act;
 use self::room::Room;
-use super::GeneratorError;
+use super::error::{GeneratorError, MotionError};
 use super::random::Random;
 
 /// The number of movers per big one: a building or a gate house, which hides much.
@@ -28,17 +28,6 @@ const MOVERS_PER_GUEST: u32 = 6;
 
 /// The prefix of the names of ground objects, which stay.
 const GROUND: &str = "ground";
-
-/// The reasons why a motion cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum MotionError {
-    /// A percentage above 100.
-    #[error("{percent} percent of the objects cannot move: choose 0 to 100")]
-    Percent {
-        /// The percentage that was asked for.
-        percent: u32,
-    },
-}
 
 /// The moving objects of a scene, and their motions.
 #[derive(Clone, Debug)]

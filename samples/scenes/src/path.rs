@@ -11,8 +11,9 @@ use glam::{Vec2, Vec3, vec2};
 use scene::{FOV_Y_RAD, NEAR_M};
 
 use self::tour::Tour;
+use super::error::GeneratorError;
 use super::random::Random;
-use super::{Flight, GeneratorError, Routes, Streets};
+use super::routes::{Flight, Routes, Streets};
 
 /// The height of a walker's eye over the road, in metres.
 pub const EYE_HEIGHT_M: f32 = 1.7;

@@ -10,7 +10,7 @@ use glam::{Vec3, vec3};
 use scene::Mesh;
 
 use super::super::builder::{MeshBuilder, Paint};
-use super::TILE_M;
+use super::layout::TILE_M;
 
 /// The height of the pavement over the road, in metres.
 pub(crate) const PAVEMENT_M: f32 = 0.125;

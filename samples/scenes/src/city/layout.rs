@@ -2,8 +2,11 @@
 
 use glam::Vec2;
 
-use super::TILE_M;
 use super::buildings::{Footprint, LOT_M};
+
+/// The distance between the middles of neighbouring blocks, in metres: a binary fraction, so that
+/// neighbouring ground tiles have exactly the same edges.
+pub(super) const TILE_M: f32 = 64.0;
 
 /// Blocks along a side of a district.
 const DISTRICT_BLOCKS: i32 = 6;

@@ -6,8 +6,8 @@ use scene::Mesh;
 
 use super::super::builder::{Faces, Frame, MeshBuilder, panel};
 use super::super::random::Random;
-use super::TILE_M;
 use super::facade::{Entrance, Facade, Side};
+use super::layout::TILE_M;
 use super::palette::Materials;
 
 /// Half the width of gate houses and corner towers, in metres; both fill a square of that size.

@@ -6,7 +6,7 @@ use scene::Scene;
 
 use super::GROUND;
 use super::act::{Act, Pace};
-use crate::HOVER_M;
+use crate::generated::HOVER_M;
 use crate::random::Random;
 
 /// The distance that sweeps keep from each other and from resting objects, in metres.

@@ -5,8 +5,8 @@ use std::f32::consts::FRAC_PI_2;
 
 use glam::{Vec2, vec2};
 
-use super::super::Streets;
 use super::super::random::Random;
+use super::super::routes::Streets;
 use super::direction;
 
 /// The number of legs that are walked at random before the tour closes.
