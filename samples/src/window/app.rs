@@ -12,6 +12,8 @@ use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::WindowId;
 
 use super::clock::Clock;
+use super::display;
+use super::failures::first_error;
 use super::input::Input;
 use super::opened::{Next, Opened};
 use super::pointer::Button;
@@ -37,7 +39,7 @@ pub fn run(
     files: Files,
     signals: &Signals,
 ) -> Result<(), RunError> {
-    let event_loop = super::display::event_loop().map_err(no_display)?;
+    let event_loop = display::event_loop().map_err(display::no_display)?;
     let mut app = App {
         source,
         options,
@@ -52,19 +54,7 @@ pub fn run(
     let ran = event_loop.run_app(&mut app).map_err(failed);
     let App { opened, outcome, .. } = app;
     let closed = opened.map_or(Ok(()), |opened| opened.close(options));
-    super::first_error([outcome, ran, closed])
-}
-
-pub(super) fn no_display(error: impl std::fmt::Display) -> RunError {
-    // winit says first where in its own text that was found out.
-    let text = error.to_string();
-    let reason = text.rsplit_once(".rs:").map_or(text.as_str(), |(_, found)| {
-        found.trim_start_matches(|c: char| c.is_ascii_digit() || c == ':' || c == ' ')
-    });
-    let reason = reason.trim_end_matches('.');
-    RunError::machine(format!(
-        "there is no display to open a window on ({reason}); --headless does without"
-    ))
+    first_error([outcome, ran, closed])
 }
 
 /// The handler that winit calls.

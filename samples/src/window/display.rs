@@ -1,5 +1,6 @@
 //! The window system on which a window opens.
 
+use bench::run_error::RunError;
 use winit::error::EventLoopError;
 use winit::event_loop::EventLoop;
 
@@ -16,6 +17,19 @@ pub fn event_loop() -> Result<EventLoop<()>, EventLoopError> {
         winit::platform::x11::EventLoopBuilderExtX11::with_x11(&mut builder);
     }
     builder.build()
+}
+
+/// Returns the error of a missing display.
+pub(super) fn no_display(error: impl std::fmt::Display) -> RunError {
+    // winit says first where in its own text that was found out.
+    let text = error.to_string();
+    let reason = text.rsplit_once(".rs:").map_or(text.as_str(), |(_, found)| {
+        found.trim_start_matches(|c: char| c.is_ascii_digit() || c == ':' || c == ' ')
+    });
+    let reason = reason.trim_end_matches('.');
+    RunError::machine(format!(
+        "there is no display to open a window on ({reason}); --headless does without"
+    ))
 }
 
 #[cfg(target_os = "linux")]

@@ -8,6 +8,7 @@ use std::rc::Rc;
 use gpu::{Device, DeviceOptions, Readback};
 
 use super::actions::Action;
+use super::failures::{check_log, first_error};
 use super::fly_camera::Steering;
 use super::loaded_scene::LoadedScene;
 use super::session::{Files, Session};
@@ -42,7 +43,7 @@ pub fn run(
     drop(device);
     let log = instance.validation_log().clone();
     drop(instance);
-    super::first_error([drawn, super::check_log(&log)])
+    first_error([drawn, check_log(&log)])
 }
 
 fn draw(
@@ -77,7 +78,7 @@ fn draw(
     }
     let mut session = Session::new(device, options, files, loaded)?;
     let drawn = draw_frames(device, &mut session, options, signals);
-    super::first_error([drawn, session.finish(options)])
+    first_error([drawn, session.finish(options)])
 }
 
 fn draw_frames(

@@ -4,29 +4,26 @@
 //! it. It becomes a [`loaded_scene`]: a renderer, and the [`scene_view`] with its cameras and its
 //! motion; files do so while frames go on ([`loading`]). A [`session`] draws one frame after the
 //! other on request: of [`app`] when its [`screen`]'s pacer allows it, of [`headless`] at once.
-//! Keys and scripts trigger [`actions`] ([`act`]).
+//! Keys and scripts trigger [`actions`].
 
-pub mod act;
 pub mod actions;
+mod api;
 pub mod app;
 pub mod args;
 pub mod capture;
 mod clearance;
 mod clipboard;
 pub mod clock;
-mod comparing;
 pub mod comparison;
 pub mod conditions;
 pub mod differences;
 pub mod display;
-mod enter;
+mod failures;
 pub mod fly_camera;
 pub mod frame_pacing_stats;
 pub mod frame_times;
 pub mod gamepad;
-mod hands;
 pub mod headless;
-mod identify;
 pub mod input;
 mod keys_help;
 pub mod leaving;
@@ -36,7 +33,6 @@ pub mod loading;
 pub mod menu;
 mod object_text;
 mod opened;
-pub mod page;
 mod page_text;
 mod pending_scenes;
 pub mod pointer;
@@ -46,6 +42,7 @@ pub mod scene_view;
 pub mod screen;
 pub mod screenshots;
 pub mod script;
+mod selection;
 pub mod session;
 pub mod shader_watch;
 pub mod show;
@@ -56,8 +53,6 @@ pub mod trace;
 pub mod viewer_args;
 
 use std::process::ExitCode;
-
-use gpu::ValidationLog;
 
 use bench::outputs::Outputs;
 use bench::run_error::{Blame, RunError};
@@ -95,24 +90,4 @@ pub fn end(options: Result<(Source, ShowOptions), RunError>) -> ExitCode {
         Err(error) => return ending::refuse(&error, error.exit_code()),
     }
     ending.exit()
-}
-
-/// Keeps the first error, which is the cause; the others are logged.
-fn first_error<const COUNT: usize>(results: [Result<(), RunError>; COUNT]) -> Result<(), RunError> {
-    let mut errors = results.into_iter().filter_map(Result::err);
-    let first = errors.next();
-    errors.for_each(|error| tracing::error!("{error}"));
-    first.map_or(Ok(()), Err)
-}
-
-/// Returns an error if the validation layer found one.
-fn check_log(log: &ValidationLog) -> Result<(), RunError> {
-    let messages = log.drain();
-    match messages.first() {
-        None => Ok(()),
-        Some(first) => Err(RunError::machine(format!(
-            "the validation layer has {} messages, the first: {first:?}",
-            messages.len()
-        ))),
-    }
 }

@@ -14,7 +14,8 @@ use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
 
 use super::actions::Action;
-use super::app::no_display;
+use super::display::no_display;
+use super::failures::{check_log, first_error};
 use super::gamepad::Gamepad;
 use super::input::Input;
 use super::leaving::Leaving;
@@ -284,6 +285,6 @@ impl Opened {
         drop((screen, window));
         let log = instance.validation_log().clone();
         drop(instance);
-        super::first_error([finished, super::check_log(&log)])
+        first_error([finished, check_log(&log)])
     }
 }

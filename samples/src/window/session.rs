@@ -15,9 +15,9 @@ use render::{
 use super::capture::Capture;
 use super::clock::Clock;
 use super::comparison::Comparison;
+use super::failures::first_error;
 use super::fly_camera::{FlyCamera, Steering};
 use super::frame_times::FrameTimes;
-use super::identify::Selection;
 use super::loaded_scene::LoadedScene;
 use super::loading::Progress;
 use super::menu::Menu;
@@ -25,6 +25,7 @@ use super::profiler::{Profiler, Scope};
 use super::scene_view::SceneView;
 use super::screenshots::Screenshots;
 use super::script::Script;
+use super::selection::Selection;
 use super::shader_watch::ShaderWatch;
 use super::show::ShowOptions;
 use super::source::Source;
@@ -375,7 +376,7 @@ impl Session {
             }
             _ => Ok(()),
         };
-        super::first_error([compared, recording, screenshots, trace])
+        first_error([compared, recording, screenshots, trace])
     }
 }
 

@@ -5,14 +5,14 @@ use std::time::Duration;
 use cull::{Camera, FrameId};
 use pacing::Time;
 
-use super::actions::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};
-use super::comparison::Comparison;
-use super::conditions::Conditions;
-use super::legends;
-use super::page_text::Known;
-use super::screen::ScreenFacts;
-use super::session::Session;
 use crate::hud::{Help, HudLevel, HudPage, Legend, Sign};
+use crate::window::actions::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};
+use crate::window::comparison::Comparison;
+use crate::window::conditions::Conditions;
+use crate::window::legends;
+use crate::window::page_text::Known;
+use crate::window::screen::ScreenFacts;
+use crate::window::session::Session;
 use bench::run_error::RunError;
 
 /// The interval of frames whose passes are timed while the HUD is shown.
@@ -78,7 +78,7 @@ impl Session {
     }
 
     /// Records the costs of the newest frame, and keeps its camera until its results are read back.
-    pub(super) fn measure(&mut self, camera: Camera) {
+    pub(crate) fn measure(&mut self, camera: Camera) {
         self.times.take(&self.report);
         if self.viewed.len() == MOST_VIEWED {
             self.viewed.pop_front();

@@ -4,15 +4,15 @@ use cull::Camera;
 use gpu::{Readback, Tick};
 use render::FrameRequest;
 
-use super::comparison::{Comparison, Side};
-use super::page_text::in_ms;
-use super::session::Session;
+use crate::window::comparison::{Comparison, Side};
+use crate::window::page_text::in_ms;
+use crate::window::session::Session;
 use bench::run_error::RunError;
 use bench::strategy::Strategy;
 
 impl Session {
     /// Begins to show frames with and without culling in turn, or ends that.
-    pub(super) fn toggle_comparison(&mut self) -> Result<(), RunError> {
+    pub(crate) fn toggle_comparison(&mut self) -> Result<(), RunError> {
         if let Some(comparison) = self.comparison.take() {
             self.tell(format!("{}: {}", self.strategy, comparison.tally().text()));
             return Ok(());
@@ -30,7 +30,7 @@ impl Session {
     }
 
     /// Returns the text about the comparison, if there is one.
-    pub(super) fn comparison_text(&self) -> Option<String> {
+    pub(crate) fn comparison_text(&self) -> Option<String> {
         let comparison = self.comparison.as_ref()?;
         let shown = match comparison.shown() {
             Side::Culled => format!("with culling ({})", self.strategy),
@@ -45,7 +45,7 @@ impl Session {
 
     /// Draws a frame by the strategy in use; while frames are compared, also one without culling.
     /// The one that is shown is drawn last, and is copied to `picture`.
-    pub(super) fn render(
+    pub(crate) fn render(
         &mut self,
         camera: Camera,
         seconds: f32,
@@ -109,7 +109,7 @@ impl Session {
     }
 
     /// Compares the pending pictures, and logs the result of the whole comparison.
-    pub(super) fn finish_comparison(&mut self) -> Result<(), RunError> {
+    pub(crate) fn finish_comparison(&mut self) -> Result<(), RunError> {
         let Some(mut comparison) = self.comparison.take() else { return Ok(()) };
         self.renderer.device().drain()?;
         comparison.collect(self.renderer.device(), self.clock.now())?;

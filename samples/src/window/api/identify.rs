@@ -2,24 +2,12 @@
 //! not.
 
 use cull::ObjectId;
-use render::Pick;
 
-use super::object_text::ObjectCard;
-use super::page_text::Facts;
-use super::session::Session;
+use crate::window::object_text::ObjectCard;
+use crate::window::page_text::Facts;
+use crate::window::selection::Selection;
+use crate::window::session::Session;
 use bench::run_error::RunError;
-
-/// The object that is selected, and the pixel for the next selection.
-#[derive(Debug, Default)]
-pub struct Selection {
-    /// The pixel to identify before the next frame.
-    pixel: Option<[u32; 2]>,
-    /// The pending pick.
-    pick: Option<Pick>,
-    object: Option<ObjectId>,
-    /// True if the card is to be logged when its results are read back.
-    is_new: bool,
-}
 
 impl Session {
     /// Begins to find out which object is at a pixel of the picture, or in its middle.
@@ -31,7 +19,7 @@ impl Session {
 
     /// Handles the results known by now, then picks at the pixel that was clicked last; never
     /// waits. For the scene as the last frame drew it.
-    pub(super) fn follow_selection(&mut self) -> Result<(), RunError> {
+    pub(crate) fn follow_selection(&mut self) -> Result<(), RunError> {
         if let Some(pick) = &self.selection.pick {
             // A newer click waits, so that many of them cannot keep all from being answered.
             let Some(object) = self.renderer.picked(pick)? else { return Ok(()) };
@@ -55,7 +43,7 @@ impl Session {
     }
 
     /// Logs the card of an object, once after it was selected.
-    pub(super) fn log_selection(&mut self) {
+    pub(crate) fn log_selection(&mut self) {
         if std::mem::take(&mut self.selection.is_new) {
             let rows = self.card().into_iter().map(|(name, value)| format!("{name}: {value}"));
             tracing::info!("{}", rows.collect::<Vec<_>>().join("; "));
@@ -63,7 +51,7 @@ impl Session {
     }
 
     /// Returns the facts about the selected object; none if it is gone.
-    pub(super) fn card(&self) -> Facts {
+    pub(crate) fn card(&self) -> Facts {
         let view = match &self.frozen {
             Some(snapshot) => snapshot.view,
             None => self.renderer.view_of(&self.seen_from),

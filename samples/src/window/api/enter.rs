@@ -4,12 +4,12 @@ use std::path::Path;
 
 use render::FrameReport;
 
-use super::fly_camera::FlyCamera;
-use super::identify::Selection;
-use super::loaded_scene::LoadedScene;
-use super::loading::Progress;
-use super::session::Session;
-use super::source::Source;
+use crate::window::fly_camera::FlyCamera;
+use crate::window::loaded_scene::LoadedScene;
+use crate::window::loading::Progress;
+use crate::window::selection::Selection;
+use crate::window::session::Session;
+use crate::window::source::Source;
 use bench::run_error::RunError;
 use bench::strategy::Strategy;
 use bench::terminal::shown;

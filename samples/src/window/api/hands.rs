@@ -5,15 +5,15 @@ use std::path::PathBuf;
 use pacing::Time;
 use winit::window::{CursorGrabMode, Fullscreen};
 
-use super::actions::Action;
-use super::clipboard;
-use super::leaving::Escape;
-use super::menu::{self, Choice, Menu, MenuKey};
-use super::opened::Opened;
-use super::pointer::PointerAction;
-use super::scene_files;
-use super::show::ShowOptions;
-use super::source::Source;
+use crate::window::actions::Action;
+use crate::window::clipboard;
+use crate::window::leaving::Escape;
+use crate::window::menu::{self, Choice, Menu, MenuKey};
+use crate::window::opened::Opened;
+use crate::window::pointer::PointerAction;
+use crate::window::scene_files;
+use crate::window::show::ShowOptions;
+use crate::window::source::Source;
 use bench::options::MadeScene;
 use bench::run_error::RunError;
 
@@ -22,7 +22,7 @@ const MADE_OBJECTS: u32 = 10_000;
 
 impl Opened {
     /// Carries out Esc; returns true if that is the end.
-    pub(super) fn escape(&mut self) -> bool {
+    pub(crate) fn escape(&mut self) -> bool {
         let closes = self.session.has_page().then_some(Escape::Close);
         let frees = self.pointer.is_looking().then_some(Escape::Free);
         match self.leaving.escape(self.clock_now(), closes.or(frees)) {
@@ -38,7 +38,7 @@ impl Opened {
         false
     }
 
-    pub(super) fn toggle_full_screen(&self) {
+    pub(crate) fn toggle_full_screen(&self) {
         let wanted = match self.window.fullscreen() {
             Some(_) => None,
             None => Some(Fullscreen::Borderless(None)),
@@ -47,7 +47,7 @@ impl Opened {
     }
 
     /// Carries out an action of the mouse.
-    pub(super) fn point(&mut self, action: Option<PointerAction>) {
+    pub(crate) fn point(&mut self, action: Option<PointerAction>) {
         match action {
             Some(PointerAction::Grab) => self.grab(),
             Some(PointerAction::Release) => self.release(),
@@ -77,19 +77,19 @@ impl Opened {
     }
 
     /// Notes that the window is hidden by others, or shows again.
-    pub(super) fn set_occluded(&mut self, is_occluded: bool) {
+    pub(crate) fn set_occluded(&mut self, is_occluded: bool) {
         self.is_occluded = is_occluded;
         self.not_before = Time::ZERO;
     }
 
     /// Changes the camera's speed by notches of the wheel.
-    pub(super) fn hasten(&mut self, notches: f32) {
+    pub(crate) fn hasten(&mut self, notches: f32) {
         self.session.hasten(notches);
         self.next_layout = Time::ZERO;
     }
 
     /// Begins to load or make a scene that replaces the one shown.
-    pub(super) fn load(&mut self, source: &Source, options: &ShowOptions) {
+    pub(crate) fn load(&mut self, source: &Source, options: &ShowOptions) {
         let size = self.session.renderer().size();
         let device = self.session.renderer().device().clone();
         let begun = self.arrivals.load(&device, source, options, size);
@@ -103,7 +103,7 @@ impl Opened {
     }
 
     /// Returns the list of scenes, with the one shown selected.
-    pub(super) fn scenes(&self) -> Menu {
+    pub(crate) fn scenes(&self) -> Menu {
         let [shown, ..] = self.session.subject();
         menu::scenes(scene_files::to_choose(&self.files), shown)
     }
@@ -112,7 +112,7 @@ impl Opened {
     ///
     /// # Errors
     /// When the device fails.
-    pub(super) fn choose(
+    pub(crate) fn choose(
         &mut self,
         key: MenuKey,
         another: impl Fn(PathBuf) -> Source,

@@ -1,10 +1,10 @@
 //! The effect of actions on a session. Actions about a window do nothing here.
 
-use super::actions::Action;
-use super::menu;
-use super::scene_view::SceneView;
-use super::session::Session;
 use crate::hud::HudLevel;
+use crate::window::actions::Action;
+use crate::window::menu;
+use crate::window::scene_view::SceneView;
+use crate::window::session::Session;
 use bench::options::MAX_FRAMES_IN_FLIGHT;
 use bench::recorded_path::RecordedPath;
 use bench::run_error::RunError;
@@ -211,7 +211,7 @@ impl Session {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub(super) fn stop_recording(&mut self) -> Result<(), RunError> {
+    pub(crate) fn stop_recording(&mut self) -> Result<(), RunError> {
         let Some(recorded) = self.recording.take() else { return Ok(()) };
         if recorded.frames().is_empty() {
             self.tell("no frame was recorded".to_owned());

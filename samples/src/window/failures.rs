@@ -1,0 +1,26 @@
+//! The failures that remain at the end of a program.
+
+use bench::run_error::RunError;
+use gpu::ValidationLog;
+
+/// Keeps the first error, which is the cause; the others are logged.
+pub(super) fn first_error<const COUNT: usize>(
+    results: [Result<(), RunError>; COUNT],
+) -> Result<(), RunError> {
+    let mut errors = results.into_iter().filter_map(Result::err);
+    let first = errors.next();
+    errors.for_each(|error| tracing::error!("{error}"));
+    first.map_or(Ok(()), Err)
+}
+
+/// Returns an error if the validation layer found one.
+pub(super) fn check_log(log: &ValidationLog) -> Result<(), RunError> {
+    let messages = log.drain();
+    match messages.first() {
+        None => Ok(()),
+        Some(first) => Err(RunError::machine(format!(
+            "the validation layer has {} messages, the first: {first:?}",
+            messages.len()
+        ))),
+    }
+}
