@@ -65,7 +65,8 @@ pub use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 pub use crate::memory::dynamic_texture::DynamicTexture;
 pub use crate::memory::readback::{Pixels, Readback};
 pub use crate::memory::resample::resampled;
-pub use crate::memory::texture_array::{MipMaking, TextureArray, TextureArrayInfo, TextureUploads};
+pub use crate::memory::texture_array::{MipMaking, TextureArray, TextureArrayInfo};
+pub use crate::memory::texture_uploads::TextureUploads;
 pub use crate::memory::upload::Uploads;
 #[cfg(feature = "loaded")]
 pub use crate::present::display_link::DisplayLink;

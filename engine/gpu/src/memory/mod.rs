@@ -6,4 +6,5 @@ pub(crate) mod image;
 pub(crate) mod readback;
 pub(crate) mod resample;
 pub(crate) mod texture_array;
+pub(crate) mod texture_uploads;
 pub(crate) mod upload;

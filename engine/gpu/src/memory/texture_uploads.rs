@@ -1,0 +1,170 @@
+//! Uploads of textures: arrays are filled layer by layer while a scene is loaded, on any thread.
+
+use ash::vk;
+
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::memory::buffer::{Buffer, MemoryKind};
+use crate::memory::resample::resampled;
+use crate::memory::texture_array::{MipMaking, TextureArray};
+use crate::record::access::{Access, MemoryBarrier};
+
+/// The size of the pieces in which images go to the GPU.
+const STAGING_BYTES: u64 = 8 << 20;
+
+/// The uploader of images to texture arrays, through memory of bounded size. Each call waits for
+/// its copy, on the thread that makes it: a loading thread may fill arrays while another one draws
+/// frames.
+pub struct TextureUploads {
+    device: Device,
+    staging: Buffer,
+}
+
+impl TextureUploads {
+    /// Creates the memory that images go through.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC;
+        let staging =
+            Buffer::new(device, "texture staging", STAGING_BYTES, usage, MemoryKind::Upload)?;
+        Ok(Self { device: device.clone(), staging })
+    }
+
+    /// Writes the next rows of a layer, from its top on: four bytes per pixel, whole rows. With the
+    /// last of them the layer's mip maps are made. So a loader can upload images a piece at a time.
+    ///
+    /// # Errors
+    /// [`Error::WrongCommands`] for a layer that is not there, for bytes that are no whole rows or
+    /// more than are left; [`Error::Foreign`] for an array of another device; a failed call. What
+    /// was written before stays.
+    pub fn write_rows(
+        &mut self,
+        array: &mut TextureArray,
+        layer: u32,
+        rgba8: &[u8],
+    ) -> Result<(), Error> {
+        let [width, height] = array.size;
+        let row_bytes = width as usize * 4;
+        let done = array.layers.get(layer as usize).map(|layer| layer.rows);
+        let left = done.map_or(0, |rows| (height - rows) as usize);
+        if rgba8.is_empty()
+            || !rgba8.len().is_multiple_of(row_bytes)
+            || rgba8.len() / row_bytes > left
+        {
+            return Err(Error::WrongCommands("what is written to a layer is no rows of it"));
+        }
+        self.device.check(array, "texture uploads (`TextureUploads`)")?;
+        let piece_rows = (STAGING_BYTES as usize / row_bytes).max(1);
+        for piece in rgba8.chunks(piece_rows * row_bytes) {
+            self.write_piece(array, layer, piece)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a whole layer and makes its mip maps.
+    ///
+    /// # Errors
+    /// As [`TextureUploads::write_rows`]; a layer that something was written to before.
+    pub fn write(
+        &mut self,
+        array: &mut TextureArray,
+        layer: u32,
+        rgba8: &[u8],
+    ) -> Result<(), Error> {
+        let [width, height] = array.size;
+        if rgba8.len() as u64 != u64::from(width) * u64::from(height) * 4 {
+            return Err(Error::WrongCommands("a layer is written with too many or too few bytes"));
+        }
+        self.write_rows(array, layer, rgba8)
+    }
+
+    /// Writes rows that fit the staging buffer.
+    fn write_piece(
+        &mut self,
+        array: &mut TextureArray,
+        layer: u32,
+        piece: &[u8],
+    ) -> Result<(), Error> {
+        let place = layer as usize;
+        let first = array.layers.get(place).map_or(0, |layer| layer.rows);
+        let rows = first..first + (piece.len() / (array.size[0] as usize * 4)) as u32;
+        let is_last = rows.end == array.size[1];
+        let has_more = is_last && array.mip_making == MipMaking::Cpu && array.levels > 1;
+        let end = rows.end;
+        self.stage(piece);
+        let staging = &self.staging;
+        let written: &TextureArray = array;
+        self.device.run_once("texture", |commands| {
+            if first == 0 {
+                let all = 0..written.levels;
+                commands.change_layouts([written.change(
+                    layer,
+                    all,
+                    [Access::Nothing, Access::CopyWrite],
+                )]);
+            }
+            written.copy_rows(commands, staging, layer, 0, rows);
+            if is_last && !has_more {
+                written.blit_levels(commands, layer);
+            }
+            // Waiting for the tick shows the GPU nothing: later submits use it without a barrier.
+            commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
+        })?;
+        if let Some(layer) = array.layers.get_mut(place) {
+            if array.mip_making == MipMaking::Cpu && array.levels > 1 {
+                layer.kept.extend_from_slice(piece);
+            }
+            if !has_more {
+                layer.rows = end;
+            }
+        }
+        if has_more {
+            self.write_levels(array, layer)?;
+        }
+        Ok(())
+    }
+
+    /// Makes the levels of a layer on the CPU, and makes all ready to be sampled.
+    fn write_levels(&mut self, array: &mut TextureArray, layer: u32) -> Result<(), Error> {
+        let place = layer as usize;
+        let mut pixels = array
+            .layers
+            .get_mut(place)
+            .map(|layer| std::mem::take(&mut layer.kept))
+            .unwrap_or_default();
+        for level in 1..array.levels {
+            let [from, to] = [level - 1, level].map(|level| array.level_size(level));
+            pixels = resampled(&pixels, from, to, array.format);
+            let row_bytes = to[0] as usize * 4;
+            let piece_rows = (STAGING_BYTES as usize / row_bytes).max(1);
+            for (piece, bytes) in pixels.chunks(piece_rows * row_bytes).enumerate() {
+                let first = (piece * piece_rows) as u32;
+                let rows = first..first + (bytes.len() / row_bytes) as u32;
+                self.stage(bytes);
+                let (staging, array) = (&self.staging, &*array);
+                self.device.run_once("texture level", |commands| {
+                    array.copy_rows(commands, staging, layer, level, rows);
+                    commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
+                })?;
+            }
+        }
+        let changed: &TextureArray = array;
+        self.device.run_once("texture levels", |commands| {
+            let all = 0..changed.levels;
+            let sampled = [Access::CopyWrite, Access::FragmentSample];
+            commands.change_layouts([changed.change(layer, all, sampled)]);
+        })?;
+        if let Some(layer) = array.layers.get_mut(place) {
+            layer.rows = array.size[1];
+        }
+        Ok(())
+    }
+
+    fn stage(&mut self, bytes: &[u8]) {
+        if let Some(place) = self.staging.bytes_mut().get_mut(..bytes.len()) {
+            place.copy_from_slice(bytes);
+        }
+    }
+}
