@@ -241,7 +241,7 @@ mod tests {
             (format!("{HEADER}\n\n{}\n", frame.replace("0.2", "near")), 3, "'near' is no number"),
             (format!("{HEADER}\n{}\n", frame.replace("0.2", "NaN")), 2, "'NaN' is no number"),
             (format!("{HEADER}\n{}\n", frame.replace("0.2", "-1")), 2, "near plane"),
-            (format!("{HEADER}\n0 1 2 3 0 1 0 0 1 0 1 0.2\n"), 2, "with that up"),
+            (format!("{HEADER}\n0 1 2 3 0 1 0 0 1 0 1 0.2\n"), 2, "are parallel"),
             (format!("{HEADER}\n0 1 2 3 0 0 1 0 1 0 4 0.2\n"), 2, "between 0 and pi"),
             (format!("{HEADER}\n1{frame}\n{frame}\n"), 3, "time goes back"),
         ] {

@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn what_is_too_noisy_or_measured_once_is_repeated() {
         for (times, is_repeated, says) in [
-            (&[1.0][..], true, "not known"),
+            (&[1.0][..], true, "is unknown"),
             (&[1.0, 1.3], true, "too busy to judge 1 of 1 cases"),
             (&[1.0, 1.04], false, "steady: the ideal's own time spreads by 4 %"),
             (&[1.0, 1.3, 1.01], false, "spreads by 1 % at most (street 10k)"),
