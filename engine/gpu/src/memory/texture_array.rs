@@ -47,7 +47,8 @@ pub struct TextureArrayInfo<'a> {
     pub mip_making: MipMaking,
 }
 
-/// Layers of one size, format and sampler. It can be bound once each was [written](crate::TextureUploads).
+/// Layers of one size, format and sampler. It can be bound once each was
+/// [written](crate::TextureUploads).
 pub struct TextureArray {
     device: Device,
     image: Image,
