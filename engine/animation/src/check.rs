@@ -1,14 +1,9 @@
 //! The checks of a clip, made once when it is created.
 
-use std::collections::HashSet;
-
 use glam::Quat;
 
-use crate::clip::{Channel, Clip, Interpolation, Track, Values};
-use crate::rig::{Rest, Rig, RigNodeId};
-
 /// The largest number that is accepted: products of a few of them must stay finite.
-const LARGEST: f32 = 1e9;
+pub(crate) const LARGEST: f32 = 1e9;
 
 /// The reason why keys make no track.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -114,54 +109,8 @@ pub enum ClipError {
     },
 }
 
-impl Track {
-    /// Creates a checked track. Rotations are normalised (quantised ones are a little off), except
-    /// tangents. `targets` is the number of the node's morph targets; it counts for weights only.
-    ///
-    /// # Errors
-    /// No keys; times that are not finite, or not ascending; too few or too many values; values
-    /// that are not finite or beyond 10^9; rotations of length 0.
-    pub fn new(
-        interpolation: Interpolation,
-        times_s: Vec<f32>,
-        mut values: Values,
-        targets: usize,
-    ) -> Result<Self, TrackError> {
-        check_times(&times_s)?;
-        let parts = if interpolation == Interpolation::Cubic { 3 } else { 1 };
-        let keys = times_s.len();
-        let (count, width) = match &values {
-            Values::Translation(values) | Values::Scale(values) => (values.len(), 1),
-            Values::Rotation(values) => (values.len(), 1),
-            Values::Weights(values) => (values.len(), targets),
-        };
-        let needed = keys.saturating_mul(parts).saturating_mul(width);
-        if count != needed {
-            return Err(TrackError::Count { values: count, needed });
-        }
-        let first = |is_so: fn(f32) -> bool| match &values {
-            Values::Translation(values) | Values::Scale(values) => {
-                values.iter().position(|it| it.to_array().into_iter().any(is_so))
-            }
-            Values::Rotation(values) => {
-                values.iter().position(|q| q.to_array().into_iter().any(is_so))
-            }
-            Values::Weights(values) => values.iter().position(|weight| is_so(*weight)),
-        };
-        if let Some(value) = first(|number| !number.is_finite()) {
-            return Err(TrackError::NotFinite { value });
-        }
-        if let Some(value) = first(|number| number.abs() > LARGEST) {
-            return Err(TrackError::TooLarge { value });
-        }
-        if let Values::Rotation(values) = &mut values {
-            normalise(values, parts)?;
-        }
-        Ok(Self { interpolation, times_s, values })
-    }
-}
-
-fn check_times(times_s: &[f32]) -> Result<(), TrackError> {
+/// Checks the times of a track.
+pub(crate) fn check_times(times_s: &[f32]) -> Result<(), TrackError> {
     if times_s.is_empty() {
         return Err(TrackError::Empty);
     }
@@ -182,7 +131,7 @@ fn check_times(times_s: &[f32]) -> Result<(), TrackError> {
 }
 
 /// Normalises all rotations: every value, or the middle one of three.
-fn normalise(values: &mut [Quat], parts: usize) -> Result<(), TrackError> {
+pub(crate) fn normalise(values: &mut [Quat], parts: usize) -> Result<(), TrackError> {
     for (index, value) in values.iter_mut().enumerate() {
         if parts == 3 && index % 3 != 1 {
             continue;
@@ -194,35 +143,4 @@ fn normalise(values: &mut [Quat], parts: usize) -> Result<(), TrackError> {
         *value /= length;
     }
     Ok(())
-}
-
-impl Clip {
-    /// Creates a checked clip of a rig: all its tracks go through [`Track::new`].
-    ///
-    /// # Errors
-    /// Nodes that do not exist or have a matrix; two channels for one property; weights without
-    /// morph targets; the errors of [`Track::new`].
-    pub fn new(name: String, channels: Vec<Channel>, rig: &Rig) -> Result<Self, ClipError> {
-        let mut moved = HashSet::new();
-        let checked = channels.into_iter().enumerate().map(|(channel, Channel { node, track })| {
-            let RigNodeId(id) = node;
-            let place = rig.nodes().get(id as usize);
-            let place = place.ok_or(ClipError::NoNode { channel, node: id })?;
-            if !moved.insert((id, std::mem::discriminant(&track.values))) {
-                return Err(ClipError::Twice { channel, node: id });
-            }
-            let is_weights = matches!(track.values, Values::Weights(_));
-            if is_weights && place.weights.is_empty() {
-                return Err(ClipError::NoTargets { channel, node: id });
-            }
-            if !is_weights && matches!(place.rest, Rest::Matrix(_)) {
-                return Err(ClipError::Matrix { channel, node: id });
-            }
-            let Track { interpolation, times_s, values } = track;
-            let track = Track::new(interpolation, times_s, values, place.weights.len())
-                .map_err(|error| ClipError::Track { channel, error })?;
-            Ok(Channel { node, track })
-        });
-        Ok(Self { name, channels: checked.collect::<Result<_, _>>()? })
-    }
 }

@@ -80,7 +80,6 @@ mod rig;
 mod sample;
 mod skeleton;
 mod skin;
-mod world;
 
 pub use check::{ClipError, TrackError};
 pub use clip::{Channel, Clip, Interpolation, Track, Values};

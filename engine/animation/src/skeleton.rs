@@ -6,9 +6,8 @@ use glam::Affine3A;
 
 use crate::clip::Clip;
 use crate::pose::Pose;
-use crate::rig::{Rig, RigNodeId};
+use crate::rig::{Rig, RigNodeId, finite};
 use crate::skin::Skin;
-use crate::world::finite;
 
 /// The reason why joints make no skin of a rig.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -6,6 +6,7 @@ use glam::{Affine3A, Vec3};
 use scene::{LightId, Scene, SkinnedMeshId, TransparentId};
 
 use crate::Note;
+use crate::lods::{self, LevelOptions};
 
 /// A camera of the file. It looks along its node's -z, up is y.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,6 +128,14 @@ impl GltfScene {
         self.rig.world(&Pose::new(&self.rig), &mut worlds);
         let world = worlds.get(camera.node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY);
         camera.seen_from(&world, size)
+    }
+
+    /// Makes coarser levels of all meshes but deformed and transparent ones. These take index
+    /// memory, about as much again as the meshes. Meshes with corners in which triangles meet by
+    /// the thousands have one level, and a note says so: simplifying them takes time with the
+    /// square of that.
+    pub fn make_levels(&mut self, options: &LevelOptions) {
+        self.notes.extend(lods::make_levels(&mut self.scene, options));
     }
 }
 

@@ -6,7 +6,6 @@ use scene::{Alpha, LodLevel, Mesh, Scene, SurfaceMesh, SurfaceVertex};
 
 use crate::Note;
 use crate::error::quoted;
-use crate::gltf_scene::GltfScene;
 
 /// The options of making coarser levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,18 +32,8 @@ impl Default for LevelOptions {
 const ATTRIBUTES: usize = 5;
 const ATTRIBUTE_WEIGHTS: [f32; ATTRIBUTES] = [0.5, 0.5, 0.5, 0.2, 0.2];
 
-impl GltfScene {
-    /// Makes coarser levels of all meshes but deformed and transparent ones. These take index
-    /// memory, about as much again as the meshes. Meshes with corners in which triangles meet by
-    /// the thousands have one level, and a note says so: simplifying them takes time with the
-    /// square of that.
-    pub fn make_levels(&mut self, options: &LevelOptions) {
-        self.notes.extend(make_levels(&mut self.scene, options));
-    }
-}
-
 /// Makes coarser levels, and returns a note if meshes are [crowded](is_crowded).
-fn make_levels(scene: &mut Scene, options: &LevelOptions) -> Option<Note> {
+pub(crate) fn make_levels(scene: &mut Scene, options: &LevelOptions) -> Option<Note> {
     let mut crowded = Vec::new();
     let surfaces = scene.surfaces.as_mut()?;
     let mut is_fixed = vec![false; scene.meshes.len()];

@@ -13,7 +13,7 @@ mod tests;
 use std::collections::HashSet;
 
 use animation::{Clip, Pose, Rig, RigNodeId};
-use cull::View;
+use cull::{Aabb, View};
 use glam::Affine3A;
 use parts::{Movers, Parts, Touched};
 use playing::Playing;
@@ -200,6 +200,15 @@ impl SceneAnimator {
             self.find_movers();
         }
         &self.changes
+    }
+
+    /// Returns a box around everything visible during the clips that play now, from a bounded
+    /// number of samples in time; the origin alone if there is nothing. `scene` is the one that
+    /// came with this animator.
+    ///
+    /// Resets the shown state, so it is for use before a renderer shows anything.
+    pub fn bounds_playing(&mut self, scene: &Scene) -> Aabb {
+        extent::bounds_playing(self, scene)
     }
 
     /// Resets the shown state.

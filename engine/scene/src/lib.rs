@@ -19,7 +19,6 @@ pub mod limits;
 mod mesh;
 mod outwardness;
 mod pose_bounds;
-mod single;
 mod sprites;
 mod surface;
 #[cfg(test)]
@@ -148,6 +147,18 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Returns a scene of one object, at the place of its mesh.
+    pub fn single(mesh: Mesh) -> Self {
+        let (transform, tint) = (Affine3A::IDENTITY, u32::MAX);
+        Self {
+            name: mesh.name.clone(),
+            meshes: vec![mesh],
+            objects: vec![Object { mesh: MeshId(0), transform, tint }],
+            light: Light::afternoon(),
+            surfaces: None,
+        }
+    }
+
     /// Returns the mesh of an object, if the scene has it.
     pub fn mesh_of(&self, object: &Object) -> Option<&Mesh> {
         self.meshes.get(object.mesh.0 as usize)

@@ -39,6 +39,30 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Returns a mesh of triangles, three corners each: a corner is its position (metres, y is up)
+    /// and its linear red, green and blue. Triangles are counter-clockwise seen from outside;
+    /// surplus corners are left out.
+    pub fn of_triangles(name: &str, corners: &[([f32; 3], [f32; 3])]) -> Self {
+        let (triangles, _) = corners.as_chunks::<3>();
+        let vertices = triangles.iter().flat_map(|triangle| {
+            let [a, b, c] = triangle.map(|(position, _)| Vec3::from_array(position));
+            let normal = pack_normal((b - a).cross(c - a).normalize_or_zero());
+            triangle.map(|(position, [red, green, blue])| Vertex {
+                position,
+                normal,
+                colour: pack_unorm([red, green, blue, 0.0]),
+            })
+        });
+        let vertices: Vec<Vertex> = vertices.collect();
+        Self {
+            name: name.to_owned(),
+            indices: (0..vertices.len() as u32).collect(),
+            bounds: bounds_of_vertices(&vertices),
+            vertices,
+            has_backs: false,
+        }
+    }
+
     /// Returns the number of its triangles; a triangle and its back are one.
     pub fn triangles(&self) -> u64 {
         self.triangles_of(self.indices.len())

@@ -1,4 +1,4 @@
-//! Tests that surfaces that cannot be drawn are refused by name.
+//! Tests of the smallest scene, and that surfaces that cannot be drawn are refused by name.
 
 use glam::{Affine2, Affine3A, Vec2, Vec3};
 
@@ -119,4 +119,16 @@ fn broken_surfaces_are_refused_by_name() {
 
 fn skin(surfaces: &mut Surfaces) -> &mut SkinWeights {
     surfaces.skinned_meshes[0].skin.as_mut().unwrap()
+}
+
+#[test]
+fn three_corners_are_a_triangle() {
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0; 3]];
+    let mesh = Mesh::of_triangles("triangle", &corners.map(|corner| (corner, [1.0; 3])));
+    assert_eq!((mesh.triangles(), mesh.vertices[0].normal), (1, pack_normal(Vec3::Z)));
+    assert_eq!(mesh.bounds.max, Vec3::new(1.0, 1.0, 0.0));
+    let scene = Scene::single(mesh);
+    assert_eq!(scene.validate(), Ok(()));
+    assert_eq!(scene.triangles(), 1);
+    Scene::single(Mesh::of_triangles("nothing", &[])).validate().unwrap();
 }

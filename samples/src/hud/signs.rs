@@ -10,14 +10,12 @@ use super::style::PANEL;
 const FRAME: f32 = 3.0;
 const BADGE: f32 = 24.0;
 
-impl Sign {
-    /// Returns the colour of its frame and badge.
-    const fn colour(self) -> Color32 {
-        match self {
-            Self::Frozen => Color32::from_rgb(110, 190, 255),
-            Self::Recording => Color32::from_rgb(255, 70, 60),
-            Self::Screenshot => Color32::from_rgb(255, 255, 255),
-        }
+/// Returns the colour of a sign's frame and badge.
+const fn colour_of(sign: Sign) -> Color32 {
+    match sign {
+        Sign::Frozen => Color32::from_rgb(110, 190, 255),
+        Sign::Recording => Color32::from_rgb(255, 70, 60),
+        Sign::Screenshot => Color32::from_rgb(255, 255, 255),
     }
 }
 
@@ -29,7 +27,7 @@ pub fn draw(canvas: &mut Canvas<'_>, signs: &[Sign]) {
     let badge = BADGE.min(screen.width() / 4.0).min(screen.height() / 4.0);
     for (place, sign) in signs.iter().enumerate() {
         let inner = screen.shrink(place as f32 * FRAME);
-        frame(canvas, inner, sign.colour());
+        frame(canvas, inner, colour_of(*sign));
         let left = screen.center().x - badges * 0.5 + place as f32 * BADGE;
         let top = signs.len() as f32 * FRAME;
         draw_badge(canvas, *sign, Rect::from_min_size(pos2(left, top), vec2(badge, badge)));
@@ -51,7 +49,7 @@ fn frame(canvas: &mut Canvas<'_>, area: Rect, colour: Color32) {
 /// Draws two bars for a stop, a disc for a recording, a camera for a picture.
 fn draw_badge(canvas: &mut Canvas<'_>, sign: Sign, area: Rect) {
     canvas.fill(area, PANEL);
-    let colour = sign.colour();
+    let colour = colour_of(sign);
     let side = area.width();
     let at = |x: f32, y: f32| area.min + vec2(x * side, y * side);
     let part = |from: Pos2, to: Pos2| Shape::rect_filled(Rect::from_min_max(from, to), 0.0, colour);

@@ -9,6 +9,7 @@ use scene::{Mesh, MeshId, Object, Scene, Sprites, SurfaceMesh, Surfaces, Transpa
 
 use super::budget::Budget;
 use super::deformations::Deformations;
+use super::deformed::place_deformed;
 use super::geometry::Geometry;
 use super::initial_view::InitialView;
 use super::instancing;
@@ -17,7 +18,7 @@ use super::nodes::Tree;
 use super::numbers::keeps_areas;
 use super::pack::pack;
 use super::primitives::Primitive;
-use super::shared::Plan;
+use super::shared::{Plan, place_shared};
 use super::skins::Skins;
 use crate::gltf_scene::{NodeAttachment, PlacedNode};
 use crate::notes::Notes;
@@ -132,9 +133,9 @@ impl<'a> Assembly<'a> {
             let skin = skin.filter(|_| primitive.is_skinned());
             if skin.is_some() || self.is_morphed(node, &primitive) {
                 let name = self.name_of(mesh, number);
-                self.place_deformed((&primitive, kind.material, name), node, skin, &locals)?;
+                place_deformed(self, (&primitive, kind.material, name), node, skin, &locals)?;
             } else {
-                self.place_shared(kind, &primitive, node, &locals)?;
+                place_shared(self, kind, &primitive, node, &locals)?;
             }
         }
         Ok(())

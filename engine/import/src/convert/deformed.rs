@@ -13,130 +13,131 @@ use super::skins::Used;
 use crate::gltf_scene::NodeAttachment;
 use crate::{Cause, ImportError};
 
-impl Assembly<'_> {
-    /// Places a skinned or morphed primitive at its node or its joints.
-    ///
-    /// # Errors
-    /// Those of [`Primitive::build`]; more skinned meshes than can be searched.
-    pub(super) fn place_deformed(
-        &mut self,
-        (primitive, material, name): (&Primitive<'_>, MaterialUse, String),
-        node: RigNodeId,
-        skin: Option<usize>,
-        locals: &[Affine3A],
-    ) -> Result<(), ImportError> {
-        let skin = match skin {
-            Some(skin) => match self.skins.used(self.source, self.tree, skin, &mut self.notes) {
+/// Places a skinned or morphed primitive at its node or its joints.
+///
+/// # Errors
+/// Those of [`Primitive::build`]; more skinned meshes than can be searched.
+pub(super) fn place_deformed(
+    assembly: &mut Assembly<'_>,
+    (primitive, material, name): (&Primitive<'_>, MaterialUse, String),
+    node: RigNodeId,
+    skin: Option<usize>,
+    locals: &[Affine3A],
+) -> Result<(), ImportError> {
+    let skin = match skin {
+        Some(skin) => {
+            match assembly.skins.used(assembly.source, assembly.tree, skin, &mut assembly.notes) {
                 Some(used) => Some(used),
                 None => return Ok(()),
-            },
-            None => None,
+            }
+        }
+        None => None,
+    };
+    // A skinned mesh is where its joints are, and instances are where nodes are.
+    let once = [Affine3A::IDENTITY];
+    let locals = if skin.is_some() { &once } else { locals };
+    // Instances of a mesh share one pose.
+    let mut known: Option<Option<DeformedExtent>> = None;
+    for local in locals {
+        assembly.tell()?;
+        let place = assembly.tree.world(node) * *local;
+        let facing = match skin {
+            Some(skin) => facing_of(assembly, skin, node),
+            None => Facing::of(&place, assembly.may_turn(node)),
         };
-        // A skinned mesh is where its joints are, and instances are where nodes are.
-        let once = [Affine3A::IDENTITY];
-        let locals = if skin.is_some() { &once } else { locals };
-        // Instances of a mesh share one pose.
-        let mut known: Option<Option<DeformedExtent>> = None;
-        for local in locals {
-            self.tell()?;
-            let place = self.tree.world(node) * *local;
-            let facing = match skin {
-                Some(skin) => self.facing_of(skin, node),
-                None => Facing::of(&place, self.may_turn(node)),
-            };
-            let joints = skin.map(|skin| skin.joints);
-            let variant = Variant { facing, joints, is_morphed: true };
-            let seen = (&self.sight, &place);
-            let built =
-                primitive.build(variant, &material, seen, &mut self.budget, &mut self.notes)?;
-            let Some(geometry) = built else {
-                return Ok(());
-            };
-            let form = match known.take() {
-                Some(form) => form,
-                None => self.form(primitive, &geometry, node, skin)?,
-            };
-            let form = match known.insert(form) {
-                Some(form) => *form,
-                None => {
-                    self.leave_out_huge(node);
-                    continue;
-                }
-            };
-            let transform = match (skin.is_some(), form.space) {
-                (true, Some(space)) => self.tree.world(space),
-                (true, None) => Affine3A::IDENTITY,
-                (false, _) => place,
-            };
-            if !self.can_be_seen(form.space.unwrap_or(node), &transform) {
+        let joints = skin.map(|skin| skin.joints);
+        let variant = Variant { facing, joints, is_morphed: true };
+        let seen = (&assembly.sight, &place);
+        let built =
+            primitive.build(variant, &material, seen, &mut assembly.budget, &mut assembly.notes)?;
+        let Some(geometry) = built else {
+            return Ok(());
+        };
+        let form = match known.take() {
+            Some(form) => form,
+            None => form(assembly, primitive, &geometry, node, skin)?,
+        };
+        let form = match known.insert(form) {
+            Some(form) => *form,
+            None => {
+                assembly.leave_out_huge(node);
                 continue;
             }
-            if !form.is_usable(&transform) {
-                self.leave_out_huge(node);
-                continue;
-            }
-            self.add_deformed(
-                (geometry, &material, name.clone()),
-                node,
-                (skin, form),
-                (transform, *local),
-            )?;
+        };
+        let transform = match (skin.is_some(), form.space) {
+            (true, Some(space)) => assembly.tree.world(space),
+            (true, None) => Affine3A::IDENTITY,
+            (false, _) => place,
+        };
+        if !assembly.can_be_seen(form.space.unwrap_or(node), &transform) {
+            continue;
         }
-        Ok(())
-    }
-
-    /// Returns the facing of meshes on a skin.
-    fn facing_of(&mut self, skin: Used, node: RigNodeId) -> Facing {
-        let joints = self.skins.list.get(skin.skin).map_or(&[][..], |skin| &skin.joints);
-        let turns = |joint: &RigNodeId| self.turns.get(joint.0 as usize) == Some(&true);
-        if *self.turning_skins.entry(skin.skin).or_insert_with(|| joints.iter().any(turns)) {
-            self.note_turning(node);
-            return Facing::Both;
+        if !form.is_usable(&transform) {
+            assembly.leave_out_huge(node);
+            continue;
         }
-        if skin.is_mirrored { Facing::Mirrored } else { Facing::Plain }
-    }
-
-    fn add_deformed(
-        &mut self,
-        (mut geometry, material, name): (Geometry, &MaterialUse, String),
-        node: RigNodeId,
-        (skin, form): (Option<Used>, DeformedExtent),
-        (transform, local): (Affine3A, Affine3A),
-    ) -> Result<(), ImportError> {
-        self.budget.take_deformed(geometry.positions.len() as u64).map_err(|over| {
-            self.source.error(Cause::TooLarge, self.tree.name(node), over.to_string())
-        })?;
-        let used = skin.and_then(|used| self.skins.list.get(used.skin));
-        let seen_at_rest = form.seen_at_rest(&geometry, (node, used), self.tree, &transform);
-        let mesh = self.add_mesh(&geometry, material, name);
-        let skinned_mesh = SkinnedMeshId(self.surfaces.skinned_meshes.len() as u32);
-        self.surfaces.skinned_meshes.push(SkinnedMesh {
-            mesh,
-            skin: geometry.skin.take(),
-            targets: std::mem::take(&mut geometry.targets),
-        });
-        let placed = self.add_object(Object { mesh, transform, tint: NO_TINT }, material)?;
-        self.placements.push(NodeAttachment {
+        add_deformed(
+            assembly,
+            (geometry, &material, name.clone()),
             node,
-            placed,
-            local,
-            skinned_mesh: Some((skinned_mesh, skin.map(|skin| skin.skin))),
-            seen_at_rest,
-            reach: form.reach,
-        });
-        Ok(())
+            (skin, form),
+            (transform, *local),
+        )?;
     }
+    Ok(())
+}
 
-    /// Returns the space and reach of the mesh; `None` if it has no skeleton.
-    fn form(
-        &mut self,
-        primitive: &Primitive<'_>,
-        geometry: &Geometry,
-        node: RigNodeId,
-        skin: Option<Used>,
-    ) -> Result<Option<DeformedExtent>, ImportError> {
-        let skin = skin.and_then(|used| Some((used.skin, self.skins.list.get(used.skin)?)));
-        let formed = Deformed { primitive, geometry, node, skin };
-        self.deformations.form(&self.tree.rig, &formed)
+/// Returns the facing of meshes on a skin.
+fn facing_of(assembly: &mut Assembly<'_>, skin: Used, node: RigNodeId) -> Facing {
+    let joints = assembly.skins.list.get(skin.skin).map_or(&[][..], |skin| &skin.joints);
+    let turns = |joint: &RigNodeId| assembly.turns.get(joint.0 as usize) == Some(&true);
+    if *assembly.turning_skins.entry(skin.skin).or_insert_with(|| joints.iter().any(turns)) {
+        assembly.note_turning(node);
+        return Facing::Both;
     }
+    if skin.is_mirrored { Facing::Mirrored } else { Facing::Plain }
+}
+
+fn add_deformed(
+    assembly: &mut Assembly<'_>,
+    (mut geometry, material, name): (Geometry, &MaterialUse, String),
+    node: RigNodeId,
+    (skin, form): (Option<Used>, DeformedExtent),
+    (transform, local): (Affine3A, Affine3A),
+) -> Result<(), ImportError> {
+    assembly.budget.take_deformed(geometry.positions.len() as u64).map_err(|over| {
+        assembly.source.error(Cause::TooLarge, assembly.tree.name(node), over.to_string())
+    })?;
+    let used = skin.and_then(|used| assembly.skins.list.get(used.skin));
+    let seen_at_rest = form.seen_at_rest(&geometry, (node, used), assembly.tree, &transform);
+    let mesh = assembly.add_mesh(&geometry, material, name);
+    let skinned_mesh = SkinnedMeshId(assembly.surfaces.skinned_meshes.len() as u32);
+    assembly.surfaces.skinned_meshes.push(SkinnedMesh {
+        mesh,
+        skin: geometry.skin.take(),
+        targets: std::mem::take(&mut geometry.targets),
+    });
+    let placed = assembly.add_object(Object { mesh, transform, tint: NO_TINT }, material)?;
+    assembly.placements.push(NodeAttachment {
+        node,
+        placed,
+        local,
+        skinned_mesh: Some((skinned_mesh, skin.map(|skin| skin.skin))),
+        seen_at_rest,
+        reach: form.reach,
+    });
+    Ok(())
+}
+
+/// Returns the space and reach of the mesh; `None` if it has no skeleton.
+fn form(
+    assembly: &mut Assembly<'_>,
+    primitive: &Primitive<'_>,
+    geometry: &Geometry,
+    node: RigNodeId,
+    skin: Option<Used>,
+) -> Result<Option<DeformedExtent>, ImportError> {
+    let skin = skin.and_then(|used| Some((used.skin, assembly.skins.list.get(used.skin)?)));
+    let formed = Deformed { primitive, geometry, node, skin };
+    assembly.deformations.form(&assembly.tree.rig, &formed)
 }

@@ -98,7 +98,7 @@ pub(crate) fn convert(
             assembly.placements.push(rigid(node, PlacedNode::Light(id), Affine3A::IDENTITY));
         }
     }
-    let mut plan = assembly.plan();
+    let mut plan = shared::plan(&mut assembly);
     assembly.scene.objects.reserve_exact(plan.objects());
     let count = tree.in_file.len();
     for (place, node) in (0..count).zip((0..).map(RigNodeId)) {

@@ -13,6 +13,7 @@ use super::assembly::{Assembly, NO_TINT, rigid};
 use super::geometry::Geometry;
 use super::materials::{MaterialUse, Shading};
 use super::primitives::{Facing, Primitive, Variant};
+use super::sprites::{is_crowd, sprites_of};
 use super::{components, pieces};
 use crate::ImportError;
 
@@ -89,177 +90,178 @@ impl Plan {
     }
 }
 
-impl Assembly<'_> {
-    /// Finds the primitives that are the same, the number of their places, and their materials.
-    pub(super) fn plan(&mut self) -> Plan {
-        let source = self.source;
-        let json = source.document.as_json();
-        let mut seen = vec![0_u64; json.meshes.len()];
-        for (in_file, mesh) in self.tree.in_file.iter().zip(&self.tree.meshes) {
-            if let Some(seen) = mesh.and_then(|mesh| seen.get_mut(mesh as usize)) {
-                let instances = source.instancing.get(in_file).copied();
-                *seen += instances.map_or(1, |instances| instances.count as u64);
-            }
+/// Finds the primitives that are the same, the number of their places, and their materials.
+pub(super) fn plan(assembly: &mut Assembly<'_>) -> Plan {
+    let source = assembly.source;
+    let json = source.document.as_json();
+    let mut seen = vec![0_u64; json.meshes.len()];
+    for (in_file, mesh) in assembly.tree.in_file.iter().zip(&assembly.tree.meshes) {
+        if let Some(seen) = mesh.and_then(|mesh| seen.get_mut(mesh as usize)) {
+            let instances = source.instancing.get(in_file).copied();
+            *seen += instances.map_or(1, |instances| instances.count as u64);
         }
-        let mut kinds: Vec<Kind> = Vec::new();
-        let mut of_meshes = Vec::with_capacity(json.meshes.len());
-        let mut known: HashMap<Key, usize> = HashMap::new();
-        for (mesh, (given, uses)) in json.meshes.iter().zip(seen).enumerate() {
-            let mut of_mesh = Vec::new();
-            // A primitive outside of the scene needs no material either.
-            let primitives = if uses > 0 { given.primitives.as_slice() } else { &[] };
-            for (number, json) in primitives.iter().enumerate() {
-                let kind = *known.entry(Key::of(json)).or_insert(kinds.len());
-                if kind == kinds.len() {
-                    let primitive = Primitive { source, json, mesh, number };
-                    let material = self.material_of(&primitive);
-                    kinds.push(Kind { mesh, number, material, uses: 0, made: [None, None, None] });
-                }
-                if let Some(kind) = kinds.get_mut(kind) {
-                    kind.uses += uses;
-                }
-                of_mesh.push(kind);
+    }
+    let mut kinds: Vec<Kind> = Vec::new();
+    let mut of_meshes = Vec::with_capacity(json.meshes.len());
+    let mut known: HashMap<Key, usize> = HashMap::new();
+    for (mesh, (given, uses)) in json.meshes.iter().zip(seen).enumerate() {
+        let mut of_mesh = Vec::new();
+        // A primitive outside of the scene needs no material either.
+        let primitives = if uses > 0 { given.primitives.as_slice() } else { &[] };
+        for (number, json) in primitives.iter().enumerate() {
+            let kind = *known.entry(Key::of(json)).or_insert(kinds.len());
+            if kind == kinds.len() {
+                let primitive = Primitive { source, json, mesh, number };
+                let material = material_of(assembly, &primitive);
+                kinds.push(Kind { mesh, number, material, uses: 0, made: [None, None, None] });
             }
-            of_meshes.push(of_mesh);
+            if let Some(kind) = kinds.get_mut(kind) {
+                kind.uses += uses;
+            }
+            of_mesh.push(kind);
         }
-        Plan { kinds, of_meshes }
+        of_meshes.push(of_mesh);
     }
+    Plan { kinds, of_meshes }
+}
 
-    fn material_of(&mut self, primitive: &Primitive<'_>) -> MaterialUse {
-        let shading = if primitive.is_unlit() { Shading::Unlit } else { Shading::Own };
-        let material = primitive.json.material.map(|material| material.value());
-        self.materials.use_of(primitive.source, material, shading, &mut self.notes)
-    }
+fn material_of(assembly: &mut Assembly<'_>, primitive: &Primitive<'_>) -> MaterialUse {
+    let shading = if primitive.is_unlit() { Shading::Unlit } else { Shading::Own };
+    let material = primitive.json.material.map(|material| material.value());
+    assembly.materials.use_of(primitive.source, material, shading, &mut assembly.notes)
+}
 
-    /// Places a primitive at all places of a node.
-    ///
-    /// # Errors
-    /// Those of [`Primitive::build`].
-    pub(super) fn place_shared(
-        &mut self,
-        kind: &mut Kind,
-        primitive: &Primitive<'_>,
-        node: RigNodeId,
-        locals: &[Affine3A],
-    ) -> Result<(), ImportError> {
-        for local in locals {
-            self.tell()?;
-            let transform = self.tree.world(node) * *local;
-            if !self.can_be_seen(node, &transform) {
+/// Places a primitive at all places of a node.
+///
+/// # Errors
+/// Those of [`Primitive::build`].
+pub(super) fn place_shared(
+    assembly: &mut Assembly<'_>,
+    kind: &mut Kind,
+    primitive: &Primitive<'_>,
+    node: RigNodeId,
+    locals: &[Affine3A],
+) -> Result<(), ImportError> {
+    for local in locals {
+        assembly.tell()?;
+        let transform = assembly.tree.world(node) * *local;
+        if !assembly.can_be_seen(node, &transform) {
+            continue;
+        }
+        let are_sprites = primitive.is_thin() && (kind.material.is_plain || is_crowd(primitive));
+        // Sprites face the camera anywhere.
+        let variant = Variant::rigid(match are_sprites {
+            true => Facing::Plain,
+            false => Facing::of(&transform, assembly.may_turn(node)),
+        });
+        match are_sprites {
+            true => make_sprites(assembly, kind, primitive, &transform)?,
+            false => make(assembly, kind, primitive, variant, &transform)?,
+        }
+        let made = kind.made[variant.facing as usize].as_deref();
+        for mesh in made.unwrap_or_default().iter().copied() {
+            let object = Object { mesh, transform, tint: NO_TINT };
+            if !assembly.scene.bounds_of(&object).is_some_and(|bounds| bounds.is_usable()) {
+                assembly.leave_out_huge(node);
                 continue;
             }
-            let are_sprites =
-                primitive.is_thin() && (kind.material.is_plain || primitive.is_crowd());
-            // Sprites face the camera anywhere.
-            let variant = Variant::rigid(match are_sprites {
-                true => Facing::Plain,
-                false => Facing::of(&transform, self.may_turn(node)),
-            });
-            match are_sprites {
-                true => self.make_sprites(kind, primitive, &transform)?,
-                false => self.make(kind, primitive, variant, &transform)?,
-            }
-            let made = kind.made[variant.facing as usize].as_deref();
-            for mesh in made.unwrap_or_default().iter().copied() {
-                let object = Object { mesh, transform, tint: NO_TINT };
-                if !self.scene.bounds_of(&object).is_some_and(|bounds| bounds.is_usable()) {
-                    self.leave_out_huge(node);
-                    continue;
-                }
-                let placed = self.add_object(object, &kind.material)?;
-                if self.tree.moves(node) {
-                    self.placements.push(rigid(node, placed, *local));
-                }
+            let placed = assembly.add_object(object, &kind.material)?;
+            if assembly.tree.moves(node) {
+                assembly.placements.push(rigid(node, placed, *local));
             }
         }
-        Ok(())
     }
+    Ok(())
+}
 
-    /// Makes the sprites of a primitive when they are first needed. Crowds have a plain material
-    /// even if the file gives another, which is noted.
-    fn make_sprites(
-        &mut self,
-        kind: &mut Kind,
-        primitive: &Primitive<'_>,
-        to_world: &Affine3A,
-    ) -> Result<(), ImportError> {
-        let place = Facing::Plain as usize;
-        if kind.made[place].is_some() {
-            return Ok(());
-        }
-        let mut tint = [1.0; 4];
-        if !kind.material.is_plain {
-            let what =
-                "points and lines too many to be blended, cut out or textured, in plain colours";
-            self.notes.count(what, 1, || primitive.place());
-            tint = kind.material.base_colour;
-            kind.material =
-                self.materials.use_of(self.source, None, Shading::Unlit, &mut self.notes);
-        }
-        let look = (tint, kind.uses == 1);
-        let seen = (&self.sight, to_world);
-        let (budget, notes) = (&mut self.budget, &mut self.notes);
-        let sprites = primitive.sprites(&kind.material, look, seen, budget, notes)?;
-        let name = self.name_of(kind.mesh, kind.number);
-        let made = sprites.into_iter().enumerate().map(|(number, sprites)| {
-            self.add_sprites(sprites, &kind.material, format!("{name}, chunk {number}"))
-        });
-        kind.made[place] = Some(made.collect());
-        Ok(())
+/// Makes the sprites of a primitive when they are first needed. Crowds have a plain material
+/// even if the file gives another, which is noted.
+fn make_sprites(
+    assembly: &mut Assembly<'_>,
+    kind: &mut Kind,
+    primitive: &Primitive<'_>,
+    to_world: &Affine3A,
+) -> Result<(), ImportError> {
+    let place = Facing::Plain as usize;
+    if kind.made[place].is_some() {
+        return Ok(());
     }
-
-    /// Makes the meshes of a primitive when they are first needed.
-    fn make(
-        &mut self,
-        kind: &mut Kind,
-        primitive: &Primitive<'_>,
-        variant: Variant,
-        to_world: &Affine3A,
-    ) -> Result<(), ImportError> {
-        let place = variant.facing as usize;
-        if kind.made[place].is_some() {
-            return Ok(());
-        }
-        let seen = (&self.sight, to_world);
-        let geometry =
-            primitive.build(variant, &kind.material, seen, &mut self.budget, &mut self.notes)?;
-        let mut name = self.name_of(kind.mesh, kind.number);
-        name.push_str(match variant.facing {
-            Facing::Plain => "",
-            Facing::Mirrored => " (mirrored)",
-            Facing::Both => " (both sides)",
-        });
-        let mut made = Vec::new();
-        if let Some(geometry) = geometry {
-            let pieces = self.pieces(geometry, kind);
-            let count = pieces.len();
-            for (number, piece) in pieces.iter().enumerate() {
-                let name = match count {
-                    1 => name.clone(),
-                    _ => format!("{name}, piece {number}"),
-                };
-                made.push(self.add_mesh(piece, &kind.material, name));
-            }
-        }
-        kind.made[place] = Some(made);
-        Ok(())
+    let mut tint = [1.0; 4];
+    if !kind.material.is_plain {
+        let what = "points and lines too many to be blended, cut out or textured, in plain colours";
+        assembly.notes.count(what, 1, || primitive.place());
+        tint = kind.material.base_colour;
+        kind.material =
+            assembly.materials.use_of(assembly.source, None, Shading::Unlit, &mut assembly.notes);
     }
+    let look = (tint, kind.uses == 1);
+    let seen = (&assembly.sight, to_world);
+    let (budget, notes) = (&mut assembly.budget, &mut assembly.notes);
+    let sprites = sprites_of(primitive, &kind.material, look, seen, budget, notes)?;
+    let name = assembly.name_of(kind.mesh, kind.number);
+    let made = sprites.into_iter().enumerate().map(|(number, sprites)| {
+        assembly.add_sprites(sprites, &kind.material, format!("{name}, chunk {number}"))
+    });
+    kind.made[place] = Some(made.collect());
+    Ok(())
+}
 
-    /// Returns geometry in pieces if it is large and seen once, or transparent; else whole.
-    fn pieces(&mut self, geometry: Geometry, kind: &Kind) -> Vec<Geometry> {
-        let uses = usize::try_from(kind.uses).unwrap_or(usize::MAX).max(1);
-        if kind.material.is_transparent {
-            let left = MOST_PART_OBJECTS.saturating_sub(self.transparent_parts);
-            let parts = components::apart(geometry, (left / uses).min(MOST_PARTS));
-            let parts: Vec<Geometry> = parts.into_iter().flat_map(components::sides).collect();
-            self.transparent_parts += parts.len().saturating_sub(1) * uses;
-            return parts;
+/// Makes the meshes of a primitive when they are first needed.
+fn make(
+    assembly: &mut Assembly<'_>,
+    kind: &mut Kind,
+    primitive: &Primitive<'_>,
+    variant: Variant,
+    to_world: &Affine3A,
+) -> Result<(), ImportError> {
+    let place = variant.facing as usize;
+    if kind.made[place].is_some() {
+        return Ok(());
+    }
+    let seen = (&assembly.sight, to_world);
+    let geometry = primitive.build(
+        variant,
+        &kind.material,
+        seen,
+        &mut assembly.budget,
+        &mut assembly.notes,
+    )?;
+    let mut name = assembly.name_of(kind.mesh, kind.number);
+    name.push_str(match variant.facing {
+        Facing::Plain => "",
+        Facing::Mirrored => " (mirrored)",
+        Facing::Both => " (both sides)",
+    });
+    let mut made = Vec::new();
+    if let Some(geometry) = geometry {
+        let pieces = pieces(assembly, geometry, kind);
+        let count = pieces.len();
+        for (number, piece) in pieces.iter().enumerate() {
+            let name = match count {
+                1 => name.clone(),
+                _ => format!("{name}, piece {number}"),
+            };
+            made.push(assembly.add_mesh(piece, &kind.material, name));
         }
-        match self.cut_above {
-            Some(most) if uses == 1 && geometry.triangles.len() > most => {
-                pieces::cut(geometry, most / 4)
-            }
-            _ => vec![geometry],
+    }
+    kind.made[place] = Some(made);
+    Ok(())
+}
+
+/// Returns geometry in pieces if it is large and seen once, or transparent; else whole.
+fn pieces(assembly: &mut Assembly<'_>, geometry: Geometry, kind: &Kind) -> Vec<Geometry> {
+    let uses = usize::try_from(kind.uses).unwrap_or(usize::MAX).max(1);
+    if kind.material.is_transparent {
+        let left = MOST_PART_OBJECTS.saturating_sub(assembly.transparent_parts);
+        let parts = components::apart(geometry, (left / uses).min(MOST_PARTS));
+        let parts: Vec<Geometry> = parts.into_iter().flat_map(components::sides).collect();
+        assembly.transparent_parts += parts.len().saturating_sub(1) * uses;
+        return parts;
+    }
+    match assembly.cut_above {
+        Some(most) if uses == 1 && geometry.triangles.len() > most => {
+            pieces::cut(geometry, most / 4)
         }
+        _ => vec![geometry],
     }
 }

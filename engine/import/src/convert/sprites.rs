@@ -38,48 +38,46 @@ struct Look {
     is_seen_once: bool,
 }
 
-impl Primitive<'_> {
-    /// Returns true if it has more points or lines than may become solids.
-    pub(super) fn is_crowd(&self) -> bool {
-        let accessors = &self.source.document.as_json().accessors;
-        let indices = self.json.indices.map(|indices| indices.value());
-        let list = indices.or_else(|| self.attribute(Semantic::Positions));
-        let count = list.and_then(|list| accessors.get(list)).map_or(0, |list| list.count.0);
-        self.is_thin() && count > MOST_SOLIDS
-    }
+/// Returns true if a primitive has more points or lines than may become solids.
+pub(super) fn is_crowd(primitive: &Primitive<'_>) -> bool {
+    let accessors = &primitive.source.document.as_json().accessors;
+    let indices = primitive.json.indices.map(|indices| indices.value());
+    let list = indices.or_else(|| primitive.attribute(Semantic::Positions));
+    let count = list.and_then(|list| accessors.get(list)).map_or(0, |list| list.count.0);
+    primitive.is_thin() && count > MOST_SOLIDS
+}
 
-    /// Returns the primitive as sprites, sized for `sight`, if it is made of points or lines.
-    ///
-    /// # Errors
-    /// Positions that are not finite; more vertices than the limits allow.
-    pub(super) fn sprites(
-        &self,
-        material: &MaterialUse,
-        (tint, is_seen_once): ([f32; 4], bool),
-        (sight, to_world): (&InitialView<'_>, &Affine3A),
-        budget: &mut Budget,
-        notes: &mut Notes,
-    ) -> Result<Vec<Sprites>, ImportError> {
-        let read = self.read(Variant::rigid(Facing::Plain), material, notes)?;
-        let Some((geometry, elements)) = read else { return Ok(Vec::new()) };
-        let ends = elements.vertices().len() as u64;
-        budget.take(ends, 0).map_err(|over| self.over(&over))?;
-        let height = sight.height_at(&geometry.bounds(), to_world);
-        // Where positions overflow, so do sizes.
-        let radius_m = |size: f32| if size.is_finite() { size * 0.5 } else { 0.0 };
-        let look = |size: f32| Look { radius_m: radius_m(size), tint, is_seen_once };
-        Ok(match elements {
-            Elements::Points(list) => {
-                let size = solids::point_size(&geometry, &list, height);
-                points(&geometry, &list, &look(size))
-            }
-            Elements::Lines(list) => {
-                let size = solids::line_size(&geometry, &list, height);
-                lines(&geometry, &list, &look(size))
-            }
-            Elements::Triangles(_) => Vec::new(),
-        })
-    }
+/// Returns a primitive as sprites, sized for `sight`, if it is made of points or lines.
+///
+/// # Errors
+/// Positions that are not finite; more vertices than the limits allow.
+pub(super) fn sprites_of(
+    primitive: &Primitive<'_>,
+    material: &MaterialUse,
+    (tint, is_seen_once): ([f32; 4], bool),
+    (sight, to_world): (&InitialView<'_>, &Affine3A),
+    budget: &mut Budget,
+    notes: &mut Notes,
+) -> Result<Vec<Sprites>, ImportError> {
+    let read = primitive.read(Variant::rigid(Facing::Plain), material, notes)?;
+    let Some((geometry, elements)) = read else { return Ok(Vec::new()) };
+    let ends = elements.vertices().len() as u64;
+    budget.take(ends, 0).map_err(|over| primitive.over(&over))?;
+    let height = sight.height_at(&geometry.bounds(), to_world);
+    // Where positions overflow, so do sizes.
+    let radius_m = |size: f32| if size.is_finite() { size * 0.5 } else { 0.0 };
+    let look = |size: f32| Look { radius_m: radius_m(size), tint, is_seen_once };
+    Ok(match elements {
+        Elements::Points(list) => {
+            let size = solids::point_size(&geometry, &list, height);
+            points(&geometry, &list, &look(size))
+        }
+        Elements::Lines(list) => {
+            let size = solids::line_size(&geometry, &list, height);
+            lines(&geometry, &list, &look(size))
+        }
+        Elements::Triangles(_) => Vec::new(),
+    })
 }
 
 /// Returns sprites for these points, without a mesh yet.

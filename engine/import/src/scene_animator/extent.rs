@@ -16,66 +16,60 @@ const MOST_LOOKS: usize = 256;
 /// The most places of nodes and moving parts that are sampled; but each clip is sampled once.
 const MOST_PLACES: usize = 1 << 22;
 
-impl SceneAnimator {
-    /// Returns a box around everything visible during the clips that play now, from a bounded
-    /// number of samples in time; the origin alone if there is nothing. `scene` is the one that
-    /// came with this animator.
-    ///
-    /// Resets the shown state, so it is for use before a renderer shows anything.
-    pub fn bounds_playing(&mut self, scene: &Scene) -> Aabb {
-        let transparent = scene.surfaces.iter().flat_map(|surfaces| &surfaces.transparent);
-        let objects: Vec<&Object> = scene.objects.iter().chain(transparent).collect();
-        let place = |(placed, _): (PlacedNode, _)| match placed {
-            PlacedNode::Object(id) => Some(id.0 as usize),
-            PlacedNode::Transparent(id) => Some(scene.objects.len() + id.0 as usize),
-            PlacedNode::Light(_) => None,
-        };
-        let mut is_part = vec![false; objects.len()];
-        let mut all = Aabb::EMPTY;
-        let parts = 0..self.parts.len();
-        for place in parts.clone().filter_map(|part| place(self.parts.placed(part)?)) {
-            if let Some(is_part) = is_part.get_mut(place) {
-                *is_part = true;
-            }
+/// Returns the box of [`SceneAnimator::bounds_playing`].
+pub(super) fn bounds_playing(animator: &mut SceneAnimator, scene: &Scene) -> Aabb {
+    let transparent = scene.surfaces.iter().flat_map(|surfaces| &surfaces.transparent);
+    let objects: Vec<&Object> = scene.objects.iter().chain(transparent).collect();
+    let place = |(placed, _): (PlacedNode, _)| match placed {
+        PlacedNode::Object(id) => Some(id.0 as usize),
+        PlacedNode::Transparent(id) => Some(scene.objects.len() + id.0 as usize),
+        PlacedNode::Light(_) => None,
+    };
+    let mut is_part = vec![false; objects.len()];
+    let mut all = Aabb::EMPTY;
+    let parts = 0..animator.parts.len();
+    for place in parts.clone().filter_map(|part| place(animator.parts.placed(part)?)) {
+        if let Some(is_part) = is_part.get_mut(place) {
+            *is_part = true;
         }
-        let still = objects.iter().zip(&is_part).filter(|(_, is_part)| !**is_part);
-        for bounds in still.filter_map(|(object, _)| scene.bounds_of(object)) {
-            all = all.union(&bounds);
-        }
-        let skinned_meshes = scene.surfaces.as_ref().map_or(&[][..], |it| &it.skinned_meshes);
-        let form = |part| {
-            let (_, skinned_mesh) = self.parts.placed(part)?;
-            let skinned_mesh = skinned_meshes.get(skinned_mesh?.0 as usize)?;
-            Some(PoseBounds::of(scene.meshes.get(skinned_mesh.mesh.0 as usize)?, skinned_mesh))
-        };
-        let forms: Vec<Option<PoseBounds>> = parts.clone().map(form).collect();
-        for seconds in self.looks() {
-            self.changes(seconds);
-            for (part, form) in parts.clone().zip(&forms) {
-                let Some(place) = self.parts.placed(part).and_then(place) else { continue };
-                let mesh = objects.get(place).and_then(|it| scene.meshes.get(it.mesh.0 as usize));
-                if let Some(bounds) =
-                    self.parts.seen_in(part, mesh.map(|mesh| mesh.bounds), form.as_ref())
-                {
-                    all = all.union(&bounds);
-                }
-            }
-        }
-        self.begin_anew(scene);
-        if all.is_usable() { all } else { Aabb::new(Vec3::ZERO, Vec3::ZERO) }
     }
+    let still = objects.iter().zip(&is_part).filter(|(_, is_part)| !**is_part);
+    for bounds in still.filter_map(|(object, _)| scene.bounds_of(object)) {
+        all = all.union(&bounds);
+    }
+    let skinned_meshes = scene.surfaces.as_ref().map_or(&[][..], |it| &it.skinned_meshes);
+    let form = |part| {
+        let (_, skinned_mesh) = animator.parts.placed(part)?;
+        let skinned_mesh = skinned_meshes.get(skinned_mesh?.0 as usize)?;
+        Some(PoseBounds::of(scene.meshes.get(skinned_mesh.mesh.0 as usize)?, skinned_mesh))
+    };
+    let forms: Vec<Option<PoseBounds>> = parts.clone().map(form).collect();
+    for seconds in looks(animator) {
+        animator.changes(seconds);
+        for (part, form) in parts.clone().zip(&forms) {
+            let Some(place) = animator.parts.placed(part).and_then(place) else { continue };
+            let mesh = objects.get(place).and_then(|it| scene.meshes.get(it.mesh.0 as usize));
+            if let Some(bounds) =
+                animator.parts.seen_in(part, mesh.map(|mesh| mesh.bounds), form.as_ref())
+            {
+                all = all.union(&bounds);
+            }
+        }
+    }
+    animator.begin_anew(scene);
+    if all.is_usable() { all } else { Aabb::new(Vec3::ZERO, Vec3::ZERO) }
+}
 
-    /// Returns the sampled times, in seconds.
-    fn looks(&self) -> Vec<f64> {
-        let durations: Vec<f32> =
-            self.playing.to().iter().filter_map(|clip| self.duration_s(*clip)).collect();
-        let places = (self.moving.len() + self.parts.len()).max(1);
-        let most = (MOST_PLACES / places).clamp(1, MOST_LOOKS);
-        let a_clip = (most / durations.len().max(1)).clamp(1, MOST_LOOKS_A_CLIP);
-        let all = durations.iter().flat_map(|seconds| {
-            (0..a_clip).map(move |look| f64::from(*seconds) * look as f64 / a_clip as f64)
-        });
-        // The beginning is sampled even where nothing plays.
-        std::iter::once(0.0).chain(all).take(most.max(durations.len()).min(MOST_LOOKS)).collect()
-    }
+/// Returns the sampled times, in seconds.
+fn looks(animator: &SceneAnimator) -> Vec<f64> {
+    let durations: Vec<f32> =
+        animator.playing.to().iter().filter_map(|clip| animator.duration_s(*clip)).collect();
+    let places = (animator.moving.len() + animator.parts.len()).max(1);
+    let most = (MOST_PLACES / places).clamp(1, MOST_LOOKS);
+    let a_clip = (most / durations.len().max(1)).clamp(1, MOST_LOOKS_A_CLIP);
+    let all = durations.iter().flat_map(|seconds| {
+        (0..a_clip).map(move |look| f64::from(*seconds) * look as f64 / a_clip as f64)
+    });
+    // The beginning is sampled even where nothing plays.
+    std::iter::once(0.0).chain(all).take(most.max(durations.len()).min(MOST_LOOKS)).collect()
 }
