@@ -249,7 +249,7 @@ impl Culler {
         }
         .write(scratch, plan);
         if has_parts {
-            shared_proxies::share_proxies(plan, &scratch.tests, view, &config, &mut self.fronts);
+            shared_proxies::share_proxies(plan, &scratch.tests, view, &mut self.fronts);
         }
         rounds::schedule(plan, tester, is_cut, &config);
         if let Some(costs) = costs {

@@ -19,7 +19,7 @@
 //!   [`CostTable`].
 //! - [`BlockingCuller`]: the methods of the literature that wait for results within the frame, for
 //!   comparison.
-//! - [`CullConfig`]: all constants. They change costs, never the image.
+//! - [`CullConfig`]: the constants that matter. They change costs, never the image.
 //!
 //! # Example
 //!

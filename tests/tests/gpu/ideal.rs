@@ -97,15 +97,8 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         let hiding = Camera { eye: camera.eye - 10.0 * camera.forward, ..camera };
         let scene = box_scene(&[boxes, vec![wall]].concat());
         let size = [384, 216];
-        // Any test may answer for any number of leaves, through whose gaps much of these shows.
-        let cull_config = CullConfig {
-            front_area: 0.0,
-            fronts: 1_000,
-            leaves_behind: u32::MAX,
-            leaves_behind_a_frame: u32::MAX,
-            growth_frames_parts: u32::MAX,
-            ..CullConfig::default()
-        };
+        // Tests of up to 32 leaves answer for others, which show in part through the gaps.
+        let cull_config = CullConfig { growth_frames_parts: 32, ..CullConfig::default() };
         // No price keeps a test from being made.
         let options = RendererOptions {
             methods: methods::ALL,
@@ -119,13 +112,13 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         let mut view = renderer.new_view().unwrap();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, size).unwrap());
         // Only what was hidden answers for others: seen from behind a wall, all of it was.
-        for _ in 0..4 {
+        for _ in 0..64 {
             let set = renderer.visible_set(&mut finder, &hiding, Rect::whole(size)).unwrap();
             assert_eq!(set.leaves().len(), 1);
         }
         let set = renderer.visible_set(&mut finder, &camera, Rect::whole(size)).unwrap();
         assert!(set.leaves().len() > gpu::LISTED_DRAWS, "only {} show", set.leaves().len());
-        assert!(finder.plan().stats.shared_proxies > 20, "no test answered for another");
+        assert!(finder.plan().stats.shared_proxies > 10, "no test answered for another");
         let again = renderer.visible_set(&mut finder, &camera, Rect::whole(size)).unwrap();
         assert_eq!(again.leaves().len(), set.leaves().len(), "now most of it is drawn untested");
         for (strategy, picture) in [(Strategy::Frustum, &expected), (Strategy::Ideal, &got)] {

@@ -12,6 +12,10 @@ use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::QueryKind;
 use crate::rng::SplitMix64;
 
+/// The time after a hidden own draw within which a visible proxy counts as too loose for the place.
+/// Halved or doubled, it moves no count of a walk by more than 1 % (docs/cull_config.md).
+const FLICKER_FRAMES: u32 = 16;
+
 /// The update of the history by one answer.
 pub(crate) struct Ingest<'a> {
     pub(crate) history: &'a mut History,
@@ -94,7 +98,7 @@ impl Ingest<'_> {
         let mut record = self.history.record(node);
         if record.state != NodeState::Visible {
             let was_brief = record.state == NodeState::Hidden
-                && self.asked.since(record.since) <= self.config.flip_frames;
+                && self.asked.since(record.since) <= FLICKER_FRAMES;
             // Hidden as of the same answer is no past: that of a part's node came just before.
             if record.since != self.asked {
                 record.flicker_count =

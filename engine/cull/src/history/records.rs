@@ -9,6 +9,10 @@ use crate::ids::Generation;
 use crate::plan::config::CullConfig;
 use crate::rng::SplitMix64;
 
+/// The time after which a probe may be repeated if its result does not come. Halved or doubled, it
+/// moves no count of a walk by more than 1 % (docs/cull_config.md).
+const PROBE_RETRY_FRAMES: u32 = 6;
+
 /// One record per node, as the nodes were in the generation that is kept here.
 #[derive(Debug)]
 pub(crate) struct History {
@@ -127,9 +131,9 @@ impl History {
     }
 
     /// Notes that a node has a pull-up query: it has no other before the answer had time to come.
-    pub(crate) fn asked_probe(&mut self, node: u32, now: FrameStamp, config: &CullConfig) {
+    pub(crate) fn asked_probe(&mut self, node: u32, now: FrameStamp) {
         if let Some(record) = self.record_mut(node) {
-            record.due = now.plus(config.probe_retry);
+            record.due = now.plus(PROBE_RETRY_FRAMES);
         }
     }
 

@@ -62,7 +62,7 @@ impl Asking<'_> {
         let mut kind = test.kind;
         if kind == QueryKind::PullUpQuery {
             leaves.count = 0;
-            self.history.asked_probe(test.node, self.now, self.config);
+            self.history.asked_probe(test.node, self.now);
         } else if kind == QueryKind::VisibleBoxQuery {
             leaves.count = 0;
             self.history.mark_for_retest(test.node, self.containment(test.node));

@@ -9,6 +9,10 @@ use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::traverse::Walk;
 
+/// The probes that a frame may always have. Halved or doubled, it moves no count of a walk by more
+/// than 1 % (docs/cull_config.md).
+const MIN_PROBES: usize = 16;
+
 /// Makes the lists fit into `budget` queries.
 pub(crate) fn fit(scratch: &mut Scratch, walk: &Walk<'_>, budget: usize, stats: &mut PlanStats) {
     drop_tests(scratch, walk, budget, stats);
@@ -49,7 +53,7 @@ fn drop_optional(scratch: &mut Scratch, config: &CullConfig, budget: usize, stat
     let wished = scratch.tests.iter().filter(|test| test.kind == QueryKind::PullUpQuery).count();
     let share = frontier / (config.tests_per_probe.max(1) as usize);
     let probes = wished
-        .min(share.max(config.probes_min as usize))
+        .min(share.max(MIN_PROBES))
         .min((left / 2).max(left.saturating_sub(scratch.retests.len())));
     let mut remaining = probes;
     for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {

@@ -23,8 +23,25 @@ use crate::geom::bounds::Aabb;
 use crate::geom::outline::Outline;
 use crate::geom::view::View;
 use crate::plan::candidates::Candidate;
-use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, Tester};
+
+/// The bounds of sharing.
+struct Limits {
+    /// The least share of the picture that a test must cover to answer for the leaves behind it.
+    front_area: f32,
+    /// The number of them: the largest.
+    fronts: usize,
+    /// The most leaves that one of them may answer for: all are tested one by one if it shows.
+    leaves_behind: u32,
+    /// The same per frame that it has been hidden, none for an unknown one: a node that was not
+    /// hidden for long is the likeliest to show.
+    leaves_behind_per_frame: u32,
+}
+
+/// The bounds in use. Halved or doubled, none of them moves a count of a walk by more than 1 %
+/// (docs/cull_config.md).
+const LIMITS: Limits =
+    Limits { front_area: 0.002, fronts: 48, leaves_behind: 4_096, leaves_behind_per_frame: 64 };
 
 /// A proxy whose result others may share.
 #[derive(Clone, Copy, Debug)]
@@ -47,12 +64,11 @@ pub(crate) fn share_proxies(
     plan: &mut FramePlan,
     candidates: &[Candidate],
     view: &View,
-    config: &CullConfig,
     fronts: &mut Vec<SharedProxy>,
 ) {
     let hidden_frames = candidates.iter().map(|test| test.hidden_frames);
     plan.stats.shared_proxies =
-        share_in_order(&mut plan.tests, hidden_frames, view, config, fronts);
+        share_in_order(&mut plan.tests, hidden_frames, view, &LIMITS, fronts);
 }
 
 /// Makes tests share the results of others, front to back, and asks for their leaves one by one.
@@ -65,13 +81,13 @@ fn share_in_order(
     tests: &mut [ProxyTest],
     hidden_frames: impl Iterator<Item = Option<u32>>,
     view: &View,
-    config: &CullConfig,
+    limits: &Limits,
     fronts: &mut Vec<SharedProxy>,
 ) -> u32 {
     fronts.clear();
     let mut behind = 0;
     let [width, height] = view.size.map(|pixels| pixels as f32);
-    let least_area = config.front_area * width * height;
+    let least_area = limits.front_area * width * height;
     for ((number, test), hidden_frames) in (0..).zip(tests).zip(hidden_frames) {
         if test.tester != Tester::Flag || test.leaves.count == 0 {
             continue;
@@ -93,8 +109,8 @@ fn share_in_order(
             behind += 1;
             continue;
         }
-        let known = hidden_frames.unwrap_or(0).saturating_mul(config.leaves_behind_a_frame);
-        let most_behind = known.min(config.leaves_behind);
+        let known = hidden_frames.unwrap_or(0).saturating_mul(limits.leaves_behind_per_frame);
+        let most_behind = known.min(limits.leaves_behind);
         let area = seen.area();
         if most_behind > 0 && area >= least_area && outline.is_sharp(&test.bounds, nearest, view) {
             let front = SharedProxy {
@@ -107,7 +123,7 @@ fn share_in_order(
                 leaves_behind: 0,
                 most_behind,
             };
-            keep_largest(fronts, front, config.fronts as usize);
+            keep_largest(fronts, front, limits.fronts);
         }
     }
     behind
@@ -219,15 +235,10 @@ mod tests {
             tester: Tester::Flag,
         };
         let mut tests = [test(front), test(behind)];
-        let config = CullConfig {
-            front_area: 1.0e-6,
-            fronts: 4,
-            leaves_behind,
-            leaves_behind_a_frame: 2,
-            ..CullConfig::default()
-        };
+        let limits =
+            Limits { front_area: 1.0e-6, fronts: 4, leaves_behind, leaves_behind_per_frame: 2 };
         let hidden_frames = [hidden_frames, None].into_iter();
-        let behind = share_in_order(&mut tests, hidden_frames, view, &config, &mut Vec::new());
+        let behind = share_in_order(&mut tests, hidden_frames, view, &limits, &mut Vec::new());
         assert_eq!(behind == 1, matches!(tests[1].tester, Tester::SharedProxy(0)));
         behind == 1
     }

@@ -15,6 +15,15 @@ use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::strategy::Strategy;
 
+// Halved or doubled, these move no count of a walk by more than 1 % (docs/cull_config.md).
+
+/// The most leaves with which a node is tested as one after any time hidden: if it shows, each of
+/// them is tested in that frame, and recorded when the results are read back.
+const MAX_SHARED_LEAVES: u64 = 16_384;
+/// The most times that the allowed sizes are raised fourfold if there are more tests than queries.
+/// After that, leaves are drawn without a test.
+const MAX_COARSENESS: u32 = 4;
+
 /// The use of history by a traversal.
 #[derive(Clone, Copy)]
 pub(crate) enum Knowledge<'a> {
@@ -74,12 +83,9 @@ impl Walk<'_> {
     /// Fills `scratch` with the draws and tests by the history. While those are more tests than
     /// wished, or than `budget`, larger nodes are allowed and the traversal is repeated.
     pub(crate) fn traverse(&mut self, scratch: &mut Scratch, budget: usize, stats: &mut PlanStats) {
-        // Then everything there can be is small enough to be tested as one.
-        const MOST_ATTEMPTS: u32 = 16;
         loop {
             self.run(scratch, stats);
-            let is_last =
-                budget == 0 || self.coarseness >= self.config.coarsen_attempts.min(MOST_ATTEMPTS);
+            let is_last = budget == 0 || self.coarseness >= MAX_COARSENESS;
             let wished = budget.min(self.config.tests_wished as usize);
             if is_last || scratch.frontier().count() <= wished {
                 break;
@@ -326,7 +332,7 @@ impl Walk<'_> {
         if self.is_turning && !visit.mask.is_inside() {
             allowed = allowed.min(self.config.edge_leaves.into());
         }
-        allowed = allowed.min(self.config.shared_leaves.into());
+        allowed = allowed.min(MAX_SHARED_LEAVES);
         u64::from(visit.leaf_count) <= self.coarse(allowed) || self.is_small(visit)
     }
 
@@ -337,13 +343,13 @@ impl Walk<'_> {
             return true;
         }
         let diagonal = 2.0 * visit.bounds.half_extent().length();
-        let angle = self.config.unknown_angle * (1 << self.coarseness.min(16)) as f32;
+        let angle = self.config.unknown_angle * (1 << self.coarseness) as f32;
         leaves <= self.coarse(self.config.unknown_leaves_far.into())
             && diagonal < angle * visit.nearness.distance()
     }
 
     fn coarse(&self, leaves: u64) -> u64 {
-        leaves.saturating_mul(1 << (2 * self.coarseness.min(16)))
+        leaves.saturating_mul(1 << (2 * self.coarseness))
     }
 
     fn record(&self, node: u32) -> NodeRecord {

@@ -129,7 +129,6 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         unknown_angle,
         growth_frames,
         growth_frames_parts,
-        shared_leaves,
         edge_leaves,
         turning_frames,
         turning_sine,
@@ -146,11 +145,8 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         own_box_angle,
         own_box_frames,
         own_box_streak,
-        flip_frames,
         flip_retest_max,
-        probe_retry,
         probe_backoff,
-        probes_min,
         tests_per_probe,
         occluders,
         cut_share,
@@ -161,12 +157,7 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         rounds_compute_cut,
         round_tests_min,
         parts_leaves,
-        front_area,
-        fronts,
-        leaves_behind,
-        leaves_behind_a_frame,
         tests_wished,
-        coarsen_attempts,
         seed: _,
     } = &mut config;
     for number in [
@@ -174,7 +165,6 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         unknown_leaves_far,
         growth_frames,
         growth_frames_parts,
-        shared_leaves,
         edge_leaves,
         turning_frames,
         stale_frames,
@@ -189,11 +179,8 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         retest_gate,
         own_box_frames,
         own_box_streak,
-        flip_frames,
         flip_retest_max,
-        probe_retry,
         probe_backoff,
-        probes_min,
         tests_per_probe,
         occluders,
         cut_share,
@@ -204,15 +191,11 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         rounds_compute_cut,
         round_tests_min,
         parts_leaves,
-        fronts,
-        leaves_behind,
-        leaves_behind_a_frame,
         tests_wished,
-        coarsen_attempts,
     ] {
         *number = [0, 1, u32::MAX, *number, *number, *number][random.below(6)];
     }
-    for number in [unknown_angle, turning_sine, own_box_angle, front_area] {
+    for number in [unknown_angle, turning_sine, own_box_angle] {
         *number = [0.0, f32::NAN, f32::INFINITY, *number, *number][random.below(5)];
     }
     config
