@@ -71,7 +71,7 @@ pub fn walk(
     frames: u32,
     options: &RendererOptions,
 ) -> Found {
-    walk_with(device, scene, path, frames, options, Strategy::Antumbra)
+    walk_with(device, scene, path, frames, options, Strategy::ANTUMBRA)
 }
 
 /// Walks with any strategy, and compares each picture with plain frustum culling.
@@ -95,7 +95,7 @@ pub fn walk_cameras(
     cameras: &[Camera],
     options: &RendererOptions,
 ) -> Found {
-    walk_cameras_with(device, scene, cameras, options, Strategy::Antumbra)
+    walk_cameras_with(device, scene, cameras, options, Strategy::ANTUMBRA)
 }
 
 /// Walks over any cameras with any strategy.
@@ -109,7 +109,7 @@ pub fn walk_cameras_with(
     let mut renderer = Renderer::new(device, scene, options).expect("a renderer");
     let mut found = Found { frames: cameras.len() as u32, ..Found::default() };
     let mut pictures = Vec::new();
-    for (which, strategy) in [Strategy::Frustum, strategy].into_iter().enumerate() {
+    for (which, strategy) in [Strategy::FRUSTUM, strategy].into_iter().enumerate() {
         let mut view = renderer.new_view().expect("a view");
         let loops = frame_loop(&mut renderer, &mut view, strategy, cameras);
         found.blocking_waits += loops.blocking_waits;

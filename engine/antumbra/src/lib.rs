@@ -19,7 +19,7 @@
 //!
 //! let [eye, forward, up] = [Vec3::Z * 3.0, Vec3::NEG_Z, Vec3::Y];
 //! let camera = Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
-//! let request = FrameRequest::new(Strategy::Antumbra, camera);
+//! let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
 //! renderer.render(&mut view, &FrameRequest { picture: Some(&picture), ..request })?;
 //! renderer.drain(&mut view)?;
 //! println!("{} bytes of RGBA", picture.rgba8()?.len());

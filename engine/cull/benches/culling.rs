@@ -120,7 +120,7 @@ impl Walk {
 
     fn plan(&mut self) {
         let view = View::new(&self.camera, [1280, 720], 8);
-        self.culler.plan(&self.hierarchy, Strategy::Antumbra, &view, QUERIES, &mut self.plan);
+        self.culler.plan(&self.hierarchy, Strategy::ANTUMBRA, &view, QUERIES, &mut self.plan);
     }
 }
 

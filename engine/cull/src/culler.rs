@@ -89,7 +89,7 @@ impl Culler {
     /// Takes a test with no more than `samples` samples as hidden from now on (GPU Gems 2, 6.5.4):
     /// the executor of the plans leaves the leaves of such tests out. Above 0 the image is not
     /// exact, and a query must count. For plans whose tester is the query: flags that fragments set
-    /// count nothing, and show if they are not zero. [`Strategy::NextFrame`] goes by a single
+    /// count nothing, and show if they are not zero. [`Culler::plan_next_frame`] goes by a single
     /// sample.
     pub fn set_sample_threshold(&mut self, samples: u32) {
         self.neglected_samples = samples;
@@ -202,9 +202,6 @@ impl Culler {
     ) {
         let now = self.begin(hierarchy, plan);
         self.watch(view, now);
-        if strategy == Strategy::NextFrame {
-            return self.next_frame.plan(hierarchy, view, plan);
-        }
         let tester = self.tester(strategy);
         let config = self.tune(strategy, &mut plan.stats);
         let costs = CostFilter::new(self.cost_model.as_ref(), strategy, tester, self.testers);
@@ -276,8 +273,17 @@ impl Culler {
         }
     }
 
+    /// Plans a frame of next-frame queries (GPU Gems, 29.4) into `plan`: what was visible at its
+    /// last test is drawn, every object is tested, and no draw depends on the tests of the frame.
+    /// Not exact: an object that comes into view is missing until its result is read back.
+    pub fn plan_next_frame(&mut self, hierarchy: &Hierarchy, view: &View, plan: &mut FramePlan) {
+        let now = self.begin(hierarchy, plan);
+        self.watch(view, now);
+        self.next_frame.plan(hierarchy, view, plan);
+    }
+
     /// Plans the next frame from the outcome: draws `leaves` in their order and tests nothing
-    /// ([`Strategy::Ideal`]; [`Culler::plan`] cannot know them and falls back to frustum culling).
+    /// ([`methods::IDEAL`]; [`Culler::plan`] cannot know them and falls back to frustum culling).
     pub fn plan_known(
         &mut self,
         hierarchy: &Hierarchy,
@@ -330,9 +336,9 @@ impl Culler {
 
     /// Returns the tester of proxies under a strategy.
     fn tester(&self, strategy: Strategy) -> Tester {
-        match strategy {
-            Strategy::AntumbraQueries => Tester::Query,
-            Strategy::AntumbraCompute if self.testers.compute => Tester::Compute,
+        match strategy.tester() {
+            Some(Tester::Query) => Tester::Query,
+            Some(Tester::Compute) if self.testers.compute => Tester::Compute,
             _ if self.testers.flags => Tester::Flag,
             _ => Tester::Query,
         }

@@ -54,7 +54,7 @@
 //! let shows = |node| hierarchy.bounds(node).max.z > -7.0;
 //! for _ in 0..100 {
 //!     culler.ingest(&hierarchy, answers.drain(..));
-//!     culler.plan(&hierarchy, Strategy::Antumbra, &view, 1_000, &mut plan);
+//!     culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, 1_000, &mut plan);
 //!     // The GPU draws `draws` and `queried_draws`, then tests and draws round by round.
 //!     let tested = plan.tests.iter().map(|test| test.tag);
 //!     let queried = plan.queried_draws.iter().map(|(_, tag)| *tag);
@@ -82,8 +82,9 @@ mod plan;
 mod rng;
 
 pub use blocking::{
-    Batch, BatchDraw, BatchTest, BatchedOptions, BlockingCuller, BlockingFrame, BlockingOptions,
-    BlockingStats, CoherentOptions, FirstPass, LeafTest, NextAction, TestAnswer, TestToken,
+    Batch, BatchDraw, BatchTest, BatchedOptions, BlockingCuller, BlockingFrame, BlockingKind,
+    BlockingOptions, BlockingStats, CoherentOptions, FirstPass, LeafTest, NextAction, TestAnswer,
+    TestToken,
 };
 pub use cost::contents::FrameContents;
 pub use cost::corrections::Corrections;
@@ -107,4 +108,4 @@ pub use plan::explain::{Decision, LeafExplanation, NodeHistory, Outcome};
 pub use plan::frame_plan::{
     Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester, TesterSupport,
 };
-pub use plan::strategy::{Strategy, UnknownStrategy};
+pub use plan::strategy::Strategy;

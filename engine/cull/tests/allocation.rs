@@ -44,7 +44,7 @@ fn steady_frames_do_not_allocate() {
         hierarchy.restructure(&mut reordered);
         culler.ingest(&hierarchy, answers.drain(..));
         let view = View::new(&camera, [320, 180], 8);
-        culler.plan(&hierarchy, Strategy::Antumbra, &view, 1_000, &mut plan);
+        culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, 1_000, &mut plan);
         // The first rows show, the others do not.
         let shows = |node| hierarchy.bounds(node).max.z > -20.0;
         let tests = plan.tests.iter().map(|test| test.tag);

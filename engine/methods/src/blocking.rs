@@ -15,8 +15,8 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use cull::{
-    Batch, BatchDraw, BlockingCuller, BlockingOptions, BlockingStats, FirstPass, LeafIndex,
-    NextAction, PlanStats, Strategy, TestAnswer, TestToken,
+    Batch, BatchDraw, BlockingCuller, BlockingKind, BlockingOptions, BlockingStats, FirstPass,
+    LeafIndex, NextAction, PlanStats, Strategy, TestAnswer, TestToken,
 };
 use gpu::{
     BlockingQueryPool, BufferSlice, Commands, Counting, Frame, IndirectDraw, Optional, QueryIndex,
@@ -39,7 +39,8 @@ impl MethodState for BlockingState {}
 
 /// One of the methods.
 pub(crate) struct BlockingMethod {
-    strategy: Strategy,
+    strategy: [Strategy; 1],
+    kind: BlockingKind,
     options: BlockingOptions,
 }
 
@@ -57,8 +58,8 @@ struct BatchIo {
 }
 
 impl Method for BlockingMethod {
-    fn carries_out(&self, strategy: Strategy) -> bool {
-        strategy == self.strategy
+    fn strategies(&self) -> &[Strategy] {
+        &self.strategy
     }
 
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
@@ -106,21 +107,25 @@ impl Method for BlockingMethod {
 }
 
 impl BlockingMethod {
-    pub(crate) fn new(strategy: Strategy, options: &BlockingOptions) -> Self {
-        Self { strategy, options: *options }
+    pub(crate) fn new(
+        strategy: [Strategy; 1],
+        kind: BlockingKind,
+        options: &BlockingOptions,
+    ) -> Self {
+        Self { strategy, kind, options: *options }
     }
 
     /// Returns the kind of queries: they count samples where a threshold needs it.
     fn counting(&self) -> Counting {
         let threshold = self.options.coherent.visibility_threshold_samples;
-        let counts = self.strategy == Strategy::Coherent && threshold > 0;
+        let counts = self.kind == BlockingKind::Coherent && threshold > 0;
         if counts { Counting::Samples } else { Counting::Some }
     }
 
     /// Returns true if the batches draw depth alone and the colour comes last, as an option demands
     /// it in scenes that are not drawn so anyway.
     fn is_depth_first(&self, scene: &MethodScene<'_>) -> bool {
-        self.strategy == Strategy::Coherent
+        self.kind == BlockingKind::Coherent
             && self.options.coherent.first_pass == FirstPass::DepthOnly
             && !scene.objects.shades_later()
     }
@@ -135,8 +140,7 @@ impl BlockingMethod {
         request: &MethodRequest<'_>,
     ) -> Result<BlockingStats, Error> {
         let BlockingState { blocking, queries } = kept;
-        let started = blocking.begin(scene.hierarchy, self.strategy, request.view);
-        let Some(mut conversation) = started else { return Ok(BlockingStats::default()) };
+        let mut conversation = blocking.begin(scene.hierarchy, self.kind, request.view);
         queries.begin(frame.slot());
         let plan = state.plan_mut();
         let (mut batch, mut home, mut under_way) = (Batch::default(), Vec::new(), VecDeque::new());

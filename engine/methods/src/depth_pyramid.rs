@@ -33,6 +33,10 @@ pub use build::{PyramidLevel, PyramidPass, pyramid_levels};
 use cull::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass};
 use state::{COUNTER_BYTES, PyramidState};
 
+/// The strategy of this method.
+pub const PYRAMID: Strategy =
+    Strategy::new("pyramid", "two phases against a depth pyramid, on the GPU");
+
 /// The method; its objects on the device are made for the first frame.
 #[derive(Default)]
 struct DepthPyramid {
@@ -45,8 +49,8 @@ pub(crate) fn method(_options: &BlockingOptions) -> Box<dyn Method> {
 }
 
 impl Method for DepthPyramid {
-    fn carries_out(&self, strategy: Strategy) -> bool {
-        strategy == Strategy::Pyramid
+    fn strategies(&self) -> &[Strategy] {
+        &[PYRAMID]
     }
 
     fn supports(&self, _strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {

@@ -8,6 +8,10 @@ use occlusion::{
     Error, Method, MethodRequest, MethodScene, MethodStats, MethodSupport, VisibilityState, execute,
 };
 
+/// The strategy of this method.
+pub const IDEAL: Strategy =
+    Strategy::new("ideal", "the bound: the exact visible set, found in advance").in_still_scenes();
+
 /// The method that draws the leaves that are known to be visible.
 struct Ideal;
 
@@ -17,8 +21,8 @@ pub(crate) fn method(_options: &BlockingOptions) -> Box<dyn Method> {
 }
 
 impl Method for Ideal {
-    fn carries_out(&self, strategy: Strategy) -> bool {
-        strategy == Strategy::Ideal
+    fn strategies(&self) -> &[Strategy] {
+        &[IDEAL]
     }
 
     /// Checks that fragment shaders can write to buffers, which finding the visible objects takes.

@@ -6,11 +6,11 @@
 //!
 //! ```
 //! # use antumbra_methods as methods;
-//! use cull::{BlockingOptions, Strategy};
+//! use cull::BlockingOptions;
 //!
 //! let options = BlockingOptions::default();
 //! let mut all = methods::ALL.iter().map(|new| new(&options));
-//! assert!(all.any(|method| method.carries_out(Strategy::Coherent)));
+//! assert!(all.any(|method| method.strategies() == [methods::COHERENT]));
 //! ```
 #![forbid(unsafe_code)]
 
@@ -23,9 +23,17 @@ mod naive;
 mod next_frame;
 mod stop_and_wait;
 
+use cull::{BlockingOptions, Strategy};
 use occlusion::MethodConstructor;
 
-pub use depth_pyramid::{PyramidLevel, PyramidPass, pyramid_levels};
+pub use batched::BATCHED;
+pub use chc::COHERENT;
+pub use depth_pyramid::{PYRAMID, PyramidLevel, PyramidPass, pyramid_levels};
+
+pub use ideal::IDEAL;
+pub use naive::NAIVE;
+pub use next_frame::NEXT_FRAME;
+pub use stop_and_wait::STOP_AND_WAIT;
 
 /// The constructors of all methods.
 pub const ALL: &[MethodConstructor] = &[
@@ -38,21 +46,27 @@ pub const ALL: &[MethodConstructor] = &[
     ideal::method,
 ];
 
+/// Returns every strategy of a renderer that is given [`ALL`] methods: the baseline first, then
+/// those of the literature, ours, and the bound.
+pub fn strategies() -> Vec<Strategy> {
+    let options = BlockingOptions::default();
+    let theirs = ALL.iter().flat_map(|new| new(&options).strategies().to_vec());
+    let mut all: Vec<Strategy> = theirs.chain(Strategy::PLANNED).collect();
+    all.sort_by_key(|strategy| (*strategy != Strategy::FRUSTUM, strategy.needs_still_scene()));
+    all
+}
+
 #[cfg(test)]
 mod tests {
-    use cull::{BlockingOptions, Strategy};
-    use occlusion::{Method, PlannedMethod};
-
     use super::*;
 
     #[test]
     fn each_strategy_is_carried_out_by_one_method() {
-        let made = ALL.iter().map(|new| new(&BlockingOptions::default()));
-        let mut methods: Vec<Box<dyn Method>> = made.collect();
-        methods.push(Box::new(PlannedMethod));
-        for strategy in Strategy::ALL {
-            let count = methods.iter().filter(|method| method.carries_out(strategy)).count();
-            assert_eq!(count, 1, "{strategy}");
+        let all = strategies();
+        assert_eq!((all[0], all[all.len() - 1]), (Strategy::FRUSTUM, IDEAL));
+        for strategy in &all {
+            let same = all.iter().filter(|it| it.name() == strategy.name());
+            assert_eq!(same.count(), 1, "{strategy}");
         }
     }
 }

@@ -3,9 +3,11 @@
 
 use cull::{BlockingOptions, Strategy};
 use gpu::Frame;
-use occlusion::{
-    Error, Method, MethodRequest, MethodScene, MethodStats, PlannedMethod, VisibilityState,
-};
+use occlusion::{Error, Method, MethodRequest, MethodScene, MethodStats, VisibilityState, execute};
+
+/// The strategy of this method.
+pub const NEXT_FRAME: Strategy =
+    Strategy::new("next_frame", "a query per object, used a frame later: it pops").inexact();
 
 /// The method of plans in which no draw depends on the tests of the frame.
 struct NextFrame;
@@ -16,8 +18,8 @@ pub(crate) fn method(_options: &BlockingOptions) -> Box<dyn Method> {
 }
 
 impl Method for NextFrame {
-    fn carries_out(&self, strategy: Strategy) -> bool {
-        strategy == Strategy::NextFrame
+    fn strategies(&self) -> &[Strategy] {
+        &[NEXT_FRAME]
     }
 
     fn record(
@@ -27,7 +29,10 @@ impl Method for NextFrame {
         scene: &mut MethodScene<'_>,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
-        PlannedMethod::record_planned(frame, state, scene, request)
+        let MethodScene { hierarchy, executor, objects, shaders, .. } = scene;
+        state.plan_next_frame(hierarchy, &executor.leaves, request.view);
+        execute(frame, executor, state, *objects, (shaders, request.view))?;
+        Ok(MethodStats::of(state.plan()))
     }
 
     fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {

@@ -1,6 +1,6 @@
 //! The trait of all methods that decide what is drawn: Antumbra's own and those of the literature.
 
-use cull::{BlockingOptions, Hierarchy, LeafIndex, Strategy, View};
+use cull::{BlockingOptions, FramePlan, Hierarchy, LeafIndex, Strategy, View};
 use gpu::{Device, Frame, Optional, Tick, Timeline};
 
 use crate::error::Error;
@@ -12,8 +12,8 @@ use crate::visibility_state::VisibilityState;
 /// A method to decide what a view draws. One method serves all views of a scene; its data per view
 /// is a [`MethodState`](crate::MethodState).
 pub trait Method: Send {
-    /// Returns true if it implements `strategy`.
-    fn carries_out(&self, strategy: Strategy) -> bool;
+    /// Returns the strategies that it carries out.
+    fn strategies(&self) -> &[Strategy];
 
     /// Refuses a device, scene or threshold that it cannot work with.
     ///
@@ -98,7 +98,7 @@ pub struct MethodRequest<'a> {
     pub strategy: Strategy,
     /// The view.
     pub view: &'a View,
-    /// The leaves that own a pixel, for [`Strategy::Ideal`], which uses nothing else.
+    /// The leaves that own a pixel, for [`methods::IDEAL`], which uses nothing else.
     pub visible: &'a [LeafIndex],
     /// The most occlusion queries of a plan. Leaves that cannot be tested are drawn.
     pub query_budget: usize,
@@ -113,4 +113,11 @@ pub struct MethodStats {
     pub tests: u32,
     /// Occlusion queries.
     pub queries: u32,
+}
+
+impl MethodStats {
+    /// Returns those of a plan that is executed.
+    pub fn of(plan: &FramePlan) -> Self {
+        Self { tests: plan.tests.len() as u32, queries: plan.query_count() as u32 }
+    }
 }

@@ -14,43 +14,23 @@ use crate::visibility_state::VisibilityState;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PlannedMethod;
 
-impl PlannedMethod {
-    /// Plans and executes a frame of one view by any strategy that has plans.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
-    pub fn record_planned(
-        frame: &mut Frame<'_>,
-        state: &mut VisibilityState,
-        scene: &mut MethodScene<'_>,
-        request: &MethodRequest<'_>,
-    ) -> Result<MethodStats, Error> {
-        let MethodScene { hierarchy, executor, objects, shaders, .. } = scene;
-        let MethodRequest { strategy, view, query_budget, .. } = *request;
-        state.plan_frame(hierarchy, &executor.leaves, strategy, (view, query_budget));
-        execute(frame, executor, state, *objects, (shaders, view))?;
-        let plan = state.plan();
-        Ok(MethodStats { tests: plan.tests.len() as u32, queries: plan.query_count() as u32 })
-    }
-}
-
 impl Method for PlannedMethod {
-    fn carries_out(&self, strategy: Strategy) -> bool {
-        strategy == Strategy::Frustum || strategy.uses_cost_model()
+    fn strategies(&self) -> &[Strategy] {
+        &Strategy::PLANNED
     }
 
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
         let MethodSupport { device, executor, size, .. } = *support;
         let threshold_samples = executor.leaves.threshold_samples();
         let counts_nothing =
-            matches!(strategy, Strategy::AntumbraFlags | Strategy::AntumbraCompute);
+            [Strategy::ANTUMBRA_FLAGS, Strategy::ANTUMBRA_COMPUTE].contains(&strategy);
         if counts_nothing && threshold_samples > 0 {
             return Err(Error::CannotCount { strategy, threshold_samples });
         }
-        if strategy == Strategy::AntumbraCompute {
+        if strategy == Strategy::ANTUMBRA_COMPUTE {
             ComputeTest::check(device, size)?;
         }
-        if strategy == Strategy::AntumbraFlags && !executor.passes.proxies.can_flag() {
+        if strategy == Strategy::ANTUMBRA_FLAGS && !executor.passes.proxies.can_flag() {
             return Err(support.missing(Optional::FragmentStores, strategy));
         }
         Ok(())
@@ -63,7 +43,11 @@ impl Method for PlannedMethod {
         scene: &mut MethodScene<'_>,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
-        Self::record_planned(frame, state, scene, request)
+        let MethodScene { hierarchy, executor, objects, shaders, .. } = scene;
+        let MethodRequest { strategy, view, query_budget, .. } = *request;
+        state.plan_frame(hierarchy, &executor.leaves, strategy, (view, query_budget));
+        execute(frame, executor, state, *objects, (shaders, view))?;
+        Ok(MethodStats::of(state.plan()))
     }
 
     fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {

@@ -282,6 +282,13 @@ impl VisibilityState {
         self.layout.lay_out(&self.plan, leaves);
     }
 
+    /// Plans a frame of next-frame queries ([`Culler::plan_next_frame`]) and lays out its tests.
+    pub fn plan_next_frame(&mut self, hierarchy: &Hierarchy, leaves: &LeafTable, view: &View) {
+        self.culler.plan_next_frame(hierarchy, view, &mut self.plan);
+        self.generation = hierarchy.generation();
+        self.layout.lay_out(&self.plan, leaves);
+    }
+
     /// Plans a frame of `visible` leaves and no test.
     pub fn plan_known(&mut self, hierarchy: &Hierarchy, visible: &[LeafIndex]) {
         self.culler.plan_known(hierarchy, visible, &mut self.plan);

@@ -23,7 +23,7 @@
 //!     let camera = cull::Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
 //!     let request = render::FrameRequest {
 //!         picture: (frame == 99).then_some(&picture),
-//!         ..render::FrameRequest::new(cull::Strategy::Antumbra, camera)
+//!         ..render::FrameRequest::new(cull::Strategy::ANTUMBRA, camera)
 //!     };
 //!     renderer.render(&mut view, &request)?;
 //! }

@@ -56,7 +56,7 @@ pub struct RendererOptions {
     /// at 0 the image is exact. Above, each test that is left out may cost as many pixels
     /// ([`FrameOutcome::neglected_samples`](crate::FrameOutcome::neglected_samples) bounds them),
     /// all tests are queries, which must count samples, and conditional rendering is not available.
-    /// For [`Strategy::Antumbra`] and [`Strategy::AntumbraQueries`]; [`Strategy::Coherent`] has
+    /// For [`Strategy::ANTUMBRA`] and [`Strategy::ANTUMBRA_QUERIES`]; [`methods::COHERENT`] has
     /// [its own](cull::CoherentOptions::visibility_threshold_samples).
     pub threshold_samples: u32,
     /// The prices of tests and draws, so that nothing is tested at a loss. Where the device has
@@ -289,7 +289,7 @@ impl Renderer {
 
     /// Returns the number of the method for `strategy`.
     pub(crate) fn method(&self, strategy: Strategy) -> Result<usize, Error> {
-        let place = self.methods.iter().position(|method| method.carries_out(strategy));
+        let place = self.methods.iter().position(|method| method.strategies().contains(&strategy));
         let place = place.ok_or(Error::NoMethod(strategy))?;
         let support = MethodSupport {
             device: &self.device,

@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for frame in 0..30_u8 {
         let eye = vec3(f32::from(frame) * 0.01, 0.0, 3.0);
         let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
-        let request = FrameRequest::new(Strategy::Antumbra, camera);
+        let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
         renderer.render(&mut view, &FrameRequest { picture: Some(&picture), ..request })?;
     }
     // Results of the last frames are on their way: this waits for them.

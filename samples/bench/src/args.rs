@@ -15,7 +15,7 @@ use crate::options::{
     DEFAULT_PICTURES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
     MadeScene, PathChoice, SceneChoice, UsageError,
 };
-use crate::strategy::Strategy;
+use crate::strategy::{self, Strategy};
 use crate::terminal::shown;
 
 /// Walks a camera through a scene without a window and measures strategies of visibility culling
@@ -335,8 +335,8 @@ impl Arguments {
         const STANDS_STILL: &str =
             "it draws visible sets found in advance, in a scene that stands still";
         let mut strategies = match &self.strategy {
-            None => vec![Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal],
-            Some(StrategyList::All) => Strategy::ALL.to_vec(),
+            None => vec![Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::IDEAL],
+            Some(StrategyList::All) => strategy::strategies(),
             Some(StrategyList::These(strategies)) => strategies.clone(),
         };
         let mut left_out = Vec::new();
@@ -415,7 +415,8 @@ fn refuse_unheeded(
         enumerate(&strategies.map(Strategy::name).collect::<Vec<_>>())
     };
     let asked = names(&mut strategies.iter().copied());
-    let heeding = names(&mut Strategy::ALL.into_iter().filter(|strategy| heeds(*strategy)));
+    let heeding =
+        names(&mut strategy::strategies().into_iter().filter(|strategy| heeds(*strategy)));
     usage(format!(
         "{option} changes nothing for --strategy {asked}: leave it out, or name one that uses it ({heeding})"
     ))

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use clap::ValueEnum;
 
-use crate::strategy::Strategy;
+use crate::strategy::{self, Strategy};
 
 /// The scene that the camera walks through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -158,7 +158,10 @@ pub fn parse_named<T: ValueEnum>(what: &str, text: &str) -> Result<T, String> {
 /// # Errors
 /// As [`parse_named`].
 pub fn parse_strategy(text: &str) -> Result<Strategy, String> {
-    text.parse().map_err(|_| unknown("strategy", text, &Strategy::ALL.map(Strategy::name)))
+    strategy::named(text).ok_or_else(|| {
+        let names: Vec<&str> = strategy::strategies().into_iter().map(Strategy::name).collect();
+        unknown("strategy", text, &names)
+    })
 }
 
 /// Returns a sentence about an unknown name: it lists the known names and suggests the nearest.

@@ -27,7 +27,7 @@ impl Eyes {
     }
 
     /// Renders a frame from `camera`, which is in the middle of the eyes; `visible` holds the
-    /// visible set of each of them, for [`Strategy::Ideal`].
+    /// visible set of each of them, for [`methods::IDEAL`].
     ///
     /// # Errors
     /// When the device fails, or the picture has fewer columns than there are eyes.

@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn sums_up_frames() {
-        let mut run = RunMeasurement::new(Strategy::Antumbra);
+        let mut run = RunMeasurement::new(Strategy::ANTUMBRA);
         for (draws, age, waits) in [(5, None, 1), (9, Some(1), 0), (7, Some(3), 0)] {
             run.push(FrameMeasurement {
                 draws,

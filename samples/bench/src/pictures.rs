@@ -110,8 +110,8 @@ fn walk_to(
     picture: &Readback,
 ) -> Result<Eyes, RunError> {
     // The ideal knows what is visible of the walk's own frames only, and draws the same picture.
-    let mut products = options.strategies.iter().filter(|strategy| **strategy != Strategy::Ideal);
-    let strategy = products.next_back().copied().unwrap_or(Strategy::Antumbra);
+    let mut products = options.strategies.iter().filter(|strategy| **strategy != methods::IDEAL);
+    let strategy = products.next_back().copied().unwrap_or(Strategy::ANTUMBRA);
     let mut eyes = Eyes::new(renderer, options.views)?;
     for walked in frame.saturating_sub(warm_up)..=frame {
         moving.show(renderer, walked)?;

@@ -7,7 +7,7 @@ use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 use crate::options::LeftOut;
 use crate::report::{Report, RunReport};
 use crate::statistics::Summary;
-use crate::strategy::Strategy;
+use crate::strategy::{Strategy, named};
 
 /// The text for a missing number.
 const ABSENT: &str = "-";
@@ -154,7 +154,7 @@ fn more_lines(report: &Report) -> String {
 const FEW_RUNS: usize = 3;
 
 /// The strategies that all others are compared with where there are many.
-const MEASURES: [Strategy; 3] = [Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal];
+const MEASURES: [Strategy; 3] = [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::IDEAL];
 
 /// Returns a sentence for each pair, in the order of the runs; of many, one for each run.
 fn ratio_lines(report: &Report) -> String {
@@ -234,7 +234,7 @@ fn foot(report: &Report) -> String {
         report.validation_messages,
     );
     // Those that promise nothing are counted in their column.
-    let promised = |run: &&RunReport| run.strategy.parse().is_ok_and(Strategy::is_exact);
+    let promised = |run: &&RunReport| named(&run.strategy).is_some_and(Strategy::is_exact);
     let unaccounted = |run: &RunReport| {
         run.pixels_wrong.filter(|pixels| *pixels > run.pixels_wrong_at_most.unwrap_or(0))
     };

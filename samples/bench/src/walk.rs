@@ -91,7 +91,7 @@ impl<'a> Walk<'a> {
         progress: &dyn Progress,
         signals: &Signals,
     ) -> Result<(), RunError> {
-        if self.runs.iter().all(|run| run.strategy != Strategy::Ideal) {
+        if self.runs.iter().all(|run| run.strategy != methods::IDEAL) {
             return Ok(());
         }
         let mut eyes = Eyes::new(self.renderer, self.views)?;
@@ -155,7 +155,7 @@ impl<'a> Walk<'a> {
             let camera = self.path.camera(step.frame);
             let visible = self.visible_sets.get_mut(&step.frame);
             let visible = visible.map_or(&mut [][..], Vec::as_mut_slice);
-            if run.strategy == Strategy::Ideal {
+            if run.strategy == methods::IDEAL {
                 // Whatever moves is where it was in this frame when they were found.
                 visible.iter_mut().try_for_each(|set| self.renderer.visible_again(set))?;
             }
@@ -216,7 +216,7 @@ impl<'a> Walk<'a> {
         for frame in frames {
             self.moving.show(self.renderer, frame)?;
             let (camera, wanted) = (self.path.camera(frame), Some(&picture));
-            self.reference.render(self.renderer, Strategy::Frustum, &camera, &[], wanted)?;
+            self.reference.render(self.renderer, Strategy::FRUSTUM, &camera, &[], wanted)?;
             self.reference.drain(self.renderer)?;
             self.references.insert(frame, picture.rgba8()?.to_vec());
         }

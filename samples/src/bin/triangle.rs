@@ -28,7 +28,7 @@ impl Triangle {
     fn frame(&mut self, picture: Option<&gpu::Readback>) -> Result<(), Box<dyn Error>> {
         let [eye, forward, up] = [glam::Vec3::Z * 3.0, glam::Vec3::NEG_Z, glam::Vec3::Y];
         let camera = cull::Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
-        let request = FrameRequest::new(cull::Strategy::Antumbra, camera);
+        let request = FrameRequest::new(cull::Strategy::ANTUMBRA, camera);
         self.0.render(&mut self.1, &FrameRequest { picture, ..request })?;
         Ok(())
     }

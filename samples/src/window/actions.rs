@@ -281,7 +281,7 @@ mod tests {
 
     #[test]
     fn values_are_checked() {
-        assert_eq!(Action::parse("strategy pyramid"), Ok(Action::Strategy(Strategy::Pyramid)));
+        assert_eq!(Action::parse("strategy pyramid"), Ok(Action::Strategy(methods::PYRAMID)));
         assert_eq!(Action::parse("frames_in_flight 4"), Ok(Action::FramesInFlight(4)));
         assert_eq!(Action::parse("camera 2"), Ok(Action::Camera(2)));
         assert_eq!(Action::parse("identify 3,40"), Ok(Action::Identify(Some([3, 40]))));

@@ -108,7 +108,7 @@ mod tests {
             (options.is_headless, options.hud, options.frames),
             (false, HudLevel::Compact, None)
         );
-        assert_eq!((options.strategy, path_of(&[])), (Strategy::Antumbra, None));
+        assert_eq!((options.strategy, path_of(&[])), (Strategy::ANTUMBRA, None));
         let options = parse(&["--headless"]).unwrap();
         assert_eq!((options.hud, options.frames), (HudLevel::Off, Some(120)));
     }

@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn other_conditions_start_anew() {
         let old = Conditions {
-            strategy: Strategy::Antumbra,
+            strategy: Strategy::ANTUMBRA,
             size: [640, 360],
             frames_in_flight: 2,
             present_mode: Some(PresentMode::Fifo),
@@ -82,7 +82,7 @@ mod tests {
             is_comparing: false,
         };
         for new in [
-            Conditions { strategy: Strategy::Frustum, ..old },
+            Conditions { strategy: Strategy::FRUSTUM, ..old },
             Conditions { size: [640, 361], ..old },
             Conditions { frames_in_flight: 3, ..old },
             Conditions { present_mode: Some(PresentMode::Immediate), ..old },

@@ -175,7 +175,7 @@ mod tests {
 
     fn conditions() -> Conditions {
         Conditions {
-            strategy: Strategy::Antumbra,
+            strategy: Strategy::ANTUMBRA,
             size: [640, 360],
             frames_in_flight: 2,
             present_mode: Some(PresentMode::Fifo),
@@ -226,7 +226,7 @@ mod tests {
     fn other_conditions_begin_with_nothing() {
         let old = conditions();
         for new in [
-            Conditions { strategy: Strategy::Frustum, ..old },
+            Conditions { strategy: Strategy::FRUSTUM, ..old },
             Conditions { size: [640, 361], ..old },
             Conditions { frames_in_flight: 3, ..old },
             Conditions { present_mode: Some(PresentMode::Immediate), ..old },

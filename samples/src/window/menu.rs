@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use bench::choices;
-use bench::strategy::Strategy;
+use bench::strategy::{self, Strategy};
 
 /// The most characters of a path.
 const MOST_CHARACTERS: usize = 4096;
@@ -187,12 +187,12 @@ fn path_of(text: &str) -> Option<PathBuf> {
 
 /// Returns the list of strategies that the device supports, each with its number.
 pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
-    let row = |strategy: &Strategy| Row {
+    let row = |strategy: Strategy| Row {
         label: strategy.name().into(),
-        choice: Choice::Strategy(*strategy),
+        choice: Choice::Strategy(strategy),
     };
-    let all = Strategy::ALL.iter().filter(|strategy| **strategy != Strategy::Ideal);
-    let rows = all.filter(|strategy| can(**strategy)).map(row).collect();
+    let all = strategy::strategies().into_iter().filter(|strategy| !strategy.needs_still_scene());
+    let rows = all.filter(|strategy| can(*strategy)).map(row).collect();
     Menu::list("strategy", rows, |row| row.choice == Choice::Strategy(current))
 }
 
@@ -226,7 +226,7 @@ mod tests {
 
     #[test]
     fn what_is_selected_is_marked() {
-        let text = strategies(|_| true, Strategy::Naive).text();
+        let text = strategies(|_| true, methods::NAIVE).text();
         assert!(text.contains("\n  1 frustum\n> 2 naive\n  3 batched\n"), "{text}");
         let mut menu = Menu::path();
         menu.key(&self::text("/a"));
@@ -242,8 +242,8 @@ mod tests {
 
     #[test]
     fn arrows_go_around_and_enter_takes_what_is_selected() {
-        let can = |strategy| strategy != Strategy::Pyramid;
-        let mut menu = strategies(can, Strategy::Antumbra);
+        let can = |strategy| strategy != methods::PYRAMID;
+        let mut menu = strategies(can, Strategy::ANTUMBRA);
         assert_eq!(selected(&menu), "antumbra");
         for (key, expected) in [
             (MenuKey::Up, "coherent"),
@@ -256,14 +256,14 @@ mod tests {
             assert_eq!(menu.key(&key), None);
             assert_eq!(selected(&menu), expected, "{key:?}");
         }
-        let chosen = Some(Choice::Strategy(Strategy::AntumbraCompute));
+        let chosen = Some(Choice::Strategy(Strategy::ANTUMBRA_COMPUTE));
         assert_eq!(menu.key(&MenuKey::Enter), chosen);
     }
 
     #[test]
     fn digits_choose_at_once() {
-        let mut menu = strategies(|_| true, Strategy::Antumbra);
-        assert_eq!(menu.key(&text("2")), Some(Choice::Strategy(Strategy::Naive)));
+        let mut menu = strategies(|_| true, Strategy::ANTUMBRA);
+        assert_eq!(menu.key(&text("2")), Some(Choice::Strategy(methods::NAIVE)));
         for none in ["0", "x", "99", ""] {
             assert_eq!(menu.key(&text(none)), None, "{none}");
         }

@@ -76,7 +76,7 @@ impl ObjectCard<'_> {
         };
         match self.explained.decision {
             Decision::Outside => "not drawn: outside of the frustum".to_owned(),
-            Decision::Drawn if self.strategy == Strategy::Frustum => {
+            Decision::Drawn if self.strategy == Strategy::FRUSTUM => {
                 "drawn: in the frustum".to_owned()
             }
             Decision::Drawn => "drawn: taken as visible".to_owned(),
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn what_is_visible_is_said_to_be_drawn_and_since_when() {
-        let text = facts(0, Strategy::Antumbra);
+        let text = facts(0, Strategy::ANTUMBRA);
         let size = "object: 0, wall\nbox: 8.00 x 8.00 x 1.00 m\ndistance: 5.0 m\ntriangles: 12\n";
         assert_says(&text, &[size, "decision: drawn: taken as visible"]);
         assert_says(&text, &["object is: visible since frame", "asked in frame", "next test: in"]);
@@ -214,7 +214,7 @@ mod tests {
 
     #[test]
     fn what_is_hidden_is_said_to_be_tested_and_how() {
-        let text = facts(1, Strategy::Antumbra);
+        let text = facts(1, Strategy::ANTUMBRA);
         let decision =
             "decision: not drawn, hidden in frame 60: its box is tested by an occlusion query";
         assert_says(&text, &[decision, "object is: hidden since frame", "1 frame ago"]);
@@ -223,9 +223,9 @@ mod tests {
 
     #[test]
     fn what_is_outside_or_not_culled_is_said() {
-        let outside = facts(2, Strategy::Antumbra);
+        let outside = facts(2, Strategy::ANTUMBRA);
         assert_says(&outside, &["decision: not drawn: outside of the frustum"]);
         assert!(!outside.contains("next test"), "{outside}");
-        assert_says(&facts(1, Strategy::Frustum), &["decision: drawn: in the frustum"]);
+        assert_says(&facts(1, Strategy::FRUSTUM), &["decision: drawn: in the frustum"]);
     }
 }

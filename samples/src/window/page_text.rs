@@ -132,7 +132,7 @@ impl Known<'_> {
             _ if neglected > 0 => {
                 Verdict::Inexact(format!("inexact: {} px at most", grouped(neglected)))
             }
-            Strategy::Frustum => Verdict::Exact("exact: the reference picture".to_owned()),
+            Strategy::FRUSTUM => Verdict::Exact("exact: the reference picture".to_owned()),
             exact if exact.is_exact() => {
                 Verdict::Exact("exact: only hidden objects left out".to_owned())
             }

@@ -74,7 +74,7 @@ mod tests {
             Script::parse("# first\n2 hud\n2 strategy naive\n\n  5   quit  \n").unwrap();
         assert_eq!(script.next_before(1), None);
         assert_eq!(script.next_before(2), Some(Action::Hud));
-        assert_eq!(script.next_before(2), Some(Action::Strategy(bench::strategy::Strategy::Naive)));
+        assert_eq!(script.next_before(2), Some(Action::Strategy(methods::NAIVE)));
         assert_eq!(script.next_before(2), None);
         assert_eq!(script.next_before(9), Some(Action::Quit));
         assert_eq!(script.next_before(9), None);

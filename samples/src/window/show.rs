@@ -143,7 +143,7 @@ impl ShowArguments {
 /// Reads the name of a strategy that needs no knowledge in advance.
 fn parse_product(text: &str) -> Result<Strategy, String> {
     match parse_strategy(text)? {
-        Strategy::Ideal => {
+        methods::IDEAL => {
             Err("it draws visible sets found in advance, on a known path; see walkthrough"
                 .to_owned())
         }

@@ -122,7 +122,7 @@ fn a_device_that_does_not_count_says_so_when_asked_to_count() {
     let error = Renderer::new(&device, &scene, &options).err().unwrap().to_string();
     assert!(error.contains("occlusionQueryPrecise, which a visibility threshold"), "{error}");
     view.watch(&[]).unwrap();
-    renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, path.camera(0))).unwrap();
+    renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
     renderer.drain(&mut view).unwrap();
     assert_eq!(view.visible_samples(), []);
     drop((renderer, view, device));
@@ -198,7 +198,7 @@ impl Stage {
         };
         let (mut failed, mut queries) = (Ok(()), 0);
         for frame in 0..FRAMES {
-            let strategies = [Strategy::Antumbra, Strategy::Pyramid];
+            let strategies = [Strategy::ANTUMBRA, methods::PYRAMID];
             for ((history, picture), strategy) in
                 histories.iter_mut().zip(&pictures).zip(strategies)
             {
@@ -213,7 +213,7 @@ impl Stage {
         renderer.drain(other)?;
         let last = pictures[0].rgba8()?.to_vec();
         assert!(last == *pictures[1].rgba8()?, "two pictures of one frame");
-        renderer.render(history, &request(Strategy::Frustum, FRAMES - 1, &pictures[0]))?;
+        renderer.render(history, &request(Strategy::FRUSTUM, FRAMES - 1, &pictures[0]))?;
         renderer.drain(history)?;
         assert!(last == *pictures[0].rgba8()?, "a wrong picture");
         assert!(queries > 0, "a walk that asks nothing proves little");

@@ -11,8 +11,8 @@ use gpu::{
     VertexLayout, vk,
 };
 use occlusion::{
-    Error, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, MethodRequest, MethodScene, ObjectPass,
-    ObjectRenderer, OcclusionPasses, PlanExecutor, PlannedMethod, Rendering, ShaderSet,
+    Error, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, Method, MethodRequest, MethodScene,
+    ObjectPass, ObjectRenderer, OcclusionPasses, PlanExecutor, PlannedMethod, Rendering, ShaderSet,
     VisibilityState,
 };
 use tests::walk::pixels_that_differ;
@@ -164,7 +164,7 @@ impl Host {
         let mut scene = MethodScene { device, shaders, hierarchy, executor, objects };
         let request =
             MethodRequest { strategy, view: &view, visible: &[], query_budget: 4096, after: None };
-        PlannedMethod::record_planned(&mut frame, state, &mut scene, &request).unwrap();
+        PlannedMethod.record(&mut frame, state, &mut scene, &request).unwrap();
         objects.target.copy_to(frame.commands(), picture);
         let tick = frame.submit(None).unwrap();
         state.submitted(tick, &executor.leaves, None);
@@ -192,8 +192,8 @@ fn an_owner_of_bare_boxes_gets_the_same_picture_and_draws_less() {
         for frame in 0..FRAMES {
             let eye = vec3(frame as f32 * 0.08, 0.0, 3.0);
             let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
-            let expected = plain.draw(Strategy::Frustum, &camera);
-            let found = culled.draw(Strategy::Antumbra, &camera);
+            let expected = plain.draw(Strategy::FRUSTUM, &camera);
+            let found = culled.draw(Strategy::ANTUMBRA, &camera);
             assert_eq!(pixels_that_differ(&expected, &found), 0, "frame {frame}");
         }
         let drawn = |host: &mut Host| host.state.take_outcomes().next_back().unwrap().draws;

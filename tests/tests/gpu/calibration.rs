@@ -19,7 +19,7 @@ fn walk(device: &Device, options: &RendererOptions) -> (Option<CostTable>, u32) 
     let mut histories = [0, 1].map(|_| renderer.new_view().unwrap());
     let mut untested = 0;
     for frame in 0..24 {
-        for (which, strategy) in [Strategy::Frustum, Strategy::Antumbra].into_iter().enumerate() {
+        for (which, strategy) in [Strategy::FRUSTUM, Strategy::ANTUMBRA].into_iter().enumerate() {
             let request = FrameRequest {
                 picture: Some(&pictures[which]),
                 ..FrameRequest::new(strategy, path.camera(frame))

@@ -43,7 +43,7 @@ fn picture(renderer: &mut Renderer, camera: Camera) -> Vec<u8> {
     let mut view = renderer.new_view().unwrap();
     let picture = Readback::new(renderer.device(), SIZE).unwrap();
     let request =
-        FrameRequest { picture: Some(&picture), ..FrameRequest::new(Strategy::Frustum, camera) };
+        FrameRequest { picture: Some(&picture), ..FrameRequest::new(Strategy::FRUSTUM, camera) };
     renderer.render(&mut view, &request).unwrap();
     renderer.drain(&mut view).unwrap();
     picture.rgba8().unwrap().to_vec()
@@ -76,7 +76,7 @@ fn pixels_of(renderer: &mut Renderer, object: u32, camera: Camera) -> u32 {
 
 /// Returns every strategy that the device supports.
 fn strategies(renderer: &Renderer) -> impl Iterator<Item = Strategy> {
-    Strategy::ALL.into_iter().filter(|strategy| renderer.supports(*strategy).is_ok())
+    methods::strategies().into_iter().filter(|strategy| renderer.supports(*strategy).is_ok())
 }
 
 #[test]
@@ -139,7 +139,7 @@ fn counts_of_all_objects_add_up_to_the_picture() {
             let options = RendererOptions { predication: Some(predication), ..options() };
             let Ok(mut renderer) = Renderer::new(device, &scene, &options) else { continue };
             let mut finder = renderer.new_view().unwrap();
-            for strategy in [Strategy::AntumbraQueries, Strategy::Pyramid, Strategy::Frustum] {
+            for strategy in [Strategy::ANTUMBRA_QUERIES, methods::PYRAMID, Strategy::FRUSTUM] {
                 let mut view = renderer.new_view().unwrap();
                 view.watch(&all).unwrap();
                 let camera = path.camera(10);
@@ -169,7 +169,7 @@ fn counts_of_all_objects_add_up_to_the_picture() {
 fn each_view_counts_what_it_sees() {
     run_on_all(|device| {
         let mut renderer = renderer(device, &half_covered(), &options());
-        for strategy in [Strategy::Antumbra, Strategy::Pyramid, Strategy::Coherent] {
+        for strategy in [Strategy::ANTUMBRA, methods::PYRAMID, methods::COHERENT] {
             let mut histories = [(); 2].map(|()| renderer.new_view().unwrap());
             for history in &mut histories {
                 history.watch(&[ObjectId(HALF)]).unwrap();
@@ -208,7 +208,7 @@ fn counts_follow_objects_that_move_and_end_with_those_that_go() {
         let boxes = half_covered();
         let camera = square_camera();
         let mut renderer = renderer(device, &boxes, &options());
-        for strategy in [Strategy::Antumbra, Strategy::Pyramid, Strategy::StopAndWait] {
+        for strategy in [Strategy::ANTUMBRA, methods::PYRAMID, methods::STOP_AND_WAIT] {
             let mut view = renderer.new_view().unwrap();
             view.watch(&[ObjectId(HALF), ObjectId(FLOOR)]).unwrap();
             for _ in 0..4 {
@@ -260,7 +260,7 @@ fn lists_can_change_and_nothing_is_recorded_for_an_empty_one() {
         let mut view = renderer.new_view().unwrap();
         let is_counting = |renderer: &mut Renderer, view: &mut ViewState| {
             for _ in 0..5 {
-                frame(renderer, view, Strategy::Antumbra, camera);
+                frame(renderer, view, Strategy::ANTUMBRA, camera);
             }
             renderer.pass_times().iter().any(|pass| pass.label == "count samples")
         };
@@ -290,7 +290,7 @@ fn counting_changes_nothing() {
         let path = CameraPath::new(PathKind::Cut, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let pictures = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
-        for strategy in [Strategy::Antumbra, Strategy::Pyramid, Strategy::Batched] {
+        for strategy in [Strategy::ANTUMBRA, methods::PYRAMID, methods::BATCHED] {
             let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
             let all = (0..scene.objects.len() as u32).map(ObjectId);
             views[1].watch(&all.step_by(2).collect::<Vec<_>>()).unwrap();

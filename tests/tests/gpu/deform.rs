@@ -216,14 +216,14 @@ fn forms_are_those_of_the_specification() {
     run_on_all(|device| {
         let scene = scene();
         let mut moving = Renderer::new(device, &scene, &options(2)).unwrap();
-        let at_rest = draw(&mut moving, Strategy::Frustum);
+        let at_rest = draw(&mut moving, Strategy::FRUSTUM);
         let mut moved = 0;
         for frame in [0, 1, 2, 3, 5, 8] {
             take(&mut moving, turns(frame));
-            let found = draw(&mut moving, Strategy::Frustum);
+            let found = draw(&mut moving, Strategy::FRUSTUM);
             let mut still =
                 Renderer::new(device, &bent(&scene, turns(frame)), &options(2)).unwrap();
-            let expected = draw(&mut still, Strategy::Frustum);
+            let expected = draw(&mut still, Strategy::FRUSTUM);
             let wrong = pixels_far_apart(&expected, &found);
             // Along edges, where rounding decides which pixel it is.
             assert!(wrong <= 30, "frame {frame}: {wrong} pixels");
@@ -269,7 +269,7 @@ fn joints_that_mirror_turn_bitangents_as_objects_do() {
         let mut rigid = scene.clone();
         rigid.objects[0].transform = scene.objects[0].transform * mirror;
         let expected =
-            draw(&mut Renderer::new(device, &rigid, &options(2)).unwrap(), Strategy::Frustum);
+            draw(&mut Renderer::new(device, &rigid, &options(2)).unwrap(), Strategy::FRUSTUM);
 
         let mut skinned = scene.clone();
         let vertices = scene.meshes[0].vertices.len();
@@ -284,9 +284,9 @@ fn joints_that_mirror_turn_bitangents_as_objects_do() {
             targets: Vec::new(),
         }];
         let mut renderer = Renderer::new(device, &skinned, &options(2)).unwrap();
-        let unposed = draw(&mut renderer, Strategy::Frustum);
+        let unposed = draw(&mut renderer, Strategy::FRUSTUM);
         renderer.set_pose(SkinnedMeshId(0), &[mirror], &[]).unwrap();
-        let found = draw(&mut renderer, Strategy::Frustum);
+        let found = draw(&mut renderer, Strategy::FRUSTUM);
         assert_eq!(pixels_far_apart(&expected, &found), 0);
         assert!(pixels_far_apart(&expected, &unposed) > 500, "it is somewhere else");
     });
@@ -313,13 +313,13 @@ fn film(device: &Device, strategy: Strategy, frames_in_flight: usize) -> Vec<Rea
 #[test]
 fn what_changes_its_form_hides_and_is_hidden_exactly() {
     run_on_all(|device| {
-        let expected = film(device, Strategy::Frustum, 1);
+        let expected = film(device, Strategy::FRUSTUM, 1);
         let strategies = [
-            Strategy::Batched,
-            Strategy::Coherent,
-            Strategy::Pyramid,
-            Strategy::Antumbra,
-            Strategy::AntumbraQueries,
+            methods::BATCHED,
+            methods::COHERENT,
+            methods::PYRAMID,
+            Strategy::ANTUMBRA,
+            Strategy::ANTUMBRA_QUERIES,
         ];
         for strategy in strategies {
             for in_flight in [1, 3] {

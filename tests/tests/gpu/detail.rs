@@ -72,7 +72,7 @@ fn camera(frame: u32) -> Camera {
 fn every_strategy_draws_the_same_forms() {
     run_on_all(|device| {
         let mut renderer = renderer(device);
-        let strategies = [Strategy::Frustum, Strategy::Antumbra, Strategy::AntumbraQueries];
+        let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA, Strategy::ANTUMBRA_QUERIES];
         let mut views = strategies.map(|_| renderer.new_view().unwrap());
         let mut pictures = Vec::new();
         let mut changes = 0;
@@ -103,7 +103,7 @@ fn coarse_forms_have_fewer_triangles_and_go_again() {
         let mut renderer = renderer(device);
         let mut view = renderer.new_view().unwrap();
         let mut look = |renderer: &mut Renderer| {
-            let picture = render(renderer, &mut view, Strategy::Frustum, camera(0));
+            let picture = render(renderer, &mut view, Strategy::FRUSTUM, camera(0));
             renderer.drain(&mut view).unwrap();
             (picture, view.take_outcomes().next_back().unwrap().triangles)
         };
@@ -164,7 +164,7 @@ fn a_triangle_and_its_back_are_counted_as_one() {
             let whole = Rect::whole(SIZE);
             let visible = renderer.visible_set(&mut finder, &camera(0), whole).unwrap();
             for strategy in
-                [Strategy::Frustum, Strategy::Antumbra, Strategy::Pyramid, Strategy::Ideal]
+                [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::PYRAMID, methods::IDEAL]
             {
                 let mut view = renderer.new_view().unwrap();
                 let plain = FrameRequest::new(strategy, camera(0));

@@ -26,14 +26,14 @@ fn compare(device: &Device, scene: &Scene, camera: Camera) {
     let pictures = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
     let [expected, found] = &pictures;
     let mut view = renderer.new_view().unwrap();
-    renderer.render(&mut view, &request(Strategy::Frustum, camera, expected)).unwrap();
+    renderer.render(&mut view, &request(Strategy::FRUSTUM, camera, expected)).unwrap();
     let strategies = [
-        Strategy::Naive,
-        Strategy::StopAndWait,
-        Strategy::Coherent,
-        Strategy::Pyramid,
-        Strategy::Antumbra,
-        Strategy::AntumbraQueries,
+        methods::NAIVE,
+        methods::STOP_AND_WAIT,
+        methods::COHERENT,
+        methods::PYRAMID,
+        Strategy::ANTUMBRA,
+        Strategy::ANTUMBRA_QUERIES,
     ];
     for strategy in strategies {
         let mut view = renderer.new_view().unwrap();

@@ -151,9 +151,9 @@ fn strategies_and_views_can_change_from_frame_to_frame() {
         let mut plain = renderer.new_view().unwrap();
         // The ideal needs the visible set: tests/ideal.rs has it. The literature's
         // methods, which may be slow or not exact, are in tests/strategies.rs.
-        let slow = [Strategy::Naive, Strategy::StopAndWait, Strategy::Ideal];
+        let slow = [methods::NAIVE, methods::STOP_AND_WAIT, methods::IDEAL];
         let is_fit = |it: &Strategy| it.is_exact() && !slow.contains(it);
-        let strategies: Vec<Strategy> = Strategy::ALL.into_iter().filter(is_fit).collect();
+        let strategies: Vec<Strategy> = methods::strategies().into_iter().filter(is_fit).collect();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, [160, 90]).unwrap());
         for frame in 0..40u32 {
             let mut draw = |view, strategy, picture| {
@@ -162,7 +162,7 @@ fn strategies_and_views_can_change_from_frame_to_frame() {
                     FrameRequest { picture: Some(picture), ..FrameRequest::new(strategy, camera) };
                 renderer.render(view, &request).unwrap();
             };
-            draw(&mut plain, Strategy::Frustum, &expected);
+            draw(&mut plain, Strategy::FRUSTUM, &expected);
             let strategy = strategies[(frame / 3) as usize % strategies.len()];
             draw(&mut views[(frame / 7) as usize % 2], strategy, &got);
             device.drain().unwrap();
@@ -183,7 +183,7 @@ fn the_comparison_sees_a_difference() {
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut view = renderer.new_view().unwrap();
         let cameras = [path.camera(0), path.camera(1)];
-        let walked = frame_loop(&mut renderer, &mut view, Strategy::Frustum, &cameras);
+        let walked = frame_loop(&mut renderer, &mut view, Strategy::FRUSTUM, &cameras);
         let [a, b] = [0, 1].map(|frame: usize| walked.pictures[frame].rgba8().unwrap());
         assert!(pixels_that_differ(&a, &b) > 100);
     });

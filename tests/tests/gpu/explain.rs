@@ -54,7 +54,7 @@ impl Studio {
     /// Returns a frame under an explanation.
     fn explained(&mut self, explanation: DebugOverlay) -> Vec<u8> {
         self.renderer.explain(explanation).unwrap();
-        self.render(Strategy::Antumbra).1
+        self.render(Strategy::ANTUMBRA).1
     }
 }
 
@@ -80,9 +80,9 @@ fn explanations_are_drawn_where_they_belong_and_go() {
     run_on_all(|device| {
         let mut studio = Studio::new(device);
         for _ in 0..8 {
-            studio.render(Strategy::Antumbra);
+            studio.render(Strategy::ANTUMBRA);
         }
-        let plain = studio.render(Strategy::Antumbra).1;
+        let plain = studio.render(Strategy::ANTUMBRA).1;
         let nothing = DebugOverlay::default();
         let whole = Rect { origin: [0, 0], size: SIZE };
 
@@ -109,10 +109,10 @@ fn an_explanation_decides_nothing() {
         explained.renderer.explain(all).unwrap();
         assert_eq!(explained.renderer.explanation(), all);
         for frame in 0..12 {
-            let [a, b] = [&mut plain, &mut explained].map(|it| it.render(Strategy::Antumbra).0);
+            let [a, b] = [&mut plain, &mut explained].map(|it| it.render(Strategy::ANTUMBRA).0);
             assert_eq!((a.tests, a.plan.visible), (b.tests, b.plan.visible), "frame {frame}");
         }
-        for strategy in [Strategy::Frustum, Strategy::Pyramid, Strategy::Coherent] {
+        for strategy in [Strategy::FRUSTUM, methods::PYRAMID, methods::COHERENT] {
             explained.render(strategy);
         }
         let beyond = Rect { origin: [300, 0], size: [30, 20] };
@@ -142,7 +142,7 @@ fn a_moment_can_be_walked_around() {
     run_on_all(|device| {
         let mut studio = Studio::new(device);
         for _ in 0..8 {
-            studio.render(Strategy::Antumbra);
+            studio.render(Strategy::ANTUMBRA);
         }
         let camera = studio.path.camera(7);
         let view = studio.renderer.view_of(&camera);

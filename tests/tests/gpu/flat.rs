@@ -31,7 +31,7 @@ impl Studio {
     fn picture(&mut self, frame: u32) -> Vec<u8> {
         let request = FrameRequest {
             picture: Some(&self.picture),
-            ..FrameRequest::new(Strategy::Antumbra, self.path.camera(frame))
+            ..FrameRequest::new(Strategy::ANTUMBRA, self.path.camera(frame))
         };
         self.renderer.render(&mut self.history, &request).unwrap();
         self.renderer.drain(&mut self.history).unwrap();

@@ -29,7 +29,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
         // Until queries are in every slot, so that an answer that is missing would be waited for.
         for frame in 0..20 {
             let camera = path.camera(frame);
-            let request = FrameRequest::new(Strategy::Antumbra, camera);
+            let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
             renderer.render(&mut view, &request).unwrap();
         }
         device.drain().unwrap();
@@ -42,7 +42,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
                 &FrameRequest {
                     picture: (number + 1 == FRAMES_IN_FLIGHT).then_some(&picture),
                     after: Some((&gate, Tick(1))),
-                    ..FrameRequest::new(Strategy::Antumbra, path.camera(20 + number))
+                    ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(20 + number))
                 },
             );
             assert!(report.unwrap().tests > 0, "there is something to wait for");
@@ -56,7 +56,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
 
         let camera = [path.camera(20 + FRAMES_IN_FLIGHT - 1)];
         let mut plain = renderer.new_view().unwrap();
-        let expected = frame_loop(&mut renderer, &mut plain, Strategy::Frustum, &camera);
+        let expected = frame_loop(&mut renderer, &mut plain, Strategy::FRUSTUM, &camera);
         assert_eq!(
             pixels_that_differ(&expected.pictures[0].rgba8().unwrap(), &picture.rgba8().unwrap()),
             0
@@ -70,7 +70,7 @@ fn what_a_frame_reports_is_what_it_did() {
         let (mut renderer, path) = renderer(device, 2);
         let mut view = renderer.new_view().unwrap();
         let cameras: Vec<_> = (0..40).map(|frame| path.camera(frame)).collect();
-        let walked = frame_loop(&mut renderer, &mut view, Strategy::Antumbra, &cameras);
+        let walked = frame_loop(&mut renderer, &mut view, Strategy::ANTUMBRA, &cameras);
         for (number, (report, outcome)) in walked.reports.iter().zip(&walked.outcomes).enumerate() {
             // Frames are reported in their order, draws are what was taken and what was revealed.
             assert_eq!(outcome.frame.0, walked.outcomes[0].frame.0 + number as u64);
@@ -84,7 +84,7 @@ fn what_a_frame_reports_is_what_it_did() {
         }
         // At rest, what is revealed becomes visible and the rest stays hidden.
         let still = vec![cameras[0]; 60];
-        let walked = frame_loop(&mut renderer, &mut view, Strategy::Antumbra, &still);
+        let walked = frame_loop(&mut renderer, &mut view, Strategy::ANTUMBRA, &still);
         let late = &walked.outcomes[40..];
         assert!(late.iter().map(|outcome| outcome.revealed).sum::<u64>() <= 60, "{late:?}");
     });
@@ -97,7 +97,7 @@ fn passes_are_timed_by_their_labels() {
         renderer.time_passes().unwrap();
         let mut view = renderer.new_view().unwrap();
         let cameras: Vec<_> = (0..8).map(|frame| path.camera(frame)).collect();
-        frame_loop(&mut renderer, &mut view, Strategy::Antumbra, &cameras);
+        frame_loop(&mut renderer, &mut view, Strategy::ANTUMBRA, &cameras);
         let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();
         assert_eq!(&labels[..3], ["draw visible", "resolve tests", "draw revealed"]);
         assert_eq!(labels.last(), Some(&"copy picture"));
@@ -112,7 +112,7 @@ fn a_moment_is_all_that_was_decided() {
         let (mut renderer, path) = renderer(device, 2);
         let mut view = renderer.new_view().unwrap();
         let cameras: Vec<_> = (0..40).map(|frame| path.camera(frame)).collect();
-        let outcomes = frame_loop(&mut renderer, &mut view, Strategy::Antumbra, &cameras).outcomes;
+        let outcomes = frame_loop(&mut renderer, &mut view, Strategy::ANTUMBRA, &cameras).outcomes;
         let seen = renderer.view_of(&cameras[39]);
         let snapshot = renderer.snapshot(&mut view, seen).unwrap();
         let drawn: u64 = snapshot.drawn.iter().map(|range| u64::from(range.count)).sum();

@@ -95,7 +95,7 @@ fn each(test: impl Fn(&Device, &Path, Option<&str>)) {
 fn every_frame_is_exact_while_the_scene_lives() {
     each(|device, file, camera| {
         let mut stage = Stage::open(device, file, camera);
-        let strategies = [Strategy::Frustum, Strategy::Antumbra];
+        let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA];
         let mut views = strategies.map(|_| stage.renderer.new_view().unwrap());
         // Plain frustum culling takes seconds per frame for 65 million triangles.
         let frames = if file.ends_with("rooms.glb") { 6 } else { 24 };
@@ -126,7 +126,7 @@ fn scenes_look_as_they_did() {
         let mut stage = Stage::open(device, file, camera);
         let mut view = stage.renderer.new_view().unwrap();
         for (number, seconds) in MOMENTS_S.into_iter().enumerate() {
-            let picture = stage.picture(&mut view, Strategy::Antumbra, seconds);
+            let picture = stage.picture(&mut view, Strategy::ANTUMBRA, seconds);
             stage.renderer.drain(&mut view).unwrap();
             let stem = file.file_stem().unwrap().to_str().unwrap();
             let name = format!("{stem}_{}_{number}.png", camera.unwrap_or("whole"));

@@ -32,9 +32,9 @@ fn the_ideal_is_exact_and_draws_only_what_owns_a_pixel() {
                 picture: Some(picture),
                 ..FrameRequest::new(strategy, camera)
             };
-            let all = request(Strategy::Frustum, &expected);
+            let all = request(Strategy::FRUSTUM, &expected);
             let in_frustum = renderer.render(&mut view, &all).unwrap().plan.visible;
-            renderer.render(&mut view, &request(Strategy::Ideal, &got)).unwrap();
+            renderer.render(&mut view, &request(methods::IDEAL, &got)).unwrap();
             renderer.drain(&mut view).unwrap();
             assert_eq!(
                 pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
@@ -57,10 +57,10 @@ fn the_ideal_without_a_set_is_refused() {
         let options = RendererOptions { methods: methods::ALL, size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();
-        let request = FrameRequest::new(Strategy::Ideal, path.camera(0));
+        let request = FrameRequest::new(methods::IDEAL, path.camera(0));
         let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
         assert!(refused.contains("Renderer::visible_set"), "{refused}");
-        renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, path.camera(0))).unwrap();
+        renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
         renderer.drain(&mut view).unwrap();
         let set = renderer.visible_set(&mut view, &path.camera(0), AREA).unwrap();
         let request = FrameRequest { visible: Some(&set), ..request };
@@ -121,7 +121,7 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         assert!(finder.plan().stats.shared_proxies > 10, "no test answered for another");
         let again = renderer.visible_set(&mut finder, &camera, Rect::whole(size)).unwrap();
         assert_eq!(again.leaves().len(), set.leaves().len(), "now most of it is drawn untested");
-        for (strategy, picture) in [(Strategy::Frustum, &expected), (Strategy::Ideal, &got)] {
+        for (strategy, picture) in [(Strategy::FRUSTUM, &expected), (methods::IDEAL, &got)] {
             let request = FrameRequest {
                 visible: Some(&set),
                 picture: Some(picture),

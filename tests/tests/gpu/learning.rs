@@ -36,7 +36,7 @@ fn frames_are_learned_from_and_pictures_are_right() {
     run_on_all(|device| {
         for frames_in_flight in [1, 2, 4] {
             for strategy in
-                [Strategy::Antumbra, Strategy::AntumbraQueries, Strategy::AntumbraCompute]
+                [Strategy::ANTUMBRA, Strategy::ANTUMBRA_QUERIES, Strategy::ANTUMBRA_COMPUTE]
             {
                 let costs = Costs::default();
                 let (mut renderer, cameras) = renderer(device, costs, frames_in_flight);
@@ -44,7 +44,7 @@ fn frames_are_learned_from_and_pictures_are_right() {
                 let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
                 let mut learned = Corrections::default();
                 for camera in cameras {
-                    let strategies = [Strategy::Frustum, strategy];
+                    let strategies = [Strategy::FRUSTUM, strategy];
                     for ((view, picture), strategy) in
                         views.iter_mut().zip(&pictures).zip(strategies)
                     {
@@ -83,7 +83,7 @@ fn views_that_are_drawn_together_learn_the_same() {
                 .zip(areas)
                 .map(|(history, area)| ViewTarget { history, camera, visible: None, area })
                 .collect();
-            let request = ViewsRequest { strategy: Strategy::Antumbra, picture: None, after: None };
+            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, picture: None, after: None };
             renderer.render_views(&mut eyes, &request).unwrap();
             for (learned, view) in learned.iter_mut().zip(&views) {
                 *learned = view.corrections().expect("a governor");
@@ -103,7 +103,7 @@ fn views_that_take_turns_learn_each_their_own() {
         let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
         for camera in cameras {
             for view in &mut views {
-                renderer.render(view, &FrameRequest::new(Strategy::Antumbra, camera)).unwrap();
+                renderer.render(view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
             }
         }
         for view in &views {
@@ -125,7 +125,7 @@ fn learning_goes_on_whatever_changes_between_frames() {
             renderer.resize(size).unwrap();
             let pictures = [0, 1].map(|_| Readback::new(device, size).unwrap());
             for (number, camera) in cameras.iter().enumerate() {
-                let strategies = [Strategy::Frustum, Strategy::Antumbra];
+                let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA];
                 for ((view, picture), strategy) in views.iter_mut().zip(&pictures).zip(strategies) {
                     let picture = (number % 8 == 0).then_some(picture);
                     let request = FrameRequest { picture, ..FrameRequest::new(strategy, *camera) };
@@ -154,12 +154,12 @@ fn what_is_drawn_to_explain_is_not_learned_from() {
         let mut view = renderer.new_view().unwrap();
         renderer.explain(DebugOverlay { has_boxes: true, ..Default::default() }).unwrap();
         for camera in &cameras {
-            renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, *camera)).unwrap();
+            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, *camera)).unwrap();
         }
         assert_eq!(view.corrections(), Some(Corrections::default()));
         renderer.explain(DebugOverlay::default()).unwrap();
         for camera in &cameras {
-            renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, *camera)).unwrap();
+            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, *camera)).unwrap();
         }
         check(view.corrections().unwrap(), LEAST_TIMED, "explained before");
     });
@@ -172,9 +172,9 @@ fn what_is_not_governed_is_not_learned_from() {
         let (mut cost_driven, _) = renderer(device, Costs::Table(CostTable::default()), 2);
         let mut views = [ungoverned.new_view().unwrap(), cost_driven.new_view().unwrap()];
         for camera in cameras {
-            let request = FrameRequest::new(Strategy::Antumbra, camera);
+            let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
             assert_eq!(ungoverned.render(&mut views[0], &request).unwrap().corrections, None);
-            let request = FrameRequest::new(Strategy::Frustum, camera);
+            let request = FrameRequest::new(Strategy::FRUSTUM, camera);
             let report = cost_driven.render(&mut views[1], &request).unwrap();
             assert_eq!(report.corrections, Some(Corrections::default()));
         }

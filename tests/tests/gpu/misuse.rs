@@ -27,7 +27,7 @@ fn a_view_of_another_renderer_is_refused() {
         let mut many = Renderer::new(device, &scene, &options()).unwrap();
         let mut foreign = few.new_view().unwrap();
         let mut view = many.new_view().unwrap();
-        let request = FrameRequest::new(Strategy::Antumbra, path.camera(0));
+        let request = FrameRequest::new(Strategy::ANTUMBRA, path.camera(0));
         let refused = |error: Error| assert!(error.to_string().contains("another renderer"));
         refused(many.render(&mut foreign, &request).unwrap_err());
         refused(many.drain(&mut foreign).unwrap_err());
@@ -48,7 +48,7 @@ fn a_picture_of_another_size_is_refused() {
         let picture = Readback::new(device, [SIZE[0], SIZE[1] + 1]).unwrap();
         let request = FrameRequest {
             picture: Some(&picture),
-            ..FrameRequest::new(Strategy::Antumbra, path.camera(0))
+            ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))
         };
         let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
         assert!(refused.contains("64x37") && refused.contains("64x36"), "{refused}");
@@ -127,7 +127,7 @@ fn the_largest_options_that_are_taken_draw_a_frame() {
         let mut renderer = Renderer::new(device, &scene, &largest).unwrap();
         let mut view = renderer.new_view().unwrap();
         for frame in 0..2 * MAX_FRAMES_IN_FLIGHT as u32 {
-            let request = FrameRequest::new(Strategy::Antumbra, path.camera(frame));
+            let request = FrameRequest::new(Strategy::ANTUMBRA, path.camera(frame));
             renderer.render(&mut view, &request).unwrap();
         }
         renderer.drain(&mut view).unwrap();
@@ -141,7 +141,7 @@ fn a_frame_without_a_view_is_refused() {
             Renderer::new(device, &SceneKind::Field.build(9).scene, &options()).unwrap();
         let picture = Readback::new(device, SIZE).unwrap();
         for picture in [None, Some(&picture)] {
-            let request = ViewsRequest { strategy: Strategy::Antumbra, picture, after: None };
+            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, picture, after: None };
             let refused = renderer.render_views(&mut [], &request).unwrap_err();
             assert!(matches!(refused, Error::NoView), "{refused}");
         }
@@ -157,7 +157,7 @@ fn outcomes_that_nobody_takes_are_kept_within_bounds() {
         let mut renderer = Renderer::new(device, &scene, &tiny).unwrap();
         let mut view = renderer.new_view().unwrap();
         for _ in 0..1_100 {
-            let request = FrameRequest::new(Strategy::Frustum, path.camera(0));
+            let request = FrameRequest::new(Strategy::FRUSTUM, path.camera(0));
             renderer.render(&mut view, &request).unwrap();
         }
         renderer.drain(&mut view).unwrap();
@@ -182,7 +182,7 @@ fn a_picture_is_read_when_its_frame_is_over_and_not_before() {
         let request = |number: u32, after| FrameRequest {
             picture: Some(&picture),
             after,
-            ..FrameRequest::new(Strategy::Antumbra, path.camera(number))
+            ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(number))
         };
         is_refused("never written");
         let waits = device.wait_counts().other;
@@ -214,7 +214,7 @@ fn a_picture_is_read_when_its_frame_is_over_and_not_before() {
         let early = Readback::new(device, SIZE).unwrap();
         let last = FrameRequest {
             picture: Some(&early),
-            ..FrameRequest::new(Strategy::Antumbra, path.camera(0))
+            ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))
         };
         renderer.render(&mut view, &last).unwrap();
         drop(early);

@@ -17,13 +17,13 @@ const SIZE: [u32; 2] = [240, 135];
 
 /// Every exact strategy that tests or decides by another mechanism than the device's best.
 const TESTERS: [Strategy; 7] = [
-    Strategy::Batched,
-    Strategy::StopAndWait,
-    Strategy::Coherent,
-    Strategy::Pyramid,
-    Strategy::AntumbraQueries,
-    Strategy::AntumbraFlags,
-    Strategy::AntumbraCompute,
+    methods::BATCHED,
+    methods::STOP_AND_WAIT,
+    methods::COHERENT,
+    methods::PYRAMID,
+    Strategy::ANTUMBRA_QUERIES,
+    Strategy::ANTUMBRA_FLAGS,
+    Strategy::ANTUMBRA_COMPUTE,
 ];
 
 fn options(frames_in_flight: usize) -> RendererOptions {
@@ -80,7 +80,7 @@ impl Moving {
 
     /// Walks with ours and compares; returns the objects drawn by frustum culling and by ours.
     fn check(&self, device: &Device, options: &RendererOptions, frames: u32) -> [u64; 2] {
-        self.check_with(device, Strategy::Antumbra, options, frames)
+        self.check_with(device, Strategy::ANTUMBRA, options, frames)
     }
 
     fn check_with(
@@ -93,7 +93,7 @@ impl Moving {
         let mut renderer = Renderer::new(device, &self.scene, options).unwrap();
         let mut cast = Cast::new(&self.motion);
         let frames: Vec<u32> = (0..frames).collect();
-        let [(expected, all), (got, ours)] = [Strategy::Frustum, strategy]
+        let [(expected, all), (got, ours)] = [Strategy::FRUSTUM, strategy]
             .map(|strategy| self.walk(&mut renderer, &mut cast, strategy, &frames));
         for (frame, (expected, got)) in expected.iter().zip(&got).enumerate() {
             let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
@@ -198,14 +198,14 @@ fn an_updated_scene_is_the_scene_built_anew() {
         let mut renderer = Renderer::new(device, &moving.scene, &options(2)).unwrap();
         let mut cast = Cast::new(&moving.motion);
         let frames = [0, 1, 2, 90, 91, 30, 400];
-        let (pictures, _) = moving.walk(&mut renderer, &mut cast, Strategy::Frustum, &frames);
+        let (pictures, _) = moving.walk(&mut renderer, &mut cast, Strategy::FRUSTUM, &frames);
         for (frame, picture) in frames.iter().zip(&pictures) {
             let scene = moving.motion.scene_at(&moving.scene, *frame);
             let mut fresh = Renderer::new(device, &scene, &options(1)).unwrap();
             let mut view = fresh.new_view().unwrap();
             let expected = Readback::new(device, SIZE).unwrap();
             let camera = moving.path.camera(*frame);
-            render(&mut fresh, &mut view, Strategy::Frustum, camera, &expected);
+            render(&mut fresh, &mut view, Strategy::FRUSTUM, camera, &expected);
             device.drain().unwrap();
             let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &picture.rgba8().unwrap());
             assert_eq!(wrong, 0, "frame {frame}");
@@ -227,8 +227,8 @@ fn views_that_pause_stay_exact() {
             show_motion(&mut renderer, &moving.motion, &mut cast, frame * 3).unwrap();
             let eye = (frame / 7) as usize % 3;
             let camera = moving.path.camera(frame + 300 * eye as u32);
-            render(&mut renderer, &mut plain, Strategy::Frustum, camera, &expected);
-            render(&mut renderer, &mut views[eye], Strategy::Antumbra, camera, &got);
+            render(&mut renderer, &mut plain, Strategy::FRUSTUM, camera, &expected);
+            render(&mut renderer, &mut views[eye], Strategy::ANTUMBRA, camera, &got);
             device.drain().unwrap();
             assert_eq!(
                 pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
@@ -274,8 +274,8 @@ fn what_a_wall_hid_shows_in_the_frame_in_which_it_goes() {
             };
             let report = renderer.update(change.as_slice()).unwrap();
             wall = report.added.first().copied().unwrap_or(wall);
-            render(&mut renderer, &mut view, Strategy::Antumbra, square_camera(), &got);
-            render(&mut renderer, &mut plain, Strategy::Frustum, square_camera(), &expected);
+            render(&mut renderer, &mut view, Strategy::ANTUMBRA, square_camera(), &got);
+            render(&mut renderer, &mut plain, Strategy::FRUSTUM, square_camera(), &expected);
             device.drain().unwrap();
             assert_eq!(
                 pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
@@ -327,8 +327,8 @@ fn objects_that_jump_far_stay_exact() {
             // Over the wall one sees a part of the crowd.
             let camera = Camera { eye: Vec3::new(0.0, 24.0, -1.0), ..square_camera() };
             let camera = Camera { forward: Vec3::new(0.0, -1.0, -1.0), ..camera };
-            render(&mut renderer, &mut view, Strategy::Antumbra, camera, &got);
-            render(&mut renderer, &mut plain, Strategy::Frustum, camera, &expected);
+            render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &got);
+            render(&mut renderer, &mut plain, Strategy::FRUSTUM, camera, &expected);
             device.drain().unwrap();
             assert_eq!(
                 pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
@@ -341,7 +341,7 @@ fn objects_that_jump_far_stay_exact() {
             if frame % 7 == 6 {
                 let mut fresh = Renderer::new(device, &moved, &options(1)).unwrap();
                 let mut view = fresh.new_view().unwrap();
-                render(&mut fresh, &mut view, Strategy::Frustum, camera, &expected);
+                render(&mut fresh, &mut view, Strategy::FRUSTUM, camera, &expected);
                 device.drain().unwrap();
                 let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
                 assert_eq!(wrong, 0, "frame {frame}, built anew");
@@ -378,7 +378,7 @@ fn an_update_costs_what_changed_and_not_what_there_is() {
                     assert!(report.refitted_nodes <= moved as u64 * levels, "{report:?}");
                     assert_eq!(report.rebuilt_leaves, 0);
                     assert!(report.added.is_empty() && !report.is_worn);
-                    render(&mut renderer, &mut view, Strategy::Antumbra, camera, &picture);
+                    render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &picture);
                 }
             }
             // Nothing changed, nothing is uploaded.
@@ -400,7 +400,7 @@ fn memory_does_not_grow_while_objects_come_and_go() {
         for frame in 0..90 {
             show_motion(&mut renderer, &moving.motion, &mut cast, frame).unwrap();
             let camera = moving.path.camera(0);
-            render(&mut renderer, &mut view, Strategy::Antumbra, camera, &picture);
+            render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &picture);
             bytes.push(device.memory_bytes().1);
         }
         device.drain().unwrap();

@@ -64,7 +64,7 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
         for pixel in &pixels {
             let pick = renderer.pick(&camera, *pixel).unwrap();
             // Frames go on meanwhile; none of them waits for the answer.
-            let request = FrameRequest::new(Strategy::Antumbra, camera);
+            let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
             renderer.render(&mut view, &request).unwrap();
             device.drain().unwrap();
             let found = renderer.picked(&pick).unwrap().expect("it is over");
@@ -132,7 +132,7 @@ fn what_is_explained_of_objects_is_what_was_drawn() {
         let mut counts = [0; 3];
         for frame in 0..120 {
             let camera = path.camera(frame);
-            renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, camera)).unwrap();
+            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
             if frame % 24 == 23 {
                 check(&mut renderer, &mut view, &camera, &scene, &mut counts);
             }
@@ -199,7 +199,7 @@ fn an_outline_and_explanations_are_not_in_the_picture_of_the_scene() {
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let mut view = renderer.new_view().unwrap();
         let [plain, whole, alone] = [0; 3].map(|_| Readback::new(device, SIZE).unwrap());
-        let request = FrameRequest::new(Strategy::Antumbra, camera);
+        let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
         let bare = FrameRequest { picture: Some(&plain), ..request };
         renderer.render(&mut view, &bare).unwrap();
         let pick = renderer.pick(&camera, [160, 100]).unwrap();

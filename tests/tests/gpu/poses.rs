@@ -77,7 +77,7 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
 /// Returns the work of a frame for poses, seen along `forward`.
 fn skinned(renderer: &mut Renderer, view: &mut ViewState, forward: Vec3) -> (u32, u64) {
     let camera = Camera { forward, ..camera() };
-    let report = renderer.render(view, &FrameRequest::new(Strategy::Antumbra, camera)).unwrap();
+    let report = renderer.render(view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
     (report.poses, report.skinned_vertices)
 }
 
@@ -140,8 +140,8 @@ fn looking_about(device: &Device, strategy: Strategy, sees_all: bool) -> Vec<Rea
 #[test]
 fn who_looks_about_sees_the_newest_poses() {
     run_on_all(|device| {
-        let expected = looking_about(device, Strategy::Frustum, true);
-        for strategy in [Strategy::Frustum, Strategy::Pyramid, Strategy::Antumbra] {
+        let expected = looking_about(device, Strategy::FRUSTUM, true);
+        for strategy in [Strategy::FRUSTUM, methods::PYRAMID, Strategy::ANTUMBRA] {
             let found = looking_about(device, strategy, false);
             for (frame, (expected, found)) in expected.iter().zip(&found).enumerate() {
                 let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());
@@ -162,12 +162,12 @@ fn what_is_blended_is_where_its_pose_brings_it() {
         let transform = Affine3A::from_translation(vec3(-1.0, 0.0, 40.0));
         surfaces.transparent = vec![Object { mesh: MeshId(1), transform, tint: u32::MAX }];
         let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
-        let before = draw(&mut renderer, Strategy::Antumbra);
+        let before = draw(&mut renderer, Strategy::ANTUMBRA);
         let near = Affine3A::from_translation(vec3(0.0, 0.0, -44.0));
         renderer.set_pose(SkinnedMeshId(0), &[near; 3], &[0.0; 2]).unwrap();
-        let after = draw(&mut renderer, Strategy::Antumbra);
+        let after = draw(&mut renderer, Strategy::ANTUMBRA);
         assert!(pixels_far_apart(&before, &after) > 500, "it is before the camera now");
-        let exact = draw(&mut renderer, Strategy::Frustum);
+        let exact = draw(&mut renderer, Strategy::FRUSTUM);
         assert_eq!(pixels_that_differ(&exact.rgba8().unwrap(), &after.rgba8().unwrap()), 0);
     });
 }
@@ -177,7 +177,7 @@ fn bad_poses_are_refused_and_change_nothing() {
     run_on_all(|device| {
         let scene = scene();
         let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
-        let before = draw(&mut renderer, Strategy::Frustum);
+        let before = draw(&mut renderer, Strategy::FRUSTUM);
         let Pose { joints, weights } = pose(0.4);
         let nowhere = Affine3A::from_translation(Vec3::splat(f32::NAN));
         let mut refuse = |skinned_mesh, joints: &[Affine3A], weights: &[f32], why: &str| {
@@ -204,7 +204,7 @@ fn bad_poses_are_refused_and_change_nothing() {
         refuse(&[grows; 3], "farther than anything can be");
         let transform = scene.objects[1].transform;
         renderer.update(&[ObjectChange::Move { object: ObjectId(1), transform }]).unwrap();
-        let after = draw(&mut renderer, Strategy::Frustum);
+        let after = draw(&mut renderer, Strategy::FRUSTUM);
         assert_eq!(pixels_that_differ(&before.rgba8().unwrap(), &after.rgba8().unwrap()), 0);
         let plain = Scene { surfaces: None, ..scene };
         let mut renderer = Renderer::new(device, &plain, &options(2)).unwrap();

@@ -30,7 +30,7 @@ fn walk_everything(device: &Device, objects: u32, size: [u32; 2], frames: u32) {
                 let what =
                     format!("{scene_kind:?} {path} {objects} objects, {in_flight} in flight");
                 let options = options(size, in_flight);
-                let found = walk_with(device, &scene, path, frames, &options, Strategy::Pyramid);
+                let found = walk_with(device, &scene, path, frames, &options, methods::PYRAMID);
                 check(&found, &what);
                 assert!(found.draws[1] <= found.draws[0], "{what}: {found:?}");
             }
@@ -60,7 +60,7 @@ fn odd_sizes_are_exact() {
         for size in [[1, 1], [3, 200], [333, 7], [641, 363]] {
             for path in [PathKind::Cut, PathKind::Street] {
                 let options = options(size, 2);
-                let found = walk_with(device, &scene, path, 12, &options, Strategy::Pyramid);
+                let found = walk_with(device, &scene, path, 12, &options, methods::PYRAMID);
                 check(&found, &format!("{size:?} {path}"));
             }
         }
@@ -82,7 +82,7 @@ fn eyes_in_walls_and_on_the_ground_are_exact() {
             })
             .collect();
         let options = options([160, 90], 2);
-        let found = walk_cameras_with(device, &scene, &cameras, &options, Strategy::Pyramid);
+        let found = walk_cameras_with(device, &scene, &cameras, &options, methods::PYRAMID);
         check(&found, "eyes in boxes");
     });
 }
@@ -115,7 +115,7 @@ fn slivers_of_less_than_a_pixel_are_not_lost() {
             })
             .collect();
         let options = options([256, 256], 2);
-        let found = walk_cameras_with(device, &scene, &cameras, &options, Strategy::Pyramid);
+        let found = walk_cameras_with(device, &scene, &cameras, &options, methods::PYRAMID);
         check(&found, "slivers");
         assert!(found.draws[1] < found.draws[0], "{found:?}");
     });
@@ -127,7 +127,7 @@ fn culling_culls() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(2000);
         let options = options([320, 180], 2);
-        let found = walk_with(device, &scene, PathKind::Street, 30, &options, Strategy::Pyramid);
+        let found = walk_with(device, &scene, PathKind::Street, 30, &options, methods::PYRAMID);
         check(&found, "city");
         assert!(found.draws[1] * 3 < found.draws[0], "{found:?}");
     });
@@ -146,7 +146,7 @@ fn scenes_of_one_object_and_of_none_in_sight_are_exact() {
             near: 0.1,
         });
         let options = options([64, 64], 2);
-        let found = walk_cameras_with(device, &scene, &cameras, &options, Strategy::Pyramid);
+        let found = walk_cameras_with(device, &scene, &cameras, &options, methods::PYRAMID);
         check(&found, "one object");
     });
 }
@@ -159,7 +159,7 @@ fn a_frame_tells_what_it_drew() {
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut view = renderer.new_view().unwrap();
         let still = vec![path.camera(0); 6];
-        let walked = frame_loop(&mut renderer, &mut view, Strategy::Pyramid, &still);
+        let walked = frame_loop(&mut renderer, &mut view, methods::PYRAMID, &still);
         let outcomes = &walked.outcomes;
         assert!(walked.reports.iter().all(|report| report.queries == 0));
         // Nothing is known in the first frame, and all of it in those after.
@@ -170,8 +170,8 @@ fn a_frame_tells_what_it_drew() {
         let frames: Vec<u64> = outcomes.iter().map(|outcome| outcome.frame.0).collect();
         assert_eq!(frames, [1, 2, 3, 4, 5, 6]);
         // Another strategy in between: the view starts over.
-        let other = frame_loop(&mut renderer, &mut view, Strategy::Frustum, &still[..2]);
-        let again = frame_loop(&mut renderer, &mut view, Strategy::Pyramid, &still[..2]);
+        let other = frame_loop(&mut renderer, &mut view, Strategy::FRUSTUM, &still[..2]);
+        let again = frame_loop(&mut renderer, &mut view, methods::PYRAMID, &still[..2]);
         assert_eq!(again.outcomes[0].revealed, again.outcomes[0].draws);
         assert_eq!(again.outcomes[0].draws, outcomes[0].draws);
         assert_eq!(
@@ -182,7 +182,7 @@ fn a_frame_tells_what_it_drew() {
         assert_eq!(pixels_that_differ(&plain.rgba8().unwrap(), &ours.rgba8().unwrap()), 0);
         // A view that has seen nothing is another.
         let mut fresh = renderer.new_view().unwrap();
-        let seen = frame_loop(&mut renderer, &mut fresh, Strategy::Pyramid, &still[..1]);
+        let seen = frame_loop(&mut renderer, &mut fresh, methods::PYRAMID, &still[..1]);
         assert_eq!(seen.outcomes[0].revealed, outcomes[0].draws);
     });
 }
@@ -198,9 +198,9 @@ fn strategies_and_views_change_from_frame_to_frame() {
         for turn in 0..16 {
             let cameras: Vec<Camera> =
                 (0..3).map(|frame| path.camera(turn as u32 * 7 + frame)).collect();
-            let strategy = [Strategy::Pyramid, Strategy::Pyramid, Strategy::Antumbra][turn % 3];
+            let strategy = [methods::PYRAMID, methods::PYRAMID, Strategy::ANTUMBRA][turn % 3];
             let view = &mut views[(turn / 2) % 2];
-            let expected = frame_loop(&mut renderer, &mut plain, Strategy::Frustum, &cameras);
+            let expected = frame_loop(&mut renderer, &mut plain, Strategy::FRUSTUM, &cameras);
             let got = frame_loop(&mut renderer, view, strategy, &cameras);
             assert_eq!(got.outcomes.len(), cameras.len());
             for (expected, got) in expected.pictures.iter().zip(&got.pictures) {
@@ -223,7 +223,7 @@ fn passes_are_timed_by_their_labels() {
         renderer.time_passes().unwrap();
         let mut view = renderer.new_view().unwrap();
         let cameras: Vec<_> = (0..6).map(|frame| path.camera(frame)).collect();
-        frame_loop(&mut renderer, &mut view, Strategy::Pyramid, &cameras);
+        frame_loop(&mut renderer, &mut view, methods::PYRAMID, &cameras);
         let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();
         let expected = [
             "cull remembered",

@@ -69,7 +69,7 @@ fn picture(renderer: &mut Renderer, view: &mut ViewState) -> Vec<u8> {
     };
     let picture = Readback::new(renderer.device(), SIZE).unwrap();
     let request =
-        FrameRequest { picture: Some(&picture), ..FrameRequest::new(Strategy::Antumbra, camera) };
+        FrameRequest { picture: Some(&picture), ..FrameRequest::new(Strategy::ANTUMBRA, camera) };
     renderer.render(view, &request).unwrap();
     renderer.drain(view).unwrap();
     picture.rgba8().unwrap().to_vec()

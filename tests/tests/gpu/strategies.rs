@@ -10,7 +10,7 @@ use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk_cameras
 use tests::{Driver, run, run_on_all};
 
 const DIALOGUES: [Strategy; 4] =
-    [Strategy::Naive, Strategy::Batched, Strategy::StopAndWait, Strategy::Coherent];
+    [methods::NAIVE, methods::BATCHED, methods::STOP_AND_WAIT, methods::COHERENT];
 
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
     // Prices that are measured differ from run to run; without any, everything is tested.
@@ -48,10 +48,10 @@ fn walk_everything(device: &Device, strategy: Strategy, objects: u32, frames: u3
 fn lavapipe_every_blocking_method_is_exact() {
     run(Driver::Lavapipe, |device| {
         for (strategy, objects, frames) in [
-            (Strategy::Naive, 300, 3),
-            (Strategy::Batched, 500, 12),
-            (Strategy::StopAndWait, 500, 4),
-            (Strategy::Coherent, 500, 24),
+            (methods::NAIVE, 300, 3),
+            (methods::BATCHED, 500, 12),
+            (methods::STOP_AND_WAIT, 500, 4),
+            (methods::COHERENT, 500, 24),
         ] {
             walk_everything(device, strategy, objects, frames);
         }
@@ -62,10 +62,10 @@ fn lavapipe_every_blocking_method_is_exact() {
 fn swiftshader_every_blocking_method_is_exact() {
     run(Driver::SwiftShader, |device| {
         for (strategy, objects, frames) in [
-            (Strategy::Naive, 200, 2),
-            (Strategy::Batched, 400, 8),
-            (Strategy::StopAndWait, 400, 3),
-            (Strategy::Coherent, 500, 12),
+            (methods::NAIVE, 200, 2),
+            (methods::BATCHED, 400, 8),
+            (methods::STOP_AND_WAIT, 400, 3),
+            (methods::COHERENT, 500, 12),
         ] {
             walk_everything(device, strategy, objects, frames);
         }
@@ -78,7 +78,7 @@ fn coherent_is_exact_with_ten_thousand_objects() {
         let scene = SceneKind::City.build(10_000);
         for path in [PathKind::Street, PathKind::Cut] {
             let options = options([256, 144], 3);
-            let found = walk_with(device, &scene, path, 12, &options, Strategy::Coherent);
+            let found = walk_with(device, &scene, path, 12, &options, methods::COHERENT);
             check(&found, &format!("10,000 objects, {path}"));
             assert!(found.draws[1] * 4 < found.draws[0], "{found:?}");
         }
@@ -98,7 +98,7 @@ fn coherent_is_exact_with_all_options() {
         ] {
             for path in [PathKind::Street, PathKind::Cut] {
                 let renderer = coherent(options);
-                let found = walk_with(device, &scene, path, 12, &renderer, Strategy::Coherent);
+                let found = walk_with(device, &scene, path, 12, &renderer, methods::COHERENT);
                 check(&found, &format!("{options:?} {path}"));
             }
         }
@@ -112,7 +112,7 @@ fn a_depth_only_first_pass_gives_the_same_picture() {
         for path in [PathKind::Street, PathKind::Cut] {
             let first_pass = FirstPass::DepthOnly;
             let options = coherent(CoherentOptions { first_pass, ..Default::default() });
-            let found = walk_with(device, &scene, path, 12, &options, Strategy::Coherent);
+            let found = walk_with(device, &scene, path, 12, &options, methods::COHERENT);
             // Faces of one object that have the same depth at a pixel: the last wins, not the
             // first.
             assert!(found.pixels_wrong <= 12 * 160 * 90 / 10_000, "{path}: {found:?}");
@@ -128,7 +128,7 @@ fn a_visibility_threshold_leaves_out_what_hardly_shows() {
         let walk = |visibility_threshold_samples| {
             let plain = CoherentOptions { assumed_visible_frames: 0, ..Default::default() };
             let options = coherent(CoherentOptions { visibility_threshold_samples, ..plain });
-            walk_with(device, &scene, PathKind::Street, 16, &options, Strategy::Coherent)
+            walk_with(device, &scene, PathKind::Street, 16, &options, methods::COHERENT)
         };
         let (exact, loose) = (walk(0), walk(20));
         check(&exact, "no threshold");
@@ -150,7 +150,7 @@ fn eyes_in_walls_and_on_the_ground_are_exact() {
             Camera { eye, forward, up: Vec3::Y, fov_y: 1.2, near: 0.05 }
         };
         let cameras: Vec<Camera> = eyes.enumerate().map(camera).collect();
-        for strategy in [Strategy::Batched, Strategy::Coherent] {
+        for strategy in [methods::BATCHED, methods::COHERENT] {
             let options = options([160, 90], 2);
             let found = walk_cameras_with(device, &scene, &cameras, &options, strategy);
             check(&found, &format!("{strategy}, eyes in boxes"));
@@ -181,7 +181,7 @@ fn a_blocking_method_waits_and_says_how_often() {
         let [naive, batched, stop, coherent] = waits[..] else { panic!("{waits:?}") };
         assert!(coherent * 8 < stop && batched * 8 < naive, "{waits:?}");
         let mut view = renderer.new_view().unwrap();
-        let walked = frame_loop(&mut renderer, &mut view, Strategy::NextFrame, &cameras);
+        let walked = frame_loop(&mut renderer, &mut view, methods::NEXT_FRAME, &cameras);
         assert_eq!(walked.blocking_waits, 0);
         assert!(walked.reports.iter().all(|report| report.waits == 0));
     });
@@ -196,8 +196,8 @@ fn next_frame_is_right_at_rest_and_counted_wrong_on_the_way() {
         let mut plain = renderer.new_view().unwrap();
         let mut view = renderer.new_view().unwrap();
         let mut wrong = |cameras: &[Camera], renderer: &mut Renderer| -> Vec<usize> {
-            let expected = frame_loop(renderer, &mut plain, Strategy::Frustum, cameras).pictures;
-            let got = frame_loop(renderer, &mut view, Strategy::NextFrame, cameras);
+            let expected = frame_loop(renderer, &mut plain, Strategy::FRUSTUM, cameras).pictures;
+            let got = frame_loop(renderer, &mut view, methods::NEXT_FRAME, cameras);
             let draws: u64 = got.outcomes.iter().map(|outcome| outcome.draws).sum();
             assert!(draws > 0 && draws < (scene.objects.len() * cameras.len()) as u64);
             let pairs = expected.iter().zip(&got.pictures);
@@ -226,18 +226,18 @@ fn strategies_change_from_frame_to_frame() {
         let mut views = [renderer.new_view().unwrap(), renderer.new_view().unwrap()];
         let mut plain = renderer.new_view().unwrap();
         let turns = [
-            Strategy::Coherent,
-            Strategy::NextFrame,
-            Strategy::Antumbra,
-            Strategy::Batched,
-            Strategy::Coherent,
-            Strategy::Pyramid,
-            Strategy::StopAndWait,
+            methods::COHERENT,
+            methods::NEXT_FRAME,
+            Strategy::ANTUMBRA,
+            methods::BATCHED,
+            methods::COHERENT,
+            methods::PYRAMID,
+            methods::STOP_AND_WAIT,
         ];
         for (turn, strategy) in turns.into_iter().cycle().take(21).enumerate() {
             let cameras: Vec<Camera> =
                 (0..2).map(|frame| path.camera(turn as u32 * 5 + frame)).collect();
-            let expected = frame_loop(&mut renderer, &mut plain, Strategy::Frustum, &cameras);
+            let expected = frame_loop(&mut renderer, &mut plain, Strategy::FRUSTUM, &cameras);
             let got = frame_loop(&mut renderer, &mut views[turn % 2], strategy, &cameras);
             assert_eq!(got.outcomes.len(), cameras.len());
             for (expected, got) in expected.pictures.iter().zip(&got.pictures) {
@@ -259,7 +259,7 @@ fn nothing_in_sight_is_an_empty_picture() {
             fov_y: 1.0,
             near: 0.1,
         });
-        for strategy in DIALOGUES.into_iter().chain([Strategy::NextFrame]) {
+        for strategy in DIALOGUES.into_iter().chain([methods::NEXT_FRAME]) {
             let options = options([64, 64], 2);
             let found = walk_cameras_with(device, &scene, &cameras, &options, strategy);
             check(&found, strategy.name());
@@ -279,7 +279,7 @@ fn passes_are_timed_by_their_labels() {
         let mut view = renderer.new_view().unwrap();
         // Nothing is known in the only frame of each slot whose times are read back.
         let cameras: Vec<_> = (0..3).map(|frame| path.camera(frame)).collect();
-        frame_loop(&mut renderer, &mut view, Strategy::Coherent, &cameras);
+        frame_loop(&mut renderer, &mut view, methods::COHERENT, &cameras);
         let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();
         let batches = labels.iter().filter(|label| **label == "draw and query").count();
         assert!(batches > 1, "{labels:?}");
@@ -329,7 +329,7 @@ fn a_host_holds_a_blocking_method_back_only_up_to_its_gate() {
         let gate = Timeline::new(device, "gate").unwrap();
         gate.signal(Tick(1)).unwrap();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, [160, 90]).unwrap());
-        for (strategy, picture) in [(Strategy::Frustum, &expected), (Strategy::Coherent, &got)] {
+        for (strategy, picture) in [(Strategy::FRUSTUM, &expected), (methods::COHERENT, &got)] {
             let request = FrameRequest {
                 picture: Some(picture),
                 after: Some((&gate, Tick(1))),

@@ -8,7 +8,7 @@ use tests::walk::{SceneKind, walk_with};
 use tests::{Driver, run, run_on_all};
 
 const TESTERS: [Strategy; 3] =
-    [Strategy::AntumbraQueries, Strategy::AntumbraFlags, Strategy::AntumbraCompute];
+    [Strategy::ANTUMBRA_QUERIES, Strategy::ANTUMBRA_FLAGS, Strategy::ANTUMBRA_COMPUTE];
 
 fn walk_testers(device: &Device, objects: u32, options: &RendererOptions, frames: u32) {
     for scene_kind in SceneKind::ALL {

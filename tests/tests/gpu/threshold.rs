@@ -47,7 +47,7 @@ fn walk(
     strategy: Strategy,
 ) -> Found {
     let mut renderer = Renderer::new(device, scene, options).unwrap();
-    let [expected, got] = [Strategy::Frustum, strategy].map(|strategy| {
+    let [expected, got] = [Strategy::FRUSTUM, strategy].map(|strategy| {
         let mut view = renderer.new_view().unwrap();
         frame_loop(&mut renderer, &mut view, strategy, cameras)
     });
@@ -75,7 +75,7 @@ fn cameras(routes: &Routes, path: PathKind, frames: u32) -> Vec<Camera> {
 fn no_frame_is_more_wrong_than_what_was_counted() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(1_500);
-        for strategy in [Strategy::Antumbra, Strategy::AntumbraQueries, Strategy::Coherent] {
+        for strategy in [Strategy::ANTUMBRA, Strategy::ANTUMBRA_QUERIES, methods::COHERENT] {
             for path in [PathKind::Street, PathKind::Cut] {
                 let cameras = cameras(&routes, path, 20);
                 let walk =
@@ -105,7 +105,7 @@ fn every_executor_that_can_compare_leaves_out_the_same() {
                 ..options(40)
             };
             if Renderer::new(device, &scene, &options).is_ok() {
-                found.push(walk(device, &scene, &cameras, &options, Strategy::Antumbra));
+                found.push(walk(device, &scene, &cameras, &options, Strategy::ANTUMBRA));
             }
         }
         assert!(!found.is_empty());
@@ -134,7 +134,7 @@ fn what_shows_as_much_as_the_threshold_is_hidden_and_a_sample_more_is_not() {
         for threshold in [0, 1, 3, 10, 30, 60, 100, 1_000, u32::MAX] {
             // All is tested, whatever it costs.
             let options = RendererOptions { size, ..options(threshold) };
-            let found = walk(device, &scene, &cameras, &options, Strategy::Antumbra);
+            let found = walk(device, &scene, &cameras, &options, Strategy::ANTUMBRA);
             let (draws, wrong) = last.unwrap_or((found.draws, 0));
             assert!(found.draws <= draws && found.pixels_wrong >= wrong, "{threshold}: {found:?}");
             last = Some((found.draws, found.pixels_wrong));
@@ -161,7 +161,7 @@ fn moving_scenes_and_prices_keep_the_bound() {
         let mut wrong_in_all = 0;
         for number in 0..30 {
             show_motion(&mut renderer, &motion, &mut cast, number).unwrap();
-            let strategies = [Strategy::Frustum, Strategy::Antumbra];
+            let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA];
             for ((view, picture), strategy) in views.iter_mut().zip(&pictures).zip(strategies) {
                 let request = FrameRequest {
                     picture: Some(picture),
@@ -188,13 +188,14 @@ fn the_ideal_and_other_methods_stay_exact() {
         let mut renderer = Renderer::new(device, &scene, &options(500)).unwrap();
         let mut finder = renderer.new_view().unwrap();
         let pictures = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
-        let others = Strategy::ALL.into_iter().filter(|it| it.is_exact() && !it.can_neglect());
+        let others =
+            methods::strategies().into_iter().filter(|it| it.is_exact() && !it.can_neglect());
         for strategy in others.filter(|it| renderer.supports(*it).is_ok()).collect::<Vec<_>>() {
             let mut view = renderer.new_view().unwrap();
             for number in 0..4 {
                 let camera = path.camera(number);
                 let set = renderer.visible_set(&mut finder, &camera, Rect::whole(SIZE)).unwrap();
-                for (strategy, picture) in [Strategy::Frustum, strategy].into_iter().zip(&pictures)
+                for (strategy, picture) in [Strategy::FRUSTUM, strategy].into_iter().zip(&pictures)
                 {
                     let request = FrameRequest {
                         visible: Some(&set),
@@ -226,12 +227,12 @@ fn what_cannot_count_or_compare_is_refused() {
         let mut chosen = renderer(None, 3).unwrap();
         assert_ne!(chosen.predication(), Predication::Conditional);
         let mut view = chosen.new_view().unwrap();
-        for strategy in [Strategy::AntumbraFlags, Strategy::AntumbraCompute] {
+        for strategy in [Strategy::ANTUMBRA_FLAGS, Strategy::ANTUMBRA_COMPUTE] {
             let request = FrameRequest::new(strategy, path.camera(0));
             let refused = chosen.render(&mut view, &request).unwrap_err().to_string();
             assert!(refused.contains("use `antumbra` or `antumbra_queries`"), "{refused}");
         }
-        chosen.render(&mut view, &FrameRequest::new(Strategy::Antumbra, path.camera(0))).unwrap();
+        chosen.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
         chosen.drain(&mut view).unwrap();
     });
 }

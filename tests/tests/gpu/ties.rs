@@ -22,7 +22,7 @@ const COLOURS: u32 = 7;
 
 /// Returns the strategies that promise to be exact, in resting or in moving scenes.
 fn exact() -> impl Iterator<Item = Strategy> {
-    Strategy::ALL.into_iter().filter(|it| it.is_exact() && *it != Strategy::Frustum)
+    methods::strategies().into_iter().filter(|it| it.is_exact() && *it != Strategy::FRUSTUM)
 }
 
 fn object(number: u32, low: Vec3, high: Vec3, turn_rad: f32) -> Object {
@@ -99,7 +99,7 @@ fn options(frames_in_flight: usize) -> RendererOptions {
 /// Draws with one strategy from an empty history.
 fn pictures(renderer: &mut Renderer, strategy: Strategy, cameras: &[Camera]) -> Vec<Readback> {
     let mut view = renderer.new_view().unwrap();
-    if strategy != Strategy::Ideal {
+    if strategy != methods::IDEAL {
         return frame_loop(renderer, &mut view, strategy, cameras).pictures;
     }
     let mut finding = renderer.new_view().unwrap();
@@ -129,7 +129,7 @@ fn wrong(
 ) -> Vec<(Strategy, Vec<usize>)> {
     let cameras = cameras(frames);
     let mut renderer = Renderer::new(device, scene, options).unwrap();
-    let expected = pictures(&mut renderer, Strategy::Frustum, &cameras);
+    let expected = pictures(&mut renderer, Strategy::FRUSTUM, &cameras);
     let found = strategies.map(|strategy| {
         let found = pictures(&mut renderer, strategy, &cameras);
         let differ = |(a, b): (&Readback, &Readback)| {
@@ -198,7 +198,7 @@ fn what_is_seen_through_holes_is_exact() {
         check_scene(device, &with_holes(), &options(2), 10);
         let pictures_of = |scene: &Scene| {
             let mut renderer = Renderer::new(device, scene, &options(2)).unwrap();
-            pictures(&mut renderer, Strategy::Frustum, &cameras(6))
+            pictures(&mut renderer, Strategy::FRUSTUM, &cameras(6))
         };
         let (whole, cut) = (pictures_of(&ties()), pictures_of(&with_holes()));
         let differ = |(a, b): (&Readback, &Readback)| {
@@ -252,7 +252,7 @@ fn points_and_lines_are_exact_and_seen() {
             check_scene(device, &sprites, &options(2), 10);
             let pictures_of = |scene: &Scene| {
                 let mut renderer = Renderer::new(device, scene, &options(2)).unwrap();
-                pictures(&mut renderer, Strategy::Frustum, &cameras(6))
+                pictures(&mut renderer, Strategy::FRUSTUM, &cameras(6))
             };
             let (without, with) = (pictures_of(&scene), pictures_of(&sprites));
             let differ = |(a, b): (&Readback, &Readback)| {
@@ -291,7 +291,7 @@ fn all_else_goes_on_with_surfaces() {
                 area: halves.next().unwrap(),
             };
             let eyes = &mut [eye(&mut left), eye(&mut right)];
-            let strategies = [Strategy::Antumbra, Strategy::Pyramid, Strategy::Batched];
+            let strategies = [Strategy::ANTUMBRA, methods::PYRAMID, methods::BATCHED];
             let strategy = strategies[frame % 3];
             let request = ViewsRequest { strategy, picture: None, after: None };
             renderer.render_views(eyes, &request).unwrap();
@@ -311,7 +311,7 @@ fn all_else_goes_on_with_surfaces() {
         colours.dedup();
         assert!(colours.len() >= 4, "{colours:?}");
         renderer.resize([128, 72]).unwrap();
-        renderer.render(&mut left, &FrameRequest::new(Strategy::Pyramid, cameras[0])).unwrap();
+        renderer.render(&mut left, &FrameRequest::new(methods::PYRAMID, cameras[0])).unwrap();
         renderer.drain(&mut left).unwrap();
     });
 }
@@ -337,9 +337,9 @@ fn many_objects_are_left_out() {
             let found = frame_loop(&mut renderer, &mut view, strategy, &cameras);
             found.outcomes.iter().map(|outcome| outcome.draws).sum()
         };
-        let all = draws(Strategy::Frustum);
+        let all = draws(Strategy::FRUSTUM);
         for (strategy, percent) in
-            [(Strategy::Antumbra, 66), (Strategy::Coherent, 66), (Strategy::Pyramid, 85)]
+            [(Strategy::ANTUMBRA, 66), (methods::COHERENT, 66), (methods::PYRAMID, 85)]
         {
             let drawn = draws(strategy);
             assert!(drawn * 100 < all * percent, "{strategy}: {drawn} of {all}");
@@ -355,8 +355,8 @@ fn next_frame_is_right_once_its_answers_are_home() {
         let [from, .., to] = cameras(12)[..] else { panic!("cameras") };
         for camera in [from, to] {
             let cameras = [camera; 10];
-            let expected = pictures(&mut renderer, Strategy::Frustum, &cameras[..1]);
-            let found = pictures(&mut renderer, Strategy::NextFrame, &cameras);
+            let expected = pictures(&mut renderer, Strategy::FRUSTUM, &cameras[..1]);
+            let found = pictures(&mut renderer, methods::NEXT_FRAME, &cameras);
             for picture in &found[6..] {
                 assert_eq!(
                     pixels_that_differ(&expected[0].rgba8().unwrap(), &picture.rgba8().unwrap()),

@@ -98,7 +98,7 @@ fn draw(renderer: &mut Renderer, view: &mut ViewState, eye: Vec3) -> Readback {
     let picture = Readback::new(renderer.device(), SIZE).unwrap();
     let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.3, near: 0.05 };
     let request =
-        FrameRequest { picture: Some(&picture), ..FrameRequest::new(Strategy::Antumbra, camera) };
+        FrameRequest { picture: Some(&picture), ..FrameRequest::new(Strategy::ANTUMBRA, camera) };
     renderer.render(view, &request).unwrap();
     renderer.drain(view).unwrap();
     picture

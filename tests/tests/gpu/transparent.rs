@@ -128,18 +128,18 @@ fn compare(device: &Device, expected: &[Readback], strategy: Strategy, options: 
 #[test]
 fn every_strategy_shows_the_same_panes() {
     run_on_all(|device| {
-        let expected = film(device, Strategy::Frustum, &options(1));
-        for strategy in Strategy::ALL.into_iter().filter(|it| it.is_exact()) {
-            if strategy != Strategy::Frustum && strategy != Strategy::Ideal {
+        let expected = film(device, Strategy::FRUSTUM, &options(1));
+        for strategy in methods::strategies().into_iter().filter(|it| it.is_exact()) {
+            if strategy != Strategy::FRUSTUM && strategy != methods::IDEAL {
                 compare(device, &expected, strategy, &options(2));
             }
         }
-        compare(device, &expected, Strategy::Antumbra, &options(1));
-        compare(device, &expected, Strategy::Antumbra, &options(3));
+        compare(device, &expected, Strategy::ANTUMBRA, &options(1));
+        compare(device, &expected, Strategy::ANTUMBRA, &options(3));
         for predication in [Predication::Counts, Predication::Instances] {
             let options = RendererOptions { predication: Some(predication), ..options(2) };
             if Renderer::new(device, &scene(), &options).is_ok() {
-                compare(device, &expected, Strategy::AntumbraQueries, &options);
+                compare(device, &expected, Strategy::ANTUMBRA_QUERIES, &options);
             }
         }
     });
@@ -157,7 +157,7 @@ fn what_was_hidden_shows_in_the_frame_in_which_it_shows() {
         let mut view = renderer.new_view().unwrap();
         let camera = camera(0);
         let mut draw =
-            |renderer: &mut Renderer| draw_into(renderer, &mut view, Strategy::Antumbra, camera).0;
+            |renderer: &mut Renderer| draw_into(renderer, &mut view, Strategy::ANTUMBRA, camera).0;
         for _ in 0..5 {
             draw(&mut renderer);
         }
@@ -189,7 +189,7 @@ fn the_farther_pane_is_drawn_first() {
             let mut renderer = Renderer::new(device, scene, &options(2)).unwrap();
             let mut view = renderer.new_view().unwrap();
             let camera = Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, ..camera(0) };
-            let (picture, report) = draw_into(&mut renderer, &mut view, Strategy::Antumbra, camera);
+            let (picture, report) = draw_into(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
             renderer.drain(&mut view).unwrap();
             assert_eq!(report.transparent, 2);
             let middle = (SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) as usize * 4;

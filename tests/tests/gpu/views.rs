@@ -62,7 +62,7 @@ fn check_pair(
     options: &RendererOptions,
     frames: u32,
 ) {
-    check_pair_with(device, Strategy::Antumbra, scene, walked, options, frames);
+    check_pair_with(device, Strategy::ANTUMBRA, scene, walked, options, frames);
 }
 
 fn check_pair_with(
@@ -78,7 +78,7 @@ fn check_pair_with(
     let mut renderer = Renderer::new(device, scene, options).unwrap();
     let mut cast = Cast::new(&motion);
     let areas: Vec<Rect> = Rect::side_by_side(SIZE, 2).collect();
-    let [expected, got] = [Strategy::Frustum, strategy].map(|strategy| {
+    let [expected, got] = [Strategy::FRUSTUM, strategy].map(|strategy| {
         let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
         let waits = renderer.device().wait_counts().other;
         let pictures: Vec<Readback> = (0..frames)
@@ -122,14 +122,14 @@ fn a_stereo_pair_is_exact_with_every_tester() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(1_000);
         for strategy in [
-            Strategy::Naive,
-            Strategy::Batched,
-            Strategy::StopAndWait,
-            Strategy::Coherent,
-            Strategy::Pyramid,
-            Strategy::AntumbraQueries,
-            Strategy::AntumbraFlags,
-            Strategy::AntumbraCompute,
+            methods::NAIVE,
+            methods::BATCHED,
+            methods::STOP_AND_WAIT,
+            methods::COHERENT,
+            methods::PYRAMID,
+            Strategy::ANTUMBRA_QUERIES,
+            Strategy::ANTUMBRA_FLAGS,
+            Strategy::ANTUMBRA_COMPUTE,
         ] {
             for path in [PathKind::Street, PathKind::Cut] {
                 check_pair_with(device, strategy, &scene, (path, 20), &options(2), 20);
@@ -160,7 +160,7 @@ fn each_eye_has_an_ideal_of_its_own() {
                     renderer.visible_set(&mut views[eye], &cameras[eye], areas[eye]).unwrap()
                 })
                 .collect();
-            render(&mut renderer, &mut plain, Strategy::Frustum, &cameras, &areas, &expected);
+            render(&mut renderer, &mut plain, Strategy::FRUSTUM, &cameras, &areas, &expected);
             let mut eyes: Vec<ViewTarget<'_>> = ideals
                 .iter_mut()
                 .enumerate()
@@ -172,7 +172,7 @@ fn each_eye_has_an_ideal_of_its_own() {
                 })
                 .collect();
             let request =
-                ViewsRequest { strategy: Strategy::Ideal, picture: Some(&got), after: None };
+                ViewsRequest { strategy: methods::IDEAL, picture: Some(&got), after: None };
             renderer.render_views(&mut eyes, &request).unwrap();
             device.drain().unwrap();
             assert_eq!(
@@ -221,9 +221,9 @@ fn areas_may_be_anywhere() {
         let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
         for frame in 0..24 {
             let cameras: Vec<Camera> = (0..4).map(|eye| path.camera(frame + 211 * eye)).collect();
-            render(&mut renderer, &mut plain, Strategy::Frustum, &cameras, &areas, &expected);
+            render(&mut renderer, &mut plain, Strategy::FRUSTUM, &cameras, &areas, &expected);
             let report =
-                render(&mut renderer, &mut views, Strategy::Antumbra, &cameras, &areas, &got);
+                render(&mut renderer, &mut views, Strategy::ANTUMBRA, &cameras, &areas, &got);
             let queries: usize = views.iter().map(|view| view.plan().query_count()).sum();
             assert_eq!(report.queries as usize, queries, "a report is of all views");
             device.drain().unwrap();
@@ -256,10 +256,10 @@ fn a_view_does_not_notice_the_others() {
             (Readback::new(device, SIZE).unwrap(), Readback::new(device, half).unwrap());
         for frame in 0..20 {
             let cameras = [path.camera(frame), path.camera(500 + frame)];
-            render(&mut both, &mut views, Strategy::Antumbra, &cameras, &areas, &pair_picture);
+            render(&mut both, &mut views, Strategy::ANTUMBRA, &cameras, &areas, &pair_picture);
             let request = FrameRequest {
                 picture: Some(&picture),
-                ..FrameRequest::new(Strategy::Antumbra, cameras[0])
+                ..FrameRequest::new(Strategy::ANTUMBRA, cameras[0])
             };
             alone.render(&mut single, &request).unwrap();
             device.drain().unwrap();
@@ -291,7 +291,7 @@ fn areas_outside_of_the_picture_are_refused() {
             let area = Rect { origin, size };
             let camera = path.camera(0);
             let mut eyes = [ViewTarget { history: &mut view, camera, visible: None, area }];
-            let request = ViewsRequest { strategy: Strategy::Antumbra, picture: None, after: None };
+            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, picture: None, after: None };
             let error = renderer.render_views(&mut eyes, &request).unwrap_err().to_string();
             assert!(error.contains("not within the picture of 320x100"), "{error}");
         }

@@ -128,7 +128,7 @@ fn picture(device: &gpu::Device, shaders: Option<ShaderSet>) -> Vec<u8> {
     let mut renderer = Renderer::new(device, &scene, &options).unwrap();
     let mut history = renderer.new_view().unwrap();
     let picture = Readback::new(device, renderer.size()).unwrap();
-    let strategy = cull::Strategy::Antumbra;
+    let strategy = cull::Strategy::ANTUMBRA;
     let request =
         FrameRequest { picture: Some(&picture), ..FrameRequest::new(strategy, path.camera(3)) };
     renderer.render(&mut history, &request).unwrap();

@@ -36,7 +36,7 @@ fn made() -> usize {
 /// Returns false for the methods of the literature that wait by their nature or are not exact, and
 /// for the yardstick.
 fn is_ours(strategy: &Strategy) -> bool {
-    !strategy.is_blocking() && ![Strategy::Ideal, Strategy::NextFrame].contains(strategy)
+    !strategy.is_blocking() && ![methods::IDEAL, methods::NEXT_FRAME].contains(strategy)
 }
 
 #[test]
@@ -46,7 +46,7 @@ fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
     let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(0);
     let mut allocating = Vec::new();
     for (driver, _) in MODES {
-        for strategy in Strategy::ALL.into_iter().filter(is_ours) {
+        for strategy in methods::strategies().into_iter().filter(is_ours) {
             let window = X11Window::open(&server, Library::Xcb, SIZE);
             let stage = Stage::with_entry(Machine::default().entry(), driver, window);
             let options =
@@ -90,13 +90,13 @@ fn a_thousand_switches_leave_the_picture_and_keep_nothing() {
         let stage = Stage::with_entry(Machine::default().entry(), driver, window);
         let options = RendererOptions { methods: methods::ALL, size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
-        let strategies = Strategy::ALL.into_iter().filter(is_ours);
+        let strategies = methods::strategies().into_iter().filter(is_ours);
         let strategies: Vec<_> = strategies.filter(|s| renderer.supports(*s).is_ok()).collect();
         let mut view = renderer.new_view().unwrap();
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());
         let picture = Readback::new(&stage.device, SIZE).unwrap();
         let mut random = Random::new(11);
-        let (mut strategy, mut expected, mut halfway) = (Strategy::Frustum, Vec::new(), (0, 0));
+        let (mut strategy, mut expected, mut halfway) = (Strategy::FRUSTUM, Vec::new(), (0, 0));
         let mut most_retired = 0;
         for switch in 0..1000_u32 {
             match switch % 3 {

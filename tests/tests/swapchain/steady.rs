@@ -32,7 +32,7 @@ fn the_renderers_picture_in_a_window_is_the_one_without_it() {
         let waits = stage.device.wait_counts().other;
         let camera = |frame| path.camera(frame);
         for frame in 0..12 {
-            let request = FrameRequest::new(Strategy::Antumbra, camera(frame));
+            let request = FrameRequest::new(Strategy::ANTUMBRA, camera(frame));
             renderer.render(&mut windowed, &request).unwrap();
             let shown = renderer.present(&mut swapchain, size).unwrap();
             assert!(shown.presented().is_some(), "{shown:?}");
@@ -44,7 +44,7 @@ fn the_renderers_picture_in_a_window_is_the_one_without_it() {
         let mut headless = renderer.new_view().unwrap();
         let request = FrameRequest {
             picture: Some(&picture),
-            ..FrameRequest::new(Strategy::Frustum, camera(11))
+            ..FrameRequest::new(Strategy::FRUSTUM, camera(11))
         };
         renderer.render(&mut headless, &request).unwrap();
         renderer.drain(&mut headless).unwrap();

@@ -30,7 +30,6 @@ mod stop_and_wait;
 use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;
 use crate::hierarchy::front_to_back::ViewedHierarchy;
-use crate::plan::strategy::Strategy;
 use batched::Batched;
 pub use batched::BatchedOptions;
 use chc::Coherent;
@@ -40,12 +39,26 @@ pub use recorder::{Batch, BatchDraw, BatchTest, BlockingStats, NextAction, TestA
 use recorder::{BlockingStrategy, PendingQueries, QueryResult, Recorder};
 use stop_and_wait::StopAndWait;
 
+/// The blocking methods of the literature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BlockingKind {
+    /// A query per object, and a wait for each (GPU Gems, 29.2).
+    Naive,
+    /// A query per object, behind some large occluders, and a wait for all (GPU Gems, 29.3).
+    Batched,
+    /// The hierarchy from the root down, with a wait at each node (GPU Gems 2, 6.3).
+    StopAndWait,
+    /// Coherent hierarchical culling as published, with several submits per frame and results that
+    /// are read between them (GPU Gems 2, 6.4 and 6.5).
+    Coherent,
+}
+
 /// The options of the methods that have some.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BlockingOptions {
-    /// The options of [`Strategy::Batched`].
+    /// The options of [`BlockingKind::Batched`].
     pub batched: BatchedOptions,
-    /// The options of [`Strategy::Coherent`].
+    /// The options of [`BlockingKind::Coherent`].
     pub coherent: CoherentOptions,
 }
 
@@ -84,27 +97,25 @@ impl BlockingCuller {
         }
     }
 
-    /// Begins a frame; `None` for a strategy that is no blocking method
-    /// ([`Strategy::is_blocking`]).
+    /// Begins a frame.
     pub fn begin<'a>(
         &'a mut self,
         hierarchy: &'a Hierarchy,
-        strategy: Strategy,
+        kind: BlockingKind,
         view: &'a View,
-    ) -> Option<BlockingFrame<'a>> {
-        let method: &mut dyn BlockingStrategy = match strategy {
-            Strategy::Naive => &mut self.naive,
-            Strategy::Batched => &mut self.batched,
-            Strategy::StopAndWait => &mut self.stop_and_wait,
-            Strategy::Coherent => &mut self.coherent,
-            _ => return None,
+    ) -> BlockingFrame<'a> {
+        let method: &mut dyn BlockingStrategy = match kind {
+            BlockingKind::Naive => &mut self.naive,
+            BlockingKind::Batched => &mut self.batched,
+            BlockingKind::StopAndWait => &mut self.stop_and_wait,
+            BlockingKind::Coherent => &mut self.coherent,
         };
         self.pending.clear();
         let viewed = ViewedHierarchy { hierarchy, view };
         let mut stats = BlockingStats::default();
         method.begin(&viewed, &mut stats);
         let (pending, results) = (&mut self.pending, &mut self.results);
-        Some(BlockingFrame { method, viewed, pending, results, waits_for: None, stats })
+        BlockingFrame { method, viewed, pending, results, waits_for: None, stats }
     }
 }
 

@@ -21,7 +21,7 @@ pub(crate) struct CostFilter<'a> {
 }
 
 impl<'a> CostFilter<'a> {
-    /// Creates a filter; `None` where costs are not weighed. [`Strategy::Antumbra`] takes the
+    /// Creates a filter; `None` where costs are not weighed. [`Strategy::ANTUMBRA`] takes the
     /// cheapest tester, all others have the given one.
     pub(crate) fn new(
         cost_model: Option<&'a CostModel>,
@@ -29,7 +29,7 @@ impl<'a> CostFilter<'a> {
         tester: Tester,
         testers: TesterSupport,
     ) -> Option<Self> {
-        let is_open = strategy == Strategy::Antumbra;
+        let is_open = strategy == Strategy::ANTUMBRA;
         cost_model.filter(|_| strategy.uses_cost_model()).map(|cost_model| Self {
             cost_model,
             tester: (!is_open).then_some(tester),

@@ -1,121 +1,135 @@
 //! The strategies to decide what to draw, by name.
 
 use std::fmt;
-use std::str::FromStr;
 
-use thiserror::Error;
+use crate::plan::frame_plan::Tester;
 
-/// A strategy to decide what to draw. Strategies can be switched from frame to frame; those called
-/// `antumbra` share one traversal and one history.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Strategy {
-    /// View-frustum culling only: the baseline and the reference image.
-    Frustum,
-    /// A query per object, and a wait for each (GPU Gems, 29.2).
-    Naive,
-    /// A query per object, behind some large occluders, and a wait for all (GPU Gems, 29.3).
-    Batched,
-    /// A query per object that is read in a later frame and decides about that one (GPU Gems,
-    /// 29.4). Never waits, and is not exact: an object that comes into view is missing until its
-    /// result is read back.
-    NextFrame,
-    /// The hierarchy from the root down, with a wait at each node (GPU Gems 2, 6.3).
-    StopAndWait,
-    /// Coherent hierarchical culling as published, with several submits per frame and results that
-    /// are read between them (GPU Gems 2, 6.4 and 6.5).
-    Coherent,
-    /// Two phases against a depth pyramid, all on the GPU: draws the objects that were visible in
-    /// the last frame, then those that turn out to be (as in the engines niagara and Bevy).
-    Pyramid,
-    /// Coherent hierarchical culling whose results come late, made exact by predicates.
-    Antumbra,
-    /// The same with occlusion queries for all tests.
-    AntumbraQueries,
-    /// The same with flags set by fragments for all tests.
-    AntumbraFlags,
-    /// The same with a compute shader for all tests.
-    AntumbraCompute,
-    /// Exactly the objects that own a pixel, found beforehand: the lower bound of every strategy
-    /// (the optimum of the papers on coherent hierarchical culling). Only for comparison.
-    Ideal,
+/// A strategy to decide what to draw: a name, and what to expect of it. Strategies can be switched
+/// from frame to frame. Those that a [`Culler`](crate::Culler) plans are constants here; any other
+/// is [made](Strategy::new) beside the method that carries it out.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Strategy {
+    name: &'static str,
+    summary: &'static str,
+    tests: Tests,
+    is_exact: bool,
+    is_blocking: bool,
+    can_neglect: bool,
+    needs_still_scene: bool,
 }
 
-/// The error of a name that is no strategy's.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("there is no strategy `{name}`: use one of {known}")]
-pub struct UnknownStrategy {
-    /// The unknown name.
-    pub name: String,
-    /// The names of all strategies.
-    pub known: String,
+/// The tests in the plans of a strategy.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Tests {
+    None,
+    /// By the tester that the device has, or by the cheapest.
+    Any,
+    By(Tester),
 }
 
 impl Strategy {
-    /// Every strategy, the baseline first.
-    pub const ALL: [Self; 12] = [
-        Self::Frustum,
-        Self::Naive,
-        Self::Batched,
-        Self::NextFrame,
-        Self::StopAndWait,
-        Self::Coherent,
-        Self::Pyramid,
-        Self::Antumbra,
-        Self::AntumbraQueries,
-        Self::AntumbraFlags,
-        Self::AntumbraCompute,
-        Self::Ideal,
+    /// View-frustum culling only: the baseline and the reference image.
+    pub const FRUSTUM: Self = Self::new("frustum", "the baseline: all that is in the view frustum");
+    /// Coherent hierarchical culling whose results come late, made exact by predicates.
+    pub const ANTUMBRA: Self =
+        Self::new("antumbra", "ours: late answers, made exact by predicates")
+            .testing(Tests::Any)
+            .neglecting();
+    /// The same with occlusion queries for all tests.
+    pub const ANTUMBRA_QUERIES: Self =
+        Self::new("antumbra_queries", "ours, with occlusion queries for all tests")
+            .testing(Tests::By(Tester::Query))
+            .neglecting();
+    /// The same with flags set by fragments for all tests.
+    pub const ANTUMBRA_FLAGS: Self =
+        Self::new("antumbra_flags", "ours, with flags set by fragments for all tests")
+            .testing(Tests::By(Tester::Flag));
+    /// The same with a compute shader for all tests.
+    pub const ANTUMBRA_COMPUTE: Self =
+        Self::new("antumbra_compute", "ours, with a compute shader for all tests")
+            .testing(Tests::By(Tester::Compute));
+
+    /// The strategies of [`Culler::plan`](crate::Culler::plan), the baseline first. Those called
+    /// `antumbra` share one traversal and one history.
+    pub const PLANNED: [Self; 5] = [
+        Self::FRUSTUM,
+        Self::ANTUMBRA,
+        Self::ANTUMBRA_QUERIES,
+        Self::ANTUMBRA_FLAGS,
+        Self::ANTUMBRA_COMPUTE,
     ];
+
+    /// Creates a strategy of this name on command lines and in reports, with a summary of about
+    /// fifty letters. It is exact, never waits, and works in scenes that change, unless the
+    /// following say otherwise.
+    #[must_use]
+    pub const fn new(name: &'static str, summary: &'static str) -> Self {
+        Self {
+            name,
+            summary,
+            tests: Tests::None,
+            is_exact: true,
+            is_blocking: false,
+            can_neglect: false,
+            needs_still_scene: false,
+        }
+    }
+
+    const fn testing(self, tests: Tests) -> Self {
+        Self { tests, ..self }
+    }
+
+    /// Returns the same strategy, which may miss an object that owns a pixel.
+    #[must_use]
+    pub const fn inexact(self) -> Self {
+        Self { is_exact: false, ..self }
+    }
+
+    /// Returns the same strategy, which needs results before a frame can go on.
+    #[must_use]
+    pub const fn blocking(self) -> Self {
+        Self { is_blocking: true, ..self }
+    }
+
+    /// Returns the same strategy, which can have a threshold.
+    #[must_use]
+    pub const fn neglecting(self) -> Self {
+        Self { can_neglect: true, ..self }
+    }
+
+    /// Returns the same strategy, which draws objects that were found beforehand.
+    #[must_use]
+    pub const fn in_still_scenes(self) -> Self {
+        Self { needs_still_scene: true, ..self }
+    }
 
     /// Returns the name on command lines and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Frustum => "frustum",
-            Self::Naive => "naive",
-            Self::Batched => "batched",
-            Self::NextFrame => "next_frame",
-            Self::StopAndWait => "stop_and_wait",
-            Self::Coherent => "coherent",
-            Self::Pyramid => "pyramid",
-            Self::Antumbra => "antumbra",
-            Self::AntumbraQueries => "antumbra_queries",
-            Self::AntumbraFlags => "antumbra_flags",
-            Self::AntumbraCompute => "antumbra_compute",
-            Self::Ideal => "ideal",
-        }
+        self.name
+    }
+
+    /// Returns a summary in a few words.
+    #[must_use]
+    pub const fn summary(self) -> &'static str {
+        self.summary
     }
 
     /// Returns true if it never misses an object that owns a pixel, and has the image of plain
     /// frustum culling, as long as no option gives that up: a threshold where it [can have
     /// one](Strategy::can_neglect), and [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of
-    /// [`Strategy::Coherent`], under which some devices choose another of two faces of equal depth.
+    /// coherent hierarchical culling, under which some devices choose another of two faces of equal
+    /// depth.
     #[must_use]
     pub const fn is_exact(self) -> bool {
-        match self {
-            Self::NextFrame => false,
-            Self::Frustum
-            | Self::Naive
-            | Self::Batched
-            | Self::StopAndWait
-            | Self::Coherent
-            | Self::Pyramid
-            | Self::Antumbra
-            | Self::AntumbraQueries
-            | Self::AntumbraFlags
-            | Self::AntumbraCompute
-            | Self::Ideal => true,
-        }
+        self.is_exact
     }
 
     /// Returns true if it has a history, tests in its plans and a [cost
     /// model](crate::Culler::set_costs): those called `antumbra`.
     #[must_use]
     pub const fn uses_cost_model(self) -> bool {
-        matches!(
-            self,
-            Self::Antumbra | Self::AntumbraQueries | Self::AntumbraFlags | Self::AntumbraCompute
-        )
+        !matches!(self.tests, Tests::None)
     }
 
     /// Returns true if it can take objects that show few samples as hidden, and is not exact then
@@ -123,51 +137,40 @@ impl Strategy {
     /// [`CoherentOptions`](crate::CoherentOptions)).
     #[must_use]
     pub const fn can_neglect(self) -> bool {
-        matches!(self, Self::Coherent | Self::Antumbra | Self::AntumbraQueries)
+        self.can_neglect
     }
 
     /// Returns true if it draws objects that were found beforehand, in a scene that does not
     /// change.
     #[must_use]
     pub const fn needs_still_scene(self) -> bool {
-        matches!(self, Self::Ideal)
+        self.needs_still_scene
     }
 
     /// Returns true if it needs results before a frame can go on: a
     /// [`BlockingCuller`](crate::BlockingCuller) and no plan.
     #[must_use]
     pub const fn is_blocking(self) -> bool {
-        matches!(self, Self::Naive | Self::Batched | Self::StopAndWait | Self::Coherent)
+        self.is_blocking
+    }
+
+    /// Returns the only tester of its plans; `None` for any, or where nothing is tested.
+    pub(crate) const fn tester(self) -> Option<Tester> {
+        match self.tests {
+            Tests::By(tester) => Some(tester),
+            Tests::None | Tests::Any => None,
+        }
     }
 }
 
 impl fmt::Display for Strategy {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.pad(self.name())
+        formatter.pad(self.name)
     }
 }
 
-impl FromStr for Strategy {
-    type Err = UnknownStrategy;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        Self::ALL.into_iter().find(|strategy| strategy.name() == name).ok_or_else(|| {
-            UnknownStrategy { name: name.to_owned(), known: Self::ALL.map(Self::name).join(", ") }
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_name_parses_and_others_are_refused_by_name() {
-        for strategy in Strategy::ALL {
-            assert_eq!(strategy.name().parse(), Ok(strategy));
-            assert_eq!(strategy.to_string(), strategy.name());
-        }
-        let refused = "Frustrum".parse::<Strategy>().unwrap_err().to_string();
-        assert!(refused.contains("`Frustrum`") && refused.contains("frustum, naive, batched"));
+impl fmt::Debug for Strategy {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name)
     }
 }

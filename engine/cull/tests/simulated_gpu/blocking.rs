@@ -2,8 +2,8 @@
 //! known for.
 
 use antumbra_cull::{
-    BatchedOptions, BlockingCuller, BlockingOptions, BlockingStats, Camera, CoherentOptions,
-    FirstPass, Hierarchy, LeafTest, ObjectId, Strategy, View,
+    BatchedOptions, BlockingCuller, BlockingKind, BlockingOptions, BlockingStats, Camera,
+    CoherentOptions, FirstPass, Hierarchy, LeafTest, ObjectId, Strategy, View,
 };
 use glam::Vec3;
 
@@ -14,8 +14,8 @@ use crate::scene::{PATHS, Path, Scene, city};
 use crate::talk::{Talk, Trouble};
 
 const SIZE: [u32; 2] = [40, 28];
-const DIALOGUES: [Strategy; 4] =
-    [Strategy::Naive, Strategy::Batched, Strategy::StopAndWait, Strategy::Coherent];
+const KINDS: [BlockingKind; 4] =
+    [BlockingKind::Naive, BlockingKind::Batched, BlockingKind::StopAndWait, BlockingKind::Coherent];
 
 fn truth(view: &View, scene: &Scene) -> Image {
     let mut image = Image::new(SIZE);
@@ -58,9 +58,9 @@ fn verify(seed: u64) -> [u64; 2] {
         lost: if is_rough { 0.1 } else { 0.0 },
         twice: if is_rough { 0.2 } else { 0.0 },
     };
-    let mut runs = DIALOGUES.map(|strategy| {
+    let mut runs = KINDS.map(|kind| {
         let blocking = BlockingCuller::new(random_options(&mut random));
-        (strategy, blocking, Talk::new(SIZE, sub_pixel_bits, trouble, seed))
+        (kind, blocking, Talk::new(SIZE, sub_pixel_bits, trouble, seed))
     });
     let mut counted = [0; 2];
     for frame in 0..12 {
@@ -75,9 +75,9 @@ fn verify(seed: u64) -> [u64; 2] {
         let view = View::new(&camera, SIZE, sub_pixel_bits);
         let expected = truth(&view, &scene);
         let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
-        for (strategy, blocking, talk) in &mut runs {
-            let context = format!("seed {seed}, frame {frame}, {strategy}");
-            let mut conversation = blocking.begin(&hierarchy, *strategy, &view).unwrap();
+        for (kind, blocking, talk) in &mut runs {
+            let context = format!("seed {seed}, frame {frame}, {kind:?}");
+            let mut conversation = blocking.begin(&hierarchy, *kind, &view);
             let stats = talk.frame(&mut conversation, &view, &hierarchy, &solids);
             assert!(talk.image.depths == expected.depths, "{context}: wrong pixels");
             check_books(talk, &stats, &context);
@@ -130,7 +130,7 @@ fn streets() -> (Scene, Hierarchy) {
 }
 
 /// Runs the frames of a slow walk ahead and returns their counts.
-fn stroll(strategy: Strategy, options: BlockingOptions, trouble: Trouble) -> Vec<BlockingStats> {
+fn stroll(kind: BlockingKind, options: BlockingOptions, trouble: Trouble) -> Vec<BlockingStats> {
     let (scene, hierarchy) = streets();
     let mut blocking = BlockingCuller::new(options);
     let mut talk = Talk::new(SIZE, 8, trouble, 1);
@@ -138,7 +138,7 @@ fn stroll(strategy: Strategy, options: BlockingOptions, trouble: Trouble) -> Vec
     let step = |frame: u64| {
         let eye = CAMERA.eye - Vec3::Z * frame as f32 * 0.05;
         let view = View::new(&Camera { eye, ..CAMERA }, SIZE, 8);
-        let mut conversation = blocking.begin(&hierarchy, strategy, &view).unwrap();
+        let mut conversation = blocking.begin(&hierarchy, kind, &view);
         talk.frame(&mut conversation, &view, &hierarchy, &solids)
     };
     (0..40).map(step).collect()
@@ -151,8 +151,8 @@ fn sum(frames: &[BlockingStats], of: impl Fn(&BlockingStats) -> u32) -> u32 {
 #[test]
 fn each_method_costs_what_it_is_known_for() {
     let options = BlockingOptions::default();
-    let walk = |strategy| stroll(strategy, options, Trouble { polls: 3, ..Trouble::default() });
-    let [naive, batched, stop, coherent] = DIALOGUES.map(walk);
+    let walk = |kind| stroll(kind, options, Trouble { polls: 3, ..Trouble::default() });
+    let [naive, batched, stop, coherent] = KINDS.map(walk);
     // Once there is a past.
     let [naive, batched, stop, coherent] = [&naive[5..], &batched[5..], &stop[5..], &coherent[5..]];
     assert_eq!(sum(naive, |it| it.waits), sum(naive, |it| it.boxes), "a wait a query");
@@ -168,15 +168,15 @@ fn each_method_costs_what_it_is_known_for() {
 #[test]
 fn a_blocking_method_ends_if_no_answer_ever_comes() {
     let silence = Trouble { lost: 1.0, ..Trouble::default() };
-    for strategy in DIALOGUES {
-        let frames = stroll(strategy, BlockingOptions::default(), silence);
+    for kind in KINDS {
+        let frames = stroll(kind, BlockingOptions::default(), silence);
         // All in sight is drawn, as frustum culling would.
         let (_, hierarchy) = streets();
         let view = View::new(&CAMERA, SIZE, 8);
         let mut plan = antumbra_cull::FramePlan::default();
         let mut culler = antumbra_cull::Culler::new(antumbra_cull::CullConfig::default());
-        culler.plan(&hierarchy, Strategy::Frustum, &view, 0, &mut plan);
-        assert_eq!(frames[0].draws as usize, plan.draws.len(), "{strategy}");
+        culler.plan(&hierarchy, Strategy::FRUSTUM, &view, 0, &mut plan);
+        assert_eq!(frames[0].draws as usize, plan.draws.len(), "{kind:?}");
     }
 }
 
@@ -185,7 +185,7 @@ fn what_is_assumed_visible_is_not_asked_about() {
     let walk = |assumed_visible_frames| {
         let coherent = CoherentOptions { assumed_visible_frames, ..CoherentOptions::default() };
         let options = BlockingOptions { coherent, ..BlockingOptions::default() };
-        stroll(Strategy::Coherent, options, Trouble::default())
+        stroll(BlockingKind::Coherent, options, Trouble::default())
     };
     let [never, three] = [walk(0), walk(3)];
     let own_draws = |frames: &[BlockingStats]| sum(&frames[5..], |it| it.own_draws);
@@ -199,21 +199,9 @@ fn a_threshold_draws_less_and_is_not_exact() {
         let coherent =
             CoherentOptions { visibility_threshold_samples, ..CoherentOptions::default() };
         let options = BlockingOptions { coherent, ..BlockingOptions::default() };
-        sum(&stroll(Strategy::Coherent, options, Trouble::default()), |it| it.draws)
+        sum(&stroll(BlockingKind::Coherent, options, Trouble::default()), |it| it.draws)
     };
     assert!(walk(20) < walk(0));
-}
-
-#[test]
-fn other_strategies_are_no_blocking_methods() {
-    let (_, hierarchy) = streets();
-    let view = View::new(&CAMERA, SIZE, 8);
-    let mut blocking = BlockingCuller::new(BlockingOptions::default());
-    for strategy in Strategy::ALL {
-        let begun = blocking.begin(&hierarchy, strategy, &view).is_some();
-        assert_eq!(begun, strategy.is_blocking(), "{strategy}");
-        assert_eq!(begun, DIALOGUES.contains(&strategy), "{strategy}");
-    }
 }
 
 #[test]
@@ -221,15 +209,15 @@ fn no_objects_and_none_in_sight_are_no_words() {
     let nothing = Hierarchy::build(&[]).unwrap();
     let (scene, city) = streets();
     let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
-    for strategy in DIALOGUES {
+    for kind in KINDS {
         let mut blocking = BlockingCuller::new(BlockingOptions::default());
         let mut talk = Talk::new(SIZE, 8, Trouble::default(), 1);
         let away = Camera { eye: Vec3::Y * 500.0, forward: Vec3::Y, up: Vec3::X, ..CAMERA };
         for (hierarchy, camera) in [(&nothing, CAMERA), (&city, away)] {
             let view = View::new(&camera, SIZE, 8);
-            let mut conversation = blocking.begin(hierarchy, strategy, &view).unwrap();
+            let mut conversation = blocking.begin(hierarchy, kind, &view);
             let stats = talk.frame(&mut conversation, &view, hierarchy, &solids);
-            assert_eq!((stats.draws, stats.boxes, stats.waits), (0, 0, 0), "{strategy}");
+            assert_eq!((stats.draws, stats.boxes, stats.waits), (0, 0, 0), "{kind:?}");
         }
     }
 }

@@ -65,7 +65,7 @@ fn tests_that_are_too_dear_leave_frustum_culling() {
         camera.forward = glam::Quat::from_rotation_y(0.05) * camera.forward;
         walk.step(&camera);
         let view = View::new(&camera, SIZE, 8);
-        plain.plan(&walk.hierarchy, Strategy::Frustum, &view, BUDGET, &mut plan);
+        plain.plan(&walk.hierarchy, Strategy::FRUSTUM, &view, BUDGET, &mut plan);
         assert_eq!(drawn(&walk.plan), drawn(&plan), "frame {frame}");
         let stats = walk.plan.stats;
         assert!(walk.plan.tests.is_empty() && walk.plan.queried_draws.is_empty(), "{stats:?}");
@@ -238,10 +238,10 @@ fn the_cheaper_tester_is_chosen_where_the_strategy_is_free() {
     let dear_queries = CostTable { query_ns: 50_000.0, ..free };
     let dear_flags = CostTable { flag_box_ns: 50_000.0, ..free };
     let cases = [
-        (dear_queries, Strategy::Antumbra, Tester::Flag),
-        (dear_flags, Strategy::Antumbra, Tester::Query),
-        (dear_queries, Strategy::AntumbraQueries, Tester::Query),
-        (dear_flags, Strategy::AntumbraFlags, Tester::Flag),
+        (dear_queries, Strategy::ANTUMBRA, Tester::Flag),
+        (dear_flags, Strategy::ANTUMBRA, Tester::Query),
+        (dear_queries, Strategy::ANTUMBRA_QUERIES, Tester::Query),
+        (dear_flags, Strategy::ANTUMBRA_FLAGS, Tester::Flag),
     ];
     for (table, strategy, expected) in cases {
         let walk = Walk::new(boxes.clone(), 1);

@@ -78,8 +78,8 @@ impl World {
             compute: self.random.chance(0.5),
             parts: self.random.chance(0.6),
         };
-        let ours = [Strategy::Antumbra, Strategy::AntumbraCompute][self.random.below(2)];
-        for strategy in [Strategy::Frustum, ours] {
+        let ours = [Strategy::ANTUMBRA, Strategy::ANTUMBRA_COMPUTE][self.random.below(2)];
+        for strategy in [Strategy::FRUSTUM, ours] {
             for latency in LATENCIES {
                 let calm = Mishaps::none(latency);
                 let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, listed: 6, ..calm };
@@ -285,7 +285,7 @@ fn verify_world(seed: u64, mut world: World) -> Checked {
             checked.frames += 1;
             checked.behind += u64::from(run.plan.stats.shared_proxies);
             checked.untested += u64::from(run.plan.stats.untested_by_cost);
-            let which = usize::from(run.strategy != Strategy::Frustum);
+            let which = usize::from(run.strategy != Strategy::FRUSTUM);
             checked.drawn[which] += run.device.drawn.len() as u64;
         }
     }

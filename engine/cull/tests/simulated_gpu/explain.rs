@@ -104,7 +104,7 @@ fn without_culling_all_is_drawn_or_outside() {
     let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
     let view = View::new(&camera(0), SIZE, 8);
     let budget = CullConfig::default().unknown_leaves as usize;
-    let (hierarchy, strategy) = (&walk.hierarchy, Strategy::Frustum);
+    let (hierarchy, strategy) = (&walk.hierarchy, Strategy::FRUSTUM);
     walk.culler.plan(hierarchy, strategy, &view, budget, &mut walk.plan);
     let decision = |object| {
         walk.culler.explain(hierarchy, &view, &walk.plan, ObjectId(object)).unwrap().decision

@@ -12,7 +12,7 @@ use crate::scene::{PATHS, Path, Scene, cube};
 fn brute_force(hierarchy: &Hierarchy, boxes: &[Aabb], view: &View) -> [usize; 2] {
     let mut plan = FramePlan::default();
     let mut culler = Culler::new(CullConfig::default());
-    culler.plan(hierarchy, Strategy::Frustum, view, 0, &mut plan);
+    culler.plan(hierarchy, Strategy::FRUSTUM, view, 0, &mut plan);
     let is_in =
         |bounds: &&Aabb| view.frustum.classify(bounds, PlaneMask::ALL).0 != Containment::Outside;
     [plan.draws.len(), boxes.iter().filter(is_in).count()]

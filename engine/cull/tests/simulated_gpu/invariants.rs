@@ -39,7 +39,7 @@ pub fn check(
     if (stats.frontier + stats.probes + stats.own_boxes) as usize != plan.tests.len() {
         return Err(format!("{stats:?} of {} tests", plan.tests.len()));
     }
-    if strategy == Strategy::Frustum && plan.query_count() > 0 {
+    if strategy == Strategy::FRUSTUM && plan.query_count() > 0 {
         return Err("frustum culling asks nothing".to_owned());
     }
     fronts_answer_in_time(plan)?;

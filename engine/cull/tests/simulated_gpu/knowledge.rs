@@ -142,7 +142,7 @@ fn frame(culler: &mut Culler, hierarchy: &Hierarchy) -> Vec<QueryTag> {
     let camera = Camera { eye: Vec3::ZERO, ..STREET };
     let view = View::new(&camera, SIZE, 8);
     let mut plan = FramePlan::default();
-    culler.plan(hierarchy, Strategy::Antumbra, &view, BUDGET, &mut plan);
+    culler.plan(hierarchy, Strategy::ANTUMBRA, &view, BUDGET, &mut plan);
     plan.tests.iter().map(|test| test.tag).collect()
 }
 
@@ -213,7 +213,7 @@ fn a_loose_proxy_backs_off() {
             samples: u32::from(tag.kind == QueryKind::Proxy || tag.node != leaf),
         });
         culler.ingest(&hierarchy, answers.collect::<Vec<_>>());
-        culler.plan(&hierarchy, Strategy::Antumbra, &view, BUDGET, &mut plan);
+        culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, BUDGET, &mut plan);
         let queried = plan.queried_draws.iter().map(|(_, tag)| *tag);
         tags = plan.tests.iter().map(|test| test.tag).chain(queried).collect();
         own_draws += tags

@@ -173,9 +173,9 @@ fn verify(seed: u64) -> Checked {
             let view = View::new(&eye.camera, SIZE, world.sub_pixel_bits);
             let (hierarchy, culler) = (&world.hierarchy, &mut eye.culler);
             culler.ingest(hierarchy, eye.device.collect(culler.frame().0 + 1, hierarchy));
-            culler.plan(hierarchy, Strategy::Antumbra, &view, 1_000, &mut eye.plan);
+            culler.plan(hierarchy, Strategy::ANTUMBRA, &view, 1_000, &mut eye.plan);
             let context = || format!("seed {seed}, frame {frame}, eye {number}");
-            invariants::check(hierarchy, Strategy::Antumbra, &view, 1_000, &eye.plan)
+            invariants::check(hierarchy, Strategy::ANTUMBRA, &view, 1_000, &eye.plan)
                 .unwrap_or_else(|broken| panic!("{}: {broken}", context()));
             let solids = Solids { solids: &world.scene.solids, shifts: &world.scene.shifts };
             eye.device.execute(&view, hierarchy, &solids, &eye.plan);

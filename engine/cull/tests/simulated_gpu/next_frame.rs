@@ -1,6 +1,6 @@
 //! Tests of the strategy by the last frame's answers: cheap, exact at rest, and wrong in between.
 
-use antumbra_cull::{Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, Strategy, View};
+use antumbra_cull::{Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, View};
 use glam::{Quat, Vec3};
 
 use crate::device::{Device, Mishaps, Solids};
@@ -41,7 +41,7 @@ impl Walk {
         let view = View::new(camera, SIZE, 8);
         let answers = self.device.collect(self.culler.frame().0 + 1, &self.hierarchy);
         self.culler.ingest(&self.hierarchy, answers);
-        self.culler.plan(&self.hierarchy, Strategy::NextFrame, &view, 0, &mut self.plan);
+        self.culler.plan_next_frame(&self.hierarchy, &view, &mut self.plan);
         let solids = Solids { solids: &self.scene.solids, shifts: &self.scene.shifts };
         self.device.execute(&view, &self.hierarchy, &solids, &self.plan);
         let mut truth = Image::new(SIZE);

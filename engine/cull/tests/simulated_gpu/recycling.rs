@@ -2,9 +2,9 @@
 //! those that must not.
 
 use antumbra_cull::{
-    Aabb, Answer, Batch, BlockingCuller, BlockingOptions, Camera, CullConfig, Culler, FramePlan,
-    Hierarchy, LeafRange, NextAction, NodeId, NodeState, ObjectId, QueryKind, QueryTag, Strategy,
-    TestAnswer, View,
+    Aabb, Answer, Batch, BlockingCuller, BlockingKind, BlockingOptions, Camera, CullConfig, Culler,
+    FramePlan, Hierarchy, LeafRange, NextAction, NodeId, NodeState, ObjectId, QueryKind, QueryTag,
+    Strategy, TestAnswer, View,
 };
 use glam::Vec3;
 
@@ -40,7 +40,7 @@ fn an_object(walk: &Walk, state: NodeState) -> ObjectId {
 /// Plans a frame for the hierarchy and ignores the plan.
 fn plan_once(culler: &mut Culler, hierarchy: &Hierarchy) {
     let view = View::new(&STREET, SIZE, 8);
-    culler.plan(hierarchy, Strategy::Antumbra, &view, BUDGET, &mut FramePlan::default());
+    culler.plan(hierarchy, Strategy::ANTUMBRA, &view, BUDGET, &mut FramePlan::default());
 }
 
 #[test]
@@ -237,7 +237,7 @@ fn next_frame_knows_nothing_of_who_comes_under_an_old_id() {
         plan.draws.contains(&leaf) || plan.queried_draws.iter().any(|(drawn, _)| *drawn == leaf)
     };
     for _ in 0..20 {
-        culler.plan(&hierarchy, Strategy::NextFrame, &view, BUDGET, &mut plan);
+        culler.plan_next_frame(&hierarchy, &view, &mut plan);
         let tags: Vec<QueryTag> = plan.tests.iter().map(|test| test.tag).collect();
         let tags = tags.into_iter().chain(plan.queried_draws.iter().map(|(_, tag)| *tag));
         let answer = |tag: QueryTag| Answer { tag, samples: u32::from(tag.node != hidden) };
@@ -247,7 +247,7 @@ fn next_frame_knows_nothing_of_who_comes_under_an_old_id() {
     hierarchy.remove(ObjectId(1)).unwrap();
     let new = hierarchy.insert(cube(Vec3::new(0.5, 0.5, -3.0), 0.2)).unwrap();
     assert_eq!(new, ObjectId(1), "the only free id");
-    culler.plan(&hierarchy, Strategy::NextFrame, &view, BUDGET, &mut plan);
+    culler.plan_next_frame(&hierarchy, &view, &mut plan);
     assert!(is_drawn(&plan, &hierarchy), "nobody has seen the new one hidden");
 }
 
@@ -260,7 +260,7 @@ fn coherent_knows_nothing_of_who_comes_under_an_old_id() {
     let mut blocking = BlockingCuller::new(BlockingOptions::default());
     // Everything shows. Answers how many tests a frame takes.
     let mut tests = |hierarchy: &Hierarchy| {
-        let mut conversation = blocking.begin(hierarchy, Strategy::Coherent, &view).unwrap();
+        let mut conversation = blocking.begin(hierarchy, BlockingKind::Coherent, &view);
         let (mut batch, mut answers) = (Batch::default(), Vec::new());
         while conversation.next(&answers, &mut batch) != NextAction::Done {
             let drawn = batch.draws.iter().filter_map(|draw| draw.token);

@@ -67,7 +67,7 @@ fn walk(seed: u64, threshold_samples: u32) -> Found {
         }
         let answers = device.collect(culler.frame().0 + 1, &hierarchy);
         culler.ingest(&hierarchy, answers);
-        culler.plan(&hierarchy, Strategy::Antumbra, &view, 10_000, &mut plan);
+        culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, 10_000, &mut plan);
         device.execute(&view, &hierarchy, &solids, &plan);
         let context = format!("seed {seed}, frame {frame}, threshold {threshold_samples}");
         for (leaves, samples) in &device.neglected {

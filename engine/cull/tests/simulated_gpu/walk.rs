@@ -41,7 +41,7 @@ impl Walk {
         let view = View::new(camera, SIZE, 8);
         let answers = self.device.collect(self.culler.frame().0 + 1, &self.hierarchy);
         self.culler.ingest(&self.hierarchy, answers);
-        self.culler.plan(&self.hierarchy, Strategy::Antumbra, &view, BUDGET, &mut self.plan);
+        self.culler.plan(&self.hierarchy, Strategy::ANTUMBRA, &view, BUDGET, &mut self.plan);
         let solids = Solids { solids: &self.scene.solids, shifts: &self.scene.shifts };
         self.device.execute(&view, &self.hierarchy, &solids, &self.plan);
     }
@@ -57,7 +57,7 @@ impl Walk {
         let view = View::new(camera, SIZE, 8);
         let mut plan = FramePlan::default();
         let mut culler = Culler::new(CullConfig::default());
-        culler.plan(&self.hierarchy, Strategy::Frustum, &view, 0, &mut plan);
+        culler.plan(&self.hierarchy, Strategy::FRUSTUM, &view, 0, &mut plan);
         plan.draws.len()
     }
 

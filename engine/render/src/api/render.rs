@@ -183,7 +183,7 @@ impl Renderer {
     fn check_visible(&self, strategy: Strategy, visible: Option<&VisibleSet>) -> Result<(), Error> {
         visible.map_or(Ok(()), |visible| self.check_renderer(visible.renderer(), VISIBLE_SET))?;
         match visible {
-            _ if strategy != Strategy::Ideal => Ok(()),
+            _ if !strategy.needs_still_scene() => Ok(()),
             None => Err(Error::NoVisibleSet),
             Some(visible) if !visible.is_of(self.edition) => Err(Error::OldVisibleSet),
             Some(_) => Ok(()),

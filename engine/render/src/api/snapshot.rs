@@ -123,7 +123,7 @@ impl Renderer {
         };
         let mut frame = frames.begin()?;
         passes.upload_changes(&mut frame, hierarchy, executor, None)?;
-        passes.gather_transparent(&mut frame, executor, &view, Strategy::Frustum)?;
+        passes.gather_transparent(&mut frame, executor, &view, Strategy::FRUSTUM)?;
         let draws = snapshot.upload(&mut frame, &executor.leaves)?;
         let io = sketch.upload(&mut frame)?;
         let commands = frame.commands();

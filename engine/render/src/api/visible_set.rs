@@ -31,7 +31,7 @@ impl Renderer {
         self.check_view(history)?;
         let eye = ViewTarget { history: &mut *history, camera: *camera, visible: None, area };
         // With a threshold ours leaves out what this is to find.
-        let strategy = if self.is_exact() { Strategy::Antumbra } else { Strategy::Frustum };
+        let strategy = if self.is_exact() { Strategy::ANTUMBRA } else { Strategy::FRUSTUM };
         let request = ViewsRequest { strategy, picture: None, after: None };
         self.render_views(&mut [eye], &request)?;
         let view = self.view_in(camera, area);

@@ -42,7 +42,7 @@ fn without_arguments_it_is_a_street_walk_against_both_bounds() {
     assert_eq!(options.scene, SceneChoice::Made(city));
     assert_eq!(options.path, PathChoice::Made(CameraPath::Street));
     assert_eq!(options.size, FrameSize { width: 1280, height: 720 });
-    assert_eq!(options.strategies, [Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal]);
+    assert_eq!(options.strategies, [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::IDEAL]);
     assert_eq!(options.verify, Verify::Off);
     assert_eq!(options.frames_in_flight, 2);
     assert_eq!((options.views, options.moving_percent), (1, 0));
@@ -92,7 +92,7 @@ fn every_option_arrives() {
             moving_percent: 30,
             frames: 7,
             size: FrameSize { width: 64, height: 32 },
-            strategies: vec![Strategy::Antumbra, Strategy::Frustum],
+            strategies: vec![Strategy::ANTUMBRA, Strategy::FRUSTUM],
             left_out: vec![],
             verify: Verify::EveryNth(NonZeroU32::new(3).unwrap()),
             frames_in_flight: 4,
@@ -202,11 +202,11 @@ fn the_ideal_is_left_out_of_scenes_that_move_and_refused_by_name() {
     assert!(refusal(&["--strategy=frustum,ideal", "--moving=10"]).contains("do not go together"));
     for arguments in [&["--moving=10"][..], &["--moving=10", "--strategy=all"]] {
         let options = parse(arguments).unwrap();
-        assert!(!options.strategies.contains(&Strategy::Ideal));
+        assert!(!options.strategies.contains(&methods::IDEAL));
         assert_eq!(options.left_out[0].strategy, "ideal");
         assert_eq!(options.left_out.len(), 1);
     }
-    assert_eq!(parse(&["--strategy=all"]).unwrap().strategies, Strategy::ALL);
+    assert_eq!(parse(&["--strategy=all"]).unwrap().strategies, crate::strategy::strategies());
     assert!(parse(&["--strategy=ideal"]).unwrap().left_out.is_empty());
 }
 
@@ -249,7 +249,7 @@ fn what_has_a_dot_or_a_slash_is_a_file() {
     }
     let options = parse(&["--scene=a.glb", "--path=Camera.001", "--moving=0"]).unwrap();
     assert_eq!(options.path, PathChoice::OfFile(Some("Camera.001".to_owned())));
-    assert!(options.strategies.contains(&Strategy::Ideal), "it knows what moves");
+    assert!(options.strategies.contains(&methods::IDEAL), "it knows what moves");
     assert!(refusal(&["--path", "Camera"]).contains("cameras have names in glTF files only"));
     assert!(refusal(&["--scene", "town"]).contains("a dot or a slash"));
 }

@@ -10,7 +10,7 @@ use super::palette;
 use super::plots::{self, Plot};
 use super::spread::{Spread, short, thousands};
 use super::thumbnails::Thumbnail;
-use crate::strategy::Strategy;
+use crate::strategy::strategies;
 
 /// The paths whose frame times are plotted, with their sizes.
 const SHOWN_PATHS: [(&str, u64); 4] =
@@ -233,7 +233,7 @@ fn left_out(cases: &Cases<'_>, sizes: &[u64]) -> Vec<String> {
             cases.iter().flat_map(|(_, case)| case.reports()).flat_map(|report| &report.runs);
         runs.any(|run| run.strategy == name)
     };
-    for strategy in Strategy::ALL.iter().filter(|strategy| !measured(strategy.name())) {
+    for strategy in strategies().iter().filter(|strategy| !measured(strategy.name())) {
         sentences.push(format!("{strategy}: not measured in any report"));
     }
     sentences

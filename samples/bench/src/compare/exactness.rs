@@ -2,7 +2,7 @@
 
 use super::cases::{Cases, Place};
 use super::palette;
-use crate::strategy::Strategy;
+use crate::strategy::{Strategy, named};
 
 /// The circumstances that can make exactness harder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,7 +43,7 @@ impl Setting {
     /// Returns true if a strategy cannot run here: that it was not compared is no gap.
     fn refuses(self, strategy: &str) -> bool {
         let moves = matches!(self, Self::Moving | Self::MovingViews);
-        moves && strategy.parse().is_ok_and(Strategy::needs_still_scene)
+        moves && named(strategy).is_some_and(Strategy::needs_still_scene)
     }
 }
 
@@ -80,7 +80,7 @@ pub fn books(cases: &Cases<'_>) -> Vec<Book> {
     let book = |setting: Setting| {
         move |name: &&str| Book {
             strategy: (*name).to_owned(),
-            is_exact: name.parse().is_ok_and(Strategy::is_exact),
+            is_exact: named(name).is_some_and(Strategy::is_exact),
             setting,
             is_refused: setting.refuses(name),
             frames_compared: 0,
@@ -100,7 +100,7 @@ pub fn books(cases: &Cases<'_>) -> Vec<Book> {
             };
             if let Some(book) = books.iter_mut().find(here) {
                 let neglects =
-                    has_threshold && run.strategy.parse().is_ok_and(Strategy::can_neglect);
+                    has_threshold && named(&run.strategy).is_some_and(Strategy::can_neglect);
                 book.is_exact &= !neglects;
                 book.frames_compared += run.frames_verified + run.warm_up_frames_verified;
                 book.pixels_wrong += run.pixels_wrong.unwrap_or(0);

@@ -116,11 +116,11 @@ pub fn style_sheet() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::strategy::Strategy;
+    use crate::strategy::strategies;
 
     #[test]
     fn every_strategy_of_the_engine_has_its_colour() {
-        for strategy in Strategy::ALL {
+        for strategy in strategies() {
             assert_ne!(of_strategy(strategy.name()), OTHER, "{strategy}");
         }
         assert_eq!(of_strategy("brand_new"), OTHER);

@@ -9,7 +9,7 @@ use super::input::{Measured, MeasuredRun};
 use super::line_chart::{LineChart, Marks, Point, Series};
 use super::palette;
 use super::spread::{Spread, objects};
-use crate::strategy::Strategy;
+use crate::strategy::{Strategy, named};
 
 /// The width of a plot over the whole page, in pixels.
 const WIDTH: u32 = 1120;
@@ -166,7 +166,7 @@ pub fn frame_times(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, Dra
 /// Returns a caption about the frames in which the work of a jump shows: later, but for strategies
 /// that wait for it within the frame.
 fn caption_of_cuts(strategies: &[&str], late: u32) -> String {
-    let waits = |name: &&&str| name.parse().is_ok_and(Strategy::is_blocking);
+    let waits = |name: &&&str| named(name).is_some_and(Strategy::is_blocking);
     let waiting: Vec<&str> = strategies.iter().filter(waits).copied().collect();
     let mut caption = format!(
         "Every tenth frame jumps; its work shows {late} frames later, since as many are in flight"

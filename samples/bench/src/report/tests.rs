@@ -33,7 +33,7 @@ fn run(strategy: Strategy, frame_ms: &[f64]) -> RunReport {
 }
 
 pub(crate) fn example() -> Report {
-    let runs = vec![run(Strategy::Frustum, &[30.0, 33.0]), run(Strategy::Antumbra, &[10.0, 11.0])];
+    let runs = vec![run(Strategy::FRUSTUM, &[30.0, 33.0]), run(Strategy::ANTUMBRA, &[10.0, 11.0])];
     Report {
         device: DeviceReport {
             name: "llvmpipe".into(),
@@ -114,7 +114,7 @@ fn the_keys_are_the_contract() {
 fn what_was_not_measured_is_null() {
     let mut report = example();
     report.runs =
-        vec![RunMeasurement::new(Strategy::Frustum).report(), run(Strategy::Antumbra, &[f64::NAN])];
+        vec![RunMeasurement::new(Strategy::FRUSTUM).report(), run(Strategy::ANTUMBRA, &[f64::NAN])];
     report.ratios = ratios(&report.runs);
     report.paired_ratios = paired_ratios(&report.runs);
     let json: Value = serde_json::from_str(&report.to_json().unwrap()).unwrap();
@@ -129,5 +129,5 @@ fn what_was_not_measured_is_null() {
 
 #[test]
 fn one_strategy_has_no_ratios() {
-    assert!(ratios(&[run(Strategy::Frustum, &[1.0])]).is_empty());
+    assert!(ratios(&[run(Strategy::FRUSTUM, &[1.0])]).is_empty());
 }

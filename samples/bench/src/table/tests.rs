@@ -59,11 +59,12 @@ fn of_many_runs_each_is_compared_with_three() {
         run.frame_ms.median = Some(frame_ms);
         run
     };
-    report.runs = Strategy::ALL.iter().zip(1..).map(|(it, ms)| run(*it, ms.into())).collect();
+    report.runs =
+        crate::strategy::strategies().iter().zip(1..).map(|(it, ms)| run(*it, ms.into())).collect();
     report.ratios = crate::report::ratios(&report.runs);
     let text = render(&report, 120);
     let lines = text.lines().filter(|line| line.starts_with("a frame of ")).count();
-    assert_eq!(lines, Strategy::ALL.len(), "{text}");
+    assert_eq!(lines, crate::strategy::strategies().len(), "{text}");
     let naive = "a frame of naive takes 2.00 times frustum, 0.25 times antumbra, 0.17 times ideal";
     assert!(text.contains(naive) && !text.contains("as long per frame"), "{text}");
 }
@@ -81,7 +82,7 @@ fn what_of_a_file_is_not_shown_is_told() {
 #[test]
 fn what_is_absent_is_a_dash_and_what_is_wrong_is_loud() {
     let mut report = example();
-    report.runs = vec![RunMeasurement::new(Strategy::Frustum).report()];
+    report.runs = vec![RunMeasurement::new(Strategy::FRUSTUM).report()];
     let text = render(&report, 120);
     let row: Vec<&str> = text
         .lines()
@@ -93,11 +94,11 @@ fn what_is_absent_is_a_dash_and_what_is_wrong_is_loud() {
         .collect();
     assert_eq!(row, ["frustum", "-", "-", "-", "-", "-", "-", "-", "-", "-"]);
 
-    let mut wrong = RunMeasurement::new(Strategy::Antumbra);
+    let mut wrong = RunMeasurement::new(Strategy::ANTUMBRA);
     wrong.verified(1234);
     report.runs = vec![wrong.report()];
     assert!(render(&report, 120).contains("WRONG: 1234 pixels differ"));
-    let mut loose = RunMeasurement::new(Strategy::NextFrame);
+    let mut loose = RunMeasurement::new(methods::NEXT_FRAME);
     loose.verified(1234);
     report.runs = vec![loose.report()];
     let text = render(&report, 120);

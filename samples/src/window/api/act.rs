@@ -8,7 +8,7 @@ use crate::window::session::Session;
 use bench::options::MAX_FRAMES_IN_FLIGHT;
 use bench::recorded_path::RecordedPath;
 use bench::run_error::RunError;
-use bench::strategy::Strategy;
+use bench::strategy::{Strategy, strategies};
 use bench::terminal::{output::say_wrote, shown};
 
 const GPU_KNOWS: &str =
@@ -104,11 +104,11 @@ impl Session {
     }
 
     fn choose_next_strategy(&mut self) {
-        let all = Strategy::ALL;
+        let all = strategies();
         let at = all.iter().position(|strategy| *strategy == self.strategy).unwrap_or(0);
         let others = (1..=all.len()).map(|step| all[(at + step) % all.len()]);
         let can = |strategy: &Strategy| {
-            *strategy != Strategy::Ideal && self.renderer.supports(*strategy).is_ok()
+            *strategy != methods::IDEAL && self.renderer.supports(*strategy).is_ok()
         };
         if let Some(next) = others.into_iter().find(can) {
             self.choose(next);
@@ -116,7 +116,7 @@ impl Session {
     }
 
     fn choose(&mut self, strategy: Strategy) {
-        if strategy == Strategy::Ideal {
+        if strategy == methods::IDEAL {
             let reason = "ideal draws visible sets found in advance, and here there are none";
             return self.refuse(reason.to_owned());
         }
@@ -133,7 +133,7 @@ impl Session {
     /// Shows why an explanation that is on shows nothing.
     fn tell_if_unexplained(&mut self) {
         let is_on = self.has_top_down || self.explanation.has_boxes;
-        if is_on && self.strategy == Strategy::Pyramid {
+        if is_on && self.strategy == methods::PYRAMID {
             self.refuse(GPU_KNOWS.to_owned());
         }
     }
@@ -156,7 +156,7 @@ impl Session {
             self.refuse("there is nothing to freeze yet".to_owned());
             return Ok(());
         }
-        if self.strategy == Strategy::Pyramid {
+        if self.strategy == methods::PYRAMID {
             self.refuse(GPU_KNOWS.to_owned());
             return Ok(());
         }

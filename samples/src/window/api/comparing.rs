@@ -21,7 +21,7 @@ impl Session {
             self.refuse("the culling is frozen: let it go on to compare".to_owned());
             return Ok(());
         }
-        if self.strategy == Strategy::Frustum {
+        if self.strategy == Strategy::FRUSTUM {
             self.refuse("frustum is the reference of the comparison: choose another".to_owned());
             return Ok(());
         }
@@ -95,7 +95,7 @@ impl Session {
                     self.report.tick
                 }
                 Side::Unculled => {
-                    let request = FrameRequest::new(Strategy::Frustum, camera);
+                    let request = FrameRequest::new(Strategy::FRUSTUM, camera);
                     let request = FrameRequest { picture, scene_picture, ..request };
                     self.renderer.render(unculled, &request)?.tick
                 }

@@ -35,7 +35,7 @@ impl Session {
             Ok(()) => self.strategy,
             Err(error) => {
                 self.refuse(error.to_string());
-                Strategy::Antumbra
+                Strategy::ANTUMBRA
             }
         };
         let notes = std::mem::take(&mut scene_view.notes);

@@ -83,7 +83,7 @@ fn screen() -> ScreenFacts {
 fn times(report: &FrameReport, passes: &[PassTime]) -> FrameTimes {
     let mut times = FrameTimes::default();
     times.follow(Conditions {
-        strategy: Strategy::Antumbra,
+        strategy: Strategy::ANTUMBRA,
         size: [640, 360],
         frames_in_flight: 0,
         present_mode: None,
@@ -112,7 +112,7 @@ fn known<'a>(report: &'a FrameReport, screen: &'a ScreenFacts, times: &'a FrameT
         used_bytes: 5 << 20,
         device: "a GPU",
         size: [640, 360],
-        strategy: Strategy::Antumbra,
+        strategy: Strategy::ANTUMBRA,
         is_frozen: false,
         is_recording: false,
         predicates: "flags",
@@ -163,7 +163,7 @@ fn what_a_person_looks_for_is_said_first() {
     assert_eq!(overview.verdict, verdict, "a threshold neglected samples");
     let exact = FrameOutcome { neglected_samples: 0, ..outcome };
     let of = |strategy| Known { outcome: Some(&exact), strategy, ..known }.overview("").verdict;
-    for strategy in Strategy::ALL {
+    for strategy in bench::strategy::strategies() {
         let is_exact = matches!(of(strategy), Verdict::Exact(_));
         assert_eq!(is_exact, strategy.is_exact(), "{strategy}: {:?}", of(strategy));
     }

@@ -92,7 +92,7 @@ fn changes_are_made_all_or_none_and_the_first_that_cannot_be_is_named() {
 
         let mut view = renderer.new_view().unwrap();
         let picture = Readback::new(device, SIZE).unwrap();
-        render(&mut renderer, &mut view, Strategy::Antumbra, square_camera(), &picture);
+        render(&mut renderer, &mut view, Strategy::ANTUMBRA, square_camera(), &picture);
         device.drain().unwrap();
     });
 }

@@ -21,7 +21,7 @@ fn text<T>(result: Result<T, Error>) -> String {
 
 /// Renders with a request that `request` changes, and returns the error.
 fn rendered<'a>(ours: &mut Side, change: impl FnOnce(&mut FrameRequest<'a>)) -> String {
-    let mut request = FrameRequest::new(Strategy::Antumbra, ours.camera);
+    let mut request = FrameRequest::new(Strategy::ANTUMBRA, ours.camera);
     change(&mut request);
     text(ours.renderer.render(&mut ours.view, &request))
 }
@@ -33,13 +33,13 @@ fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> Str
     let visible = (what == VISIBLE_SET).then_some(&theirs.visible);
     let eye = ViewTarget { history, camera, visible, area };
     let request = ViewsRequest {
-        strategy: Strategy::Ideal,
+        strategy: methods::IDEAL,
         picture: (what == PICTURE).then_some(&theirs.picture),
         after: (what == TIMELINE).then_some((&theirs.timeline, Tick(1))),
     };
     let request = match what {
         VISIBLE_SET => request,
-        _ => ViewsRequest { strategy: Strategy::Frustum, ..request },
+        _ => ViewsRequest { strategy: Strategy::FRUSTUM, ..request },
     };
     text(ours.renderer.render_views(&mut [eye], &request))
 }
@@ -57,7 +57,7 @@ pub fn rows() -> Vec<Row> {
             rendered(ours, |request| request.after = Some((&theirs.timeline, Tick(1))))
         }),
         row("Renderer::render", VIEW, "Renderer", |ours, theirs| {
-            let request = FrameRequest::new(Strategy::Antumbra, ours.camera);
+            let request = FrameRequest::new(Strategy::ANTUMBRA, ours.camera);
             text(ours.renderer.render(&mut theirs.view, &request))
         }),
         row("Renderer::render", VISIBLE_SET, "Renderer", |ours, theirs| {

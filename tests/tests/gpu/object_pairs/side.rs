@@ -1,7 +1,7 @@
 //! One of two sides that share nothing: an instance, a device, a renderer, and one object of each
 //! kind.
 
-use cull::{Camera, Strategy};
+use cull::Camera;
 use gpu::{
     BlockingQueryPool, Buffer, BufferSlice, Commands, ComputePipeline, Counting, Device, DrawRange,
     DynamicTexture, FlagRing, Frame, FrameRing, GraphicsPipeline, GraphicsPipelineInfo,
@@ -190,7 +190,7 @@ impl Side {
         let request = FrameRequest {
             visible: Some(&self.visible),
             picture: Some(&self.picture),
-            ..FrameRequest::new(Strategy::Ideal, self.camera)
+            ..FrameRequest::new(methods::IDEAL, self.camera)
         };
         self.renderer.render(&mut self.view, &request).unwrap();
         self.renderer.present(&mut self.swapchain, SIZE).unwrap();

@@ -12,7 +12,7 @@ impl Hierarchy {
     }
 
     /// Counts the objects whose box meets the view's frustum: exactly those that
-    /// [`Strategy::Frustum`](crate::Strategy::Frustum) draws.
+    /// [`Strategy::FRUSTUM`](crate::Strategy::FRUSTUM) draws.
     ///
     /// Descends only into nodes that cross a plane of the frustum, so the cost grows with the
     /// frustum's surface and not with its contents or its surroundings. Allocates nothing.
