@@ -283,7 +283,7 @@ impl Culler {
     }
 
     /// Plans the next frame from the outcome: draws `leaves` in their order and tests nothing
-    /// ([`methods::IDEAL`]; [`Culler::plan`] cannot know them and falls back to frustum culling).
+    /// (`methods::IDEAL`; [`Culler::plan`] cannot know them and falls back to frustum culling).
     pub fn plan_known(
         &mut self,
         hierarchy: &Hierarchy,

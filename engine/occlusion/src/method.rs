@@ -98,7 +98,7 @@ pub struct MethodRequest<'a> {
     pub strategy: Strategy,
     /// The view.
     pub view: &'a View,
-    /// The leaves that own a pixel, for [`methods::IDEAL`], which uses nothing else.
+    /// The leaves that own a pixel, for `methods::IDEAL`, which uses nothing else.
     pub visible: &'a [LeafIndex],
     /// The most occlusion queries of a plan. Leaves that cannot be tested are drawn.
     pub query_budget: usize,

@@ -15,7 +15,7 @@ pub struct VisibilitySnapshot {
     /// The view it was seen from.
     pub view: View,
     /// The leaves that were drawn, where the CPU knows them: not after a frame of
-    /// [`methods::PYRAMID`](methods::PYRAMID).
+    /// `methods::PYRAMID`.
     pub drawn: Vec<LeafRange>,
     /// The frontier nodes that stayed hidden: box and level in the hierarchy.
     pub hidden: Vec<(Aabb, u32)>,
