@@ -14,6 +14,7 @@ mod modules;
 mod prose;
 mod rules;
 mod tokens;
+mod types;
 
 use files::{SourceFile, workspace};
 use rules::Rule;
@@ -335,6 +336,20 @@ fn the_methods_of_a_type_stand_in_its_file_or_in_api() {
     ] {
         assert_eq!(knots::scattered_impls(&methods_in(path, text)), [""; 0]);
     }
+}
+
+#[test]
+fn public_types_of_two_crates_have_two_names() {
+    assert_obeyed(types::one_name_one_type);
+    let at = |path, text| SourceFile::new(path, text);
+    let [one, other] = ["pub struct Camera {}\n", "pub enum Camera {}\n"];
+    let found = |other_path, other| {
+        types::one_name_one_type(&[at("engine/cull/src/a.rs", one), at(other_path, other)]).len()
+    };
+    assert_eq!(found("engine/import/src/b.rs", other), 1);
+    assert_eq!(found("engine/cull/src/b.rs", other), 0, "one crate's modules may");
+    assert_eq!(found("engine/import/src/b.rs", "pub(crate) struct Camera;\n"), 0);
+    assert_eq!(found("engine/import/src/b.rs", "pub struct Error;\n"), 0);
 }
 
 #[test]

@@ -1,0 +1,36 @@
+//! Rules about the names of types.
+
+use std::collections::BTreeMap;
+
+use crate::files::SourceFile;
+
+/// Finds public types of two crates of the engine that have one name, which a reader of a third
+/// crate cannot tell apart. Each crate has an `Error` of its own, as Rust's crates do.
+pub fn one_name_one_type(files: &[SourceFile]) -> Vec<String> {
+    let mut known = BTreeMap::<&str, &str>::new();
+    let mut findings = Vec::new();
+    for file in files.iter().filter(|file| file.is_rust() && !file.is_test()) {
+        let Some(of_crate) = file.path.strip_prefix("engine/").and_then(|it| it.split('/').next())
+        else {
+            continue;
+        };
+        for (number, line) in (1..).zip(file.text.lines()) {
+            let Some(name) = public_type(line).filter(|name| *name != "Error") else { continue };
+            let first = *known.entry(name).or_insert(of_crate);
+            if first != of_crate {
+                let reason = format!("`{name}` is a public type of `{first}`, too: rename one");
+                findings.push(file.finding(number, &reason));
+            }
+        }
+    }
+    findings
+}
+
+/// Returns the name of a public type that a line at the left margin declares.
+fn public_type(line: &str) -> Option<&str> {
+    let rest = line.strip_prefix("pub ")?;
+    let rest = rest.strip_prefix("unsafe ").unwrap_or(rest);
+    let kinds = ["struct ", "enum ", "trait ", "type ", "union "];
+    let rest = kinds.iter().find_map(|kind| rest.strip_prefix(kind))?;
+    rest.split(|c: char| !c.is_alphanumeric() && c != '_').next()
+}
