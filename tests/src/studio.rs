@@ -69,7 +69,7 @@ pub fn picture(
     let instances = upload("instances", bytemuck::cast_slice(&instances), usage);
     let usage = vk::BufferUsageFlags::INDIRECT_BUFFER;
     let draws = upload("draws", bytemuck::cast_slice(draws), usage);
-    let over = upload("blended draws", bytemuck::cast_slice(over), usage);
+    let over = upload("transparent draws", bytemuck::cast_slice(over), usage);
 
     let plain = OpaquePass::depth_only(device, &shaders).expect("a pass");
     let pass = |kind| SurfacePass::new(device, &shaders, kind, &surfaces).expect("a pass");

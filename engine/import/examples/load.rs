@@ -68,7 +68,7 @@ fn tell(imported: &import::GltfScene) {
     );
     if let Some(surfaces) = &scene.surfaces {
         println!(
-            "{} materials, {} textures, {} images, {} lights, {} blended objects, {} deformers",
+            "{} materials, {} textures, {} images, {} lights, {} transparent objects, {} skinned meshes",
             surfaces.materials.len(),
             surfaces.textures.len(),
             surfaces.images.len(),

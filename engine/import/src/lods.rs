@@ -60,7 +60,7 @@ pub(crate) fn make_levels(scene: &mut Scene, options: &LevelOptions) -> Option<N
         })
         .collect();
     let first = crowded.first()?;
-    let reason = "it has no coarser forms, since too many of its triangles meet in a corner";
+    let reason = "it has no levels of detail, since too many of its triangles meet in a corner";
     let object = format!("mesh {}", quoted(first));
     Some(Note { count: crowded.len() as u64, ..Note::new(object, reason) })
 }
@@ -227,7 +227,7 @@ mod tests {
         let meshes = vec![on_fan.clone(), on_fine, on_fan];
         scene.surfaces = Some(Surfaces { meshes, ..Surfaces::default() });
         let note = make_levels(&mut scene, &LevelOptions::default()).unwrap();
-        assert!(note.reason.starts_with("it has no coarser forms") && note.count == 2, "{note}");
+        assert!(note.reason.starts_with("it has no levels of detail") && note.count == 2, "{note}");
         let levels = scene.surfaces.as_ref().unwrap().levels.clone();
         assert!(levels[0].is_empty() && levels[1].len() >= 3 && levels[2].is_empty());
         scene.surfaces.as_mut().unwrap().meshes.clear();

@@ -172,7 +172,7 @@ impl PyramidFrame {
         if limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS {
             return Err(gpu::Error::Unsupported {
                 device: device.adapter().name.clone(),
-                missing: "six storage buffers a shader stage",
+                missing: "six storage buffers per shader stage",
                 wanted: "the pyramid strategy",
             }
             .into());

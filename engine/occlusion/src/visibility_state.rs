@@ -67,7 +67,7 @@ impl Rings {
         Ok(Self {
             queries: queries.counting(counting),
             flags: flags(ResultSource::Fragments, "proxy flags"),
-            computed: flags(ResultSource::Compute, "box words"),
+            computed: flags(ResultSource::Compute, "box results"),
             parts: LeafDrawRing::new(device, frames_in_flight, leaves),
         })
     }

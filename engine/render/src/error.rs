@@ -113,7 +113,7 @@ pub enum Error {
         reason: String,
     },
     /// A blended object that cannot be moved as requested.
-    #[error("the blended object {} cannot be moved: {reason}", transparent.0)]
+    #[error("the transparent object {} cannot be moved: {reason}", transparent.0)]
     Transparent {
         /// The object.
         transparent: scene::TransparentId,
@@ -121,7 +121,7 @@ pub enum Error {
         reason: &'static str,
     },
     /// A pose that a mesh cannot take.
-    #[error("the deformer {} cannot take this pose: {reason}", skinned_mesh.0)]
+    #[error("the skinned mesh {} cannot take this pose: {reason}", skinned_mesh.0)]
     Deform {
         /// The skinned mesh.
         skinned_mesh: scene::SkinnedMeshId,

@@ -248,7 +248,7 @@ impl FramePasses {
         };
         transparent.decide(commands);
         self.target.prepare(commands);
-        commands.pass("draw blended", |commands| {
+        commands.pass("draw transparent", |commands| {
             let target = self.target_of(view, None);
             commands.rendering(target, |commands| self.draw_transparent(executor, commands, view));
         });

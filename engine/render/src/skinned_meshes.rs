@@ -91,7 +91,7 @@ impl SkinnedMeshes {
         let [forms, poses] = words_of(scene);
         let what = "words of joints, weights and morph targets";
         check_storage(device, what, (forms, 4), FEWER)?;
-        check_storage(device, "words of poses", (poses, 4), FEWER)?;
+        check_storage(device, "poses", (poses, 4), FEWER)?;
         let transparent = (0..).map(TransparentId).zip(&surfaces.transparent);
         let transparent: HashMap<_, _> =
             transparent.map(|(id, object)| (object.mesh, id)).collect();
@@ -113,7 +113,7 @@ impl SkinnedMeshes {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         Ok(Some(Self {
             pass: DeformPass::new(device, shaders)?,
-            forms: device.upload("forms", &words, storage)?,
+            forms: device.upload("skinned mesh data", &words, storage)?,
             all,
             dirty: Vec::new(),
             uploaded: Vec::new(),
@@ -138,7 +138,7 @@ impl SkinnedMeshes {
     ) -> Result<Option<Aabb>, Error> {
         let refuse = |reason: String| Err(Error::Deform { skinned_mesh, reason });
         let Some(state) = self.all.get(skinned_mesh.0 as usize) else {
-            return refuse("the scene has no such deformer".to_owned());
+            return refuse("the scene has no such skinned mesh".to_owned());
         };
         let (joint_count, target_count) = (state.joint_count, state.targets.len());
         if joints.len() != joint_count {

@@ -154,8 +154,8 @@ impl Transparent {
             pass: Self::pass(device, shaders, resources)?,
             objects,
             parts: [
-                Buffer::new(device, "blended draws", draw_bytes, indirect, MemoryKind::Device)?,
-                Buffer::new(device, "blended list", list_bytes, storage, MemoryKind::Device)?,
+                Buffer::new(device, "transparent draws", draw_bytes, indirect, MemoryKind::Device)?,
+                Buffer::new(device, "transparent list", list_bytes, storage, MemoryKind::Device)?,
             ],
             sorted: Vec::new(),
             view: None,
@@ -295,7 +295,7 @@ impl Transparent {
         let (Some(io), Some(pass)) = (self.tested(), &executor.passes.leaf_boxes) else { return };
         let Some(boxes) = io.boxes else { return };
         let [draws, list] = &self.parts;
-        commands.label("blended boxes", |commands| {
+        commands.label("transparent boxes", |commands| {
             let parts = LeafDrawBuffers { draws: draws.whole(), list: list.whole() };
             pass.bind(commands, &LeafBoxIo { boxes, parts }, view);
             commands.draw_instances(BOX_VERTICES, 0..io.count);

@@ -80,7 +80,7 @@ impl SeenLeaves {
             words: Buffer::new(device, "seen leaves", size_bytes, usage, MemoryKind::Device)?,
             readback: Buffer::new(
                 device,
-                "seen leaves home",
+                "seen leaves read back",
                 size_bytes,
                 home,
                 MemoryKind::ReadBack,

@@ -86,10 +86,10 @@ fn check_sprites(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     let are_sprites = sprite_meshes(scene);
     let is_sprites = |mesh: super::MeshId| are_sprites.get(mesh.0 as usize) == Some(&true);
     if let Some(index) = surfaces.transparent.iter().position(|object| is_sprites(object.mesh)) {
-        return broken(("blended object", index), "its mesh is one of sprites");
+        return broken(("transparent object", index), "its mesh is one of sprites");
     }
     if let Some(index) = surfaces.skinned_meshes.iter().position(|it| is_sprites(it.mesh)) {
-        return broken(("deformer", index), "its mesh is one of sprites");
+        return broken(("skinned mesh", index), "its mesh is one of sprites");
     }
     Ok(())
 }
@@ -131,7 +131,7 @@ fn check_material(surfaces: &Surfaces, material: &Material, part: Part) -> Resul
 
 fn check_transparent(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     for (index, object) in surfaces.transparent.iter().enumerate() {
-        let part = ("blended object", index);
+        let part = ("transparent object", index);
         let Some(mesh) = scene.mesh_of(object) else {
             return broken(part, "the scene does not have its mesh");
         };
@@ -177,7 +177,7 @@ fn check_deformers(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError>
     }
     let mut is_deformed = vec![false; scene.meshes.len()];
     for (index, skinned_mesh) in surfaces.skinned_meshes.iter().enumerate() {
-        let (part, mesh) = (("deformer", index), skinned_mesh.mesh.0 as usize);
+        let (part, mesh) = (("skinned mesh", index), skinned_mesh.mesh.0 as usize);
         let (Some(users), Some(is_deformed)) = (users.get(mesh), is_deformed.get_mut(mesh)) else {
             return broken(part, "the scene does not have its mesh");
         };

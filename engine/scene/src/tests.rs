@@ -89,11 +89,11 @@ fn broken_surfaces_are_refused_by_name() {
             it.materials[0].alpha = Alpha::Mask { cutoff: f32::NAN };
         }),
         ("exposure", |_, it| it.exposure = f32::NAN),
-        ("blended object 0", |_, it| it.transparent[0].mesh = MeshId(2)),
+        ("transparent object 0", |_, it| it.transparent[0].mesh = MeshId(2)),
         ("takes it nowhere", |_, it| {
             it.transparent[0].transform = Affine3A::from_translation(Vec3::splat(f32::NAN));
         }),
-        ("deformer 0", |_, it| it.skinned_meshes[0].mesh = MeshId(7)),
+        ("skinned mesh 0", |_, it| it.skinned_meshes[0].mesh = MeshId(7)),
         ("several objects", |scene, _| scene.objects.push(scene.objects[0])),
         ("several objects", |_, it| it.transparent[0].mesh = MeshId(0)),
         ("another one", |_, it| it.skinned_meshes.push(it.skinned_meshes[0].clone())),

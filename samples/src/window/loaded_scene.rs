@@ -90,7 +90,7 @@ impl LoadedScene {
     ) -> Result<Self, RunError> {
         let mut imported = scene_file::load(file, settings.exposure, told)?;
         if settings.detail_pixels.is_some() {
-            scene_file::tell(told, "making coarser forms", None)?;
+            scene_file::tell(told, "making levels of detail", None)?;
             imported.make_levels(&import::LevelOptions::default());
         }
         let hierarchy = scene_file::hierarchy(&imported.scene, told)?;

@@ -186,7 +186,7 @@ fn bad_poses_are_refused_and_change_nothing() {
             let text = error.to_string();
             assert!(matches!(error, Error::Deform { .. }) && text.contains(why), "{text}");
         };
-        refuse(2, &joints, &weights, "no such deformer");
+        refuse(2, &joints, &weights, "no such skinned mesh");
         refuse(0, &joints[..2], &weights, "3 joints");
         refuse(0, &joints, &weights[..1], "2 morph targets");
         refuse(1, &[joints[0], nowhere, joints[2]], &weights, "joint 1");

@@ -185,10 +185,10 @@ impl PartMemory {
         let usage = vk::BufferUsageFlags::INDIRECT_BUFFER
             | vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::TRANSFER_DST;
-        let (name, size_bytes) = (format!("part draws {slot}"), u64::from(draw_count) * DRAW_BYTES);
+        let (name, size_bytes) = (format!("leaf draws {slot}"), u64::from(draw_count) * DRAW_BYTES);
         Ok(Self {
             draws: Buffer::new(device, &name, size_bytes, usage, MemoryKind::Device)?,
-            list: ResultBuffer::new(device, &format!("part list {slot}"), LISTED_DRAWS + 1)?,
+            list: ResultBuffer::new(device, &format!("leaf list {slot}"), LISTED_DRAWS + 1)?,
             tested: Vec::new(),
             changed: vec![DrawRange { first: 0, count: draw_count }],
         })

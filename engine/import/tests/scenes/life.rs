@@ -156,7 +156,7 @@ const WEIGHTS: [f32; 12] = [1.0, 0.0, 0.0, 0.0, 0.5, 1.5, 0.0, 0.0, 1.0, 0.0, 0.
 fn skinned(imported: &GltfScene, pose: &Pose) -> Vec<Vec3> {
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
     let placement = &imported.placements[0];
-    let (skinned_mesh, skin) = placement.skinned_mesh.expect("a deformer");
+    let (skinned_mesh, skin) = placement.skinned_mesh.expect("a skinned mesh");
     let weights = surfaces.skinned_meshes[skinned_mesh.0 as usize].skin.as_ref().expect("a skin");
     let skin = &imported.skins[skin.expect("a skin")];
     let used: Vec<bool> = (0..weights.joint_count as u16)

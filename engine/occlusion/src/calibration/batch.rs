@@ -141,7 +141,7 @@ impl<'a> Bench<'a> {
             compute: ComputeTest::new(device, shaders, size).ok(),
             words: Buffer::new(
                 device,
-                "calibration words",
+                "calibration results",
                 u64::from(MOST) * 4,
                 storage,
                 MemoryKind::Device,

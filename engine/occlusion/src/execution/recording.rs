@@ -4,12 +4,13 @@
 //! ```text
 //! draw visible   clear; all visible leaves front to back in few multi-draws, some under a query
 //!                each; proxies of round 0
-//! per step       resolve tests: words of the round just tested decide
-//!                draw revealed: leaves that the step before switched on; predicated ranges of this
+//! per step       test boxes: where a compute shader answers for them
+//!                resolve tests: results of the round just tested decide
+//!                draw revealed: leaves that the step before enabled; predicated ranges of this
 //!                               round; boxes of the leaves below nodes that showed; proxies of
 //!                               the next
 //! shade          all draws once more for their colour, where the owner of the objects does that
-//! copy results   words and lists -> mapped memory of this slot
+//! copy results   results and lists -> mapped memory of this slot
 //! ```
 
 use cull::View;

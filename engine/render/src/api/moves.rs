@@ -45,7 +45,7 @@ impl Renderer {
     ) -> Result<(), Error> {
         let refuse = |reason| Error::Transparent { transparent, reason };
         let object = self.passes.transparent.as_ref().and_then(|it| it.get(transparent));
-        let object = object.ok_or(refuse("the scene has no such blended object"))?;
+        let object = object.ok_or(refuse("the scene has no such transparent object"))?;
         let bounds = bounds_in_world(&object.own_bounds, &transform);
         let bounds = bounds
             .ok_or(refuse("its transform takes it nowhere: check it for infinities and NaN"))?;

@@ -71,7 +71,7 @@ impl Renderer {
         scratch: &mut UpdateScratch,
     ) -> Result<bool, Error> {
         let refuse = |reason: &str| Error::Deform { skinned_mesh, reason: reason.to_owned() };
-        let none = || refuse("the scene has nothing that changes its form");
+        let none = || refuse("the scene has no skinned mesh");
         let FramePasses { skinned_meshes, geometry, transparent, .. } = &mut self.passes;
         let skinned_meshes = skinned_meshes.as_mut().ok_or_else(none)?;
         let Some(bounds) = skinned_meshes.bounds_in(skinned_mesh, joints, weights)? else {

@@ -117,8 +117,7 @@ impl Renderer {
         gone: &HashSet<ObjectId>,
         taken: &mut HashSet<MeshId>,
     ) -> Result<(), String> {
-        const TAKEN: &str =
-            "its mesh changes its form and another object has it: remove that first";
+        const TAKEN: &str = "its mesh is skinned and another object has it: remove that first";
         let geometry = &self.passes.geometry;
         if !geometry.is_deformed(object.mesh) {
             return Ok(());

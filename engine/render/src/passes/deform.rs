@@ -75,7 +75,7 @@ impl DeformPass {
         deformations: impl Iterator<Item = Deformation>,
     ) {
         let between = MemoryBarrier::between;
-        commands.pass("deform meshes", |commands| {
+        commands.pass("skin meshes", |commands| {
             let before = [Access::AttributeRead, Access::ComputeWrite];
             commands.barrier(between(&before, &[Access::ComputeWrite]));
             let buffers = [io.vertices, io.surfaces, io.forms, io.poses];

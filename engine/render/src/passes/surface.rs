@@ -87,7 +87,7 @@ impl SurfacePass {
             }
             SurfaceKind::Colour => ("surface", "surface", DepthMode::Equal, Blend::Max),
             SurfaceKind::Transparent => {
-                ("blended surface", "surface", DepthMode::TestOnly, Blend::Alpha)
+                ("transparent surface", "surface", DepthMode::TestOnly, Blend::Alpha)
             }
         };
         let is_transparent = kind == SurfaceKind::Transparent;

@@ -322,7 +322,7 @@ fn check_counts(device: &Device, surfaces: &Surfaces, hierarchy: &Hierarchy) -> 
     limits::check_storage(device, "materials", materials, "let meshes share materials")?;
     const SPLIT: &str = "split the scene, or join objects that stand still";
     let instances = (transparent, scene::limits::INSTANCE_BYTES);
-    limits::check_storage(device, "blended objects", instances, SPLIT)?;
+    limits::check_storage(device, "transparent objects", instances, SPLIT)?;
     if surfaces.lights.iter().any(|light| light.kind != LightKind::Directional) {
         let slots = hierarchy.leaf_objects().len() as u64 + transparent;
         let lists = (slots, LIST_WORDS as u64 * 4);
