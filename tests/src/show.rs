@@ -1,6 +1,6 @@
 //! A window of a test that shows a picture after every change.
 
-use gpu::{PresentMode, PresentSkipped, Shown, Swapchain, SwapchainOptions};
+use gpu::{PresentMode, PresentResult, PresentSkipped, Swapchain, SwapchainOptions};
 
 use crate::stage::{Painter, Stage, await_picture, show_surely};
 use crate::x11_window::X11Window;
@@ -46,9 +46,9 @@ impl<'a> Show<'a> {
     pub fn frame(&mut self, seed: u32, believed: [u32; 2]) {
         self.painter.paint(seed, None);
         match self.swapchain.show(&self.painter.target, believed).unwrap() {
-            Shown::Presented(_) => self.presented += 1,
-            Shown::Not(PresentSkipped::OutOfDate) => self.out_of_date += 1,
-            Shown::Not(other) => panic!("{other:?}"),
+            PresentResult::Presented(_) => self.presented += 1,
+            PresentResult::Not(PresentSkipped::OutOfDate) => self.out_of_date += 1,
+            PresentResult::Not(other) => panic!("{other:?}"),
         }
         assert!(self.swapchain.retiring() <= MOST_RETIRING, "{}", self.swapchain.retiring());
         // These wait for a tick: swapchains, and objects of a few frames.

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::{Driver, instance_for};
 use gpu::{
-    Device, DeviceOptions, FrameRing, Instance, Readback, Shown, Surface, Swapchain,
+    Device, DeviceOptions, FrameRing, Instance, PresentResult, Readback, Surface, Swapchain,
     SwapchainOptions, Target, Window, WindowSystem,
 };
 
@@ -111,8 +111,8 @@ pub fn show_surely(swapchain: &mut Swapchain, target: &Target, size: [u32; 2]) -
     let mut others = Vec::new();
     for _ in 0..20 {
         match swapchain.show(target, size).unwrap() {
-            Shown::Presented(presented) => return presented,
-            Shown::Not(other) => others.push(other),
+            PresentResult::Presented(presented) => return presented,
+            PresentResult::Not(other) => others.push(other),
         }
     }
     panic!("not shown: {others:?}")

@@ -13,7 +13,8 @@ use std::ffi::CStr;
 use gpu::raw_window_handle::{DisplayHandle, HandleError, HasDisplayHandle};
 use gpu::vk::Result as Code;
 use gpu::{
-    Error, Optional, PresentSkipped, Shown, Surface, Swapchain, SwapchainOptions, WindowSystem,
+    Error, Optional, PresentResult, PresentSkipped, Surface, Swapchain, SwapchainOptions,
+    WindowSystem,
 };
 use tests::xvfb::Xvfb;
 use tests::{Driver, instance, instance_for};
@@ -48,13 +49,13 @@ impl Liar {
         liar
     }
 
-    fn try_show(&mut self) -> Result<Shown, Error> {
+    fn try_show(&mut self) -> Result<PresentResult, Error> {
         self.frame += 1;
         self.painter.paint(self.frame, None);
         self.swapchain.show(&self.painter.target, SIZE)
     }
 
-    fn show(&mut self) -> Shown {
+    fn show(&mut self) -> PresentResult {
         self.try_show().unwrap()
     }
 
@@ -101,8 +102,8 @@ fn what_happens_to_a_window_has_a_name_and_is_got_over() {
             failing(call, 0..times, code).install();
             let outcome = liar.show();
             let named = match outcome {
-                Shown::Presented(_) => None,
-                Shown::Not(not_shown) => Some(not_shown),
+                PresentResult::Presented(_) => None,
+                PresentResult::Not(not_shown) => Some(not_shown),
             };
             assert_eq!(named, expected, "{driver:?}: {code:?} from {call:?}");
             liar.end();
@@ -134,7 +135,7 @@ fn a_window_that_is_minimised_waits_until_it_is_not() {
         Machine { is_minimised: true, ..failing(ACQUIRE, 0..1, Code::ERROR_OUT_OF_DATE_KHR) }
             .install();
         for _ in 0..5 {
-            assert_eq!(liar.show(), Shown::Not(PresentSkipped::NoArea));
+            assert_eq!(liar.show(), PresentResult::Not(PresentSkipped::NoArea));
         }
         assert_eq!(liar.swapchain.replaced(), 0);
         liar.end();
@@ -147,9 +148,9 @@ fn a_surface_that_is_lost_again_at_once_is_a_window_that_is_gone() {
     let mut liar = Liar::new(&server, Driver::Lavapipe, Machine::default());
     failing(ACQUIRE, 0..usize::MAX, Code::ERROR_SURFACE_LOST_KHR).install();
     let outcomes: Vec<_> = (0..4).map(|_| liar.show()).collect();
-    assert_eq!(outcomes[0], Shown::Not(PresentSkipped::SurfaceLost));
+    assert_eq!(outcomes[0], PresentResult::Not(PresentSkipped::SurfaceLost));
     assert!(
-        outcomes[1..].iter().all(|o| *o == Shown::Not(PresentSkipped::WindowGone)),
+        outcomes[1..].iter().all(|o| *o == PresentResult::Not(PresentSkipped::WindowGone)),
         "{outcomes:?}"
     );
     liar.close();
@@ -165,14 +166,18 @@ fn a_lost_device_has_a_name_wherever_it_is_found_out() {
             machine.install();
             // So that the window's state is asked for.
             liar.swapchain.set_mode(gpu::PresentMode::Mailbox);
-            assert_eq!(liar.show(), Shown::Not(PresentSkipped::DeviceLost), "{driver:?}, {call:?}");
+            assert_eq!(
+                liar.show(),
+                PresentResult::Not(PresentSkipped::DeviceLost),
+                "{driver:?}, {call:?}"
+            );
             liar.close();
         }
         let mut liar = Liar::new(&server, driver, Machine::default());
         liar.painter.paint(1, None);
         failing(c"vkQueueSubmit2", 0..usize::MAX, Code::ERROR_DEVICE_LOST).install();
         let shown = liar.swapchain.show(&liar.painter.target, SIZE).unwrap();
-        assert_eq!(shown, Shown::Not(PresentSkipped::DeviceLost));
+        assert_eq!(shown, PresentResult::Not(PresentSkipped::DeviceLost));
         Machine::default().install();
         liar.end();
     }
@@ -199,8 +204,8 @@ fn a_call_that_fails_is_named_and_the_next_frames_are_shown() {
                         liar.painter.paint(frame, None);
                     }
                     match liar.swapchain.show(&liar.painter.target, size) {
-                        Ok(Shown::Presented(_)) => shown += 1,
-                        Ok(Shown::Not(PresentSkipped::OutOfDate)) => {}
+                        Ok(PresentResult::Presented(_)) => shown += 1,
+                        Ok(PresentResult::Not(PresentSkipped::OutOfDate)) => {}
                         Ok(other) => panic!("{driver:?}, {call:?}: {other:?}"),
                         Err(error) => errors.push(error.to_string()),
                     }

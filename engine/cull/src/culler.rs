@@ -205,7 +205,7 @@ impl Culler {
         let tester = self.tester(strategy);
         let config = self.tune(strategy, &mut plan.stats);
         let costs = CostFilter::new(self.cost_model.as_ref(), strategy, tester, self.testers);
-        let (scratch, has_parts) = (&mut self.scratch, self.testers.parts);
+        let (scratch, has_leaf_tests) = (&mut self.scratch, self.testers.parts);
         let mut walk = Walk {
             hierarchy,
             view,
@@ -213,7 +213,7 @@ impl Culler {
             knowledge: Knowledge::of(&self.history, strategy),
             now,
             can_flag: tester != Tester::Query,
-            has_parts,
+            has_leaf_tests,
             is_turning: self.turned.is_within(now, config.turning_frames),
             // Begins with the coarseness of last time: each attempt is a walk.
             coarseness: self.coarseness.saturating_sub(1),
@@ -240,12 +240,12 @@ impl Culler {
             rng,
             frame,
             now,
-            has_parts,
+            has_leaf_tests,
             tester,
             costs,
         }
         .write(scratch, plan);
-        if has_parts {
+        if has_leaf_tests {
             shared_proxies::share_proxies(plan, &scratch.tests, view, &mut self.fronts);
         }
         rounds::schedule(plan, tester, is_cut, &config);

@@ -73,7 +73,7 @@ pub use crate::present::display_link::DisplayLink;
 pub use crate::present::present_mode::{Fallback, PresentMode};
 pub use crate::present::surface::{Surface, Window};
 pub use crate::present::swapchain::{
-    Acquired, PresentId, PresentSkipped, PresentTiming, Presented, Shown, Swapchain,
+    Acquired, PresentId, PresentResult, PresentSkipped, PresentTiming, Presented, Swapchain,
     SwapchainOptions, WindowImage,
 };
 pub use crate::query::blocking_query_pool::BlockingQueryPool;

@@ -53,7 +53,7 @@ pub(crate) struct RoundLayout {
     /// Their queries.
     pub(crate) queries: Range<u32>,
     /// True if there are tests whose leaves are tested one by one.
-    pub(crate) has_parts: bool,
+    pub(crate) has_leaf_tests: bool,
 }
 
 impl TestLayout {
@@ -118,7 +118,7 @@ impl TestLayout {
             computed: none.clone(),
             queried_tests: none,
             queries: first_query..first_query,
-            has_parts: false,
+            has_leaf_tests: false,
         };
         for (number, test) in (tests.start as u32..).zip(&plan.tests[tests]) {
             let decision = match test.tester {
@@ -142,7 +142,7 @@ impl TestLayout {
                 }
             };
             self.decisions.push(decision);
-            round.has_parts |= test.tag.kind == QueryKind::PerLeaf;
+            round.has_leaf_tests |= test.tag.kind == QueryKind::PerLeaf;
         }
         round.queries.end = self.query_tags.len() as u32;
         self.rounds.push(round);

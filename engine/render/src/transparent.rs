@@ -305,8 +305,8 @@ impl Transparent {
     /// Records the barrier from the tests of the boxes to the draws, outside of rendering.
     pub(crate) fn decide(&self, commands: &Commands) {
         if self.tested().is_some() {
-            let switched_on = [Access::IndirectRead, Access::FragmentWrite];
-            commands.barrier(MemoryBarrier::between(&[Access::FragmentWrite], &switched_on));
+            let enabled = [Access::IndirectRead, Access::FragmentWrite];
+            commands.barrier(MemoryBarrier::between(&[Access::FragmentWrite], &enabled));
         }
     }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use gpu::{
-    Device, DeviceOptions, DisplayLink, Fallback, Instance, PresentMode, PresentSkipped, Shown,
-    Surface, WindowSystem,
+    Device, DeviceOptions, DisplayLink, Fallback, Instance, PresentMode, PresentResult,
+    PresentSkipped, Surface, WindowSystem,
 };
 use pacing::{PacedFrameId, Step, Time};
 use winit::dpi::PhysicalSize;
@@ -211,16 +211,18 @@ impl Opened {
             self.not_before = now.after(WAITING_INTERVAL);
         }
         match shown {
-            Shown::Not(PresentSkipped::WindowGone) => Ok(Next::End),
-            Shown::Not(reason @ PresentSkipped::DeviceLost) => Err(RunError::machine(reason)),
-            Shown::Not(PresentSkipped::NoArea) => {
+            PresentResult::Not(PresentSkipped::WindowGone) => Ok(Next::End),
+            PresentResult::Not(reason @ PresentSkipped::DeviceLost) => {
+                Err(RunError::machine(reason))
+            }
+            PresentResult::Not(PresentSkipped::NoArea) => {
                 self.not_before = now.after(HIDDEN_INTERVAL);
                 Ok(Next::Now)
             }
-            Shown::Not(
+            PresentResult::Not(
                 PresentSkipped::Hidden | PresentSkipped::OutOfDate | PresentSkipped::SurfaceLost,
             )
-            | Shown::Presented(_) => Ok(Next::Now),
+            | PresentResult::Presented(_) => Ok(Next::Now),
         }
     }
 

@@ -5,7 +5,8 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use gpu::{
-    Device, Optional, PresentId, PresentMode, Shown, Surface, Swapchain, SwapchainOptions, Tick,
+    Device, Optional, PresentId, PresentMode, PresentResult, Surface, Swapchain, SwapchainOptions,
+    Tick,
 };
 use pacing::{
     Feedback, PacedFrameId, Pacer, PacerOptions, PresentReports, Presentation, REFRESH_PERIOD,
@@ -147,17 +148,17 @@ impl Screen {
         renderer: &Renderer,
         frame: PacedFrameId,
         size: [u32; 2],
-    ) -> Result<Shown, RunError> {
+    ) -> Result<PresentResult, RunError> {
         // Frames that are finished by now cannot be the reason to wait for the window's image.
         self.look()?;
         let from = self.clock.now();
         let shown = renderer.present(&mut self.swapchain, size);
         let at = self.clock.now();
         let presented = match shown? {
-            Shown::Presented(presented) => presented,
-            Shown::Not(reason) => {
+            PresentResult::Presented(presented) => presented,
+            PresentResult::Not(reason) => {
                 self.pacer.feedback(frame, Feedback::Dropped);
-                return Ok(Shown::Not(reason));
+                return Ok(PresentResult::Not(reason));
             }
         };
         self.follow_swapchain()?;
@@ -170,7 +171,7 @@ impl Screen {
         }
         let (id, tick) = (presented.id, presented.tick);
         self.queued.push_back(Queued { frame, id, tick, is_finished: false, is_shown: false });
-        Ok(Shown::Presented(presented))
+        Ok(PresentResult::Presented(presented))
     }
 
     /// Notes that the frame that started will not be shown.

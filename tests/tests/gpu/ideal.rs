@@ -98,7 +98,7 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         let scene = box_scene(&[boxes, vec![wall]].concat());
         let size = [384, 216];
         // Tests of up to 32 leaves answer for others, which show in part through the gaps.
-        let cull_config = CullConfig { growth_frames_parts: 32, ..CullConfig::default() };
+        let cull_config = CullConfig { growth_frames_per_leaf: 32, ..CullConfig::default() };
         // No price keeps a test from being made.
         let options = RendererOptions {
             methods: methods::ALL,

@@ -1,6 +1,6 @@
 //! Windows that change in every way that a user can change them, a thousand times.
 
-use gpu::{Acquired, PresentMode, PresentSkipped, Shown, SwapchainOptions};
+use gpu::{Acquired, PresentMode, PresentResult, PresentSkipped, SwapchainOptions};
 use tests::Driver;
 use tests::xvfb::Xvfb;
 
@@ -137,8 +137,8 @@ fn a_window_that_is_destroyed_says_so_and_takes_nothing_with_it() {
             for seed in 0..8 {
                 show.painter.paint(seed, None);
                 match show.swapchain.show(&show.painter.target, size).unwrap() {
-                    Shown::Presented(_) => {}
-                    Shown::Not(outcome) => outcomes.push(outcome),
+                    PresentResult::Presented(_) => {}
+                    PresentResult::Not(outcome) => outcomes.push(outcome),
                 }
             }
             assert_eq!(
@@ -185,7 +185,7 @@ fn a_server_that_ends_is_a_window_that_is_gone() {
             (0..6).map(|_| swapchain.show(&painter.target, size).unwrap()).collect();
         assert_eq!(
             outcomes.last(),
-            Some(&Shown::Not(PresentSkipped::WindowGone)),
+            Some(&PresentResult::Not(PresentSkipped::WindowGone)),
             "{mode}: {outcomes:?}"
         );
         drop((swapchain, painter));

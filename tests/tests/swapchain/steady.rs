@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use cull::Strategy;
-use gpu::{PresentId, Readback, Shown, SwapchainOptions};
+use gpu::{PresentId, PresentResult, Readback, SwapchainOptions};
 use render::{FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::stage::{Stage, await_picture};
@@ -59,7 +59,7 @@ fn the_renderers_picture_in_a_window_is_the_one_without_it() {
         window.resize([512, 300]);
         for _ in 0..3 {
             let shown = renderer.present(&mut swapchain, [512, 300]).unwrap();
-            assert!(!matches!(shown, Shown::Not(gpu::PresentSkipped::Hidden)));
+            assert!(!matches!(shown, PresentResult::Not(gpu::PresentSkipped::Hidden)));
         }
         drop((windowed, headless, picture, swapchain, renderer));
         stage.end();

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use gpu::{Device, PresentMode, PresentSkipped, Shown, Swapchain, SwapchainOptions};
+use gpu::{Device, PresentMode, PresentResult, PresentSkipped, Swapchain, SwapchainOptions};
 use tests::Driver;
 use tests::stage::{Painter, Random, Stage};
 use tests::wayland_window::WaylandWindow;
@@ -41,13 +41,13 @@ fn a_window_on_wayland_takes_pictures_of_every_size_in_every_mode() {
             }
             painter.paint(frame, None);
             let shown = swapchain.show(&painter.target, size).unwrap();
-            let Shown::Presented(presented) = shown else { panic!("{mode}: {shown:?}") };
+            let PresentResult::Presented(presented) = shown else { panic!("{mode}: {shown:?}") };
             assert_eq!((presented.size, presented.id.0), (size, u64::from(frame) + 1));
         }
         assert_eq!(swapchain.mode(), mode.nearest(&offered));
         assert_eq!(
             (swapchain.replaced(), swapchain.show(&painter.target, [0, 9]).unwrap()),
-            (sizes - 1, Shown::Not(PresentSkipped::NoArea),)
+            (sizes - 1, PresentResult::Not(PresentSkipped::NoArea),)
         );
     }
     stage.end();
@@ -60,7 +60,7 @@ fn run_loop(
     painter: &mut Painter,
     swapchain: &mut Swapchain,
     frames: u32,
-) -> Vec<Shown> {
+) -> Vec<PresentResult> {
     let mut outcomes = Vec::new();
     let drains = device.wait_counts().other;
     for frame in 0..frames {
@@ -71,7 +71,7 @@ fn run_loop(
             outcomes.push(swapchain.show(&painter.target, SIZE).unwrap());
         } else {
             outcomes.push(swapchain.show(&painter.target, SIZE).unwrap());
-            assert_eq!(outcomes.last(), Some(&Shown::Not(PresentSkipped::Hidden)));
+            assert_eq!(outcomes.last(), Some(&PresentResult::Not(PresentSkipped::Hidden)));
         }
         assert!(began.elapsed() < A_WHILE, "frame {frame} took {:?}", began.elapsed());
     }
@@ -88,18 +88,19 @@ fn a_window_that_nobody_sees_holds_nothing_up() {
         let mut painter = Painter::new(&stage.device, SIZE);
         let mut swapchain = stage.swapchain(&options(mode));
         let outcomes = run_loop(&window, &stage.device, &mut painter, &mut swapchain, 12);
-        let is_hidden = |outcome: &Shown| *outcome == Shown::Not(PresentSkipped::Hidden);
+        let is_hidden =
+            |outcome: &PresentResult| *outcome == PresentResult::Not(PresentSkipped::Hidden);
         if mode == PresentMode::Fifo {
             assert!(outcomes[4..].iter().all(is_hidden), "{outcomes:?}");
             assert!(!swapchain.is_ready().unwrap());
         } else {
-            let named = |o: &Shown| is_hidden(o) || o.presented().is_some();
+            let named = |o: &PresentResult| is_hidden(o) || o.presented().is_some();
             assert!(outcomes.iter().all(named), "{outcomes:?}");
         }
         // The compositor goes: so does the window.
         compositor.end();
         let gone = (0..20).map(|_| swapchain.show(&painter.target, SIZE).unwrap()).last();
-        assert_eq!(gone, Some(Shown::Not(PresentSkipped::WindowGone)), "{mode}");
+        assert_eq!(gone, Some(PresentResult::Not(PresentSkipped::WindowGone)), "{mode}");
         drop((swapchain, painter));
         stage.end();
     }
@@ -140,7 +141,7 @@ fn a_compositor_that_stands_still_is_a_window_that_is_hidden_for_a_while() {
         compositor.freeze();
         let frozen = run_loop(&window, &stage.device, &mut painter, &mut swapchain, 12);
         assert!(
-            frozen[8..].iter().all(|o| *o == Shown::Not(PresentSkipped::Hidden)),
+            frozen[8..].iter().all(|o| *o == PresentResult::Not(PresentSkipped::Hidden)),
             "{mode} {frozen:?}"
         );
         compositor.thaw();

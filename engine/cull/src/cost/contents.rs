@@ -41,7 +41,7 @@ impl FrameContents {
         };
         for round in &plan.rounds {
             let mut has_computed = false;
-            let mut has_parts = false;
+            let mut has_leaf_tests = false;
             for test in plan.tests.get(round.clone()).unwrap_or_default() {
                 match test.tester {
                     Tester::Query => contents.queried_boxes += 1,
@@ -50,14 +50,14 @@ impl FrameContents {
                     Tester::SharedProxy(_) => {}
                 }
                 has_computed |= test.tester == Tester::Compute;
-                has_parts |= test.tag.kind == QueryKind::PerLeaf;
+                has_leaf_tests |= test.tag.kind == QueryKind::PerLeaf;
                 contents.predicates += u32::from(!test.leaves.is_empty());
             }
             contents.computed_rounds += u32::from(has_computed);
             // The second level of a round shares its break with the round after it, if there is
             // one.
             let is_last = round.end == plan.tests.len();
-            contents.breaks += u32::from(has_parts && is_last);
+            contents.breaks += u32::from(has_leaf_tests && is_last);
         }
         if contents.computed_boxes == 0 {
             contents.proxy_pixels = plan.stats.proxy_pixels;

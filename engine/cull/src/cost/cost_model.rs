@@ -233,7 +233,7 @@ impl CostModel {
         let frames = self.retest_frames(config);
         // Tests of boxes alone are not worth a break of rendering where next to nothing hides.
         let is_calm = self.is_idle() || frames > config.retest_max.saturating_mul(2);
-        let own_box_angle = if is_calm { 0.0 } else { config.own_box_angle };
+        let visible_box_angle = if is_calm { 0.0 } else { config.visible_box_angle };
         let retest_first = if is_calm { frames / 4 } else { config.retest_first };
         let retest_gate = if is_calm { self.gate_frames() } else { config.retest_gate };
         CullConfig {
@@ -241,7 +241,7 @@ impl CostModel {
             retest_first,
             retest_spread: frames,
             retest_gate,
-            own_box_angle,
+            visible_box_angle,
             ..*config
         }
     }

@@ -223,7 +223,7 @@ impl Ingest<'_> {
     }
 
     fn open_until(&mut self, failures: u8) -> FrameStamp {
-        let exponent = u32::from(failures).min(self.config.probe_backoff).min(16);
+        let exponent = u32::from(failures).min(self.config.pull_up_backoff).min(16);
         let frames = self.config.open_frames.saturating_mul(1 << exponent);
         let jitter = self.rng.between(0, self.config.open_jitter);
         self.now.plus(frames.saturating_add(jitter))

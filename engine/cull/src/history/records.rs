@@ -11,7 +11,7 @@ use crate::rng::SplitMix64;
 
 /// The time after which a probe may be repeated if its result does not come. Halved or doubled, it
 /// moves no count of a walk by more than 1 % (docs/cull_config.md).
-const PROBE_RETRY_FRAMES: u32 = 6;
+const PULL_UP_RETRY_FRAMES: u32 = 6;
 
 /// One record per node, as the nodes were in the generation that is kept here.
 #[derive(Debug)]
@@ -60,7 +60,7 @@ impl History {
 
     /// Notes that a leaf is drawn under a query: the next is due after its interval, even if no
     /// answer comes.
-    pub(crate) fn asked_own_draw(
+    pub(crate) fn asked_visible_draw(
         &mut self,
         node: u32,
         now: FrameStamp,
@@ -85,7 +85,7 @@ impl History {
     ) {
         // Long streaks make for long intervals, and this one makes the next test one of its own
         // draw.
-        let stable_queries = config.own_box_streak.saturating_add(1).min(u8::MAX.into()) as u8;
+        let stable_queries = config.visible_box_streak.saturating_add(1).min(u8::MAX.into()) as u8;
         if let Some(record) = self.record_mut(leaf) {
             if record.state != NodeState::Hidden {
                 record.state = NodeState::Visible;
@@ -131,9 +131,9 @@ impl History {
     }
 
     /// Notes that a node has a pull-up query: it has no other before the answer had time to come.
-    pub(crate) fn asked_probe(&mut self, node: u32, now: FrameStamp) {
+    pub(crate) fn asked_pull_up(&mut self, node: u32, now: FrameStamp) {
         if let Some(record) = self.record_mut(node) {
-            record.due = now.plus(PROBE_RETRY_FRAMES);
+            record.due = now.plus(PULL_UP_RETRY_FRAMES);
         }
     }
 
@@ -285,7 +285,7 @@ pub(crate) fn retest_interval(
         config.retest_first.saturating_mul(1_u32.checked_shl(exponent.into()).unwrap_or(u32::MAX))
     };
     let calm = doubled(record.stable_queries).min(config.retest_max);
-    let flipping = doubled(record.flicker_count).min(config.flip_retest_max);
+    let flipping = doubled(record.flicker_count).min(config.flicker_retest_max);
     let interval = calm.max(flipping).max(1);
     rng.between(interval.div_ceil(2), interval)
 }

@@ -22,7 +22,7 @@ pub(crate) struct Asking<'a> {
     pub(crate) frame: FrameId,
     pub(crate) now: FrameStamp,
     /// True if leaves can be tested one by one below a node that shows.
-    pub(crate) has_parts: bool,
+    pub(crate) has_leaf_tests: bool,
     /// The tester of all tests where costs are not weighed.
     pub(crate) tester: Tester,
     pub(crate) costs: Option<&'a CostFilter<'a>>,
@@ -38,7 +38,7 @@ impl Asking<'_> {
             let asked = self.tag(retest.node, QueryKind::VisibleDrawQuery);
             plan.queried_draws.push((retest.leaf, asked));
             self.history.mark_for_retest(retest.node, self.containment(retest.node));
-            self.history.asked_own_draw(retest.node, self.now, self.config, self.rng);
+            self.history.asked_visible_draw(retest.node, self.now, self.config, self.rng);
         }
         for [leaf, top] in &scratch.assumed {
             let due = self.now.plus(self.rng.between(1, self.config.retest_max));
@@ -62,7 +62,7 @@ impl Asking<'_> {
         let mut kind = test.kind;
         if kind == QueryKind::PullUpQuery {
             leaves.count = 0;
-            self.history.asked_probe(test.node, self.now);
+            self.history.asked_pull_up(test.node, self.now);
         } else if kind == QueryKind::VisibleBoxQuery {
             leaves.count = 0;
             self.history.mark_for_retest(test.node, self.containment(test.node));
@@ -71,7 +71,7 @@ impl Asking<'_> {
                 Some(since) => self.history.inherit(test.node, since),
                 None => self.history.closed(&self.hierarchy.topology, test.node),
             }
-            if self.has_parts && leaves.count >= self.config.parts_leaves {
+            if self.has_leaf_tests && leaves.count >= self.config.per_leaf_min {
                 kind = QueryKind::PerLeaf;
             }
         }

@@ -11,7 +11,7 @@ use crate::plan::traverse::Walk;
 
 /// The probes that a frame may always have. Halved or doubled, it moves no count of a walk by more
 /// than 1 % (docs/cull_config.md).
-const MIN_PROBES: usize = 16;
+const MIN_PULL_UPS: usize = 16;
 
 /// Makes the lists fit into `budget` queries.
 pub(crate) fn fit(scratch: &mut Scratch, walk: &Walk<'_>, budget: usize, stats: &mut PlanStats) {
@@ -51,9 +51,9 @@ fn drop_optional(scratch: &mut Scratch, config: &CullConfig, budget: usize, stat
     let frontier = scratch.frontier().count();
     let left = budget.saturating_sub(frontier);
     let wished = scratch.tests.iter().filter(|test| test.kind == QueryKind::PullUpQuery).count();
-    let share = frontier / (config.tests_per_probe.max(1) as usize);
+    let share = frontier / (config.tests_per_pull_up.max(1) as usize);
     let probes = wished
-        .min(share.max(MIN_PROBES))
+        .min(share.max(MIN_PULL_UPS))
         .min((left / 2).max(left.saturating_sub(scratch.retests.len())));
     let mut remaining = probes;
     for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {

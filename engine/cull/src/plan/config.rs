@@ -30,7 +30,7 @@ pub struct CullConfig {
     /// guess that was too bold costs little then.
     ///
     /// Halved: nothing; doubled: +6.5 % tests, `cut`.
-    pub growth_frames_parts: u32,
+    pub growth_frames_per_leaf: u32,
     /// The most leaves with which a node is tested as one while it is partly outside of the frustum
     /// of a turning view: the part outside was not observed, even if its neighbours are known for
     /// long.
@@ -97,29 +97,29 @@ pub struct CullConfig {
     /// are flags: a small box costs little.
     ///
     /// Halved: -15.8 % tests, `fly`; doubled: +8.8 % tests, `fly`.
-    pub own_box_angle: f32,
+    pub visible_box_angle: f32,
     /// The interval between such tests.
     ///
     /// Halved: +27.3 % tests, `fly`; doubled: -10.5 % tests, `fly`.
-    pub own_box_frames: u32,
+    pub visible_box_frames: u32,
     /// The number of them after which its own draw is tested, which the box may hide.
     ///
     /// Halved: -4.7 % tests, `fly`; doubled: +2.4 % tests, `fly`.
-    pub own_box_streak: u32,
+    pub visible_box_streak: u32,
     /// The longest interval between tests of a leaf whose proxy shows soon after its own draw did
     /// not: it doubles each time that happens, since its proxy is too loose for the place. More
     /// tests would cost more than drawing it.
     ///
     /// Halved: +0.8 % tests, `fly`; doubled: -1.1 % tests, `street` (200 frames).
-    pub flip_retest_max: u32,
+    pub flicker_retest_max: u32,
     /// The most doublings of `open_frames`, after which a failed probe is repeated.
     ///
     /// Halved: +2.4 % draws, `cut`; doubled: nothing (200 frames).
-    pub probe_backoff: u32,
+    pub pull_up_backoff: u32,
     /// The number of tests per probe beyond that.
     ///
     /// Halved: nothing; doubled: +2.1 % tests, `cut`.
-    pub tests_per_probe: u32,
+    pub tests_per_pull_up: u32,
     /// The nearest unknown leaves that are drawn at once when much is unknown: without any depth
     /// all tests would show.
     ///
@@ -158,7 +158,7 @@ pub struct CullConfig {
     /// the device supports it.
     ///
     /// Halved: +7.5 % tests, `street`; doubled: -5.8 % tests, `fly`.
-    pub parts_leaves: u32,
+    pub per_leaf_min: u32,
     /// The number of tests above which there are too many even with queries for them: the allowed
     /// sizes are raised, and open nodes whose parts are all hidden are tested as one without a
     /// probe. After a cut in a huge scene this shrinks the frontier in tens of frames, not
@@ -177,7 +177,7 @@ impl Default for CullConfig {
             unknown_leaves_far: 128,
             unknown_angle: 0.1,
             growth_frames: 6,
-            growth_frames_parts: 2,
+            growth_frames_per_leaf: 2,
             edge_leaves: 64,
             turning_frames: 8,
             turning_sine: 0.004,
@@ -191,12 +191,12 @@ impl Default for CullConfig {
             retest_max: 16,
             retest_spread: 0,
             retest_gate: 1,
-            own_box_angle: 0.15,
-            own_box_frames: 3,
-            own_box_streak: 6,
-            flip_retest_max: 64,
-            probe_backoff: 2,
-            tests_per_probe: 4,
+            visible_box_angle: 0.15,
+            visible_box_frames: 3,
+            visible_box_streak: 6,
+            flicker_retest_max: 64,
+            pull_up_backoff: 2,
+            tests_per_pull_up: 4,
             occluders: 32,
             cut_share: 3,
             cut_tests: 16,
@@ -205,7 +205,7 @@ impl Default for CullConfig {
             rounds_compute_calm: 1,
             rounds_compute_cut: 3,
             round_tests_min: 8,
-            parts_leaves: 2,
+            per_leaf_min: 2,
             tests_wished: 1024,
             seed: 0x6e6f_7374_616c_6c73,
         }

@@ -51,7 +51,7 @@ pub(crate) struct Walk<'a> {
     /// True if boxes can be tested by flags.
     pub(crate) can_flag: bool,
     /// True if leaves can be tested one by one below a node that shows.
-    pub(crate) has_parts: bool,
+    pub(crate) has_leaf_tests: bool,
     /// The times that the allowed size of tested nodes was raised fourfold.
     pub(crate) coarseness: u32,
 }
@@ -61,7 +61,7 @@ enum NodeDecision {
     Draw,
     Retest,
     /// Draw, and test the box.
-    TestOwnBox(Aabb),
+    TestVisibleBox(Aabb),
     Test(Aabb),
     /// Go on to the children; the proxy is there if the node could have a pull-up query.
     Open(Option<Aabb>),
@@ -128,7 +128,7 @@ impl Walk<'_> {
 
     fn settle(&self, visit: &Visit, scratch: &mut Scratch, stats: &mut PlanStats) {
         let leaf = self.leaf(visit.node);
-        match self.verdict(visit, stats) {
+        match self.decide(visit, stats) {
             NodeDecision::Draw => scratch.draws.push(Draw { nearness: visit.nearness, leaf }),
             NodeDecision::Retest => scratch.retests.push(Retest {
                 nearness: visit.nearness,
@@ -136,7 +136,7 @@ impl Walk<'_> {
                 node: visit.node,
                 after: 0,
             }),
-            NodeDecision::TestOwnBox(proxy) => {
+            NodeDecision::TestVisibleBox(proxy) => {
                 scratch.draws.push(Draw { nearness: visit.nearness, leaf });
                 scratch.tests.push(Candidate {
                     node: visit.node,
@@ -159,7 +159,7 @@ impl Walk<'_> {
         }
     }
 
-    fn verdict(&self, visit: &Visit, stats: &mut PlanStats) -> NodeDecision {
+    fn decide(&self, visit: &Visit, stats: &mut PlanStats) -> NodeDecision {
         let is_leaf = visit.leaf_count == 1;
         if matches!(self.knowledge, Knowledge::Ignored) {
             stats.visible += u32::from(is_leaf);
@@ -174,9 +174,9 @@ impl Walk<'_> {
         match record.state {
             NodeState::Visible if is_fresh && is_leaf => {
                 stats.visible += 1;
-                match self.is_own_box_enough(visit) {
-                    true if self.is_own_box_due(visit) => NodeDecision::TestOwnBox(proxy),
-                    false if self.is_own_draw_due(visit) => NodeDecision::Retest,
+                match self.is_visible_box_enough(visit) {
+                    true if self.is_visible_box_due(visit) => NodeDecision::TestVisibleBox(proxy),
+                    false if self.is_visible_draw_due(visit) => NodeDecision::Retest,
                     _ => NodeDecision::Draw,
                 }
             }
@@ -202,21 +202,22 @@ impl Walk<'_> {
     ///
     /// First the box once more, now that all visible objects can hide it: it showed against fewer.
     /// Then the draw itself, and from then on the box again for a while if it looks small.
-    fn is_own_box_enough(&self, visit: &Visit) -> bool {
+    fn is_visible_box_enough(&self, visit: &Visit) -> bool {
         let record = &visit.record;
         if !self.can_flag || record.stable_queries == 0 {
             return self.can_flag;
         }
         let diagonal = 2.0 * visit.bounds.half_extent().length();
-        let is_turn_of_draw =
-            u32::from(record.stable_queries) % self.config.own_box_streak.saturating_add(1) == 1;
+        let is_turn_of_draw = u32::from(record.stable_queries)
+            % self.config.visible_box_streak.saturating_add(1)
+            == 1;
         // Where the box promised too much before, it would again.
         record.flicker_count == 0
             && !is_turn_of_draw
-            && diagonal < self.config.own_box_angle * visit.nearness.distance()
+            && diagonal < self.config.visible_box_angle * visit.nearness.distance()
     }
 
-    fn is_own_draw_due(&self, visit: &Visit) -> bool {
+    fn is_visible_draw_due(&self, visit: &Visit) -> bool {
         let CullConfig { retest_spread, retest_gate, .. } = *self.config;
         visit.record.is_due(visit.node, self.now, retest_spread, retest_gate)
     }
@@ -228,8 +229,8 @@ impl Walk<'_> {
 
     /// Returns true if a test of a leaf's own box is due. Neighbours take turns. A test may be
     /// repeated while a result is on its way: that costs little.
-    fn is_own_box_due(&self, visit: &Visit) -> bool {
-        let interval = self.config.own_box_frames.saturating_add(visit.node & 1);
+    fn is_visible_box_due(&self, visit: &Visit) -> bool {
+        let interval = self.config.visible_box_frames.saturating_add(visit.node & 1);
         visit.record.stable_queries == 0 || self.now.since(visit.record.answered) >= interval
     }
 
@@ -323,8 +324,8 @@ impl Walk<'_> {
 
     /// Returns true if a node that has been hidden for so long may be tested as one.
     fn may_share(&self, visit: &Visit, hidden_frames: u32) -> bool {
-        let growth_frames = match self.has_parts {
-            true => self.config.growth_frames_parts,
+        let growth_frames = match self.has_leaf_tests {
+            true => self.config.growth_frames_per_leaf,
             false => self.config.growth_frames,
         };
         let doublings = hidden_frames / growth_frames.max(1);

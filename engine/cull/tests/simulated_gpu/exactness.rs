@@ -128,7 +128,7 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         unknown_leaves_far,
         unknown_angle,
         growth_frames,
-        growth_frames_parts,
+        growth_frames_per_leaf,
         edge_leaves,
         turning_frames,
         turning_sine,
@@ -142,12 +142,12 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         retest_max,
         retest_spread,
         retest_gate,
-        own_box_angle,
-        own_box_frames,
-        own_box_streak,
-        flip_retest_max,
-        probe_backoff,
-        tests_per_probe,
+        visible_box_angle,
+        visible_box_frames,
+        visible_box_streak,
+        flicker_retest_max,
+        pull_up_backoff,
+        tests_per_pull_up,
         occluders,
         cut_share,
         cut_tests,
@@ -156,7 +156,7 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         rounds_compute_calm,
         rounds_compute_cut,
         round_tests_min,
-        parts_leaves,
+        per_leaf_min,
         tests_wished,
         seed: _,
     } = &mut config;
@@ -164,7 +164,7 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         unknown_leaves,
         unknown_leaves_far,
         growth_frames,
-        growth_frames_parts,
+        growth_frames_per_leaf,
         edge_leaves,
         turning_frames,
         stale_frames,
@@ -177,11 +177,11 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         retest_max,
         retest_spread,
         retest_gate,
-        own_box_frames,
-        own_box_streak,
-        flip_retest_max,
-        probe_backoff,
-        tests_per_probe,
+        visible_box_frames,
+        visible_box_streak,
+        flicker_retest_max,
+        pull_up_backoff,
+        tests_per_pull_up,
         occluders,
         cut_share,
         cut_tests,
@@ -190,12 +190,12 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         rounds_compute_calm,
         rounds_compute_cut,
         round_tests_min,
-        parts_leaves,
+        per_leaf_min,
         tests_wished,
     ] {
         *number = [0, 1, u32::MAX, *number, *number, *number][random.below(6)];
     }
-    for number in [unknown_angle, turning_sine, own_box_angle] {
+    for number in [unknown_angle, turning_sine, visible_box_angle] {
         *number = [0.0, f32::NAN, f32::INFINITY, *number, *number][random.below(5)];
     }
     config

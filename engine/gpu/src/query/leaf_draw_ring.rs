@@ -81,7 +81,7 @@ impl<T: Copy> LeafDrawRing<T> {
     pub fn collect(&mut self, completed: Tick, mut listed: impl FnMut(T, EnabledDraws<'_>)) {
         self.ring.collect(self.device.proven(completed), |slot| {
             if let (Some(tag), Some(memory)) = (slot.tags.first(), &slot.memory) {
-                listed(*tag, memory.switched_on());
+                listed(*tag, memory.enabled());
             }
         });
     }
@@ -215,7 +215,7 @@ impl PartMemory {
     fn forget_switched_on(&mut self) {
         if !self.tested.is_empty() {
             let words = self.list.read(LISTED_DRAWS + 1);
-            match switched_on(words) {
+            match enabled(words) {
                 EnabledDraws::These(numbers) => {
                     let ranges = numbers.iter().map(|first| DrawRange { first: *first, count: 1 });
                     self.changed.extend(ranges);
@@ -227,12 +227,12 @@ impl PartMemory {
     }
 
     /// Reads the list, only once the tick of its frame is over.
-    fn switched_on(&self) -> EnabledDraws<'_> {
-        switched_on(self.list.read(LISTED_DRAWS + 1))
+    fn enabled(&self) -> EnabledDraws<'_> {
+        enabled(self.list.read(LISTED_DRAWS + 1))
     }
 }
 
-fn switched_on(list: &[u32]) -> EnabledDraws<'_> {
+fn enabled(list: &[u32]) -> EnabledDraws<'_> {
     let Some((count, numbers)) = list.split_first() else {
         return EnabledDraws::TooMany(u32::MAX);
     };

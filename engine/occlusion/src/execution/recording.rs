@@ -54,10 +54,10 @@ impl Recording<'_> {
                 self.draw_proxies(commands, rounds.first());
             });
         });
-        let refined = rounds.last().is_some_and(|round| round.has_parts);
+        let refined = rounds.last().is_some_and(|round| round.has_leaf_tests);
         for step in 0..rounds.len() + usize::from(refined) {
             let before = step.checked_sub(1).and_then(|round| rounds.get(round));
-            let before = before.filter(|round| round.has_parts);
+            let before = before.filter(|round| round.has_leaf_tests);
             let (known, next) = (rounds.get(step), rounds.get(step + 1));
             if let (Some(last), None, None) = (known, next, before)
                 && state.layout.is_for_later(last)
@@ -73,7 +73,7 @@ impl Recording<'_> {
             commands.pass("draw revealed", |commands| {
                 commands.rendering(objects.rendering(view, Rendering::Next), |commands| {
                     objects.bind(commands, view, ObjectPass::Visibility);
-                    self.draw_parts(commands, before);
+                    self.draw_enabled(commands, before);
                     self.draw_whole(commands, known);
                     self.test_leaves(commands, known);
                     self.draw_proxies(commands, next);
@@ -159,11 +159,11 @@ impl Recording<'_> {
         before: Option<&RoundLayout>,
     ) {
         if before.is_some() {
-            let switched_on = MemoryBarrier::between(
+            let enabled = MemoryBarrier::between(
                 &[Access::FragmentWrite],
                 &[Access::IndirectRead, Access::FragmentWrite],
             );
-            commands.barrier(switched_on);
+            commands.barrier(enabled);
         }
         if let Some(known) = known {
             self.state.rings().queries.resolve(commands, known.queries.clone());
@@ -172,10 +172,10 @@ impl Recording<'_> {
     }
 
     /// Draws the leaves of a round that were switched on one by one.
-    fn draw_parts(&self, commands: &Commands, round: Option<&RoundLayout>) {
+    fn draw_enabled(&self, commands: &Commands, round: Option<&RoundLayout>) {
         let Some(parts) = self.io.parts else { return };
         for decision in self.state.layout.revealing(round, Reveal::PerLeaf) {
-            self.executor.leaves.predicates.draw_parts(
+            self.executor.leaves.predicates.draw_enabled(
                 commands,
                 decision.source,
                 decision.number,
@@ -204,13 +204,13 @@ impl Recording<'_> {
         }
         for round in &self.state.layout.rounds {
             self.draw_whole(commands, Some(round));
-            self.draw_parts(commands, Some(round));
+            self.draw_enabled(commands, Some(round));
         }
     }
 
     /// Tests the leaves of the nodes that showed, one by one.
     fn test_leaves(&self, commands: &Commands, known: Option<&RoundLayout>) {
-        let known = known.filter(|round| round.has_parts);
+        let known = known.filter(|round| round.has_leaf_tests);
         let (Some(pass), Some(parts), Some(_)) =
             (&self.executor.passes.leaf_boxes, self.io.parts, known)
         else {

@@ -1,7 +1,7 @@
 //! The renderer's picture in a window: the frame is the same as without one, and is shown
 //! afterwards.
 
-use gpu::{Shown, Swapchain};
+use gpu::{PresentResult, Swapchain};
 
 use crate::error::Error;
 use crate::renderer::Renderer;
@@ -16,7 +16,11 @@ impl Renderer {
     /// # Errors
     /// A window of another device; no picture yet, or none since a frame failed; a failure without
     /// a name in [`gpu::PresentSkipped`].
-    pub fn present(&self, window: &mut Swapchain, window_size: [u32; 2]) -> Result<Shown, Error> {
+    pub fn present(
+        &self,
+        window: &mut Swapchain,
+        window_size: [u32; 2],
+    ) -> Result<PresentResult, Error> {
         Ok(window.show(&self.passes.target, window_size)?)
     }
 }

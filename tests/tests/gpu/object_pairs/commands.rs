@@ -187,10 +187,10 @@ fn predicates() -> Vec<Row> {
         row("Predicates::draw", PREDICATES, |ours, theirs| {
             recorded(&ours.device(), |commands| theirs.predicates.draw(commands, SOURCE, 0))
         }),
-        row("Predicates::draw_parts", PREDICATES, |ours, theirs| {
+        row("Predicates::draw_enabled", PREDICATES, |ours, theirs| {
             let draws = ours.slice();
             recorded(&ours.device(), |commands| {
-                theirs.predicates.draw_parts(commands, SOURCE, 0, draws);
+                theirs.predicates.draw_enabled(commands, SOURCE, 0, draws);
             })
         }),
         row("Predicates::draw_boxes", PREDICATES, |ours, theirs| {
@@ -206,7 +206,7 @@ fn predicates() -> Vec<Row> {
                 theirs.predicates.draw_after_counted(commands, draws);
             })
         }),
-        row("Predicates::draw_parts", BUFFER, |ours, theirs| {
+        row("Predicates::draw_enabled", BUFFER, |ours, theirs| {
             let draws = theirs.slice();
             let mut ring = gpu::FrameRing::new(&ours.device(), 1).unwrap();
             let mut frame = ring.begin().unwrap();
@@ -214,7 +214,7 @@ fn predicates() -> Vec<Row> {
             ours.target.prepare(frame.commands());
             let target = ours.target.render_target(Some([0.0; 4]));
             frame.commands().rendering(target, |commands| {
-                ours.predicates.draw_parts(commands, SOURCE, 0, draws);
+                ours.predicates.draw_enabled(commands, SOURCE, 0, draws);
             });
             frame.submit(None).expect_err("an error").to_string()
         }),

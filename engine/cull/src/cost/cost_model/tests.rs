@@ -60,7 +60,7 @@ fn what_nothing_is_made_of_is_asked_seldom_and_in_few_frames() {
     }
     let idle = (0..50).map(|_| busy_frame(false)).last().unwrap();
     assert_eq!(idle.retest_gate, 20, "its share of a frame's draws is a fifth");
-    assert!(idle.retest_max > config.retest_max && idle.own_box_angle == 0.0, "{idle:?}");
+    assert!(idle.retest_max > config.retest_max && idle.visible_box_angle == 0.0, "{idle:?}");
     let busy = busy_frame(true);
     assert_eq!((busy.retest_gate, busy.retest_max), (1, config.retest_max));
 }

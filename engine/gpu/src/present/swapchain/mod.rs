@@ -41,7 +41,7 @@ use crate::record::target::Target;
 
 pub use api::feedback::PresentTiming;
 pub use options::SwapchainOptions;
-pub use outcome::{PresentId, PresentSkipped, Presented, Shown};
+pub use outcome::{PresentId, PresentResult, PresentSkipped, Presented};
 use state::SwapchainState;
 
 /// A window that shows pictures.
@@ -130,12 +130,12 @@ impl Swapchain {
     ///
     /// # Errors
     /// Those of the two.
-    pub fn show(&mut self, target: &Target, window_size: [u32; 2]) -> Result<Shown, Error> {
+    pub fn show(&mut self, target: &Target, window_size: [u32; 2]) -> Result<PresentResult, Error> {
         // Before the wait for an image.
         self.screen.device.check(target, "a window (`Swapchain`)")?;
         match self.acquire(window_size)? {
             Acquired::Image(image) => image.show(target),
-            Acquired::Not(not_shown) => Ok(Shown::Not(not_shown)),
+            Acquired::Not(not_shown) => Ok(PresentResult::Not(not_shown)),
         }
     }
 
@@ -228,11 +228,11 @@ impl WindowImage<'_> {
     /// # Errors
     /// [`Error::Foreign`] for a target of another device; [`Error::WrongCommands`] for one whose
     /// picture was not [submitted](Target::submitted); those without a name in [`PresentSkipped`].
-    pub fn show(self, target: &Target) -> Result<Shown, Error> {
+    pub fn show(self, target: &Target) -> Result<PresentResult, Error> {
         let Self { frame, screen, slot_wait, acquire_wait } = self;
         match screen.show(frame, target, [slot_wait, acquire_wait]) {
             Ok(presented) => Ok(presented),
-            Err(error) => Ok(Shown::Not(screen.settle(error)?)),
+            Err(error) => Ok(PresentResult::Not(screen.settle(error)?)),
         }
     }
 }

@@ -76,19 +76,19 @@ impl std::fmt::Display for PresentSkipped {
 
 /// The outcome of showing a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shown {
+pub enum PresentResult {
     /// A picture on its way to the screen.
     Presented(Presented),
     /// A picture that is not shown.
     Not(PresentSkipped),
 }
 
-impl Shown {
+impl PresentResult {
     /// Returns the present, if the picture is on its way.
     pub fn presented(self) -> Option<Presented> {
         match self {
-            Shown::Presented(presented) => Some(presented),
-            Shown::Not(_) => None,
+            PresentResult::Presented(presented) => Some(presented),
+            PresentResult::Not(_) => None,
         }
     }
 }

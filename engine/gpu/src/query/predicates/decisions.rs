@@ -39,7 +39,7 @@ pub enum Reveal {
     Whole,
     /// Its draws are decided one by one: a box for each is drawn first
     /// ([`Predicates::draw_boxes`](crate::Predicates::draw_boxes)), whose fragments enable the
-    /// draws ([`Predicates::draw_parts`](crate::Predicates::draw_parts)).
+    /// draws ([`Predicates::draw_enabled`](crate::Predicates::draw_enabled)).
     PerLeaf,
 }
 

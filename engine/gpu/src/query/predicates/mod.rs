@@ -259,7 +259,7 @@ impl Predicates {
 
     /// Draws the range of a decision out of `draws` if the word is not zero. `draws` has a copy of
     /// every draw, whose instance count is 1 where a box was visible and 0 elsewhere.
-    pub fn draw_parts(
+    pub fn draw_enabled(
         &self,
         commands: &Commands,
         source: ResultSource,

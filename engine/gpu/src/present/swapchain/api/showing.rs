@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use ash::vk;
 
 use super::super::images::SwapchainImages;
-use super::super::outcome::{PresentId, PresentSkipped, Presented, Shown};
+use super::super::outcome::{PresentId, PresentResult, PresentSkipped, Presented};
 use super::super::presenter::Presenter;
 use super::super::state::{Fit, SwapchainState, is_outdated};
 use crate::core::device::Order;
@@ -21,7 +21,7 @@ impl SwapchainState {
         frame: Frame<'_>,
         target: &Target,
         [slot_wait, acquire_wait]: [Duration; 2],
-    ) -> Result<Shown, Error> {
+    ) -> Result<PresentResult, Error> {
         let (Some(held), Some(chain)) = (self.held, &mut self.chain) else {
             return Err(Error::WrongCommands("an image is shown that was not acquired"));
         };
@@ -55,13 +55,13 @@ impl SwapchainState {
             _ => Some(call.make(&self.device)),
         };
         let present_wait = began.elapsed();
-        let Some(result) = result else { return Ok(Shown::Not(PresentSkipped::Hidden)) };
+        let Some(result) = result else { return Ok(PresentResult::Not(PresentSkipped::Hidden)) };
         match self.came_back(result)? {
             None => {
                 let presented = Presented { id, tick, size, slot_wait, acquire_wait, present_wait };
-                Ok(Shown::Presented(presented))
+                Ok(PresentResult::Presented(presented))
             }
-            Some(not_shown) => Ok(Shown::Not(not_shown)),
+            Some(not_shown) => Ok(PresentResult::Not(not_shown)),
         }
     }
 
