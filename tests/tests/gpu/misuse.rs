@@ -72,7 +72,7 @@ fn a_hierarchy_over_other_objects_is_refused() {
             let hierarchy = Hierarchy::build(&other).unwrap();
             let made = Renderer::with_hierarchy(device, &scene, hierarchy, &options());
             let refused = made.err().unwrap().to_string();
-            assert!(refused.contains("not that of the scene"), "{refused}");
+            assert!(refused.contains("is not over this scene"), "{refused}");
         }
         // Larger boxes hold the objects, and free leaves are room for more.
         let larger = bounds.iter().map(|bounds| bounds.enlarged(0.5)).chain([Aabb::EMPTY; 3]);
