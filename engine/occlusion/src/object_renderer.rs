@@ -53,15 +53,18 @@ pub trait ObjectRenderer {
 
     /// Returns true if [`ObjectRenderer::shade`] adds the colours, so that the draws before it are
     /// kept.
-    fn shades_later(&self) -> bool;
+    fn shades_later(&self) -> bool {
+        false
+    }
 
     /// Adds the colour to the draws of the rounds, if they have none yet: `draw` draws all of it
     /// again. Outside of rendering.
     fn shade(
         &mut self,
-        executor: &PlanExecutor,
-        commands: &Commands,
-        view: &View,
-        draw: &dyn Fn(&Commands),
-    );
+        _executor: &PlanExecutor,
+        _commands: &Commands,
+        _view: &View,
+        _draw: &dyn Fn(&Commands),
+    ) {
+    }
 }

@@ -82,19 +82,6 @@ impl ObjectRenderer for CalibrationObjects<'_> {
         };
         self.passes.opaque.bind(commands, &io, view, &self.passes.light);
     }
-
-    fn shades_later(&self) -> bool {
-        false
-    }
-
-    fn shade(
-        &mut self,
-        _executor: &PlanExecutor,
-        _commands: &Commands,
-        _view: &View,
-        _draw: &dyn Fn(&Commands),
-    ) {
-    }
 }
 
 /// Returns a triangle, and a patch of many.

@@ -112,7 +112,7 @@ pub enum Error {
         /// The reason, and the advice.
         reason: String,
     },
-    /// A blended object that cannot be moved as requested.
+    /// A transparent object that cannot be moved as requested.
     #[error("the transparent object {} cannot be moved: {reason}", transparent.0)]
     Transparent {
         /// The object.

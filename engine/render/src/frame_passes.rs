@@ -25,7 +25,7 @@ pub(crate) struct FramePasses {
     pub(crate) light: Light,
     /// The skinned meshes, if there are any.
     pub(crate) skinned_meshes: Option<SkinnedMeshes>,
-    /// The blended objects, if there are any.
+    /// The transparent objects, if there are any.
     pub(crate) transparent: Option<Transparent>,
     /// The passes of scenes with surfaces.
     pub(crate) shading: Option<Shading>,
@@ -208,7 +208,7 @@ impl FramePasses {
         self.draw_surfaces(commands, view, backdrop, draw);
     }
 
-    /// Gathers the blended objects of a view, which its [shading](ObjectRenderer::shade) draws.
+    /// Gathers the transparent objects of a view, which its [shading](ObjectRenderer::shade) draws.
     /// Returns the number in its frustum.
     ///
     /// # Errors
@@ -225,7 +225,7 @@ impl FramePasses {
         transparent.gather(frame, &self.geometry, (view, tests))
     }
 
-    /// Changes a blended object, if it is there, and finds its lights again.
+    /// Changes a transparent object, if it is there, and finds its lights again.
     pub(crate) fn change_transparent(
         &mut self,
         id: TransparentId,
@@ -239,7 +239,8 @@ impl FramePasses {
         Ok(())
     }
 
-    /// Draws the blended objects over the finished picture of a view, in a rendering of their own.
+    /// Draws the transparent objects over the finished picture of a view, in a rendering of their
+    /// own.
     fn record_transparent(&mut self, executor: &PlanExecutor, commands: &Commands, view: &View) {
         let Some(transparent) =
             self.transparent.as_ref().filter(|transparent| transparent.is_any())
@@ -254,7 +255,7 @@ impl FramePasses {
         });
     }
 
-    /// Draws the blended objects of a view to the current attachments.
+    /// Draws the transparent objects of a view to the current attachments.
     pub(crate) fn draw_transparent(
         &self,
         executor: &PlanExecutor,

@@ -148,7 +148,7 @@ impl Geometry {
         self.mesh_draws.get(mesh.0 as usize).map(|mesh| mesh.draw).unwrap_or_default()
     }
 
-    /// Returns the vertex shader's data of a blended object.
+    /// Returns the vertex shader's data of a transparent object.
     pub(crate) fn transparent_instance(&self, id: TransparentId, object: &Object) -> Instance {
         let slot = |surfaces: &SurfaceResources| surfaces.first_transparent_slot() + id.0;
         let surfaces = self.surfaces.as_ref();

@@ -3,7 +3,7 @@
 //! ```text
 //! as always   the rounds of culling, each strategy's own, with the depth alone
 //! surfaces    their draws once more, for the colour; the sky where nothing is
-//! blended     the blended objects, back to front
+//! transparent the transparent objects, back to front
 //! ```
 //!
 //! Real scenes have surfaces that lie in one plane or cut each other, so that several are equally

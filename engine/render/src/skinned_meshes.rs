@@ -32,7 +32,7 @@ pub(crate) struct SkinnedMeshes {
 /// The CPU's data of a skinned mesh.
 pub(crate) struct State {
     pub(crate) mesh: MeshId,
-    /// The blended object of the mesh, if there is one.
+    /// The transparent object of the mesh, if there is one.
     pub(crate) transparent: Option<TransparentId>,
     pose_bounds: PoseBounds,
     /// The box of the newest pose, in the space of the mesh.

@@ -2,10 +2,10 @@
 //! hide nothing.
 //!
 //! ```text
-//! surfaces    after all opaque surfaces and the sky: boxes of the blended objects in the
+//! surfaces    after all opaque surfaces and the sky: boxes of the transparent objects in the
 //!             frustum, in one draw; a fragment that passes the finished depth switches on the
 //!             draw of its object
-//! blended     their draws, the farthest first, in one call
+//! transparent their draws, the farthest first, in one call
 //! ```
 //!
 //! A box without a visible sample holds an object without one: leaving it out changes nothing, and
@@ -27,7 +27,7 @@ use crate::geometry::{Geometry, bounds_in_world};
 use crate::passes::{SurfaceIo, SurfaceKind, SurfacePass};
 use crate::surfaces::SurfaceResources;
 
-/// The blended objects of a scene.
+/// The transparent objects of a scene.
 pub(crate) struct Transparent {
     pub(crate) pass: SurfacePass,
     objects: Vec<TransparentObject>,
@@ -112,7 +112,7 @@ enum Test {
     None,
 }
 
-/// One view's blended objects in the memory of its frame, in the order in which they are drawn.
+/// One view's transparent objects in the memory of its frame, in the order in which they are drawn.
 #[derive(Clone, Copy)]
 struct TransparentIo {
     instances: BufferSlice,
@@ -125,7 +125,7 @@ struct TransparentIo {
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
 impl Transparent {
-    /// Creates the buffers of the blended objects of a scene; `None` without any.
+    /// Creates the buffers of the transparent objects of a scene; `None` without any.
     ///
     /// # Errors
     /// No memory, a failed call.

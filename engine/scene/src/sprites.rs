@@ -46,7 +46,8 @@ impl SpriteShape {
 }
 
 /// A mesh of points or lines: squares and bars that face the camera. The mesh itself has neither
-/// vertices nor triangles, and its bounds are [`Sprites::bounds`]. No blended object may have it.
+/// vertices nor triangles, and its bounds are [`Sprites::bounds`]. No transparent object may have
+/// it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sprites {
     /// The mesh.

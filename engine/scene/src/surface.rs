@@ -18,7 +18,7 @@ pub struct TextureId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ImageId(pub u32);
 
-/// The id of a blended object: an index into [`Surfaces::transparent`].
+/// The id of a transparent object: an index into [`Surfaces::transparent`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TransparentId(pub u32);
 

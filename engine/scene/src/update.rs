@@ -6,7 +6,7 @@ use glam::Affine3A;
 
 use super::{LightId, ObjectChange, PunctualLight, SkinnedMeshId, TransparentId};
 
-/// A blended object in another place.
+/// A transparent object in another place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransparentMove {
     /// The object.

@@ -9,8 +9,8 @@ use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::traverse::Walk;
 
-/// The probes that a frame may always have. Halved or doubled, it moves no count of a walk by more
-/// than 1 % (docs/cull_config.md).
+/// The pull-up queries that a frame may always have. Halved or doubled, it moves no count of a walk
+/// by more than 1 % (docs/cull_config.md).
 const MIN_PULL_UPS: usize = 16;
 
 /// Makes the lists fit into `budget` queries.

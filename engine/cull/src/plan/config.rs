@@ -112,11 +112,11 @@ pub struct CullConfig {
     ///
     /// Halved: +0.8 % tests, `fly`; doubled: -1.1 % tests, `street` (200 frames).
     pub flicker_retest_max: u32,
-    /// The most doublings of `open_frames`, after which a failed probe is repeated.
+    /// The most doublings of `open_frames`, after which a failed pull-up query is repeated.
     ///
     /// Halved: +2.4 % draws, `cut`; doubled: nothing (200 frames).
     pub pull_up_backoff: u32,
-    /// The number of tests per probe beyond that.
+    /// The number of tests per pull-up query beyond that.
     ///
     /// Halved: nothing; doubled: +2.1 % tests, `cut`.
     pub tests_per_pull_up: u32,
@@ -161,7 +161,7 @@ pub struct CullConfig {
     pub per_leaf_min: u32,
     /// The number of tests above which there are too many even with queries for them: the allowed
     /// sizes are raised, and open nodes whose parts are all hidden are tested as one without a
-    /// probe. After a cut in a huge scene this shrinks the frontier in tens of frames, not
+    /// pull-up query. After a cut in a huge scene this shrinks the frontier in tens of frames, not
     /// hundreds.
     ///
     /// Halved: -62.7 % tests, `cut`; doubled: -40.9 % draws, `street` (queries alone, 100,000).

@@ -1,4 +1,4 @@
-//! Lights and blended objects that move or change between frames.
+//! Lights and transparent objects that move or change between frames.
 
 use glam::Affine3A;
 use scene::{LightId, LightKind, PunctualLight, TransparentId};
@@ -33,7 +33,7 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// Moves a blended object. The next frame shows it.
+    /// Moves a transparent object. The next frame shows it.
     ///
     /// # Errors
     /// [`Error::Transparent`]: the scene has no such object, or the place is impossible. Nothing

@@ -14,7 +14,7 @@ use crate::update::{UpdateReport, UpdateScratch};
 
 impl Renderer {
     /// Applies all changes between two frames: objects first, with [`Renderer::update`], then
-    /// poses, blended objects and lights. The next frame shows it.
+    /// poses, transparent objects and lights. The next frame shows it.
     ///
     /// # Errors
     /// The first impossible change. Those before it are made.

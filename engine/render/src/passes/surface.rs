@@ -42,7 +42,7 @@ pub struct SurfaceIo<'a> {
     pub vertices: BufferSlice,
     /// Their indices.
     pub indices: BufferSlice,
-    /// One instance per leaf, or per blended object; their last words are
+    /// One instance per leaf, or per transparent object; their last words are
     /// [`SurfaceResources::instance_tail`]s.
     pub instances: BufferSlice,
     /// The scene's surfaces, with the second half of its vertices.

@@ -59,7 +59,7 @@ pub struct SurfaceResources {
     pub(crate) light_lists: LightLists,
     dirty_lights: Marked,
     first_transparent_slot: u32,
-    /// The hierarchy over the blended objects, so that lights find them.
+    /// The hierarchy over the transparent objects, so that lights find them.
     transparent: Hierarchy,
     exposure: f32,
     /// The degradations that are known once they are on the GPU.
@@ -238,8 +238,8 @@ impl SurfaceResources {
         }
     }
 
-    /// Finds again the lights of blended objects around which lights changed, and returns the other
-    /// objects that need the same.
+    /// Finds again the lights of transparent objects around which lights changed, and returns the
+    /// other objects that need the same.
     pub(crate) fn relight(&mut self) -> Vec<ObjectId> {
         let mut objects = self.light_lists.take_doubtful();
         objects.retain(|slot| {
