@@ -12,9 +12,9 @@ use scene::{Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::geometry::Geometry;
-use crate::object_bounds::object_bounds;
 use crate::passes::OpaqueIo;
+use crate::resources::geometry::Geometry;
+use crate::resources::object_bounds::object_bounds;
 
 /// The distance of the objects from the eye (metres).
 const DISTANCE_M: f32 = 10.0;

@@ -5,12 +5,12 @@ use gpu::{BufferSlice, Commands, Device, Frame, RenderTarget, Target};
 use occlusion::{Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering, ShaderSet};
 use scene::{Light, TransparentId};
 
-use crate::geometry::{Geometry, bounds_in_world};
 use crate::passes::{CountPass, OpaqueIo, OpaquePass, SurfaceIo};
-use crate::shading::{DARK, DepthPass, Shading};
-use crate::skinned_meshes::{Skinned, SkinnedMeshes, State};
-use crate::surfaces::SurfaceResources;
-use crate::transparent::{Transparent, TransparentObject};
+use crate::resources::geometry::{Geometry, bounds_in_world};
+use crate::resources::skinned_meshes::{Skinned, SkinnedMeshes, State};
+use crate::shading::depth_first::{DARK, DepthPass, Shading};
+use crate::shading::surfaces::SurfaceResources;
+use crate::shading::transparent::{Transparent, TransparentObject};
 
 /// The passes and data that the objects of a scene are drawn with.
 pub(crate) struct FramePasses {

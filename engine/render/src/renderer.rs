@@ -12,21 +12,21 @@ use occlusion::{
 use scene::Scene;
 
 use crate::calibration_scene;
-use crate::debug_overlay::{DebugOverlay, DebugRenderer};
+use crate::debug::debug_overlay::{DebugOverlay, DebugRenderer};
+use crate::debug::flat_overlay::FlatOverlay;
+use crate::debug::visible_set::{SceneRevision, SeenLeaves};
 use crate::error::Error;
-use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FramePasses;
-use crate::geometry::Geometry;
-use crate::limits::check_memory;
-use crate::object_bounds::{check_hierarchy, object_bounds};
 use crate::passes::{OpaquePass, OverlayPass};
-use crate::shading::Shading;
-use crate::skinned_meshes::SkinnedMeshes;
-use crate::sprites::has_sprites;
-use crate::transparent::Transparent;
+use crate::resources::geometry::Geometry;
+use crate::resources::limits::check_memory;
+use crate::resources::object_bounds::{check_hierarchy, object_bounds};
+use crate::resources::skinned_meshes::SkinnedMeshes;
+use crate::resources::sprites::has_sprites;
+use crate::shading::depth_first::Shading;
+use crate::shading::transparent::Transparent;
 use crate::update::UpdateScratch;
 use crate::view_state::{RendererId, ViewState};
-use crate::visible_set::{SceneRevision, SeenLeaves};
 
 /// The most frames that may be in flight: each has memory of its own for everything that a frame
 /// writes, and beyond a few they only make results older.

@@ -6,8 +6,8 @@ use cull::{Corrections, FramePlan, Hierarchy, ObjectId};
 use gpu::Tick;
 use occlusion::{FrameOutcome, LeafTable, VisibilityState};
 
+use crate::debug::sample_counts::{COUNTING, SampleCounts, VisibleSamples, check_counts};
 use crate::error::Error;
-use crate::sample_counts::{COUNTING, SampleCounts, VisibleSamples, check_counts};
 
 /// The identity of a renderer: objects made by one fit no other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -12,11 +12,11 @@ use cull::{Camera, Corrections, Strategy, View};
 use gpu::{Device, Frame, Readback, Target, Tick, Timeline};
 use occlusion::{Rect, VisibilityState};
 
+use crate::debug::flat_overlay::FlatOverlay;
+use crate::debug::visible_set::VisibleSet;
 use crate::error::Error;
-use crate::flat_overlay::FlatOverlay;
-use crate::skinned_meshes::Skinned;
+use crate::resources::skinned_meshes::Skinned;
 use crate::view_state::ViewState;
-use crate::visible_set::VisibleSet;
 
 /// One view of a frame.
 pub struct ViewTarget<'a> {

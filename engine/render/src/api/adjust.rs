@@ -4,14 +4,14 @@
 use gpu::{FrameRing, Target};
 use occlusion::{ComputeTest, Method, MethodScene, ShaderSet};
 
-use crate::debug_overlay::DebugRenderer;
+use crate::debug::debug_overlay::DebugRenderer;
 use crate::error::Error;
 use crate::frame_passes::DepthFirst;
 use crate::passes::{CountPass, DeformPass, OpaquePass, OverlayPass};
 use crate::renderer::{MAX_FRAMES_IN_FLIGHT, Renderer};
-use crate::shading::Shading;
-use crate::surfaces::SurfaceResources;
-use crate::transparent::Transparent;
+use crate::shading::depth_first::Shading;
+use crate::shading::surfaces::SurfaceResources;
+use crate::shading::transparent::Transparent;
 
 impl Renderer {
     /// Draws pictures of `size` pixels from now on. A view from above that does not fit into them

@@ -1,9 +1,9 @@
 //! Calls that inspect a renderer.
 
+use crate::debug::sample_counts::{COUNTING, check_counts};
 use crate::error::Error;
 use crate::renderer::Renderer;
-use crate::sample_counts::{COUNTING, check_counts};
-use crate::scene_degradations::SceneDegradations;
+use crate::shading::scene_degradations::SceneDegradations;
 
 impl Renderer {
     /// Returns the parts of the scene that are shown in a degraded form; for still parts it is

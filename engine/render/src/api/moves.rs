@@ -4,8 +4,8 @@ use glam::Affine3A;
 use scene::{LightId, LightKind, PunctualLight, TransparentId};
 
 use crate::error::Error;
-use crate::geometry::bounds_in_world;
 use crate::renderer::Renderer;
+use crate::resources::geometry::bounds_in_world;
 
 impl Renderer {
     /// Replaces a light of a scene with surfaces by a moved or changed one. The next frame shows

@@ -1,7 +1,7 @@
 //! The flat overlay over every picture.
 
+use crate::debug::flat_overlay::FlatOverlay;
 use crate::error::Error;
-use crate::flat_overlay::FlatOverlay;
 use crate::renderer::Renderer;
 
 impl Renderer {

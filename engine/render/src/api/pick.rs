@@ -4,9 +4,9 @@
 use cull::{Camera, FrameId, LeafExplanation, LeafIndex, LeafRange, ObjectId, Outcome, View};
 use gpu::{Optional, Tick};
 
+use crate::debug::pick::Pick;
 use crate::error::Error;
 use crate::passes::OverlayPass;
-use crate::pick::Pick;
 use crate::renderer::Renderer;
 use crate::view_state::ViewState;
 

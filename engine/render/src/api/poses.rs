@@ -5,9 +5,9 @@ use scene::{Deformation, SceneUpdate, SkinnedMeshId};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::geometry::bounds_in_world;
 use crate::renderer::Renderer;
-use crate::skinned_meshes::State;
+use crate::resources::geometry::bounds_in_world;
+use crate::resources::skinned_meshes::State;
 use crate::update::UpdateScratch;
 
 impl Renderer {

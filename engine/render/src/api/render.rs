@@ -6,17 +6,17 @@ use cull::{Aabb, Camera, Hierarchy, Strategy, View};
 use gpu::{Frame, PassTime, Readback};
 use occlusion::{FrameTimes, MethodRequest, MethodScene, PlanExecutor, Rect};
 
-use crate::debug_overlay::DebugRenderer;
+use crate::debug::debug_overlay::DebugRenderer;
+use crate::debug::flat_overlay::FlatOverlay;
+use crate::debug::outline::record_outline;
+use crate::debug::sample_counts::count_samples;
+use crate::debug::visible_set::{VISIBLE_SET, VisibleSet};
 use crate::error::Error;
-use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FramePasses;
-use crate::outline::record_outline;
 use crate::passes::{CountPass, OverlayPass};
 use crate::renderer::Renderer;
-use crate::sample_counts::count_samples;
 use crate::view_state::{RendererId, ViewState};
 use crate::views::{FrameReport, FrameRequest, ViewTarget, ViewsRequest, finish_picture, view_in};
-use crate::visible_set::{VISIBLE_SET, VisibleSet};
 
 impl Renderer {
     /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,

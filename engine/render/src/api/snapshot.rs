@@ -3,14 +3,14 @@
 use cull::{Answer, Camera, LeafRange, QueryKind, Strategy, View};
 use gpu::{Readback, Tick};
 
+use crate::debug::outline::record_outline;
+use crate::debug::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
+use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
-use crate::outline::record_outline;
 use crate::passes::OverlayPass;
 use crate::renderer::Renderer;
-use crate::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::view_state::ViewState;
 use crate::views::finish_picture;
-use crate::visibility_snapshot::VisibilitySnapshot;
 
 /// The background: none, as in a drawing, or the scene's sky, as in its other pictures.
 enum Backdrop {

@@ -7,12 +7,12 @@ use glam::Vec3;
 use gpu::{Access, MemoryBarrier, Tick};
 use occlusion::{ObjectPass, ObjectRenderer, Rect, Rendering};
 
+use crate::debug::visible_set::{SeenLeaves, VISIBLE_SET, VisibleSet};
 use crate::error::Error;
 use crate::passes::SeenIo;
 use crate::renderer::Renderer;
 use crate::view_state::ViewState;
 use crate::views::{ViewTarget, ViewsRequest};
-use crate::visible_set::{SeenLeaves, VISIBLE_SET, VisibleSet};
 
 impl Renderer {
     /// Finds the objects that own a pixel of `area` seen from `camera`. Waits for the GPU, twice:

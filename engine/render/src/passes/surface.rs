@@ -9,7 +9,7 @@ use gpu::{
 use scene::limits::MAX_PAGES;
 use scene::{Light, SurfaceVertex, Vertex};
 
-use crate::surfaces::SurfaceResources;
+use crate::shading::surfaces::SurfaceResources;
 use occlusion::{Error, ShaderSet};
 
 /// The output of a surface pass.

@@ -9,8 +9,8 @@ use scene::limits::INSTANCE_BYTES;
 use scene::{Scene, Sprites, SurfaceVertex, Vertex};
 
 use crate::error::Error;
-use crate::instance::Instance;
-use crate::limits::check_storage;
+use crate::resources::instance::Instance;
+use crate::resources::limits::check_storage;
 
 /// The words of four numbers in the place of an instance.
 const WORDS: usize = 4;

@@ -3,11 +3,11 @@
 use cull::{Aabb, View};
 use gpu::Frame;
 
+use crate::debug::palette::SELECTED;
+use crate::debug::top_down::Sketch;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::palette::SELECTED;
 use crate::passes::OverlayPass;
-use crate::top_down::Sketch;
 
 /// The pass that outlines an object.
 pub(crate) const OUTLINE: &str = "outline";

@@ -6,9 +6,9 @@ use glam::Vec3;
 use scene::limits::MAX_LIGHTS_PER_OBJECT;
 use scene::{LightKind, PunctualLight};
 
-use crate::surfaces::light_tree::{LightTree, Reach, Strongest};
-use crate::surfaces::lights::LightTable;
-use crate::surfaces::marked::Marked;
+use crate::shading::surfaces::light_tree::{LightTree, Reach, Strongest};
+use crate::shading::surfaces::lights::LightTable;
+use crate::shading::surfaces::marked::Marked;
 
 /// The words of a list, with two lights per word.
 pub(crate) const LIST_WORDS: usize = MAX_LIGHTS_PER_OBJECT / 2;

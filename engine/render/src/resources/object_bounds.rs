@@ -4,7 +4,7 @@ use cull::{Aabb, Hierarchy, ObjectId};
 use scene::Scene;
 
 use crate::error::Error;
-use crate::limits::check_memory;
+use crate::resources::limits::check_memory;
 
 /// Returns the box of each object of `scene` in the world, in their order, to build a hierarchy
 /// over.

@@ -5,9 +5,9 @@ use scene::limits::{MAX_LAYERS, MAX_PAGES};
 use scene::{Encoding, Filter, Sampler, Surfaces, Wrap};
 
 use crate::error::Error;
-use crate::limits;
-use crate::surfaces::pages::{Page, PagePlan};
-use crate::surfaces::resources::SurfaceOptions;
+use crate::resources::limits;
+use crate::shading::surfaces::pages::{Page, PagePlan};
+use crate::shading::surfaces::resources::SurfaceOptions;
 
 /// Plans the page of each image.
 pub(super) fn plan(device: &Device, surfaces: &Surfaces) -> Result<PagePlan, Error> {

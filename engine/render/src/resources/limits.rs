@@ -66,6 +66,6 @@ mod tests {
 
     #[test]
     fn an_object_takes_what_the_limits_say() {
-        assert_eq!(INSTANCE_BYTES, size_of::<crate::instance::Instance>() as u64);
+        assert_eq!(INSTANCE_BYTES, size_of::<crate::resources::instance::Instance>() as u64);
     }
 }

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use scene::limits::MAX_LAYERS;
 use scene::{Encoding, ImageId, Sampler, Surfaces, Texture, TextureId};
 
-use crate::surfaces::page_groups::{Group, joined, most_texels};
+use crate::shading::surfaces::page_groups::{Group, joined, most_texels};
 
 /// Images of one size, encoding and sampler.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,8 +51,8 @@ impl PagePlan {
     /// first.
     ///
     /// All pages together take at most twice the memory of their images, or
-    /// [`SMALL_PAGES_BYTES`](crate::SMALL_PAGES_BYTES) where that is more. An image that is sampled
-    /// as colours and as numbers counts twice.
+    /// [`SMALL_PAGES_BYTES`](super::page_groups::SMALL_PAGES_BYTES) where that is more. An image
+    /// that is sampled as colours and as numbers counts twice.
     #[must_use]
     pub fn new(surfaces: &Surfaces, max_side: u32, max_layers: u32) -> Self {
         let max_layers = max_layers.clamp(1, MAX_LAYERS);

@@ -8,8 +8,8 @@ use scene::limits::MAX_TEXTURE_TRANSFORMS;
 use scene::{Alpha, Material, Surfaces, TextureUse};
 
 use crate::error::Error;
-use crate::limits;
-use crate::surfaces::pages::PagePlan;
+use crate::resources::limits;
+use crate::shading::surfaces::pages::PagePlan;
 
 /// One material as `material.glsl` declares it.
 #[repr(C)]

@@ -13,8 +13,8 @@ use scene::{
 };
 
 use crate::error::Error;
-use crate::limits::check_storage;
 use crate::passes::{DeformIo, DeformPass, Deformation, REST_WORDS};
+use crate::resources::limits::check_storage;
 
 /// All skinned meshes of a scene and their newest poses.
 pub(crate) struct SkinnedMeshes {

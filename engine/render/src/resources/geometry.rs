@@ -15,12 +15,14 @@ use scene::{
 };
 
 use crate::error::Error;
-use crate::instance::Instance;
-use crate::limits::{check_memory, check_storage, room};
-use crate::lod::{LodTable, stretch};
-use crate::skinned_meshes::{DeformedVertices, are_deformed, deformed_vertices, mesh_order};
-use crate::sprites;
-use crate::surfaces::{SurfaceOptions, SurfaceResources};
+use crate::resources::instance::Instance;
+use crate::resources::limits::{check_memory, check_storage, room};
+use crate::resources::lod::{LodTable, stretch};
+use crate::resources::skinned_meshes::{
+    DeformedVertices, are_deformed, deformed_vertices, mesh_order,
+};
+use crate::resources::sprites;
+use crate::shading::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// Memory that a renderer takes for each object while it is made (bytes): its instance, by object
 /// and by leaf, its box, its draw, and some numbers; and the part of that on the device, whose

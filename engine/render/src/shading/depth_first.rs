@@ -17,7 +17,7 @@ use gpu::Device;
 use occlusion::{Error, ShaderSet};
 
 use crate::passes::{OpaquePass, SkyPass, SurfaceKind, SurfacePass};
-use crate::surfaces::SurfaceResources;
+use crate::shading::surfaces::SurfaceResources;
 
 /// The passes of scenes with surfaces.
 pub(crate) struct Shading {

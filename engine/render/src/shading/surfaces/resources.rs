@@ -9,16 +9,16 @@ use scene::{
 };
 
 use crate::error::Error;
-use crate::limits;
-use crate::scene_degradations::SceneDegradations;
-use crate::skinned_meshes::mesh_order;
-use crate::sprites;
-use crate::surfaces::light_lists::{LIST_WORDS, LightLists};
-use crate::surfaces::lights::{LightEntry, LightTable};
-use crate::surfaces::marked::Marked;
-use crate::surfaces::materials::{Features, MaterialEntry, MaterialTable};
-use crate::surfaces::page_upload::{plan, upload_pages};
-use crate::surfaces::pages::PagePlan;
+use crate::resources::limits;
+use crate::resources::skinned_meshes::mesh_order;
+use crate::resources::sprites;
+use crate::shading::scene_degradations::SceneDegradations;
+use crate::shading::surfaces::light_lists::{LIST_WORDS, LightLists};
+use crate::shading::surfaces::lights::{LightEntry, LightTable};
+use crate::shading::surfaces::marked::Marked;
+use crate::shading::surfaces::materials::{Features, MaterialEntry, MaterialTable};
+use crate::shading::surfaces::page_upload::{plan, upload_pages};
+use crate::shading::surfaces::pages::PagePlan;
 use occlusion::{ScatterIo, ScatterPass};
 
 /// The options of the upload of surfaces.

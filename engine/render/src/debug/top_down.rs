@@ -6,10 +6,10 @@ use glam::Vec3;
 use gpu::Frame;
 use scene::pack_unorm;
 
+use crate::debug::palette::{FRUSTUM, Swatch, level_colour};
+use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
-use crate::palette::{FRUSTUM, Swatch, level_colour};
 use crate::passes::{OverlayIo, OverlayVertex};
-use crate::visibility_snapshot::VisibilitySnapshot;
 
 /// The reach of the drawn frustum, as a share of the reach of the draws.
 const FRUSTUM_REACH: f32 = 1.0;

@@ -4,16 +4,16 @@ use cull::{Hierarchy, NodeState, Tester, View};
 use gpu::{BufferSlice, Device, Frame};
 use occlusion::{PlanExecutor, Rect, ShaderSet};
 
+use crate::debug::flat_overlay::{GLYPHS, OVERLAY};
+use crate::debug::outline::OUTLINE;
+use crate::debug::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN};
+use crate::debug::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
+use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
-use crate::flat_overlay::{GLYPHS, OVERLAY};
 use crate::frame_passes::FramePasses;
-use crate::outline::OUTLINE;
-use crate::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN};
 use crate::passes::{OpaquePass, OverlayPass};
-use crate::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::view_state::ViewState;
 use crate::views::view_in;
-use crate::visibility_snapshot::VisibilitySnapshot;
 
 /// The overlay that explains pictures; of several views, over the first. It shows the plan of the
 /// frame and the history when it is recorded, and waits for nothing.

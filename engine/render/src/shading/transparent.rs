@@ -23,9 +23,9 @@ use occlusion::{LeafBoxIo, PlanExecutor, ProxyBox, ShaderSet};
 use scene::{ENCLOSING, Light, Mesh, Object, Scene, TransparentId, outwardness};
 
 use crate::error::Error;
-use crate::geometry::{Geometry, bounds_in_world};
 use crate::passes::{SurfaceIo, SurfaceKind, SurfacePass};
-use crate::surfaces::SurfaceResources;
+use crate::resources::geometry::{Geometry, bounds_in_world};
+use crate::shading::surfaces::SurfaceResources;
 
 /// The transparent objects of a scene.
 pub(crate) struct Transparent {

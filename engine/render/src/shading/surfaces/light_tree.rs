@@ -8,7 +8,7 @@ use glam::Vec3;
 use scene::limits::MAX_LIGHTS_PER_OBJECT;
 use scene::{LightKind, PunctualLight};
 
-use crate::surfaces::lights::{is_bright, reach_m, strongest_part};
+use crate::shading::surfaces::lights::{is_bright, reach_m, strongest_part};
 
 /// The data by which a light reaches a box.
 #[derive(Clone, Copy, Debug)]

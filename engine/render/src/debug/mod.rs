@@ -1,0 +1,11 @@
+//! Views into the renderer: overlays, snapshots, and answers about what is visible.
+
+pub(crate) mod debug_overlay;
+pub(crate) mod flat_overlay;
+pub(crate) mod outline;
+pub mod palette;
+pub(crate) mod pick;
+pub(crate) mod sample_counts;
+pub(crate) mod top_down;
+pub(crate) mod visibility_snapshot;
+pub(crate) mod visible_set;

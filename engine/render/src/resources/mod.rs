@@ -1,0 +1,9 @@
+//! Scenes on the GPU: meshes, instances, levels of detail and poses, and the checks that they fit.
+
+pub(crate) mod geometry;
+pub(crate) mod instance;
+pub(crate) mod limits;
+pub(crate) mod lod;
+pub(crate) mod object_bounds;
+pub(crate) mod skinned_meshes;
+pub(crate) mod sprites;
