@@ -35,7 +35,7 @@ layout(std430, binding = 3) writeonly buffer Words { uint words[]; };
 layout(push_constant) uniform Constants {
     vec3 eye;
     float near;
-    // The direction with view depth 1 through the middle of the picture, and its change per pixel
+    // The direction with view depth 1 through the middle of the image, and its change per pixel
     // to the right and per pixel down.
     vec3 forward;
     uint first;
@@ -46,7 +46,7 @@ layout(push_constant) uniform Constants {
     uvec2 size;
 };
 
-// Depths along planes, one plane of each axis: at the middle of the picture, and their slopes.
+// Depths along planes, one plane of each axis: at the middle of the image, and their slopes.
 struct Planes {
     vec3 middle;
     vec3 slope_x;
@@ -118,7 +118,7 @@ float largest(vec3 v) {
 }
 
 // True if the box may be as near as `depth` anywhere up to `reach` pixels, in x and in y, from
-// `at`, which is counted from the middle of the picture.
+// `at`, which is counted from the middle of the image.
 bool may_show(Slabs slabs, vec2 at, float reach, float depth) {
     float entry = least(nearest(slabs.entries, at, reach));
     float exit = max(largest(farthest(slabs.exits, at, reach)),

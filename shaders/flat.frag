@@ -1,4 +1,4 @@
-// Flat pictures over the scene: the atlas times the vertex colour, both sRGB-encoded and multiplied
+// Flat images over the scene: the atlas times the vertex colour, both sRGB-encoded and multiplied
 // by alpha; what is blended is linear.
 #version 460
 

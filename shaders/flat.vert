@@ -1,4 +1,4 @@
-// Flat pictures over the scene (text, graphs): triangles in pixels from the upper left.
+// Flat images over the scene (text, graphs): triangles in pixels from the upper left.
 #version 460
 
 layout(location = 0) in vec2 position;

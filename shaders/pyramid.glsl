@@ -105,10 +105,10 @@ Coverage coverage(Box box) {
         low = min(low, at);
         high = max(high, at);
     }
-    // To pixels: the clamp keeps everything that is on the picture and makes it safe to convert.
-    vec2 picture = vec2(size);
-    low = clamp((low * 0.5 + 0.5) * picture - 0.5, vec2(-1.0), picture);
-    high = clamp((high * 0.5 + 0.5) * picture + 0.5, vec2(-1.0), picture);
+    // To pixels: the clamp keeps everything that is on the image and makes it safe to convert.
+    vec2 pixels = vec2(size);
+    low = clamp((low * 0.5 + 0.5) * pixels - 0.5, vec2(-1.0), pixels);
+    high = clamp((high * 0.5 + 0.5) * pixels + 0.5, vec2(-1.0), pixels);
     covers.first = max(ivec2(floor(low)), ivec2(0));
     covers.last = min(ivec2(floor(high)), ivec2(size) - 1);
     return covers;

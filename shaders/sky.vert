@@ -1,4 +1,4 @@
-// The sky pass: one triangle over the whole picture, farther than all things are.
+// The sky pass: one triangle over the whole image, farther than all things are.
 #version 460
 
 void main() {

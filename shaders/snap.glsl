@@ -6,7 +6,7 @@
 // that is nowhere on it. Tests that rely on the object's own depths would fail. Snapped here,
 // vertices are the same in both steps.
 
-// `steps` are those from the middle of the picture to its edges.
+// `steps` are those from the middle of the image to its edges.
 vec4 snapped(vec4 clip, vec2 steps) {
     // Vertices outside of the near plane are cut off later, and have no place on the screen yet.
     return clip.w > 0.0 && clip.w >= clip.z ? vec4(round(clip.xy / clip.w * steps) / steps * clip.w, clip.zw) : clip;

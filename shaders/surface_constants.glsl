@@ -4,7 +4,7 @@
 layout(push_constant) uniform Constants {
     mat4 view_proj;
     vec4 eye;           // w: exposure
-    vec4 ambient_above; // w: steps of the sub-pixel grid from the middle of the picture to its side
+    vec4 ambient_above; // w: steps of the sub-pixel grid from the middle of the image to its side
     vec4 ambient_below; // w: the same to its top
 };
 

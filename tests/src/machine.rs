@@ -48,7 +48,7 @@ pub struct Machine {
     pub most_draws: Option<u32>,
     /// True if windows have no pixel: they are minimised.
     pub is_minimised: bool,
-    /// True if no device shows pictures in windows.
+    /// True if no device shows frames in windows.
     pub is_blind: bool,
     /// True if no device has present fences.
     pub is_fenceless: bool,

@@ -157,7 +157,7 @@ pub fn tone_mapped(light: DVec3) -> DVec3 {
     colour * (n / p) * g + DVec3::splat(n) * (1.0 - g)
 }
 
-/// Returns the value of a pixel of the picture, not rounded.
+/// Returns the value of a pixel of the image, not rounded.
 pub fn encoded(linear: DVec3) -> [f64; 3] {
     linear.to_array().map(|value| {
         let value = value.clamp(0.0, 1.0);

@@ -75,7 +75,7 @@ pub fn square_camera() -> Camera {
     }
 }
 
-/// Returns the view of [`square_camera`] on a square picture.
+/// Returns the view of [`square_camera`] on a square image.
 pub fn square_view(device: &Device, side: u32) -> View {
     View::new(&square_camera(), [side, side], device.adapter().limits.sub_pixel_precision_bits)
 }

@@ -1,21 +1,21 @@
-//! A window of a test that shows a picture after every change.
+//! A window of a test that shows an image after every change.
 
 use gpu::{PresentMode, PresentResult, PresentSkipped, Swapchain, SwapchainOptions};
 
-use crate::stage::{Painter, Stage, await_picture, show_surely};
+use crate::stage::{Painter, Stage, await_image, show_surely};
 use crate::x11_window::X11Window;
 
 /// The most swapchains that wait for their end: eight that need a proof of it, one that is
 /// replaced.
 const MOST_RETIRING: usize = 9;
 
-/// A window that shows a picture after every change.
+/// A window that shows an image after every change.
 pub struct Show<'a> {
     /// The window's device.
     pub stage: &'a Stage,
     /// The window.
     pub window: &'a X11Window,
-    /// The source of pictures.
+    /// The source of images.
     pub painter: Painter,
     /// The swapchain under test.
     pub swapchain: Swapchain,
@@ -55,7 +55,7 @@ impl<'a> Show<'a> {
         assert!(self.stage.device.retired() < 40, "{}", self.stage.device.retired());
     }
 
-    /// Checks that the window shows exactly the picture that was drawn for its size.
+    /// Checks that the window shows exactly the image that was drawn for its size.
     pub fn check(&mut self, seed: u32) {
         self.window.show();
         self.window.place(0, 0);
@@ -63,6 +63,6 @@ impl<'a> Show<'a> {
         let expected = painter.expected(seed);
         let presented = show_surely(&mut self.swapchain, &painter.target, self.size);
         assert_eq!(presented.size, self.size);
-        await_picture(&expected, || self.window.pixels(self.size));
+        await_image(&expected, || self.window.pixels(self.size));
     }
 }

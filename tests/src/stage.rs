@@ -1,4 +1,4 @@
-//! The parts of every test of a window: a device that can show pictures there, and pictures to
+//! The parts of every test of a window: a device that can show images there, and images to
 //! show.
 
 use std::sync::Arc;
@@ -54,25 +54,25 @@ impl Stage {
     }
 }
 
-/// A source of pictures: tiles, each of another colour.
+/// A source of images: tiles, each of another colour.
 pub struct Painter {
     device: Device,
     ring: FrameRing,
-    /// The target of the last picture.
+    /// The target of the last image.
     pub target: Target,
 }
 
 const TILES: u32 = 12;
 
 impl Painter {
-    /// Makes a painter of pictures of `size` pixels.
+    /// Makes a painter of images of `size` pixels.
     pub fn new(device: &Device, size: [u32; 2]) -> Self {
         let ring = FrameRing::new(device, 2).unwrap();
-        let target = Target::new(device, size, "picture").unwrap();
+        let target = Target::new(device, size, "image").unwrap();
         Self { device: device.clone(), ring, target }
     }
 
-    /// Paints a picture of its own for every seed, and copies it, if there is a readback.
+    /// Paints an image of its own for every seed, and copies it, if there is a readback.
     pub fn paint(&mut self, seed: u32, copy: Option<&Readback>) {
         let frame = self.ring.begin().unwrap();
         let commands = frame.commands();
@@ -97,7 +97,7 @@ impl Painter {
         self.target.submitted();
     }
 
-    /// Returns the pixels of a seed's picture.
+    /// Returns the pixels of a seed's image.
     pub fn expected(&mut self, seed: u32) -> Vec<[u8; 3]> {
         let copy = Readback::new(&self.device, self.target.size()).unwrap();
         self.paint(seed, Some(&copy));
@@ -106,7 +106,7 @@ impl Painter {
     }
 }
 
-/// Shows the picture until it is presented; the window's changes must be over.
+/// Shows the image until it is presented; the window's changes must be over.
 pub fn show_surely(swapchain: &mut Swapchain, target: &Target, size: [u32; 2]) -> gpu::Presented {
     let mut others = Vec::new();
     for _ in 0..20 {
@@ -119,7 +119,7 @@ pub fn show_surely(swapchain: &mut Swapchain, target: &Target, size: [u32; 2]) -
 }
 
 /// Waits until `look` returns the expected pixels; there is no bound on when presents end.
-pub fn await_picture(expected: &[[u8; 3]], look: impl Fn() -> Vec<[u8; 3]>) {
+pub fn await_image(expected: &[[u8; 3]], look: impl Fn() -> Vec<[u8; 3]>) {
     let began = Instant::now();
     loop {
         let found = look();

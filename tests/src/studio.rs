@@ -20,9 +20,9 @@ struct Instance {
     tail: [u32; 4],
 }
 
-/// Returns a picture of `scene`, four bytes per pixel: depth first, then the colour of the visible
+/// Returns an image of `scene`, four bytes per pixel: depth first, then the colour of the visible
 /// surfaces, the sky, and transparent objects in their order.
-pub fn picture(
+pub fn image(
     device: &Device,
     scene: &Scene,
     camera: &Camera,
@@ -84,7 +84,7 @@ pub fn picture(
         surfaces: &surfaces,
     };
     let mut target = Target::new(device, size, "studio").expect("a target");
-    let readback = Readback::new(device, size).expect("a picture");
+    let readback = Readback::new(device, size).expect("an image");
     let record = |commands: &gpu::Commands| {
         target.prepare(commands);
         commands.rendering(target.render_target(Some([0.0; 4])), |commands| {
@@ -106,8 +106,8 @@ pub fn picture(
         });
         target.copy_to(commands, &readback);
     };
-    device.run_once("studio", record).expect("a picture");
-    readback.rgba8().expect("a picture").to_vec()
+    device.run_once("studio", record).expect("an image");
+    readback.rgba8().expect("an image").to_vec()
 }
 
 /// Returns a scene of these meshes, one object of each at its place, without light other than its
@@ -155,7 +155,7 @@ pub fn mesh(
     )
 }
 
-/// Returns a square of the picture that [`square_camera`](crate::shapes::square_camera) takes,
+/// Returns a square of the image that [`square_camera`](crate::shapes::square_camera) takes,
 /// `side` pixels large: from one corner of pixels to another, `distance_m` away, facing the camera.
 /// Coordinates of textures go from the upper left (`uv[0]`) to the lower right (`uv[1]`), in both
 /// sets; `change` may change the vertices.

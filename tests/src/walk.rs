@@ -1,4 +1,4 @@
-//! Walks through scenes with two strategies and compares every picture bit for bit.
+//! Walks through scenes with two strategies and compares every image bit for bit.
 
 use cull::{Camera, Strategy};
 use gpu::{Device, Pixels, Readback};
@@ -63,7 +63,7 @@ pub struct Found {
 }
 
 /// Walks `frames` frames of `path` with `antumbra` in one go, as a user's loop would, and compares
-/// each picture with plain frustum culling.
+/// each image with plain frustum culling.
 pub fn walk(
     device: &Device,
     scene: &GeneratedScene,
@@ -74,7 +74,7 @@ pub fn walk(
     walk_with(device, scene, path, frames, options, Strategy::ANTUMBRA)
 }
 
-/// Walks with any strategy, and compares each picture with plain frustum culling.
+/// Walks with any strategy, and compares each image with plain frustum culling.
 pub fn walk_with(
     device: &Device,
     GeneratedScene { scene, routes }: &GeneratedScene,
@@ -108,7 +108,7 @@ pub fn walk_cameras_with(
 ) -> Found {
     let mut renderer = Renderer::new(device, scene, options).expect("a renderer");
     let mut found = Found { frames: cameras.len() as u32, ..Found::default() };
-    let mut pictures = Vec::new();
+    let mut images = Vec::new();
     for (which, strategy) in [Strategy::FRUSTUM, strategy].into_iter().enumerate() {
         let mut view = renderer.new_view().expect("a view");
         let loops = frame_loop(&mut renderer, &mut view, strategy, cameras);
@@ -117,18 +117,18 @@ pub fn walk_cameras_with(
         assert_eq!(loops.outcomes.len(), cameras.len(), "every frame has an outcome");
         let ages = loops.reports.iter().filter_map(|report| report.oldest_answer_frames);
         found.oldest_answer_frames = ages.max().unwrap_or(0);
-        pictures.push(loops.pictures);
+        images.push(loops.images);
     }
-    for (reference, picture) in pictures[0].iter().zip(&pictures[1]) {
-        found.pixels_wrong += pixels_that_differ(&pixels(reference), &pixels(picture));
+    for (reference, image) in images[0].iter().zip(&images[1]) {
+        found.pixels_wrong += pixels_that_differ(&pixels(reference), &pixels(image));
     }
     found
 }
 
 /// The results of a frame loop.
 pub struct Loop {
-    /// A picture of every frame.
-    pub pictures: Vec<Readback>,
+    /// An image of every frame.
+    pub images: Vec<Readback>,
     /// The report of every frame when it was submitted.
     pub reports: Vec<FrameReport>,
     /// The outcome of every frame.
@@ -144,24 +144,23 @@ pub fn frame_loop(
     strategy: Strategy,
     cameras: &[Camera],
 ) -> Loop {
-    let new_picture = || Readback::new(renderer.device(), renderer.size()).expect("memory");
-    let pictures: Vec<Readback> = cameras.iter().map(|_| new_picture()).collect();
+    let new_image = || Readback::new(renderer.device(), renderer.size()).expect("memory");
+    let images: Vec<Readback> = cameras.iter().map(|_| new_image()).collect();
     let waits = renderer.device().wait_counts().other;
     let mut reports = Vec::new();
-    for (camera, picture) in cameras.iter().zip(&pictures) {
-        let request =
-            FrameRequest { picture: Some(picture), ..FrameRequest::new(strategy, *camera) };
+    for (camera, image) in cameras.iter().zip(&images) {
+        let request = FrameRequest { image: Some(image), ..FrameRequest::new(strategy, *camera) };
         reports.push(renderer.render(view, &request).expect("a frame"));
     }
     let blocking_waits = renderer.device().wait_counts().other - waits;
     renderer.drain(view).expect("the end");
     let outcomes: Vec<FrameOutcome> = view.take_outcomes().collect();
     assert!(outcomes.is_sorted_by_key(|outcome| outcome.frame), "{outcomes:?}");
-    Loop { pictures, reports, outcomes, blocking_waits }
+    Loop { images, reports, outcomes, blocking_waits }
 }
 
-fn pixels(picture: &Readback) -> Pixels<'_> {
-    picture.rgba8().expect("a frame that is over")
+fn pixels(image: &Readback) -> Pixels<'_> {
+    image.rgba8().expect("a frame that is over")
 }
 
 /// Returns the number of pixels whose bits differ.

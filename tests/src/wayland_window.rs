@@ -35,7 +35,7 @@ impl WaylandWindow {
         Self::with_role(compositor, true)
     }
 
-    /// Returns a window that is never shown: the compositor never asks it for another picture.
+    /// Returns a window that is never shown: the compositor never asks it for another image.
     pub fn open_hidden(compositor: &Weston) -> Arc<Self> {
         Self::with_role(compositor, false)
     }

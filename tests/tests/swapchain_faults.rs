@@ -20,7 +20,7 @@ use tests::xvfb::Xvfb;
 use tests::{Driver, instance, instance_for};
 
 use tests::machine::{CALLS_THAT_SHOW, Fault, Machine, calls};
-use tests::stage::{Painter, Stage, await_picture, show_surely};
+use tests::stage::{Painter, Stage, await_image, show_surely};
 use tests::x11_window::{Library, X11Window};
 
 const SIZE: [u32; 2] = [96, 64];
@@ -59,13 +59,13 @@ impl Liar {
         self.try_show().unwrap()
     }
 
-    /// Stops the lies, and checks that the right picture is shown and that everything ends in
+    /// Stops the lies, and checks that the right image is shown and that everything ends in
     /// order.
     fn end(mut self) {
         Machine::default().install();
         let expected = self.painter.expected(77);
         show_surely(&mut self.swapchain, &self.painter.target, SIZE);
-        await_picture(&expected, || self.window.pixels(SIZE));
+        await_image(&expected, || self.window.pixels(SIZE));
         self.close();
     }
 
@@ -276,7 +276,7 @@ fn nothing_shows_a_window_and_every_device_says_why() {
         let error = instance.pick_adapter_for(&surface, wanted).unwrap_err();
         assert!(matches!(error, Error::CannotPresent(_)), "{error}");
         let text = error.to_string();
-        assert!(text.contains("has no queue that can show pictures in this window"), "{text}");
+        assert!(text.contains("has no queue that can show frames in this window"), "{text}");
         assert!(text.contains("draw without a window"), "{text}");
     }
     Machine::default().install();

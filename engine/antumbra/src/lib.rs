@@ -15,14 +15,14 @@
 //! let scene = Scene::single(Mesh::of_triangles("triangle", &corners));
 //! let mut renderer = Renderer::new(&device, &scene, &Default::default())?;
 //! let mut view = renderer.new_view()?;
-//! let picture = Readback::new(&device, renderer.size())?;
+//! let image = Readback::new(&device, renderer.size())?;
 //!
 //! let [eye, forward, up] = [Vec3::Z * 3.0, Vec3::NEG_Z, Vec3::Y];
 //! let camera = Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
 //! let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-//! renderer.render(&mut view, &FrameRequest { picture: Some(&picture), ..request })?;
+//! renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request })?;
 //! renderer.drain(&mut view)?;
-//! println!("{} bytes of RGBA", picture.rgba8()?.len());
+//! println!("{} bytes of RGBA", image.rgba8()?.len());
 //! # Ok(()) }
 //! ```
 //!
@@ -32,7 +32,7 @@
 //! | [`render`] | the renderer: frames, views, updates, their explanations |
 //! | [`occlusion`] | the executor of the culler's plans, for programs that draw objects |
 //! | `methods` | the methods of the literature, with the feature `methods` |
-//! | [`gpu`] | devices, windows, pictures |
+//! | [`gpu`] | devices, windows, images |
 //! | [`cull`] | cameras, strategies, the hierarchy; decisions as pure values |
 //! | `import`, `animation` | glTF files and their clips, with the feature `import` |
 //! | `pacing` | the start times of frames, with the feature `pacing` |

@@ -11,7 +11,7 @@
 //! - [`BlockingQueryPool`]: queries of a frame that is submitted in pieces and reads its results in
 //!   between.
 //! - [`Predicates`]: draws that the GPU skips by itself, with conditional rendering or without.
-//! - [`Swapchain`]: pictures in a window, whatever becomes of the window.
+//! - [`Swapchain`]: frames in a window, whatever becomes of the window.
 //! - [`Access`]: named accesses, from which every barrier of the engine is computed.
 //!
 //! ```no_run

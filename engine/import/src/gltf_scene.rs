@@ -15,10 +15,10 @@ pub struct SceneCamera {
     pub name: String,
     /// The node that carries it.
     pub node: RigNodeId,
-    /// The full vertical field of view, in radians, in pictures that are no narrower than
+    /// The full vertical field of view, in radians, in images that are no narrower than
     /// [`SceneCamera::aspect_ratio`].
     pub fov_y_rad: f32,
-    /// The aspect ratio of its picture; `None` where the file leaves that to the viewer.
+    /// The aspect ratio of its image; `None` where the file leaves that to the viewer.
     pub aspect_ratio: Option<f32>,
     /// The distance of the near plane, in metres.
     pub near_m: f32,
@@ -31,8 +31,8 @@ impl SceneCamera {
     /// The widest field of view, in radians.
     const WIDEST_RAD: f32 = std::f32::consts::PI - 0.1;
 
-    /// Returns the full vertical field of view, in radians, for pictures of `size` pixels: wider in
-    /// pictures that are narrower than the camera's own, so that nothing is cut off at the sides.
+    /// Returns the full vertical field of view, in radians, for images of `size` pixels: wider in
+    /// images that are narrower than the camera's own, so that nothing is cut off at the sides.
     pub fn fov_y_rad_in(&self, size: [u32; 2]) -> f32 {
         let [width, height] = size.map(|side| side.max(1) as f32);
         let narrower = self.aspect_ratio.unwrap_or_default() * height / width;
@@ -44,10 +44,10 @@ impl SceneCamera {
         }
     }
 
-    /// Returns the camera for pictures of `size` pixels while its node is at `world`.
+    /// Returns the camera for images of `size` pixels while its node is at `world`.
     pub(crate) fn seen_from(&self, world: &Affine3A, size: [u32; 2]) -> cull::Camera {
         let forward = Vec3::from(-world.matrix3.z_axis).try_normalize().unwrap_or(Vec3::NEG_Z);
-        // A camera's picture is upright under any transform of its node.
+        // A camera's image is upright under any transform of its node.
         let up = Vec3::from(world.matrix3.y_axis).reject_from_normalized(forward).try_normalize();
         cull::Camera {
             eye: Vec3::from(world.translation) - forward * self.behind_m,
@@ -118,7 +118,7 @@ impl GltfScene {
         bounds(self)
     }
 
-    /// Returns the first camera of the file at rest, for pictures of `size` pixels; without one, a
+    /// Returns the first camera of the file at rest, for images of `size` pixels; without one, a
     /// view of the whole scene, three quarters from the front and somewhat from above.
     pub fn default_camera(&self, size: [u32; 2]) -> cull::Camera {
         let Some(camera) = self.cameras.first() else {
@@ -168,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pictures_narrower_than_a_camera_are_higher_and_as_wide() {
+    fn images_narrower_than_a_camera_are_higher_and_as_wide() {
         let camera = SceneCamera {
             name: String::new(),
             node: RigNodeId(0),
@@ -181,7 +181,7 @@ mod tests {
             (camera.fov_y_rad_in(size) * 0.5).tan() * size[0] as f32 / size[1] as f32
         };
         assert_eq!(camera.fov_y_rad_in([300, 200]), 0.8);
-        assert_eq!(camera.fov_y_rad_in([900, 200]), 0.8, "wider pictures show more at the sides");
+        assert_eq!(camera.fov_y_rad_in([900, 200]), 0.8, "wider images show more at the sides");
         let own = (0.4_f32).tan() * 1.5;
         for size in [[200, 200], [200, 900]] {
             assert!((across(&camera, size) / own - 1.0).abs() < 1e-5, "{size:?}");

@@ -135,7 +135,7 @@ impl SceneAnimator {
         playing::compatible(&self.clips, first)
     }
 
-    /// Returns a camera for pictures of `size` pixels at the time that was posed last.
+    /// Returns a camera for images of `size` pixels at the time that was posed last.
     pub fn seen_by(&self, camera: &SceneCamera, size: [u32; 2]) -> cull::Camera {
         let world = self.world.get(camera.node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY);
         camera.seen_from(&world, size)

@@ -5,7 +5,7 @@
 //! batch       the first clears; draws, some under a query each, then boxes under a query each;
 //!             results -> mapped memory; submit
 //! ...         as long as the method has tests; it says when to wait for a result
-//! shaded      the picture, where the batches drew the depth only; `surfaces` in scenes that have
+//! shaded      the image, where the batches drew the depth only; `surfaces` in scenes that have
 //!             any
 //! ```
 //!
@@ -212,7 +212,7 @@ impl BlockingMethod {
         });
     }
 
-    /// Draws the picture if there is only its depth so far.
+    /// Draws the image if there is only its depth so far.
     fn record_end(
         &self,
         frame: &mut Frame<'_>,

@@ -128,7 +128,7 @@ impl PyramidFrame {
     /// Compiles the passes and makes room for the leaves of `hierarchy`.
     ///
     /// # Errors
-    /// A device that lacks something, a picture or scene that is too large, no memory.
+    /// A device that lacks something, an image or scene that is too large, no memory.
     fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -163,7 +163,7 @@ impl PyramidFrame {
         })
     }
 
-    /// Checks that the device can hold the leaves of `hierarchy` and pictures of `size`.
+    /// Checks that the device can hold the leaves of `hierarchy` and images of `size`.
     ///
     /// # Errors
     /// The name of what is missing or too large.

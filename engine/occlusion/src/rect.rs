@@ -2,22 +2,22 @@
 
 use cull::View;
 
-/// A part of the picture.
+/// A part of the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rect {
-    /// Its upper left corner (pixels from the picture's).
+    /// Its upper left corner (pixels from the image's).
     pub origin: [u32; 2],
     /// Its width and height (pixels).
     pub size: [u32; 2],
 }
 
 impl Rect {
-    /// Returns all of a picture of `size` pixels.
+    /// Returns all of an image of `size` pixels.
     pub fn whole(size: [u32; 2]) -> Self {
         Self { origin: [0, 0], size }
     }
 
-    /// Returns true if it is at least a pixel, and within a picture of `size` pixels.
+    /// Returns true if it is at least a pixel, and within an image of `size` pixels.
     pub fn fits(&self, size: [u32; 2]) -> bool {
         let fits = |side: usize| {
             let end = u64::from(self.origin[side]) + u64::from(self.size[side]);
@@ -26,12 +26,12 @@ impl Rect {
         fits(0) && fits(1)
     }
 
-    /// Returns the part of the picture that a view is drawn to.
+    /// Returns the part of the image that a view is drawn to.
     pub fn of(view: &View) -> Self {
         Self { origin: view.origin, size: view.size }
     }
 
-    /// Returns parts of equal width side by side, from the left, that cover a picture of `size`
+    /// Returns parts of equal width side by side, from the left, that cover an image of `size`
     /// pixels: they differ by a pixel where it cannot be divided. Parts that get no pixel have a
     /// width of 0.
     pub fn side_by_side(size: [u32; 2], count: u32) -> impl Iterator<Item = Self> {
@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn areas_side_by_side_cover_the_picture() {
+    fn areas_side_by_side_cover_the_image() {
         for width in 0..20 {
             for count in 1..5 {
                 let areas: Vec<Rect> = Rect::side_by_side([width, 7], count).collect();

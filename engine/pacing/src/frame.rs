@@ -54,7 +54,7 @@ pub struct Plan {
     /// The time of its start: the one given to [`Pacer::next`](crate::Pacer::next), or the latest
     /// before if that went backwards.
     pub start: Time,
-    /// The time at which its picture should be shown, for which animation should be computed.
+    /// The time at which its image should be shown, for which animation should be computed.
     /// Unknown until the display is known.
     pub expected_present: Option<Time>,
 }

@@ -37,7 +37,7 @@ fn known(pacer: &mut Pacer) -> Vec<u64> {
     std::iter::from_fn(|| pacer.completed()).map(|(frame, _)| frame.0).collect()
 }
 
-/// Checks that in order an unreported picture replaced the one before at some time, so that the
+/// Checks that in order an unreported image replaced the one before at some time, so that the
 /// duration of both is unknown. The newest of a mailbox may have been replaced before it was ever
 /// shown.
 #[test]

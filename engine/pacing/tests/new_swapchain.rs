@@ -113,7 +113,7 @@ impl Machine {
     }
 }
 
-/// Checks that a slower GPU in the past is no reason to doubt a faster one with a smaller picture,
+/// Checks that a slower GPU in the past is no reason to doubt a faster one with a smaller image,
 /// even where looks are too coarse to show it.
 #[test]
 fn the_gpu_may_be_faster_in_a_new_swapchain() {

@@ -93,15 +93,15 @@ pub enum Error {
         /// The first object that is not in its box, or is in the hierarchy only.
         object: cull::ObjectId,
     },
-    /// A readback for a picture of another size.
+    /// A readback for an image of another size.
     #[error(
-        "the picture wanted is {}x{} pixels, the one drawn {}x{}: make the `Readback` with `Renderer::size`",
+        "the image wanted is {}x{} pixels, the one drawn {}x{}: make the `Readback` with `Renderer::size`",
         wanted[0], wanted[1], drawn[0], drawn[1]
     )]
-    PictureSize {
+    ImageSize {
         /// Size of the readback in pixels.
         wanted: [u32; 2],
-        /// Size of the picture in pixels.
+        /// Size of the image in pixels.
         drawn: [u32; 2],
     },
     /// An impossible change of the scene.
@@ -128,16 +128,16 @@ pub enum Error {
         /// The reason.
         reason: String,
     },
-    /// A view whose area is empty or not within the picture.
+    /// A view whose area is empty or not within the image.
     #[error(
-        "a view of {}x{} pixels at {}, {} is not within the picture of {}x{}: choose an area of at least a pixel inside",
-        area.size[0], area.size[1], area.origin[0], area.origin[1], picture[0], picture[1]
+        "a view of {}x{} pixels at {}, {} is not within the image of {}x{}: choose an area of at least a pixel inside",
+        area.size[0], area.size[1], area.origin[0], area.origin[1], image[0], image[1]
     )]
     Rect {
         /// The requested area.
         area: occlusion::Rect,
-        /// Size of the picture in pixels.
-        picture: [u32; 2],
+        /// Size of the image in pixels.
+        image: [u32; 2],
     },
     /// A piece of an atlas that is not within it.
     #[error(

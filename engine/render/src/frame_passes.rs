@@ -53,7 +53,7 @@ impl ObjectRenderer for FramePasses {
 
     fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget {
         let target = match rendering {
-            Rendering::First => self.picture_target(view, self.sky()),
+            Rendering::First => self.image_target(view, self.sky()),
             Rendering::Next => self.target_of(view, None),
         };
         if self.shading.is_some() { target.depth_only() } else { target }
@@ -116,7 +116,7 @@ impl FramePasses {
     }
 
     /// Returns the attachments of [`FramePasses::draw_all`], cleared to a backdrop.
-    pub(crate) fn picture_target(&self, view: &View, backdrop: [f32; 3]) -> RenderTarget {
+    pub(crate) fn image_target(&self, view: &View, backdrop: [f32; 3]) -> RenderTarget {
         let [red, green, blue] = backdrop;
         let plain = [red, green, blue, 1.0];
         self.target_of(view, Some(self.shading.as_ref().map_or(plain, |_| DARK)))
@@ -189,7 +189,7 @@ impl FramePasses {
     }
 
     /// Draws all of the `draws`, a buffer and a count, in their own colours, before a backdrop, to
-    /// the [picture's target](FramePasses::picture_target).
+    /// the [image's target](FramePasses::image_target).
     pub(crate) fn draw_all(
         &self,
         executor: &PlanExecutor,
@@ -239,7 +239,7 @@ impl FramePasses {
         Ok(())
     }
 
-    /// Draws the transparent objects over the finished picture of a view, in a rendering of their
+    /// Draws the transparent objects over the finished image of a view, in a rendering of their
     /// own.
     fn record_transparent(&mut self, executor: &PlanExecutor, commands: &Commands, view: &View) {
         let Some(transparent) =

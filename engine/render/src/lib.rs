@@ -18,18 +18,18 @@
 //! let [forward, up] = [glam::Vec3::NEG_Z, glam::Vec3::Y];
 //! let mut renderer = render::Renderer::new(&device, &scene, &render::RendererOptions::default())?;
 //! let mut view = renderer.new_view()?;
-//! let picture = gpu::Readback::new(&device, renderer.size())?;
+//! let image = gpu::Readback::new(&device, renderer.size())?;
 //! for frame in 0..100 {
 //!     let eye = glam::Vec3::Z * (3.0 + frame as f32 * 0.1);
 //!     let camera = cull::Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
 //!     let request = render::FrameRequest {
-//!         picture: (frame == 99).then_some(&picture),
+//!         image: (frame == 99).then_some(&image),
 //!         ..render::FrameRequest::new(cull::Strategy::ANTUMBRA, camera)
 //!     };
 //!     renderer.render(&mut view, &request)?;
 //! }
 //! renderer.drain(&mut view)?;
-//! println!("{} bytes of picture", picture.rgba8()?.len());
+//! println!("{} bytes of image", image.rgba8()?.len());
 //! # Ok(()) }
 //! ```
 #![forbid(unsafe_code)]

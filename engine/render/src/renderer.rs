@@ -35,7 +35,7 @@ pub const MAX_FRAMES_IN_FLIGHT: usize = 16;
 /// The options of a [`Renderer`].
 #[derive(Debug, Clone)]
 pub struct RendererOptions {
-    /// Size of the picture in pixels.
+    /// Size of the image in pixels.
     pub size: [u32; 2],
     /// Frames that may be in flight at once, up to [`MAX_FRAMES_IN_FLIGHT`]; 0 counts as 1, and
     /// more than 4 only make results older.
@@ -311,7 +311,7 @@ impl Renderer {
         &self.device
     }
 
-    /// Returns the size of the picture in pixels.
+    /// Returns the size of the image in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.passes.target.size()
     }
@@ -326,11 +326,11 @@ impl Renderer {
         self.executor.leaves.predicates().predication()
     }
 
-    /// Explains the pictures from now on; an empty explanation costs nothing.
+    /// Explains the images from now on; an empty explanation costs nothing.
     ///
     /// # Errors
     /// Wires on a device that lacks [`gpu::Optional::Wireframe`]; an area that is not within the
-    /// picture; a failed call. The former explanation then stays.
+    /// image; a failed call. The former explanation then stays.
     pub fn explain(&mut self, explanation: DebugOverlay) -> Result<(), Error> {
         explanation.top_down.map_or(Ok(()), |area| self.check_area(area))?;
         let is_something = explanation != DebugOverlay::default();
@@ -367,7 +367,7 @@ impl Renderer {
         &self.pass_times
     }
 
-    /// Returns the view of `camera` on this renderer's picture.
+    /// Returns the view of `camera` on this renderer's image.
     pub fn view_of(&self, camera: &Camera) -> View {
         self.view_in(camera, Rect { origin: [0, 0], size: self.size() })
     }

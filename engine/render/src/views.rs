@@ -1,5 +1,5 @@
 //! The request for a frame, and its report. A frame has one or several views of one scene: each has
-//! its own eye, its own history and its own part of the picture.
+//! its own eye, its own history and its own part of the image.
 //!
 //! Views share the scene, the hierarchy and the submit, but no answers. An object hidden from one
 //! eye of a stereo pair may be visible to the other past an edge, so an answer of the one is never
@@ -26,7 +26,7 @@ pub struct ViewTarget<'a> {
     pub camera: Camera,
     /// The objects that own a pixel, for `methods::IDEAL`, which uses nothing else.
     pub visible: Option<&'a VisibleSet>,
-    /// The part of the picture for its image: at least a pixel, within the picture. Where areas
+    /// The part of the image for its image: at least a pixel, within the image. Where areas
     /// overlap, later views replace the image of earlier ones.
     pub area: Rect,
 }
@@ -55,9 +55,9 @@ impl AsMut<VisibilityState> for ViewTarget<'_> {
 pub struct ViewsRequest<'a> {
     /// The strategy that decides what to draw.
     pub strategy: Strategy,
-    /// The destination of a copy of the picture, if it is wanted. Parts that no view covers are
+    /// The destination of a copy of the image, if it is wanted. Parts that no view covers are
     /// undefined.
-    pub picture: Option<&'a Readback>,
+    pub image: Option<&'a Readback>,
     /// The tick of a host's timeline that the frame waits for on the GPU.
     pub after: Option<(&'a Timeline, Tick)>,
 }
@@ -71,11 +71,11 @@ pub struct FrameRequest<'a> {
     pub camera: Camera,
     /// The objects that own a pixel, for `methods::IDEAL`, which uses nothing else.
     pub visible: Option<&'a VisibleSet>,
-    /// The destination of a copy of the picture, if it is wanted. Read it when the frame is over.
-    pub picture: Option<&'a Readback>,
-    /// The destination of a copy of the scene's picture alone, before explanations and the flat
+    /// The destination of a copy of the image, if it is wanted. Read it when the frame is over.
+    pub image: Option<&'a Readback>,
+    /// The destination of a copy of the scene's image alone, before explanations and the flat
     /// overlay are drawn over it, if that is wanted.
-    pub scene_picture: Option<&'a Readback>,
+    pub scene_image: Option<&'a Readback>,
     /// The tick of a host's timeline that the frame waits for on the GPU.
     pub after: Option<(&'a Timeline, Tick)>,
 }
@@ -83,7 +83,7 @@ pub struct FrameRequest<'a> {
 impl FrameRequest<'_> {
     /// Creates a request for a frame and nothing else.
     pub fn new(strategy: Strategy, camera: Camera) -> Self {
-        Self { strategy, camera, visible: None, picture: None, scene_picture: None, after: None }
+        Self { strategy, camera, visible: None, image: None, scene_image: None, after: None }
     }
 }
 
@@ -147,16 +147,16 @@ impl FrameReport {
 }
 
 /// Records the end of a frame after its views, under any strategy: the flat overlay, and the copy
-/// of the picture if it is wanted.
-pub(crate) fn finish_picture(
+/// of the image if it is wanted.
+pub(crate) fn finish_image(
     frame: &mut Frame<'_>,
     target: &mut Target,
     overlay: Option<&mut FlatOverlay>,
-    picture: Option<&Readback>,
+    image: Option<&Readback>,
 ) -> Result<(), Error> {
     overlay.map_or(Ok(()), |overlay| overlay.record(frame, target))?;
-    if let Some(picture) = picture {
-        frame.commands().pass("copy picture", |commands| target.copy_to(commands, picture));
+    if let Some(image) = image {
+        frame.commands().pass("copy image", |commands| target.copy_to(commands, image));
     }
     Ok(())
 }

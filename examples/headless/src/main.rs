@@ -38,17 +38,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options = RendererOptions { size: SIZE, ..Default::default() };
     let mut renderer = Renderer::new(&device, &scene(), &options)?;
     let mut view = renderer.new_view()?;
-    let picture = Readback::new(&device, renderer.size())?;
+    let image = Readback::new(&device, renderer.size())?;
     for frame in 0..30_u8 {
         let eye = vec3(f32::from(frame) * 0.01, 0.0, 3.0);
         let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-        renderer.render(&mut view, &FrameRequest { picture: Some(&picture), ..request })?;
+        renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request })?;
     }
     // Results of the last frames are on their way: this waits for them.
     renderer.drain(&mut view)?;
     let drawn = view.take_outcomes().last().map_or(0, |outcome| outcome.draws);
-    let red = picture.rgba8()?.chunks_exact(4).filter(|pixel| pixel[0] / 2 > pixel[1]).count();
+    let red = image.rgba8()?.chunks_exact(4).filter(|pixel| pixel[0] / 2 > pixel[1]).count();
     println!("{drawn} of 1002 objects drawn; {red} pixels of the tile beside the wall");
     Ok(())
 }

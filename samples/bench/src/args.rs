@@ -12,7 +12,7 @@ use crate::choices::{
     parse_strategy,
 };
 use crate::options::{
-    DEFAULT_PICTURES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
+    DEFAULT_IMAGES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
     MadeScene, PathChoice, SceneChoice, UsageError,
 };
 use crate::strategy::{self, Strategy};
@@ -35,8 +35,8 @@ use crate::terminal::shown;
 Examples:
   walkthrough
       Down the streets of a city: plain frustum culling, ours, the ideal.
-  walkthrough --path cut --verify every --out pictures
-      Jumps about, compares every frame with frustum culling, leaves pictures.
+  walkthrough --path cut --verify every --out images
+      Jumps about, compares every frame with frustum culling, leaves images.
   walkthrough --objects 1000000 --frames 10 --report million.json
       A large city: how long it takes to build and how much memory it needs.
   walkthrough --moving 10 --verify every
@@ -122,12 +122,12 @@ pub struct Arguments {
     #[arg(long, help_heading = "Device")]
     pub list_devices: bool,
 
-    /// Folder for pictures; made if it is missing [default: no pictures]
+    /// Folder for images; made if it is missing [default: no images]
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
-    /// Number of frames that become pictures in --out, spread over the walk [default: 4]
+    /// Number of frames that become images in --out, spread over the walk [default: 4]
     #[arg(long, value_name = "N", requires = "out", help_heading = "Output")]
-    pub pictures: Option<u32>,
+    pub images: Option<u32>,
     /// The frame that --out also shows from above, with the draws, the hidden boxes and the
     /// frustum; or off [default: the middle one]
     #[arg(long, value_name = "FRAME|off", requires = "out", help_heading = "Output")]
@@ -300,7 +300,7 @@ impl Arguments {
             shaders: self.device.shaders.clone(),
             output: self.out.clone(),
             report: self.report.clone(),
-            pictures: self.pictures()?,
+            images: self.images()?,
             top_down: self.top_down()?,
         })
     }
@@ -354,11 +354,11 @@ impl Arguments {
         Ok((strategies, left_out))
     }
 
-    fn pictures(&self) -> Result<u32, UsageError> {
-        match self.pictures {
+    fn images(&self) -> Result<u32, UsageError> {
+        match self.images {
             _ if self.out.is_none() => Ok(0),
-            None => Ok(DEFAULT_PICTURES.min(self.frames)),
-            Some(pictures) => at_most("--pictures", pictures, self.frames),
+            None => Ok(DEFAULT_IMAGES.min(self.frames)),
+            Some(images) => at_most("--images", images, self.frames),
         }
     }
 

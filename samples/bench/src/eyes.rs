@@ -1,4 +1,4 @@
-//! The eyes of a walk: one, or a stereo pair side by side in one picture.
+//! The eyes of a walk: one, or a stereo pair side by side in one image.
 
 use cull::{Camera, FrameId, Strategy, View};
 use gpu::Readback;
@@ -30,14 +30,14 @@ impl Eyes {
     /// visible set of each of them, for [`methods::IDEAL`].
     ///
     /// # Errors
-    /// When the device fails, or the picture has fewer columns than there are eyes.
+    /// When the device fails, or the image has fewer columns than there are eyes.
     pub fn render(
         &mut self,
         renderer: &mut Renderer,
         strategy: Strategy,
         camera: &Camera,
         visible: &[VisibleSet],
-        picture: Option<&Readback>,
+        image: Option<&Readback>,
     ) -> Result<FrameReport, RunError> {
         let views = self.histories.len() as u32;
         let areas = Rect::side_by_side(renderer.size(), views);
@@ -49,7 +49,7 @@ impl Eyes {
         };
         let mut eyes: Vec<ViewTarget<'_>> =
             (0..).zip(&mut self.histories).zip(areas).map(eye).collect();
-        let request = ViewsRequest { strategy, picture, after: None };
+        let request = ViewsRequest { strategy, image, after: None };
         Ok(renderer.render_views(&mut eyes, &request)?)
     }
 

@@ -1,4 +1,4 @@
-//! A legend drawn into the pixels of a picture: the programs that measure have no head-up display.
+//! A legend drawn into the pixels of an image: the programs that measure have no head-up display.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 use render::palette::{FRUSTUM, Swatch, level_colour};
@@ -52,7 +52,7 @@ pub fn from_above() -> Vec<LegendEntry> {
     vec![LegendEntry { colours: levels, meaning }, FRUSTUM.into()]
 }
 
-/// Draws a legend into the upper right of a picture of RGBA pixels, `width` per row. Draws nothing
+/// Draws a legend into the upper right of an image of RGBA pixels, `width` per row. Draws nothing
 /// where it has no room.
 pub fn draw(rgba8: &mut [u8], width: usize, title: &str, entries: &[LegendEntry]) {
     let rows = rgba8.as_chunks_mut::<4>().0;
@@ -119,9 +119,9 @@ mod tests {
     fn a_legend_has_its_colours_in_the_upper_right_where_it_has_room() {
         let (width, height) = (1280, 90);
         let entries = from_above();
-        let mut picture = vec![100; width * height * 4];
-        draw(&mut picture, width, TITLE_FROM_ABOVE, &entries);
-        let pixels = picture.as_chunks::<4>().0;
+        let mut image = vec![100; width * height * 4];
+        draw(&mut image, width, TITLE_FROM_ABOVE, &entries);
+        let pixels = image.as_chunks::<4>().0;
         for colour in entries.iter().flat_map(|entry| &entry.colours) {
             let place = pixels.iter().position(|[rgb @ .., _]| rgb == colour);
             assert!(place.is_some_and(|place| place % width > width / 2), "{colour:?}");

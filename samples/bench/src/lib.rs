@@ -1,5 +1,5 @@
 //! The measuring of the engine, and the parts that the sample programs share: options, reports,
-//! pictures, exit codes.
+//! images, exit codes.
 //!
 //! The program `walkthrough`, step by step: [`args`] turns its command line into [`Options`],
 //! [`outputs`] checks that its files can be written, [`run`] draws the frames that [`schedule`]
@@ -22,9 +22,8 @@ pub mod memory;
 pub mod moving;
 pub mod options;
 pub mod outputs;
-pub mod picture;
-pub mod pictures;
 pub mod playback;
+pub mod png_file;
 pub mod progress;
 pub mod provenance;
 pub mod recorded_path;
@@ -40,6 +39,7 @@ pub mod strategy;
 pub mod table;
 pub mod terminal;
 pub mod walk;
+pub mod walk_images;
 pub mod walk_scene;
 
 pub use options::Options;

@@ -28,8 +28,8 @@ pub const MAX_FRAMES: u32 = 1_000_000;
 pub const MAX_FRAMES_IN_FLIGHT: u32 = 4;
 /// The most eyes that may look.
 pub const MAX_VIEWS: u32 = 2;
-/// The number of pictures of frames that a walk leaves without `--pictures`.
-pub const DEFAULT_PICTURES: u32 = 4;
+/// The number of images of frames that a walk leaves without `--images`.
+pub const DEFAULT_IMAGES: u32 = 4;
 
 /// A command line that cannot be carried out: one sentence that names the error and the remedy.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -153,24 +153,22 @@ pub struct Options {
     pub threshold_pixels: u32,
     /// Folder of GLSL that replaces the embedded shaders.
     pub shaders: Option<PathBuf>,
-    /// Folder for pictures.
+    /// Folder for images.
     pub output: Option<PathBuf>,
     /// File for the report, as JSON.
     pub report: Option<PathBuf>,
-    /// The number of frames that become pictures in `output`, spread over the walk; 0 without a
+    /// The number of frames that become images in `output`, spread over the walk; 0 without a
     /// folder.
-    pub pictures: u32,
+    pub images: u32,
     /// The frame that is also drawn from above, with frontier and frustum; none without a folder.
     pub top_down: Option<u32>,
 }
 
 impl Options {
-    /// Returns the frames that become pictures: `pictures` of them, spread evenly, the first one
+    /// Returns the frames that become images: `images` of them, spread evenly, the first one
     /// included.
-    pub fn picture_frames(&self) -> Vec<u32> {
-        let (frames, pictures) = (u64::from(self.frames), u64::from(self.pictures));
-        (0..pictures)
-            .filter_map(|picture| u32::try_from(picture * frames / pictures).ok())
-            .collect()
+    pub fn image_frames(&self) -> Vec<u32> {
+        let (frames, images) = (u64::from(self.frames), u64::from(self.images));
+        (0..images).filter_map(|image| u32::try_from(image * frames / images).ok()).collect()
     }
 }

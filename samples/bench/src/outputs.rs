@@ -44,7 +44,7 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Makes the folder of pictures and the folder of a file, by its option, where they are
+    /// Makes the folder of images and the folder of a file, by its option, where they are
     /// missing, and checks that files can be written there. Checks also that the folder of shaders
     /// is one.
     ///
@@ -52,12 +52,12 @@ impl Outputs {
     /// The option that names something that cannot be written or read, and the reason.
     pub fn prepare(
         shaders: Option<&Path>,
-        pictures: Option<&Path>,
+        images: Option<&Path>,
         (option, file): (&str, Option<&Path>),
     ) -> Result<Self, UsageError> {
         let mut outputs = Self { made: Vec::new() };
         shaders.map_or(Ok(()), check_shaders)?;
-        pictures.map_or(Ok(()), |folder| outputs.prepare_folder("--out", folder))?;
+        images.map_or(Ok(()), |folder| outputs.prepare_folder("--out", folder))?;
         file.map_or(Ok(()), |file| outputs.prepare_file(option, file))?;
         Ok(outputs)
     }

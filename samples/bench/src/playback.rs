@@ -90,7 +90,7 @@ impl FrameClock {
     }
 }
 
-/// Returns the cameras of so many frames by that clock: of a camera of a file, on pictures of
+/// Returns the cameras of so many frames by that clock: of a camera of a file, on images of
 /// `size` pixels, while the playing clips play.
 pub fn cameras(
     animator: &mut SceneAnimator,
@@ -169,7 +169,7 @@ impl Clips {
     }
 }
 
-/// A turn around something that fits into the picture.
+/// A turn around something that fits into the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
     centre: Vec3,
@@ -177,7 +177,7 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// Creates a turn around everything in `bounds`, on pictures of `size` pixels.
+    /// Creates a turn around everything in `bounds`, on images of `size` pixels.
     pub fn around(bounds: &Aabb, size: [u32; 2]) -> Self {
         let half = (bounds.max - bounds.min) * 0.5;
         let is_something = half.is_finite() && half.cmpge(Vec3::ZERO).all();
@@ -219,7 +219,7 @@ impl Orbit {
 }
 
 /// Returns a camera that looks at something from its front and somewhat from the side. It is as
-/// near as pictures of `size` pixels allow, whose left is covered up to a share of `covered` (from
+/// near as images of `size` pixels allow, whose left is covered up to a share of `covered` (from
 /// 0 to less than 1) of the width.
 pub fn portrait(bounds: &Aabb, size: [u32; 2], covered: f32) -> Camera {
     let Orbit { centre, .. } = Orbit::around(bounds, size);
@@ -265,7 +265,7 @@ mod tests {
         assert_eq!(steady.seconds(90), 1.5);
     }
 
-    /// Checks that everything is in the picture, and returns the part of its height or width that
+    /// Checks that everything is in the image, and returns the part of its height or width that
     /// this takes.
     fn filled(camera: &Camera, bounds: &Aabb, size: [u32; 2]) -> f32 {
         let right = camera.forward.cross(Vec3::Y).normalize();
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn a_portrait_fills_the_picture_however_small_the_thing_is() {
+    fn a_portrait_fills_the_image_however_small_the_thing_is() {
         for scale in [1e-4, 1.0, 1e5] {
             let (low, high) = (Vec3::new(-3.0, 0.0, 1.0), Vec3::new(5.0, 2.0, 9.0));
             let bounds = Aabb { min: low * scale, max: high * scale };
@@ -320,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_has_everything_in_the_picture() {
+    fn a_turn_has_everything_in_the_image() {
         let bounds = Aabb { min: Vec3::new(-3.0, 0.0, 1.0), max: Vec3::new(5.0, 2.0, 9.0) };
         for size in [[1280, 720], [300, 900], [1, 1]] {
             let orbit = Orbit::around(&bounds, size);

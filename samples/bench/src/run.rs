@@ -9,7 +9,6 @@ use render::{Renderer, RendererOptions, ShaderSet, object_bounds};
 
 use crate::choices::{DeviceChoice, Predicates, Validation};
 use crate::options::{LeftOut, SceneChoice};
-use crate::pictures::Pictures;
 use crate::progress::Progress;
 use crate::provenance::Provenance;
 use crate::report::{
@@ -20,6 +19,7 @@ use crate::signals::Signals;
 use crate::statistics::kept;
 use crate::stopwatch::Stopwatch;
 use crate::walk::Walk;
+use crate::walk_images::WalkImages;
 use crate::walk_scene::WalkScene;
 use crate::{Options, memory};
 
@@ -27,11 +27,11 @@ use crate::{Options, memory};
 pub struct Walked {
     /// The measurements.
     pub report: Report,
-    /// The pictures in `options.output`.
-    pub pictures: Pictures,
+    /// The images in `options.output`.
+    pub images: WalkImages,
 }
 
-/// Walks, measures, writes the pictures into `options.output` (which exists and is writable). After
+/// Walks, measures, writes the images into `options.output` (which exists and is writable). After
 /// a signal it returns the measurements so far.
 ///
 /// # Errors
@@ -157,10 +157,10 @@ pub fn walk_on(
     let options = &Options { strategies, left_out, ..options.clone() };
     let runs = Walk::new(&mut renderer, &path, &mut moving, options)?.run(progress, signals)?;
     let cut_short = signals.received().is_some();
-    let mut pictures = Pictures::default();
+    let mut images = WalkImages::default();
     if let Some(folder) = options.output.as_ref().filter(|_| !cut_short) {
-        progress.stage("drawing the pictures");
-        pictures.write(&mut renderer, &path, &mut moving, options, folder, signals);
+        progress.stage("drawing the images");
+        images.write(&mut renderer, &path, &mut moving, options, folder, signals);
     }
     let adapter = device.adapter();
     let report = Report {
@@ -198,7 +198,7 @@ pub fn walk_on(
         provenance: Provenance::of_this_process(),
         runs,
     };
-    Ok(Walked { report, pictures })
+    Ok(Walked { report, images })
 }
 
 /// Returns the scene's name in reports: a file by its name without its folder.

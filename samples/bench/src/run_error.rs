@@ -87,7 +87,7 @@ impl From<render::Error> for RunError {
             | render::Error::NoView
             | render::Error::ForeignRenderer { .. }
             | render::Error::ForeignHierarchy { .. }
-            | render::Error::PictureSize { .. }
+            | render::Error::ImageSize { .. }
             | render::Error::Rect { .. }
             | render::Error::Atlas { .. }
             | render::Error::Transparent { .. }

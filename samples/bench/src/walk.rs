@@ -33,7 +33,7 @@ pub struct Walk<'a> {
     runs: Vec<Run>,
     reference: Eyes,
     references: BTreeMap<u32, Vec<u8>>,
-    pictures: Vec<Readback>,
+    images: Vec<Readback>,
     // The objects that own a pixel in each frame, for `ideal`.
     visible_sets: BTreeMap<u32, Vec<VisibleSet>>,
 }
@@ -80,7 +80,7 @@ impl<'a> Walk<'a> {
             frames_in_flight: usize::try_from(options.frames_in_flight).unwrap_or(usize::MAX),
             schedule: Schedule::new(options.frames, options.strategies.len()),
             references: BTreeMap::new(),
-            pictures: Vec::new(),
+            images: Vec::new(),
             visible_sets: BTreeMap::new(),
         })
     }
@@ -128,7 +128,7 @@ impl<'a> Walk<'a> {
         Ok(self.runs.iter().map(|run| run.measurement.report()).collect())
     }
 
-    /// Walks one strategy over some consecutive frames; the pictures are compared at the end, so
+    /// Walks one strategy over some consecutive frames; the images are compared at the end, so
     /// that comparing is in no measured time.
     fn walk_turn(
         &mut self,
@@ -140,18 +140,18 @@ impl<'a> Walk<'a> {
         // Those that warm up, too: with the first of them, a history begins.
         let compared = || turn.iter().filter(|step| verify.includes(step.frame));
         self.draw_references(compared().map(|step| step.frame))?;
-        while self.pictures.len() < compared().count() {
-            self.pictures.push(Readback::new(&self.device, self.renderer.size())?);
+        while self.images.len() < compared().count() {
+            self.images.push(Readback::new(&self.device, self.renderer.size())?);
         }
         let Some(run) = turn.first().and_then(|step| self.runs.get_mut(step.strategy)) else {
             return Ok(());
         };
         let mut walked = Vec::with_capacity(turn.len());
-        let mut pictures = self.pictures.iter();
+        let mut images = self.images.iter();
         let mut clock = Stopwatch::start();
         for step in turn.iter().take_while(|_| signals.received().is_none()) {
             let moved = self.moving.show(self.renderer, step.frame)?;
-            let picture = verify.includes(step.frame).then(|| pictures.next()).flatten();
+            let image = verify.includes(step.frame).then(|| images.next()).flatten();
             let camera = self.path.camera(step.frame);
             let visible = self.visible_sets.get_mut(&step.frame);
             let visible = visible.map_or(&mut [][..], Vec::as_mut_slice);
@@ -160,7 +160,7 @@ impl<'a> Walk<'a> {
                 visible.iter_mut().try_for_each(|set| self.renderer.visible_again(set))?;
             }
             let waits = self.device.wait_counts().other;
-            let report = run.eyes.render(self.renderer, run.strategy, &camera, visible, picture)?;
+            let report = run.eyes.render(self.renderer, run.strategy, &camera, visible, image)?;
             let measurement = FrameMeasurement {
                 // From submit to submit: in a full pipeline, the time a frame takes.
                 frame_ms: clock.lap_ms(),
@@ -176,7 +176,7 @@ impl<'a> Walk<'a> {
                 corrections: report.corrections.filter(|_| run.strategy.uses_cost_model()),
                 result_age_frames: report.oldest_answer_frames,
                 blocking_waits: self.device.wait_counts().other - waits,
-                is_compared: picture.is_some(),
+                is_compared: image.is_some(),
                 ..FrameMeasurement::default()
             };
             let frame = run.eyes.frame();
@@ -192,9 +192,9 @@ impl<'a> Walk<'a> {
         let drawn = walked.len();
         book(run, walked);
         let compared = turn.iter().take(drawn).filter(|step| verify.includes(step.frame));
-        for (picture, step) in self.pictures.iter().zip(compared) {
+        for (image, step) in self.images.iter().zip(compared) {
             let reference = self.references.get(&step.frame).map_or(&[][..], Vec::as_slice);
-            let pixels_wrong = pixels_that_differ(reference, &picture.rgba8()?);
+            let pixels_wrong = pixels_that_differ(reference, &image.rgba8()?);
             if step.timed {
                 run.measurement.verified(pixels_wrong);
             } else {
@@ -204,7 +204,7 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Draws the reference pictures of `frames` with plain frustum culling, unless they exist from
+    /// Draws the reference images of `frames` with plain frustum culling, unless they exist from
     /// another strategy's turn in the same round.
     fn draw_references(&mut self, frames: impl Iterator<Item = u32>) -> Result<(), RunError> {
         let frames: BTreeSet<u32> = frames.collect();
@@ -212,13 +212,13 @@ impl<'a> Walk<'a> {
             return Ok(());
         }
         self.references.clear();
-        let picture = Readback::new(&self.device, self.renderer.size())?;
+        let image = Readback::new(&self.device, self.renderer.size())?;
         for frame in frames {
             self.moving.show(self.renderer, frame)?;
-            let (camera, wanted) = (self.path.camera(frame), Some(&picture));
+            let (camera, wanted) = (self.path.camera(frame), Some(&image));
             self.reference.render(self.renderer, Strategy::FRUSTUM, &camera, &[], wanted)?;
             self.reference.drain(self.renderer)?;
-            self.references.insert(frame, picture.rgba8()?.to_vec());
+            self.references.insert(frame, image.rgba8()?.to_vec());
         }
         Ok(())
     }
@@ -254,11 +254,11 @@ fn next_turn(steps: &mut VecDeque<Step>) -> Option<Vec<Step>> {
     Some(turn)
 }
 
-/// Returns the number of pixels of two pictures of the same size that are not the same bits; all,
+/// Returns the number of pixels of two images of the same size that are not the same bits; all,
 /// if the sizes differ.
-fn pixels_that_differ(reference: &[u8], picture: &[u8]) -> u64 {
-    let (expected, found) = (reference.chunks_exact(4), picture.chunks_exact(4));
-    if reference.len() != picture.len() || picture.is_empty() {
+fn pixels_that_differ(reference: &[u8], image: &[u8]) -> u64 {
+    let (expected, found) = (reference.chunks_exact(4), image.chunks_exact(4));
+    if reference.len() != image.len() || image.is_empty() {
         return expected.len().max(found.len()).max(1) as u64;
     }
     expected.zip(found).filter(|(a, b)| a != b).count() as u64
@@ -285,10 +285,10 @@ mod tests {
 
     #[test]
     fn pixels_are_counted_once_each() {
-        let picture = [1, 2, 3, 255, 4, 5, 6, 255];
-        assert_eq!(pixels_that_differ(&picture, &picture), 0);
-        assert_eq!(pixels_that_differ(&picture, &[1, 2, 3, 255, 9, 9, 9, 255]), 1);
+        let image = [1, 2, 3, 255, 4, 5, 6, 255];
+        assert_eq!(pixels_that_differ(&image, &image), 0);
+        assert_eq!(pixels_that_differ(&image, &[1, 2, 3, 255, 9, 9, 9, 255]), 1);
         assert_eq!(pixels_that_differ(&[], &[]), 1, "nothing compared is no proof");
-        assert_eq!(pixels_that_differ(&picture, &picture[..4]), 2);
+        assert_eq!(pixels_that_differ(&image, &image[..4]), 2);
     }
 }

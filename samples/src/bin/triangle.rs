@@ -25,11 +25,11 @@ impl Triangle {
         Ok(Self(renderer, view, swapchain))
     }
 
-    fn frame(&mut self, picture: Option<&gpu::Readback>) -> Result<(), Box<dyn Error>> {
+    fn frame(&mut self, image: Option<&gpu::Readback>) -> Result<(), Box<dyn Error>> {
         let [eye, forward, up] = [glam::Vec3::Z * 3.0, glam::Vec3::NEG_Z, glam::Vec3::Y];
         let camera = cull::Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
         let request = FrameRequest::new(cull::Strategy::ANTUMBRA, camera);
-        self.0.render(&mut self.1, &FrameRequest { picture, ..request })?;
+        self.0.render(&mut self.1, &FrameRequest { image, ..request })?;
         Ok(())
     }
 }
@@ -50,7 +50,7 @@ impl App {
         // A hidden window may hold what it was sent: then no frame begins.
         if triangle.2.as_mut().map_or(Ok(true), gpu::Swapchain::is_ready)? {
             let size: [u32; 2] = window.inner_size().into();
-            // Pictures as large as the window, which may have no pixel.
+            // Images as large as the window, which may have no pixel.
             if !size.contains(&0) {
                 triangle.0.resize(size)?;
             }
@@ -97,10 +97,10 @@ fn in_a_window() -> Result<(), Box<dyn Error>> {
 
 fn headless() -> Result<(), Box<dyn Error>> {
     let mut triangle = Triangle::open(None)?;
-    let picture = gpu::Readback::new(triangle.0.device(), triangle.0.size())?;
-    triangle.frame(Some(&picture))?;
+    let image = gpu::Readback::new(triangle.0.device(), triangle.0.size())?;
+    triangle.frame(Some(&image))?;
     triangle.0.drain(&mut triangle.1)?;
-    let pixels = picture.rgba8()?;
+    let pixels = image.rgba8()?;
     let middle = pixels.len() / 2 + 4 * 640;
     let colour = &pixels[middle..middle + 3];
     Ok(writeln!(std::io::stdout(), "the middle is {colour:?}")?)

@@ -1,5 +1,5 @@
 //! The canvas that collects shapes and texts of the HUD, in points from the upper left of the
-//! picture.
+//! image.
 
 use std::sync::Arc;
 
@@ -21,14 +21,14 @@ pub enum Align {
 #[derive(Clone, Copy, Debug)]
 pub struct OpenPanel(usize);
 
-/// A collector of the shapes of one picture.
+/// A collector of the shapes of one image.
 pub struct Canvas<'a> {
     fonts: &'a mut Fonts,
     /// The shapes, in the order of drawing.
     pub shapes: Vec<ClippedShape>,
     /// The pixels per point.
     pub scale: f32,
-    /// The area of the whole picture.
+    /// The area of the whole image.
     pub screen: Rect,
 }
 

@@ -22,7 +22,7 @@ enum Row<'a> {
 /// The numbers of columns to try, the best first.
 const COLUMNS: [usize; 4] = [3, 2, 4, 1];
 
-/// Draws the page in the middle of the picture, above `bottom`. Returns its area, or `None` where
+/// Draws the page in the middle of the image, above `bottom`. Returns its area, or `None` where
 /// it has no room.
 pub fn draw(canvas: &mut Canvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
     let row = canvas.row(TITLE) + 1.0;

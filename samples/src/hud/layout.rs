@@ -1,14 +1,14 @@
-//! The size of points in a picture, and the parts of the panel that fit.
+//! The size of points in an image, and the parts of the panel that fit.
 
 use super::style::MARGIN;
 
-/// The panel's share of the picture's width, at most.
+/// The panel's share of the image's width, at most.
 pub const PANEL_SHARE: f32 = 0.25;
 /// The width of the whole panel, in points.
 const FULL_WIDTH: f32 = 232.0;
 /// The widths of the panel with the most important numbers alone, in points.
 const NARROW_WIDTH: [f32; 2] = [62.0, 120.0];
-/// The size of a picture from which on points have the window's own size.
+/// The size of an image from which on points have the window's own size.
 const USUAL_SIZE: [f32; 2] = [960.0, 540.0];
 /// The factor by which points shrink at most, before anything is left out.
 const SMALLEST: f32 = 0.66;
@@ -24,7 +24,7 @@ pub enum Room {
     None,
 }
 
-/// The measures of a picture.
+/// The measures of an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measures {
     /// The pixels per point.
@@ -36,14 +36,14 @@ pub struct Measures {
 }
 
 impl Measures {
-    /// Returns the measures of a picture of `size` pixels whose window has `window_scale` pixels
+    /// Returns the measures of an image of `size` pixels whose window has `window_scale` pixels
     /// per point.
     pub fn of(size: [u32; 2], window_scale: f32) -> Self {
         let window_scale =
             if window_scale.is_finite() { window_scale.clamp(0.5, 8.0) } else { 1.0 };
         let shares = [0, 1].map(|side| size[side] as f32 / window_scale / USUAL_SIZE[side]);
         let share = shares[0].min(shares[1]);
-        // Large pictures have larger letters, and more room beside them.
+        // Large images have larger letters, and more room beside them.
         let zoom = if share > 1.0 { share.sqrt() } else { share.max(SMALLEST) };
         let scale = window_scale * zoom;
         let widest = size[0] as f32 * PANEL_SHARE / scale;
@@ -55,7 +55,7 @@ impl Measures {
         Self { scale, room, panel_width }
     }
 
-    /// Returns the share of the picture's width that the panel covers.
+    /// Returns the share of the image's width that the panel covers.
     pub fn covered_share(&self, size: [u32; 2]) -> f32 {
         (self.panel_width * self.scale / size[0].max(1) as f32).clamp(0.0, PANEL_SHARE)
     }
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn usual_pictures_have_all_and_tiny_ones_nothing() {
+    fn usual_images_have_all_and_tiny_ones_nothing() {
         for size in [[640, 360], [960, 540], [1280, 720], [1920, 1080], [3840, 2160]] {
             let measures = Measures::of(size, 1.0);
             assert_eq!(measures.room, Room::Full, "{size:?}: {measures:?}");

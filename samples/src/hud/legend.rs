@@ -1,4 +1,4 @@
-//! Legends: the meanings of the colours in a picture.
+//! Legends: the meanings of the colours in an image.
 
 use bench::legend::LegendEntry;
 use epaint::{Color32, Pos2, Rect, pos2, vec2};
@@ -15,7 +15,7 @@ const STEP: f32 = 5.0;
 const HEIGHT: f32 = 8.0;
 const GAP: f32 = 5.0;
 
-/// Draws one legend: in the upper left of its area, or in the upper right of the picture below
+/// Draws one legend: in the upper left of its area, or in the upper right of the image below
 /// `top`. Returns its area, or `None` where it has no room.
 pub fn draw(canvas: &mut Canvas<'_>, legend: &Legend, top: f32, left_bound: f32) -> Option<Rect> {
     let rows = legend.entries.iter();

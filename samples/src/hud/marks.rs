@@ -1,4 +1,4 @@
-//! Outlines of areas of the picture that differ.
+//! Outlines of areas of the image that differ.
 
 use epaint::{Rect, Shape, Stroke, StrokeKind, pos2};
 

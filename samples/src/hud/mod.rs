@@ -1,4 +1,4 @@
-//! The head-up display: the engine's state in numbers, a graph and signs over the picture.
+//! The head-up display: the engine's state in numbers, a graph and signs over the image.
 //!
 //! A [`HudPage`] has plain values. [`Measures`] determines the size of points and the parts that
 //! fit; each part draws itself on a canvas: the [overview](self), the lower edge, legends, signs,
@@ -41,7 +41,7 @@ impl Default for Hud {
 }
 
 impl Hud {
-    /// Lays `page` out for a picture of `size` pixels, `scale` of them per point of the window,
+    /// Lays `page` out for an image of `size` pixels, `scale` of them per point of the window,
     /// replacing the contents of `overlay`. Parts that do not fit are left out.
     ///
     /// # Errors

@@ -1,9 +1,9 @@
-//! The contents of the HUD over a picture, as plain values.
+//! The contents of the HUD over an image, as plain values.
 
 use bench::legend::LegendEntry;
 use render::Rect;
 
-/// The contents of the HUD over one picture.
+/// The contents of the HUD over one image.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HudPage {
     /// The most important numbers, in the upper left.
@@ -16,7 +16,7 @@ pub struct HudPage {
     pub marks: Vec<[u32; 4]>,
     /// Signs that must be understood without reading.
     pub signs: Vec<Sign>,
-    /// All keys, over the middle of the picture.
+    /// All keys, over the middle of the image.
     pub help: Option<Help>,
     /// The answer to a request: a list or field, or rows about something, above the lower edge.
     pub asked: Option<String>,
@@ -50,7 +50,7 @@ pub struct Overview {
     pub split: Option<Split>,
     /// The times of the GPU and of the CPU.
     pub times: [Figure; 2],
-    /// The correctness of the picture.
+    /// The correctness of the image.
     pub verdict: Verdict,
     /// The keys to try next.
     pub hint: String,
@@ -74,14 +74,14 @@ pub struct Split {
     pub culled: u64,
 }
 
-/// The equality of the picture to the one without occlusion culling.
+/// The equality of the image to the one without occlusion culling.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum Verdict {
     /// They are equal, for this reason.
     Exact(String),
     /// They may differ, for this reason.
     Inexact(String),
-    /// There is no picture yet.
+    /// There is no image yet.
     #[default]
     Unknown,
 }
@@ -93,8 +93,8 @@ pub struct Legend {
     pub title: &'static str,
     /// Colours and their meanings.
     pub entries: Vec<LegendEntry>,
-    /// The part of the picture that it explains, with the legend in its upper left; `None` for the
-    /// whole picture, with the legend in the upper right.
+    /// The part of the image that it explains, with the legend in its upper left; `None` for the
+    /// whole image, with the legend in the upper right.
     pub area: Option<Rect>,
 }
 

@@ -6,7 +6,7 @@ use super::canvas::Canvas;
 use super::page::Sign;
 use super::style::PANEL;
 
-/// The width of the frame around the picture, in points.
+/// The width of the frame around the image, in points.
 const FRAME: f32 = 3.0;
 const BADGE: f32 = 24.0;
 
@@ -19,7 +19,7 @@ const fn colour_of(sign: Sign) -> Color32 {
     }
 }
 
-/// Draws frames around the picture, one within the other, and badges in the middle of its upper
+/// Draws frames around the image, one within the other, and badges in the middle of its upper
 /// edge.
 pub fn draw(canvas: &mut Canvas<'_>, signs: &[Sign]) {
     let screen = canvas.screen;
@@ -46,7 +46,7 @@ fn frame(canvas: &mut Canvas<'_>, area: Rect, colour: Color32) {
     }
 }
 
-/// Draws two bars for a stop, a disc for a recording, a camera for a picture.
+/// Draws two bars for a stop, a disc for a recording, a camera for an image.
 fn draw_badge(canvas: &mut Canvas<'_>, sign: Sign, area: Rect) {
     canvas.fill(area, PANEL);
     let colour = colour_of(sign);

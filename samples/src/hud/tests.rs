@@ -1,5 +1,5 @@
 //! Whole pages, laid out without a device: nothing overlaps, nothing leaves its panel or the
-//! picture.
+//! image.
 
 use bench::legend::LegendEntry;
 use epaint::{Rect, Shape};
@@ -79,7 +79,7 @@ fn page([width, height]: [u32; 2]) -> HudPage {
     }
 }
 
-/// Returns the panels and the texts of a page, and the picture's area.
+/// Returns the panels and the texts of a page, and the image's area.
 fn laid_out(page: &HudPage, size: [u32; 2]) -> (Vec<Rect>, Vec<(Rect, String)>, Rect) {
     let measures = Measures::of(size, 1.0);
     let shapes = Hud::default().shapes(page, size, &measures);
@@ -107,7 +107,7 @@ fn check(page: &HudPage, size: [u32; 2]) {
     let (panels, texts, screen) = laid_out(page, size);
     let said = [&page.toast, &page.asked].into_iter().flatten().count();
     for (place, panel) in panels.iter().enumerate() {
-        // A message alone is shown in pictures of any size.
+        // A message alone is shown in images of any size.
         let is_notice = place < said;
         assert!(is_notice || screen.expand(0.1).contains_rect(*panel), "{size:?}: {panel:?}");
         for other in &panels[..place] {

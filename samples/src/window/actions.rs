@@ -35,11 +35,11 @@ pub enum Action {
     Wireframe,
     /// The GPU time of every pass.
     TimePasses,
-    /// A picture of the screen.
+    /// An image of the screen.
     Screenshot,
     /// The start of recording the camera's path, or its end, with the file.
     Record,
-    /// The next amount of text over the picture.
+    /// The next amount of text over the image.
     Hud,
     /// A stop of the time in the scene, or its end.
     Pause,

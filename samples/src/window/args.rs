@@ -15,8 +15,8 @@ Examples:
       Fly: W A S D, Q and E, look with a mouse button held.
   city --path street --strategy frustum
       Walks down the streets until you take over.
-  city --headless --frames 60 --path street --out pictures
-      The same frames as pictures, without a window.
+  city --headless --frames 60 --path street --out images
+      The same frames as images, without a window.
   city --path my-path.txt --trace trace.json
       A path recorded with the key R, and a trace for ui.perfetto.dev.
 

@@ -4,7 +4,7 @@ use cull::{Aabb, Camera};
 use glam::{Affine3A, Vec3};
 use scene::{Mesh, Scene};
 
-/// The rays per row and per column, over the middle half of the picture.
+/// The rays per row and per column, over the middle half of the image.
 const RAYS: usize = 5;
 
 /// Returns the median distance, in metres, at which rays through the middle of a view meet a

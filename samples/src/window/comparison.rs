@@ -60,9 +60,9 @@ impl Tally {
     }
 }
 
-/// The two pictures of one moment.
+/// The two images of one moment.
 struct Pair {
-    pictures: [Readback; 2],
+    images: [Readback; 2],
     /// The tick after which both can be read; `None` if nothing is pending.
     tick: Option<Tick>,
 }
@@ -118,7 +118,7 @@ impl Comparison {
         self.tally
     }
 
-    /// Returns the areas in which pictures differ or recently did.
+    /// Returns the areas in which images differ or recently did.
     pub fn marks(&self, now: Time) -> &[PixelArea] {
         if now < self.marked_until { &self.marks } else { &[] }
     }
@@ -134,37 +134,37 @@ impl Comparison {
         }
     }
 
-    /// Returns the index of a free pair, for pictures of the renderer's size.
+    /// Returns the index of a free pair, for images of the renderer's size.
     ///
     /// # Errors
     /// No memory.
     pub fn free_pair(&mut self, renderer: &Renderer) -> Result<Option<usize>, RunError> {
         let size = renderer.size();
-        self.pairs.retain(|pair| pair.pictures[0].size() == size);
+        self.pairs.retain(|pair| pair.images[0].size() == size);
         let free = self.pairs.iter().position(|pair| pair.tick.is_none());
         if free.is_some() || self.pairs.len() >= PAIRS {
             return Ok(free);
         }
-        let picture = || Readback::new(renderer.device(), size);
-        self.pairs.push(Pair { pictures: [picture()?, picture()?], tick: None });
+        let image = || Readback::new(renderer.device(), size);
+        self.pairs.push(Pair { images: [image()?, image()?], tick: None });
         Ok(Some(self.pairs.len() - 1))
     }
 
     /// Returns the buffer that a side of a pair is copied to, beside the history of the frames
     /// without culling.
     pub fn split(&mut self, pair: usize, side: Side) -> (&mut ViewState, Option<&Readback>) {
-        let picture = self.pairs.get(pair).map(|pair| &pair.pictures[side as usize]);
-        (&mut self.unculled, picture)
+        let image = self.pairs.get(pair).map(|pair| &pair.images[side as usize]);
+        (&mut self.unculled, image)
     }
 
-    /// Records that both pictures of a pair can be read when `tick` is over.
+    /// Records that both images of a pair can be read when `tick` is over.
     pub fn sent(&mut self, pair: usize, tick: Tick) {
         if let Some(pair) = self.pairs.get_mut(pair) {
             pair.tick = Some(tick);
         }
     }
 
-    /// Compares the pictures that can be read by now; never waits. Returns true if anything
+    /// Compares the images that can be read by now; never waits. Returns true if anything
     /// differed.
     ///
     /// # Errors
@@ -176,7 +176,7 @@ impl Comparison {
             if pair.tick.take_if(|tick| *tick <= completed).is_none() {
                 continue;
             }
-            let [culled, unculled] = &pair.pictures;
+            let [culled, unculled] = &pair.images;
             let differences =
                 Differences::between(&culled.rgba8()?, &unculled.rgba8()?, culled.size()[0]);
             self.tally.add(&differences);

@@ -10,7 +10,7 @@ use bench::strategy::Strategy;
 pub struct Conditions {
     /// The strategy that decides about draws.
     pub strategy: Strategy,
-    /// The size of the picture, in pixels.
+    /// The size of the image, in pixels.
     pub size: [u32; 2],
     /// Frames in flight.
     pub frames_in_flight: usize,

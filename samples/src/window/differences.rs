@@ -1,6 +1,6 @@
-//! The pixels in which two pictures differ, and their areas.
+//! The pixels in which two images differ, and their areas.
 
-/// The side of the squares that a picture is compared in, in pixels.
+/// The side of the squares that an image is compared in, in pixels.
 const TILE_PIXELS: usize = 16;
 /// The most areas; more are joined to one.
 const MOST_AREAS: usize = 48;
@@ -8,7 +8,7 @@ const MOST_AREAS: usize = 48;
 /// A rectangle of pixels: left, top, right and bottom edge.
 pub type PixelArea = [u32; 4];
 
-/// The differences between two pictures.
+/// The differences between two images.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Differences {
     /// Pixels that are not the same, bit for bit.
@@ -18,7 +18,7 @@ pub struct Differences {
 }
 
 impl Differences {
-    /// Compares two pictures of `width` pixels per row, four bytes per pixel. Pictures of different
+    /// Compares two images of `width` pixels per row, four bytes per pixel. Images of different
     /// lengths differ in every pixel that one of them lacks.
     pub fn between(a: &[u8], b: &[u8], width: u32) -> Self {
         if a == b || width == 0 {
@@ -83,18 +83,18 @@ mod tests {
 
     const SIZE: [usize; 2] = [100, 40];
 
-    fn picture(changed: &[[usize; 2]]) -> Vec<u8> {
+    fn image(changed: &[[usize; 2]]) -> Vec<u8> {
         let mut bytes = vec![7; SIZE[0] * SIZE[1] * 4];
         changed.iter().for_each(|[x, y]| bytes[(y * SIZE[0] + x) * 4 + 2] = 8);
         bytes
     }
 
     fn between(changed: &[[usize; 2]]) -> Differences {
-        Differences::between(&picture(&[]), &picture(changed), SIZE[0] as u32)
+        Differences::between(&image(&[]), &image(changed), SIZE[0] as u32)
     }
 
     #[test]
-    fn equal_pictures_differ_in_nothing() {
+    fn equal_images_differ_in_nothing() {
         assert_eq!(between(&[]), Differences::default());
     }
 
@@ -102,15 +102,15 @@ mod tests {
     fn neighbours_are_one_area_and_edges_are_kept() {
         let found = between(&[[3, 3], [17, 4], [18, 20]]);
         assert_eq!(found.areas, [[0, 0, 32, 16], [16, 16, 32, 32]]);
-        // The last tile of each side is cut by the picture.
+        // The last tile of each side is cut by the image.
         assert_eq!(between(&[[99, 39]]).areas, [[96, 32, 100, 40]]);
         // Below each other, as wide: one area.
         assert_eq!(between(&[[50, 1], [50, 17], [50, 39]]).areas, [[48, 0, 64, 40]]);
     }
 
     #[test]
-    fn what_one_picture_lacks_differs() {
-        let whole = picture(&[]);
+    fn what_one_image_lacks_differs() {
+        let whole = image(&[]);
         let found = Differences::between(&whole, &whole[..whole.len() - 8], SIZE[0] as u32);
         assert_eq!(found.pixels, 2);
     }

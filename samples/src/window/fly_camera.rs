@@ -127,7 +127,7 @@ impl FlyCamera {
             return;
         }
         let around = std::f32::consts::TAU;
-        // Through a narrow lens the picture moves by as many pixels.
+        // Through a narrow lens the image moves by as many pixels.
         let turn_rad = TURN_RAD * self.fov_y.min(1.0);
         self.heading_rad = (self.heading_rad + right as f32 * turn_rad) % around;
         self.rise_rad = (self.rise_rad - down as f32 * turn_rad).clamp(-STEEPEST_RAD, STEEPEST_RAD);

@@ -159,7 +159,7 @@ impl FrameTimes {
     }
 }
 
-/// Returns true if a pass explains or lies flat over the picture.
+/// Returns true if a pass explains or lies flat over the image.
 pub fn is_overlay(pass: &&PassTime) -> bool {
     OVERLAY_PASSES.contains(&pass.label)
 }

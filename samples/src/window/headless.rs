@@ -1,5 +1,5 @@
 //! The program without a window: the same frames, each a sixtieth of a second after the other, as
-//! pictures if asked for.
+//! images if asked for.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -88,8 +88,8 @@ fn draw_frames(
     signals: &Signals,
 ) -> Result<(), RunError> {
     let size = [options.size.width, options.size.height];
-    let picture = options.out.as_ref().map(|_| Readback::new(device, size)).transpose()?;
-    let picture = picture.map(Rc::new);
+    let image = options.out.as_ref().map(|_| Readback::new(device, size)).transpose()?;
+    let image = image.map(Rc::new);
     tracing::info!("the frames begin");
     for frame in 0..options.frames.unwrap_or(1) {
         if signals.received().is_some() {
@@ -107,12 +107,12 @@ fn draw_frames(
             session.lay_out(None, 1.0)?;
         }
         let seconds = if frame == 0 { 0.0 } else { FRAME_SECONDS };
-        session.draw(&Steering::default(), seconds, picture.as_ref())?;
-        if let (Some(picture), Some(folder)) = (&picture, &options.out) {
+        session.draw(&Steering::default(), seconds, image.as_ref())?;
+        if let (Some(image), Some(folder)) = (&image, &options.out) {
             device.drain()?;
             let path = folder.join(format!("frame_{frame:05}.png"));
-            // A lost picture is an error in the end; the next one may be written.
-            let _kept = session.screenshots.write(picture, &path);
+            // A lost image is an error in the end; the next one may be written.
+            let _kept = session.screenshots.write(image, &path);
         }
         session.after_frame()?;
     }

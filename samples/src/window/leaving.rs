@@ -10,7 +10,7 @@ pub const CONFIRM_WITHIN: Duration = Duration::from_secs(4);
 /// The effect of one Esc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Escape {
-    /// The list, field or page over the picture closes.
+    /// The list, field or page over the image closes.
     Close,
     /// The mouse is freed.
     Free,

@@ -1,4 +1,4 @@
-//! Legends for the colours that explain the picture.
+//! Legends for the colours that explain the image.
 
 use bench::legend;
 use render::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, SELECTED, WIREFRAME};
@@ -6,7 +6,7 @@ use render::{DebugOverlay, Rect};
 
 use crate::hud::Legend;
 
-/// Returns the legend of the view from above in `area`, or of a whole picture.
+/// Returns the legend of the view from above in `area`, or of a whole image.
 pub fn from_above(area: Option<Rect>) -> Legend {
     Legend { title: legend::TITLE_FROM_ABOVE, entries: legend::from_above(), area }
 }

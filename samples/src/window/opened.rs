@@ -30,7 +30,7 @@ use super::title::Title;
 use bench::run;
 use bench::run_error::RunError;
 
-/// The interval of changes to the text over the picture.
+/// The interval of changes to the text over the image.
 const HUD_INTERVAL: Duration = Duration::from_millis(250);
 /// The interval of frames of a hidden window, and of checks of one without a pixel.
 const HIDDEN_INTERVAL: Duration = Duration::from_millis(250);

@@ -42,7 +42,7 @@ pub struct Known<'a> {
     pub used_bytes: u64,
     /// The device's name.
     pub device: &'a str,
-    /// The size of the picture, in pixels.
+    /// The size of the image, in pixels.
     pub size: [u32; 2],
     /// The strategy.
     pub strategy: Strategy,
@@ -132,7 +132,7 @@ impl Known<'_> {
             _ if neglected > 0 => {
                 Verdict::Inexact(format!("inexact: {} px at most", grouped(neglected)))
             }
-            Strategy::FRUSTUM => Verdict::Exact("exact: the reference picture".to_owned()),
+            Strategy::FRUSTUM => Verdict::Exact("exact: the reference image".to_owned()),
             exact if exact.is_exact() => {
                 Verdict::Exact("exact: only hidden objects left out".to_owned())
             }
@@ -144,7 +144,7 @@ impl Known<'_> {
         let [width, height] = self.size;
         vec![
             fact("device", self.device),
-            fact("picture", format!("{width} x {height}")),
+            fact("size", format!("{width} x {height}")),
             fact("predicates", self.predicates),
             fact("frames in flight", self.frames_in_flight.to_string()),
             fact("GPU memory", format!("{} MiB", self.used_bytes >> 20)),

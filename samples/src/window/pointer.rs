@@ -20,7 +20,7 @@ pub enum PointerAction {
     Grab,
     /// The mouse is let go and shown.
     Release,
-    /// The object under it is identified; in the middle of the picture if the mouse is captured.
+    /// The object under it is identified; in the middle of the image if the mouse is captured.
     Identify,
 }
 

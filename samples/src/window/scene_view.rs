@@ -126,7 +126,7 @@ impl SceneView {
         self
     }
 
-    /// Creates the view of a file's scene, seen on pictures of that size at first, whose left is
+    /// Creates the view of a file's scene, seen on images of that size at first, whose left is
     /// covered up to a share of the width.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The display of pictures and its timing: a swapchain and the pacer that decides when frames
+//! The display of images and its timing: a swapchain and the pacer that decides when frames
 //! start.
 
 use std::collections::VecDeque;
@@ -24,7 +24,7 @@ use bench::run_error::RunError;
 const MOST_QUEUED: usize = 64;
 /// The number of images that a swapchain is assumed to have before it is made.
 const USUAL_IMAGES: u32 = 3;
-/// The longest time that the loop blocks to learn when a picture shows: keys wait meanwhile.
+/// The longest time that the loop blocks to learn when an image shows: keys wait meanwhile.
 const LONGEST_LOOK: Duration = Duration::from_millis(20);
 
 /// The facts about a window's swapchain.
@@ -52,7 +52,7 @@ struct Queued {
     is_shown: bool,
 }
 
-/// A window's pictures and their times.
+/// A window's images and their times.
 pub struct Screen {
     swapchain: Swapchain,
     device: Device,
@@ -69,7 +69,7 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// Prepares to show pictures of `device` in the window of `surface`; its monitor refreshes in
+    /// Prepares to show images of `device` in the window of `surface`; its monitor refreshes in
     /// about `refresh`, if that is known.
     ///
     /// # Errors
@@ -139,7 +139,7 @@ impl Screen {
         Ok(step)
     }
 
-    /// Shows the newest picture of `renderer` as the pacer's `frame`.
+    /// Shows the newest image of `renderer` as the pacer's `frame`.
     ///
     /// # Errors
     /// Errors that are not in [`gpu::PresentSkipped`].
@@ -294,7 +294,7 @@ impl Screen {
         Ok(())
     }
 
-    /// Sleeps in the driver rather than in the loop, if the driver reports when a picture shows.
+    /// Sleeps in the driver rather than in the loop, if the driver reports when an image shows.
     fn await_showing(&mut self, wait: &Wait) -> Result<(), RunError> {
         if !matches!(wait.reason, WaitReason::Deadline | WaitReason::QueueFull(_)) {
             return Ok(());

@@ -1,4 +1,4 @@
-//! Pictures on their way to files, without waiting for the GPU.
+//! Images on their way to files, without waiting for the GPU.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -6,25 +6,25 @@ use std::rc::Rc;
 use gpu::{Device, Readback, Tick};
 
 use bench::options::FrameSize;
-use bench::picture::write_png;
+use bench::png_file::write_png;
 use bench::run_error::RunError;
 use bench::terminal::output::say_wrote;
 
-/// A picture that the GPU draws.
+/// An image that the GPU draws.
 struct Pending {
-    picture: Rc<Readback>,
+    image: Rc<Readback>,
     tick: Tick,
     path: PathBuf,
 }
 
-/// Pictures that are not written yet.
+/// Images that are not written yet.
 #[derive(Default)]
 pub struct Screenshots {
     pending: Vec<Pending>,
     lost: Option<Lost>,
 }
 
-/// Pictures that could not be written.
+/// Images that could not be written.
 struct Lost {
     count: u32,
     /// The reason for the first one.
@@ -32,12 +32,12 @@ struct Lost {
 }
 
 impl Screenshots {
-    /// Adds a picture that can be read when `tick` is over, for the file at `path`.
-    pub fn push(&mut self, picture: Rc<Readback>, tick: Tick, path: PathBuf) {
-        self.pending.push(Pending { picture, tick, path });
+    /// Adds an image that can be read when `tick` is over, for the file at `path`.
+    pub fn push(&mut self, image: Rc<Readback>, tick: Tick, path: PathBuf) {
+        self.pending.push(Pending { image, tick, path });
     }
 
-    /// Writes the pictures that can be read by now; returns the newest file that was written.
+    /// Writes the images that can be read by now; returns the newest file that was written.
     ///
     /// # Errors
     /// A lost device; a file that cannot be written.
@@ -50,8 +50,8 @@ impl Screenshots {
         let is_there = |pending: &mut Pending| pending.tick <= completed;
         let mut failed = None;
         let finished: Vec<Pending> = self.pending.extract_if(.., is_there).collect();
-        for Pending { picture, path, .. } in finished {
-            match self.write(&picture, &path) {
+        for Pending { image, path, .. } in finished {
+            match self.write(&image, &path) {
                 Ok(path) => newest = Some(path),
                 Err(error) => failed = Some(error),
             }
@@ -59,13 +59,13 @@ impl Screenshots {
         failed.map_or(Ok(newest), Err)
     }
 
-    /// Writes a picture that can be read, under a name that is free. Returns its path.
+    /// Writes an image that can be read, under a name that is free. Returns its path.
     ///
     /// # Errors
     /// A file that cannot be written: that is also an error in the [end](Self::finish).
-    pub fn write(&mut self, picture: &Readback, path: &Path) -> Result<PathBuf, RunError> {
-        let [width, height] = picture.size();
-        let written = picture.rgba8().map_err(RunError::from).and_then(|pixels| {
+    pub fn write(&mut self, image: &Readback, path: &Path) -> Result<PathBuf, RunError> {
+        let [width, height] = image.size();
+        let written = image.rgba8().map_err(RunError::from).and_then(|pixels| {
             write_png(path, FrameSize { width, height }, &pixels).map_err(RunError::machine)
         });
         match &written {
@@ -81,14 +81,14 @@ impl Screenshots {
     /// Waits for the rest and writes it.
     ///
     /// # Errors
-    /// A lost device; any picture that could not be written, now or before.
+    /// A lost device; any image that could not be written, now or before.
     pub fn finish(&mut self, device: &Device) -> Result<(), RunError> {
         let is_over = if self.pending.is_empty() { Ok(()) } else { device.drain() };
         let written = is_over.map_err(RunError::from).and_then(|_| self.write_finished(device));
         match &self.lost {
             Some(Lost { count: 1, reason }) => Err(RunError::machine(reason)),
             Some(Lost { count, reason }) => {
-                Err(RunError::machine(format!("{count} pictures are lost; the first: {reason}")))
+                Err(RunError::machine(format!("{count} images are lost; the first: {reason}")))
             }
             None => written.map(|_| ()),
         }

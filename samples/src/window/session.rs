@@ -62,9 +62,9 @@ pub struct Session {
     pub(super) hud_level: HudLevel,
     /// True if the page of all keys is open.
     pub(super) has_help: bool,
-    /// True if the text over the picture is out of date.
+    /// True if the text over the image is out of date.
     pub(super) is_page_stale: bool,
-    /// The HUD, while there is something to show over the picture.
+    /// The HUD, while there is something to show over the image.
     pub(super) hud: Option<Hud>,
     pub(super) toast: Toast,
     pub(super) times: FrameTimes,
@@ -172,7 +172,7 @@ impl Session {
         self.script.next_before(self.frame)
     }
 
-    /// Returns true once if the text over the picture is out of date.
+    /// Returns true once if the text over the image is out of date.
     pub fn take_stale_page(&mut self) -> bool {
         std::mem::take(&mut self.is_page_stale)
     }
@@ -196,7 +196,7 @@ impl Session {
         }
     }
 
-    /// Draws pictures of another size from now on.
+    /// Draws images of another size from now on.
     ///
     /// # Errors
     /// A size that the device does not support; no memory.
@@ -217,7 +217,7 @@ impl Session {
         self.fly.camera()
     }
 
-    /// Draws the next frame, `seconds` after the last one, and copies it to `picture`, if there is
+    /// Draws the next frame, `seconds` after the last one, and copies it to `image`, if there is
     /// one. A frame is copied to one place only, and a screenshot of it is written from there. So a
     /// caller that uses the same place again waits for the frame and calls [`Session::after_frame`]
     /// before the next.
@@ -228,7 +228,7 @@ impl Session {
         &mut self,
         steering: &Steering,
         seconds: f32,
-        picture: Option<&Rc<Readback>>,
+        image: Option<&Rc<Readback>>,
     ) -> Result<Tick, RunError> {
         let scope = self.begin_scope("render");
         let began = scope.began;
@@ -251,9 +251,9 @@ impl Session {
         if let Some(capture) = &mut self.capture {
             capture.begin(self.frame);
         }
-        let screenshot = self.screenshot(picture)?;
-        let own = screenshot.as_ref().map(|(picture, _)| picture);
-        let wanted = picture.or(own).map(Rc::as_ref);
+        let screenshot = self.screenshot(image)?;
+        let own = screenshot.as_ref().map(|(image, _)| image);
+        let wanted = image.or(own).map(Rc::as_ref);
         self.times.follow(self.conditions());
         self.times.push(began);
         let tick = match &self.frozen {
@@ -269,30 +269,30 @@ impl Session {
                 tick
             }
         };
-        if let Some((picture, path)) = screenshot {
-            self.screenshots.push(picture, tick, path);
+        if let Some((image, path)) = screenshot {
+            self.screenshots.push(image, tick, path);
         }
         self.seen_from = camera;
         self.frame += 1;
         Ok(tick)
     }
 
-    /// Returns the buffer for the screenshot that was asked for, which is `picture` if there is
+    /// Returns the buffer for the screenshot that was asked for, which is `image` if there is
     /// one, and its file.
     fn screenshot(
         &mut self,
-        picture: Option<&Rc<Readback>>,
+        image: Option<&Rc<Readback>>,
     ) -> Result<Option<(Rc<Readback>, PathBuf)>, RunError> {
         if !std::mem::take(&mut self.wants_screenshot) {
             return Ok(None);
         }
-        let picture = match picture {
-            Some(picture) => Rc::clone(picture),
+        let image = match image {
+            Some(image) => Rc::clone(image),
             None => Rc::new(Readback::new(self.renderer.device(), self.renderer.size())?),
         };
         self.photographed = Some(self.clock.now());
         let name = format!("{}_{:05}.png", self.scene_view.name, self.frame);
-        Ok(Some((picture, self.folder.join(name))))
+        Ok(Some((image, self.folder.join(name))))
     }
 
     /// Begins a scope that traces and profilers show under this name, until [`Session::end_scope`].
@@ -318,7 +318,7 @@ impl Session {
         Ok(())
     }
 
-    /// Finishes a frame that was submitted, and presented if there is a window: writes pictures
+    /// Finishes a frame that was submitted, and presented if there is a window: writes images
     /// that can be read, and checks the shaders for changes.
     ///
     /// # Errors
@@ -361,7 +361,7 @@ impl Session {
         Ok(())
     }
 
-    /// Writes the remaining files: a path being recorded, pending pictures, the trace. Each is
+    /// Writes the remaining files: a path being recorded, pending images, the trace. Each is
     /// tried regardless of failures of the others.
     ///
     /// # Errors
@@ -403,7 +403,7 @@ impl Files {
     }
 }
 
-/// Returns the lower right corner of a picture.
+/// Returns the lower right corner of an image.
 fn corner(size: [u32; 2]) -> Option<Rect> {
     let [width, height] = size.map(|side| side * 2 / 5);
     let area = Rect { origin: [size[0] - width, size[1] - height], size: [width, height] };

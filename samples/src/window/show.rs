@@ -49,7 +49,7 @@ pub struct ShowArguments {
     /// Open no window
     #[arg(long, help_heading = "Frames")]
     pub headless: bool,
-    /// Amount of text over the picture at the start [default: on in a window]
+    /// Amount of text over the image at the start [default: on in a window]
     #[arg(long, value_name = "LEVEL", help_heading = "Frames")]
     pub hud: Option<HudLevel>,
     /// Measure the GPU time of every pass from the start
@@ -60,8 +60,8 @@ pub struct ShowArguments {
     #[command(flatten)]
     pub device: DeviceArguments,
 
-    /// Folder for screenshots and recorded paths, and without a window for a picture of every
-    /// frame; made if it is missing [default: this one, and no pictures]
+    /// Folder for screenshots and recorded paths, and without a window for an image of every
+    /// frame; made if it is missing [default: this one, and no images]
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
     /// File for a trace of CPU and GPU, for ui.perfetto.dev or chrome://tracing

@@ -1,4 +1,4 @@
-//! Messages at the lower edge of the picture, shown for a while.
+//! Messages at the lower edge of the image, shown for a while.
 
 use std::time::Duration;
 

@@ -17,8 +17,8 @@ Examples:
       Look around: W A S D, Q and E; look with a mouse button held.
   viewer rooms.glb --camera walk --strategy frustum
       Begins with the camera \"walk\" of the file, without occlusion culling.
-  viewer rooms.glb --headless --frames 60 --camera walk --out pictures
-      The first second as pictures, without a window.
+  viewer rooms.glb --headless --frames 60 --camera walk --out images
+      The first second as images, without a window.
 
 Exit codes: 0 all went well; 2 the command line or the file is wrong; 1 the machine cannot do it or a file \
 cannot be written; 129, 130 or 143 a closed terminal, Ctrl-C or SIGTERM ended it: that writes what \

@@ -71,7 +71,7 @@ fn without_renderdoc_a_capture_is_refused_with_a_reason() {
     assert!(message.contains("renderdoccmd capture"), "{message}");
 }
 
-/// Checks that a recorded path is walked again with the same pictures, by both programs.
+/// Checks that a recorded path is walked again with the same images, by both programs.
 #[test]
 fn a_recorded_path_is_walked_again_bit_for_bit() {
     let scratch = Scratch::new("city-path");
@@ -93,7 +93,7 @@ fn a_recorded_path_is_walked_again_bit_for_bit() {
     let [recorded, out] = ["first/path_00012.txt", "third"]
         .map(|name| scratch.0.join(name).to_string_lossy().into_owned());
     fs::create_dir(&out).unwrap();
-    let path = ["walkthrough", "--path", &recorded, "--frames", "12", "--pictures", "12"];
+    let path = ["walkthrough", "--path", &recorded, "--frames", "12", "--images", "12"];
     let rest = ["--objects", "500", "--size", "160x90", "--strategy", "antumbra"];
     let line = [&path[..], &rest, &["--out", &out, "--verify", "every"]].concat();
     let options = Arguments::try_parse_from(line).unwrap().options().unwrap();
@@ -101,17 +101,17 @@ fn a_recorded_path_is_walked_again_bit_for_bit() {
     tests::run(Driver::Lavapipe, |device| {
         let walked = walk_on(device, &options, &Silent, &signals).unwrap();
         assert_eq!(
-            (exit_status::complaint(&walked.report), walked.pictures.failures.len()),
+            (exit_status::complaint(&walked.report), walked.images.failures.len()),
             (None, 0)
         );
     });
-    for (frame, picture) in seen.iter().enumerate() {
+    for (frame, image) in seen.iter().enumerate() {
         let walked = pixels(&scratch.0.join(format!("third/frame_{frame:05}.png")));
-        assert!(walked == *picture, "frame {frame} of the walkthrough is another");
+        assert!(walked == *image, "frame {frame} of the walkthrough is another");
     }
 }
 
-/// Checks that no change of strategies and frames in flight changes the picture.
+/// Checks that no change of strategies and frames in flight changes the image.
 #[test]
 fn strategies_and_frames_in_flight_change_no_pixel() {
     let scratch = Scratch::new("city-switches");
@@ -126,11 +126,11 @@ fn strategies_and_frames_in_flight_change_no_pixel() {
     for device in ["llvmpipe", "SwiftShader"] {
         let common = ["--device", device, "--validation", "sync", "--frames", "36"];
         headless(&scratch, &[&common[..], &["--script", "script", "--out", device]].concat());
-        let picture =
+        let image =
             |frame: usize| pixels(&scratch.0.join(format!("{device}/frame_{frame:05}.png")));
-        let first = picture(0);
+        let first = image(0);
         for frame in (1..36).filter(|frame| frame % 6 == 5 || frame / 6 != 4) {
-            assert!(picture(frame) == first, "{device}: frame {frame} is another");
+            assert!(image(frame) == first, "{device}: frame {frame} is another");
         }
     }
 }
@@ -145,8 +145,8 @@ fn explanations_are_drawn_and_go_again() {
     // The text has room in it.
     let rest = [&rest[..], &["--size", "320x180"]].concat();
     headless(&scratch, &rest);
-    let picture = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
-    let plain = picture(1);
+    let image = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
+    let plain = image(1);
     for (frame, is_plain) in [
         (2, false),
         (4, false),
@@ -157,12 +157,12 @@ fn explanations_are_drawn_and_go_again() {
         (12, true),
         (15, true),
     ] {
-        assert_eq!(picture(frame) == plain, is_plain, "frame {frame}");
+        assert_eq!(image(frame) == plain, is_plain, "frame {frame}");
     }
-    assert!(picture(3) != picture(5) && picture(5) != picture(7));
+    assert!(image(3) != image(5) && image(5) != image(7));
 }
 
-/// Checks that a screenshot is the same picture as the frame that is written anyway.
+/// Checks that a screenshot is the same image as the frame that is written anyway.
 #[test]
 fn a_screenshot_is_the_frame_it_was_taken_of() {
     let scratch = Scratch::new("city-screenshots");
@@ -186,7 +186,7 @@ fn what_cannot_be_written_is_no_success() {
     let script = "0 record\n2 screenshot\n5 record\n";
     fs::write(scratch.0.join("script"), script).unwrap();
     let rest = ["--frames", "8", "--script", "script", "--out", "out", "--trace", "trace.json"];
-    // No file may grow beyond 8 KiB: enough for the path, not for a picture, nor for the trace.
+    // No file may grow beyond 8 KiB: enough for the path, not for an image, nor for the trace.
     let limited = "trap '' XFSZ; ulimit -f 16; exec \"$0\" \"$@\"";
     let mut command = Command::new("sh");
     command.current_dir(&scratch.0).args(["-c", limited, crate::CITY]);
@@ -198,7 +198,7 @@ fn what_cannot_be_written_is_no_success() {
     let output = command.output().unwrap();
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(message.contains("error: 9 pictures are lost; the first: "), "{message}");
+    assert!(message.contains("error: 9 images are lost; the first: "), "{message}");
     assert_eq!(message.lines().filter(|line| line.starts_with("error: ")).count(), 1, "{message}");
     assert!(message.contains("wrote out/path_00005.txt"), "{message}");
     assert_eq!(scratch.names("out"), ["path_00005.txt"]);
@@ -285,13 +285,13 @@ fn what_is_frozen_is_explained() {
     fs::write(scratch.0.join("script"), "2 freeze\n4 top_down\n6 wireframe\n").unwrap();
     let rest = ["--validation", "sync", "--frames", "8", "--script", "script", "--out", "out"];
     headless(&scratch, &rest);
-    let picture = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
-    let [frozen, from_above, wireframe] = [3, 5, 7].map(picture);
+    let image = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
+    let [frozen, from_above, wireframe] = [3, 5, 7].map(image);
     let differs = |a: &[[u8; 3]], b: &[[u8; 3]], in_corner: bool| {
         let places = (0..a.len()).filter(|at| (at % 160 >= 96 && at / 160 >= 54) == in_corner);
         places.filter(|at| a[*at] != b[*at]).count()
     };
-    assert!(differs(&frozen, &from_above, true) > 1000, "the corner is another picture");
+    assert!(differs(&frozen, &from_above, true) > 1000, "the corner is another image");
     assert_eq!(differs(&frozen, &from_above, false), 0, "the rest stays");
     assert!(differs(&from_above, &wireframe, false) > 100, "there are wires");
 }
@@ -303,10 +303,10 @@ fn what_only_the_gpu_knows_is_not_frozen() {
     let script = "2 strategy pyramid\n4 freeze\n6 strategy antumbra\n8 freeze\n";
     fs::write(scratch.0.join("script"), script).unwrap();
     headless(&scratch, &["--frames", "10", "--script", "script", "--out", "out"]);
-    let picture = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
-    let plain = picture(1);
+    let image = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
+    let plain = image(1);
     for (frame, is_plain) in [(3, true), (5, true), (7, true), (9, false)] {
-        assert_eq!(picture(frame) == plain, is_plain, "frame {frame}");
+        assert_eq!(image(frame) == plain, is_plain, "frame {frame}");
     }
 }
 

@@ -49,12 +49,12 @@ fn help_lists_the_keys_and_escape_closes_it() {
     let expected = headless(&scratch, &["--size", "1280x720"]);
     let running = Running::city(&scratch, &server, &arguments);
     let window = Seen::wait_for(&server);
-    window.await_pixels(&expected, "the picture");
+    window.await_pixels(&expected, "the image");
     window.strike(F1);
     window
         .await_that("all keys", |found| found.iter().filter(|pixel| **pixel == MARK).count() > 100);
     window.strike(ESCAPE);
-    window.await_pixels(&expected, "the picture without them");
+    window.await_pixels(&expected, "the image without them");
     assert!(!running.log().contains("Esc again"), "{}", running.log());
     window.close();
     running.end_well();
@@ -80,7 +80,7 @@ fn the_mouse_looks_while_held_and_while_captured() {
     let expected = headless(&scratch, &["--size", SIZE]);
     let running = Running::city(&scratch, &server, &["--hud", "off"]);
     let window = Seen::wait_for(&server);
-    window.await_pixels(&expected, "the picture");
+    window.await_pixels(&expected, "the image");
     window.focus();
     window.point_at([100, 90]);
     window.move_by(10, [3, 0]);
@@ -129,12 +129,12 @@ fn full_screen_and_back() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("keys-full"));
     let running = Running::city(&scratch, &server, &["--hud", "off"]);
     let window = Seen::wait_for(&server);
-    window.await_pixels(&headless(&scratch, &["--size", SIZE]), "the picture");
+    window.await_pixels(&headless(&scratch, &["--size", SIZE]), "the image");
     window.manage();
     window.strike(F11);
     assert!(window.await_full_screen());
     window.resize([1280, 1024]);
-    window.await_pixels(&headless(&scratch, &["--size", "1280x1024"]), "the large picture");
+    window.await_pixels(&headless(&scratch, &["--size", "1280x1024"]), "the large image");
     window.strike(F11);
     assert!(!window.await_full_screen());
     window.close();
@@ -203,7 +203,7 @@ fn a_click_says_what_an_object_is() {
     let expected = headless(&scratch, &["--size", SIZE]);
     let running = Running::city(&scratch, &server, &["--hud", "off"]);
     let window = Seen::wait_for(&server);
-    window.await_pixels(&expected, "the picture");
+    window.await_pixels(&expected, "the image");
     window.point_at([160, 120]);
     window.click(1);
     running.await_text("decision: drawn: taken as visible");
@@ -212,7 +212,7 @@ fn a_click_says_what_an_object_is() {
     window.point_at([160, 2]);
     window.click(1);
     running.await_text("there is no object");
-    window.await_pixels(&expected, "the picture without it");
+    window.await_pixels(&expected, "the image without it");
     window.close();
     running.end_well();
 }
@@ -223,9 +223,9 @@ fn a_key_compares_with_no_culling() {
     let expected = headless(&scratch, &["--size", SIZE]);
     let running = Running::city(&scratch, &server, &["--hud", "off"]);
     let window = Seen::wait_for(&server);
-    window.await_pixels(&expected, "the picture");
+    window.await_pixels(&expected, "the image");
     window.strike('v'.into());
-    // With and without culling the picture is the same; the text over its lower half is not.
+    // With and without culling the image is the same; the text over its lower half is not.
     let half = expected.len() / 2;
     window.await_that("what is compared", |found| {
         found[..half] == expected[..half] && found.contains(&MARK)

@@ -32,17 +32,17 @@ fn an_exact_strategy_differs_in_no_pixel() {
     let rest = ["--path", "cut", "--frames", "70", "--out", "out"];
     for strategy in ["antumbra", "pyramid"] {
         let log = run(&scratch, "2 compare\n", &[&rest[..], &["--strategy", strategy]].concat());
-        // The pictures wait for each frame, so that every one of the 68 is compared.
+        // The images wait for each frame, so that every one of the 68 is compared.
         let said = format!("{strategy}: 0 pixels differ in 68 frames");
         assert!(log.contains(&said), "{log}");
     }
-    // Half a second with culling, half a second without: the pictures are those of before.
+    // Half a second with culling, half a second without: the images are those of before.
     let plain = run(&scratch, "", &["--path", "cut", "--frames", "70", "--out", "plain"]);
     assert!(!plain.contains("differ"), "{plain}");
     for frame in [5, 40, 69] {
-        let picture =
+        let image =
             |folder: &str| pixels(&scratch.0.join(format!("{folder}/frame_{frame:05}.png")));
-        assert!(picture("out") == picture("plain"), "frame {frame}");
+        assert!(image("out") == image("plain"), "frame {frame}");
     }
 }
 

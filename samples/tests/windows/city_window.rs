@@ -11,7 +11,7 @@ use harness::{Scratch, pixels, program};
 use tests::weston::Weston;
 use tests::xvfb::Xvfb;
 
-/// The colour of the sign over a picture while the path is recorded.
+/// The colour of the sign over an image while the path is recorded.
 const RECORDING: [u8; 3] = [255, 70, 60];
 
 #[test]
@@ -26,7 +26,7 @@ fn the_window_shows_what_is_drawn_without_one_in_every_mode() {
             let arguments = ["--device", device, "--hud", "off", "--present-mode", mode];
             let running = Running::city(&scratch, &server, &arguments);
             let window = Seen::wait_for(&server);
-            window.await_pixels(&expected, "the picture");
+            window.await_pixels(&expected, "the image");
             window.close();
             running.end_well();
         }
@@ -43,7 +43,7 @@ fn keys_do_what_they_say() {
     // First all details, then nothing.
     window.strike('h'.into());
     window.strike('h'.into());
-    window.await_pixels(&expected, "the picture without text");
+    window.await_pixels(&expected, "the image without text");
     for (key, said) in [
         (TAB, "strategy antumbra_queries"),
         ('f'.into(), "3 frames in flight"),
@@ -52,13 +52,13 @@ fn keys_do_what_they_say() {
     ] {
         window.strike(key);
         running.await_text(said);
-        window.await_pixels(&expected, "the same picture");
+        window.await_pixels(&expected, "the same image");
     }
     for key in ['b', 'x', 'g', 'c'] {
         window.strike(key.into());
         window.await_that(&format!("what {key} does"), |found| found != expected);
         window.strike(key.into());
-        window.await_pixels(&expected, "the picture as it was");
+        window.await_pixels(&expected, "the image as it was");
     }
     window.strike('r'.into());
     running.await_text("recording the path");
@@ -83,25 +83,25 @@ fn what_cannot_be_is_told_without_the_hud() {
     fs::write(scratch.0.join("script"), "3 strategy pyramid\n").unwrap();
     let running = Running::city(&scratch, &server, &["--hud", "off", "--script", "script"]);
     let window = Seen::wait_for(&server);
-    window.await_pixels(&expected, "the picture without a text");
+    window.await_pixels(&expected, "the image without a text");
     window.strike('x'.into());
     let mark = [250, 210, 90];
     window.await_that("what cannot be explained", |found| found.contains(&mark));
     window.await_that("a notice alone", |found| found[..320 * 90] == expected[..320 * 90]);
-    window.await_pixels(&expected, "the picture without it again");
+    window.await_pixels(&expected, "the image without it again");
     window.close();
     running.end_well();
 }
 
 #[test]
-fn the_picture_follows_the_window() {
+fn the_image_follows_the_window() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("window-sizes"));
     let running = Running::city(&scratch, &server, &["--hud", "off"]);
     let window = Seen::wait_for(&server);
     for size in [[200, 300], [1, 1], [801, 77], [320, 180]] {
         let expected = headless(&scratch, &["--size", &format!("{}x{}", size[0], size[1])]);
         window.resize(size);
-        window.await_pixels(&expected, &format!("the picture of {size:?}"));
+        window.await_pixels(&expected, &format!("the image of {size:?}"));
     }
     let mut seed = 1_u32;
     for _ in 0..200 {
@@ -115,7 +115,7 @@ fn the_picture_follows_the_window() {
         std::thread::sleep(Duration::from_millis(5));
     }
     window.resize([320, 180]);
-    window.await_pixels(&headless(&scratch, &["--size", SIZE]), "the picture at last");
+    window.await_pixels(&headless(&scratch, &["--size", SIZE]), "the image at last");
     window.close();
     running.end_well();
 }
@@ -126,7 +126,7 @@ fn a_window_that_is_destroyed_is_a_good_end() {
     let running = Running::city(&scratch, &server, &["--hud", "off"]);
     let window = Seen::wait_for(&server);
     let expected = headless(&scratch, &["--size", SIZE]);
-    window.await_pixels(&expected, "the picture");
+    window.await_pixels(&expected, "the image");
     window.destroy();
     running.end_well();
 }
@@ -136,16 +136,16 @@ fn a_display_that_dies_leaves_the_trace() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("window-display"));
     let running = Running::city(&scratch, &server, &["--hud", "off", "--trace", "trace.json"]);
     let window = Seen::wait_for(&server);
-    window.await_pixels(&headless(&scratch, &["--size", SIZE]), "the picture");
+    window.await_pixels(&headless(&scratch, &["--size", SIZE]), "the image");
     drop((window, server));
     running.end_well();
     let trace = std::fs::read_to_string(scratch.0.join("trace.json")).unwrap();
     assert!(trace.contains("\"render\""), "{} bytes", trace.len());
 }
 
-/// Checks that the picture survives 1,000 changes, one before each frame.
+/// Checks that the image survives 1,000 changes, one before each frame.
 #[test]
-fn whatever_is_switched_the_picture_stays() {
+fn whatever_is_switched_the_image_stays() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("window-switches"));
     let expected = headless(&scratch, &["--size", SIZE]);
     let strategies = [
@@ -179,7 +179,7 @@ fn whatever_is_switched_the_picture_stays() {
     let running = Running::city(&scratch, &server, &arguments);
     let window = Seen::wait_for(&server);
     running.await_text("city_00999.png");
-    window.await_pixels(&expected, "the picture");
+    window.await_pixels(&expected, "the image");
     for shot in scratch.names("shots") {
         assert!(pixels(&scratch.0.join("shots").join(&shot)) == expected, "{shot} is another");
     }
@@ -284,7 +284,7 @@ fn the_triangle_opens_a_window_and_closes_it() {
                 most.zip(least).map_or(0, |(most, least)| most + 1 - least) as f64
             };
             let [width, height] = [side(|place, row| place % row), side(|place, row| place / row)];
-            // It is 2 wide and 1.7 high, 3 away, and the picture shows 0.9 rad.
+            // It is 2 wide and 1.7 high, 3 away, and the image shows 0.9 rad.
             let expected = f64::from(size[1]) * 1.7 / (6.0 * 0.45_f64.tan());
             (height - expected).abs() < 3.0 && (width * 1.7 - height * 2.0).abs() < 6.0
         });

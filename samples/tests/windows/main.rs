@@ -13,7 +13,7 @@ mod city_keys;
 mod city_script;
 mod city_window;
 mod running;
-mod scene_pictures;
+mod scene_images;
 #[cfg(target_os = "linux")]
 mod terminal;
 mod viewer_files;

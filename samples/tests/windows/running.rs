@@ -1,4 +1,4 @@
-//! Runs `city` in a window, and without one for the picture to compare with.
+//! Runs `city` in a window, and without one for the image to compare with.
 
 use std::fs;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -74,7 +74,7 @@ impl Drop for Running {
     }
 }
 
-/// Returns the picture of a resting camera, drawn without a window.
+/// Returns the image of a resting camera, drawn without a window.
 pub fn headless(scratch: &Scratch, arguments: &[&str]) -> Vec<[u8; 3]> {
     let all = ["--headless", "--frames", "2", "--objects", "500", "--device", "llvmpipe"];
     let all = [&all[..], arguments, &["--out", "headless"]].concat();

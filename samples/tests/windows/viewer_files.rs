@@ -21,7 +21,7 @@ fn viewer(scratch: &Scratch, arguments: &[&str]) -> Output {
 }
 
 #[test]
-fn the_viewer_writes_pictures_of_what_moves() {
+fn the_viewer_writes_images_of_what_moves() {
     let scratch = scratch("viewer-headless");
     let arguments = ["small.glb", "--headless", "--frames", "31", "--out", "out"];
     let rest = ["--camera", "still", "--size", "128x72", "--validation", "sync"];
@@ -33,18 +33,18 @@ fn the_viewer_writes_pictures_of_what_moves() {
     let all = [&arguments[..], &rest, &["--script", "script", "--device", "llvmpipe"]].concat();
     let output = viewer(&scratch, &all);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let picture = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
-    assert!(picture(0) != picture(9), "the door moves");
-    assert!(picture(10) == picture(19), "time stands still");
-    assert!(picture(19) != picture(20), "some steps");
-    assert!(picture(25) != picture(24), "another camera");
-    assert!(picture(26) == picture(24), "the first one again");
+    let image = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
+    assert!(image(0) != image(9), "the door moves");
+    assert!(image(10) == image(19), "time stands still");
+    assert!(image(19) != image(20), "some steps");
+    assert!(image(25) != image(24), "another camera");
+    assert!(image(26) == image(24), "the first one again");
 
     let brighter = [&arguments[..5], &["dark"], &rest, &["--exposure", "0.25"]].concat();
     assert_eq!(viewer(&scratch, &brighter).status.code(), Some(0));
     let sum = |folder: &str| {
-        let picture = pixels(&scratch.0.join(folder).join("frame_00000.png"));
-        picture.iter().flatten().map(|part| u64::from(*part)).sum::<u64>()
+        let image = pixels(&scratch.0.join(folder).join("frame_00000.png"));
+        image.iter().flatten().map(|part| u64::from(*part)).sum::<u64>()
     };
     assert!(sum("dark") < sum("out"));
     let sky = |folder: &str| pixels(&scratch.0.join(folder).join("frame_00000.png"))[64];

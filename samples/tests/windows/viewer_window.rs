@@ -69,7 +69,7 @@ fn the_window_shows_what_is_drawn_without_one() {
     let expected = pixels(&scratch.0.join("headless/frame_00001.png"));
     let mut running = Running::start(&scratch, &server, &still);
     let window = Seen::wait_for(&server);
-    window.await_pixels(&expected, "the picture");
+    window.await_pixels(&expected, "the image");
     (0..8).for_each(|_| window.strike('.'.into()));
     window.await_that("some steps", |found| found != expected);
     window.strike('1'.into());
@@ -109,7 +109,7 @@ fn files_can_be_dropped_into_the_window() {
     let expected = pixels(&scratch.0.join("headless/frame_00001.png"));
     let mut running = Running::start(&scratch, &server, &still);
     let window = Seen::wait_for(&server);
-    window.await_pixels(&expected, "the picture");
+    window.await_pixels(&expected, "the image");
     let folder = scratch.0.canonicalize().unwrap();
     window.drop_file(&folder.join("cut.glb"));
     // The upper half shows the scene that was there, the lower edge says what is wrong.

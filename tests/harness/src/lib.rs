@@ -4,10 +4,10 @@
 #![allow(clippy::panic, clippy::expect_used)]
 #![forbid(unsafe_code)]
 
-mod picture;
+mod pixels;
 mod program;
 pub mod scene;
 pub mod terminal;
 
-pub use picture::pixels;
+pub use pixels::pixels;
 pub use program::{Scratch, cache, edited_shaders, program, signalled_program, stderr};

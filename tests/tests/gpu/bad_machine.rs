@@ -190,19 +190,17 @@ impl Stage {
         let mut renderer = Renderer::new(&device, &self.scene, options)?;
         renderer.time_passes()?;
         let mut histories = [renderer.new_view()?, renderer.new_view()?];
-        let picture = || Readback::new(&device, renderer.size());
-        let pictures = [picture()?, picture()?];
-        let request = |strategy, frame, picture| FrameRequest {
-            picture: Some(picture),
+        let image = || Readback::new(&device, renderer.size());
+        let images = [image()?, image()?];
+        let request = |strategy, frame, image| FrameRequest {
+            image: Some(image),
             ..FrameRequest::new(strategy, self.path.camera(frame))
         };
         let (mut failed, mut queries) = (Ok(()), 0);
         for frame in 0..FRAMES {
             let strategies = [Strategy::ANTUMBRA, methods::PYRAMID];
-            for ((history, picture), strategy) in
-                histories.iter_mut().zip(&pictures).zip(strategies)
-            {
-                match renderer.render(history, &request(strategy, frame, picture)) {
+            for ((history, image), strategy) in histories.iter_mut().zip(&images).zip(strategies) {
+                match renderer.render(history, &request(strategy, frame, image)) {
                     Err(error) if goes == Goes::On && failed.is_ok() => failed = Err(error),
                     result => queries += result?.queries,
                 }
@@ -211,11 +209,11 @@ impl Stage {
         let [history, other] = &mut histories;
         renderer.drain(history)?;
         renderer.drain(other)?;
-        let last = pictures[0].rgba8()?.to_vec();
-        assert!(last == *pictures[1].rgba8()?, "two pictures of one frame");
-        renderer.render(history, &request(Strategy::FRUSTUM, FRAMES - 1, &pictures[0]))?;
+        let last = images[0].rgba8()?.to_vec();
+        assert!(last == *images[1].rgba8()?, "two images of one frame");
+        renderer.render(history, &request(Strategy::FRUSTUM, FRAMES - 1, &images[0]))?;
         renderer.drain(history)?;
-        assert!(last == *pictures[0].rgba8()?, "a wrong picture");
+        assert!(last == *images[0].rgba8()?, "a wrong image");
         assert!(queries > 0, "a walk that asks nothing proves little");
         failed
     }
@@ -357,7 +355,7 @@ fn after_a_frame_that_failed_the_next_ones_are_drawn() {
     let counts = clean_calls(&stage, &options, &[c"vkQueueSubmit2", c"vkEndCommandBuffer"]);
     let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
     for (call, count) in [c"vkQueueSubmit2", c"vkEndCommandBuffer"].into_iter().zip(counts) {
-        // All frames but the last three, which make the pictures that are compared.
+        // All frames but the last three, which make the images that are compared.
         for number in count - 1 - 2 * FRAMES as usize..count - 3 {
             let fault = Fault { call, fails: number..number + 1, code };
             let sentence = stage.walk_with(fault, &options, Goes::On).expect("an error");

@@ -108,7 +108,7 @@ struct Host {
     executor: PlanExecutor,
     objects: Boxes,
     state: VisibilityState,
-    picture: Readback,
+    image: Readback,
 }
 
 impl Host {
@@ -133,7 +133,7 @@ impl Host {
         Self {
             device: device.clone(),
             frames: FrameRing::new(device, 2).unwrap(),
-            picture: Readback::new(device, SIZE).unwrap(),
+            image: Readback::new(device, SIZE).unwrap(),
             shaders,
             hierarchy,
             executor,
@@ -144,7 +144,7 @@ impl Host {
 
     /// Draws a frame, whose results come back when it is over.
     fn draw(&mut self, strategy: Strategy, camera: &Camera) {
-        let Self { device, shaders, frames, hierarchy, executor, objects, state, picture } = self;
+        let Self { device, shaders, frames, hierarchy, executor, objects, state, image } = self;
         let view = View::new(camera, SIZE, device.adapter().limits.sub_pixel_precision_bits);
         let mut frame = frames.begin().unwrap();
         state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
@@ -152,15 +152,15 @@ impl Host {
         let request =
             MethodRequest { strategy, view: &view, visible: &[], query_budget: 4096, after: None };
         PlannedMethod.record(&mut frame, state, &mut scene, &request).unwrap();
-        objects.target.copy_to(frame.commands(), picture);
+        objects.target.copy_to(frame.commands(), image);
         let tick = frame.submit(None).unwrap();
         state.submitted(tick, &executor.leaves, None);
     }
 
-    /// Returns the picture of the newest frame, for which it waits.
-    fn picture(&self) -> Vec<u8> {
+    /// Returns the image of the newest frame, for which it waits.
+    fn image(&self) -> Vec<u8> {
         self.device.drain().unwrap();
-        self.picture.rgba8().unwrap().to_vec()
+        self.image.rgba8().unwrap().to_vec()
     }
 }
 
@@ -176,7 +176,7 @@ fn boxes() -> Vec<Aabb> {
 }
 
 #[test]
-fn an_owner_of_bare_boxes_gets_the_same_picture_and_draws_less() {
+fn an_owner_of_bare_boxes_gets_the_same_image_and_draws_less() {
     run(Driver::Lavapipe, |device| {
         let boxes = boxes();
         let [mut plain, mut culled] = [(); 2].map(|()| Host::new(device, &boxes));
@@ -187,7 +187,7 @@ fn an_owner_of_bare_boxes_gets_the_same_picture_and_draws_less() {
             culled.draw(Strategy::ANTUMBRA, &camera);
             // Between these frames nothing waits, so that results are late.
             if frame % 4 == 3 {
-                let differ = pixels_that_differ(&plain.picture(), &culled.picture());
+                let differ = pixels_that_differ(&plain.image(), &culled.image());
                 assert_eq!(differ, 0, "frame {frame}");
             }
         }

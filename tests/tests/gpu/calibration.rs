@@ -1,4 +1,4 @@
-//! Costs measured on a device: they are plausible, the validation layer stays silent, and pictures
+//! Costs measured on a device: they are plausible, the validation layer stays silent, and images
 //! are right with any costs.
 
 use cull::{CostTable, Strategy};
@@ -9,26 +9,26 @@ use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [160, 90];
 
-/// Walks with a renderer of these costs and compares every picture with frustum culling's; returns
+/// Walks with a renderer of these costs and compares every image with frustum culling's; returns
 /// the costs, and the number of leaves that were not tested because of their cost.
 fn walk(device: &Device, options: &RendererOptions) -> (Option<CostTable>, u32) {
     let GeneratedScene { scene, routes } = city(400, 5).unwrap();
     let path = CameraPath::new(PathKind::Street, &routes).unwrap();
     let mut renderer = Renderer::new(device, &scene, options).unwrap();
-    let pictures = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
+    let images = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
     let mut histories = [0, 1].map(|_| renderer.new_view().unwrap());
     let mut untested = 0;
     for frame in 0..24 {
         for (which, strategy) in [Strategy::FRUSTUM, Strategy::ANTUMBRA].into_iter().enumerate() {
             let request = FrameRequest {
-                picture: Some(&pictures[which]),
+                image: Some(&images[which]),
                 ..FrameRequest::new(strategy, path.camera(frame))
             };
             let report = renderer.render(&mut histories[which], &request).unwrap();
             untested += report.plan.untested_by_cost;
         }
         device.drain().unwrap();
-        let [expected, found] = &pictures;
+        let [expected, found] = &images;
         assert!(*expected.rgba8().unwrap() == *found.rgba8().unwrap(), "frame {frame}");
     }
     (renderer.costs(), untested)
@@ -39,7 +39,7 @@ fn options(costs: Costs) -> RendererOptions {
 }
 
 #[test]
-fn measured_costs_can_be_and_pictures_are_right() {
+fn measured_costs_can_be_and_images_are_right() {
     run_on_all(|device| {
         let (costs, _) = walk(device, &options(Costs::Measured));
         let costs = costs.expect("a table").checked().expect("costs that can be");
@@ -62,7 +62,7 @@ fn every_way_to_skip_draws_can_be_measured() {
 }
 
 #[test]
-fn pictures_are_right_at_any_price() {
+fn images_are_right_at_any_price() {
     run(Driver::Lavapipe, |device| {
         let dear = CostTable { draw_ns: 1.0, triangle_ns: 1.0, ..CostTable::uniform(1.0e30) };
         let (costs, untested) = walk(device, &options(Costs::Table(dear)));

@@ -1,4 +1,4 @@
-//! The first frames of a view with an empty history, at standing cameras, in pictures of odd sizes
+//! The first frames of a view with an empty history, at standing cameras, in images of odd sizes
 //! and scenes of several seeds: every frame is compared, from the first on.
 
 use cull::{Camera, Strategy};
@@ -11,7 +11,7 @@ use tests::{Driver, run};
 /// The frames for which a camera stands: results of the first are read back before the last.
 const FRAMES: usize = 4;
 
-/// Returns the strategies that promise the picture and need nothing found beforehand, but the one
+/// Returns the strategies that promise the image and need nothing found beforehand, but the one
 /// that waits for each object.
 fn strategies() -> impl Iterator<Item = Strategy> {
     let left_out = [Strategy::FRUSTUM, methods::NAIVE, methods::IDEAL];
@@ -26,11 +26,9 @@ fn check_standing(renderer: &mut Renderer, camera: Camera, what: &str) {
     for strategy in strategies() {
         let mut view = renderer.new_view().unwrap();
         let found = frame_loop(renderer, &mut view, strategy, &cameras);
-        for (frame, picture) in found.pictures.iter().enumerate() {
-            let wrong = pixels_that_differ(
-                &expected.pictures[0].rgba8().unwrap(),
-                &picture.rgba8().unwrap(),
-            );
+        for (frame, image) in found.images.iter().enumerate() {
+            let wrong =
+                pixels_that_differ(&expected.images[0].rgba8().unwrap(), &image.rgba8().unwrap());
             assert_eq!(wrong, 0, "{strategy}, {what}, frame {frame}");
         }
     }

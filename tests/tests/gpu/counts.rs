@@ -38,15 +38,15 @@ fn of(view: &ViewState, object: u32) -> Option<VisibleSamples> {
     view.visible_samples().iter().find(|known| known.object == ObjectId(object)).copied()
 }
 
-/// Returns the picture of plain frustum culling.
-fn picture(renderer: &mut Renderer, camera: Camera) -> Vec<u8> {
+/// Returns the image of plain frustum culling.
+fn image(renderer: &mut Renderer, camera: Camera) -> Vec<u8> {
     let mut view = renderer.new_view().unwrap();
-    let picture = Readback::new(renderer.device(), SIZE).unwrap();
+    let image = Readback::new(renderer.device(), SIZE).unwrap();
     let request =
-        FrameRequest { picture: Some(&picture), ..FrameRequest::new(Strategy::FRUSTUM, camera) };
+        FrameRequest { image: Some(&image), ..FrameRequest::new(Strategy::FRUSTUM, camera) };
     renderer.render(&mut view, &request).unwrap();
     renderer.drain(&mut view).unwrap();
-    picture.rgba8().unwrap().to_vec()
+    image.rgba8().unwrap().to_vec()
 }
 
 /// The objects of [`half_covered`] behind the two walls: one half hidden, one hidden, a floor that
@@ -69,9 +69,9 @@ fn half_covered() -> Vec<Aabb> {
 
 /// Returns the number of pixels that change without an object.
 fn pixels_of(renderer: &mut Renderer, object: u32, camera: Camera) -> u32 {
-    let whole = picture(renderer, camera);
+    let whole = image(renderer, camera);
     renderer.update(&[ObjectChange::Remove { object: ObjectId(object) }]).unwrap();
-    pixels_that_differ(&whole, &picture(renderer, camera)) as u32
+    pixels_that_differ(&whole, &image(renderer, camera)) as u32
 }
 
 /// Returns every strategy that the device supports.
@@ -130,7 +130,7 @@ fn counts_are_pixels_with_every_strategy() {
 
 /// Checks that the samples of all objects are all pixels that are not sky.
 #[test]
-fn counts_of_all_objects_add_up_to_the_picture() {
+fn counts_of_all_objects_add_up_to_the_image() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(300);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
@@ -188,7 +188,7 @@ fn each_view_counts_what_it_sees() {
                         area,
                     })
                     .collect();
-                let request = ViewsRequest { strategy, picture: None, after: None };
+                let request = ViewsRequest { strategy, image: None, after: None };
                 renderer.render_views(&mut eyes, &request).unwrap();
             }
             let [half, whole] = histories.each_ref().map(|view| of(view, HALF).unwrap());
@@ -282,30 +282,28 @@ fn lists_can_change_and_nothing_is_recorded_for_an_empty_one() {
     });
 }
 
-/// Checks that a picture with counting has the bits of one without.
+/// Checks that an image with counting has the bits of one without.
 #[test]
 fn counting_changes_nothing() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(400);
         let path = CameraPath::new(PathKind::Cut, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
-        let pictures = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
+        let images = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
         for strategy in [Strategy::ANTUMBRA, methods::PYRAMID, methods::BATCHED] {
             let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
             let all = (0..scene.objects.len() as u32).map(ObjectId);
             views[1].watch(&all.step_by(2).collect::<Vec<_>>()).unwrap();
             let mut counted = 0;
             for number in 5..14 {
-                for (view, picture) in views.iter_mut().zip(&pictures) {
+                for (view, image) in views.iter_mut().zip(&images) {
                     let camera = path.camera(number);
-                    let request = FrameRequest {
-                        picture: Some(picture),
-                        ..FrameRequest::new(strategy, camera)
-                    };
+                    let request =
+                        FrameRequest { image: Some(image), ..FrameRequest::new(strategy, camera) };
                     renderer.render(view, &request).unwrap();
                     renderer.drain(view).unwrap();
                 }
-                let [plain, counting] = pictures.each_ref().map(|it| it.rgba8().unwrap());
+                let [plain, counting] = images.each_ref().map(|it| it.rgba8().unwrap());
                 assert_eq!(pixels_that_differ(&plain, &counting), 0, "{strategy}");
                 let known = views[1].visible_samples().iter();
                 counted += known.map(|known| known.samples).sum::<u32>();

@@ -1,5 +1,5 @@
 //! Skinned and morphed meshes on the GPU: their vertices are those of the formulas of glTF 2.0 on
-//! the CPU, and pictures are exact while they hide and are hidden.
+//! the CPU, and images are exact while they hide and are hidden.
 
 use cull::{Camera, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec3, vec3};
@@ -192,12 +192,12 @@ pub fn turns(frame: u32) -> [f32; 2] {
 }
 
 pub fn draw(renderer: &mut Renderer, strategy: Strategy) -> Readback {
-    let picture = Readback::new(renderer.device(), SIZE).unwrap();
+    let image = Readback::new(renderer.device(), SIZE).unwrap();
     let mut view = renderer.new_view().unwrap();
-    let request = FrameRequest { picture: Some(&picture), ..FrameRequest::new(strategy, camera()) };
+    let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera()) };
     renderer.render(&mut view, &request).unwrap();
     renderer.drain(&mut view).unwrap();
-    picture
+    image
 }
 
 /// Returns the number of pixels that differ by more than rounding.
@@ -299,15 +299,14 @@ fn film(device: &Device, strategy: Strategy, frames_in_flight: usize) -> Vec<Rea
     let mut view = renderer.new_view().unwrap();
     let frame = |frame| {
         take(&mut renderer, turns(frame));
-        let picture = Readback::new(device, SIZE).unwrap();
-        let request =
-            FrameRequest { picture: Some(&picture), ..FrameRequest::new(strategy, camera()) };
+        let image = Readback::new(device, SIZE).unwrap();
+        let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera()) };
         renderer.render(&mut view, &request).unwrap();
-        picture
+        image
     };
-    let pictures = (0..14).map(frame).collect();
+    let images = (0..14).map(frame).collect();
     renderer.drain(&mut view).unwrap();
-    pictures
+    images
 }
 
 #[test]

@@ -58,10 +58,10 @@ fn render(
     strategy: Strategy,
     camera: Camera,
 ) -> Readback {
-    let picture = Readback::new(renderer.device(), SIZE).unwrap();
-    let request = FrameRequest { picture: Some(&picture), ..FrameRequest::new(strategy, camera) };
+    let image = Readback::new(renderer.device(), SIZE).unwrap();
+    let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
     renderer.render(view, &request).unwrap();
-    picture
+    image
 }
 
 fn camera(frame: u32) -> Camera {
@@ -74,12 +74,12 @@ fn every_strategy_draws_the_same_forms() {
         let mut renderer = renderer(device);
         let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA, Strategy::ANTUMBRA_QUERIES];
         let mut views = strategies.map(|_| renderer.new_view().unwrap());
-        let mut pictures = Vec::new();
+        let mut images = Vec::new();
         let mut changes = 0;
         for frame in 0..30 {
             changes += renderer.choose_detail(&[camera(frame)], &DetailPolicy::default());
             let strategies = strategies.iter().zip(&mut views);
-            pictures.push(
+            images.push(
                 strategies
                     .map(|(strategy, view)| render(&mut renderer, view, *strategy, camera(frame)))
                     .collect::<Vec<_>>(),
@@ -87,10 +87,10 @@ fn every_strategy_draws_the_same_forms() {
         }
         views.iter_mut().for_each(|view| renderer.drain(view).unwrap());
         assert!(changes > 100, "far ones become coarse, those that come near fine: {changes}");
-        for (frame, pictures) in pictures.iter().enumerate() {
-            for (picture, strategy) in pictures.iter().zip(strategies) {
+        for (frame, images) in images.iter().enumerate() {
+            for (image, strategy) in images.iter().zip(strategies) {
                 let wrong =
-                    pixels_that_differ(&pictures[0].rgba8().unwrap(), &picture.rgba8().unwrap());
+                    pixels_that_differ(&images[0].rgba8().unwrap(), &image.rgba8().unwrap());
                 assert_eq!(wrong, 0, "frame {frame}, {strategy}");
             }
         }
@@ -103,9 +103,9 @@ fn coarse_forms_have_fewer_triangles_and_go_again() {
         let mut renderer = renderer(device);
         let mut view = renderer.new_view().unwrap();
         let mut look = |renderer: &mut Renderer| {
-            let picture = render(renderer, &mut view, Strategy::FRUSTUM, camera(0));
+            let image = render(renderer, &mut view, Strategy::FRUSTUM, camera(0));
             renderer.drain(&mut view).unwrap();
-            (picture, view.take_outcomes().next_back().unwrap().triangles)
+            (image, view.take_outcomes().next_back().unwrap().triangles)
         };
         let (fine, all) = look(&mut renderer);
         let policy = |error_pixels| DetailPolicy { error_pixels, ..Default::default() };

@@ -13,8 +13,8 @@ use tests::run_on_all;
 /// An odd size, so that the middle of a row of samples is at the height of the eye.
 const SIZE: [u32; 2] = [321, 181];
 
-fn request(strategy: Strategy, camera: Camera, picture: &Readback) -> FrameRequest<'_> {
-    FrameRequest { picture: Some(picture), ..FrameRequest::new(strategy, camera) }
+fn request(strategy: Strategy, camera: Camera, image: &Readback) -> FrameRequest<'_> {
+    FrameRequest { image: Some(image), ..FrameRequest::new(strategy, camera) }
 }
 
 /// Compares the frames of strategies with frustum culling's, from an empty history, with a standing
@@ -23,8 +23,8 @@ fn compare(device: &Device, scene: &Scene, camera: Camera) {
     let options =
         RendererOptions { methods: methods::ALL, size: SIZE, ..RendererOptions::default() };
     let mut renderer = Renderer::new(device, scene, &options).unwrap();
-    let pictures = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
-    let [expected, found] = &pictures;
+    let images = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
+    let [expected, found] = &images;
     let mut view = renderer.new_view().unwrap();
     renderer.render(&mut view, &request(Strategy::FRUSTUM, camera, expected)).unwrap();
     let strategies = [

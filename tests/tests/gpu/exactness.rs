@@ -156,10 +156,10 @@ fn strategies_and_views_can_change_from_frame_to_frame() {
         let strategies: Vec<Strategy> = methods::strategies().into_iter().filter(is_fit).collect();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, [160, 90]).unwrap());
         for frame in 0..40u32 {
-            let mut draw = |view, strategy, picture| {
+            let mut draw = |view, strategy, image| {
                 let camera = path.camera(frame * 5);
                 let request =
-                    FrameRequest { picture: Some(picture), ..FrameRequest::new(strategy, camera) };
+                    FrameRequest { image: Some(image), ..FrameRequest::new(strategy, camera) };
                 renderer.render(view, &request).unwrap();
             };
             draw(&mut plain, Strategy::FRUSTUM, &expected);
@@ -184,7 +184,7 @@ fn the_comparison_sees_a_difference() {
         let mut view = renderer.new_view().unwrap();
         let cameras = [path.camera(0), path.camera(1)];
         let walked = frame_loop(&mut renderer, &mut view, Strategy::FRUSTUM, &cameras);
-        let [a, b] = [0, 1].map(|frame: usize| walked.pictures[frame].rgba8().unwrap());
+        let [a, b] = [0, 1].map(|frame: usize| walked.images[frame].rgba8().unwrap());
         assert!(pixels_that_differ(&a, &b) > 100);
     });
 }

@@ -14,7 +14,7 @@ const CORNER: Rect = Rect { origin: [220, 10], size: [90, 60] };
 struct Studio {
     renderer: Renderer,
     history: ViewState,
-    picture: Readback,
+    image: Readback,
     path: CameraPath,
 }
 
@@ -37,18 +37,18 @@ impl Studio {
         };
         let renderer = Renderer::new(device, &scene, &options).unwrap();
         let history = renderer.new_view().unwrap();
-        let picture = Readback::new(device, SIZE).unwrap();
-        Self { renderer, history, picture, path }
+        let image = Readback::new(device, SIZE).unwrap();
+        Self { renderer, history, image, path }
     }
 
     fn render(&mut self, strategy: Strategy) -> (FrameReport, Vec<u8>) {
         let request = FrameRequest {
-            picture: Some(&self.picture),
+            image: Some(&self.image),
             ..FrameRequest::new(strategy, self.path.camera(7))
         };
         let report = self.renderer.render(&mut self.history, &request).unwrap();
         self.renderer.drain(&mut self.history).unwrap();
-        (report, self.picture.rgba8().unwrap().to_vec())
+        (report, self.image.rgba8().unwrap().to_vec())
     }
 
     /// Returns a frame under an explanation.
@@ -92,8 +92,8 @@ fn explanations_are_drawn_where_they_belong_and_go() {
 
         let boxes = studio.explained(DebugOverlay { has_boxes: true, ..nothing });
         let wireframe = studio.explained(DebugOverlay { has_wireframe: true, ..nothing });
-        for (picture, what) in [(&boxes, "boxes"), (&wireframe, "wireframe")] {
-            let changed = differences(&plain, picture, whole).0;
+        for (image, what) in [(&boxes, "boxes"), (&wireframe, "wireframe")] {
+            let changed = differences(&plain, image, whole).0;
             let pixels = (SIZE[0] * SIZE[1]) as usize;
             assert!(changed > 200 && changed < pixels / 2, "{what}: {changed}");
         }
@@ -117,7 +117,7 @@ fn an_explanation_decides_nothing() {
         }
         let beyond = Rect { origin: [300, 0], size: [30, 20] };
         let refused = explained.renderer.explain(DebugOverlay { top_down: Some(beyond), ..all });
-        assert!(refused.unwrap_err().to_string().contains("is not within the picture"));
+        assert!(refused.unwrap_err().to_string().contains("is not within the image"));
         assert_eq!(explained.renderer.explanation(), all, "what was explained before still is");
     });
 }
@@ -129,9 +129,9 @@ fn an_explanation_is_the_same_however_draws_are_skipped() {
         let kinds = [Predication::Conditional, Predication::Counts, Predication::Instances];
         let mut studios = kinds.map(|kind| Studio::with(device, Some(kind)));
         for frame in 0..8 {
-            let pictures: Vec<_> = studios.iter_mut().map(|it| it.explained(all)).collect();
+            let images: Vec<_> = studios.iter_mut().map(|it| it.explained(all)).collect();
             let whole = Rect { origin: [0, 0], size: SIZE };
-            let wrong = [1, 2].map(|other| differences(&pictures[0], &pictures[other], whole).0);
+            let wrong = [1, 2].map(|other| differences(&images[0], &images[other], whole).0);
             assert_eq!(wrong, [0, 0], "frame {frame}: pixels that differ from conditional draws");
         }
     });
@@ -148,9 +148,9 @@ fn a_moment_can_be_walked_around() {
         let view = studio.renderer.view_of(&camera);
         let snapshot = studio.renderer.snapshot(&mut studio.history, view).unwrap();
         let mut seen = |camera| {
-            studio.renderer.render_snapshot(&snapshot, camera, Some(&studio.picture)).unwrap();
+            studio.renderer.render_snapshot(&snapshot, camera, Some(&studio.image)).unwrap();
             studio.renderer.drain(&mut studio.history).unwrap();
-            studio.picture.rgba8().unwrap().to_vec()
+            studio.image.rgba8().unwrap().to_vec()
         };
         let same = seen(camera);
         let elsewhere = seen(cull::Camera { eye: camera.eye + glam::Vec3::Y * 30.0, ..camera });

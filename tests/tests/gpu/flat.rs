@@ -1,4 +1,4 @@
-//! Flat pictures over the scene: at the place where they were laid out, without effect elsewhere,
+//! Flat images over the scene: at the place where they were laid out, without effect elsewhere,
 //! and removable.
 
 use cull::Strategy;
@@ -13,7 +13,7 @@ const SIZE: [u32; 2] = [320, 180];
 struct Studio {
     renderer: Renderer,
     history: ViewState,
-    picture: Readback,
+    image: Readback,
     path: CameraPath,
 }
 
@@ -24,27 +24,27 @@ impl Studio {
         let options = RendererOptions { size: SIZE, ..RendererOptions::default() };
         let renderer = Renderer::new(device, &scene, &options).unwrap();
         let history = renderer.new_view().unwrap();
-        let picture = Readback::new(device, SIZE).unwrap();
-        Self { renderer, history, picture, path }
+        let image = Readback::new(device, SIZE).unwrap();
+        Self { renderer, history, image, path }
     }
 
-    fn picture(&mut self, frame: u32) -> Vec<u8> {
+    fn image(&mut self, frame: u32) -> Vec<u8> {
         let request = FrameRequest {
-            picture: Some(&self.picture),
+            image: Some(&self.image),
             ..FrameRequest::new(Strategy::ANTUMBRA, self.path.camera(frame))
         };
         self.renderer.render(&mut self.history, &request).unwrap();
         self.renderer.drain(&mut self.history).unwrap();
-        self.picture.rgba8().unwrap().to_vec()
+        self.image.rgba8().unwrap().to_vec()
     }
 }
 
-fn pixel(picture: &[u8], [x, y]: [u32; 2]) -> [u8; 4] {
+fn pixel(image: &[u8], [x, y]: [u32; 2]) -> [u8; 4] {
     let start = (y * SIZE[0] + x) as usize * 4;
-    picture[start..start + 4].try_into().unwrap()
+    image[start..start + 4].try_into().unwrap()
 }
 
-/// Returns two triangles over a rectangle of the picture.
+/// Returns two triangles over a rectangle of the image.
 fn rectangle(from: [f32; 2], to: [f32; 2], colour: [u8; 4]) -> ([FlatVertex; 4], [u32; 6]) {
     let corner = |x: usize, y: usize| FlatVertex {
         position: [[from, to][x][0], [from, to][y][1]],
@@ -58,14 +58,14 @@ fn rectangle(from: [f32; 2], to: [f32; 2], colour: [u8; 4]) -> ([FlatVertex; 4],
 fn what_is_flat_is_where_it_was_laid_out() {
     run_on_all(|device| {
         let mut studio = Studio::new(device);
-        let plain = studio.picture(3);
+        let plain = studio.image(3);
         let overlay = studio.renderer.flat_overlay().unwrap();
         overlay.begin_atlas([2, 2]).unwrap();
         overlay.write_atlas([0, 0], [2, 2], [[255; 4]; 4].into_iter()).unwrap();
         let (vertices, indices) = rectangle([20.0, 10.0], [60.0, 50.0], [255, 0, 0, 255]);
         overlay.add([0, 0], [40, 180], &vertices, &indices);
         overlay.add([0, 0], SIZE, &vertices, &[0, 1, 9, 4, 4]);
-        let drawn = studio.picture(3);
+        let drawn = studio.image(3);
         for y in 0..SIZE[1] {
             for x in 0..SIZE[0] {
                 let is_inside = (20..40).contains(&x) && (10..50).contains(&y);
@@ -74,9 +74,9 @@ fn what_is_flat_is_where_it_was_laid_out() {
             }
         }
         studio.renderer.flat_overlay().unwrap().clear();
-        assert!(studio.picture(3) == plain, "what was cleared is gone");
+        assert!(studio.image(3) == plain, "what was cleared is gone");
         studio.renderer.drop_flat_overlay();
-        assert!(studio.picture(3) == plain);
+        assert!(studio.image(3) == plain);
     });
 }
 
@@ -88,14 +88,14 @@ fn an_atlas_is_written_piece_by_piece_and_sampled_in_linear_light() {
         overlay.begin_atlas([4, 1]).unwrap();
         let (vertices, indices) = rectangle([0.0, 0.0], [4.0, 1.0], [255; 4]);
         overlay.add([0, 0], SIZE, &vertices, &indices);
-        let plain = studio.picture(0);
+        let plain = studio.image(0);
         let overlay = studio.renderer.flat_overlay().unwrap();
         overlay.write_atlas([1, 0], [1, 1], [[188, 94, 0, 255]].into_iter()).unwrap();
-        assert_eq!(pixel(&studio.picture(0), [1, 0]), [188, 94, 0, 255]);
+        assert_eq!(pixel(&studio.image(0), [1, 0]), [188, 94, 0, 255]);
         let overlay = studio.renderer.flat_overlay().unwrap();
         // Half covered by white: as much light as the mean of both has.
         overlay.write_atlas([2, 0], [1, 1], [[128; 4]].into_iter()).unwrap();
-        let drawn = studio.picture(0);
+        let drawn = studio.image(0);
         assert_eq!(pixel(&drawn, [1, 0]), [188, 94, 0, 255], "earlier pieces stay");
         assert_eq!(pixel(&drawn, [0, 0]), pixel(&plain, [0, 0]), "never written is transparent");
         let light = |encoded: u8| {
@@ -130,7 +130,7 @@ fn an_atlas_is_written_piece_by_piece_and_sampled_in_linear_light() {
 fn the_hud_can_be_read_and_leaves_the_middle_alone() {
     run_on_all(|device| {
         let mut studio = Studio::new(device);
-        let plain = studio.picture(0);
+        let plain = studio.image(0);
         let figure = |value: &str, name| Figure { value: value.to_owned(), name };
         let mut overview = Overview {
             frames_ms: (0..200).map(|frame| 10.0 + (frame % 9) as f32).collect(),
@@ -142,7 +142,7 @@ fn the_hud_can_be_read_and_leaves_the_middle_alone() {
         let mut hud = Hud::default();
         let mut show = |page: &HudPage, studio: &mut Studio| {
             hud.lay_out(page, SIZE, 0.5, studio.renderer.flat_overlay().unwrap()).unwrap();
-            studio.picture(0)
+            studio.image(0)
         };
         let first = show(&page, &mut studio);
         assert_ne!(first, plain);
@@ -150,6 +150,6 @@ fn the_hud_can_be_read_and_leaves_the_middle_alone() {
         assert!(show(&page, &mut studio) == first, "the same page looks the same");
         overview.rate.value = "30".to_owned();
         let page = HudPage { overview: Some(overview), ..HudPage::default() };
-        assert!(show(&page, &mut studio) != first, "another value is another picture");
+        assert!(show(&page, &mut studio) != first, "another value is another image");
     });
 }

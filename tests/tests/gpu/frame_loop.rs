@@ -34,13 +34,13 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
         }
         device.drain().unwrap();
         let gate = Timeline::new(device, "gate").unwrap();
-        let picture = Readback::new(device, renderer.size()).unwrap();
+        let image = Readback::new(device, renderer.size()).unwrap();
         let (waits, over) = (device.wait_counts(), device.completed().unwrap());
         for number in 0..FRAMES_IN_FLIGHT {
             let report = renderer.render(
                 &mut view,
                 &FrameRequest {
-                    picture: (number + 1 == FRAMES_IN_FLIGHT).then_some(&picture),
+                    image: (number + 1 == FRAMES_IN_FLIGHT).then_some(&image),
                     after: Some((&gate, Tick(1))),
                     ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(20 + number))
                 },
@@ -58,7 +58,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
         let mut plain = renderer.new_view().unwrap();
         let expected = frame_loop(&mut renderer, &mut plain, Strategy::FRUSTUM, &camera);
         assert_eq!(
-            pixels_that_differ(&expected.pictures[0].rgba8().unwrap(), &picture.rgba8().unwrap()),
+            pixels_that_differ(&expected.images[0].rgba8().unwrap(), &image.rgba8().unwrap()),
             0
         );
     });
@@ -100,7 +100,7 @@ fn passes_are_timed_by_their_labels() {
         frame_loop(&mut renderer, &mut view, Strategy::ANTUMBRA, &cameras);
         let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();
         assert_eq!(&labels[..3], ["draw visible", "resolve tests", "draw revealed"]);
-        assert_eq!(labels.last(), Some(&"copy picture"));
+        assert_eq!(labels.last(), Some(&"copy image"));
         let total_ms: f64 = renderer.pass_times().iter().map(|time| time.gpu_ms).sum();
         assert!(total_ms > 0.0 && total_ms < 60_000.0, "{total_ms} ms");
     });
@@ -120,9 +120,9 @@ fn a_moment_is_all_that_was_decided() {
         assert!(!snapshot.hidden.is_empty());
         assert!(snapshot.hidden.len() as u32 <= view.plan().stats.frontier);
 
-        let picture = Readback::new(device, renderer.size()).unwrap();
-        renderer.top_down(&snapshot, &picture).unwrap();
-        let pixels = picture.rgba8().unwrap();
+        let image = Readback::new(device, renderer.size()).unwrap();
+        renderer.top_down(&snapshot, &image).unwrap();
+        let pixels = image.rgba8().unwrap();
         let background = &pixels[..4];
         let painted = pixels.chunks_exact(4).filter(|pixel| pixel != &background).count();
         assert!(painted > 160 * 90 / 10, "{painted} pixels of something");

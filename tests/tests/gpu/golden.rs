@@ -1,7 +1,7 @@
-//! Real scenes look as in the committed pictures, and are exact while they move.
+//! Real scenes look as in the committed images, and are exact while they move.
 //!
 //! The scenes are not part of the project: ANTUMBRA_ASSETS names the folder that has them; without
-//! it these tests report that they were skipped. With ANTUMBRA_GOLDEN=write the pictures are
+//! it these tests report that they were skipped. With ANTUMBRA_GOLDEN=write the images are
 //! rewritten, to be looked at and committed.
 
 use std::fs;
@@ -27,7 +27,7 @@ const SCENES: [(&str, &[Option<&str>]); 5] = [
     ("rooms.glb", &[Some("walk"), Some("fly")]),
 ];
 
-/// The times of the pictures, in seconds.
+/// The times of the images, in seconds.
 const MOMENTS_S: [f64; 2] = [0.4, 5.0];
 
 fn assets() -> Option<PathBuf> {
@@ -67,16 +67,16 @@ impl Stage {
         Self { renderer, animator, camera, still }
     }
 
-    fn picture(&mut self, view: &mut ViewState, strategy: Strategy, seconds: f64) -> Readback {
+    fn image(&mut self, view: &mut ViewState, strategy: Strategy, seconds: f64) -> Readback {
         self.renderer.apply(self.animator.changes(seconds)).unwrap();
         let seen = self.camera.as_ref().map(|camera| self.animator.seen_by(camera, SIZE));
-        let picture = Readback::new(self.renderer.device(), SIZE).unwrap();
+        let image = Readback::new(self.renderer.device(), SIZE).unwrap();
         let request = FrameRequest {
-            picture: Some(&picture),
+            image: Some(&image),
             ..FrameRequest::new(strategy, seen.unwrap_or(self.still))
         };
         self.renderer.render(view, &request).unwrap();
-        picture
+        image
     }
 }
 
@@ -102,10 +102,9 @@ fn every_frame_is_exact_while_the_scene_lives() {
         let frames: Vec<[Readback; 2]> = (0..frames)
             .map(|frame| {
                 let seconds = f64::from(frame) * 0.25;
-                let pictures = strategies.iter().zip(&mut views);
-                let pictures =
-                    pictures.map(|(strategy, view)| stage.picture(view, *strategy, seconds));
-                pictures.collect::<Vec<_>>().try_into().ok().unwrap()
+                let images = strategies.iter().zip(&mut views);
+                let images = images.map(|(strategy, view)| stage.image(view, *strategy, seconds));
+                images.collect::<Vec<_>>().try_into().ok().unwrap()
             })
             .collect();
         views.iter_mut().for_each(|view| stage.renderer.drain(view).unwrap());
@@ -126,16 +125,16 @@ fn scenes_look_as_they_did() {
         let mut stage = Stage::open(device, file, camera);
         let mut view = stage.renderer.new_view().unwrap();
         for (number, seconds) in MOMENTS_S.into_iter().enumerate() {
-            let picture = stage.picture(&mut view, Strategy::ANTUMBRA, seconds);
+            let image = stage.image(&mut view, Strategy::ANTUMBRA, seconds);
             stage.renderer.drain(&mut view).unwrap();
             let stem = file.file_stem().unwrap().to_str().unwrap();
             let name = format!("{stem}_{}_{number}.png", camera.unwrap_or("whole"));
             let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden").join(&name);
             if std::env::var("ANTUMBRA_GOLDEN").is_ok_and(|what| what == "write") {
-                write(&golden, &picture.rgba8().unwrap());
+                write(&golden, &image.rgba8().unwrap());
                 continue;
             }
-            let (far, mean) = difference(&read(&golden), &picture.rgba8().unwrap());
+            let (far, mean) = difference(&read(&golden), &image.rgba8().unwrap());
             assert!(
                 far <= 0.002 && mean <= 0.25,
                 "{name}: {far} of the pixels are far, mean {mean}"

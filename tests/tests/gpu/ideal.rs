@@ -1,4 +1,4 @@
-//! The yardstick is right: the ideal's picture equals the whole one, and nothing in it could be
+//! The yardstick is right: the ideal's image equals the whole one, and nothing in it could be
 //! left out.
 
 use cull::{Aabb, Camera, CullConfig, ObjectId, Strategy};
@@ -27,9 +27,9 @@ fn the_ideal_is_exact_and_draws_only_what_owns_a_pixel() {
         for frame in [0, 1, 9, 10, 20] {
             let camera = path.camera(frame);
             let set = renderer.visible_set(&mut finder, &camera, AREA).unwrap();
-            let request = |strategy, picture| FrameRequest {
+            let request = |strategy, image| FrameRequest {
                 visible: Some(&set),
-                picture: Some(picture),
+                image: Some(image),
                 ..FrameRequest::new(strategy, camera)
             };
             let all = request(Strategy::FRUSTUM, &expected);
@@ -121,10 +121,10 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         assert!(finder.plan().stats.shared_proxies > 10, "no test answered for another");
         let again = renderer.visible_set(&mut finder, &camera, Rect::whole(size)).unwrap();
         assert_eq!(again.leaves().len(), set.leaves().len(), "now most of it is drawn untested");
-        for (strategy, picture) in [(Strategy::FRUSTUM, &expected), (methods::IDEAL, &got)] {
+        for (strategy, image) in [(Strategy::FRUSTUM, &expected), (methods::IDEAL, &got)] {
             let request = FrameRequest {
                 visible: Some(&set),
-                picture: Some(picture),
+                image: Some(image),
                 ..FrameRequest::new(strategy, camera)
             };
             renderer.render(&mut view, &request).unwrap();

@@ -1,4 +1,4 @@
-//! The GPU times of frames reach the cost models with any set of views; pictures stay right.
+//! The GPU times of frames reach the cost models with any set of views; images stay right.
 
 use cull::{Camera, Corrections, CostTable, Strategy};
 use gpu::{Device, FrameRing, Readback};
@@ -32,7 +32,7 @@ fn check(found: Corrections, least_frames: u64, what: &str) {
 }
 
 #[test]
-fn frames_are_learned_from_and_pictures_are_right() {
+fn frames_are_learned_from_and_images_are_right() {
     run_on_all(|device| {
         for frames_in_flight in [1, 2, 4] {
             for strategy in
@@ -40,16 +40,14 @@ fn frames_are_learned_from_and_pictures_are_right() {
             {
                 let costs = Costs::default();
                 let (mut renderer, cameras) = renderer(device, costs, frames_in_flight);
-                let pictures = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
+                let images = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
                 let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
                 let mut learned = Corrections::default();
                 for camera in cameras {
                     let strategies = [Strategy::FRUSTUM, strategy];
-                    for ((view, picture), strategy) in
-                        views.iter_mut().zip(&pictures).zip(strategies)
-                    {
+                    for ((view, image), strategy) in views.iter_mut().zip(&images).zip(strategies) {
                         let request = FrameRequest {
-                            picture: Some(picture),
+                            image: Some(image),
                             ..FrameRequest::new(strategy, camera)
                         };
                         let report = renderer.render(view, &request).unwrap();
@@ -58,7 +56,7 @@ fn frames_are_learned_from_and_pictures_are_right() {
                         assert!(is_known, "{report:?}");
                     }
                     device.drain().unwrap();
-                    let [expected, found] = &pictures;
+                    let [expected, found] = &images;
                     assert_eq!(
                         pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap()),
                         0
@@ -83,7 +81,7 @@ fn views_that_are_drawn_together_learn_the_same() {
                 .zip(areas)
                 .map(|(history, area)| ViewTarget { history, camera, visible: None, area })
                 .collect();
-            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, picture: None, after: None };
+            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, image: None, after: None };
             renderer.render_views(&mut eyes, &request).unwrap();
             for (learned, view) in learned.iter_mut().zip(&views) {
                 *learned = view.corrections().expect("a governor");
@@ -123,17 +121,17 @@ fn learning_goes_on_whatever_changes_between_frames() {
         for (frames_in_flight, size) in [(2, SIZE), (4, SIZE), (1, [96, 101]), (3, [201, 64])] {
             renderer.set_frames_in_flight(frames_in_flight).unwrap();
             renderer.resize(size).unwrap();
-            let pictures = [0, 1].map(|_| Readback::new(device, size).unwrap());
+            let images = [0, 1].map(|_| Readback::new(device, size).unwrap());
             for (number, camera) in cameras.iter().enumerate() {
                 let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA];
-                for ((view, picture), strategy) in views.iter_mut().zip(&pictures).zip(strategies) {
-                    let picture = (number % 8 == 0).then_some(picture);
-                    let request = FrameRequest { picture, ..FrameRequest::new(strategy, *camera) };
+                for ((view, image), strategy) in views.iter_mut().zip(&images).zip(strategies) {
+                    let image = (number % 8 == 0).then_some(image);
+                    let request = FrameRequest { image, ..FrameRequest::new(strategy, *camera) };
                     renderer.render(view, &request).unwrap();
                 }
                 if number % 8 == 0 {
                     device.drain().unwrap();
-                    let [expected, found] = &pictures;
+                    let [expected, found] = &images;
                     let differ =
                         pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());
                     assert_eq!(differ, 0, "{size:?}, {frames_in_flight} in flight, {number}");

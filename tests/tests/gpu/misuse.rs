@@ -39,22 +39,22 @@ fn a_view_of_another_renderer_is_refused() {
 }
 
 #[test]
-fn a_picture_of_another_size_is_refused() {
+fn an_image_of_another_size_is_refused() {
     run(Driver::Lavapipe, |device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(50);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let mut view = renderer.new_view().unwrap();
-        let picture = Readback::new(device, [SIZE[0], SIZE[1] + 1]).unwrap();
+        let image = Readback::new(device, [SIZE[0], SIZE[1] + 1]).unwrap();
         let request = FrameRequest {
-            picture: Some(&picture),
+            image: Some(&image),
             ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))
         };
         let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
         assert!(refused.contains("64x37") && refused.contains("64x36"), "{refused}");
-        renderer.render(&mut view, &FrameRequest { picture: None, ..request }).unwrap();
+        renderer.render(&mut view, &FrameRequest { image: None, ..request }).unwrap();
         let snapshot = renderer.snapshot(&mut view, renderer.view_of(&path.camera(0))).unwrap();
-        assert!(renderer.top_down(&snapshot, &picture).is_err());
+        assert!(renderer.top_down(&snapshot, &image).is_err());
     });
 }
 
@@ -139,9 +139,9 @@ fn a_frame_without_a_view_is_refused() {
     run(Driver::Lavapipe, |device| {
         let mut renderer =
             Renderer::new(device, &SceneKind::Field.build(9).scene, &options()).unwrap();
-        let picture = Readback::new(device, SIZE).unwrap();
-        for picture in [None, Some(&picture)] {
-            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, picture, after: None };
+        let image = Readback::new(device, SIZE).unwrap();
+        for image in [None, Some(&image)] {
+            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, image, after: None };
             let refused = renderer.render_views(&mut [], &request).unwrap_err();
             assert!(matches!(refused, Error::NoView), "{refused}");
         }
@@ -167,20 +167,20 @@ fn outcomes_that_nobody_takes_are_kept_within_bounds() {
 }
 
 #[test]
-fn a_picture_is_read_when_its_frame_is_over_and_not_before() {
+fn an_image_is_read_when_its_frame_is_over_and_not_before() {
     run(Driver::Lavapipe, |device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(50);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let mut view = renderer.new_view().unwrap();
-        let picture = Readback::new(device, SIZE).unwrap();
+        let image = Readback::new(device, SIZE).unwrap();
         let is_refused = |what: &str| {
-            let refused = picture.rgba8().err().expect(what);
-            assert!(matches!(refused, gpu::Error::NoPicture), "{what}: {refused}");
+            let refused = image.rgba8().err().expect(what);
+            assert!(matches!(refused, gpu::Error::NoImage), "{what}: {refused}");
         };
         let gate = Timeline::new(device, "gate").unwrap();
         let request = |number: u32, after| FrameRequest {
-            picture: Some(&picture),
+            image: Some(&image),
             after,
             ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(number))
         };
@@ -189,13 +189,13 @@ fn a_picture_is_read_when_its_frame_is_over_and_not_before() {
         let held_back = request(0, Some((&gate, Tick(1))));
         let tick = renderer.render(&mut view, &held_back).unwrap().tick;
         is_refused("on its way");
-        assert_eq!(device.wait_counts().other, waits, "nobody waits for a picture");
+        assert_eq!(device.wait_counts().other, waits, "nobody waits for an image");
         gate.signal(Tick(1)).unwrap();
         renderer.drain(&mut view).unwrap();
         assert!(device.completed().unwrap() >= tick);
-        let first = picture.rgba8().unwrap();
+        let first = image.rgba8().unwrap();
 
-        // During a read, no frame writes; and the picture stays the same.
+        // During a read, no frame writes; and the image stays the same.
         let before = first.to_vec();
         let refused = renderer.render(&mut view, &request(40, None)).unwrap_err().to_string();
         assert!(refused.contains("that is being read"), "{refused}");
@@ -208,12 +208,12 @@ fn a_picture_is_read_when_its_frame_is_over_and_not_before() {
         is_refused("on its way again");
         gate.signal(Tick(2)).unwrap();
         renderer.drain(&mut view).unwrap();
-        assert!(*picture.rgba8().unwrap() != before);
+        assert!(*image.rgba8().unwrap() != before);
 
         // Dropped on its way.
         let early = Readback::new(device, SIZE).unwrap();
         let last = FrameRequest {
-            picture: Some(&early),
+            image: Some(&early),
             ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))
         };
         renderer.render(&mut view, &last).unwrap();
@@ -223,16 +223,16 @@ fn a_picture_is_read_when_its_frame_is_over_and_not_before() {
 }
 
 #[test]
-fn a_picture_whose_frame_was_given_up_is_never_there() {
+fn an_image_whose_frame_was_given_up_is_never_there() {
     run(Driver::Lavapipe, |device| {
-        let picture = Readback::new(device, SIZE).unwrap();
+        let image = Readback::new(device, SIZE).unwrap();
         let mut target = gpu::Target::new(device, SIZE, "target").unwrap();
         let mut ring = gpu::FrameRing::new(device, 1).unwrap();
         let mut draw = |is_submitted: bool| {
             let frame = ring.begin().unwrap();
             target.prepare(frame.commands());
             frame.commands().rendering(target.render_target(Some([1.0; 4])), |_| {});
-            target.copy_to(frame.commands(), &picture);
+            target.copy_to(frame.commands(), &image);
             if is_submitted {
                 frame.submit(None).unwrap();
                 device.drain().unwrap();
@@ -240,27 +240,27 @@ fn a_picture_whose_frame_was_given_up_is_never_there() {
         };
         draw(false);
         device.drain().unwrap();
-        assert!(matches!(picture.rgba8(), Err(gpu::Error::NoPicture)));
+        assert!(matches!(image.rgba8(), Err(gpu::Error::NoImage)));
         draw(true);
-        assert!(picture.rgba8().unwrap().iter().all(|byte| *byte == 255));
+        assert!(image.rgba8().unwrap().iter().all(|byte| *byte == 255));
         draw(false);
-        assert!(matches!(picture.rgba8(), Err(gpu::Error::NoPicture)), "the newest was given up");
+        assert!(matches!(image.rgba8(), Err(gpu::Error::NoImage)), "the newest was given up");
     });
 }
 
-/// Checks that of two open frames only one may copy a picture to the same place: the older one
+/// Checks that of two open frames only one may copy an image to the same place: the older one
 /// could be submitted last, and overwrite data that are read after the newer one.
 #[test]
-fn of_two_open_frames_one_copies_a_picture_to_the_same_place() {
+fn of_two_open_frames_one_copies_a_image_to_the_same_place() {
     run(Driver::Lavapipe, |device| {
-        let picture = Readback::new(device, SIZE).unwrap();
+        let image = Readback::new(device, SIZE).unwrap();
         let mut target = gpu::Target::new(device, SIZE, "target").unwrap();
         let mut rings = [(); 2].map(|()| gpu::FrameRing::new(device, 1).unwrap());
         let [first, second] = &mut rings;
         let mut draw = |frame: &gpu::Frame, colour| {
             target.prepare(frame.commands());
             frame.commands().rendering(target.render_target(Some([colour; 4])), |_| {});
-            target.copy_to(frame.commands(), &picture);
+            target.copy_to(frame.commands(), &image);
         };
         let older = first.begin().unwrap();
         draw(&older, 0.0);
@@ -270,12 +270,12 @@ fn of_two_open_frames_one_copies_a_picture_to_the_same_place() {
         assert!(refused.contains("two frames that are both open"), "{refused}");
         older.submit(None).unwrap();
         device.drain().unwrap();
-        assert_eq!(picture.rgba8().unwrap()[..4], [0; 4], "the older one's");
+        assert_eq!(image.rgba8().unwrap()[..4], [0; 4], "the older one's");
         // With nothing open any more the next one is as good as any.
         let newer = second.begin().unwrap();
         draw(&newer, 1.0);
         newer.submit(None).unwrap();
         device.drain().unwrap();
-        assert_eq!(picture.rgba8().unwrap()[..4], [255; 4]);
+        assert_eq!(image.rgba8().unwrap()[..4], [255; 4]);
     });
 }

@@ -52,7 +52,7 @@ impl Moving {
         Self { scene, path, motion }
     }
 
-    /// Shows `frames` one after the other without looking back; returns their pictures and the
+    /// Shows `frames` one after the other without looking back; returns their images and the
     /// number of objects drawn.
     fn walk(
         &self,
@@ -62,20 +62,20 @@ impl Moving {
         frames: &[u32],
     ) -> (Vec<Readback>, u64) {
         let mut view = renderer.new_view().unwrap();
-        let mut pictures = Vec::new();
+        let mut images = Vec::new();
         let waits = renderer.device().wait_counts().other;
         for frame in frames {
             show_motion(renderer, &self.motion, cast, *frame).unwrap();
-            let picture = Readback::new(renderer.device(), SIZE).unwrap();
+            let image = Readback::new(renderer.device(), SIZE).unwrap();
             let camera = self.path.camera(*frame);
-            render(renderer, &mut view, strategy, camera, &picture);
-            pictures.push(picture);
+            render(renderer, &mut view, strategy, camera, &image);
+            images.push(image);
         }
         let waited = renderer.device().wait_counts().other - waits;
         assert_eq!(waited > 0, strategy.is_blocking(), "{strategy} waited for {waited} answers");
         renderer.drain(&mut view).unwrap();
         let draws = view.take_outcomes().map(|outcome| outcome.draws).sum();
-        (pictures, draws)
+        (images, draws)
     }
 
     /// Walks with ours and compares; returns the objects drawn by frustum culling and by ours.
@@ -112,9 +112,9 @@ fn render(
     view: &mut ViewState,
     strategy: Strategy,
     camera: Camera,
-    picture: &Readback,
+    image: &Readback,
 ) {
-    let request = FrameRequest { picture: Some(picture), ..FrameRequest::new(strategy, camera) };
+    let request = FrameRequest { image: Some(image), ..FrameRequest::new(strategy, camera) };
     renderer.render(view, &request).unwrap();
 }
 
@@ -198,8 +198,8 @@ fn an_updated_scene_is_the_scene_built_anew() {
         let mut renderer = Renderer::new(device, &moving.scene, &options(2)).unwrap();
         let mut cast = Cast::new(&moving.motion);
         let frames = [0, 1, 2, 90, 91, 30, 400];
-        let (pictures, _) = moving.walk(&mut renderer, &mut cast, Strategy::FRUSTUM, &frames);
-        for (frame, picture) in frames.iter().zip(&pictures) {
+        let (images, _) = moving.walk(&mut renderer, &mut cast, Strategy::FRUSTUM, &frames);
+        for (frame, image) in frames.iter().zip(&images) {
             let scene = moving.motion.scene_at(&moving.scene, *frame);
             let mut fresh = Renderer::new(device, &scene, &options(1)).unwrap();
             let mut view = fresh.new_view().unwrap();
@@ -207,7 +207,7 @@ fn an_updated_scene_is_the_scene_built_anew() {
             let camera = moving.path.camera(*frame);
             render(&mut fresh, &mut view, Strategy::FRUSTUM, camera, &expected);
             device.drain().unwrap();
-            let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &picture.rgba8().unwrap());
+            let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &image.rgba8().unwrap());
             assert_eq!(wrong, 0, "frame {frame}");
         }
     });
@@ -359,7 +359,7 @@ fn an_update_costs_what_changed_and_not_what_there_is() {
             let scene = SceneKind::Field.build(objects).scene;
             let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
             let mut view = renderer.new_view().unwrap();
-            let picture = Readback::new(device, SIZE).unwrap();
+            let image = Readback::new(device, SIZE).unwrap();
             let camera = square_camera();
             for moved in [1_usize, 10, 100] {
                 let lifted = |frame: usize| {
@@ -378,7 +378,7 @@ fn an_update_costs_what_changed_and_not_what_there_is() {
                     assert!(report.refitted_nodes <= moved as u64 * levels, "{report:?}");
                     assert_eq!(report.rebuilt_leaves, 0);
                     assert!(report.added.is_empty() && !report.is_worn);
-                    render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &picture);
+                    render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &image);
                 }
             }
             // Nothing changed, nothing is uploaded.
@@ -395,12 +395,12 @@ fn memory_does_not_grow_while_objects_come_and_go() {
         let mut renderer = Renderer::new(device, &moving.scene, &options(2)).unwrap();
         let mut cast = Cast::new(&moving.motion);
         let mut view = renderer.new_view().unwrap();
-        let picture = Readback::new(device, SIZE).unwrap();
+        let image = Readback::new(device, SIZE).unwrap();
         let mut bytes = Vec::new();
         for frame in 0..90 {
             show_motion(&mut renderer, &moving.motion, &mut cast, frame).unwrap();
             let camera = moving.path.camera(0);
-            render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &picture);
+            render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &image);
             bytes.push(device.memory_bytes().1);
         }
         device.drain().unwrap();

@@ -1,4 +1,4 @@
-//! The object that owns a pixel, why it is drawn or not, its outline, and the picture of the scene
+//! The object that owns a pixel, why it is drawn or not, its outline, and the image of the scene
 //! alone.
 
 use cull::{Camera, Decision, ObjectId, Outcome, Strategy};
@@ -52,7 +52,7 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = city(300, 5).unwrap();
         let mut camera = CameraPath::new(PathKind::Fly, &routes).unwrap().camera(7);
-        // The horizon is in the picture, and so is the sky.
+        // The horizon is in the image, and so is the sky.
         camera.forward.y = -0.1;
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let mut view = renderer.new_view().unwrap();
@@ -192,7 +192,7 @@ fn a_pick_is_not_answered_by_what_a_newer_one_found() {
 }
 
 #[test]
-fn an_outline_and_explanations_are_not_in_the_picture_of_the_scene() {
+fn an_outline_and_explanations_are_not_in_the_image_of_the_scene() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = city(300, 5).unwrap();
         let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(7);
@@ -200,7 +200,7 @@ fn an_outline_and_explanations_are_not_in_the_picture_of_the_scene() {
         let mut view = renderer.new_view().unwrap();
         let [plain, whole, alone] = [0; 3].map(|_| Readback::new(device, SIZE).unwrap());
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-        let bare = FrameRequest { picture: Some(&plain), ..request };
+        let bare = FrameRequest { image: Some(&plain), ..request };
         renderer.render(&mut view, &bare).unwrap();
         let pick = renderer.pick(&camera, [160, 100]).unwrap();
         device.drain().unwrap();
@@ -208,11 +208,11 @@ fn an_outline_and_explanations_are_not_in_the_picture_of_the_scene() {
         assert!(object.is_some(), "something is in the middle of the street");
         renderer.outline(object).unwrap();
         renderer.explain(DebugOverlay { has_boxes: true, ..DebugOverlay::default() }).unwrap();
-        let both = FrameRequest { picture: Some(&whole), scene_picture: Some(&alone), ..request };
+        let both = FrameRequest { image: Some(&whole), scene_image: Some(&alone), ..request };
         renderer.render(&mut view, &both).unwrap();
         renderer.drain(&mut view).unwrap();
         let differing = |a: &Readback, b: &Readback| {
-            let [a, b] = [a, b].map(|picture| picture.rgba8().unwrap());
+            let [a, b] = [a, b].map(|image| image.rgba8().unwrap());
             a.chunks(4).zip(b.chunks(4)).filter(|(a, b)| a != b).count()
         };
         assert_eq!(differing(&plain, &alone), 0);

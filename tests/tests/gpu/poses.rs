@@ -126,15 +126,15 @@ fn looking_about(device: &Device, strategy: Strategy, sees_all: bool) -> Vec<Rea
         take(&mut renderer, turns(frame));
         let turn = Quat::from_rotation_y(frame as f32 * 0.8);
         let camera = Camera { forward: turn * camera().forward, ..camera() };
-        let picture = Readback::new(device, SIZE).unwrap();
+        let image = Readback::new(device, SIZE).unwrap();
         let request =
-            FrameRequest { scene_picture: Some(&picture), ..FrameRequest::new(strategy, camera) };
+            FrameRequest { scene_image: Some(&image), ..FrameRequest::new(strategy, camera) };
         renderer.render(&mut view, &request).unwrap();
-        picture
+        image
     };
-    let pictures = (0..20).map(frame).collect();
+    let images = (0..20).map(frame).collect();
     renderer.drain(&mut view).unwrap();
-    pictures
+    images
 }
 
 #[test]

@@ -178,7 +178,7 @@ fn a_frame_tells_what_it_drew() {
             again.outcomes[1],
             render::FrameOutcome { frame: again.outcomes[1].frame, ..outcomes[1] }
         );
-        let [plain, ours] = [&other.pictures[1], &again.pictures[1]];
+        let [plain, ours] = [&other.images[1], &again.images[1]];
         assert_eq!(pixels_that_differ(&plain.rgba8().unwrap(), &ours.rgba8().unwrap()), 0);
         // A view that has seen nothing is another.
         let mut fresh = renderer.new_view().unwrap();
@@ -203,7 +203,7 @@ fn strategies_and_views_change_from_frame_to_frame() {
             let expected = frame_loop(&mut renderer, &mut plain, Strategy::FRUSTUM, &cameras);
             let got = frame_loop(&mut renderer, view, strategy, &cameras);
             assert_eq!(got.outcomes.len(), cameras.len());
-            for (expected, got) in expected.pictures.iter().zip(&got.pictures) {
+            for (expected, got) in expected.images.iter().zip(&got.images) {
                 assert_eq!(
                     pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
                     0,
@@ -232,7 +232,7 @@ fn passes_are_timed_by_their_labels() {
             "test boxes",
             "draw revealed",
             "copy results",
-            "copy picture",
+            "copy image",
         ];
         assert_eq!(labels, expected);
     });
@@ -260,7 +260,7 @@ fn every_level_is_the_farthest_of_the_one_below() {
             let centre = Vec3::new(at(37), at(59), -1.0) * (2.0 + (number % 23) as f32);
             ProxyBox::from(box_at(centre, Vec3::splat(0.05 + 0.02 * (number % 7) as f32)))
         });
-        // Behind them one that fills every picture.
+        // Behind them one that fills every image.
         let wall = box_at(Vec3::new(0.0, 0.0, -60.0), Vec3::new(60.0, 60.0, 1.0));
         let boxes: Vec<ProxyBox> = boxes.chain([ProxyBox::from(wall)]).collect();
         for size in [[1, 1], [5, 1], [4, 9], [333, 7], [641, 363], [256, 256]] {

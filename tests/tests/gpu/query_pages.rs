@@ -58,7 +58,7 @@ fn every_answer_is_home_when_its_piece_is_over() {
                 for query in taken.clone() {
                     let samples = queries.samples(QueryIndex(query));
                     assert_eq!(samples > 0, shows(query), "round {round}, query {query}");
-                    // The front of the box is 0.5 / 4.5 of the picture wide.
+                    // The front of the box is 0.5 / 4.5 of the image wide.
                     let is_counted = counts_samples && query % 2 == 1 && shows(query);
                     assert!(!is_counted || (36..=81).contains(&samples), "{samples} samples");
                 }

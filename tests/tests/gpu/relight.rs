@@ -59,7 +59,7 @@ fn bulb(position: Vec3) -> PunctualLight {
     }
 }
 
-fn picture(renderer: &mut Renderer, view: &mut ViewState) -> Vec<u8> {
+fn image(renderer: &mut Renderer, view: &mut ViewState) -> Vec<u8> {
     let camera = Camera {
         eye: vec3(8.0, 6.0, 8.0),
         forward: vec3(0.0, -0.5, -1.0),
@@ -67,12 +67,12 @@ fn picture(renderer: &mut Renderer, view: &mut ViewState) -> Vec<u8> {
         fov_y: 1.0,
         near: 0.1,
     };
-    let picture = Readback::new(renderer.device(), SIZE).unwrap();
+    let image = Readback::new(renderer.device(), SIZE).unwrap();
     let request =
-        FrameRequest { picture: Some(&picture), ..FrameRequest::new(Strategy::ANTUMBRA, camera) };
+        FrameRequest { image: Some(&image), ..FrameRequest::new(Strategy::ANTUMBRA, camera) };
     renderer.render(view, &request).unwrap();
     renderer.drain(view).unwrap();
-    picture.rgba8().unwrap().to_vec()
+    image.rgba8().unwrap().to_vec()
 }
 
 fn renderer(device: &Device, scene: &Scene) -> Renderer {
@@ -83,7 +83,7 @@ fn renderer(device: &Device, scene: &Scene) -> Renderer {
 fn fresh(device: &Device, scene: &Scene) -> Vec<u8> {
     let mut renderer = renderer(device, scene);
     let mut view = renderer.new_view().unwrap();
-    picture(&mut renderer, &mut view)
+    image(&mut renderer, &mut view)
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn lights_and_objects_move_as_if_they_had_always_been_there() {
         let mut scene = room();
         let mut renderer = renderer(device, &scene);
         let mut view = renderer.new_view().unwrap();
-        let mut before = picture(&mut renderer, &mut view);
+        let mut before = image(&mut renderer, &mut view);
         assert_eq!(before, fresh(device, &scene));
         for step in 0..6_u32 {
             let light = LightId(step * 5 % 30);
@@ -107,7 +107,7 @@ fn lights_and_objects_move_as_if_they_had_always_been_there() {
             let transform = Affine3A::from_translation(vec3(3.0 * step as f32, 1.5, -1.0));
             renderer.update(&[ObjectChange::Move { object, transform }]).unwrap();
             scene.objects[object.0 as usize].transform = transform;
-            let now = picture(&mut renderer, &mut view);
+            let now = image(&mut renderer, &mut view);
             assert_ne!(now, before, "step {step} shows");
             let other = fresh(device, &scene);
             let wrong = now.chunks(4).zip(other.chunks(4)).filter(|(a, b)| a != b).count();

@@ -1,4 +1,4 @@
-//! Shading: the pictures of the surface pass equal the specification's formulas, pixel by pixel.
+//! Shading: the images of the surface pass equal the specification's formulas, pixel by pixel.
 //!
 //! The comparison is exact in positions: flat patches whose corners lie on corners of pixels, so
 //! that nothing is snapped or covered in part, with normals that turn over them as over a sphere.
@@ -13,9 +13,9 @@ use scene::{
 use tests::reference::{self, Ambient, Light, Point};
 use tests::run_on_all;
 use tests::shapes::square_camera;
-use tests::studio::{mesh, picture, scene, snorm16};
+use tests::studio::{image, mesh, scene, snorm16};
 
-/// The side of the picture in pixels, which the camera at the origin sees at a right angle.
+/// The side of the image in pixels, which the camera at the origin sees at a right angle.
 const SIDE: u32 = 256;
 /// The distance of all patches.
 const DISTANCE_M: f32 = 4.0;
@@ -178,7 +178,7 @@ impl Sweep {
     /// can check that it saw something.
     fn compare(&self, device: &Device, what: &str) -> f64 {
         let found =
-            picture(device, &self.scene(), &square_camera(), [SIDE; 2], &SurfaceOptions::default());
+            image(device, &self.scene(), &square_camera(), [SIDE; 2], &SurfaceOptions::default());
         let (mut sum, mut count, mut worst) = (0.0, 0.0, (0.0_f64, [0, 0]));
         for pixel in (0..SIDE * SIDE).map(|pixel| [pixel % SIDE, pixel / SIDE]) {
             let start = (pixel[1] * SIDE + pixel[0]) as usize * 4;

@@ -13,7 +13,7 @@ use tests::shapes::{box_at, box_scene, proxy_pass, square_camera};
 use tests::{Driver, run};
 
 const SIDE: u32 = 512;
-/// The pairs in a row and in a column: each has its own part of the picture.
+/// The pairs in a row and in a column: each has its own part of the image.
 const CELLS: u32 = 24;
 
 /// A seeded source of numbers from 0 to 1 (splitmix64).

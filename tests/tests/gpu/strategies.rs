@@ -106,7 +106,7 @@ fn coherent_is_exact_with_all_options() {
 }
 
 #[test]
-fn a_depth_only_first_pass_gives_the_same_picture() {
+fn a_depth_only_first_pass_gives_the_same_image() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(500);
         for path in [PathKind::Street, PathKind::Cut] {
@@ -133,7 +133,7 @@ fn a_visibility_threshold_leaves_out_what_hardly_shows() {
         let (exact, loose) = (walk(0), walk(20));
         check(&exact, "no threshold");
         assert!(loose.draws[1] < exact.draws[1], "{loose:?} {exact:?}");
-        // Objects of up to 20 pixels: the picture is a little wrong, not altogether.
+        // Objects of up to 20 pixels: the image is a little wrong, not altogether.
         assert!(loose.pixels_wrong > 0 && loose.pixels_wrong < 16 * 160 * 90 / 20, "{loose:?}");
     });
 }
@@ -196,11 +196,11 @@ fn next_frame_is_right_at_rest_and_counted_wrong_on_the_way() {
         let mut plain = renderer.new_view().unwrap();
         let mut view = renderer.new_view().unwrap();
         let mut wrong = |cameras: &[Camera], renderer: &mut Renderer| -> Vec<usize> {
-            let expected = frame_loop(renderer, &mut plain, Strategy::FRUSTUM, cameras).pictures;
+            let expected = frame_loop(renderer, &mut plain, Strategy::FRUSTUM, cameras).images;
             let got = frame_loop(renderer, &mut view, methods::NEXT_FRAME, cameras);
             let draws: u64 = got.outcomes.iter().map(|outcome| outcome.draws).sum();
             assert!(draws > 0 && draws < (scene.objects.len() * cameras.len()) as u64);
-            let pairs = expected.iter().zip(&got.pictures);
+            let pairs = expected.iter().zip(&got.images);
             pairs
                 .map(|(a, b)| pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap()))
                 .collect()
@@ -240,7 +240,7 @@ fn strategies_change_from_frame_to_frame() {
             let expected = frame_loop(&mut renderer, &mut plain, Strategy::FRUSTUM, &cameras);
             let got = frame_loop(&mut renderer, &mut views[turn % 2], strategy, &cameras);
             assert_eq!(got.outcomes.len(), cameras.len());
-            for (expected, got) in expected.pictures.iter().zip(&got.pictures) {
+            for (expected, got) in expected.images.iter().zip(&got.images) {
                 let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
                 assert!(wrong == 0 || !strategy.is_exact(), "turn {turn}, {strategy}: {wrong}");
             }
@@ -249,7 +249,7 @@ fn strategies_change_from_frame_to_frame() {
 }
 
 #[test]
-fn nothing_in_sight_is_an_empty_picture() {
+fn nothing_in_sight_is_an_empty_image() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(1).scene;
         let cameras = [Vec3::Y, Vec3::NEG_Y, Vec3::Y].map(|forward| Camera {
@@ -283,7 +283,7 @@ fn passes_are_timed_by_their_labels() {
         let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();
         let batches = labels.iter().filter(|label| **label == "draw and query").count();
         assert!(batches > 1, "{labels:?}");
-        assert_eq!(&labels[batches..], ["shade", "copy picture"]);
+        assert_eq!(&labels[batches..], ["shade", "copy image"]);
         let total_ms: f64 = renderer.pass_times().iter().map(|time| time.gpu_ms).sum();
         assert!(total_ms > 0.0 && total_ms < 60_000.0, "{total_ms} ms");
     });
@@ -329,9 +329,9 @@ fn a_host_holds_a_blocking_method_back_only_up_to_its_gate() {
         let gate = Timeline::new(device, "gate").unwrap();
         gate.signal(Tick(1)).unwrap();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, [160, 90]).unwrap());
-        for (strategy, picture) in [(Strategy::FRUSTUM, &expected), (methods::COHERENT, &got)] {
+        for (strategy, image) in [(Strategy::FRUSTUM, &expected), (methods::COHERENT, &got)] {
             let request = FrameRequest {
-                picture: Some(picture),
+                image: Some(image),
                 after: Some((&gate, Tick(1))),
                 ..FrameRequest::new(strategy, path.camera(3))
             };

@@ -1,4 +1,4 @@
-//! The picture is the same with every tester of the proxies: queries, fragments, a compute shader.
+//! The image is the same with every tester of the proxies: queries, fragments, a compute shader.
 
 use cull::Strategy;
 use gpu::{Device, Predication};

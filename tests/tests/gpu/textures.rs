@@ -16,7 +16,7 @@ use tests::run_on_all;
 use tests::shapes::square_camera;
 use tests::studio;
 
-/// The side of the pictures in pixels.
+/// The side of the images in pixels.
 const SIDE: u32 = 64;
 
 /// A sampler that shows one texel per pixel, without filtering.
@@ -61,7 +61,7 @@ fn one(image: Image, texture: Texture, material: Material) -> Surfaces {
     }
 }
 
-/// Returns a square over the whole picture.
+/// Returns a square over the whole image.
 fn whole(uv: [[f32; 2]; 2], change: impl Fn(&mut SurfaceVertex)) -> (Mesh, SurfaceMesh) {
     studio::quad(SIDE, [[0, 0], [SIDE, SIDE]], 4.0, uv, 0, change)
 }
@@ -76,8 +76,8 @@ fn draw(device: &Device, scene: &Scene) -> Vec<[u8; 4]> {
 }
 
 fn draw_with(device: &Device, scene: &Scene, options: &SurfaceOptions) -> Vec<[u8; 4]> {
-    let picture = studio::picture(device, scene, &square_camera(), [SIDE; 2], options);
-    picture.chunks_exact(4).map(|pixel| pixel.try_into().unwrap()).collect()
+    let image = studio::image(device, scene, &square_camera(), [SIDE; 2], options);
+    image.chunks_exact(4).map(|pixel| pixel.try_into().unwrap()).collect()
 }
 
 /// Returns the texture coordinates at the middle of a pixel of a [`whole`] square.

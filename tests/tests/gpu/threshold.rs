@@ -1,4 +1,4 @@
-//! A visibility threshold: pictures that are not exact, with an error that is counted and never
+//! A visibility threshold: images that are not exact, with an error that is counted and never
 //! larger than the count.
 
 use cull::{Aabb, BlockingOptions, Camera, CoherentOptions, Strategy};
@@ -53,8 +53,8 @@ fn walk(
     });
     assert_eq!(got.outcomes.len(), cameras.len());
     let mut found = Found::default();
-    let pictures = expected.pictures.iter().zip(&got.pictures);
-    for (number, ((expected, got), outcome)) in pictures.zip(&got.outcomes).enumerate() {
+    let images = expected.images.iter().zip(&got.images);
+    for (number, ((expected, got), outcome)) in images.zip(&got.outcomes).enumerate() {
         let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()) as u64;
         let what = format!("{strategy}, threshold {}", options.threshold_samples);
         assert!(wrong <= outcome.neglected_samples, "{what}, frame {number}: {wrong}, {outcome:?}");
@@ -157,20 +157,20 @@ fn moving_scenes_and_prices_keep_the_bound() {
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut cast = Cast::new(&motion);
         let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
-        let pictures = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
+        let images = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
         let mut wrong_in_all = 0;
         for number in 0..30 {
             show_motion(&mut renderer, &motion, &mut cast, number).unwrap();
             let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA];
-            for ((view, picture), strategy) in views.iter_mut().zip(&pictures).zip(strategies) {
+            for ((view, image), strategy) in views.iter_mut().zip(&images).zip(strategies) {
                 let request = FrameRequest {
-                    picture: Some(picture),
+                    image: Some(image),
                     ..FrameRequest::new(strategy, path.camera(number * 2))
                 };
                 renderer.render(view, &request).unwrap();
                 renderer.drain(view).unwrap();
             }
-            let [expected, got] = pictures.each_ref().map(|it| it.rgba8().unwrap());
+            let [expected, got] = images.each_ref().map(|it| it.rgba8().unwrap());
             let wrong = pixels_that_differ(&expected, &got) as u64;
             let outcome = views[1].take_outcomes().next_back().unwrap();
             assert!(wrong <= outcome.neglected_samples, "frame {number}: {wrong} {outcome:?}");
@@ -187,7 +187,7 @@ fn the_ideal_and_other_methods_stay_exact() {
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options(500)).unwrap();
         let mut finder = renderer.new_view().unwrap();
-        let pictures = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
+        let images = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
         let others =
             methods::strategies().into_iter().filter(|it| it.is_exact() && !it.can_neglect());
         for strategy in others.filter(|it| renderer.supports(*it).is_ok()).collect::<Vec<_>>() {
@@ -195,17 +195,16 @@ fn the_ideal_and_other_methods_stay_exact() {
             for number in 0..4 {
                 let camera = path.camera(number);
                 let set = renderer.visible_set(&mut finder, &camera, Rect::whole(SIZE)).unwrap();
-                for (strategy, picture) in [Strategy::FRUSTUM, strategy].into_iter().zip(&pictures)
-                {
+                for (strategy, image) in [Strategy::FRUSTUM, strategy].into_iter().zip(&images) {
                     let request = FrameRequest {
                         visible: Some(&set),
-                        picture: Some(picture),
+                        image: Some(image),
                         ..FrameRequest::new(strategy, camera)
                     };
                     renderer.render(&mut view, &request).unwrap();
                 }
                 renderer.drain(&mut view).unwrap();
-                let [expected, got] = pictures.each_ref().map(|it| it.rgba8().unwrap());
+                let [expected, got] = images.each_ref().map(|it| it.rgba8().unwrap());
                 assert_eq!(pixels_that_differ(&expected, &got), 0, "{strategy}, frame {number}");
             }
             assert!(view.take_outcomes().all(|outcome| outcome.neglected_samples == 0));

@@ -97,24 +97,24 @@ fn options(frames_in_flight: usize) -> RendererOptions {
 }
 
 /// Draws with one strategy from an empty history.
-fn pictures(renderer: &mut Renderer, strategy: Strategy, cameras: &[Camera]) -> Vec<Readback> {
+fn images(renderer: &mut Renderer, strategy: Strategy, cameras: &[Camera]) -> Vec<Readback> {
     let mut view = renderer.new_view().unwrap();
     if strategy != methods::IDEAL {
-        return frame_loop(renderer, &mut view, strategy, cameras).pictures;
+        return frame_loop(renderer, &mut view, strategy, cameras).images;
     }
     let mut finding = renderer.new_view().unwrap();
     let draw = |camera: &Camera| {
-        let picture = Readback::new(renderer.device(), SIZE).unwrap();
+        let image = Readback::new(renderer.device(), SIZE).unwrap();
         let area = Rect::whole(SIZE);
         let visible = renderer.visible_set(&mut finding, camera, area).unwrap();
         let request = FrameRequest {
             visible: Some(&visible),
-            picture: Some(&picture),
+            image: Some(&image),
             ..FrameRequest::new(strategy, *camera)
         };
         renderer.render(&mut view, &request).unwrap();
         renderer.drain(&mut view).unwrap();
-        picture
+        image
     };
     cameras.iter().map(draw).collect()
 }
@@ -129,9 +129,9 @@ fn wrong(
 ) -> Vec<(Strategy, Vec<usize>)> {
     let cameras = cameras(frames);
     let mut renderer = Renderer::new(device, scene, options).unwrap();
-    let expected = pictures(&mut renderer, Strategy::FRUSTUM, &cameras);
+    let expected = images(&mut renderer, Strategy::FRUSTUM, &cameras);
     let found = strategies.map(|strategy| {
-        let found = pictures(&mut renderer, strategy, &cameras);
+        let found = images(&mut renderer, strategy, &cameras);
         let differ = |(a, b): (&Readback, &Readback)| {
             pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap())
         };
@@ -196,11 +196,11 @@ fn with_holes() -> Scene {
 fn what_is_seen_through_holes_is_exact() {
     run_on_all(|device| {
         check_scene(device, &with_holes(), &options(2), 10);
-        let pictures_of = |scene: &Scene| {
+        let images_of = |scene: &Scene| {
             let mut renderer = Renderer::new(device, scene, &options(2)).unwrap();
-            pictures(&mut renderer, Strategy::FRUSTUM, &cameras(6))
+            images(&mut renderer, Strategy::FRUSTUM, &cameras(6))
         };
-        let (whole, cut) = (pictures_of(&ties()), pictures_of(&with_holes()));
+        let (whole, cut) = (images_of(&ties()), images_of(&with_holes()));
         let differ = |(a, b): (&Readback, &Readback)| {
             pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap())
         };
@@ -250,11 +250,11 @@ fn points_and_lines_are_exact_and_seen() {
             let sprites = with_sprites(scene.clone());
             sprites.validate().unwrap();
             check_scene(device, &sprites, &options(2), 10);
-            let pictures_of = |scene: &Scene| {
+            let images_of = |scene: &Scene| {
                 let mut renderer = Renderer::new(device, scene, &options(2)).unwrap();
-                pictures(&mut renderer, Strategy::FRUSTUM, &cameras(6))
+                images(&mut renderer, Strategy::FRUSTUM, &cameras(6))
             };
-            let (without, with) = (pictures_of(&scene), pictures_of(&sprites));
+            let (without, with) = (images_of(&scene), images_of(&sprites));
             let differ = |(a, b): (&Readback, &Readback)| {
                 pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap())
             };
@@ -293,19 +293,19 @@ fn all_else_goes_on_with_surfaces() {
             let eyes = &mut [eye(&mut left), eye(&mut right)];
             let strategies = [Strategy::ANTUMBRA, methods::PYRAMID, methods::BATCHED];
             let strategy = strategies[frame % 3];
-            let request = ViewsRequest { strategy, picture: None, after: None };
+            let request = ViewsRequest { strategy, image: None, after: None };
             renderer.render_views(eyes, &request).unwrap();
         }
         let area = Rect { origin: [0, 0], size: [80, 90] };
         let view = renderer.view_in(&cameras[11], area);
         let snapshot = renderer.snapshot(&mut left, view).unwrap();
-        let picture = Readback::new(device, SIZE).unwrap();
-        renderer.top_down(&snapshot, &picture).unwrap();
-        renderer.render_snapshot(&snapshot, cameras[3], Some(&picture)).unwrap();
+        let image = Readback::new(device, SIZE).unwrap();
+        renderer.top_down(&snapshot, &image).unwrap();
+        renderer.render_snapshot(&snapshot, cameras[3], Some(&image)).unwrap();
         renderer.drain(&mut left).unwrap();
         assert!(!left.visible_samples().is_empty());
         // Something of the scene's colours: neither only sky nor only black.
-        let pixels = picture.rgba8().unwrap();
+        let pixels = image.rgba8().unwrap();
         let mut colours: Vec<&[u8]> = pixels.chunks_exact(4).collect();
         colours.sort_unstable();
         colours.dedup();
@@ -355,11 +355,11 @@ fn next_frame_is_right_once_its_answers_are_home() {
         let [from, .., to] = cameras(12)[..] else { panic!("cameras") };
         for camera in [from, to] {
             let cameras = [camera; 10];
-            let expected = pictures(&mut renderer, Strategy::FRUSTUM, &cameras[..1]);
-            let found = pictures(&mut renderer, methods::NEXT_FRAME, &cameras);
-            for picture in &found[6..] {
+            let expected = images(&mut renderer, Strategy::FRUSTUM, &cameras[..1]);
+            let found = images(&mut renderer, methods::NEXT_FRAME, &cameras);
+            for image in &found[6..] {
                 assert_eq!(
-                    pixels_that_differ(&expected[0].rgba8().unwrap(), &picture.rgba8().unwrap()),
+                    pixels_that_differ(&expected[0].rgba8().unwrap(), &image.rgba8().unwrap()),
                     0
                 );
             }

@@ -1,5 +1,5 @@
 //! All features that a scene can have at once: lamps that move, holes, panes, a skinned mesh, a
-//! door that opens. The pictures are the same with every strategy.
+//! door that opens. The images are the same with every strategy.
 
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -140,19 +140,19 @@ fn film(device: &Device, strategy: Strategy, costs: Costs) -> Vec<Readback> {
         let visible = (strategy == methods::IDEAL).then(|| {
             renderer.visible_set(&mut finding, &camera(frame), Rect::whole(SIZE)).unwrap()
         });
-        let picture = Readback::new(device, SIZE).unwrap();
+        let image = Readback::new(device, SIZE).unwrap();
         let request = FrameRequest {
-            picture: Some(&picture),
+            image: Some(&image),
             visible: visible.as_ref(),
             ..FrameRequest::new(strategy, camera(frame))
         };
         renderer.render(&mut view, &request).unwrap();
-        picture
+        image
     };
-    let pictures = (0..FRAMES).map(frame).collect();
+    let images = (0..FRAMES).map(frame).collect();
     renderer.drain(&mut view).unwrap();
     assert!(renderer.degradations().crowded_objects > 0, "some leave lamps out");
-    pictures
+    images
 }
 
 #[test]

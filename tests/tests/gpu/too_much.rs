@@ -95,13 +95,13 @@ fn what_is_too_much_is_refused_by_name() {
 }
 
 fn draw(renderer: &mut Renderer, view: &mut ViewState, eye: Vec3) -> Readback {
-    let picture = Readback::new(renderer.device(), SIZE).unwrap();
+    let image = Readback::new(renderer.device(), SIZE).unwrap();
     let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.3, near: 0.05 };
     let request =
-        FrameRequest { picture: Some(&picture), ..FrameRequest::new(Strategy::ANTUMBRA, camera) };
+        FrameRequest { image: Some(&image), ..FrameRequest::new(Strategy::ANTUMBRA, camera) };
     renderer.render(view, &request).unwrap();
     renderer.drain(view).unwrap();
-    picture
+    image
 }
 
 #[test]
@@ -167,9 +167,9 @@ fn images_of_hundreds_of_sizes_show_their_colours() {
         assert!(shrunk_images == 0 && enlarged_images > 200, "{enlarged_images}");
         for number in (0..COUNT).step_by(13) {
             let eye = vec3(number as f32 * 3.0 + 0.5, 0.5, 4.0);
-            let picture = draw(&mut renderer, &mut view, eye);
+            let image = draw(&mut renderer, &mut view, eye);
             let middle = ((SIZE[0] * SIZE[1] / 2 + SIZE[0] / 2) * 4) as usize;
-            let pixels = picture.rgba8().unwrap();
+            let pixels = image.rgba8().unwrap();
             let found = &pixels[middle..middle + 4];
             let is_close = found.iter().zip(colour(number)).all(|(a, b)| a.abs_diff(b) <= 2);
             assert!(is_close, "{number}: {found:?}, {:?}", colour(number));

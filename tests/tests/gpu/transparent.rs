@@ -1,4 +1,4 @@
-//! Transparent objects: back to front over the finished picture, the same with any culling.
+//! Transparent objects: back to front over the finished image, the same with any culling.
 
 use cull::{Camera, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -88,10 +88,10 @@ fn draw_into(
     strategy: Strategy,
     camera: Camera,
 ) -> (Readback, FrameReport) {
-    let picture = Readback::new(renderer.device(), SIZE).unwrap();
-    let request = FrameRequest { picture: Some(&picture), ..FrameRequest::new(strategy, camera) };
+    let image = Readback::new(renderer.device(), SIZE).unwrap();
+    let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
     let report = renderer.render(view, &request).unwrap();
-    (picture, report)
+    (image, report)
 }
 
 /// Returns all frames in one go while a door opens and panes fly about.
@@ -111,9 +111,9 @@ fn film(device: &Device, strategy: Strategy, options: &RendererOptions) -> Vec<R
         }
         draw_into(&mut renderer, &mut view, strategy, camera(frame)).0
     };
-    let pictures = (0..12).map(frame).collect();
+    let images = (0..12).map(frame).collect();
     renderer.drain(&mut view).unwrap();
-    pictures
+    images
 }
 
 fn compare(device: &Device, expected: &[Readback], strategy: Strategy, options: &RendererOptions) {
@@ -189,12 +189,12 @@ fn the_farther_pane_is_drawn_first() {
             let mut renderer = Renderer::new(device, scene, &options(2)).unwrap();
             let mut view = renderer.new_view().unwrap();
             let camera = Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, ..camera(0) };
-            let (picture, report) = draw_into(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
+            let (image, report) = draw_into(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
             renderer.drain(&mut view).unwrap();
             assert_eq!(report.transparent, 2);
             let middle = (SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) as usize * 4;
             let linear = |byte: u8| (f32::from(byte) / 255.0).powf(2.2);
-            [0, 1, 2].map(|channel| linear(picture.rgba8().unwrap()[middle + channel]))
+            [0, 1, 2].map(|channel| linear(image.rgba8().unwrap()[middle + channel]))
         };
         let materials = scene.surfaces.as_ref().unwrap().materials.clone();
         let mixed = |behind: [f32; 3], pane: &Material| {

@@ -1,5 +1,5 @@
 //! Several views in one frame: each exact, with a history of its own, in its own part of the
-//! picture.
+//! image.
 
 use cull::{Camera, Strategy};
 use gpu::{Device, Predication, Readback};
@@ -37,7 +37,7 @@ fn render(
     strategy: Strategy,
     cameras: &[Camera],
     areas: &[Rect],
-    picture: &Readback,
+    image: &Readback,
 ) -> FrameReport {
     let mut eyes: Vec<ViewTarget<'_>> = histories
         .iter_mut()
@@ -50,11 +50,11 @@ fn render(
             area: *area,
         })
         .collect();
-    let request = ViewsRequest { strategy, picture: Some(picture), after: None };
+    let request = ViewsRequest { strategy, image: Some(image), after: None };
     renderer.render_views(&mut eyes, &request).unwrap()
 }
 
-/// Walks with a stereo pair and compares every picture with that of frustum culling.
+/// Walks with a stereo pair and compares every image with that of frustum culling.
 fn check_pair(
     device: &Device,
     scene: &GeneratedScene,
@@ -81,13 +81,13 @@ fn check_pair_with(
     let [expected, got] = [Strategy::FRUSTUM, strategy].map(|strategy| {
         let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
         let waits = renderer.device().wait_counts().other;
-        let pictures: Vec<Readback> = (0..frames)
+        let images: Vec<Readback> = (0..frames)
             .map(|frame| {
                 show_motion(&mut renderer, &motion, &mut cast, frame).unwrap();
-                let picture = Readback::new(device, SIZE).unwrap();
+                let image = Readback::new(device, SIZE).unwrap();
                 let cameras = pair(path.camera(frame));
-                render(&mut renderer, &mut views, strategy, &cameras, &areas, &picture);
-                picture
+                render(&mut renderer, &mut views, strategy, &cameras, &areas, &image);
+                image
             })
             .collect();
         let waited = renderer.device().wait_counts().other - waits;
@@ -97,7 +97,7 @@ fn check_pair_with(
             renderer.drain(view).unwrap();
             draws += view.take_outcomes().map(|outcome| outcome.draws).sum::<u64>();
         }
-        (pictures, draws)
+        (images, draws)
     });
     for (frame, (expected, got)) in expected.0.iter().zip(&got.0).enumerate() {
         let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
@@ -138,7 +138,7 @@ fn a_stereo_pair_is_exact_with_every_tester() {
     });
 }
 
-/// Checks that each eye of a pair draws exactly its own visible set, in a picture that cannot be
+/// Checks that each eye of a pair draws exactly its own visible set, in an image that cannot be
 /// halved evenly.
 #[test]
 fn each_eye_has_an_ideal_of_its_own() {
@@ -171,8 +171,7 @@ fn each_eye_has_an_ideal_of_its_own() {
                     area: areas[eye],
                 })
                 .collect();
-            let request =
-                ViewsRequest { strategy: methods::IDEAL, picture: Some(&got), after: None };
+            let request = ViewsRequest { strategy: methods::IDEAL, image: Some(&got), after: None };
             renderer.render_views(&mut eyes, &request).unwrap();
             device.drain().unwrap();
             assert_eq!(
@@ -237,7 +236,7 @@ fn areas_may_be_anywhere() {
 }
 
 /// Checks that a view has the same plan and the same pixels alone and with others beside it. (In
-/// another place of the picture a device may round otherwise.)
+/// another place of the image a device may round otherwise.)
 #[test]
 fn a_view_does_not_notice_the_others() {
     run_on_all(|device| {
@@ -252,22 +251,22 @@ fn a_view_does_not_notice_the_others() {
         let mut views = [(); 2].map(|()| both.new_view().unwrap());
         let mut single = alone.new_view().unwrap();
         let areas: Vec<Rect> = Rect::side_by_side(SIZE, 2).collect();
-        let (pair_picture, picture) =
+        let (pair_image, image) =
             (Readback::new(device, SIZE).unwrap(), Readback::new(device, half).unwrap());
         for frame in 0..20 {
             let cameras = [path.camera(frame), path.camera(500 + frame)];
-            render(&mut both, &mut views, Strategy::ANTUMBRA, &cameras, &areas, &pair_picture);
+            render(&mut both, &mut views, Strategy::ANTUMBRA, &cameras, &areas, &pair_image);
             let request = FrameRequest {
-                picture: Some(&picture),
+                image: Some(&image),
                 ..FrameRequest::new(Strategy::ANTUMBRA, cameras[0])
             };
             alone.render(&mut single, &request).unwrap();
             device.drain().unwrap();
             let row_bytes = SIZE[0] as usize * 4;
-            let pixels = pair_picture.rgba8().unwrap();
+            let pixels = pair_image.rgba8().unwrap();
             let rows = pixels.chunks_exact(row_bytes);
             let left: Vec<u8> = rows.flat_map(|row| row[..row_bytes / 2].to_vec()).collect();
-            assert_eq!(pixels_that_differ(&left, &picture.rgba8().unwrap()), 0, "frame {frame}");
+            assert_eq!(pixels_that_differ(&left, &image.rgba8().unwrap()), 0, "frame {frame}");
             assert_eq!(views[0].plan().stats, single.plan().stats, "frame {frame}");
             assert_eq!(views[0].plan().draws, single.plan().draws, "frame {frame}");
         }
@@ -275,7 +274,7 @@ fn a_view_does_not_notice_the_others() {
 }
 
 #[test]
-fn areas_outside_of_the_picture_are_refused() {
+fn areas_outside_of_the_image_are_refused() {
     run(Driver::Lavapipe, |device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(50);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
@@ -291,9 +290,9 @@ fn areas_outside_of_the_picture_are_refused() {
             let area = Rect { origin, size };
             let camera = path.camera(0);
             let mut eyes = [ViewTarget { history: &mut view, camera, visible: None, area }];
-            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, picture: None, after: None };
+            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, image: None, after: None };
             let error = renderer.render_views(&mut eyes, &request).unwrap_err().to_string();
-            assert!(error.contains("not within the picture of 320x100"), "{error}");
+            assert!(error.contains("not within the image of 320x100"), "{error}");
         }
     });
 }

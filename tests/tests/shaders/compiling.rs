@@ -120,30 +120,30 @@ fn a_set_with_one_broken_shader_is_refused() {
 }
 
 /// Returns one frame of a small city, drawn with `shaders`.
-fn picture(device: &gpu::Device, shaders: Option<ShaderSet>) -> Vec<u8> {
+fn image(device: &gpu::Device, shaders: Option<ShaderSet>) -> Vec<u8> {
     let GeneratedScene { scene, routes } = city(200, 1).unwrap();
     let path = CameraPath::new(PathKind::Street, &routes).unwrap();
     let options =
         RendererOptions { methods: methods::ALL, size: [160, 90], shaders, ..Default::default() };
     let mut renderer = Renderer::new(device, &scene, &options).unwrap();
     let mut history = renderer.new_view().unwrap();
-    let picture = Readback::new(device, renderer.size()).unwrap();
+    let image = Readback::new(device, renderer.size()).unwrap();
     let strategy = cull::Strategy::ANTUMBRA;
     let request =
-        FrameRequest { picture: Some(&picture), ..FrameRequest::new(strategy, path.camera(3)) };
+        FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, path.camera(3)) };
     renderer.render(&mut history, &request).unwrap();
     renderer.drain(&mut history).unwrap();
-    picture.rgba8().unwrap().to_vec()
+    image.rgba8().unwrap().to_vec()
 }
 
 #[test]
-fn compiled_and_embedded_shaders_draw_the_same_picture() {
+fn compiled_and_embedded_shaders_draw_the_same_image() {
     let copy = Copy::new("good");
     let compiled = ShaderSet::compiled_from(&copy.0).unwrap();
     tests::run(Driver::Lavapipe, |device| {
-        let embedded = picture(device, None);
+        let embedded = image(device, None);
         let colours: std::collections::BTreeSet<&[u8]> = embedded.chunks_exact(4).collect();
-        assert!(colours.len() > 20, "there is a city in the picture");
-        assert!(picture(device, Some(compiled)) == embedded, "the pictures differ");
+        assert!(colours.len() > 20, "there is a city in the image");
+        assert!(image(device, Some(compiled)) == embedded, "the images differ");
     });
 }

@@ -1,5 +1,5 @@
 //! A renderer in a window: at rest it makes no Vulkan object and allocates no memory. Every switch
-//! while it runs leaves the picture right, waits for nothing and keeps nothing.
+//! while it runs leaves the image right, waits for nothing and keeps nothing.
 
 use std::ffi::CStr;
 
@@ -81,7 +81,7 @@ fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
 }
 
 #[test]
-fn a_thousand_switches_leave_the_picture_and_keep_nothing() {
+fn a_thousand_switches_leave_the_image_and_keep_nothing() {
     let server = Xvfb::start();
     let GeneratedScene { scene, routes } = city(300, 1).unwrap();
     let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(0);
@@ -94,7 +94,7 @@ fn a_thousand_switches_leave_the_picture_and_keep_nothing() {
         let strategies: Vec<_> = strategies.filter(|s| renderer.supports(*s).is_ok()).collect();
         let mut view = renderer.new_view().unwrap();
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());
-        let picture = Readback::new(&stage.device, SIZE).unwrap();
+        let image = Readback::new(&stage.device, SIZE).unwrap();
         let mut random = Random::new(11);
         let (mut strategy, mut expected, mut halfway) = (Strategy::FRUSTUM, Vec::new(), (0, 0));
         let mut most_retired = 0;
@@ -110,8 +110,8 @@ fn a_thousand_switches_leave_the_picture_and_keep_nothing() {
             }
             let waits = stage.device.wait_counts().other;
             let is_looked_at = switch % 25 == 0;
-            let wanted = is_looked_at.then_some(&picture);
-            let request = FrameRequest { picture: wanted, ..FrameRequest::new(strategy, camera) };
+            let wanted = is_looked_at.then_some(&image);
+            let request = FrameRequest { image: wanted, ..FrameRequest::new(strategy, camera) };
             renderer.render(&mut view, &request).unwrap();
             let shown = renderer.present(&mut swapchain, SIZE).unwrap();
             assert!(shown.presented().is_some(), "{driver:?} {switch}: {shown:?}");
@@ -119,11 +119,11 @@ fn a_thousand_switches_leave_the_picture_and_keep_nothing() {
             assert_eq!(stage.device.wait_counts().other, waits, "a switch waits for nothing");
             if is_looked_at {
                 stage.device.drain().unwrap();
-                let found = picture.rgba8().unwrap().to_vec();
+                let found = image.rgba8().unwrap().to_vec();
                 if expected.is_empty() {
                     expected = found;
                 } else {
-                    assert!(found == expected, "{driver:?} {switch} {strategy}: another picture");
+                    assert!(found == expected, "{driver:?} {switch} {strategy}: another image");
                 }
             }
             if switch == 500 {
@@ -135,7 +135,7 @@ fn a_thousand_switches_leave_the_picture_and_keep_nothing() {
         // The memory that the strategies used in turn may be laid out a little differently.
         assert!(memory <= halfway.0 + (8 << 20), "{driver:?}: {memory} bytes, {}", halfway.0);
         assert!(most_retired <= 2 * halfway.1, "{driver:?}: {most_retired}, {}", halfway.1);
-        drop((swapchain, picture, view, renderer));
+        drop((swapchain, image, view, renderer));
         stage.end();
     }
 }

@@ -5,7 +5,7 @@ use tests::Driver;
 use tests::xvfb::Xvfb;
 
 use tests::show::Show;
-use tests::stage::{Painter, Random, Stage, await_picture, show_surely};
+use tests::stage::{Painter, Random, Stage, await_image, show_surely};
 use tests::ways::{LASTING_WAYS, WAYS, modes};
 use tests::x11_window::{Library, X11Window};
 
@@ -58,7 +58,7 @@ fn a_window_survives_a_thousand_changes() {
             show.frame(seed, size);
         }
         assert!(show.swapchain.replaced() <= replaced + 1);
-        // The pictures compared were drained; nothing else waited for the GPU.
+        // The images compared were drained; nothing else waited for the GPU.
         assert_eq!(stage.device.wait_counts().other, CHECKS);
         drop(show);
         stage.end();
@@ -79,7 +79,7 @@ fn an_image_that_is_not_shown_is_what_the_next_frame_gets() {
             drop(swapchain.acquire(size).unwrap());
         }
         show_surely(&mut swapchain, &painter.target, size);
-        await_picture(&expected, || window.pixels(size));
+        await_image(&expected, || window.pixels(size));
         assert_eq!(swapchain.replaced(), 0, "{driver:?}");
         // Nor when the window goes with one.
         drop(swapchain.acquire(size).unwrap());
@@ -113,7 +113,7 @@ fn what_is_let_go_is_not_used_again_before_its_time() {
             // A present may depend on nothing that is yet to be signalled.
             gate.signal(gpu::Tick(1)).unwrap();
             assert!(image.show(&painter.target).unwrap().presented().is_some());
-            await_picture(&expected, || window.pixels(size));
+            await_image(&expected, || window.pixels(size));
         }
         drop((swapchain, painter));
         stage.end();
@@ -161,7 +161,7 @@ fn a_window_that_is_destroyed_says_so_and_takes_nothing_with_it() {
             let options = SwapchainOptions { mode, ..Default::default() };
             let mut swapchain = gpu::Swapchain::new(&stage.device, &surface, &options).unwrap();
             show_surely(&mut swapchain, &painter.target, size);
-            await_picture(&expected, || other.pixels(size));
+            await_image(&expected, || other.pixels(size));
             drop((swapchain, painter, surface));
             stage.end();
         }

@@ -1,4 +1,4 @@
-//! Pictures in windows of an X server without a screen, on both software drivers, under validation.
+//! Images in windows of an X server without a screen, on both software drivers, under validation.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -12,13 +12,13 @@ mod steady;
 mod wayland;
 
 use gpu::SwapchainOptions;
-use tests::stage::{Painter, Stage, await_picture, show_surely};
+use tests::stage::{Painter, Stage, await_image, show_surely};
 use tests::ways::{WAYS, modes};
 use tests::x11_window::X11Window;
 use tests::xvfb::Xvfb;
 
 #[test]
-fn a_picture_in_a_window_is_what_was_drawn_bit_for_bit() {
+fn an_image_in_a_window_is_what_was_drawn_bit_for_bit() {
     let server = Xvfb::start();
     for (driver, library) in WAYS {
         let size = [320, 200];
@@ -35,10 +35,10 @@ fn a_picture_in_a_window_is_what_was_drawn_bit_for_bit() {
             let options = SwapchainOptions { mode, ..Default::default() };
             let mut swapchain = stage.swapchain(&options);
             for seed in 0..8 {
-                let picture = painter.expected(seed);
+                let image = painter.expected(seed);
                 let presented = show_surely(&mut swapchain, &painter.target, size);
                 assert_eq!((presented.size, presented.id.0), (size, u64::from(seed) + 1));
-                await_picture(&picture, || window.pixels(size));
+                await_image(&image, || window.pixels(size));
             }
             assert_eq!((swapchain.mode(), swapchain.fallback()), (mode, None));
             assert_eq!(swapchain.replaced(), 0, "{driver:?}, {mode}");

@@ -8,19 +8,19 @@ use tests::stage::Stage;
 use tests::ways::WAYS;
 use tests::x11_window::X11Window;
 
-const PICTURE: [u32; 2] = [320, 180];
+const IMAGE: [u32; 2] = [320, 180];
 const RADIUS: u32 = 60;
 const BACKGROUND: [u8; 3] = [0, 0, 255];
 
 /// Paints a white circle in the middle of blue, row by row.
 fn circle(device: &Device) -> Target {
-    let mut target = Target::new(device, PICTURE, "circle").unwrap();
+    let mut target = Target::new(device, IMAGE, "circle").unwrap();
     let mut ring = FrameRing::new(device, 1).unwrap();
     let frame = ring.begin().unwrap();
     let commands = frame.commands();
     target.prepare(commands);
     commands.rendering(target.render_target(Some([0.0, 0.0, 1.0, 1.0])), |_| {});
-    let [x, y] = PICTURE.map(|side| side / 2);
+    let [x, y] = IMAGE.map(|side| side / 2);
     for row in 0..2 * RADIUS {
         let up = f64::from(row) + 0.5 - f64::from(RADIUS);
         let half = (f64::from(RADIUS).powi(2) - up * up).sqrt().round() as u32;
@@ -54,31 +54,30 @@ fn extent(
 fn a_circle_stays_a_circle_in_windows_of_any_shape() {
     let server = Xvfb::start();
     for (driver, library) in WAYS {
-        let window = X11Window::open(&server, library, PICTURE);
+        let window = X11Window::open(&server, library, IMAGE);
         let stage = Stage::new(driver, window.clone());
         let target = circle(&stage.device);
         let mut swapchain = stage.swapchain(&Default::default());
-        // Also those that have just been resized while the picture is still of the old shape.
-        for size in [PICTURE, [700, 180], [320, 700], [90, 500], [333, 181], [640, 360], [641, 200]]
-        {
+        // Also those that have just been resized while the image is still of the old shape.
+        for size in [IMAGE, [700, 180], [320, 700], [90, 500], [333, 181], [640, 360], [641, 200]] {
             window.resize(size);
             assert_eq!(show_surely(&mut swapchain, &target, size).size, size);
             stage.device.drain().unwrap();
             let scale = (f64::from(size[0]) / 320.0).min(f64::from(size[1]) / 180.0);
             let is_right = |pixels: &[[u8; 3]]| {
                 let white = extent(pixels, size, |pixel| *pixel == [255; 3])?;
-                let picture = extent(pixels, size, |pixel| *pixel != [0; 3])?;
+                let image = extent(pixels, size, |pixel| *pixel != [0; 3])?;
                 let diameter = f64::from(2 * RADIUS) * scale;
                 let is_round = (0..2).all(|side| {
                     let found = f64::from(white[1][side] - white[0][side] + 1);
                     let middle = f64::from(white[1][side] + white[0][side] + 1) / 2.0;
-                    let all = f64::from(picture[1][side] - picture[0][side] + 1);
+                    let all = f64::from(image[1][side] - image[0][side] + 1);
                     // Interpolated pixels at the edge are not white.
                     (found - diameter).abs() < 4.0
                         && (middle - f64::from(size[side]) / 2.0).abs() < 2.0
-                        && (all - f64::from(PICTURE[side]) * scale).abs() < 2.0
+                        && (all - f64::from(IMAGE[side]) * scale).abs() < 2.0
                 });
-                let corner = (picture[0][1] * size[0] + picture[0][0]) as usize;
+                let corner = (image[0][1] * size[0] + image[0][0]) as usize;
                 (is_round && pixels[corner] == BACKGROUND).then_some(())
             };
             let began = std::time::Instant::now();

@@ -7,14 +7,14 @@ use cull::Strategy;
 use gpu::{PresentId, PresentResult, Readback, SwapchainOptions};
 use render::{FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
-use tests::stage::{Stage, await_picture};
+use tests::stage::{Stage, await_image};
 use tests::walk::SceneKind;
 use tests::ways::{WAYS, modes};
 use tests::x11_window::X11Window;
 use tests::xvfb::Xvfb;
 
 #[test]
-fn the_renderers_picture_in_a_window_is_the_one_without_it() {
+fn the_renderers_image_in_a_window_is_the_one_without_it() {
     let server = Xvfb::start();
     for (driver, library) in WAYS {
         let size = [256, 144];
@@ -25,7 +25,7 @@ fn the_renderers_picture_in_a_window_is_the_one_without_it() {
         let options = RendererOptions { methods: methods::ALL, size, ..Default::default() };
         let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());
-        let error = renderer.present(&mut swapchain, size).expect_err("no picture yet");
+        let error = renderer.present(&mut swapchain, size).expect_err("no image yet");
         assert!(error.to_string().contains("no frame that was submitted"), "{error}");
 
         let mut windowed = renderer.new_view().unwrap();
@@ -40,28 +40,28 @@ fn the_renderers_picture_in_a_window_is_the_one_without_it() {
         assert_eq!(stage.device.wait_counts().other, waits, "nothing but slots was waited for");
         let seen = || window.pixels(size);
         // The same frame by itself, read back.
-        let picture = Readback::new(&stage.device, size).unwrap();
+        let image = Readback::new(&stage.device, size).unwrap();
         let mut headless = renderer.new_view().unwrap();
         let request = FrameRequest {
-            picture: Some(&picture),
+            image: Some(&image),
             ..FrameRequest::new(Strategy::FRUSTUM, camera(11))
         };
         renderer.render(&mut headless, &request).unwrap();
         renderer.drain(&mut headless).unwrap();
         let pixel = |pixel: &[u8]| [pixel[0], pixel[1], pixel[2]];
-        let expected: Vec<_> = picture.rgba8().unwrap().chunks_exact(4).map(pixel).collect();
-        await_picture(&expected, seen);
-        // A picture that was read back is shown as well, and again, and larger.
+        let expected: Vec<_> = image.rgba8().unwrap().chunks_exact(4).map(pixel).collect();
+        await_image(&expected, seen);
+        // An image that was read back is shown as well, and again, and larger.
         for _ in 0..2 {
             assert!(renderer.present(&mut swapchain, size).unwrap().presented().is_some());
         }
-        await_picture(&expected, seen);
+        await_image(&expected, seen);
         window.resize([512, 300]);
         for _ in 0..3 {
             let shown = renderer.present(&mut swapchain, [512, 300]).unwrap();
             assert!(!matches!(shown, PresentResult::Not(gpu::PresentSkipped::Hidden)));
         }
-        drop((windowed, headless, picture, swapchain, renderer));
+        drop((windowed, headless, image, swapchain, renderer));
         stage.end();
     }
 }

@@ -1,4 +1,4 @@
-//! Pictures in windows of a Wayland compositor without a screen, under validation.
+//! Images in windows of a Wayland compositor without a screen, under validation.
 
 use std::time::{Duration, Instant};
 
@@ -18,7 +18,7 @@ fn options(mode: PresentMode) -> SwapchainOptions {
 }
 
 #[test]
-fn a_window_on_wayland_takes_pictures_of_every_size_in_every_mode() {
+fn a_window_on_wayland_takes_images_of_every_size_in_every_mode() {
     let compositor = Weston::start();
     let window = WaylandWindow::open(&compositor);
     let stage = Stage::new(Driver::Lavapipe, window.clone());
@@ -53,7 +53,7 @@ fn a_window_on_wayland_takes_pictures_of_every_size_in_every_mode() {
     stage.end();
 }
 
-/// Runs a frame loop to a window that takes no pictures; returns the result of each frame.
+/// Runs a frame loop to a window that takes no images; returns the result of each frame.
 fn run_loop(
     window: &WaylandWindow,
     device: &Device,
@@ -107,18 +107,18 @@ fn a_window_that_nobody_sees_holds_nothing_up() {
 }
 
 #[test]
-fn a_window_may_be_closed_while_it_holds_a_picture_back() {
+fn a_window_may_be_closed_while_it_holds_a_image_back() {
     let mut compositor = Weston::start();
     let window = WaylandWindow::open_hidden(&compositor);
     let stage = Stage::new(Driver::Lavapipe, window.clone());
     let mut painter = Painter::new(&stage.device, SIZE);
     let mut swapchain = stage.swapchain(&options(PresentMode::Fifo));
     run_loop(&window, &stage.device, &mut painter, &mut swapchain, 6);
-    assert!(!swapchain.is_ready().unwrap(), "a picture is held back");
+    assert!(!swapchain.is_ready().unwrap(), "an image is held back");
     let began = Instant::now();
     drop((swapchain, painter));
     assert!(began.elapsed() < A_WHILE, "closing took {:?}", began.elapsed());
-    // The window's remains are freed when the compositor releases the picture, and not before.
+    // The window's remains are freed when the compositor releases the image, and not before.
     let held = stage.surface.holders();
     compositor.end();
     while stage.surface.holders() >= held {

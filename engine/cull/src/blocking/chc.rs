@@ -33,10 +33,10 @@ pub enum LeafTest {
 /// The draws of the phase that asks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FirstPass {
-    /// The picture itself.
+    /// The image itself.
     #[default]
     Shaded,
-    /// The depth only; the picture is drawn at the end of the frame, when every result is known
+    /// The depth only; the image is drawn at the end of the frame, when every result is known
     /// (6.5.3). Where faces of one object have equal depth at a pixel, the last one then wins, and
     /// else the first.
     DepthOnly,

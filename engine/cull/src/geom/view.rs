@@ -26,7 +26,7 @@ pub struct View {
     pub tan_half: [f32; 2],
     /// Size of the image (pixels).
     pub size: [u32; 2],
-    /// The place of the image in a larger picture: its upper left corner (pixels). No decision
+    /// The place of the image in a larger image: its upper left corner (pixels). No decision
     /// depends on it.
     pub origin: [u32; 2],
     /// Steps of the device's sub-pixel grid from the middle of the image to its edges: drawn

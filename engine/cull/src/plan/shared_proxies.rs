@@ -27,7 +27,7 @@ use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, Tester};
 
 /// The bounds of sharing.
 struct Limits {
-    /// The least share of the picture that a test must cover to answer for the leaves behind it.
+    /// The least share of the image that a test must cover to answer for the leaves behind it.
     front_area: f32,
     /// The number of them: the largest.
     fronts: usize,

@@ -76,7 +76,7 @@ pub enum Optional {
     Anisotropy,
     /// Reading the clocks of GPU and CPU at once.
     CalibratedTimestamps,
-    /// Pictures in windows. This one and those below are there only if the instance was made for
+    /// Frames in windows. This one and those below are there only if the instance was made for
     /// windows ([`crate::InstanceOptions::windows`]).
     Swapchain,
     /// Fences that are signalled when a present no longer uses its semaphore and image.

@@ -221,7 +221,7 @@ impl Device {
         order.after.map_or(Ok(()), |(timeline, _)| self.check(timeline, "a submit"))?;
         let bound = self.shared.wait_bound;
         let Some(queue) = self.shared.queue.take(bound) else {
-            let what = "the picture before, which a hidden window holds back";
+            let what = "the frame before, which a hidden window holds back";
             return Err(Error::Timeout { what, seconds: bound.as_secs_f64() });
         };
         let tick = self.submitted().next();

@@ -95,14 +95,14 @@ pub enum Error {
         "there is no display to show a window on ({0}); start one, name it in DISPLAY or WAYLAND_DISPLAY, or draw without a window"
     )]
     NoDisplay(String),
-    /// The instance cannot show pictures in windows.
+    /// The instance cannot show frames in windows.
     #[error(
         "this Vulkan instance shows no windows, {0} is missing: install a driver that has it (on Debian: apt install mesa-vulkan-drivers), or draw without a window"
     )]
     NoWindows(String),
-    /// No device, or not the one wanted, can show pictures in the window.
+    /// No device, or not the one wanted, can show frames in the window.
     #[error(
-        "no picture can be shown in this window: {0}; choose another device, or draw without a window"
+        "no frame can be shown in this window: {0}; choose another device, or draw without a window"
     )]
     CannotPresent(String),
     /// A thread could not be started.
@@ -120,12 +120,12 @@ pub enum Error {
         /// The type that both have to be made from.
         owner: &'static str,
     },
-    /// A picture was read that is not there: its frame is not over, was never submitted, or there
+    /// An image was read that is not there: its frame is not over, was never submitted, or there
     /// was none yet.
     #[error(
-        "the picture is not there yet: read it when the frame that copies it is over, see `Device::completed` and `Device::drain`"
+        "the image is not there yet: read it when the frame that copies it is over, see `Device::completed` and `Device::drain`"
     )]
-    NoPicture,
+    NoImage,
     /// Commands were recorded that no device could run. A mistake of the program that records them.
     #[error("the commands recorded cannot be run: {0}; correct the program that records them")]
     WrongCommands(&'static str),
@@ -213,7 +213,7 @@ fn advice(code: vk::Result) -> &'static str {
         }
         vk::Result::ERROR_SURFACE_LOST_KHR => ": the window is gone; open another one",
         vk::Result::ERROR_NATIVE_WINDOW_IN_USE_KHR => {
-            ": something else shows pictures in this window already; give each swapchain its own"
+            ": something else shows frames in this window already; give each swapchain its own"
         }
         vk::Result::ERROR_INITIALIZATION_FAILED => {
             ": the driver could not start; check that the device may be used by this user"

@@ -29,7 +29,7 @@ pub struct InstanceOptions {
     pub application: String,
     /// The checks of the validation layer.
     pub validation: Validation,
-    /// The window system whose windows will show pictures; `None` for an instance that shows none
+    /// The window system whose windows will show frames; `None` for an instance that shows none
     /// and needs no window system.
     pub windows: Option<WindowSystem>,
 }

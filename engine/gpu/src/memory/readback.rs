@@ -1,10 +1,10 @@
-//! Pictures on their way to the CPU: mapped memory that is read only while the GPU does not write
+//! Images on their way to the CPU: mapped memory that is read only while the GPU does not write
 //! it.
 //!
-//! The commands that copy a picture leave a [`Ticket`], which learns their tick when they are
+//! The commands that copy an image leave a [`Ticket`], which learns their tick when they are
 //! submitted. Until that tick is over nothing can be read, and while somebody reads nothing can be
-//! recorded that writes: no thread ever sees half a picture. Of the frames that are open at once,
-//! one may copy a picture to the same place.
+//! recorded that writes: no thread ever sees half an image. Of the frames that are open at once,
+//! one may copy an image to the same place.
 
 use std::ops::Deref;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
@@ -18,16 +18,16 @@ use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 use crate::record::commands::{Commands, Failure};
 use crate::record::ticket::Ticket;
 
-/// A picture on its way to the CPU. It may be used for one frame after the other.
+/// An image on its way to the CPU. It may be used for one frame after the other.
 pub struct Readback {
     device: Device,
     buffer: Buffer,
     size: [u32; 2],
-    /// The ticket of the newest commands that copy a picture here; none before the first.
+    /// The ticket of the newest commands that copy an image here; none before the first.
     newest: RwLock<Option<Arc<Ticket>>>,
 }
 
-/// The pixels of a picture, which stay as they are until this is dropped.
+/// The pixels of an image, which stay as they are until this is dropped.
 pub struct Pixels<'a> {
     bytes: &'a [u8],
     _reading: RwLockReadGuard<'a, Option<Arc<Ticket>>>,
@@ -41,17 +41,17 @@ impl Deref for Pixels<'_> {
     }
 }
 
-of_device!(Readback: "a picture (`Readback`)");
+of_device!(Readback: "an image (`Readback`)");
 
 impl Readback {
-    /// Makes room for one picture of `size` pixels.
+    /// Makes room for one image of `size` pixels.
     ///
     /// # Errors
     /// No memory.
     pub fn new(device: &Device, size: [u32; 2]) -> Result<Self, Error> {
         let size_bytes = u64::from(size[0]) * u64::from(size[1]) * 4;
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
-        let buffer = Buffer::new(device, "picture", size_bytes, usage, MemoryKind::ReadBack)?;
+        let buffer = Buffer::new(device, "readback", size_bytes, usage, MemoryKind::ReadBack)?;
         Ok(Self { device: device.clone(), buffer, size, newest: RwLock::new(None) })
     }
 
@@ -60,31 +60,30 @@ impl Readback {
         self.size
     }
 
-    /// Returns the picture of the newest frame that was recorded to copy one here: rows from the
+    /// Returns the image of the newest frame that was recorded to copy one here: rows from the
     /// top, four bytes per pixel, sRGB. Never waits. While the pixels are held, a frame that copies
-    /// another picture here fails.
+    /// another image here fails.
     ///
     /// # Errors
-    /// [`Error::NoPicture`] as long as that frame is not over, for ever if it is never submitted,
+    /// [`Error::NoImage`] as long as that frame is not over, for ever if it is never submitted,
     /// and before the first; a lost device. [`Device::completed`] returns the newest tick that is
     /// over, [`Device::drain`] waits for all.
     pub fn rgba8(&self) -> Result<Pixels<'_>, Error> {
         let newest = self.newest.read().unwrap_or_else(PoisonError::into_inner);
-        let tick = newest.as_ref().and_then(|ticket| ticket.tick()).ok_or(Error::NoPicture)?;
+        let tick = newest.as_ref().and_then(|ticket| ticket.tick()).ok_or(Error::NoImage)?;
         if self.device.completed()? < tick {
-            return Err(Error::NoPicture);
+            return Err(Error::NoImage);
         }
         let bytes = self.buffer.read(0..self.size[0] as usize * self.size[1] as usize * 4);
         Ok(Pixels { bytes, _reading: newest })
     }
 
-    /// Returns the slice that `commands` copy a picture to; `None`, and they fail, if they must
+    /// Returns the slice that `commands` copy an image to; `None`, and they fail, if they must
     /// not.
     pub(crate) fn begin_copy(&self, commands: &Commands) -> Option<BufferSlice> {
         commands.admit(self).ok()?;
         let Ok(mut newest) = self.newest.try_write() else {
-            commands
-                .fail(Failure::Wrong("a picture is copied over another one that is being read"));
+            commands.fail(Failure::Wrong("an image is copied over another one that is being read"));
             return None;
         };
         let ticket = commands.ticket();
@@ -92,7 +91,7 @@ impl Readback {
         // here, the older one could overwrite what is read after the newer one.
         let is_pending = |older: &Arc<Ticket>| !Arc::ptr_eq(older, &ticket) && older.is_pending();
         if newest.as_ref().is_some_and(is_pending) {
-            commands.fail(Failure::Wrong("a picture is copied by two frames that are both open"));
+            commands.fail(Failure::Wrong("an image is copied by two frames that are both open"));
             return None;
         }
         *newest = Some(ticket);

@@ -1,4 +1,4 @@
-//! The presentation of pictures in a window.
+//! The presentation of frames in a window.
 
 #[cfg(feature = "loaded")]
 pub(crate) mod display_link;

@@ -1,19 +1,19 @@
-//! Present modes: the order in which pictures follow each other on the screen, and the nearest one
+//! Present modes: the order in which frames follow each other on the screen, and the nearest one
 //! that a driver has.
 
 use ash::vk;
 
-/// The way in which a picture replaces the one before it.
+/// The way in which a frame replaces the one before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PresentMode {
-    /// Each picture at a refresh, in order. Every driver has it.
+    /// Each frame at a refresh, in order. Every driver has it.
     #[default]
     Fifo,
-    /// Each picture at a refresh, in order, but a late one at once; it may tear.
+    /// Each frame at a refresh, in order, but a late one at once; it may tear.
     FifoRelaxed,
-    /// The newest picture at a refresh; overtaken ones are never seen.
+    /// The newest frame at a refresh; overtaken ones are never seen.
     Mailbox,
-    /// Each picture at once; it may tear.
+    /// Each frame at once; it may tear.
     Immediate,
 }
 
@@ -59,7 +59,7 @@ impl PresentMode {
         order.iter().copied().find(|mode| offered.contains(mode)).unwrap_or(PresentMode::Fifo)
     }
 
-    /// Returns true if each picture waits for its refresh, so that presenting may have to wait for
+    /// Returns true if each frame waits for its refresh, so that presenting may have to wait for
     /// the screen.
     pub fn is_queued(self) -> bool {
         matches!(self, PresentMode::Fifo | PresentMode::FifoRelaxed)

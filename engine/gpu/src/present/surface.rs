@@ -22,7 +22,7 @@ pub trait Window: HasWindowHandle + HasDisplayHandle + Send + Sync {}
 
 impl<W: HasWindowHandle + HasDisplayHandle + Send + Sync> Window for W {}
 
-/// A window that pictures can be shown in. Clones share it.
+/// A window that frames can be shown in. Clones share it.
 ///
 /// It keeps the window it was made for, and is kept itself by the swapchains made from it until the
 /// GPU and the presentation engine are done with them.
@@ -185,7 +185,7 @@ impl Surface {
             Some((family, timestamp_bits)) => {
                 Ok(Adapter { queue_family: Some(family), timestamp_bits, ..adapter.clone() })
             }
-            None => Err(format!("{name} has no queue that can show pictures in this window")),
+            None => Err(format!("{name} has no queue that can show frames in this window")),
         })
     }
 }

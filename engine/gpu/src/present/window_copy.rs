@@ -1,4 +1,4 @@
-//! The last step of a picture: the copy from the target to an image of a window.
+//! The last step of a frame: the copy from the target to an image of a window.
 
 use ash::vk;
 
@@ -6,8 +6,8 @@ use crate::record::access::{Access, LayoutChange, MemoryBarrier};
 use crate::record::commands::Commands;
 use crate::record::target::Target;
 
-/// Copies the picture of `target` to an image of a window, byte for byte where their sizes are
-/// equal. A picture of another shape keeps its proportions, in the middle between black borders.
+/// Copies the frame of `target` to an image of a window, byte for byte where their sizes are
+/// equal. A frame of another shape keeps its proportions, in the middle between black borders.
 /// Leaves the target as it was, since these commands may never be submitted.
 pub(crate) fn copy_to_window(
     target: &Target,
@@ -85,9 +85,9 @@ fn clear(commands: &Commands, window: vk::Image) {
 }
 
 /// Returns the upper left and lower right corner (pixels) of the largest area in the middle of
-/// `window` that has the proportions of `picture`, up to rounding; at least a pixel. No side is 0.
-fn fitted(picture: [u32; 2], window: [u32; 2]) -> [[u32; 2]; 2] {
-    let [[width, height], limits] = [picture, window].map(|size| size.map(u64::from));
+/// `window` that has the proportions of `frame`, up to rounding; at least a pixel. No side is 0.
+fn fitted(frame: [u32; 2], window: [u32; 2]) -> [[u32; 2]; 2] {
+    let [[width, height], limits] = [frame, window].map(|size| size.map(u64::from));
     let scaled = |side: u64, to: u64, of: u64| ((side * to + of / 2) / of.max(1)).max(1);
     let size = match width * limits[1] > height * limits[0] {
         true => [limits[0], scaled(height, limits[0], width)],
@@ -103,8 +103,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_picture_keeps_its_proportions_in_windows_of_any_shape() {
-        for (picture, window, area) in [
+    fn a_frame_keeps_its_proportions_in_windows_of_any_shape() {
+        for (frame, window, area) in [
             ([1280, 720], [1280, 720], [[0, 0], [1280, 720]]),
             ([1280, 720], [640, 360], [[0, 0], [640, 360]]),
             ([1280, 720], [1281, 720], [[0, 0], [1280, 720]]),
@@ -115,7 +115,7 @@ mod tests {
             ([1, 16384], [5, 5], [[2, 0], [3, 5]]),
             ([u32::MAX, 1], [1, u32::MAX], [[0, u32::MAX / 2], [1, u32::MAX / 2 + 1]]),
         ] {
-            assert_eq!(fitted(picture, window), area, "{picture:?} in {window:?}");
+            assert_eq!(fitted(frame, window), area, "{frame:?} in {window:?}");
         }
     }
 }

@@ -36,7 +36,7 @@ pub struct Commands {
     descriptors: vk::DescriptorPool,
     timer: Option<Arc<PassTimer>>,
     failed: Cell<Option<Failure>>,
-    /// The ticket that takes the tick, for pictures that these commands copy.
+    /// The ticket that takes the tick, for images that these commands copy.
     ticket: OnceCell<Arc<Ticket>>,
 }
 
@@ -252,7 +252,7 @@ impl Commands {
             .iter()
             .any(|side| i32::try_from(u64::from(origin[*side]) + u64::from(size[*side])).is_err())
         {
-            self.fail(Failure::Wrong("a clipped area reaches beyond all pictures"));
+            self.fail(Failure::Wrong("a clipped area reaches beyond all images"));
             return;
         }
         // SAFETY: inside of rendering, where the scissor is dynamic state.

@@ -189,7 +189,7 @@ impl Target {
             return;
         }
         if readback.size() != self.size {
-            commands.fail(Failure::Wrong("a picture is copied to a `Readback` of another size"));
+            commands.fail(Failure::Wrong("an image is copied to a `Readback` of another size"));
             return;
         }
         let Some(to) = readback.begin_copy(commands) else { return };
@@ -224,13 +224,13 @@ impl Target {
 }
 
 impl Target {
-    /// Notes that the frame that drew last was submitted: only then is there a picture to show.
+    /// Notes that the frame that drew last was submitted: only then is there an image to show.
     pub fn submitted(&mut self) {
         self.is_submitted = self.recording.is_some();
     }
 
-    /// Returns true if the GPU has, or will have, a picture here.
-    pub(crate) fn has_picture(&self) -> bool {
+    /// Returns true if the GPU has, or will have, an image here.
+    pub(crate) fn has_frame(&self) -> bool {
         self.is_submitted
     }
 }

@@ -8,7 +8,7 @@ use crate::SUPPORTED_EXTENSIONS;
 use crate::error::{Fault, Reason, quoted};
 use crate::notes::{Note, Notes};
 
-/// The loss in the picture without each extension.
+/// The loss in the rendered image without each extension.
 const LACKING: &[(&str, &str)] = &[
     ("AGI_articulations", "articulated parts stay as they are"),
     ("CESIUM_primitive_outline", "outlines are not drawn"),
@@ -51,7 +51,7 @@ const LACKING: &[(&str, &str)] = &[
     ("MSFT_texture_dds", PLAIN_TEXTURES),
 ];
 
-const NOTHING: &str = "the picture lacks nothing without it";
+const NOTHING: &str = "the rendered image lacks nothing without it";
 const PLAIN_TEXTURES: &str = "textures are shown by their plain copies";
 
 /// The extension that readers without it would refuse or show wrongly.
@@ -79,7 +79,7 @@ pub(crate) fn required(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Returns the loss in the picture without an extension, for people.
+/// Returns the loss in the rendered image without an extension, for people.
 fn lacking(name: &str) -> String {
     match LACKING.binary_search_by_key(&name, |(known, _)| known) {
         Ok(place) => {
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_extension_that_is_ignored_says_what_the_picture_lacks() {
+    fn an_extension_that_is_ignored_says_what_the_image_lacks() {
         assert!(LACKING.is_sorted_by_key(|(name, _)| name), "or it is not found");
         assert_eq!(lacking("KHR_materials_sheen"), "ignored: cloth has no sheen");
         assert_eq!(lacking("AGI_articulations"), "ignored: articulated parts stay as they are");

@@ -22,14 +22,14 @@ const ANGLES_RAD: [f32; 2] = [0.01, PI - 0.1];
 /// The nearest and the farthest near planeof a view, in metres.
 const NEAR_M: [f32; 2] = [1e-6, 1e6];
 
-/// The least and the greatest half height of an orthographic camera's picture, in metres.
+/// The least and the greatest half height of an orthographic camera's image, in metres.
 const HALF_HEIGHTS_M: [f32; 2] = [1e-6, 1e5];
 
-/// The least and the greatest aspect ratio of a picture.
+/// The least and the greatest aspect ratio of an image.
 const ASPECT_RATIOS: [f32; 2] = [1e-3, 1e3];
 
-/// The size in pixels of a picture in which a camera should see something.
-const PICTURE: [u32; 2] = [1600, 900];
+/// The size in pixels of an image in which a camera should see something.
+const IMAGE: [u32; 2] = [1600, 900];
 
 /// The projection of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,7 @@ pub(super) enum Lens {
     },
     /// An orthographic projection.
     Parallel {
-        /// Half of the height of the picture, in metres.
+        /// Half of the height of the image, in metres.
         half_height_m: f32,
         /// The distance of the near plane, in metres.
         near_m: f32,
@@ -118,11 +118,11 @@ fn lens(given: &json::Camera, name: &str, notes: &mut Notes) -> (Lens, f32, f32)
     (Lens::Parallel { half_height_m, near_m }, ANGLES_RAD[0], near_m)
 }
 
-/// Returns the aspect ratio of a camera's picture, where the file gives one.
+/// Returns the aspect ratio of a camera's image, where the file gives one.
 fn aspect_ratio(given: &json::Camera, name: &str, notes: &mut Notes) -> Option<f32> {
     let ratio = match (perspective(given), &given.orthographic) {
         (Some(perspective), _) => perspective.aspect_ratio,
-        // A picture without a height is as high as wide.
+        // An image without a height is as high as wide.
         (None, Some(parallel)) if parallel.ymag != 0.0 => {
             Some((parallel.xmag / parallel.ymag).abs())
         }
@@ -158,7 +158,7 @@ pub(super) fn settle(
 ) {
     for ((camera, lens), place) in cameras.iter_mut().zip(lenses).zip(places) {
         step_back(camera, *lens, &place.world, scene);
-        let view = cull::View::new(&camera.seen_from(&place.world, PICTURE), PICTURE, 8);
+        let view = cull::View::new(&camera.seen_from(&place.world, IMAGE), IMAGE, 8);
         let (containment, _) = view.frustum.classify(scene, cull::PlaneMask::ALL);
         let is_blind = place.should_see && containment == cull::Containment::Outside;
         let name = || format!("camera {}", quoted(&camera.name));

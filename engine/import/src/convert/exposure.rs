@@ -2,7 +2,7 @@
 //! physical strength would leave nothing but white, all of them are dimmed by one factor.
 //!
 //! The factor is a function of the scene at rest, so that every frame has the same. Lights are
-//! dimmed and not the whole picture: emission and ambient light need no camera.
+//! dimmed and not the whole image: emission and ambient light need no camera.
 
 use std::f32::consts::PI;
 

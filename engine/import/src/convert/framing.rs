@@ -4,10 +4,10 @@ use cull::{Aabb, Camera};
 use glam::{Vec3, vec3};
 use scene::FOV_Y_RAD;
 
-/// The least aspect ratio of a picture that shows everything.
+/// The least aspect ratio of an image that shows everything.
 const ASPECT: f32 = 4.0 / 3.0;
 
-/// The share of the picture that the scene fills.
+/// The share of the image that the scene fills.
 const FILLED: f32 = 0.9;
 
 /// Returns a view of everything, three quarters from the front and somewhat from above.
@@ -53,7 +53,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_tiny_fills_the_picture_too() {
+    fn what_is_tiny_fills_the_image_too() {
         let bounds = Aabb::new(Vec3::ZERO, Vec3::splat(1e-4));
         let camera = overview(&bounds);
         assert!(camera.eye.distance(bounds.centre()) < 4e-4 && camera.near < 2e-6);

@@ -35,7 +35,7 @@ pub(super) struct InitialView<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
     eye: Vec3,
-    /// The height of the picture per metre of distance, and the height that does not depend on
+    /// The height of the image per metre of distance, and the height that does not depend on
     /// distance.
     heights_m: [f32; 2],
     most_height_m: f32,
@@ -51,7 +51,7 @@ impl<'a> InitialView<'a> {
         Self { source, tree, camera, place: OnceCell::new() }
     }
 
-    /// Returns the height of the picture around the middle of a box, in the units of its own space.
+    /// Returns the height of the image around the middle of a box, in the units of its own space.
     pub(super) fn height_at(&self, bounds: &Aabb, to_world: &Affine3A) -> f32 {
         let place = self.place.get_or_init(|| self.look());
         let distance = to_world.transform_point3(bounds.centre()).distance(place.eye);

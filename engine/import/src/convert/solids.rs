@@ -4,7 +4,7 @@
 //!
 //! They are a few pixels wide in the initial view
 //! ([`InitialView`](super::initial_view::InitialView)), and keep that size in the world: points are
-//! [`POINT_SIZE`] of the picture's height, lines [`LINE_SIZE`] (6 and 4 pixels of 720). Where they
+//! [`POINT_SIZE`] of the image's height, lines [`LINE_SIZE`] (6 and 4 pixels of 720). Where they
 //! are close to each other they are thinner, down to [`LEAST_SIZE`], so that their pattern is still
 //! visible: points do not reach the middle between most of them and their neighbours, and lines
 //! side by side fill no more than half of their box. All attributes, skins and morph targets are
@@ -16,13 +16,13 @@ use glam::Vec3;
 use super::geometry::Geometry;
 use super::numbers::direction;
 
-/// The size of a point, as a part of the picture's height.
+/// The size of a point, as a part of the image's height.
 pub(super) const POINT_SIZE: f32 = 1.0 / 120.0;
 
-/// The thickness of a line, as a part of the picture's height.
+/// The thickness of a line, as a part of the image's height.
 pub(super) const LINE_SIZE: f32 = 1.0 / 180.0;
 
-/// The least size of points and lines, as a part of the picture's height.
+/// The least size of points and lines, as a part of the image's height.
 pub(super) const LEAST_SIZE: f32 = 1.0 / 720.0;
 
 /// The number of points whose distance to the next one is measured.
@@ -91,12 +91,12 @@ fn spacing(geometry: &Geometry, points: &[u32]) -> f32 {
     distances.get(distances.len() / 2).copied().unwrap_or(f32::INFINITY)
 }
 
-/// Returns the width of points in a picture of this height.
+/// Returns the width of points in an image of this height.
 pub(super) fn point_size(geometry: &Geometry, points: &[u32], height: f32) -> f32 {
     size_of(height * POINT_SIZE, spacing(geometry, points), height)
 }
 
-/// Returns the width of lines in a picture of this height.
+/// Returns the width of lines in an image of this height.
 pub(super) fn line_size(geometry: &Geometry, lines: &[[u32; 2]], height: f32) -> f32 {
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
     let lengths = lines.iter().map(|&[from, to]| f64::from(at(from).distance(at(to))));
@@ -106,7 +106,7 @@ pub(super) fn line_size(geometry: &Geometry, lines: &[[u32; 2]], height: f32) ->
     size_of(height * LINE_SIZE, (across * across * 0.5 / length) as f32, height)
 }
 
-/// Returns a cube around each of these vertices, for a picture of this height.
+/// Returns a cube around each of these vertices, for an image of this height.
 pub(super) fn points(geometry: &Geometry, points: &[u32], height: f32) -> Geometry {
     // The corners, by their sides along x, y and z: each is one of eight numbers.
     let directions: [Vec3; 8] = std::array::from_fn(|corner| {
@@ -125,7 +125,7 @@ pub(super) fn points(geometry: &Geometry, points: &[u32], height: f32) -> Geomet
     growth.finish(geometry, size * 0.5 * 3.0_f32.sqrt())
 }
 
-/// Returns a prism around each of these lines, for a picture of this height.
+/// Returns a prism around each of these lines, for an image of this height.
 pub(super) fn lines(geometry: &Geometry, lines: &[[u32; 2]], height: f32) -> Geometry {
     let triangles =
         [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5], [0, 2, 1], [3, 4, 5]];

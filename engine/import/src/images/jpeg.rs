@@ -41,7 +41,7 @@ fn has_end(scans: &[u8]) -> bool {
 }
 
 /// Returns the ends of a file without its last marker: that marker alone, and other coefficients
-/// before it. The decoded pictures differ if any of the file's own coefficients are missing.
+/// before it. The decoded images differ if any of the file's own coefficients are missing.
 pub(super) fn endings(bytes: &[u8]) -> [Vec<u8>; 2] {
     const END: [u8; 2] = [0xFF, 0xD9];
     // Half of a marker is none, but for a byte that was stuffed.

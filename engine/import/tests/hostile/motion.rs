@@ -201,10 +201,10 @@ fn jpegs_without_their_end_are_taken_if_nothing_else_is_missing() {
         scene.show_images(1);
         read(scene.glb(), None, &Limits::default()).map(|source| source.images[0].clone())
     };
-    let picture = read(&whole).expect("a picture");
+    let decoded = read(&whole).expect("an image");
     for missing in [1, 2] {
         let cut = read(&whole[..whole.len() - missing]).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(cut, picture, "{missing} bytes are missing");
+        assert_eq!(cut, decoded, "{missing} bytes are missing");
     }
     let mut cut_off = 0;
     for missing in 4..60 {

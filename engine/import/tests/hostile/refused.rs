@@ -364,9 +364,9 @@ fn what_the_scene_can_do_without_is_left_out_and_named() {
         let is_noted = |text: &String| expected.iter().all(|part| text.contains(part));
         assert!(texts.iter().any(is_noted), "{texts:?}\nlack a part of {expected:?}");
         assert_eq!(texts.len(), 1, "{texts:?}");
-        let is_picture = texts[0].contains("checkers are shown for image 0");
-        assert_eq!(source.placeholders.contains(&0), is_picture, "{texts:?}");
-        assert!(is_picture || texts[0].contains("animation 0 is not played"), "{texts:?}");
+        let is_image = texts[0].contains("checkers are shown for image 0");
+        assert_eq!(source.placeholders.contains(&0), is_image, "{texts:?}");
+        assert!(is_image || texts[0].contains("animation 0 is not played"), "{texts:?}");
     }
 }
 
@@ -399,6 +399,6 @@ fn set_image(scene: &mut Scene, bytes: &[u8]) {
 fn set_cut_image(scene: &mut Scene, format: image::ImageFormat) {
     let whole = encoded(format);
     // PNG ends with a checksum and an empty chunk, so that a little less is still a complete
-    // picture.
+    // image.
     set_image(scene, &whole[..whole.len() - 24]);
 }

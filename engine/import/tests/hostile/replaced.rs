@@ -50,21 +50,21 @@ pub const REPLACED: &[Row] = &[
         Noted(&["node 3: spot lights whose angles"]),
     ),
     (
-        "a picture of no width",
+        "an image of no width",
         |s| camera(s, "aspectRatio", json!(0)),
         Noted(&["camera \"camera 0\": cameras whose width by height"]),
     ),
     (
-        "a picture of negative width",
+        "an image of negative width",
         |s| camera(s, "aspectRatio", json!(-1)),
         Noted(&["cameras whose width by height"]),
     ),
     (
-        "a picture of hardly any width",
+        "an image of hardly any width",
         |s| camera(s, "aspectRatio", json!(1e-30)),
         Noted(&["cameras whose width by height"]),
     ),
-    ("a tall picture", |s| camera(s, "aspectRatio", json!(0.1)), Opens),
+    ("a tall image", |s| camera(s, "aspectRatio", json!(0.1)), Opens),
     (
         "a camera that begins behind all",
         |s| camera(s, "znear", json!(1e9)),

@@ -36,7 +36,7 @@ impl PyramidLevel {
     }
 }
 
-/// Returns the levels over a picture of `size` pixels, which is level 0. Each has half of the
+/// Returns the levels over an image of `size` pixels, which is level 0. Each has half of the
 /// texels of the previous one in both directions, rounded up; the last has at most 4x4.
 pub fn pyramid_levels(size: [u32; 2]) -> impl Iterator<Item = PyramidLevel> + Clone {
     let base = PyramidLevel { start: 0, size: size.map(|side| side.max(1)) };

@@ -167,7 +167,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Returns a quarter of the picture.
+    /// Returns a quarter of the image.
     pub(super) fn large_box_pixels(&self) -> f64 {
         let [width, height] = self.view.size.map(f64::from);
         width * height / 4.0

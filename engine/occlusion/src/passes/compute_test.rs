@@ -78,7 +78,7 @@ impl ComputeTest {
     /// Compiles the passes for areas of up to `size` pixels.
     ///
     /// # Errors
-    /// A picture whose depth is larger than a storage buffer may be, or has more cells than one
+    /// An image whose depth is larger than a storage buffer may be, or has more cells than one
     /// dispatch takes; no memory, a failed call.
     pub fn new(device: &Device, shaders: &ShaderSet, size: [u32; 2]) -> Result<Self, Error> {
         Self::check(device, size)?;
@@ -114,7 +114,7 @@ impl ComputeTest {
     /// Checks that the device can test in areas of up to `size` pixels.
     ///
     /// # Errors
-    /// A picture whose depth is larger than a storage buffer may be, or has more cells than one
+    /// An image whose depth is larger than a storage buffer may be, or has more cells than one
     /// dispatch takes.
     pub fn check(device: &Device, size: [u32; 2]) -> Result<(), Error> {
         Ok(check_size(size, &device.adapter().limits)?)

@@ -1,6 +1,6 @@
 //! A trial of acquires, before their waits are believed to be for the display.
 //!
-//! An acquire may also wait for the GPU, or for a window system that copies pictures, and neither
+//! An acquire may also wait for the GPU, or for a window system that copies images, and neither
 //! reveals refreshes. A display reveals itself by waits that end on one grid whenever frames start.
 //! So as soon as waits seem to have a period, frames are shaken: one waits until the GPU is idle,
 //! and some part of a frame more. Waits that follow the GPU are shifted as much from then on; waits

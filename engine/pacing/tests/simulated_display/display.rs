@@ -152,7 +152,7 @@ impl Display {
     }
 
     /// Returns the time at which a variable panel shows a ready frame. The panel repeats its
-    /// picture when none has come for too long, and is busy with that for the shortest period.
+    /// image when none has come for too long, and is busy with that for the shortest period.
     fn variable(&self, ready: f64) -> f64 {
         let Panel::Variable { min_period, max_period } = self.panel else { return ready };
         let waited = ready - self.last_shown;

@@ -206,7 +206,7 @@ fn reports_need_not_wake_the_loop() {
     assert!(missed_in_all * 500 <= all, "{missed_in_all} of {all}");
 }
 
-/// Checks that misses teach the early latch of a compositor that takes pictures long before they
+/// Checks that misses teach the early latch of a compositor that takes images long before they
 /// are shown.
 #[test]
 fn an_early_latch_is_learnt() {

@@ -1,4 +1,4 @@
-//! Changes between two frames of a loop: the size of the picture, the number of frames in flight,
+//! Changes between two frames of a loop: the size of the image, the number of frames in flight,
 //! the shaders. The scene and the history of views stay, and nothing waits for the GPU.
 
 use gpu::{FrameRing, Target};
@@ -14,11 +14,11 @@ use crate::shading::surfaces::SurfaceResources;
 use crate::shading::transparent::Transparent;
 
 impl Renderer {
-    /// Draws pictures of `size` pixels from now on. A view from above that does not fit into them
+    /// Draws images of `size` pixels from now on. A view from above that does not fit into them
     /// is no longer shown.
     ///
     /// # Errors
-    /// A size of 0, beyond the device's limits, or too large for a test that smaller pictures have;
+    /// A size of 0, beyond the device's limits, or too large for a test that smaller images have;
     /// no memory. Nothing has changed then.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), Error> {
         if size == self.size() {

@@ -1,11 +1,11 @@
-//! The flat overlay over every picture.
+//! The flat overlay over every image.
 
 use crate::debug::flat_overlay::FlatOverlay;
 use crate::error::Error;
 use crate::renderer::Renderer;
 
 impl Renderer {
-    /// Returns the overlay that is drawn flat over every picture from now on, created by the first
+    /// Returns the overlay that is drawn flat over every image from now on, created by the first
     /// call. It costs nothing until then, nor after [`Renderer::drop_flat_overlay`].
     ///
     /// # Errors

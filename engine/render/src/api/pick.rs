@@ -12,9 +12,9 @@ use crate::view_state::ViewState;
 
 impl Renderer {
     /// Begins to find the object of the scene, as it was drawn last, that owns the pixel at `pixel`
-    /// (from the upper left) of a picture seen from `camera`. All objects count, also those that
+    /// (from the upper left) of an image seen from `camera`. All objects count, also those that
     /// culling left out; blended ones do not. Submits a frame of one pixel, which draws all objects
-    /// whose boxes lie along its ray: only their triangles decide which is hit. Present the picture
+    /// whose boxes lie along its ray: only their triangles decide which is hit. Present the image
     /// before or after the next.
     ///
     /// On a device whose fragment shaders cannot write to buffers, the object with the nearest box
@@ -97,7 +97,7 @@ impl Renderer {
         leaf.map_or(0, |first| self.executor.leaves.count(LeafRange { first, count: 1 }).triangles)
     }
 
-    /// Outlines the box of an object in every picture from now on, seen through everything; of
+    /// Outlines the box of an object in every image from now on, seen through everything; of
     /// several views, in the first.
     ///
     /// # Errors

@@ -16,7 +16,7 @@ use crate::frame_passes::FramePasses;
 use crate::passes::{CountPass, OverlayPass};
 use crate::renderer::Renderer;
 use crate::view_state::{RendererId, ViewState};
-use crate::views::{FrameReport, FrameRequest, ViewTarget, ViewsRequest, finish_picture, view_in};
+use crate::views::{FrameReport, FrameRequest, ViewTarget, ViewsRequest, finish_image, view_in};
 
 impl Renderer {
     /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
@@ -30,19 +30,19 @@ impl Renderer {
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
         let area = Rect::whole(self.size());
-        let FrameRequest { strategy, camera, visible, picture, scene_picture, after } = *request;
+        let FrameRequest { strategy, camera, visible, image, scene_image, after } = *request;
         let eye = ViewTarget { history, camera, visible, area };
-        let request = ViewsRequest { strategy, picture, after };
-        self.render_eyes(&mut [eye], &request, scene_picture)
+        let request = ViewsRequest { strategy, image, after };
+        self.render_eyes(&mut [eye], &request, scene_image)
     }
 
     /// Renders one frame of several views, one after the other, and submits them together. Waits
     /// for the frame that used this slot N frames ago, and for nothing else.
     ///
     /// # Errors
-    /// [`Error::NoView`] without a view: such a frame would leave its picture as it is. A strategy
-    /// that the device does not support; an area that is not in the picture; a picture of another
-    /// size; a view or visible set of another renderer, a picture or timeline of another device;
+    /// [`Error::NoView`] without a view: such a frame would leave its image as it is. A strategy
+    /// that the device does not support; an area that is not in the image; an image of another
+    /// size; a view or visible set of another renderer, an image or timeline of another device;
     /// [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device, a frame that
     /// takes too long.
     pub fn render_views(
@@ -53,14 +53,14 @@ impl Renderer {
         self.render_eyes(eyes, request, None)
     }
 
-    /// Renders the same, and copies the picture of the scene alone to `scene_picture`.
+    /// Renders the same, and copies the image of the scene alone to `scene_image`.
     pub(crate) fn render_eyes(
         &mut self,
         eyes: &mut [ViewTarget<'_>],
         request: &ViewsRequest<'_>,
-        scene_picture: Option<&Readback>,
+        scene_image: Option<&Readback>,
     ) -> Result<FrameReport, Error> {
-        let method = self.check_frame(eyes, request, scene_picture)?;
+        let method = self.check_frame(eyes, request, scene_image)?;
         let began = Instant::now();
         self.prepare(method, eyes)?;
         let is_timed = self.is_timed(request.strategy, eyes);
@@ -96,14 +96,14 @@ impl Renderer {
             let scene = (&*executor, &*hierarchy);
             count_samples(passes, &mut frame, scene, (counts, visibility), view)?;
         }
-        finish_picture(&mut frame, &mut passes.target, None, scene_picture)?;
+        finish_image(&mut frame, &mut passes.target, None, scene_image)?;
         let overlays = Overlays {
             explainer: self.explainer.as_ref(),
             outline: outlined.zip(self.top_down.as_ref()),
             flat: self.flat_overlay.as_mut(),
         };
         let scene = (&mut *passes, &*executor, &*hierarchy);
-        report.overlay_cpu = overlays.record(&mut frame, scene, eyes.first(), request.picture)?;
+        report.overlay_cpu = overlays.record(&mut frame, scene, eyes.first(), request.image)?;
         let waited = frame.waited();
         report.waits = frame.waits();
         report.tick = frame.submit(request.after)?;
@@ -127,7 +127,7 @@ impl Renderer {
         &self,
         eyes: &mut [ViewTarget<'_>],
         request: &ViewsRequest<'_>,
-        scene_picture: Option<&Readback>,
+        scene_image: Option<&Readback>,
     ) -> Result<usize, Error> {
         if eyes.is_empty() {
             return Err(Error::NoView);
@@ -140,8 +140,8 @@ impl Renderer {
             let (slots, leaves) = (self.frames_in_flight(), &self.executor.leaves);
             eye.history.set_frames_in_flight(slots, &self.hierarchy, leaves)?;
         }
-        for picture in request.picture.into_iter().chain(scene_picture) {
-            self.check_picture(picture)?;
+        for image in request.image.into_iter().chain(scene_image) {
+            self.check_image(image)?;
         }
         if let Some((timeline, _)) = request.after {
             self.device.check(timeline, "a renderer (`Renderer`)")?;
@@ -201,7 +201,7 @@ impl Renderer {
         Ok(methods[method].prepare(&mut scene)?)
     }
 
-    /// Returns the view of `camera` in a part of this renderer's picture.
+    /// Returns the view of `camera` in a part of this renderer's image.
     pub fn view_in(&self, camera: &Camera, area: Rect) -> View {
         view_in(&self.device, camera, area)
     }
@@ -220,16 +220,16 @@ impl Renderer {
         if maker == self.id { Ok(()) } else { Err(Error::ForeignRenderer { thing }) }
     }
 
-    /// Refuses a picture of another device or size.
-    pub(crate) fn check_picture(&self, picture: &Readback) -> Result<(), Error> {
-        self.device.check(picture, "a renderer (`Renderer`)")?;
-        let (wanted, drawn) = (picture.size(), self.size());
-        if wanted == drawn { Ok(()) } else { Err(Error::PictureSize { wanted, drawn }) }
+    /// Refuses an image of another device or size.
+    pub(crate) fn check_image(&self, image: &Readback) -> Result<(), Error> {
+        self.device.check(image, "a renderer (`Renderer`)")?;
+        let (wanted, drawn) = (image.size(), self.size());
+        if wanted == drawn { Ok(()) } else { Err(Error::ImageSize { wanted, drawn }) }
     }
 
     pub(crate) fn check_area(&self, area: Rect) -> Result<(), Error> {
-        let picture = self.size();
-        if area.fits(picture) { Ok(()) } else { Err(Error::Rect { area, picture }) }
+        let image = self.size();
+        if area.fits(image) { Ok(()) } else { Err(Error::Rect { area, image }) }
     }
 }
 
@@ -241,14 +241,14 @@ struct Overlays<'a> {
 }
 
 impl Overlays<'_> {
-    /// Draws them over the first view, and copies the picture if that is requested. Returns the
+    /// Draws them over the first view, and copies the image if that is requested. Returns the
     /// CPU's time.
     fn record(
         self,
         frame: &mut Frame<'_>,
         (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
         eye: Option<&ViewTarget<'_>>,
-        picture: Option<&Readback>,
+        image: Option<&Readback>,
     ) -> Result<Duration, Error> {
         let began = Instant::now();
         if let Some(eye) = eye {
@@ -261,7 +261,7 @@ impl Overlays<'_> {
                 record_outline(frame, passes, overlay, (bounds, &view))?;
             }
         }
-        finish_picture(frame, &mut passes.target, self.flat, picture)?;
+        finish_image(frame, &mut passes.target, self.flat, image)?;
         Ok(began.elapsed())
     }
 }

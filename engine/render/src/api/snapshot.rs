@@ -10,9 +10,9 @@ use crate::error::Error;
 use crate::passes::OverlayPass;
 use crate::renderer::Renderer;
 use crate::view_state::ViewState;
-use crate::views::finish_picture;
+use crate::views::finish_image;
 
-/// The background: none, as in a drawing, or the scene's sky, as in its other pictures.
+/// The background: none, as in a drawing, or the scene's sky, as in its other images.
 enum Backdrop {
     Dark,
     Sky,
@@ -66,19 +66,19 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// Draws `moment` from above into `picture` and waits for it: the drawn objects in their own
+    /// Draws `moment` from above into `image` and waits for it: the drawn objects in their own
     /// colours, the hidden frontier nodes as boxes coloured by their level, and the frustum.
     ///
     /// # Errors
-    /// A moment of another renderer, a picture of another device or size, no memory, a shader that
+    /// A moment of another renderer, an image of another device or size, no memory, a shader that
     /// does not compile, a failed call.
     pub fn top_down(
         &mut self,
         snapshot: &VisibilitySnapshot,
-        picture: &Readback,
+        image: &Readback,
     ) -> Result<(), Error> {
         let camera = self.above(snapshot);
-        self.draw_snapshot(snapshot, camera, Some(picture), Backdrop::Dark)?;
+        self.draw_snapshot(snapshot, camera, Some(image), Backdrop::Dark)?;
         Ok(self.device.drain()?)
     }
 
@@ -88,25 +88,25 @@ impl Renderer {
     /// shows the wires and the view from above.
     ///
     /// # Errors
-    /// A moment of another renderer, a picture of another device or size, no memory, a failed call.
+    /// A moment of another renderer, an image of another device or size, no memory, a failed call.
     pub fn render_snapshot(
         &mut self,
         snapshot: &VisibilitySnapshot,
         camera: Camera,
-        picture: Option<&Readback>,
+        image: Option<&Readback>,
     ) -> Result<Tick, Error> {
-        self.draw_snapshot(snapshot, camera, picture, Backdrop::Sky)
+        self.draw_snapshot(snapshot, camera, image, Backdrop::Sky)
     }
 
     fn draw_snapshot(
         &mut self,
         snapshot: &VisibilitySnapshot,
         camera: Camera,
-        picture: Option<&Readback>,
+        image: Option<&Readback>,
         backdrop: Backdrop,
     ) -> Result<Tick, Error> {
         self.check_renderer(snapshot.renderer, "a snapshot (`VisibilitySnapshot`)")?;
-        picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
+        image.map_or(Ok(()), |image| self.check_image(image))?;
         if self.top_down.is_none() {
             self.top_down = Some(OverlayPass::new(&self.device, &self.shaders)?);
         }
@@ -129,7 +129,7 @@ impl Renderer {
         let commands = frame.commands();
         passes.target.prepare(commands);
         commands.pass(VIEW_FROM_ABOVE, |commands| {
-            let from = passes.picture_target(&view, clear);
+            let from = passes.image_target(&view, clear);
             commands.rendering(from, |commands| {
                 passes.draw_all(executor, commands, &view, draws, clear);
                 passes.draw_transparent(executor, commands, &view);
@@ -145,7 +145,7 @@ impl Renderer {
         if let (Some(bounds), Some(overlay)) = (outlined, top_down.as_ref()) {
             record_outline(&mut frame, passes, overlay, (bounds, &view))?;
         }
-        finish_picture(&mut frame, &mut passes.target, flat_overlay.as_mut(), picture)?;
+        finish_image(&mut frame, &mut passes.target, flat_overlay.as_mut(), image)?;
         let tick = frame.submit(None)?;
         self.submitted();
         Ok(tick)

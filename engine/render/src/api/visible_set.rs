@@ -32,7 +32,7 @@ impl Renderer {
         let eye = ViewTarget { history: &mut *history, camera: *camera, visible: None, area };
         // With a threshold ours leaves out what this is to find.
         let strategy = if self.is_exact() { Strategy::ANTUMBRA } else { Strategy::FRUSTUM };
-        let request = ViewsRequest { strategy, picture: None, after: None };
+        let request = ViewsRequest { strategy, image: None, after: None };
         self.render_views(&mut [eye], &request)?;
         let view = self.view_in(camera, area);
         let snapshot = self.snapshot(history, view)?;

@@ -15,7 +15,7 @@ use crate::passes::{OpaquePass, OverlayPass};
 use crate::view_state::ViewState;
 use crate::views::view_in;
 
-/// The overlay that explains pictures; of several views, over the first. It shows the plan of the
+/// The overlay that explains images; of several views, over the first. It shows the plan of the
 /// frame and the history when it is recorded, and waits for nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct DebugOverlay {
@@ -25,12 +25,12 @@ pub struct DebugOverlay {
     /// ([`BOX_HIDDEN`], [`BOX_BEHIND`],
     /// [`BOX_UNKNOWN`], [`BOX_SHOWED`]).
     pub has_boxes: bool,
-    /// The part of the picture for the view from above.
+    /// The part of the image for the view from above.
     pub top_down: Option<Rect>,
 }
 
 const BOXES_AND_WIREFRAME: &str = "boxes and wireframe";
-/// The labels of the passes that explain or lie flat over pictures: their time is not the engine's.
+/// The labels of the passes that explain or lie flat over images: their time is not the engine's.
 pub const OVERLAY_PASSES: [&str; 5] =
     [BOXES_AND_WIREFRAME, VIEW_FROM_ABOVE, OUTLINE, GLYPHS, OVERLAY];
 
@@ -88,8 +88,8 @@ impl DebugRenderer {
         self.record_corner(frame, (passes, executor, hierarchy), (&snapshot, draws))
     }
 
-    /// Draws the explanation of a frozen moment over its picture from another eye: its wires, and
-    /// the view from above. That picture has its hidden boxes already.
+    /// Draws the explanation of a frozen moment over its image from another eye: its wires, and
+    /// the view from above. That image has its hidden boxes already.
     pub(crate) fn record_snapshot(
         &self,
         frame: &mut Frame<'_>,
@@ -122,7 +122,7 @@ impl DebugRenderer {
         let view = &view_in(&self.device, &above(snapshot, reach), area);
         passes.target.prepare(frame.commands());
         frame.commands().pass(VIEW_FROM_ABOVE, |commands| {
-            commands.rendering(passes.picture_target(view, BACKGROUND), |commands| {
+            commands.rendering(passes.image_target(view, BACKGROUND), |commands| {
                 passes.draw_all(executor, commands, view, draws, BACKGROUND);
                 self.overlay.record(commands, &io, view);
             });

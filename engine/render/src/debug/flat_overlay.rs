@@ -1,4 +1,4 @@
-//! The flat overlay of every picture: text, graphs and other shapes laid out in pixels.
+//! The flat overlay of every image: text, graphs and other shapes laid out in pixels.
 
 use gpu::{Device, DynamicTexture, Frame, Target};
 

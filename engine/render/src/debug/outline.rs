@@ -12,7 +12,7 @@ use crate::passes::OverlayPass;
 /// The pass that outlines an object.
 pub(crate) const OUTLINE: &str = "outline";
 
-/// Draws the outline of a box over the picture of `view`.
+/// Draws the outline of a box over the image of `view`.
 pub(crate) fn record_outline(
     frame: &mut Frame<'_>,
     passes: &mut FramePasses,

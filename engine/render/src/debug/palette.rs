@@ -1,10 +1,10 @@
-//! The colours that explain pictures: a family of hues for each kind of meaning, so that none is
+//! The colours that explain images: a family of hues for each kind of meaning, so that none is
 //! mistaken for another. States have the hues of Okabe and Ito, which differ for any colour vision;
 //! levels have one hue of rising lightness; the frustum has none.
 
 use glam::Vec4;
 
-/// A colour with one meaning in explained pictures.
+/// A colour with one meaning in explained images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Swatch {
     /// Its meaning, for a legend.

@@ -4,7 +4,7 @@
 //! For levels of detail, by the number of samples, and for lens flares, by the fraction of the
 //! light's proxy ("Efficient Occlusion Culling", GPU Gems, 29.8.2 and 29.9). After a frame is
 //! drawn, each watched object in the frustum is drawn again under a precise query, and so is its
-//! proxy, with the depth test and without. Counting does not change the picture.
+//! proxy, with the depth test and without. Counting does not change the image.
 
 use cull::{Containment, FrameId, Generation, Hierarchy, ObjectId, PlaneMask, View};
 use gpu::{Commands, Counting, Device, Frame, IndirectDraw, Optional, QueryIndex, QueryRing, Tick};
@@ -23,7 +23,7 @@ pub struct VisibleSamples {
     /// The age of that frame in frames of the view. 0 only for objects outside of the frustum,
     /// which need no count, and after [`Renderer::drain`](crate::Renderer::drain).
     pub age_frames: u64,
-    /// Samples of it where nothing is nearer in the finished picture: its pixels, where no two of
+    /// Samples of it where nothing is nearer in the finished image: its pixels, where no two of
     /// its faces have the same depth. 0 outside of the frustum.
     pub samples: u32,
     /// The same of its proxy. `None` where the near plane would cut it or the eye is in it, and
@@ -39,13 +39,13 @@ pub struct VisibleSamples {
 pub struct ProxySamples {
     /// Samples of its front faces where nothing is nearer.
     pub visible: u32,
-    /// All samples of its front faces in the picture.
+    /// All samples of its front faces in the image.
     pub total: u32,
 }
 
 impl ProxySamples {
-    /// Returns the visible share of its part in the picture, 0 to 1; 0 if nothing of it is in the
-    /// picture.
+    /// Returns the visible share of its part in the image, 0 to 1; 0 if nothing of it is in the
+    /// image.
     pub fn fraction(&self) -> f32 {
         if self.total == 0 { 0.0 } else { self.visible as f32 / self.total as f32 }
     }
@@ -370,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn fractions_are_of_what_is_in_the_picture() {
+    fn fractions_are_of_what_is_in_the_image() {
         let fraction = |visible, total| ProxySamples { visible, total }.fraction();
         assert_eq!([fraction(0, 0), fraction(0, 5), fraction(3, 4)], [0.0, 0.0, 0.75]);
         assert_eq!(known(1, 1, 5).fraction(), None);

@@ -1,5 +1,5 @@
 //! The count pass: counts the samples of single objects, and of their proxies, in a finished
-//! picture.
+//! image.
 
 use bytemuck::{Pod, Zeroable};
 use cull::View;

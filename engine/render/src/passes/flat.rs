@@ -1,4 +1,4 @@
-//! The flat pass: triangles in pixels over a finished picture, for text and graphs.
+//! The flat pass: triangles in pixels over a finished image, for text and graphs.
 
 use std::ops::Range;
 
@@ -31,7 +31,7 @@ pub struct FlatIo<'a> {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct FlatVertex {
-    /// Pixels from the upper left corner of the picture.
+    /// Pixels from the upper left corner of the image.
     pub position: [f32; 2],
     /// Place in the atlas, 0 to 1 from its upper left.
     pub texture_position: [f32; 2],
@@ -39,7 +39,7 @@ pub struct FlatVertex {
     pub colour: [u8; 4],
 }
 
-/// Triangles that are cut to the same part of the picture.
+/// Triangles that are cut to the same part of the image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FlatDraw {
     /// Upper left corner of the part (pixels).
@@ -93,7 +93,7 @@ impl FlatPass {
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
     }
 
-    /// Draws `draws` in their order, each cut to its part, in a picture of `size` pixels.
+    /// Draws `draws` in their order, each cut to its part, in an image of `size` pixels.
     pub fn record(&self, commands: &Commands, io: &FlatIo<'_>, draws: &[FlatDraw], size: [u32; 2]) {
         let constants = Constants { clip_per_pixel: size.map(|side| 2.0 / side as f32) };
         commands.bind_textured(&self.pipeline, &[], &[io.atlas]);

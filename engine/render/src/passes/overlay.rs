@@ -9,7 +9,7 @@ use gpu::{
 
 use occlusion::{Error, ShaderSet};
 
-/// The pass that draws translucent triangles and lines over a finished picture, hidden by its depth
+/// The pass that draws translucent triangles and lines over a finished image, hidden by its depth
 /// or not.
 pub struct OverlayPass {
     triangles: GraphicsPipeline,

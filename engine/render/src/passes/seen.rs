@@ -1,4 +1,4 @@
-//! The seen pass: finds the objects that own a pixel of a finished picture.
+//! The seen pass: finds the objects that own a pixel of a finished image.
 
 use bytemuck::{Pod, Zeroable};
 use cull::View;

@@ -23,7 +23,7 @@ pub enum SurfaceKind {
     /// of the two. Of equally near surfaces the larger value of each channel is kept, so the order
     /// of draws decides nothing: start from black.
     Colour,
-    /// Blended objects over the finished picture, hidden by nearer surfaces; draw them back to
+    /// Blended objects over the finished image, hidden by nearer surfaces; draw them back to
     /// front.
     Transparent,
 }

@@ -1,4 +1,4 @@
-//! Depth first: the draws of scenes with surfaces, so that no order of draws shows in the picture.
+//! Depth first: the draws of scenes with surfaces, so that no order of draws shows in the image.
 //!
 //! ```text
 //! as always   the rounds of culling, each strategy's own, with the depth alone

@@ -1,4 +1,4 @@
-//! Blended objects: drawn back to front over the finished picture, where they can be hidden but
+//! Blended objects: drawn back to front over the finished image, where they can be hidden but
 //! hide nothing.
 //!
 //! ```text

@@ -48,7 +48,7 @@ fn without_arguments_it_is_a_street_walk_against_both_bounds() {
     assert_eq!((options.views, options.moving_percent), (1, 0));
     assert_eq!(options.threshold_pixels, 0);
     assert_eq!(options.device, DeviceChoice::Best);
-    assert_eq!((options.pictures, options.top_down), (0, None));
+    assert_eq!((options.images, options.top_down), (0, None));
     assert_eq!((options.output, options.report, options.shaders), (None, None, None));
 }
 
@@ -71,9 +71,9 @@ fn every_option_arrives() {
         "--predicates=instances",
         "--threshold=9",
         "--shaders=glsl",
-        "--out=pictures",
+        "--out=images",
         "--report=r.json",
-        "--pictures=7",
+        "--images=7",
         "--top-down=6",
     ])
     .unwrap();
@@ -101,9 +101,9 @@ fn every_option_arrives() {
             predicates: Predicates::Instances,
             threshold_pixels: 9,
             shaders: Some("glsl".into()),
-            output: Some("pictures".into()),
+            output: Some("images".into()),
             report: Some("r.json".into()),
-            pictures: 7,
+            images: 7,
             top_down: Some(6),
         }
     );
@@ -132,7 +132,7 @@ fn of_an_option_said_twice_the_last_counts() {
         ("--validation", "on", "sync"),
         ("--shaders", "a", "b"),
         ("--out", "a", "b"),
-        ("--pictures", "1", "2"),
+        ("--images", "1", "2"),
         ("--top-down", "1", "off"),
         ("--report", "a", "b"),
     ] {
@@ -263,29 +263,29 @@ fn what_is_for_made_scenes_is_refused_for_files() {
 }
 
 #[test]
-fn pictures_need_a_folder_and_their_frames() {
-    assert!(refusal(&["--pictures", "3"]).contains("--out"));
+fn images_need_a_folder_and_their_frames() {
+    assert!(refusal(&["--images", "3"]).contains("--out"));
     assert!(refusal(&["--top-down", "3"]).contains("--out"));
-    assert!(refusal(&["--out", "o", "--frames", "9", "--pictures", "10"]).contains("from 0 to 9"));
+    assert!(refusal(&["--out", "o", "--frames", "9", "--images", "10"]).contains("from 0 to 9"));
     assert!(refusal(&["--out", "o", "--frames", "9", "--top-down", "9"]).contains("from 0 to 8"));
     let options = parse(&["--out", "o", "--frames", "1"]).unwrap();
-    assert_eq!((options.pictures, options.top_down), (1, Some(0)));
+    assert_eq!((options.images, options.top_down), (1, Some(0)));
 }
 
 #[test]
-fn pictures_are_spread_over_the_walk() {
-    let options = parse(&["--out", "o", "--frames", "10", "--pictures", "3"]).unwrap();
-    assert_eq!(options.picture_frames(), [0, 3, 6]);
-    let options = parse(&["--out", "o", "--frames", "4", "--pictures", "4"]).unwrap();
-    assert_eq!(options.picture_frames(), [0, 1, 2, 3]);
-    assert!(parse(&[]).unwrap().picture_frames().is_empty());
+fn images_are_spread_over_the_walk() {
+    let options = parse(&["--out", "o", "--frames", "10", "--images", "3"]).unwrap();
+    assert_eq!(options.image_frames(), [0, 3, 6]);
+    let options = parse(&["--out", "o", "--frames", "4", "--images", "4"]).unwrap();
+    assert_eq!(options.image_frames(), [0, 1, 2, 3]);
+    assert!(parse(&[]).unwrap().image_frames().is_empty());
 }
 
 proptest! {
     #[test]
     fn no_text_makes_it_panic(texts in any_vec(".{0,12}", 9)) {
         let options = ["scene", "objects", "size", "strategy", "verify", "path", "frames",
-            "pictures", "top-down"];
+            "images", "top-down"];
         let said = |(option, text): (&str, &String)| format!("--{option}={text}");
         for (place, text) in options.into_iter().zip(&texts) {
             let line = [said((place, text)), "--out=o".to_owned()];

@@ -1,4 +1,4 @@
-//! Makes a page with plots, a table and a picture from a folder of walkthrough's reports.
+//! Makes a page with plots, a table and an image from a folder of walkthrough's reports.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;

@@ -45,7 +45,7 @@ fn walk(arguments: &Arguments) -> Result<Ending, RunError> {
     let result = run::run(&options, progress.as_ref(), &signals);
     progress.finish();
     ending.interrupted(signals.received());
-    let Walked { report, pictures } = match result {
+    let Walked { report, images } = match result {
         Err(error) if error.blame == Blame::Nobody => {
             say("ended before anything was measured");
             return Ok(ending);
@@ -54,8 +54,8 @@ fn walk(arguments: &Arguments) -> Result<Ending, RunError> {
     };
     // The table first: whatever becomes of the files, it is seen.
     ending.attempt(print(&table::render(&report, style::width())));
-    let mut written = pictures.written;
-    pictures.failures.into_iter().for_each(|failure| ending.fail(failure));
+    let mut written = images.written;
+    images.failures.into_iter().for_each(|failure| ending.fail(failure));
     if let Some(path) = &options.report
         && ending.attempt(report.write(path)).is_some()
     {

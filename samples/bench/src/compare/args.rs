@@ -37,9 +37,9 @@ pub struct Arguments {
     /// File for the plot of ratios over scene sizes alone
     #[arg(long, value_name = "FILE.svg")]
     pub svg: Option<PathBuf>,
-    /// Folder with pictures for the page: of the report NAME.json, the first one in its folder NAME
+    /// Folder with images for the page: of the report NAME.json, the first one in its folder NAME
     #[arg(long, value_name = "DIR")]
-    pub pictures: Option<PathBuf>,
+    pub images: Option<PathBuf>,
     /// Print the names of the walks that must be repeated before they can be judged, and end
     #[arg(long)]
     pub noisy: bool,

@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<Ending, CompareError> {
         return Ok(ending);
     }
     let mut content = Content::of(&reports)?;
-    if let Some(folder) = &arguments.pictures {
+    if let Some(folder) = &arguments.images {
         let (shown, missing) = thumbnails::thumbnails(folder, &cases);
         content.thumbnails = shown;
         content.left_out.extend(missing);

@@ -69,7 +69,7 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
     for (mistake, sentence) in [
         (["--path", "Camera"], "there is street, fly and cut"),
         (["--top-down", "120"], "from 0 to 119, not '120'"),
-        (["--pictures", "121"], "from 0 to 120, not '121'"),
+        (["--images", "121"], "from 0 to 120, not '121'"),
     ] {
         let output = walkthrough(&scratch.0, &[&mistake[..], &out].concat()).output();
         refused(mistake, sentence, refusal(&output.expect("it starts"), 2));
@@ -114,9 +114,9 @@ fn places_that_cannot_be_written_end_with_2_before_any_work() {
     fs::remove_file(&file).expect("ours");
 }
 
-/// Returns a small walk that would leave pictures and a report, with `more` arguments.
+/// Returns a small walk that would leave images and a report, with `more` arguments.
 fn small_walk(scratch: &Scratch, more: &[&str]) -> Command {
-    let mut words = vec!["--quiet", "--out", "made/pictures", "--report", "made/report.json"];
+    let mut words = vec!["--quiet", "--out", "made/images", "--report", "made/report.json"];
     for [option, value] in [["--objects", "50"], ["--frames", "2"], ["--size", "32x32"]] {
         if !more.contains(&option) {
             words.extend([option, value]);
@@ -182,7 +182,7 @@ fn without_the_validation_layer_it_ends_with_1_and_says_what_to_do() {
 /// Checks that walks and `--list-devices` end with 1 and one error on a machine made poorer.
 fn assert_machine_is_blamed(name: &str, poorer: impl Fn(&mut Command)) {
     let scratch = Scratch::new(name);
-    let walk = ["--out", "made/pictures", "--report", "made/report.json"];
+    let walk = ["--out", "made/images", "--report", "made/report.json"];
     for arguments in [&walk[..], &["--list-devices"]] {
         let mut command = walkthrough(&scratch.0, arguments);
         poorer(&mut command);

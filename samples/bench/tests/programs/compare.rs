@@ -46,7 +46,7 @@ fn write(scratch: &Scratch, name: &str, report: &Value) {
 }
 
 /// Checks that it is well-formed, has a title, and names these strategies.
-fn assert_picture(svg: &str, strategies: &[&str]) {
+fn assert_image(svg: &str, strategies: &[&str]) {
     let document = roxmltree::Document::parse(svg).expect("well-formed");
     let texts = |tag: &str| -> Vec<String> {
         let nodes = document.descendants().filter(|node| node.tag_name().name() == tag);
@@ -70,7 +70,7 @@ fn assert_refused(output: &Output, parts: &[&str]) {
 }
 
 #[test]
-fn page_table_and_picture_are_written() {
+fn page_table_and_image_are_written() {
     let scratch = Scratch::new("compare-all");
     write(&scratch, "a.1.json", &report("street", 10_000, &[("ideal", 10.0), ("antumbra", 12.0)]));
     write(&scratch, "a.2.json", &report("street", 10_000, &[("ideal", 10.0), ("antumbra", 13.0)]));
@@ -102,14 +102,13 @@ fn page_table_and_picture_are_written() {
         (page.matches("x: no &lt;y&gt;.").count(), table.matches("x: no <y>.").count()),
         (1, 1)
     );
-    let pictures = page.match_indices("<svg").zip(page.match_indices("</svg>"));
-    let mut pictures: Vec<&str> =
-        pictures.map(|((from, _), (to, _))| &page[from..to + 6]).collect();
-    assert_eq!(pictures.len(), 4, "ratios, the path, CPU time, tests with queries and draws");
+    let images = page.match_indices("<svg").zip(page.match_indices("</svg>"));
+    let mut images: Vec<&str> = images.map(|((from, _), (to, _))| &page[from..to + 6]).collect();
+    assert_eq!(images.len(), 4, "ratios, the path, CPU time, tests with queries and draws");
     assert!(page.contains("boxes tested") && page.contains("480"));
-    pictures.push(&svg);
-    for picture in pictures {
-        assert_picture(picture, &["antumbra", "ideal"]);
+    images.push(&svg);
+    for image in images {
+        assert_image(image, &["antumbra", "ideal"]);
     }
     for strategy in ["antumbra", "ideal", "frustum"] {
         assert!(svg.lines().any(|line| line.trim() == strategy), "{strategy} is not named");
@@ -117,7 +116,7 @@ fn page_table_and_picture_are_written() {
 }
 
 /// Returns a PNG of one colour.
-fn picture(size: [u32; 2]) -> Vec<u8> {
+fn image(size: [u32; 2]) -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, size[0], size[1]);
     encoder.set_color(png::ColorType::Rgb);
@@ -128,7 +127,7 @@ fn picture(size: [u32; 2]) -> Vec<u8> {
 
 #[test]
 fn the_page_shows_what_was_walked_through_and_how_steady_the_machine_was() {
-    let scratch = Scratch::new("compare-pictures");
+    let scratch = Scratch::new("compare-images");
     for (name, path, ideal) in
         [("a.1", "street", 10.0), ("a.2", "street", 10.2), ("b.1", "fly", 9.0)]
     {
@@ -136,21 +135,21 @@ fn the_page_shows_what_was_walked_through_and_how_steady_the_machine_was() {
         write(&scratch, &format!("{name}.json"), &report(path, 10_000, &times));
     }
     for (folder, file, bytes) in [
-        ("a.1", "frame_00000.png", picture([1280, 720])),
-        ("b.1", "frame_00000.png", b"no picture".to_vec()),
+        ("a.1", "frame_00000.png", image([1280, 720])),
+        ("b.1", "frame_00000.png", b"no image".to_vec()),
     ] {
-        fs::create_dir_all(scratch.0.join("pictures").join(folder)).expect("writable");
-        fs::write(scratch.0.join("pictures").join(folder).join(file), bytes).expect("writable");
+        fs::create_dir_all(scratch.0.join("images").join(folder)).expect("writable");
+        fs::write(scratch.0.join("images").join(folder).join(file), bytes).expect("writable");
     }
-    let output = compare(&scratch, &["reports", "--pictures=pictures", "--page=page.html"]);
+    let output = compare(&scratch, &["reports", "--images=images", "--page=page.html"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(told.contains("The machine was steady: the ideal's own time spreads by 2 %"), "{told}");
     let page = fs::read_to_string(scratch.0.join("page.html")).expect("it is there");
     assert_eq!(page.matches("<img ").count(), 1);
     assert!(page.contains("alt=\"street 10k\" width=\"240\" height=\"135\""), "no thumbnail");
-    assert!(page.contains("src=\"data:image/png;base64,iVBORw0KGgo"), "no picture in it");
-    assert!(page.contains("pictures/b.1/frame_00000.png: "), "what is no picture is named");
+    assert!(page.contains("src=\"data:image/png;base64,iVBORw0KGgo"), "no image in it");
+    assert!(page.contains("images/b.1/frame_00000.png: "), "what is no image is named");
     // Walks that were measured once, or differ too much, are to be repeated.
     let noisy = compare(&scratch, &["reports", "--noisy"]);
     assert_eq!(String::from_utf8_lossy(&noisy.stdout), "b\n");
@@ -214,7 +213,7 @@ fn reports_of_two_devices_are_not_mixed() {
 }
 
 #[test]
-fn without_anything_to_compare_there_is_a_page_but_no_picture() {
+fn without_anything_to_compare_there_is_a_page_but_no_image() {
     let scratch = Scratch::new("compare-alone");
     write(&scratch, "fly.json", &report("fly", 10_000, &[("antumbra", 1.2)]));
     assert_refused(&compare(&scratch, &["reports", "--svg", "x.svg"]), &["nothing to show"]);

@@ -44,7 +44,7 @@ fn assert_table_and_failures(output: &Output, failures: &[&str]) {
 #[test]
 fn a_report_that_finds_no_space_costs_nothing_else() {
     let scratch = Scratch::new("results-report");
-    let output = run(&scratch, &["--report=/dev/full", "--out=out", "--pictures=2"]);
+    let output = run(&scratch, &["--report=/dev/full", "--out=out", "--images=2"]);
     assert_table_and_failures(&output, &["cannot write '/dev/full'"]);
     assert_eq!(scratch.names("out").len(), 4, "two frames, and one moment twice");
 }
@@ -59,12 +59,12 @@ fn a_pipe_that_nobody_reads_holds_no_walk() {
 }
 
 #[test]
-fn pictures_that_find_no_space_cost_nothing_else() {
-    let scratch = Scratch::new("results-pictures");
+fn images_that_find_no_space_cost_nothing_else() {
+    let scratch = Scratch::new("results-images");
     let walk = walkthrough(&scratch.0, &SMALL);
-    // No file may grow beyond 8 KiB: enough for the report, and for no picture.
+    // No file may grow beyond 8 KiB: enough for the report, and for no image.
     let limited = "trap '' XFSZ; ulimit -f 16; exec \"$0\" \"$@\"";
-    let outputs = ["--size=640x360", "--out=out", "--pictures=2", "--report=report.json"];
+    let outputs = ["--size=640x360", "--out=out", "--images=2", "--report=report.json"];
     let mut command = Command::new("sh");
     command.current_dir(&scratch.0).args(["-c", limited]).arg(walk.get_program());
     command.args(walk.get_args()).args(outputs).env("XDG_CACHE_HOME", "/proc/nowhere");
@@ -166,14 +166,14 @@ fn before_anything_is_measured_a_signal_is_just_the_end() {
 #[test]
 fn nothing_is_overwritten_that_another_run_wrote() {
     let scratch = Scratch::new("results-again");
-    let more = ["--out=out", "--pictures=1", "--top-down=off"];
+    let more = ["--out=out", "--images=1", "--top-down=off"];
     assert_eq!(run(&scratch, &more).status.code(), Some(0));
-    let picture = scratch.0.join("out/frame_00000.png");
-    fs::write(&picture, "mine").expect("ours");
+    let image = scratch.0.join("out/frame_00000.png");
+    fs::write(&image, "mine").expect("ours");
     let output = run(&scratch, &more);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stderr(&output).contains("wrote out/frame_00000-2.png"), "{}", stderr(&output));
-    assert_eq!(fs::read_to_string(&picture).expect("it is there"), "mine");
+    assert_eq!(fs::read_to_string(&image).expect("it is there"), "mine");
     assert_eq!(scratch.names("out"), ["frame_00000-2.png", "frame_00000.png"]);
 }
 
@@ -182,7 +182,7 @@ fn many_programs_write_into_one_new_folder() {
     let scratch = Scratch::new("results-crowd");
     for round in 0..3 {
         let out = format!("--out=new-{round}/er/out");
-        let arguments = [&SMALL[..], &["--quiet", "--pictures=1", "--top-down=off", &out]].concat();
+        let arguments = [&SMALL[..], &["--quiet", "--images=1", "--top-down=off", &out]].concat();
         let start = |_| {
             let mut command = walkthrough(&scratch.0, &arguments);
             command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts")
@@ -192,6 +192,6 @@ fn many_programs_write_into_one_new_folder() {
             let output = child.wait_with_output().expect("it ends");
             assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         }
-        assert_eq!(scratch.names(&format!("new-{round}/er/out")).len(), 8, "a picture of each");
+        assert_eq!(scratch.names(&format!("new-{round}/er/out")).len(), 8, "an image of each");
     }
 }

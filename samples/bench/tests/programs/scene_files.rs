@@ -28,7 +28,7 @@ fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
 fn a_walk_through_a_file_is_exact_with_every_strategy_that_there_is() {
     for device in ["llvmpipe", "swiftshader"] {
         let scratch = scratch(&format!("scene-walk-{device}"));
-        let report = walk(&scratch, device, &["--path=walk", "--strategy=all", "--out=pictures"]);
+        let report = walk(&scratch, device, &["--path=walk", "--strategy=all", "--out=images"]);
         assert_eq!(report["validation_messages"], 0);
         let runs = report["runs"].as_array().unwrap();
         let names: Vec<&str> = runs.iter().map(|run| run["strategy"].as_str().unwrap()).collect();
@@ -50,7 +50,7 @@ fn a_walk_through_a_file_is_exact_with_every_strategy_that_there_is() {
         );
         assert!(file["load_ms"].as_f64().unwrap() > 0.0 && file["lights"].as_u64().is_some());
         assert_eq!(report["moving_objects"], 1, "the door");
-        let names = scratch.names("pictures");
+        let names = scratch.names("images");
         assert!(names.contains(&"frame_00000.png".to_owned()), "{names:?}");
     }
 }
@@ -111,14 +111,14 @@ fn scenes_of_blended_objects_alone_are_exact_with_every_strategy() {
 fn the_camera_goes_from_end_to_end_in_any_number_of_frames() {
     let scratch = scratch("scene-ends");
     let last = |frames: &str, out: &str| {
-        let pictures = format!("--pictures={frames}");
+        let images = format!("--images={frames}");
         let frames = format!("--frames={frames}");
-        let more = ["--path=walk", "--strategy=antumbra", &frames, &pictures, "--out", out];
+        let more = ["--path=walk", "--strategy=antumbra", &frames, &images, "--out", out];
         walk(&scratch, "llvmpipe", &more);
         let names = scratch.names(out);
         let name = names.iter().rfind(|name| name.starts_with("frame_")).unwrap().clone();
-        let picture = |name: &str| pixels(&scratch.0.join(out).join(name));
-        (picture("frame_00000.png"), picture(&name))
+        let image = |name: &str| pixels(&scratch.0.join(out).join(name));
+        (image("frame_00000.png"), image(&name))
     };
     let (few, many) = (last("3", "few"), last("13", "many"));
     assert!(few.0 == many.0 && few.1 == many.1 && few.0 != few.1);
@@ -128,11 +128,11 @@ fn the_camera_goes_from_end_to_end_in_any_number_of_frames() {
 fn without_a_name_it_is_the_first_camera_and_a_still_one_stands() {
     let scratch = scratch("scene-cameras");
     assert_eq!(walk(&scratch, "llvmpipe", &["--strategy=antumbra"])["path"], "walk");
-    let more = ["--path=still", "--strategy=antumbra", "--out=still", "--pictures=24"];
+    let more = ["--path=still", "--strategy=antumbra", "--out=still", "--images=24"];
     walk(&scratch, "llvmpipe", &more);
-    let picture = |frame: u32| pixels(&scratch.0.join(format!("still/frame_{frame:05}.png")));
+    let image = |frame: u32| pixels(&scratch.0.join(format!("still/frame_{frame:05}.png")));
     // Only the door moves, sixty frames per second.
-    assert!(picture(0) != picture(23));
+    assert!(image(0) != image(23));
 }
 
 /// Returns the message of a refusal: one line that names the file.

@@ -91,7 +91,7 @@ fn a_folder_takes_reports_of_one_mode_and_device_only() {
 }
 
 /// Checks that noisy walks are repeated while they are noisy, up to a bound; the first walk of a
-/// case leaves a picture.
+/// case leaves an image.
 #[test]
 fn noisy_walks_are_repeated_and_no_others() {
     let scratch = tree("script-noise", "compare");
@@ -110,7 +110,7 @@ fn noisy_walks_are_repeated_and_no_others() {
     assert_eq!(["street-2000-tie", "fly-10000"].map(times), [2, 2], "{reports:?}");
     let words = |name: &str| fs::read_to_string(scratch.0.join("out/reports").join(name));
     let first = words("street-2000.1.json").expect("a walk");
-    assert!(first.contains("--out out/pictures/street-2000.1 --pictures 1"), "{first}");
+    assert!(first.contains("--out out/images/street-2000.1 --images 1"), "{first}");
     assert!(!words("street-2000.2.json").expect("a walk").contains("--out"));
 }
 

@@ -32,8 +32,8 @@ fn walk_by(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
                 "--verify=every",
                 "--validation=sync",
                 "--frames-in-flight=3",
-                "--out=pictures",
-                "--pictures=3",
+                "--out=images",
+                "--images=3",
                 "--report=report.json",
                 "--device",
                 device,
@@ -51,7 +51,7 @@ fn walk_by(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
     for name in ["frustum", "antumbra"] {
         assert!(table.contains(name), "{table}");
     }
-    assert_eq!(scratch.names("."), ["pictures", "report.json"]);
+    assert_eq!(scratch.names("."), ["images", "report.json"]);
     let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
     serde_json::from_str(&report).expect("JSON")
 }
@@ -121,10 +121,10 @@ fn assert_run(run: &Value, scene_triangles: f64) {
     assert!(run["predicated_draws"].is_u64() && run["result_age_frames"].is_object());
 }
 
-/// Checks the pictures that a person looks at: whole PNG files of the right size that are not
+/// Checks the images that a person looks at: whole PNG files of the right size that are not
 /// blank.
-fn assert_pictures(scratch: &Scratch) {
-    let names = scratch.names("pictures");
+fn assert_images(scratch: &Scratch) {
+    let names = scratch.names("images");
     let expected = [
         "frame_00000.png",
         "frame_00004.png",
@@ -134,7 +134,7 @@ fn assert_pictures(scratch: &Scratch) {
     ];
     assert_eq!(names, expected);
     for name in names {
-        let pixels = decode(&scratch.0.join("pictures").join(&name));
+        let pixels = decode(&scratch.0.join("images").join(&name));
         let mut colours: Vec<&[u8]> = pixels.chunks_exact(3).collect();
         colours.sort_unstable();
         colours.dedup();
@@ -142,9 +142,9 @@ fn assert_pictures(scratch: &Scratch) {
     }
 }
 
-/// Returns the colours of a picture, three bytes per pixel.
+/// Returns the colours of an image, three bytes per pixel.
 fn decode(file: &Path) -> Vec<u8> {
-    let bytes = fs::read(file).expect("a picture");
+    let bytes = fs::read(file).expect("an image");
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().expect("a PNG");
@@ -159,14 +159,14 @@ fn decode(file: &Path) -> Vec<u8> {
 fn a_walk_on_lavapipe_is_exact_and_complete() {
     let scratch = Scratch::new("walk-lavapipe");
     assert_report(&walk(&scratch, "llvmpipe", &[]), "llvmpipe");
-    assert_pictures(&scratch);
+    assert_images(&scratch);
 }
 
 #[test]
 fn a_walk_on_swiftshader_is_exact_and_complete() {
     let scratch = Scratch::new("walk-swiftshader");
     assert_report(&walk(&scratch, "swiftshader", &[]), "swiftshader");
-    assert_pictures(&scratch);
+    assert_images(&scratch);
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn a_walk_in_which_much_moves_is_exact() {
         assert_eq!(report["moving_percent"], 40);
         let moving = number(&report["moving_objects"]);
         assert!((350.0..=450.0).contains(&moving), "{moving} objects");
-        assert_pictures(&scratch);
+        assert_images(&scratch);
     }
 }
 
@@ -189,7 +189,7 @@ fn a_walk_with_two_eyes_is_exact() {
         let report = walk(&scratch, device, &["--views=2", moving]);
         assert_report(&report, device);
         assert_eq!(report["views"], 2);
-        assert_pictures(&scratch);
+        assert_images(&scratch);
     }
 }
 

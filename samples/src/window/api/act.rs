@@ -15,7 +15,7 @@ const GPU_KNOWS: &str =
     "only the GPU knows what pyramid draws: choose another strategy to see its decisions";
 
 impl Session {
-    /// Carries the action out, or shows in the picture why it cannot be.
+    /// Carries the action out, or shows in the image why it cannot be.
     ///
     /// # Errors
     /// When the device fails.
@@ -68,12 +68,12 @@ impl Session {
         Ok(())
     }
 
-    /// Returns true while a page is open over the picture.
+    /// Returns true while a page is open over the image.
     pub fn has_page(&self) -> bool {
         self.has_help || self.menu.is_some()
     }
 
-    /// Closes the page over the picture.
+    /// Closes the page over the image.
     pub fn close_page(&mut self) {
         if self.menu.take().is_none() {
             self.has_help = false;
@@ -88,12 +88,12 @@ impl Session {
         }
     }
 
-    /// Shows a message in the picture.
+    /// Shows a message in the image.
     pub fn tell(&mut self, text: String) {
         self.toast.tell(self.clock.now(), text);
     }
 
-    /// Shows an error in the picture, also where there is no HUD.
+    /// Shows an error in the image, also where there is no HUD.
     pub fn refuse(&mut self, text: String) {
         self.toast.refuse(self.clock.now(), text);
     }

@@ -44,21 +44,21 @@ impl Session {
     }
 
     /// Draws a frame by the strategy in use; while frames are compared, also one without culling.
-    /// The one that is shown is drawn last, and is copied to `picture`.
+    /// The one that is shown is drawn last, and is copied to `image`.
     pub(crate) fn render(
         &mut self,
         camera: Camera,
         seconds: f32,
-        picture: Option<&Readback>,
+        image: Option<&Readback>,
     ) -> Result<Tick, RunError> {
         let Some(mut comparison) = self.comparison.take() else {
-            let request = FrameRequest { picture, ..FrameRequest::new(self.strategy, camera) };
+            let request = FrameRequest { image, ..FrameRequest::new(self.strategy, camera) };
             self.report = self.renderer.render(&mut self.history, &request)?;
             self.outcome = self.history.take_outcomes().next_back().or(self.outcome);
             self.times.sent(Side::Culled, self.renderer.pass_times());
             return Ok(self.report.tick);
         };
-        let rendered = self.render_pair(&mut comparison, camera, seconds, picture);
+        let rendered = self.render_pair(&mut comparison, camera, seconds, image);
         self.comparison = Some(comparison);
         rendered
     }
@@ -68,7 +68,7 @@ impl Session {
         comparison: &mut Comparison,
         camera: Camera,
         seconds: f32,
-        picture: Option<&Readback>,
+        image: Option<&Readback>,
     ) -> Result<Tick, RunError> {
         comparison.follow(self.strategy);
         let now = self.clock.now();
@@ -84,19 +84,19 @@ impl Session {
             if (side, shown, pair) == (Side::Unculled, Side::Culled, None) {
                 continue;
             }
-            let (unculled, scene_picture) = comparison.split(pair.unwrap_or(usize::MAX), side);
-            let picture = picture.filter(|_| side == shown);
+            let (unculled, scene_image) = comparison.split(pair.unwrap_or(usize::MAX), side);
+            let image = image.filter(|_| side == shown);
             tick = match side {
                 Side::Culled => {
                     let request = FrameRequest::new(self.strategy, camera);
-                    let request = FrameRequest { picture, scene_picture, ..request };
+                    let request = FrameRequest { image, scene_image, ..request };
                     self.report = self.renderer.render(&mut self.history, &request)?;
                     self.outcome = self.history.take_outcomes().next_back().or(self.outcome);
                     self.report.tick
                 }
                 Side::Unculled => {
                     let request = FrameRequest::new(Strategy::FRUSTUM, camera);
-                    let request = FrameRequest { picture, scene_picture, ..request };
+                    let request = FrameRequest { image, scene_image, ..request };
                     self.renderer.render(unculled, &request)?.tick
                 }
             };
@@ -108,7 +108,7 @@ impl Session {
         Ok(tick)
     }
 
-    /// Compares the pending pictures, and logs the result of the whole comparison.
+    /// Compares the pending images, and logs the result of the whole comparison.
     pub(crate) fn finish_comparison(&mut self) -> Result<(), RunError> {
         let Some(mut comparison) = self.comparison.take() else { return Ok(()) };
         self.renderer.device().drain()?;

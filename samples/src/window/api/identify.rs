@@ -10,7 +10,7 @@ use crate::window::session::Session;
 use bench::run_error::RunError;
 
 impl Session {
-    /// Begins to find out which object is at a pixel of the picture, or in its middle.
+    /// Begins to find out which object is at a pixel of the image, or in its middle.
     pub fn identify(&mut self, pixel: Option<[u32; 2]>) {
         let [width, height] = self.renderer.size();
         let [x, y] = pixel.unwrap_or([width / 2, height / 2]);

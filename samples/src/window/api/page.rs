@@ -96,7 +96,7 @@ impl Session {
     fn page(&self, screen: Option<&ScreenFacts>) -> HudPage {
         let now = self.clock.now();
         let signs = match (screen, self.hud_level) {
-            // Without a window there are no signs: pictures stay as they are.
+            // Without a window there are no signs: images stay as they are.
             (None, HudLevel::Off) => Vec::new(),
             _ => self.signs(now),
         };

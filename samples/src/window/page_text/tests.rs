@@ -188,7 +188,7 @@ resolve tests: 0.38 ms
 draw revealed: 4.50 ms
 
 device: a GPU
-picture: 640 x 360
+size: 640 x 360
 predicates: flags
 frames in flight: 2
 GPU memory: 5 MiB

@@ -91,8 +91,8 @@ fn changes_are_made_all_or_none_and_the_first_that_cannot_be_is_named() {
         assert_eq!(renderer.update(&[gone, add]).unwrap().added, report.added[..1]);
 
         let mut view = renderer.new_view().unwrap();
-        let picture = Readback::new(device, SIZE).unwrap();
-        render(&mut renderer, &mut view, Strategy::ANTUMBRA, square_camera(), &picture);
+        let image = Readback::new(device, SIZE).unwrap();
+        render(&mut renderer, &mut view, Strategy::ANTUMBRA, square_camera(), &image);
         device.drain().unwrap();
     });
 }

@@ -120,12 +120,12 @@ fn images() -> Vec<Row> {
             })
         }),
         row("Target::copy_to", TARGET, |ours, theirs| {
-            recorded(&ours.device(), |commands| theirs.target.copy_to(commands, &ours.picture))
+            recorded(&ours.device(), |commands| theirs.target.copy_to(commands, &ours.image))
         }),
-        row("Target::copy_to", "a picture (`Readback`)", |ours, theirs| {
+        row("Target::copy_to", "an image (`Readback`)", |ours, theirs| {
             recorded(&ours.device(), |commands| {
                 ours.target.prepare(commands);
-                ours.target.copy_to(commands, &theirs.picture);
+                ours.target.copy_to(commands, &theirs.image);
             })
         }),
         row("DynamicTexture::write", TEXTURE, |ours, theirs| {

@@ -7,7 +7,7 @@ use render::{Error, FrameRequest, Rect, ViewTarget, ViewsRequest};
 use super::Row;
 use super::side::{SIZE, Side};
 
-const PICTURE: &str = "a picture (`Readback`)";
+const IMAGE: &str = "an image (`Readback`)";
 const TIMELINE: &str = "a timeline (`Timeline`)";
 const VIEW: &str = "a view (`ViewState`)";
 const MOMENT: &str = "a snapshot (`VisibilitySnapshot`)";
@@ -34,7 +34,7 @@ fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> Str
     let eye = ViewTarget { history, camera, visible, area };
     let request = ViewsRequest {
         strategy: methods::IDEAL,
-        picture: (what == PICTURE).then_some(&theirs.picture),
+        image: (what == IMAGE).then_some(&theirs.image),
         after: (what == TIMELINE).then_some((&theirs.timeline, Tick(1))),
     };
     let request = match what {
@@ -47,11 +47,11 @@ fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> Str
 pub fn rows() -> Vec<Row> {
     let row = |call, given, owner, mistake: Mistake| Row { call, given, owner, mistake };
     let mut rows = vec![
-        row("Renderer::render", PICTURE, "Device", |ours, theirs| {
-            rendered(ours, |request| request.picture = Some(&theirs.picture))
+        row("Renderer::render", IMAGE, "Device", |ours, theirs| {
+            rendered(ours, |request| request.image = Some(&theirs.image))
         }),
-        row("FrameRequest::scene_picture", PICTURE, "Device", |ours, theirs| {
-            rendered(ours, |request| request.scene_picture = Some(&theirs.picture))
+        row("FrameRequest::scene_image", IMAGE, "Device", |ours, theirs| {
+            rendered(ours, |request| request.scene_image = Some(&theirs.image))
         }),
         row("Renderer::render", TIMELINE, "Device", |ours, theirs| {
             rendered(ours, |request| request.after = Some((&theirs.timeline, Tick(1))))
@@ -63,8 +63,8 @@ pub fn rows() -> Vec<Row> {
         row("Renderer::render", VISIBLE_SET, "Renderer", |ours, theirs| {
             rendered(ours, |request| request.visible = Some(&theirs.visible))
         }),
-        row("Renderer::render_views", PICTURE, "Device", |ours, theirs| {
-            views_rendered(ours, theirs, PICTURE)
+        row("Renderer::render_views", IMAGE, "Device", |ours, theirs| {
+            views_rendered(ours, theirs, IMAGE)
         }),
         row("Renderer::render_views", TIMELINE, "Device", |ours, theirs| {
             views_rendered(ours, theirs, TIMELINE)
@@ -124,17 +124,17 @@ fn histories(row: MakeRow) -> Vec<Row> {
 fn moments(row: MakeRow) -> Vec<Row> {
     vec![
         row("Renderer::top_down", MOMENT, "Renderer", |ours, theirs| {
-            text(ours.renderer.top_down(&theirs.snapshot, &ours.picture))
+            text(ours.renderer.top_down(&theirs.snapshot, &ours.image))
         }),
-        row("Renderer::top_down", PICTURE, "Device", |ours, theirs| {
-            text(ours.renderer.top_down(&ours.snapshot, &theirs.picture))
+        row("Renderer::top_down", IMAGE, "Device", |ours, theirs| {
+            text(ours.renderer.top_down(&ours.snapshot, &theirs.image))
         }),
         row("Renderer::render_snapshot", MOMENT, "Renderer", |ours, theirs| {
             text(ours.renderer.render_snapshot(&theirs.snapshot, ours.camera, None))
         }),
-        row("Renderer::render_snapshot", PICTURE, "Device", |ours, theirs| {
-            let picture = Some(&theirs.picture);
-            text(ours.renderer.render_snapshot(&ours.snapshot, ours.camera, picture))
+        row("Renderer::render_snapshot", IMAGE, "Device", |ours, theirs| {
+            let image = Some(&theirs.image);
+            text(ours.renderer.render_snapshot(&ours.snapshot, ours.camera, image))
         }),
     ]
 }

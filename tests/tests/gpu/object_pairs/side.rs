@@ -34,7 +34,7 @@ pub struct Side {
     pub camera: Camera,
     pub swapchain: Swapchain,
     pub target: Target,
-    pub picture: Readback,
+    pub image: Readback,
     pub buffer: Buffer,
     pub texture: DynamicTexture,
     pub array: TextureArray,
@@ -127,7 +127,7 @@ impl Side {
             camera,
             swapchain: stage.swapchain(&Default::default()),
             target,
-            picture: Readback::new(device, SIZE).unwrap(),
+            image: Readback::new(device, SIZE).unwrap(),
             buffer: Buffer::new(device, "buffer", 4096 * 4, usage, MemoryKind::Device).unwrap(),
             texture: DynamicTexture::new(device, [4, 4], "texture").unwrap(),
             array: TextureArray::new(device, &ARRAY).unwrap(),
@@ -175,7 +175,7 @@ impl Side {
         self.buffer.whole()
     }
 
-    /// Lays out a flat picture over the renderer's pictures.
+    /// Lays out a flat image over the renderer's images.
     pub fn lay_out(&mut self) {
         let overlay = self.renderer.flat_overlay().unwrap();
         overlay.begin_atlas([1, 1]).unwrap();
@@ -189,13 +189,13 @@ impl Side {
     pub fn draw(&mut self) {
         let request = FrameRequest {
             visible: Some(&self.visible),
-            picture: Some(&self.picture),
+            image: Some(&self.image),
             ..FrameRequest::new(methods::IDEAL, self.camera)
         };
         self.renderer.render(&mut self.view, &request).unwrap();
         self.renderer.present(&mut self.swapchain, SIZE).unwrap();
         self.renderer.drain(&mut self.view).unwrap();
-        assert!(self.picture.rgba8().unwrap().chunks(4).any(|pixel| pixel[0] > 0));
+        assert!(self.image.rgba8().unwrap().chunks(4).any(|pixel| pixel[0] > 0));
     }
 
     /// Drops everything, the instance last, and checks that the layers reported nothing.

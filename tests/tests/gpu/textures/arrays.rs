@@ -55,7 +55,7 @@ fn both_ways_make_the_same_levels_of_odd_sizes() {
         let sampler =
             Sampler { minified: Filter::Linear, between_levels: Some(Filter::Linear), ..SHARP };
         let soft = |x: u32, y: u32| [(x * 3) as u8, (y * 4) as u8, 128, 255];
-        let pictures = [MipMaking::Blits, MipMaking::Cpu].map(|mip_making| {
+        let drawn = [MipMaking::Blits, MipMaking::Cpu].map(|mip_making| {
             let surfaces =
                 one(image([80, 48], soft), texture(0, Encoding::Linear, sampler), unlit());
             let options = SurfaceOptions { anisotropy: None, mip_making };
@@ -65,10 +65,10 @@ fn both_ways_make_the_same_levels_of_odd_sizes() {
                 &options,
             )
         });
-        let worst = pictures[0].iter().flatten().zip(pictures[1].iter().flatten());
+        let worst = drawn[0].iter().flatten().zip(drawn[1].iter().flatten());
         let worst = worst.map(|(a, b)| a.abs_diff(*b)).max();
         assert!(worst <= Some(4), "{worst:?}");
-        assert_eq!(pictures[0].len(), (SIDE * SIDE) as usize);
+        assert_eq!(drawn[0].len(), (SIDE * SIDE) as usize);
     });
 }
 

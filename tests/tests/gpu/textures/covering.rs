@@ -122,7 +122,7 @@ fn blended_surfaces_mix_and_are_hidden_but_hide_nothing() {
 }
 
 #[test]
-fn numbers_out_of_range_leave_pictures_whole() {
+fn numbers_out_of_range_leave_images_whole() {
     run_on_all(|device| {
         let strange = Material {
             base_colour: [1.0e30, 2.0, -1.0, -7.0],

@@ -321,6 +321,6 @@ fn check_copies(
     if is_destination && can(COLOUR_BYTES, from) {
         Ok(())
     } else {
-        Err(Error::CannotPresent(format!("pictures cannot be copied to its {format:?} images")))
+        Err(Error::CannotPresent(format!("frames cannot be copied to its {format:?} images")))
     }
 }

@@ -1,4 +1,4 @@
-//! Pictures in a window, in every state of the window. Nothing here decides when.
+//! Frames in a window, in every state of the window. Nothing here decides when.
 //!
 //! The waits in [`Swapchain::acquire`] and [`WindowImage::show`]:
 //!
@@ -44,7 +44,7 @@ pub use options::SwapchainOptions;
 pub use outcome::{PresentId, PresentResult, PresentSkipped, Presented};
 use state::SwapchainState;
 
-/// A window that shows pictures.
+/// A window that shows frames.
 pub struct Swapchain {
     ring: FrameRing,
     screen: SwapchainState,
@@ -58,7 +58,7 @@ pub enum Acquired<'a> {
     Not(PresentSkipped),
 }
 
-/// An image of the window that waits for a picture.
+/// An image of the window that waits for a frame.
 pub struct WindowImage<'a> {
     frame: Frame<'a>,
     screen: &'a mut SwapchainState,
@@ -67,12 +67,12 @@ pub struct WindowImage<'a> {
 }
 
 impl Swapchain {
-    /// Shows pictures of `device` in the window of `surface`. The first image is acquired later, so
+    /// Shows frames of `device` in the window of `surface`. The first image is acquired later, so
     /// a window without a pixel is no error.
     ///
     /// # Errors
     /// [`Error::Foreign`] for a surface of another instance; [`Error::CannotPresent`] for a device
-    /// that cannot show pictures in this window; a failed call.
+    /// that cannot show frames in this window; a failed call.
     pub fn new(
         device: &Device,
         surface: &Surface,
@@ -83,12 +83,12 @@ impl Swapchain {
         Ok(Self { ring, screen })
     }
 
-    /// Returns true if a frame may begin. Ask before each: a hidden window may hold the picture
+    /// Returns true if a frame may begin. Ask before each: a hidden window may hold the frame
     /// before back, and with it the queue, so that nothing can be submitted. Waits for no longer
     /// than [`SwapchainOptions::acquire_bound`].
     ///
     /// # Errors
-    /// Those without a name in [`PresentSkipped`]; those with one come with the next picture.
+    /// Those without a name in [`PresentSkipped`]; those with one come with the next frame.
     pub fn is_ready(&mut self) -> Result<bool, Error> {
         match self.screen.is_ready() {
             Ok(is_ready) => Ok(is_ready),
@@ -124,7 +124,7 @@ impl Swapchain {
         }
     }
 
-    /// Shows the picture of `target` in a window of `window_size` pixels. It is scaled if its size
+    /// Shows the frame of `target` in a window of `window_size` pixels. It is scaled if its size
     /// differs, and between black borders if its shape differs. Combines [`Swapchain::acquire`] and
     /// [`WindowImage::show`].
     ///
@@ -146,12 +146,12 @@ impl Swapchain {
         Ok(self.screen.is_ready()? && self.ring.is_ready_within(bound)?)
     }
 
-    /// Changes the present mode, from the next picture on.
+    /// Changes the present mode, from the next frame on.
     pub fn set_mode(&mut self, mode: PresentMode) {
         self.screen.set_mode(mode);
     }
 
-    /// Changes the number of pictures that may be on their way to the window.
+    /// Changes the number of frames that may be on their way to the window.
     ///
     /// # Errors
     /// A failed call; nothing has changed then.
@@ -164,7 +164,7 @@ impl Swapchain {
         Ok(())
     }
 
-    /// Returns the number of pictures on their way to the window at once.
+    /// Returns the number of frames on their way to the window at once.
     pub fn frames_in_flight(&self) -> usize {
         self.ring.frames_in_flight()
     }
@@ -208,7 +208,7 @@ impl Swapchain {
         self.screen.old.len()
     }
 
-    /// Returns the newest picture given to the presentation engine.
+    /// Returns the newest frame given to the presentation engine.
     pub fn newest_presented(&self) -> Option<PresentId> {
         Some(self.screen.newest).filter(|id| *id > PresentId::default())
     }
@@ -220,14 +220,14 @@ impl WindowImage<'_> {
         self.screen.chain.as_ref().map_or([0, 0], |chain| chain.size)
     }
 
-    /// Copies the picture of `target` to the image, byte for byte where their sizes are equal, and
-    /// presents it. A picture of another shape keeps its proportions, between black borders. A
+    /// Copies the frame of `target` to the image, byte for byte where their sizes are equal, and
+    /// presents it. A frame of another shape keeps its proportions, between black borders. A
     /// frame that waits for a [`crate::Timeline`] is presented after its signal, not before
     /// (VUID-vkQueuePresentKHR-pWaitSemaphores-03268).
     ///
     /// # Errors
     /// [`Error::Foreign`] for a target of another device; [`Error::WrongCommands`] for one whose
-    /// picture was not [submitted](Target::submitted); those without a name in [`PresentSkipped`].
+    /// frame was not [submitted](Target::submitted); those without a name in [`PresentSkipped`].
     pub fn show(self, target: &Target) -> Result<PresentResult, Error> {
         let Self { frame, screen, slot_wait, acquire_wait } = self;
         match screen.show(frame, target, [slot_wait, acquire_wait]) {

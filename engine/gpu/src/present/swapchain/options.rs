@@ -10,7 +10,7 @@ pub struct SwapchainOptions {
     /// The present mode wanted. One that the window lacks falls back to the nearest
     /// ([`PresentMode::nearest`]), which is logged and [reported](crate::Swapchain::fallback).
     pub mode: PresentMode,
-    /// The number of pictures on their way to the window at once; 0 counts as 1.
+    /// The number of frames on their way to the window at once; 0 counts as 1.
     pub frames_in_flight: usize,
     /// The longest wait for an image of the window, a minute at most. A hidden window may have none
     /// for hours.

@@ -1,24 +1,24 @@
-//! The outcomes of presenting a picture, each with a name.
+//! The outcomes of presenting a frame, each with a name.
 
 use std::time::Duration;
 
 use crate::core::tick::Tick;
 
-/// The number of a picture given to the presentation engine: from 1 in the order of presents, for
+/// The number of a frame given to the presentation engine: from 1 in the order of presents, for
 /// the whole life of a swapchain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct PresentId(pub u64);
 
-/// A picture that is on its way to the screen.
+/// A frame that is on its way to the screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Presented {
     /// Its number.
     pub id: PresentId,
     /// The tick at whose end it is drawn; it is on the screen later.
     pub tick: Tick,
-    /// The size of the window's image in pixels; a picture of another size was scaled to fit in it.
+    /// The size of the window's image in pixels; a frame of another size was scaled to fit in it.
     pub size: [u32; 2],
-    /// The time that the CPU first waited for the GPU: for the picture that used the same slot
+    /// The time that the CPU first waited for the GPU: for the frame that used the same slot
     /// before.
     pub slot_wait: Duration,
     /// The time that it then waited for an image of the window.
@@ -27,18 +27,18 @@ pub struct Presented {
     pub present_wait: Duration,
 }
 
-/// The reason why a picture is not shown. Nothing is lost: go on with the next frame, as each
+/// The reason why a frame is not shown. Nothing is lost: go on with the next frame, as each
 /// variant says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PresentSkipped {
     /// A window without a pixel: it is minimised, or was made as small. Show nothing until its size
     /// changes.
     NoArea,
-    /// No image was free within [`crate::SwapchainOptions::acquire_bound`], or the picture before
+    /// No image was free within [`crate::SwapchainOptions::acquire_bound`], or the frame before
     /// this one is still held back: the window is hidden, or the screen slow. Try again, not at
     /// once.
     Hidden,
-    /// The window changed under the picture. The next one is made for what it is then.
+    /// The window changed under the frame. The next one is made for what it is then.
     OutOfDate,
     /// The surface was lost, the window is still there and has a new one. Go on.
     SurfaceLost,
@@ -52,12 +52,12 @@ impl PresentSkipped {
     /// Returns a sentence for the person in front of the machine.
     pub fn reason(self) -> &'static str {
         match self {
-            PresentSkipped::NoArea => "the window has no pixel to show a picture in",
+            PresentSkipped::NoArea => "the window has no pixel to show a frame in",
             PresentSkipped::Hidden => {
-                "the window takes no pictures for now: it is hidden, or the screen slow"
+                "the window takes no frames for now: it is hidden, or the screen slow"
             }
             PresentSkipped::OutOfDate => {
-                "the window has changed, the next picture is made for its new size"
+                "the window has changed, the next frame is made for its new size"
             }
             PresentSkipped::SurfaceLost => "the window's surface was lost and created again",
             PresentSkipped::WindowGone => "the window is gone; open another one",
@@ -74,17 +74,17 @@ impl std::fmt::Display for PresentSkipped {
     }
 }
 
-/// The outcome of showing a picture.
+/// The outcome of showing a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PresentResult {
-    /// A picture on its way to the screen.
+    /// A frame on its way to the screen.
     Presented(Presented),
-    /// A picture that is not shown.
+    /// A frame that is not shown.
     Not(PresentSkipped),
 }
 
 impl PresentResult {
-    /// Returns the present, if the picture is on its way.
+    /// Returns the present, if the frame is on its way.
     pub fn presented(self) -> Option<Presented> {
         match self {
             PresentResult::Presented(presented) => Some(presented),

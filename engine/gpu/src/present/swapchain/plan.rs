@@ -4,16 +4,16 @@ use ash::vk;
 
 use crate::core::error::Error;
 
-/// Formats that take the bytes of a picture as they are, best first. The renderer's bytes are
+/// Formats that take the bytes of a frame as they are, best first. The renderer's bytes are
 /// sRGB-encoded already, as the colour space declares; formats whose hardware encodes would encode
 /// a second time.
 const FORMATS: [vk::Format; 3] =
     [vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_UNORM, vk::Format::A8B8G8R8_UNORM_PACK32];
 
-/// The colour space of every picture.
+/// The colour space of every frame.
 pub(super) const COLOUR_SPACE: vk::ColorSpaceKHR = vk::ColorSpaceKHR::SRGB_NONLINEAR;
 
-/// Returns the format to show pictures in, of those `offered`.
+/// Returns the format to show frames in, of those `offered`.
 pub(super) fn format(offered: &[vk::SurfaceFormatKHR]) -> Result<vk::Format, Error> {
     let has = |format: vk::Format| {
         // A lone UNDEFINED once meant that anything goes.
@@ -63,7 +63,7 @@ pub(super) fn image_count(state: &vk::SurfaceCapabilitiesKHR) -> u32 {
     (state.min_image_count + 1).max(3).min(most)
 }
 
-/// Returns opaque if the surface offers it: the picture's alpha means nothing.
+/// Returns opaque if the surface offers it: the frame's alpha means nothing.
 pub(super) fn alpha(state: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFlagsKHR {
     let offered = state.supported_composite_alpha;
     [
@@ -77,7 +77,7 @@ pub(super) fn alpha(state: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFla
     .unwrap_or(vk::CompositeAlphaFlagsKHR::OPAQUE)
 }
 
-/// Returns the identity, or the current transform of a screen that does not turn pictures itself.
+/// Returns the identity, or the current transform of a screen that does not turn frames itself.
 pub(super) fn transform(state: &vk::SurfaceCapabilitiesKHR) -> vk::SurfaceTransformFlagsKHR {
     match state.supported_transforms.contains(vk::SurfaceTransformFlagsKHR::IDENTITY) {
         true => vk::SurfaceTransformFlagsKHR::IDENTITY,
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_never_encoded_twice() {
+    fn frames_are_never_encoded_twice() {
         let (bgra, srgb) = (vk::Format::B8G8R8A8_UNORM, vk::Format::B8G8R8A8_SRGB);
         assert_eq!(format(&[offer(srgb), offer(bgra)]).unwrap(), bgra);
         let rgba = vk::Format::R8G8B8A8_UNORM;

@@ -1,7 +1,7 @@
 //! A thread that presents to windows whose presents may block while they are hidden.
 //!
 //! On Wayland, drivers wait inside `vkQueuePresentKHR` until the compositor asks for another
-//! picture. It does not ask for a hidden window, and the call has no bound. So the call is made
+//! frame. It does not ask for a hidden window, and the call has no bound. So the call is made
 //! here, and the frame loop waits for its end with a bound. Meanwhile the queue is taken: until the
 //! call is over nothing can be submitted, and [`super::Swapchain::is_ready`] returns false.
 

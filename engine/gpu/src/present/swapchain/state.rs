@@ -46,7 +46,7 @@ pub(super) struct SwapchainState {
     pub(super) newest: PresentId,
     /// The newest present before the chain was made.
     pub(super) before_chain: PresentId,
-    /// The newest picture known to have been on the screen.
+    /// The newest frame known to have been on the screen.
     pub(super) shown_until: PresentId,
 }
 

@@ -67,7 +67,7 @@ impl Pacer {
             missed: refreshes.map(|refreshes| refreshes.saturating_sub(intended)),
         };
         self.ledger.last_start = Some(start);
-        // A frame that was replaced before it showed leaves the picture as it was; for an unknown
+        // A frame that was replaced before it showed leaves the image as it was; for an unknown
         // one the duration of its showing is unknown.
         if shown.is_some() || self.presentation.in_order() {
             self.ledger.last_shown = shown;

@@ -1,4 +1,4 @@
-//! The presentation engine's feedback on pictures after they were presented. Nothing here decides.
+//! The presentation engine's feedback on frames after they were presented. Nothing here decides.
 
 use std::time::Duration;
 
@@ -8,10 +8,10 @@ use super::super::Swapchain;
 use super::super::outcome::PresentId;
 use crate::core::error::{Called, Error};
 
-/// The times of one presented picture, on the clock of the display (`CLOCK_MONOTONIC` on Linux).
+/// The times of one presented frame, on the clock of the display (`CLOCK_MONOTONIC` on Linux).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PresentTiming {
-    /// The picture.
+    /// The frame.
     pub id: PresentId,
     /// The time at which it was first on the screen, in nanoseconds.
     pub shown_ns: u64,
@@ -25,10 +25,10 @@ pub struct PresentTiming {
 const TIMINGS: usize = 16;
 
 impl Swapchain {
-    /// Returns the newest picture known to be, or to have been, on the screen. Never waits. `None`
-    /// where nothing is known: no picture of the window as it is now has been seen yet, or the
+    /// Returns the newest frame known to be, or to have been, on the screen. Never waits. `None`
+    /// where nothing is known: no frame of the window as it is now has been seen yet, or the
     /// device lacks [`crate::Optional::PresentWait`]. Called once per frame or more often, it moves
-    /// from id to id; it skips pictures that are never shown.
+    /// from id to id; it skips frames that are never shown.
     ///
     /// # Errors
     /// A failed call.
@@ -42,7 +42,7 @@ impl Swapchain {
         Ok(Some(self.screen.shown_until).filter(|shown| *shown > self.screen.before_chain))
     }
 
-    /// Waits until the picture of `id` is on the screen, for no longer than `bound` (at most a
+    /// Waits until the frame of `id` is on the screen, for no longer than `bound` (at most a
     /// minute), and returns true if it is. Returns false at once for an id that was never
     /// presented, that belongs to a swapchain replaced since, and without
     /// [`crate::Optional::PresentWait`].

@@ -1,4 +1,4 @@
-//! The way of a picture to the window: the copy, the submit, the present, and its outcome.
+//! The way of a frame to the window: the copy, the submit, the present, and its outcome.
 
 use std::time::{Duration, Instant};
 
@@ -15,7 +15,7 @@ use crate::record::frames::Frame;
 use crate::record::target::Target;
 
 impl SwapchainState {
-    /// Copies the picture to the image that is held, and presents it.
+    /// Copies the frame to the image that is held, and presents it.
     pub(in super::super) fn show(
         &mut self,
         frame: Frame<'_>,
@@ -26,7 +26,7 @@ impl SwapchainState {
             return Err(Error::WrongCommands("an image is shown that was not acquired"));
         };
         self.device.check(target, "a window (`Swapchain`)")?;
-        if !target.has_picture() {
+        if !target.has_frame() {
             return Err(Error::WrongCommands(
                 "what is shown was drawn in no frame that was submitted",
             ));
@@ -80,7 +80,7 @@ impl SwapchainState {
         self.chain.as_ref().filter(|_| !is_busy)
     }
 
-    /// Takes the result of a present, and returns the reason why the picture is not shown, if any.
+    /// Takes the result of a present, and returns the reason why the frame is not shown, if any.
     fn came_back(
         &mut self,
         result: Result<bool, vk::Result>,

@@ -1,4 +1,4 @@
-//! Writes pictures as PNG files.
+//! Writes images as PNG files.
 
 use std::path::{Path, PathBuf};
 
@@ -7,11 +7,11 @@ use thiserror::Error;
 use crate::options::FrameSize;
 use crate::outputs::{WriteError, write_new};
 
-/// A picture that could not be written.
+/// An image that could not be written.
 #[derive(Debug, Error)]
-pub enum PictureError {
+pub enum PngError {
     /// The bytes are not `width * height` pixels of four bytes.
-    #[error("a picture of {size} pixels needs 4 bytes for each, not {bytes} in all")]
+    #[error("an image of {size} pixels needs 4 bytes for each, not {bytes} in all")]
     WrongLength {
         /// The expected size.
         size: FrameSize,
@@ -19,7 +19,7 @@ pub enum PictureError {
         bytes: usize,
     },
     /// An error of the encoder.
-    #[error("cannot encode a picture: {0}")]
+    #[error("cannot encode an image: {0}")]
     Encoding(#[from] png::EncodingError),
     /// An error of the file system.
     #[error(transparent)]
@@ -31,10 +31,10 @@ pub enum PictureError {
 ///
 /// # Errors
 /// When the bytes do not match the size, or the file cannot be written.
-pub fn write_png(path: &Path, size: FrameSize, rgba8: &[u8]) -> Result<PathBuf, PictureError> {
+pub fn write_png(path: &Path, size: FrameSize, rgba8: &[u8]) -> Result<PathBuf, PngError> {
     let pixels = u64::from(size.width) * u64::from(size.height);
     if pixels == 0 || u64::try_from(rgba8.len()).ok() != pixels.checked_mul(4) {
-        return Err(PictureError::WrongLength { size, bytes: rgba8.len() });
+        return Err(PngError::WrongLength { size, bytes: rgba8.len() });
     }
     let rgb8: Vec<u8> =
         rgba8.as_chunks::<4>().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
@@ -77,9 +77,9 @@ mod tests {
         for (width, height, bytes) in [(2, 2, 15), (2, 2, 17), (0, 5, 0), (u32::MAX, u32::MAX, 16)]
         {
             let refused = write_png(path, FrameSize { width, height }, &vec![0; bytes]);
-            assert!(matches!(refused, Err(PictureError::WrongLength { .. })));
+            assert!(matches!(refused, Err(PngError::WrongLength { .. })));
         }
         let refused = write_png(path, FrameSize { width: 1, height: 1 }, &[0; 4]);
-        assert!(matches!(refused, Err(PictureError::Writing(_))));
+        assert!(matches!(refused, Err(PngError::Writing(_))));
     }
 }

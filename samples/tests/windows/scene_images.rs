@@ -1,4 +1,4 @@
-//! Pictures of files that showed errors before: points, lines, transparent parts of one mesh.
+//! Images of files that showed errors before: points, lines, transparent parts of one mesh.
 
 use std::fs;
 
@@ -18,19 +18,19 @@ fn seen(scratch: &Scratch, device: &str, size: &str, file: &[u8]) -> Vec<[u8; 3]
 }
 
 #[test]
-fn points_and_lines_are_some_pixels_wide_in_small_and_large_pictures() {
+fn points_and_lines_are_some_pixels_wide_in_small_and_large_images() {
     for device in ["llvmpipe", "swiftshader"] {
         let scratch = Scratch::new(&format!("scene-thin-{device}"));
         for (size, height) in [("256x144", 144.0), ("1280x720", 720.0)] {
-            let picture = seen(&scratch, device, size, &scene::thin());
+            let image = seen(&scratch, device, size, &scene::thin());
             let count = |strong: usize| {
                 let is_strong = |pixel: &&[u8; 3]| {
                     let others = (0..3).filter(|part| *part != strong);
                     pixel[strong] > 150 && others.into_iter().all(|other| pixel[other] < 80)
                 };
-                picture.iter().filter(is_strong).count() as f32
+                image.iter().filter(is_strong).count() as f32
             };
-            // Four cubes, and four lines of about half of the picture's height.
+            // Four cubes, and four lines of about half of the image's height.
             let (points, lines) = (count(0), count(1));
             let point = (height / 120.0_f32).powi(2);
             assert!(
@@ -62,7 +62,7 @@ fn parts_of_one_blended_mesh_are_seen_in_their_order_whatever_that_of_the_file()
     }
 }
 
-/// Returns a picture of 64 x 64 pixels, its left half red, its right one blue.
+/// Returns an image of 64 x 64 pixels, its left half red, its right one blue.
 fn halves() -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, 64, 64);
@@ -79,11 +79,11 @@ fn halves() -> Vec<u8> {
 fn transformed_textures_have_no_seams_where_triangles_meet() {
     for device in ["llvmpipe", "swiftshader"] {
         let scratch = Scratch::new(&format!("scene-seams-{device}"));
-        let picture = seen(&scratch, device, "320x180", &scene::transformed(&halves()));
+        let image = seen(&scratch, device, "320x180", &scene::transformed(&halves()));
         let is_near = |pixel: &[u8; 3], other: [u8; 3]| {
             (0..3).all(|part| pixel[part].abs_diff(other[part]) < 40)
         };
-        let count = |other| picture.iter().filter(|pixel| is_near(pixel, other)).count();
+        let count = |other| image.iter().filter(|pixel| is_near(pixel, other)).count();
         let plain = [[255, 0, 0], [0, 0, 255]].map(count);
         assert!(plain.iter().all(|count| *count > 3000), "{device}: {plain:?}");
         // Half of each, as light and as the smallest level of its mip maps has it.

@@ -1,4 +1,4 @@
-//! The pictures of a walk: some frames, and one frame seen from above.
+//! The images of a walk: some frames, and one frame seen from above.
 
 use std::path::{Path, PathBuf};
 
@@ -11,27 +11,27 @@ use crate::camera_path::Course;
 use crate::eyes::Eyes;
 use crate::legend;
 use crate::moving::Moving;
-use crate::picture::write_png;
+use crate::png_file::write_png;
 use crate::run_error::RunError;
 use crate::signals::Signals;
 
-/// The number of frames walked before a picture, so that it shows a history at work and not a first
+/// The number of frames walked before an image, so that it shows a history at work and not a first
 /// frame.
 const WARM_UP_FRAMES: u32 = 8;
 /// The number of frames walked before the frame seen from above: until the frontier is stable.
 const SETTLING_FRAMES: u32 = 60;
 
-/// Pictures that were asked for.
+/// Images that were asked for.
 #[derive(Debug, Default)]
-pub struct Pictures {
+pub struct WalkImages {
     /// The files that were written.
     pub written: Vec<PathBuf>,
     /// The reasons why others were not.
     pub failures: Vec<RunError>,
 }
 
-impl Pictures {
-    /// Draws and writes the pictures that the options ask for into `folder`. Untimed, after the
+impl WalkImages {
+    /// Draws and writes the images that the options ask for into `folder`. Untimed, after the
     /// walk, by the last strategy asked for. Each is tried on its own; after a signal no more are
     /// begun.
     pub fn write(
@@ -57,9 +57,9 @@ impl Pictures {
         folder: &Path,
         signals: &Signals,
     ) -> Result<(), RunError> {
-        let picture = Readback::new(renderer.device(), renderer.size())?;
+        let image = Readback::new(renderer.device(), renderer.size())?;
         let mut save = |name: String, is_explained: bool| {
-            let written = picture.rgba8().map_err(RunError::from).and_then(|pixels| {
+            let written = image.rgba8().map_err(RunError::from).and_then(|pixels| {
                 let mut pixels = pixels.to_vec();
                 if is_explained {
                     let width = options.size.width as usize;
@@ -78,20 +78,20 @@ impl Pictures {
                 Err(error) => self.failures.push(error),
             }
         };
-        for frame in options.picture_frames() {
+        for frame in options.image_frames() {
             if signals.received().is_some() {
                 return Ok(());
             }
-            walk_to(renderer, path, moving, options, frame, WARM_UP_FRAMES, &picture)?;
+            walk_to(renderer, path, moving, options, frame, WARM_UP_FRAMES, &image)?;
             save(format!("frame_{frame:05}.png"), false);
         }
         if let Some(frame) = options.top_down.filter(|_| signals.received().is_none()) {
-            let eyes = walk_to(renderer, path, moving, options, frame, SETTLING_FRAMES, &picture);
+            let eyes = walk_to(renderer, path, moving, options, frame, SETTLING_FRAMES, &image);
             let mut eyes = eyes?;
             save(format!("top_down_{frame:05}_seen.png"), false);
             if let Some((history, view)) = eyes.first(renderer, &path.camera(frame)) {
                 let snapshot = renderer.snapshot(history, view)?;
-                renderer.top_down(&snapshot, &picture)?;
+                renderer.top_down(&snapshot, &image)?;
                 save(format!("top_down_{frame:05}.png"), true);
             }
         }
@@ -99,7 +99,7 @@ impl Pictures {
     }
 }
 
-/// Walks with fresh histories to `frame`, whose picture is over when this returns.
+/// Walks with fresh histories to `frame`, whose image is over when this returns.
 fn walk_to(
     renderer: &mut Renderer,
     path: &Course,
@@ -107,16 +107,16 @@ fn walk_to(
     options: &Options,
     frame: u32,
     warm_up: u32,
-    picture: &Readback,
+    image: &Readback,
 ) -> Result<Eyes, RunError> {
-    // The ideal knows what is visible of the walk's own frames only, and draws the same picture.
+    // The ideal knows what is visible of the walk's own frames only, and draws the same image.
     let mut products = options.strategies.iter().filter(|strategy| **strategy != methods::IDEAL);
     let strategy = products.next_back().copied().unwrap_or(Strategy::ANTUMBRA);
     let mut eyes = Eyes::new(renderer, options.views)?;
     for walked in frame.saturating_sub(warm_up)..=frame {
         moving.show(renderer, walked)?;
-        let picture = (walked == frame).then_some(picture);
-        eyes.render(renderer, strategy, &path.camera(walked), &[], picture)?;
+        let image = (walked == frame).then_some(image);
+        eyes.render(renderer, strategy, &path.camera(walked), &[], image)?;
     }
     renderer.device().drain().map_err(RunError::from)?;
     Ok(eyes)
