@@ -9,7 +9,7 @@
 //! use antumbra::{Camera, FrameRequest, Readback, Renderer, Strategy, glam::Vec3};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let (device, _) = antumbra::open(None)?;
+//! let device = antumbra::open()?;
 //! let red = [0.8, 0.1, 0.1];
 //! let corners = [([-1.0, -1.0, 0.0], red), ([1.0, -1.0, 0.0], red), ([0.0, 1.0, 0.0], red)];
 //! let scene = Scene::single(Mesh::of_triangles("triangle", &corners));
@@ -54,8 +54,12 @@ pub use render;
 pub use scene;
 
 pub use cull::{Camera, ObjectId, Strategy};
+#[cfg(feature = "window")]
+pub use gpu::Swapchain;
 #[cfg(feature = "loaded")]
 pub use gpu::open;
-pub use gpu::{Device, Readback, Swapchain};
+#[cfg(all(feature = "loaded", feature = "window"))]
+pub use gpu::open_with_window;
+pub use gpu::{Device, Readback};
 pub use render::{FrameRequest, Renderer, RendererOptions, ViewState};
 pub use scene::{Scene, SceneUpdate};

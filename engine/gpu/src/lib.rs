@@ -38,9 +38,13 @@
 //! # } Ok(()) }
 //! ```
 
+// Presenting is the only user of some methods.
+#![cfg_attr(not(feature = "window"), allow(dead_code))]
+
 mod api;
 mod core;
 mod memory;
+#[cfg(feature = "window")]
 mod present;
 mod query;
 mod record;
@@ -48,6 +52,8 @@ mod record;
 pub use crate::api::clocks::Clocks;
 #[cfg(feature = "loaded")]
 pub use crate::api::open::open;
+#[cfg(all(feature = "loaded", feature = "window"))]
+pub use crate::api::open::open_with_window;
 pub use crate::core::adapter::Adapter;
 pub use crate::core::capabilities::{Capabilities, Optional, Required};
 pub use crate::core::device::{Device, WaitCounts};
@@ -68,10 +74,13 @@ pub use crate::memory::resample::resampled;
 pub use crate::memory::texture_array::{MipMaking, TextureArray, TextureArrayInfo};
 pub use crate::memory::texture_uploads::TextureUploads;
 pub use crate::memory::upload::Uploads;
-#[cfg(feature = "loaded")]
+#[cfg(all(feature = "loaded", feature = "window"))]
 pub use crate::present::display_link::DisplayLink;
+#[cfg(feature = "window")]
 pub use crate::present::present_mode::{Fallback, PresentMode};
+#[cfg(feature = "window")]
 pub use crate::present::surface::{Surface, Window};
+#[cfg(feature = "window")]
 pub use crate::present::swapchain::{
     Acquired, PresentId, PresentResult, PresentSkipped, PresentTiming, Presented, Swapchain,
     SwapchainOptions, WindowImage,
@@ -99,4 +108,5 @@ pub use crate::record::shader::compile;
 pub use crate::record::target::{COLOUR_FORMAT, DEPTH_FORMAT, Target};
 pub use crate::record::timing::{FrameTime, PassTime};
 pub use ash::{Entry, vk};
+#[cfg(feature = "window")]
 pub use raw_window_handle;

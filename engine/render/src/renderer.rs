@@ -384,3 +384,9 @@ impl Renderer {
         Ok(())
     }
 }
+
+/// A check that a renderer may be made on one thread and used on another.
+const _: () = {
+    const fn is_send<T: Send>() {}
+    is_send::<Renderer>();
+};

@@ -34,7 +34,7 @@ fn scene() -> Scene {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (device, _) = antumbra::open(None)?;
+    let device = antumbra::open()?;
     let options = RendererOptions { size: SIZE, ..Default::default() };
     let mut renderer = Renderer::new(&device, &scene(), &options)?;
     let mut view = renderer.new_view()?;

@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use antumbra::methods;
 use clap::{Args, Parser, value_parser};
 
 use crate::Options;

@@ -1,7 +1,7 @@
 //! The camera of each frame: along a path of the scene, along a recorded path, or as a clip moves
 //! it.
 
-use cull::Camera;
+use antumbra::cull::Camera;
 use scenes::{CameraPath, PathKind, Routes};
 
 use crate::choices;

@@ -4,6 +4,7 @@ use std::fmt;
 use std::num::NonZeroU32;
 use std::str::FromStr;
 
+use antumbra::render;
 use clap::ValueEnum;
 
 use crate::strategy::{self, Strategy};

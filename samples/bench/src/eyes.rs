@@ -1,8 +1,8 @@
 //! The eyes of a walk: one, or a stereo pair side by side in one image.
 
-use cull::{Camera, FrameId, Strategy, View};
-use gpu::Readback;
-use render::{
+use antumbra::cull::{Camera, FrameId, Strategy, View};
+use antumbra::gpu::Readback;
+use antumbra::render::{
     FrameOutcome, FrameReport, Rect, Renderer, ViewState, ViewTarget, ViewsRequest, VisibleSet,
 };
 
@@ -27,7 +27,7 @@ impl Eyes {
     }
 
     /// Renders a frame from `camera`, which is in the middle of the eyes; `visible` holds the
-    /// visible set of each of them, for [`methods::IDEAL`].
+    /// visible set of each of them, for [`antumbra::methods::IDEAL`].
     ///
     /// # Errors
     /// When the device fails, or the image has fewer columns than there are eyes.

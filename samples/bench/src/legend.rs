@@ -1,7 +1,7 @@
 //! A legend drawn into the pixels of an image: the programs that measure have no head-up display.
 
+use antumbra::render::palette::{FRUSTUM, Swatch, level_colour};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
-use render::palette::{FRUSTUM, Swatch, level_colour};
 
 /// The title of the legend of the view from above.
 pub const TITLE_FROM_ABOVE: &str = "Boxes and the camera";

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use cull::Corrections;
+use antumbra::cull::Corrections;
 
 use crate::report::{AgeReport, CorrectionsReport, RunReport, kept_times};
 use crate::statistics::{Summary, median_count};

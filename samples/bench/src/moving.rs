@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use import::SceneAnimator;
-use render::Renderer;
-use scene::Scene;
+use antumbra::import::SceneAnimator;
+use antumbra::render::Renderer;
+use antumbra::scene::Scene;
 use scenes::{Cast, Motion};
 
 use crate::playback::FrameClock;

@@ -3,10 +3,11 @@
 use std::f32::consts::TAU;
 use std::fmt::Display;
 
-use cull::{Aabb, Camera};
-use glam::{Vec2, Vec3};
-use import::SceneAnimator;
-use scene::FOV_Y_RAD;
+use antumbra::cull::{Aabb, Camera};
+use antumbra::glam::{Vec2, Vec3};
+use antumbra::import;
+use antumbra::import::SceneAnimator;
+use antumbra::scene::FOV_Y_RAD;
 
 use crate::camera_path::Course;
 use crate::choices::unknown;
@@ -253,6 +254,8 @@ pub fn portrait(bounds: &Aabb, size: [u32; 2], covered: f32) -> Camera {
 
 #[cfg(test)]
 mod tests {
+    use antumbra::animation;
+
     use super::*;
 
     #[test]

@@ -13,8 +13,8 @@ use std::fmt::Write;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use cull::Camera;
-use glam::Vec3;
+use antumbra::cull::Camera;
+use antumbra::glam::Vec3;
 
 use crate::input_file;
 use crate::options::UsageError;

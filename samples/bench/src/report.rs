@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use cull::Corrections;
+use antumbra::cull::Corrections;
 use serde::Serialize;
 
 use crate::options::LeftOut;

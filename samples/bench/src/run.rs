@@ -3,9 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use cull::{BlockingOptions, CoherentOptions, Hierarchy, Strategy};
-use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem};
-use render::{Renderer, RendererOptions, ShaderSet, object_bounds};
+use antumbra::cull::{BlockingOptions, CoherentOptions, Hierarchy, Strategy};
+use antumbra::gpu::{
+    Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem,
+};
+use antumbra::render::{Renderer, RendererOptions, ShaderSet, object_bounds};
+use antumbra::{gpu, methods, render};
 
 use crate::choices::{DeviceChoice, Predicates, Validation};
 use crate::options::{LeftOut, SceneChoice};

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use antumbra::{gpu, render};
 use scenes::GeneratorError;
 use thiserror::Error;
 

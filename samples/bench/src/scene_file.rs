@@ -3,10 +3,11 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use cull::Hierarchy;
-use import::{Cause, GltfScene, LoadOptions, Stage};
-use render::object_bounds;
-use scene::Scene;
+use antumbra::cull::Hierarchy;
+use antumbra::import;
+use antumbra::import::{Cause, GltfScene, LoadOptions, Stage};
+use antumbra::render::object_bounds;
+use antumbra::scene::Scene;
 
 use crate::report::FileReport;
 use crate::run_error::RunError;

@@ -1,7 +1,7 @@
 //! The strategies that a walk compares, by their names on the command line and in reports.
 
-pub use cull::Strategy;
-pub use methods::strategies;
+pub use antumbra::cull::Strategy;
+pub use antumbra::methods::strategies;
 
 /// Returns the strategy of this name.
 pub fn named(name: &str) -> Option<Strategy> {

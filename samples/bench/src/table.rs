@@ -2,6 +2,7 @@
 
 use std::fmt::{Display, Write};
 
+use antumbra::methods;
 use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 
 use crate::options::LeftOut;

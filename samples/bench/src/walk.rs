@@ -3,9 +3,10 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use cull::{FrameId, Strategy};
-use gpu::{Device, Readback};
-use render::{Renderer, VisibleSet};
+use antumbra::cull::{FrameId, Strategy};
+use antumbra::gpu::{Device, Readback};
+use antumbra::methods;
+use antumbra::render::{Renderer, VisibleSet};
 
 use crate::Options;
 use crate::camera_path::Course;

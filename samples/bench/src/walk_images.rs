@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use cull::Strategy;
-use gpu::Readback;
-use render::Renderer;
+use antumbra::cull::Strategy;
+use antumbra::gpu::Readback;
+use antumbra::methods;
+use antumbra::render::Renderer;
 
 use crate::Options;
 use crate::camera_path::Course;

@@ -3,8 +3,9 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use import::SceneAnimator;
-use scene::Scene;
+use antumbra::import;
+use antumbra::import::SceneAnimator;
+use antumbra::scene::Scene;
 use scenes::GeneratedScene;
 
 use crate::Options;

@@ -4,60 +4,60 @@
 
 use std::{error::Error, io::Write, process::ExitCode, sync::Arc};
 
-use render::{FrameRequest, Renderer, ViewState};
+use antumbra::glam::Vec3;
+use antumbra::scene::{Mesh, Scene};
+use antumbra::{Camera, Device, FrameRequest, Readback, Renderer, Strategy, Swapchain, ViewState};
 use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::window::{Window, WindowId};
 use winit::{application::ApplicationHandler, event::WindowEvent};
 
 const USAGE: &str = "usage: triangle [--headless]";
 
-struct Triangle(Renderer, ViewState, Option<gpu::Swapchain>);
+struct Triangle(Renderer, ViewState);
 
 impl Triangle {
-    fn open(window: Option<Arc<dyn gpu::Window>>) -> Result<Self, Box<dyn Error>> {
-        let (device, swapchain) = gpu::open(window)?;
+    fn new(device: &Device) -> Result<Self, Box<dyn Error>> {
         let red = ([-1.0, -0.8, 0.0], [1.0, 0.1, 0.1]);
         let green = ([1.0, -0.8, 0.0], [0.1, 1.0, 0.1]);
         let blue = ([0.0, 0.9, 0.0], [0.1, 0.1, 1.0]);
-        let mesh = scene::Mesh::of_triangles("triangle", &[red, green, blue]);
-        let renderer = Renderer::new(&device, &scene::Scene::single(mesh), &Default::default())?;
+        let mesh = Mesh::of_triangles("triangle", &[red, green, blue]);
+        let renderer = Renderer::new(device, &Scene::single(mesh), &Default::default())?;
         let view = renderer.new_view()?;
-        Ok(Self(renderer, view, swapchain))
+        Ok(Self(renderer, view))
     }
 
-    fn frame(&mut self, image: Option<&gpu::Readback>) -> Result<(), Box<dyn Error>> {
-        let [eye, forward, up] = [glam::Vec3::Z * 3.0, glam::Vec3::NEG_Z, glam::Vec3::Y];
-        let camera = cull::Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
-        let request = FrameRequest::new(cull::Strategy::ANTUMBRA, camera);
+    fn frame(&mut self, image: Option<&Readback>) -> Result<(), Box<dyn Error>> {
+        let [eye, forward, up] = [Vec3::Z * 3.0, Vec3::NEG_Z, Vec3::Y];
+        let camera = Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
+        let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
         self.0.render(&mut self.1, &FrameRequest { image, ..request })?;
         Ok(())
     }
 }
 
 #[derive(Default)]
-struct App(Option<(Triangle, Arc<Window>)>, Option<Box<dyn Error>>);
+struct App(Option<(Triangle, Swapchain, Arc<Window>)>, Option<Box<dyn Error>>);
 
 impl App {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), Box<dyn Error>> {
         let window = Arc::new(event_loop.create_window(Window::default_attributes())?);
-        self.0 = Some((Triangle::open(Some(window.clone()))?, window));
+        let (device, swapchain) = antumbra::open_with_window(window.clone())?;
+        self.0 = Some((Triangle::new(&device)?, swapchain, window));
         Ok(())
     }
 
     fn show(&mut self) -> Result<(), Box<dyn Error>> {
-        let Some((triangle, window)) = &mut self.0 else { return Ok(()) };
+        let Some((triangle, swapchain, window)) = &mut self.0 else { return Ok(()) };
         window.request_redraw();
         // A hidden window may hold what it was sent: then no frame begins.
-        if triangle.2.as_mut().map_or(Ok(true), gpu::Swapchain::is_ready)? {
+        if swapchain.is_ready()? {
             let size: [u32; 2] = window.inner_size().into();
             // Images as large as the window, which may have no pixel.
             if !size.contains(&0) {
                 triangle.0.resize(size)?;
             }
             triangle.frame(None)?;
-            if let Some(swapchain) = &mut triangle.2 {
-                triangle.0.present(swapchain, size)?;
-            }
+            triangle.0.present(swapchain, size)?;
         }
         Ok(())
     }
@@ -96,8 +96,8 @@ fn in_a_window() -> Result<(), Box<dyn Error>> {
 }
 
 fn headless() -> Result<(), Box<dyn Error>> {
-    let mut triangle = Triangle::open(None)?;
-    let image = gpu::Readback::new(triangle.0.device(), triangle.0.size())?;
+    let mut triangle = Triangle::new(&antumbra::open()?)?;
+    let image = Readback::new(triangle.0.device(), triangle.0.size())?;
     triangle.frame(Some(&image))?;
     triangle.0.drain(&mut triangle.1)?;
     let pixels = image.rgba8()?;

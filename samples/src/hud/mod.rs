@@ -20,9 +20,10 @@ mod style;
 mod tests;
 mod toast;
 
+use antumbra::render;
+use antumbra::render::{FlatOverlay, FlatVertex};
 use epaint::text::{FontDefinitions, Fonts, TextOptions, ViewportKey};
 use epaint::{ClippedShape, Color32, ImageData, Primitive, TessellationOptions, Tessellator};
-use render::{FlatOverlay, FlatVertex};
 
 use canvas::Canvas;
 pub use layout::{Measures, PANEL_SHARE, Room};

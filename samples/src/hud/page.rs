@@ -1,7 +1,7 @@
 //! The contents of the HUD over an image, as plain values.
 
+use antumbra::render::Rect;
 use bench::legend::LegendEntry;
-use render::Rect;
 
 /// The contents of the HUD over one image.
 #[derive(Debug, Clone, Default, PartialEq)]

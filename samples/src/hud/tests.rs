@@ -1,6 +1,7 @@
 //! Whole pages, laid out without a device: nothing overlaps, nothing leaves its panel or the
 //! image.
 
+use antumbra::render;
 use bench::legend::LegendEntry;
 use epaint::{Rect, Shape};
 

@@ -1,6 +1,6 @@
 //! The actions of keys and scripts.
 
-use gpu::PresentMode;
+use antumbra::gpu::PresentMode;
 
 use bench::choices::parse_strategy;
 use bench::options::MAX_FRAMES_IN_FLIGHT;
@@ -241,6 +241,8 @@ pub fn present_mode(name: &str) -> Result<PresentMode, String> {
 
 #[cfg(test)]
 mod tests {
+    use antumbra::methods;
+
     use super::*;
 
     #[test]

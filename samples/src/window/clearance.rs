@@ -1,8 +1,8 @@
 //! The clearance of a view: the free distance before it.
 
-use cull::{Aabb, Camera};
-use glam::{Affine3A, Vec3};
-use scene::{Mesh, Scene};
+use antumbra::cull::{Aabb, Camera};
+use antumbra::glam::{Affine3A, Vec3};
+use antumbra::scene::{Mesh, Scene};
 
 /// The rays per row and per column, over the middle half of the image.
 const RAYS: usize = 5;

@@ -1,7 +1,7 @@
 //! The clock of a frame loop: the one that displays and GPUs report their times on, where there is
 //! one.
 
-use pacing::Time;
+use antumbra::pacing::Time;
 
 /// A reader of the time. All of them read the same.
 #[derive(Clone, Copy, Debug, Default)]

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use gpu::{Device, Readback, Tick};
-use pacing::Time;
-use render::{Renderer, ViewState};
+use antumbra::gpu::{Device, Readback, Tick};
+use antumbra::pacing::Time;
+use antumbra::render::{Renderer, ViewState};
 
 use super::differences::{Differences, PixelArea};
 use bench::run_error::RunError;

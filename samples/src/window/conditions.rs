@@ -1,7 +1,7 @@
 //! The conditions under which frames are measured: measurements under different ones are never
 //! mixed.
 
-use gpu::PresentMode;
+use antumbra::gpu::PresentMode;
 
 use bench::strategy::Strategy;
 

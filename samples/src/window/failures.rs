@@ -1,7 +1,7 @@
 //! The failures that remain at the end of a program.
 
+use antumbra::gpu::ValidationLog;
 use bench::run_error::RunError;
-use gpu::ValidationLog;
 
 /// Keeps the first error, which is the cause; the others are logged.
 pub(super) fn first_error<const COUNT: usize>(

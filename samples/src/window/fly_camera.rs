@@ -1,7 +1,7 @@
 //! A camera that flies as it is steered: the same way in the same time, in any number of frames.
 
-use cull::Camera;
-use glam::Vec3;
+use antumbra::cull::Camera;
+use antumbra::glam::Vec3;
 
 /// The factor of the speed in a hurry.
 const HURRY: f32 = 6.0;

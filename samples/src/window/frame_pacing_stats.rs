@@ -1,6 +1,8 @@
 //! The frame pacing under the current conditions; a change of them resets it.
 
-use pacing::{FrameStatistics, FrameTiming, HitchRule, PacedFrameId, PacingError, Summary};
+use antumbra::pacing::{
+    FrameStatistics, FrameTiming, HitchRule, PacedFrameId, PacingError, Summary,
+};
 
 use super::conditions::Conditions;
 
@@ -53,7 +55,7 @@ impl FramePacingStats {
 mod tests {
     use std::time::Duration;
 
-    use gpu::PresentMode;
+    use antumbra::gpu::PresentMode;
 
     use super::*;
     use bench::strategy::Strategy;

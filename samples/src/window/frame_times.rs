@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
-use gpu::PassTime;
-use pacing::Time;
-use render::{FrameReport, OVERLAY_PASSES};
+use antumbra::gpu::PassTime;
+use antumbra::pacing::Time;
+use antumbra::render::{FrameReport, OVERLAY_PASSES};
 
 use super::comparison::Side;
 use super::conditions::Conditions;
@@ -168,7 +168,7 @@ pub fn is_overlay(pass: &&PassTime) -> bool {
 mod tests {
     use std::time::Duration;
 
-    use gpu::PresentMode;
+    use antumbra::gpu::PresentMode;
 
     use super::*;
     use bench::strategy::Strategy;

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::rc::Rc;
 
-use gpu::{Device, DeviceOptions, Readback};
+use antumbra::gpu::{Device, DeviceOptions, Readback};
 
 use super::actions::Action;
 use super::failures::{check_log, first_error};

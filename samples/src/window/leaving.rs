@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use pacing::Time;
+use antumbra::pacing::Time;
 
 /// The time within which a second Esc quits.
 pub const CONFIRM_WITHIN: Duration = Duration::from_secs(4);

@@ -1,8 +1,10 @@
 //! Legends for the colours that explain the image.
 
+use antumbra::render::palette::{
+    BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, SELECTED, WIREFRAME,
+};
+use antumbra::render::{DebugOverlay, Rect};
 use bench::legend;
-use render::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, SELECTED, WIREFRAME};
-use render::{DebugOverlay, Rect};
 
 use crate::hud::Legend;
 

@@ -2,10 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use glam::Vec3;
-use gpu::Device;
-use render::{Costs, Renderer, RendererOptions, ShaderSet};
-use scene::{Mesh, Scene};
+use antumbra::glam::Vec3;
+use antumbra::gpu::Device;
+use antumbra::render::{Costs, Renderer, RendererOptions, ShaderSet};
+use antumbra::scene::{Mesh, Scene};
+use antumbra::{cull, import, methods, render, scene};
 use scenes::{GeneratedScene, Routes};
 
 use super::scene_view::SceneView;

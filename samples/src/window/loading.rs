@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
-use gpu::Device;
+use antumbra::gpu::Device;
 
 use super::loaded_scene::LoadedScene;
 use super::show::ShowOptions;

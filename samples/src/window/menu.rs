@@ -218,6 +218,8 @@ pub fn scenes(files: impl IntoIterator<Item = PathBuf>, shown: &str) -> Menu {
 
 #[cfg(test)]
 mod tests {
+    use antumbra::methods;
+
     use super::*;
 
     fn text(text: &str) -> MenuKey {

@@ -1,9 +1,9 @@
 //! The description of an object, in words, with the reason why it is drawn or not.
 
-use cull::{
+use antumbra::cull::{
     Decision, FrameId, LeafExplanation, NodeHistory, NodeState, Outcome, QueryKind, Tester,
 };
-use glam::Vec3;
+use antumbra::glam::Vec3;
 
 use super::page_text::{Facts, fact};
 use bench::strategy::Strategy;
@@ -148,7 +148,9 @@ fn in_frames(frames: u64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use cull::{Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, QueryTag, View};
+    use antumbra::cull::{
+        self, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, QueryTag, View,
+    };
 
     use super::*;
 

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use gpu::{
+use antumbra::gpu;
+use antumbra::gpu::{
     Device, DeviceOptions, DisplayLink, Fallback, Instance, PresentMode, PresentResult,
     PresentSkipped, Surface, WindowSystem,
 };
-use pacing::{PacedFrameId, Step, Time};
+use antumbra::pacing::{PacedFrameId, Step, Time};
 use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use gpu::PassTime;
-use pacing::Distribution;
-use render::{FrameOutcome, FrameReport};
+use antumbra::gpu::PassTime;
+use antumbra::pacing::Distribution;
+use antumbra::render::{FrameOutcome, FrameReport};
 
 use super::comparison::Tally;
 use super::frame_times::{FrameTimes, is_overlay};

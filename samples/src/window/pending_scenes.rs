@@ -1,6 +1,6 @@
 //! Scenes that are loaded while the window is open: the first one, and files dropped into it.
 
-use gpu::Device;
+use antumbra::gpu::Device;
 
 use super::loaded_scene::LoadedScene;
 use super::loading::Loading;

@@ -1,8 +1,8 @@
 //! Scopes of the frame loop: each is in the trace and, with the feature `tracy`, in that profiler,
 //! too.
 
-use gpu::PassTime;
-use pacing::Time;
+use antumbra::gpu::PassTime;
+use antumbra::pacing::Time;
 
 /// A scope of the CPU's work.
 pub struct Scope {

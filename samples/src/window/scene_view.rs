@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use cull::{Camera, DetailPolicy, ObjectId};
-use import::{GltfScene, SceneAnimator};
-use render::Renderer;
-use scene::Scene;
+use antumbra::cull::{Camera, DetailPolicy, ObjectId};
+use antumbra::import;
+use antumbra::import::{GltfScene, SceneAnimator};
+use antumbra::render::Renderer;
+use antumbra::scene::Scene;
 
 use super::clearance::clearance_m;
 use super::page_text::{Facts, fact};

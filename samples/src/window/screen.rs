@@ -4,15 +4,16 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use gpu::{
+use antumbra::gpu::{
     Device, Optional, PresentId, PresentMode, PresentResult, Surface, Swapchain, SwapchainOptions,
     Tick,
 };
-use pacing::{
+use antumbra::pacing;
+use antumbra::pacing::{
     Feedback, PacedFrameId, Pacer, PacerOptions, PresentReports, Presentation, REFRESH_PERIOD,
     Refresh, Step, Summary, Time, Wait, WaitReason,
 };
-use render::Renderer;
+use antumbra::render::Renderer;
 
 use super::clock::Clock;
 use super::conditions::Conditions;
@@ -142,7 +143,7 @@ impl Screen {
     /// Shows the newest image of `renderer` as the pacer's `frame`.
     ///
     /// # Errors
-    /// Errors that are not in [`gpu::PresentSkipped`].
+    /// Errors that are not in [`antumbra::gpu::PresentSkipped`].
     pub fn show(
         &mut self,
         renderer: &Renderer,

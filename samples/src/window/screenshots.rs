@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use gpu::{Device, Readback, Tick};
+use antumbra::gpu::{Device, Readback, Tick};
 
 use bench::options::FrameSize;
 use bench::png_file::write_png;

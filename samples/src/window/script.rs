@@ -66,6 +66,8 @@ impl Script {
 
 #[cfg(test)]
 mod tests {
+    use antumbra::methods;
+
     use super::*;
 
     #[test]

@@ -1,7 +1,7 @@
 //! The selection of an object.
 
-use cull::ObjectId;
-use render::Pick;
+use antumbra::cull::ObjectId;
+use antumbra::render::Pick;
 
 /// The object that is selected, and the pixel for the next selection.
 #[derive(Debug, Default)]

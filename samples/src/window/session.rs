@@ -4,10 +4,11 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use cull::{Camera, FrameId};
-use gpu::{Device, PresentMode, Readback, Tick};
-use pacing::Time;
-use render::{
+use antumbra::cull::{Camera, FrameId};
+use antumbra::gpu::{Device, PresentMode, Readback, Tick};
+use antumbra::pacing::Time;
+use antumbra::render;
+use antumbra::render::{
     DebugOverlay, FrameOutcome, FrameReport, Rect, Renderer, ShaderSet, ViewState,
     VisibilitySnapshot,
 };

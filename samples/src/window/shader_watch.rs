@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
-use pacing::Time;
+use antumbra::pacing::Time;
 
 /// The time between two checks.
 const INTERVAL: Duration = Duration::from_millis(300);

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
+use antumbra::gpu::PresentMode;
+use antumbra::{methods, pacing};
 use bench::args::DeviceArguments;
 use bench::choices::{Costs, DeviceChoice, Validation, parse_strategy};
 use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT};
 use bench::strategy::Strategy;
 use clap::{Args, value_parser};
-use gpu::PresentMode;
 
 use super::actions::present_mode;
 use crate::hud::HudLevel;

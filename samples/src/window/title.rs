@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use pacing::Time;
+use antumbra::pacing::Time;
 
 /// The interval of changes to the title.
 const INTERVAL: Duration = Duration::from_millis(500);

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use pacing::Time;
+use antumbra::pacing::Time;
 
 const FOR: Duration = Duration::from_secs(5);
 

@@ -3,8 +3,9 @@
 use std::collections::VecDeque;
 use std::path::Path;
 
-use gpu::{Clocks, Device, PassTime};
-use pacing::Time;
+use antumbra::gpu;
+use antumbra::gpu::{Clocks, Device, PassTime};
+use antumbra::pacing::Time;
 use serde_json::{Value, json};
 
 use bench::outputs::{WriteError, write_file};

@@ -107,17 +107,8 @@ const ARROWS: [(&str, &[&str]); 14] = [
     ("engine/pacing/Cargo.toml", &[]),
     ("engine/render/Cargo.toml", &["cull", "gpu", "occlusion", "scene"]),
     ("engine/scene/Cargo.toml", &["cull"]),
-    (
-        "samples/Cargo.toml",
-        &[
-            "bench", "cull", "gpu", "harness", "import", "methods", "pacing", "render", "scene",
-            "scenes", "tests",
-        ],
-    ),
-    (
-        "samples/bench/Cargo.toml",
-        &["animation", "cull", "gpu", "harness", "import", "methods", "render", "scene", "scenes"],
-    ),
+    ("samples/Cargo.toml", &["antumbra", "bench", "harness", "scenes", "tests"]),
+    ("samples/bench/Cargo.toml", &["antumbra", "harness", "scenes"]),
     ("samples/scenes/Cargo.toml", &["cull", "scene"]),
     ("shaders/Cargo.toml", &[]),
 ];

@@ -6,7 +6,9 @@ use crate::core::adapter::Adapter;
 use crate::core::capabilities::Capabilities;
 use crate::core::error::{Called, Error};
 use crate::core::instance::{Instance, version_text};
+#[cfg(feature = "window")]
 use crate::core::ownership;
+#[cfg(feature = "window")]
 use crate::present::surface::Surface;
 
 impl Instance {
@@ -41,6 +43,7 @@ impl Instance {
     /// # Errors
     /// Those of [`Instance::pick_adapter`]; [`Error::Foreign`] for a surface of another instance;
     /// [`Error::CannotPresent`] when the one wanted, or none, can present to the window.
+    #[cfg(feature = "window")]
     pub fn pick_adapter_for(
         &self,
         surface: &Surface,

@@ -16,5 +16,5 @@ pub(crate) mod tick;
 pub(crate) mod timeline;
 pub(crate) mod validation;
 pub(crate) mod window_system;
-#[cfg(feature = "loaded")]
+#[cfg(all(feature = "loaded", feature = "window"))]
 pub(crate) mod xcb;

@@ -4,9 +4,12 @@
 use std::ffi::{CStr, CString, c_char};
 
 use ash::{ext, khr};
+#[cfg(feature = "window")]
 use raw_window_handle::{HasDisplayHandle, RawDisplayHandle, RawWindowHandle};
 
-use crate::core::error::{Called, Error};
+#[cfg(feature = "window")]
+use crate::core::error::Called;
+use crate::core::error::Error;
 
 /// A window system, by the Vulkan extension for its windows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +37,7 @@ impl WindowSystem {
     ///
     /// # Errors
     /// [`Error::NoDisplay`] where the connection is gone, or for a system unknown to Vulkan.
+    #[cfg(feature = "window")]
     pub fn of(display: &impl HasDisplayHandle) -> Result<Self, Error> {
         let handle = display.display_handle();
         let handle = handle.map_err(|error| Error::NoDisplay(error.to_string()))?;
@@ -49,6 +53,7 @@ impl WindowSystem {
 
     /// Returns true for Wayland: no error reports a resize, and a hidden window may show nothing
     /// for ever.
+    #[cfg(feature = "window")]
     pub(crate) fn is_wayland(self) -> bool {
         self.0 == khr::wayland_surface::NAME
     }
@@ -79,6 +84,7 @@ impl WindowSystem {
 }
 
 /// Returns the display as drivers expect it.
+#[cfg(feature = "window")]
 pub(crate) fn display_for_drivers(handle: RawDisplayHandle) -> RawDisplayHandle {
     #[cfg(feature = "loaded")]
     let handle = crate::core::xcb::display(handle);
@@ -86,6 +92,7 @@ pub(crate) fn display_for_drivers(handle: RawDisplayHandle) -> RawDisplayHandle 
 }
 
 /// Returns the window as drivers expect it, on the display of [`display_for_drivers`].
+#[cfg(feature = "window")]
 pub(crate) fn window_for_drivers(
     handle: RawWindowHandle,
     display: RawDisplayHandle,
@@ -101,6 +108,7 @@ pub(crate) fn window_for_drivers(
 ///
 /// # Safety
 /// `name` points to a string that lives as long as the program.
+#[cfg(feature = "window")]
 unsafe fn constant(name: *const c_char) -> &'static CStr {
     // SAFETY: the caller's promise.
     unsafe { CStr::from_ptr(name) }
@@ -137,6 +145,7 @@ mod tests {
         assert_eq!((asked.len(), fences), (4, vec![ext::swapchain_maintenance1::NAME]));
         let (asked, fences) = wayland.extensions(&names[..3]).unwrap();
         assert_eq!((asked.len(), fences.len()), (2, 0));
+        #[cfg(feature = "window")]
         assert!(wayland.is_wayland());
     }
 }

@@ -7,6 +7,7 @@ mod moves;
 mod overlay;
 mod pick;
 mod poses;
+#[cfg(feature = "window")]
 mod present;
 mod render;
 mod snapshot;

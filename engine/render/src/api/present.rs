@@ -24,9 +24,3 @@ impl Renderer {
         Ok(window.show(&self.passes.target, window_size)?)
     }
 }
-
-/// A check that a renderer may be made on one thread and used on another.
-const _: () = {
-    const fn is_send<T: Send>() {}
-    is_send::<Renderer>();
-};

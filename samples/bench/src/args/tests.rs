@@ -3,6 +3,7 @@
 use super::*;
 use crate::choices::{CameraPath, Costs, Predicates, Validation};
 use crate::strategy::Strategy;
+use antumbra::methods;
 use clap::CommandFactory;
 use proptest::collection::vec as any_vec;
 use proptest::{prop_assert, proptest};

@@ -3,6 +3,7 @@
 use super::*;
 use crate::measurement::{FrameMeasurement, RunMeasurement};
 use crate::strategy::Strategy;
+use antumbra::cull;
 use serde_json::{Value, json};
 
 fn run(strategy: Strategy, frame_ms: &[f64]) -> RunReport {

@@ -3,6 +3,7 @@
 use super::*;
 use crate::measurement::RunMeasurement;
 use crate::report::tests::example;
+use antumbra::methods;
 
 #[test]
 fn a_person_finds_every_number() {

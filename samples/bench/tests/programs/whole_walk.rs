@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use antumbra::{cull, methods};
 use harness::{Scratch, stderr};
 use serde_json::Value;
 

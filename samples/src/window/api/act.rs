@@ -5,6 +5,7 @@ use crate::window::actions::Action;
 use crate::window::menu;
 use crate::window::scene_view::SceneView;
 use crate::window::session::Session;
+use antumbra::methods;
 use bench::options::MAX_FRAMES_IN_FLIGHT;
 use bench::recorded_path::RecordedPath;
 use bench::run_error::RunError;

@@ -1,8 +1,8 @@
 //! A session during a comparison: two frames of each moment, of which one is shown.
 
-use cull::Camera;
-use gpu::{Readback, Tick};
-use render::FrameRequest;
+use antumbra::cull::Camera;
+use antumbra::gpu::{Readback, Tick};
+use antumbra::render::FrameRequest;
 
 use crate::window::comparison::{Comparison, Side};
 use crate::window::page_text::in_ms;

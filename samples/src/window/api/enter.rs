@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use render::FrameReport;
+use antumbra::render::FrameReport;
 
 use crate::window::fly_camera::FlyCamera;
 use crate::window::loaded_scene::LoadedScene;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use pacing::Time;
+use antumbra::pacing::Time;
 use winit::window::{CursorGrabMode, Fullscreen};
 
 use crate::window::actions::Action;

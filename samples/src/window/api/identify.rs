@@ -1,7 +1,7 @@
 //! A session while an object is selected: it is outlined, and a card explains why it is drawn or
 //! not.
 
-use cull::ObjectId;
+use antumbra::cull::ObjectId;
 
 use crate::window::object_text::ObjectCard;
 use crate::window::page_text::Facts;

@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
-use cull::{Camera, FrameId};
-use pacing::Time;
+use antumbra::cull::{Camera, FrameId};
+use antumbra::gpu;
+use antumbra::pacing::Time;
 
 use crate::hud::{Help, HudLevel, HudPage, Legend, Sign};
 use crate::window::actions::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use cull::FrameId;
-use gpu::PresentMode;
-use pacing::{Summary, Time};
+use antumbra::cull::FrameId;
+use antumbra::gpu::PresentMode;
+use antumbra::pacing::{Summary, Time};
 
 use super::*;
 use crate::window::comparison::Side;
