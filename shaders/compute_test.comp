@@ -30,7 +30,7 @@ struct Box {
 layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
 layout(std430, binding = 1) readonly buffer Depths { float depths[]; };
 layout(std430, binding = 2) readonly buffer Grid { float grid[]; };
-layout(std430, binding = 3) writeonly buffer Words { uint words[]; };
+layout(std430, binding = 3) writeonly buffer Results { uint results[]; };
 
 layout(push_constant) uniform Constants {
     vec3 eye;
@@ -210,6 +210,6 @@ void main() {
         }
     }
     if (thread == 0) {
-        words[test] = shared_shows;
+        results[test] = shared_shows;
     }
 }

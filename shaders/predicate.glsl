@@ -3,8 +3,8 @@
 struct Decided {
     uint first;
     uint count;
-    uint parts; // 1: the boxes of the range are drawn first, and decide draw by draw
-    uint word;
+    uint per_leaf; // 1: the boxes of the range are drawn first, and decide draw by draw
+    uint result;
 };
 
 struct BoxDraw {

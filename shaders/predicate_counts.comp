@@ -1,4 +1,4 @@
-// Turns the word of each decision into two draw counts: 0 if no more showed than the threshold,
+// Turns the result of each decision into two draw counts: 0 if no more showed than the threshold,
 // else the whole range and the one command that draws its boxes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -6,14 +6,14 @@
 
 layout(local_size_x = 64) in;
 
-layout(std430, binding = 0) readonly buffer Words { uint words[]; };
+layout(std430, binding = 0) readonly buffer Results { uint results[]; };
 layout(std430, binding = 1) readonly buffer AllDecided { Decided decided[]; };
 layout(std430, binding = 2) writeonly buffer Counts { uint counts[]; };
 
 layout(push_constant) uniform Constants {
     uint first;
     uint count;
-    uint threshold; // 0 but for words that are numbers of samples
+    uint threshold; // 0 but for results that are numbers of samples
 };
 
 void main() {
@@ -22,7 +22,7 @@ void main() {
     }
     uint decision = first + gl_GlobalInvocationID.x;
     Decided range = decided[decision];
-    uint shown = words[range.word] > threshold ? range.count : 0;
+    uint shown = results[range.result] > threshold ? range.count : 0;
     counts[2 * decision] = shown;
     counts[2 * decision + 1] = min(shown, 1);
 }

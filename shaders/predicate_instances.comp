@@ -14,7 +14,7 @@ struct IndirectDraw {
     uint first_instance;
 };
 
-layout(std430, binding = 0) readonly buffer Words { uint words[]; };
+layout(std430, binding = 0) readonly buffer Results { uint results[]; };
 layout(std430, binding = 1) readonly buffer AllDecided { Decided decided[]; };
 layout(std430, binding = 2) buffer Draws { IndirectDraw draws[]; };
 layout(std430, binding = 3) buffer BoxDraws { BoxDraw box_draws[]; };
@@ -22,14 +22,14 @@ layout(std430, binding = 3) buffer BoxDraws { BoxDraw box_draws[]; };
 layout(push_constant) uniform Constants {
     uint first;
     uint count;
-    uint threshold; // 0 but for words that are numbers of samples
+    uint threshold; // 0 but for results that are numbers of samples
 };
 
 void main() {
     uint decision = first + gl_WorkGroupID.x;
     Decided range = decided[decision];
-    uint shown = words[range.word] > threshold ? 1 : 0;
-    if (range.parts != 0) {
+    uint shown = results[range.result] > threshold ? 1 : 0;
+    if (range.per_leaf != 0) {
         if (gl_LocalInvocationID.x == 0) {
             box_draws[decision].instance_count = shown * range.count;
         }

@@ -27,7 +27,7 @@ layout(local_size_x = 64) in;
 
 layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
 layout(std430, binding = 1) readonly buffer Leaves { IndirectDraw leaves[]; };
-// A word per leaf. Between frames: was visible in the last one. Between the phases: was drawn.
+// A value per leaf. Between frames: was visible in the last one. Between the phases: was drawn.
 layout(std430, binding = 2) buffer Seen { uint seen[]; };
 layout(std430, binding = 3) writeonly buffer List { IndirectDraw list[]; };
 layout(std430, binding = 4) buffer Counts { Counters counters[]; };

@@ -8,15 +8,15 @@ layout(std430, binding = 1) readonly buffer Elements { uint elements[]; };
 layout(std430, binding = 2) writeonly buffer Array { uint array[]; };
 
 layout(push_constant) uniform Constants {
-    uint element_words;
-    uint word_count; // of all elements together
+    uint element_values;
+    uint value_count; // of all elements together
 };
 
 void main() {
-    // As many threads as there are groups for; neighbours write neighbouring words.
+    // As many threads as there are groups for; neighbours write neighbouring values.
     uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-    for (uint word = gl_GlobalInvocationID.x; word < word_count; word += stride) {
-        uint leaf = leaves[word / element_words];
-        array[leaf * element_words + word % element_words] = elements[word];
+    for (uint value = gl_GlobalInvocationID.x; value < value_count; value += stride) {
+        uint leaf = leaves[value / element_values];
+        array[leaf * element_values + value % element_values] = elements[value];
     }
 }

@@ -39,7 +39,7 @@ pub struct Culler {
     fronts: Vec<SharedProxy>,
     cost_model: Option<CostModel>,
     /// Samples of a query that count as none.
-    neglected_samples: u32,
+    sample_threshold: u32,
     /// The configuration as tuned by the cost model.
     tuned: CullConfig,
     /// Leaves that the last frame took as visible.
@@ -74,7 +74,7 @@ impl Culler {
             grouping: Grouping::default(),
             fronts: Vec::new(),
             cost_model: None,
-            neglected_samples: 0,
+            sample_threshold: 0,
             tuned: config,
             visible: 0,
             rng: SplitMix64::new(config.seed),
@@ -92,13 +92,13 @@ impl Culler {
     /// count nothing, and show if they are not zero. [`Culler::plan_next_frame`] goes by a single
     /// sample.
     pub fn set_sample_threshold(&mut self, samples: u32) {
-        self.neglected_samples = samples;
+        self.sample_threshold = samples;
     }
 
     /// Returns the most samples of a test that still counts as hidden.
     #[must_use]
     pub fn sample_threshold(&self) -> u32 {
-        self.neglected_samples
+        self.sample_threshold
     }
 
     /// Leaves out tests that cost more than they save, from now on. Without prices everything is
@@ -171,7 +171,7 @@ impl Culler {
             let samples = match tag.kind {
                 // Told by fragments.
                 QueryKind::Leaf => samples,
-                _ => samples.saturating_sub(self.neglected_samples),
+                _ => samples.saturating_sub(self.sample_threshold),
             };
             let record = self.history.record(tag.node.0);
             if let Some(cost_model) = self.cost_model.as_mut().filter(|_| record.answered < asked) {
@@ -205,7 +205,7 @@ impl Culler {
         let tester = self.tester(strategy);
         let config = self.tune(strategy, &mut plan.stats);
         let costs = CostFilter::new(self.cost_model.as_ref(), strategy, tester, self.testers);
-        let (scratch, has_leaf_tests) = (&mut self.scratch, self.testers.parts);
+        let (scratch, has_leaf_tests) = (&mut self.scratch, self.testers.leaf_tests);
         let mut walk = Walk {
             hierarchy,
             view,

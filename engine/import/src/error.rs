@@ -34,7 +34,7 @@ pub enum Cause {
     TooLarge,
     /// A demand for more memory than the machine has left.
     NoMemory,
-    /// A listener that stopped the loading.
+    /// A progress function that stopped the loading.
     GivenUp,
 }
 
@@ -107,7 +107,7 @@ impl Reason {
         Self { cause: Cause::NoMemory, text }
     }
 
-    /// Returns the reason that the listener stopped the loading.
+    /// Returns the reason that the progress function stopped the loading.
     pub(crate) fn given_up() -> Self {
         Self { cause: Cause::GivenUp, text: "it was given up".to_owned() }
     }

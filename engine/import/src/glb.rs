@@ -26,7 +26,7 @@ pub(crate) fn is_glb(bytes: &[u8]) -> bool {
 /// Finds the chunks of a GLB. Those of unknown types are skipped, as are bytes after its end.
 pub(crate) fn split(bytes: &[u8]) -> Result<Parts, Fault> {
     let of_header = |reason: Reason| reason.of("GLB header");
-    let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
+    let (Some(version), Some(length)) = (u32_at(bytes, 4), u32_at(bytes, 8)) else {
         return Err(of_header(Reason::malformed(format!("cut off after {} bytes", bytes.len()))));
     };
     if version != 2 {
@@ -51,7 +51,7 @@ fn chunks(whole: &[u8]) -> Result<Parts, Fault> {
             break;
         }
         let of_chunk = |reason: String| Reason::malformed(reason).of(format!("GLB chunk {number}"));
-        let (Some(length), Some(kind)) = (word(whole, start), word(whole, start + 4)) else {
+        let (Some(length), Some(kind)) = (u32_at(whole, start), u32_at(whole, start + 4)) else {
             return Err(of_chunk("its header is cut off".to_owned()));
         };
         let first = start + CHUNK_HEADER_BYTES;
@@ -72,6 +72,6 @@ fn chunks(whole: &[u8]) -> Result<Parts, Fault> {
     Ok(Parts { json, binary })
 }
 
-fn word(bytes: &[u8], at: usize) -> Option<u32> {
-    bytes.get(at..)?.first_chunk().map(|&word| u32::from_le_bytes(word))
+fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
+    bytes.get(at..)?.first_chunk().map(|&bytes| u32::from_le_bytes(bytes))
 }

@@ -44,7 +44,7 @@ pub(crate) struct Images {
 /// become placeholders, which is noted.
 ///
 /// # Errors
-/// Images beyond the limits; a listener that stopped the loading.
+/// Images beyond the limits; a progress function that stopped the loading.
 pub(crate) fn decode(
     root: &Root,
     store: &Store,
@@ -262,7 +262,7 @@ fn decode_all(
             if let Some(slot) = done.get_mut(index) {
                 *slot = pixels;
             }
-            // Nobody receives results after the listener stopped the loading.
+            // Nobody receives results after the progress function stopped the loading.
             let _listens = finished.send(());
         }
     };

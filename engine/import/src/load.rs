@@ -20,19 +20,19 @@ use crate::{GltfScene, ImportError, convert, source};
 /// # Errors
 /// Unreadable files, violations of glTF 2.0, unsupported extensions that are required, and files
 /// beyond the limits; positions, morph targets and animations with numbers that are not finite;
-/// [`Cause::GivenUp`](crate::Cause::GivenUp) if `listener` stops the loading. Each names the file,
-/// the object in it, and the reason.
+/// [`Cause::GivenUp`](crate::Cause::GivenUp) if `progress_fn` stops the loading. Each names the
+/// file, the object in it, and the reason.
 pub fn load(
     path: &Path,
     options: &LoadOptions,
-    listener: &mut ProgressFn<'_>,
+    progress_fn: &mut ProgressFn<'_>,
 ) -> Result<GltfScene, ImportError> {
-    let mut teller = ProgressSender { file: path.display().to_string(), listener };
-    teller.tell(Stage::Reading, 0.0)?;
-    let mut tell = |fraction| teller.go_on(Stage::Reading, fraction);
+    let mut progress_sender = ProgressSender { file: path.display().to_string(), progress_fn };
+    progress_sender.tell(Stage::Reading, 0.0)?;
+    let mut tell = |fraction| progress_sender.go_on(Stage::Reading, fraction);
     let source = source::open_and_tell(path, &options.limits, &mut tell)?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    convert::convert(source, name.unwrap_or_default(), options, &mut teller)
+    convert::convert(source, name.unwrap_or_default(), options, &mut progress_sender)
 }
 
 /// Loads the scene of a .gltf or .glb file whose bytes are here. Files that it refers to are read
@@ -44,11 +44,11 @@ pub fn load_bytes(
     bytes: Vec<u8>,
     folder: Option<&Path>,
     options: &LoadOptions,
-    listener: &mut ProgressFn<'_>,
+    progress_fn: &mut ProgressFn<'_>,
 ) -> Result<GltfScene, ImportError> {
-    let mut teller = ProgressSender { file: "memory".to_owned(), listener };
-    teller.tell(Stage::Reading, 0.0)?;
-    let mut tell = |fraction| teller.go_on(Stage::Reading, fraction);
+    let mut progress_sender = ProgressSender { file: "memory".to_owned(), progress_fn };
+    progress_sender.tell(Stage::Reading, 0.0)?;
+    let mut tell = |fraction| progress_sender.go_on(Stage::Reading, fraction);
     let source = source::read_and_tell(bytes, folder, &options.limits, &mut tell)?;
-    convert::convert(source, "memory".to_owned(), options, &mut teller)
+    convert::convert(source, "memory".to_owned(), options, &mut progress_sender)
 }

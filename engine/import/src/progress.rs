@@ -1,4 +1,4 @@
-//! The progress of loading, and its listeners.
+//! The progress of loading, and the functions that receive it.
 
 use std::ops::ControlFlow;
 
@@ -22,18 +22,18 @@ pub struct Progress {
     pub fraction: f32,
 }
 
-/// The listener to the progress of loading, which continues or stops it.
+/// The function that receives the progress of loading, which continues or stops it.
 pub type ProgressFn<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;
 
-/// The sender of progress, which stops when the listener does.
+/// The sender of progress, which stops when its function says so.
 pub(crate) struct ProgressSender<'a> {
     pub(crate) file: String,
-    pub(crate) listener: &'a mut ProgressFn<'a>,
+    pub(crate) progress_fn: &'a mut ProgressFn<'a>,
 }
 
 impl ProgressSender<'_> {
     pub(crate) fn go_on(&mut self, stage: Stage, fraction: f32) -> ControlFlow<()> {
-        (self.listener)(Progress { stage, fraction })
+        (self.progress_fn)(Progress { stage, fraction })
     }
 
     pub(crate) fn tell(&mut self, stage: Stage, fraction: f32) -> Result<(), ImportError> {
@@ -49,5 +49,6 @@ impl ProgressSender<'_> {
     }
 }
 
-/// The listener to the share of a file that was read, which continues or stops the reading.
+/// The function that receives the share of a file that was read, which continues or stops the
+/// reading.
 pub(crate) type ReadProgress<'a> = dyn FnMut(f32) -> ControlFlow<()> + 'a;

@@ -97,8 +97,8 @@ impl Method for BlockingMethod {
         let stats = self.record_batches(frame, state, &mut kept, scene, request);
         state.put_method_state(kept);
         let stats = stats?;
-        state.neglected(stats.neglected_samples);
-        Ok(MethodStats { tests: stats.boxes, queries: stats.boxes + stats.own_draws })
+        state.note_samples_below_threshold(stats.samples_below_threshold);
+        Ok(MethodStats { tests: stats.boxes, queries: stats.boxes + stats.visible_draw_queries })
     }
 
     fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {

@@ -11,7 +11,7 @@ use crate::blocking::BlockingMethod;
 pub const COHERENT: Strategy =
     Strategy::new("coherent", "coherent hierarchical culling, as published")
         .blocking()
-        .neglecting();
+        .with_sample_threshold();
 
 /// Creates the method. [`cull::BlockingCuller`] makes its decisions.
 pub(crate) fn method(options: &BlockingOptions) -> Box<dyn Method> {

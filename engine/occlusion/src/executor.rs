@@ -23,7 +23,7 @@ impl PlanExecutor {
         TesterSupport {
             flags: is_exact && self.passes.proxies.can_flag(),
             compute: is_exact && ComputeTest::check(device, size).is_ok(),
-            parts: self.passes.leaf_boxes.is_some(),
+            leaf_tests: self.passes.leaf_boxes.is_some(),
         }
     }
 }

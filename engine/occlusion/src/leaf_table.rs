@@ -82,7 +82,7 @@ pub struct LeafElements {
     pub elements: BufferSlice,
     /// All elements, by leaf.
     pub array: BufferSlice,
-    /// Size of an element, whole words.
+    /// Size of an element, whole values.
     pub element_bytes: usize,
 }
 

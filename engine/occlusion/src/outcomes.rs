@@ -20,7 +20,7 @@ pub struct FrameOutcome {
     pub revealed: u64,
     /// Samples of tests that showed, but not more than the threshold, so that their leaves were
     /// left out: at most so many pixels are wrong. 0 without a threshold.
-    pub neglected_samples: u64,
+    pub samples_below_threshold: u64,
 }
 
 /// An outcome that is not known yet: frames are reported in their order.
@@ -67,7 +67,7 @@ impl Outcomes {
         let Some(outcome) = self.of(tag.frame) else { return };
         if !result.shows(threshold_samples) {
             let decides = is_drawn || tag.kind == QueryKind::PerLeaf;
-            outcome.neglected_samples += u64::from(samples) * u64::from(decides);
+            outcome.samples_below_threshold += u64::from(samples) * u64::from(decides);
         } else if is_drawn {
             outcome.draws += result.contents.draws;
             outcome.revealed += result.contents.draws;

@@ -1,4 +1,4 @@
-//! The layout of a plan's tests on the GPU: the query, flag and word of each test.
+//! The layout of a plan's tests on the GPU: the query, flag and result of each test.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use gpu::{DrawRange, PredicatedRange, ResultSource, Reveal};
 
 use crate::leaf_table::{LeafCount, LeafTable};
 
-/// The predicate that a test decides: its number among those that depend on words of one source.
+/// The predicate that a test decides: its number among those that depend on results of one source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct PredicateSlot {
     pub(crate) source: ResultSource,
@@ -23,18 +23,18 @@ pub(crate) struct TestLayout {
     /// The test of each query: first those on visible draws, then the tests by query.
     pub(crate) query_tags: Vec<PendingTest>,
     /// The number of the queries that are on visible draws.
-    pub(crate) own_draws: u32,
+    pub(crate) visible_draw_queries: u32,
     /// The test of each flag: a place for every test if there are flags at all.
     pub(crate) flag_tags: Vec<PendingTest>,
     /// The decision of each test.
     decisions: Vec<PredicateSlot>,
     pub(crate) rounds: Vec<RoundLayout>,
-    /// The draws that depend on the words of queries, on flags, and on the words of the compute
+    /// The draws that depend on the results of queries, on flags, and on the results of the compute
     /// shader.
     query_decides: Vec<PredicatedRange>,
     flag_decides: Vec<PredicatedRange>,
     compute_decides: Vec<PredicatedRange>,
-    /// The test of each word of the compute shader: a place for every test if there are any.
+    /// The test of each result of the compute shader: a place for every test if there are any.
     pub(crate) compute_tags: Vec<PendingTest>,
 }
 
@@ -67,7 +67,7 @@ impl TestLayout {
         // Drawn with any result: nothing depends on it.
         let own = |tag| PendingTest { tag, tester: Tester::Query, contents: LeafCount::default() };
         self.query_tags.extend(plan.queried_draws.iter().map(|(_, tag)| own(*tag)));
-        self.own_draws = self.query_tags.len() as u32;
+        self.visible_draw_queries = self.query_tags.len() as u32;
         self.query_decides.clear();
         self.query_decides.resize(self.query_tags.len(), PredicatedRange::default());
         self.decisions.clear();
@@ -76,11 +76,11 @@ impl TestLayout {
             self.lay_out_round(plan, round.clone(), &count);
         }
         let decide = |(number, test): (u32, &ProxyTest)| {
-            let word = match test.tester {
+            let result = match test.tester {
                 Tester::SharedProxy(front) => front,
                 _ => number,
             };
-            predicated(test, word)
+            predicated(test, result)
         };
         let tag = |test: &ProxyTest| asked(test, &count);
         let lists = [
@@ -161,7 +161,7 @@ impl TestLayout {
         !self.compute_tags.is_empty()
     }
 
-    /// Returns the draws that depend on the words of `source`.
+    /// Returns the draws that depend on the results of `source`.
     pub(crate) fn decided(&self, source: ResultSource) -> &[PredicatedRange] {
         match source {
             ResultSource::Queries => &self.query_decides,
@@ -217,10 +217,10 @@ fn draw_range(test: &ProxyTest) -> DrawRange {
     DrawRange { first: test.leaves.first.0, count: test.leaves.count }
 }
 
-fn predicated(test: &ProxyTest, word: u32) -> PredicatedRange {
+fn predicated(test: &ProxyTest, result: u32) -> PredicatedRange {
     let reveal = match test.tag.kind {
         QueryKind::PerLeaf => Reveal::PerLeaf,
         _ => Reveal::Whole,
     };
-    PredicatedRange { word, range: draw_range(test), reveal }
+    PredicatedRange { result, range: draw_range(test), reveal }
 }

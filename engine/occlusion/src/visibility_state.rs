@@ -38,8 +38,8 @@ pub struct VisibilityState {
     pub(crate) sent: SentFrames,
     /// The number of changes of draws that the rings have followed.
     seen_changes: u64,
-    /// The samples that the method of the newest frame neglected, where it has no plan.
-    neglected_samples: u64,
+    /// The samples below the threshold in the newest frame of a method without a plan.
+    samples_below_threshold: u64,
     reader: ResultReader<LeafCount>,
     newest: Vec<Answer>,
     outcomes: Outcomes,
@@ -50,7 +50,7 @@ pub(crate) struct Rings {
     pub(crate) queries: QueryRing<PendingTest>,
     pub(crate) flags: FlagRing<PendingTest>,
     pub(crate) computed: FlagRing<PendingTest>,
-    pub(crate) parts: LeafDrawRing<(FrameId, Generation)>,
+    pub(crate) leaf_draws: LeafDrawRing<(FrameId, Generation)>,
 }
 
 impl Rings {
@@ -68,7 +68,7 @@ impl Rings {
             queries: queries.counting(counting),
             flags: flags(ResultSource::Fragments, "proxy flags"),
             computed: flags(ResultSource::Compute, "box results"),
-            parts: LeafDrawRing::new(device, frames_in_flight, leaves),
+            leaf_draws: LeafDrawRing::new(device, frames_in_flight, leaves),
         })
     }
 
@@ -76,7 +76,7 @@ impl Rings {
         self.queries.submitted(tick);
         self.flags.submitted(tick);
         self.computed.submitted(tick);
-        self.parts.submitted(tick);
+        self.leaf_draws.submitted(tick);
     }
 }
 
@@ -106,7 +106,7 @@ impl VisibilityState {
             method_states: Vec::new(),
             sent: SentFrames::new(frames_in_flight),
             seen_changes: leaves.changes.count(),
-            neglected_samples: 0,
+            samples_below_threshold: 0,
             reader: ResultReader::default(),
             newest: Vec::new(),
             outcomes: Outcomes::default(),
@@ -197,7 +197,7 @@ impl VisibilityState {
         rings.computed.begin(frame, layout.compute_tags.iter().copied())?;
         let tested = TestLayout::refined(plan);
         let draw = |number| leaves.draw(LeafIndex(number));
-        rings.parts.begin(frame, (plan.frame, *generation), tested, draw)?;
+        rings.leaf_draws.begin(frame, (plan.frame, *generation), tested, draw)?;
         Ok(())
     }
 
@@ -206,9 +206,9 @@ impl VisibilityState {
         let changes = &leaves.changes;
         match changes.since(self.seen_changes) {
             Some(leaves) => leaves.for_each(|leaf| {
-                self.rings.parts.changed(DrawRange { first: leaf.0, count: 1 });
+                self.rings.leaf_draws.changed(DrawRange { first: leaf.0, count: 1 });
             }),
-            None => self.rings.parts.all_changed(),
+            None => self.rings.leaf_draws.all_changed(),
         }
         self.seen_changes = changes.count();
     }
@@ -237,12 +237,12 @@ impl VisibilityState {
 
     /// Reads the results of frames that are over out of mapped memory.
     fn read(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
-        let Self { rings: Rings { queries, flags, computed, parts }, reader, .. } = self;
+        let Self { rings: Rings { queries, flags, computed, leaf_draws }, reader, .. } = self;
         reader.clear();
         queries.collect(completed, |test, samples| reader.read_query(&test, samples));
-        flags.collect(completed, |tests, words| reader.read_flags(tests, words));
-        computed.collect(completed, |tests, words| reader.read_computed(tests, words));
-        parts.collect(completed, |frame, listed| {
+        flags.collect(completed, |tests, results| reader.read_flags(tests, results));
+        computed.collect(completed, |tests, results| reader.read_computed(tests, results));
+        leaf_draws.collect(completed, |frame, listed| {
             let list = match listed {
                 EnabledDraws::These(leaves) => LeafList::These(leaves),
                 EnabledDraws::TooMany(_) => LeafList::TooMany,
@@ -312,7 +312,7 @@ impl VisibilityState {
         rings.computed.begin(frame, std::iter::empty())?;
         let nothing = std::iter::empty::<DrawRange>();
         let no_draw = |_| IndirectDraw::default();
-        rings.parts.begin(frame, (plan.frame, *generation), nothing, no_draw)?;
+        rings.leaf_draws.begin(frame, (plan.frame, *generation), nothing, no_draw)?;
         Ok(())
     }
 
@@ -332,9 +332,9 @@ impl VisibilityState {
         self.method_states.push(state);
     }
 
-    /// Notes the number of samples that the newest frame neglected without a plan.
-    pub fn neglected(&mut self, samples: u64) {
-        self.neglected_samples = samples;
+    /// Notes the number of samples below the threshold in the newest frame, which has no plan.
+    pub fn note_samples_below_threshold(&mut self, samples: u64) {
+        self.samples_below_threshold = samples;
     }
 
     /// Returns the corrections of the prices in this view's cost model; `None` without one.
@@ -369,7 +369,7 @@ impl VisibilityState {
             draws: 0,
             triangles: 0,
             revealed: 0,
-            neglected_samples: std::mem::take(&mut self.neglected_samples),
+            samples_below_threshold: std::mem::take(&mut self.samples_below_threshold),
         };
         for first in taken {
             let count = leaves.count(LeafRange { first, count: 1 });

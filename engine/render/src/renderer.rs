@@ -54,10 +54,10 @@ pub struct RendererOptions {
     pub query_budget: usize,
     /// The number of samples up to which a test counts as hidden, so that its leaves are not drawn:
     /// at 0 the image is exact. Above, each test that is left out may cost as many pixels
-    /// ([`FrameOutcome::neglected_samples`](crate::FrameOutcome::neglected_samples) bounds them),
-    /// all tests are queries, which must count samples, and conditional rendering is not available.
-    /// For [`Strategy::ANTUMBRA`] and [`Strategy::ANTUMBRA_QUERIES`]; `methods::COHERENT` has
-    /// [its own](cull::CoherentOptions::visibility_threshold_samples).
+    /// ([`FrameOutcome::samples_below_threshold`](crate::FrameOutcome::samples_below_threshold)
+    /// bounds them), all tests are queries, which must count samples, and conditional rendering is
+    /// not available. For [`Strategy::ANTUMBRA`] and [`Strategy::ANTUMBRA_QUERIES`];
+    /// `methods::COHERENT` has [its own](cull::CoherentOptions::visibility_threshold_samples).
     pub threshold_samples: u32,
     /// The prices of tests and draws, so that nothing is tested at a loss. Where the device has
     /// timestamps, the times of frames correct them.

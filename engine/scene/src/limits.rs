@@ -25,7 +25,7 @@ pub const IMAGES_ANYWHERE: u64 = MAX_PAGES as u64 * 256;
 /// The most pages of a scene: with room to spare within the 16 samplers that every device has.
 pub const MAX_PAGES: usize = 12;
 
-/// The most layers of a page on any device: a texture's place must fit a word.
+/// The most layers of a page on any device: a texture's place must fit 32 bits.
 pub const MAX_LAYERS: u32 = 2048;
 
 /// The most texture transforms that differ, beside none at all: a transform's number has 16 bits.

@@ -278,7 +278,7 @@ impl Arguments {
             refuse_unheeded(
                 &format!("--threshold {threshold}"),
                 &strategies,
-                Strategy::can_neglect,
+                Strategy::has_sample_threshold,
             )?;
         }
         Ok(Options {

@@ -43,7 +43,7 @@ pub struct FrameMeasurement {
     /// Waits of the frame loop other than for the frame's own slot.
     pub blocking_waits: u64,
     /// Visible samples that were left out because of a threshold.
-    pub neglected_samples: u64,
+    pub samples_below_threshold: u64,
     /// True if the frame is compared with plain frustum culling.
     pub is_compared: bool,
 }
@@ -53,8 +53,8 @@ pub struct FrameMeasurement {
 struct WarmUp {
     blocking_waits: u64,
     frames_verified: u64,
-    /// The neglected samples of those that are compared.
-    neglected_samples: u64,
+    /// The samples below the threshold of those that are compared.
+    samples_below_threshold: u64,
 }
 
 /// The frames of one strategy so far.
@@ -91,12 +91,12 @@ impl RunMeasurement {
         self.frames.push(frame);
     }
 
-    /// Adds a frame that is not timed: its waits count all the same, and its neglected samples if
-    /// it is compared.
+    /// Adds a frame that is not timed: its waits count all the same, and its samples below the
+    /// threshold if it is compared.
     pub fn warmed_up(&mut self, frame: &FrameMeasurement) {
         self.warm_up.blocking_waits += frame.blocking_waits;
         if frame.is_compared {
-            self.warm_up.neglected_samples += frame.neglected_samples;
+            self.warm_up.samples_below_threshold += frame.samples_below_threshold;
         }
     }
 
@@ -127,9 +127,9 @@ impl RunMeasurement {
     pub fn report(&self) -> RunReport {
         let times = |of: fn(&FrameMeasurement) -> f64| Summary::of(self.frames.iter().map(of));
         let count = |of: fn(&FrameMeasurement) -> u64| median_count(self.frames.iter().map(of));
-        let neglected = |of: fn(&FrameMeasurement) -> bool| {
+        let below_threshold = |of: fn(&FrameMeasurement) -> bool| {
             let frames = self.frames.iter().filter(|frame| of(frame));
-            frames.map(|frame| frame.neglected_samples).sum::<u64>()
+            frames.map(|frame| frame.samples_below_threshold).sum::<u64>()
         };
         let ages = || self.frames.iter().filter_map(|frame| frame.result_age_frames);
         let is_verified = self.frames_verified + self.warm_up.frames_verified > 0;
@@ -166,9 +166,10 @@ impl RunMeasurement {
                 .collect(),
             warm_up_frames_verified: self.warm_up.frames_verified,
             pixels_wrong: is_verified.then_some(self.pixels_wrong),
-            pixels_wrong_at_most: (is_verified && self.strategy.is_exact())
-                .then(|| neglected(|frame| frame.is_compared) + self.warm_up.neglected_samples),
-            neglected_samples: neglected(|_| true),
+            pixels_wrong_at_most: (is_verified && self.strategy.is_exact()).then(|| {
+                below_threshold(|frame| frame.is_compared) + self.warm_up.samples_below_threshold
+            }),
+            samples_below_threshold: below_threshold(|_| true),
         }
     }
 }
@@ -185,7 +186,7 @@ mod tests {
                 draws,
                 result_age_frames: age,
                 blocking_waits: waits,
-                neglected_samples: draws,
+                samples_below_threshold: draws,
                 is_compared: draws != 9,
                 ..FrameMeasurement::default()
             });
@@ -193,7 +194,7 @@ mod tests {
         for is_compared in [true, false] {
             run.warmed_up(&FrameMeasurement {
                 blocking_waits: 1,
-                neglected_samples: 100,
+                samples_below_threshold: 100,
                 is_compared,
                 ..FrameMeasurement::default()
             });
@@ -211,7 +212,7 @@ mod tests {
         assert_eq!((report.frames_timed, report.frames_verified), (3, 2));
         assert_eq!((report.pixels_wrong, report.pixels_wrong_at_most), (Some(7), Some(112)));
         assert_eq!(report.warm_up_frames_verified, 1);
-        assert_eq!(report.neglected_samples, 21);
+        assert_eq!(report.samples_below_threshold, 21);
         assert_eq!(report.passes_ms["visible"].median, Some(3.0));
         assert_eq!(report.passes_ms["revealed"].median, Some(1.5));
     }

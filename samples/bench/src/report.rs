@@ -232,7 +232,7 @@ pub struct RunReport {
     /// left out. 0 without a threshold; absent where none was compared, or nothing is promised.
     pub pixels_wrong_at_most: Option<u64>,
     /// Visible samples that were left out because of the threshold, in all timed frames.
-    pub neglected_samples: u64,
+    pub samples_below_threshold: u64,
 }
 
 /// Returns "A/B" for every ordered pair of runs: median frame time of A over the median of B.

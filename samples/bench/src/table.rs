@@ -244,14 +244,14 @@ fn foot(report: &Report) -> String {
         // Writing to a String cannot fail.
         let _ok = write!(text, "\nWRONG: {wrong} pixels differ from plain frustum culling");
     }
-    text + &neglect_lines(report)
+    text + &threshold_lines(report)
 }
 
-/// Returns a line for each run that neglected visible samples.
-fn neglect_lines(report: &Report) -> String {
-    let neglecting = report.runs.iter().filter(|run| {
+/// Returns a line for each run whose threshold left visible samples out.
+fn threshold_lines(report: &Report) -> String {
+    let runs = report.runs.iter().filter(|run| {
         // Those of frames before the walk are in the second number only.
-        run.neglected_samples > 0 || run.pixels_wrong_at_most.is_some_and(|most| most > 0)
+        run.samples_below_threshold > 0 || run.pixels_wrong_at_most.is_some_and(|most| most > 0)
     });
     let line = |run: &RunReport| {
         let compared = match (run.pixels_wrong, run.pixels_wrong_at_most) {
@@ -261,10 +261,10 @@ fn neglect_lines(report: &Report) -> String {
             }
             _ => String::new(),
         };
-        let (samples, frames) = (count(Some(run.neglected_samples)), run.frames_timed);
+        let (samples, frames) = (count(Some(run.samples_below_threshold)), run.frames_timed);
         format!("\n{} left out {samples} samples in {frames} frames{compared}", run.strategy)
     };
-    neglecting.map(line).collect()
+    runs.map(line).collect()
 }
 
 fn milliseconds(value: Option<f64>) -> String {

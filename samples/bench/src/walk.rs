@@ -231,7 +231,7 @@ fn book(run: &mut Run, mut walked: Vec<Walked>) {
         if let Some(walked) = walked.iter_mut().find(|walked| walked.frame == outcome.frame) {
             walked.measurement.draws += outcome.draws;
             walked.measurement.triangles += outcome.triangles;
-            walked.measurement.neglected_samples += outcome.neglected_samples;
+            walked.measurement.samples_below_threshold += outcome.samples_below_threshold;
         }
     }
     for Walked { timed, measurement, .. } in walked {

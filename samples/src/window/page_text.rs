@@ -120,7 +120,7 @@ impl Known<'_> {
     }
 
     fn verdict(&self) -> Verdict {
-        let neglected = self.outcome.map_or(0, |outcome| outcome.neglected_samples);
+        let below_threshold = self.outcome.map_or(0, |outcome| outcome.samples_below_threshold);
         if let Some(tally) = self.compared.filter(|tally| tally.frames > 0) {
             return match tally.differing {
                 0 => Verdict::Exact(tally.text()),
@@ -129,8 +129,8 @@ impl Known<'_> {
         }
         match self.strategy {
             _ if self.frame == 0 => Verdict::Unknown,
-            _ if neglected > 0 => {
-                Verdict::Inexact(format!("inexact: {} px at most", grouped(neglected)))
+            _ if below_threshold > 0 => {
+                Verdict::Inexact(format!("inexact: {} px at most", grouped(below_threshold)))
             }
             Strategy::FRUSTUM => Verdict::Exact("exact: the reference image".to_owned()),
             exact if exact.is_exact() => {

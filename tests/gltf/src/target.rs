@@ -35,8 +35,8 @@ pub fn try_bytes(bytes: &[u8]) -> Result<(), ImportError> {
     drop(source);
     // Well-formed files can still hold numbers of which no scene can be made.
     let options = LoadOptions { limits: small_limits(), ..LoadOptions::default() };
-    let listener = &mut |_| ControlFlow::Continue(());
-    if let Ok(imported) = load_bytes(bytes.to_vec(), None, &options, listener) {
+    let progress_fn = &mut |_| ControlFlow::Continue(());
+    if let Ok(imported) = load_bytes(bytes.to_vec(), None, &options, progress_fn) {
         loaded::check(&imported);
         perform::perform(imported);
     }

@@ -101,7 +101,7 @@ impl World {
     }
 }
 
-/// Returns the results of both testers for each box of each world: samples of the query, word of
+/// Returns the results of both testers for each box of each world: samples of the query, result of
 /// the compute tester.
 fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)> {
     let (occluder_pass, proxies) = (DepthBoxes::new(device), proxy_pass(device));
@@ -111,9 +111,9 @@ fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)>
     let mut queries = QueryRing::<usize>::new(device, 2, "proxies").unwrap();
     let storage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC;
     let size_bytes = TESTS as u64 * 4;
-    let words = Buffer::new(device, "words", size_bytes, storage, MemoryKind::Device).unwrap();
+    let results = Buffer::new(device, "results", size_bytes, storage, MemoryKind::Device).unwrap();
     let to = vk::BufferUsageFlags::TRANSFER_DST;
-    let home = Buffer::new(device, "words home", size_bytes, to, MemoryKind::ReadBack).unwrap();
+    let home = Buffer::new(device, "results home", size_bytes, to, MemoryKind::ReadBack).unwrap();
     let mut said = Vec::new();
     for world in worlds {
         let bits = device.adapter().limits.sub_pixel_precision_bits;
@@ -142,12 +142,12 @@ fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)>
         // In two parts, as two rounds would.
         let half = count / 2;
         for (first, count) in [(0, half), (half, count - half)] {
-            let io = ComputeTestIo { boxes, words: words.whole(), first, count };
+            let io = ComputeTestIo { boxes, results: results.whole(), first, count };
             tester.record_tests(commands, &io, &view);
         }
         let between = MemoryBarrier::between;
         commands.barrier(between(&[Access::ComputeWrite], &[Access::CopyRead]));
-        commands.copy_buffer(words.whole(), home.whole());
+        commands.copy_buffer(results.whole(), home.whole());
         commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
         queries.resolve(commands, 0..count);
         queries.read_back(commands);
@@ -165,12 +165,12 @@ fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)>
 /// Checks that no visible box was lost; returns the number of boxes that the query hid, and how
 /// many of those the compute tester showed.
 fn judge(said: &[(u32, u32)], what: &str) -> (usize, usize) {
-    assert!(said.iter().all(|(_, word)| *word <= 1), "{what}: a word is 0 or 1");
-    let lost = said.iter().filter(|(samples, word)| *samples > 0 && *word == 0);
+    assert!(said.iter().all(|(_, result)| *result <= 1), "{what}: a result is 0 or 1");
+    let lost = said.iter().filter(|(samples, result)| *samples > 0 && *result == 0);
     let lost: Vec<u32> = lost.map(|(samples, _)| *samples).collect();
     assert!(lost.is_empty(), "{what}: {} shown boxes were hidden: {lost:?} samples", lost.len());
     let hidden = said.iter().filter(|(samples, _)| *samples == 0);
-    let shown = hidden.clone().filter(|(_, word)| *word != 0).count();
+    let shown = hidden.clone().filter(|(_, result)| *result != 0).count();
     (hidden.count(), shown)
 }
 

@@ -34,7 +34,7 @@ fn options(threshold_samples: u32) -> RendererOptions {
 #[derive(Debug, Default)]
 struct Found {
     pixels_wrong: u64,
-    neglected: u64,
+    below_threshold: u64,
     draws: u64,
 }
 
@@ -57,12 +57,15 @@ fn walk(
     for (number, ((expected, got), outcome)) in images.zip(&got.outcomes).enumerate() {
         let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()) as u64;
         let what = format!("{strategy}, threshold {}", options.threshold_samples);
-        assert!(wrong <= outcome.neglected_samples, "{what}, frame {number}: {wrong}, {outcome:?}");
+        assert!(
+            wrong <= outcome.samples_below_threshold,
+            "{what}, frame {number}: {wrong}, {outcome:?}"
+        );
         found.pixels_wrong += wrong;
-        found.neglected += outcome.neglected_samples;
+        found.below_threshold += outcome.samples_below_threshold;
         found.draws += outcome.draws;
     }
-    assert!(expected.outcomes.iter().all(|outcome| outcome.neglected_samples == 0));
+    assert!(expected.outcomes.iter().all(|outcome| outcome.samples_below_threshold == 0));
     found
 }
 
@@ -82,9 +85,9 @@ fn no_frame_is_more_wrong_than_what_was_counted() {
                     |threshold| walk(device, &scene, &cameras, &options(threshold), strategy);
                 let [exact, little, much] = [0, 12, 200].map(walk);
                 let what = format!("{strategy}, {path}: {exact:?} {little:?} {much:?}");
-                assert_eq!((exact.pixels_wrong, exact.neglected), (0, 0), "{what}");
-                assert!(much.pixels_wrong > 0 && little.neglected > 0, "{what}");
-                assert!(little.neglected < much.neglected, "{what}");
+                assert_eq!((exact.pixels_wrong, exact.below_threshold), (0, 0), "{what}");
+                assert!(much.pixels_wrong > 0 && little.below_threshold > 0, "{what}");
+                assert!(little.below_threshold < much.below_threshold, "{what}");
                 assert!(much.draws < exact.draws && much.draws < little.draws, "{what}");
             }
         }
@@ -173,7 +176,10 @@ fn moving_scenes_and_prices_keep_the_bound() {
             let [expected, got] = images.each_ref().map(|it| it.rgba8().unwrap());
             let wrong = pixels_that_differ(&expected, &got) as u64;
             let outcome = views[1].take_outcomes().next_back().unwrap();
-            assert!(wrong <= outcome.neglected_samples, "frame {number}: {wrong} {outcome:?}");
+            assert!(
+                wrong <= outcome.samples_below_threshold,
+                "frame {number}: {wrong} {outcome:?}"
+            );
             wrong_in_all += wrong;
         }
         assert!(wrong_in_all > 0);
@@ -188,8 +194,9 @@ fn the_ideal_and_other_methods_stay_exact() {
         let mut renderer = Renderer::new(device, &scene, &options(500)).unwrap();
         let mut finder = renderer.new_view().unwrap();
         let images = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
-        let others =
-            methods::strategies().into_iter().filter(|it| it.is_exact() && !it.can_neglect());
+        let others = methods::strategies()
+            .into_iter()
+            .filter(|it| it.is_exact() && !it.has_sample_threshold());
         for strategy in others.filter(|it| renderer.supports(*it).is_ok()).collect::<Vec<_>>() {
             let mut view = renderer.new_view().unwrap();
             for number in 0..4 {
@@ -207,7 +214,7 @@ fn the_ideal_and_other_methods_stay_exact() {
                 let [expected, got] = images.each_ref().map(|it| it.rgba8().unwrap());
                 assert_eq!(pixels_that_differ(&expected, &got), 0, "{strategy}, frame {number}");
             }
-            assert!(view.take_outcomes().all(|outcome| outcome.neglected_samples == 0));
+            assert!(view.take_outcomes().all(|outcome| outcome.samples_below_threshold == 0));
         }
     });
 }

@@ -209,7 +209,7 @@ impl Coherent {
             let frame = self.frame;
             let record = self.record(answer.node, &recorder.viewed);
             if record.is_none_or(|record| record.drawn != frame) {
-                recorder.stats.neglected_samples += u64::from(answer.samples);
+                recorder.stats.samples_below_threshold += u64::from(answer.samples);
             }
             return;
         }

@@ -77,7 +77,7 @@ pub struct BlockingStats {
     /// Boxes tested.
     pub boxes: u32,
     /// Leaves drawn under a query of their own.
-    pub own_draws: u32,
+    pub visible_draw_queries: u32,
     /// Leaves drawn.
     pub draws: u32,
     /// Nodes whose box would be cut by the near plane: visible without a test.
@@ -88,7 +88,7 @@ pub struct BlockingStats {
     pub batches: u32,
     /// Samples of boxes that showed and whose leaves were left out all the same: at most so many
     /// pixels are wrong.
-    pub neglected_samples: u64,
+    pub samples_below_threshold: u64,
 }
 
 /// One of the methods.
@@ -125,7 +125,7 @@ impl Recorder<'_> {
     /// Draws a leaf under a query.
     pub(super) fn draw_asking(&mut self, node: NodeId) {
         self.stats.draws += 1;
-        self.stats.own_draws += 1;
+        self.stats.visible_draw_queries += 1;
         let token = Some(self.pending.ask(node));
         self.batch.draws.push(BatchDraw { leaf: self.viewed.leaf(node), token });
     }

@@ -41,8 +41,8 @@ pub(crate) struct Journal {
     /// The identity of the hierarchy.
     identity: Arc<()>,
     changes: VecDeque<(Generation, Change)>,
-    /// Words held by `changes`.
-    words: usize,
+    /// Entries held by `changes`.
+    entries: usize,
     /// The newest generation whose change was dropped.
     dropped: Option<Generation>,
 }
@@ -53,15 +53,15 @@ impl Journal {
         &self.identity
     }
 
-    /// Notes a change, and drops the oldest until no more than `most_words` are held, or one.
-    pub(super) fn push(&mut self, generation: Generation, change: Change, most_words: usize) {
-        self.words += words(&change);
+    /// Notes a change, and drops the oldest until no more than `most_entries` are held, or one.
+    pub(super) fn push(&mut self, generation: Generation, change: Change, most_entries: usize) {
+        self.entries += entries(&change);
         self.changes.push_back((generation, change));
-        while self.words > most_words && self.changes.len() > 1 {
+        while self.entries > most_entries && self.changes.len() > 1 {
             let Some((oldest, change)) = self.changes.pop_front() else {
                 return;
             };
-            self.words -= words(&change);
+            self.entries -= entries(&change);
             self.dropped = Some(oldest);
         }
     }
@@ -81,12 +81,12 @@ impl Journal {
     }
 }
 
-fn words(change: &Change) -> usize {
-    const ENTRY_WORDS: usize = 6;
+fn entries(change: &Change) -> usize {
+    const CHANGE_ENTRIES: usize = 6;
     match change {
-        Change::Recycled(_) => ENTRY_WORDS,
+        Change::Recycled(_) => CHANGE_ENTRIES,
         Change::Restructured(change) => {
-            ENTRY_WORDS + change.before.len() + change.after.len() + change.moved_from.len()
+            CHANGE_ENTRIES + change.before.len() + change.after.len() + change.moved_from.len()
         }
     }
 }

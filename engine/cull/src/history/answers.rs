@@ -50,15 +50,15 @@ impl Ingest<'_> {
             (QueryKind::Leaf, 0) => {}
             (QueryKind::Leaf, _) => self.leaf_showed(node),
             (QueryKind::PerLeaf, 0) => self.proxy_hidden(node),
-            (QueryKind::PerLeaf, _) => self.parts_showed(node),
+            (QueryKind::PerLeaf, _) => self.leaves_showed(node),
             (QueryKind::Proxy, 0) => self.proxy_hidden(node),
             (QueryKind::Proxy, _) if self.is_leaf(node) => self.leaf_showed(node),
             (QueryKind::Proxy, _) => self.inner_showed(node),
             (QueryKind::PullUpQuery, 0) => self.merge(node),
-            (QueryKind::PullUpQuery, _) => self.probe_failed(node),
+            (QueryKind::PullUpQuery, _) => self.pull_up_failed(node),
             (QueryKind::VisibleDrawQuery | QueryKind::VisibleBoxQuery, 0) => self.set_hidden(node),
-            (QueryKind::VisibleBoxQuery, _) => self.own_box_showed(node),
-            (QueryKind::VisibleDrawQuery, _) => self.own_draw_showed(node),
+            (QueryKind::VisibleBoxQuery, _) => self.visible_box_showed(node),
+            (QueryKind::VisibleDrawQuery, _) => self.visible_draw_showed(node),
         }
     }
 
@@ -115,11 +115,11 @@ impl Ingest<'_> {
 
     /// Notes that the box of a visible leaf showed, which says little: the box may show where its
     /// leaf does not. In the end the leaf's own draw is tested.
-    fn own_box_showed(&mut self, node: u32) {
+    fn visible_box_showed(&mut self, node: u32) {
         self.update(node, |record| record.stable_queries = record.stable_queries.saturating_add(1));
     }
 
-    fn own_draw_showed(&mut self, node: u32) {
+    fn visible_draw_showed(&mut self, node: u32) {
         let mut record = self.history.record(node);
         if record.state != NodeState::Visible {
             record.state = NodeState::Visible;
@@ -143,7 +143,7 @@ impl Ingest<'_> {
 
     /// Marks a node that showed and whose leaves were tested one by one: the leaves that showed
     /// have answers of their own, and all others are hidden.
-    fn parts_showed(&mut self, top: u32) {
+    fn leaves_showed(&mut self, top: u32) {
         let failures = self.failures_of(top);
         let end = self.topology.nodes[top as usize].end(top);
         for node in top..end {
@@ -252,7 +252,7 @@ impl Ingest<'_> {
         });
     }
 
-    fn probe_failed(&mut self, node: u32) {
+    fn pull_up_failed(&mut self, node: u32) {
         let failures = self.history.record(node).stable_queries;
         let due = self.open_until(failures);
         self.update(node, |record| {

@@ -61,16 +61,16 @@ impl<C: Copy> ResultReader<C> {
         self.results.push(result(test, samples));
     }
 
-    /// Reads the flags of one frame, a word per test of its plan.
-    pub fn read_flags(&mut self, tests: &[PendingTest<C>], words: &[u32]) {
+    /// Reads the flags of one frame, a value per test of its plan.
+    pub fn read_flags(&mut self, tests: &[PendingTest<C>], values: &[u32]) {
         for (number, test) in tests.iter().enumerate() {
-            let word = |number: usize| words.get(number).copied();
+            let value = |number: usize| values.get(number).copied();
             let samples = match test.tester {
-                Tester::Flag => word(number),
+                Tester::Flag => value(number),
                 // Where the shared proxy shows, the leaves answer for their node: `read_leaves`.
-                Tester::SharedProxy(front) => word(front as usize).filter(|word| {
-                    self.shared.extend((*word != 0).then_some(*test));
-                    *word == 0
+                Tester::SharedProxy(front) => value(front as usize).filter(|value| {
+                    self.shared.extend((*value != 0).then_some(*test));
+                    *value == 0
                 }),
                 Tester::Query | Tester::Compute => None,
             };
@@ -78,11 +78,11 @@ impl<C: Copy> ResultReader<C> {
         }
     }
 
-    /// Reads the words of a compute shader of one frame, one per test of its plan.
-    pub fn read_computed(&mut self, tests: &[PendingTest<C>], words: &[u32]) {
-        let computed = tests.iter().zip(words);
+    /// Reads the values of a compute shader of one frame, one per test of its plan.
+    pub fn read_computed(&mut self, tests: &[PendingTest<C>], values: &[u32]) {
+        let computed = tests.iter().zip(values);
         let computed = computed.filter(|(test, _)| test.tester == Tester::Compute);
-        self.results.extend(computed.map(|(test, word)| result(test, *word)));
+        self.results.extend(computed.map(|(test, value)| result(test, *value)));
     }
 
     /// Reads the list of leaves of one frame, after its flags. `contents` describes leaves as they
@@ -171,7 +171,7 @@ mod tests {
     }
 
     /// Reads the root's flag, a leaf that shares it, and then the list of leaves.
-    fn read(word: u32, list: Option<LeafList<'_>>) -> Vec<(NodeId, QueryKind, u32)> {
+    fn read(value: u32, list: Option<LeafList<'_>>) -> Vec<(NodeId, QueryKind, u32)> {
         let hierarchy = hierarchy();
         let root = hierarchy.root().unwrap();
         let first = hierarchy.node_of(hierarchy.leaf_objects()[0]).unwrap();
@@ -180,7 +180,7 @@ mod tests {
             test(first, Tester::SharedProxy(0), QueryKind::PerLeaf),
         ];
         let mut reader = ResultReader::default();
-        reader.read_flags(&tests, &[word, 0]);
+        reader.read_flags(&tests, &[value, 0]);
         if let Some(list) = list {
             reader.read_leaves(&hierarchy, (FrameId(7), Generation(0)), list, |_| 1);
         }

@@ -52,10 +52,10 @@ fn drop_optional(scratch: &mut Scratch, config: &CullConfig, budget: usize, stat
     let left = budget.saturating_sub(frontier);
     let wished = scratch.tests.iter().filter(|test| test.kind == QueryKind::PullUpQuery).count();
     let share = frontier / (config.tests_per_pull_up.max(1) as usize);
-    let probes = wished
+    let pull_ups = wished
         .min(share.max(MIN_PULL_UPS))
         .min((left / 2).max(left.saturating_sub(scratch.retests.len())));
-    let mut remaining = probes;
+    let mut remaining = pull_ups;
     for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {
         if test.kind == QueryKind::PullUpQuery {
             *is_dropped = remaining == 0;
@@ -63,8 +63,8 @@ fn drop_optional(scratch: &mut Scratch, config: &CullConfig, budget: usize, stat
         }
     }
     scratch.discard();
-    stats.probes = probes as u32;
-    let retests = left - probes;
+    stats.pull_up_queries = pull_ups as u32;
+    let retests = left - pull_ups;
     if scratch.retests.len() > retests {
         scratch.draw_unasked(retests);
         scratch.sort_draws();

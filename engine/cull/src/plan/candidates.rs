@@ -157,8 +157,9 @@ impl Scratch {
 
     /// Adds the planned draws and tests to the counts.
     pub(crate) fn count(&self, stats: &mut PlanStats) {
-        let own_boxes = self.tests.iter().filter(|test| test.kind == QueryKind::VisibleBoxQuery);
-        stats.own_boxes = own_boxes.count() as u32;
+        let visible_box_queries =
+            self.tests.iter().filter(|test| test.kind == QueryKind::VisibleBoxQuery);
+        stats.visible_box_queries = visible_box_queries.count() as u32;
         for test in self.frontier() {
             stats.frontier += 1;
             stats.tested_leaves = stats.tested_leaves.saturating_add(test.leaf_count);

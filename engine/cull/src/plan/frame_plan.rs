@@ -49,7 +49,7 @@ pub struct TesterSupport {
     pub compute: bool,
     /// True if leaves of a node that shows can be tested one by one in the same frame
     /// ([`QueryKind::PerLeaf`]).
-    pub parts: bool,
+    pub leaf_tests: bool,
 }
 
 /// The identity of a query, which comes back with its result.
@@ -167,9 +167,9 @@ pub struct PlanStats {
     /// Tests among them of which nothing was known before.
     pub unknown: u32,
     /// Pull-up queries: tests that decide about nothing but the next frames.
-    pub probes: u32,
+    pub pull_up_queries: u32,
     /// Boxes of visible leaves that are tested.
-    pub own_boxes: u32,
+    pub visible_box_queries: u32,
     /// Tests of the frontier that share the result of another test.
     pub shared_proxies: u32,
     /// Leaves drawn because they were visible, queried or not.
@@ -202,8 +202,8 @@ impl std::ops::AddAssign for PlanStats {
         self.frontier += other.frontier;
         self.tested_leaves = self.tested_leaves.saturating_add(other.tested_leaves);
         self.unknown += other.unknown;
-        self.probes += other.probes;
-        self.own_boxes += other.own_boxes;
+        self.pull_up_queries += other.pull_up_queries;
+        self.visible_box_queries += other.visible_box_queries;
         self.shared_proxies += other.shared_proxies;
         self.visible += other.visible;
         self.too_near += other.too_near;

@@ -93,7 +93,7 @@ impl NextFrame {
             return plan.draws.push(leaf);
         };
         if !record.is_visible {
-            plan.stats.probes += 1;
+            plan.stats.pull_up_queries += 1;
             let mut leaves = viewed.hierarchy.leaves(node);
             leaves.count = 0;
             return plan.tests.push(ProxyTest {

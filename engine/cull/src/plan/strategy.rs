@@ -14,7 +14,7 @@ pub struct Strategy {
     tests: Tests,
     is_exact: bool,
     is_blocking: bool,
-    can_neglect: bool,
+    has_sample_threshold: bool,
     needs_still_scene: bool,
 }
 
@@ -34,12 +34,12 @@ impl Strategy {
     pub const ANTUMBRA: Self =
         Self::new("antumbra", "ours: late answers, made exact by predicates")
             .testing(Tests::Any)
-            .neglecting();
+            .with_sample_threshold();
     /// The same with occlusion queries for all tests.
     pub const ANTUMBRA_QUERIES: Self =
         Self::new("antumbra_queries", "ours, with occlusion queries for all tests")
             .testing(Tests::By(Tester::Query))
-            .neglecting();
+            .with_sample_threshold();
     /// The same with flags set by fragments for all tests.
     pub const ANTUMBRA_FLAGS: Self =
         Self::new("antumbra_flags", "ours, with flags set by fragments for all tests")
@@ -70,7 +70,7 @@ impl Strategy {
             tests: Tests::None,
             is_exact: true,
             is_blocking: false,
-            can_neglect: false,
+            has_sample_threshold: false,
             needs_still_scene: false,
         }
     }
@@ -93,8 +93,8 @@ impl Strategy {
 
     /// Returns the same strategy, which can have a threshold.
     #[must_use]
-    pub const fn neglecting(self) -> Self {
-        Self { can_neglect: true, ..self }
+    pub const fn with_sample_threshold(self) -> Self {
+        Self { has_sample_threshold: true, ..self }
     }
 
     /// Returns the same strategy, which draws objects that were found beforehand.
@@ -117,9 +117,9 @@ impl Strategy {
 
     /// Returns true if it never misses an object that owns a pixel, and has the image of plain
     /// frustum culling, as long as no option gives that up: a threshold where it [can have
-    /// one](Strategy::can_neglect), and [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of
-    /// coherent hierarchical culling, under which some devices choose another of two faces of equal
-    /// depth.
+    /// one](Strategy::has_sample_threshold), and
+    /// [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of coherent hierarchical culling,
+    /// under which some devices choose another of two faces of equal depth.
     #[must_use]
     pub const fn is_exact(self) -> bool {
         self.is_exact
@@ -136,8 +136,8 @@ impl Strategy {
     /// ([`Culler::set_sample_threshold`](crate::Culler::set_sample_threshold),
     /// [`CoherentOptions`](crate::CoherentOptions)).
     #[must_use]
-    pub const fn can_neglect(self) -> bool {
-        self.can_neglect
+    pub const fn has_sample_threshold(self) -> bool {
+        self.has_sample_threshold
     }
 
     /// Returns true if it draws objects that were found beforehand, in a scene that does not

@@ -184,7 +184,7 @@ impl Walk<'_> {
                 // Not where that was tried and showed: it would again.
                 let is_worth_it =
                     self.coarseness > 0 && (record.stable_queries == 0 || record.due <= self.now);
-                let hidden = self.parts_hidden_since(visit).filter(|_| is_worth_it);
+                let hidden = self.children_hidden_since(visit).filter(|_| is_worth_it);
                 let is_closed =
                     hidden.is_some_and(|since| self.may_share(visit, self.now.since(since)));
                 if is_closed { NodeDecision::Test(proxy) } else { NodeDecision::Open(Some(proxy)) }
@@ -251,9 +251,9 @@ impl Walk<'_> {
         let (Some(proxy), true) = (proxy, is_due) else {
             return;
         };
-        let hidden = self.parts_hidden_since(visit);
-        let is_probe = hidden.is_some_and(|since| self.may_share(visit, self.now.since(since)));
-        if is_probe {
+        let hidden = self.children_hidden_since(visit);
+        let is_pull_up = hidden.is_some_and(|since| self.may_share(visit, self.now.since(since)));
+        if is_pull_up {
             scratch.tests.push(Candidate {
                 node: visit.node,
                 kind: QueryKind::PullUpQuery,
@@ -267,7 +267,7 @@ impl Walk<'_> {
 
     /// Returns the frame since which every part of a node that is in the frustum is hidden; `None`
     /// if one is not, or none is there.
-    fn parts_hidden_since(&self, visit: &Visit) -> Option<FrameStamp> {
+    fn children_hidden_since(&self, visit: &Visit) -> Option<FrameStamp> {
         let mut since = None;
         for child in self.hierarchy.children(NodeId(visit.node))? {
             let record = self.record(child.0);

@@ -98,9 +98,9 @@ fn check_books(talk: &Talk, stats: &BlockingStats, context: &str) {
     let asked: Vec<u32> = talk.asked.iter().map(|(token, _)| token.0).collect();
     let mut in_order = asked.clone();
     in_order.sort();
-    assert_eq!(asked.len(), (stats.boxes + stats.own_draws) as usize, "{context}");
+    assert_eq!(asked.len(), (stats.boxes + stats.visible_draw_queries) as usize, "{context}");
     assert!((0..).zip(&in_order).all(|(number, token)| number == *token), "{context}: {asked:?}");
-    assert!(stats.waits <= stats.boxes + stats.own_draws, "{context}: {stats:?}");
+    assert!(stats.waits <= stats.boxes + stats.visible_draw_queries, "{context}: {stats:?}");
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn each_method_costs_what_it_is_known_for() {
     assert_eq!(sum(stop, |it| it.waits), sum(stop, |it| it.boxes), "a wait a node");
     assert!(sum(batched, |it| it.waits) <= 2 * batched.len() as u32, "a wait for all");
     assert!(sum(coherent, |it| it.waits) * 8 < sum(stop, |it| it.waits), "{coherent:?} {stop:?}");
-    let asked = |it: &BlockingStats| it.boxes + it.own_draws;
+    let asked = |it: &BlockingStats| it.boxes + it.visible_draw_queries;
     assert!(sum(coherent, asked) * 2 < sum(stop, asked), "visible inner nodes are not asked");
     assert!(sum(stop, asked) < sum(naive, asked), "hidden nodes are asked as one");
     assert!(sum(batched, |it| it.draws) > sum(naive, |it| it.draws), "tests cannot profit");
@@ -188,8 +188,9 @@ fn what_is_assumed_visible_is_not_asked_about() {
         stroll(BlockingKind::Coherent, options, Trouble::default())
     };
     let [never, three] = [walk(0), walk(3)];
-    let own_draws = |frames: &[BlockingStats]| sum(&frames[5..], |it| it.own_draws);
-    assert!(own_draws(&three) * 3 < own_draws(&never), "{never:?} {three:?}");
+    let visible_draw_queries =
+        |frames: &[BlockingStats]| sum(&frames[5..], |it| it.visible_draw_queries);
+    assert!(visible_draw_queries(&three) * 3 < visible_draw_queries(&never), "{never:?} {three:?}");
     assert!(sum(&three, |it| it.draws) >= sum(&never, |it| it.draws));
 }
 

@@ -28,13 +28,13 @@ impl Mishaps {
     }
 }
 
-/// The memory of a frame that is executed: its tests, and the words that they left.
+/// The memory of a frame that is executed: its tests, and the values that they left.
 struct Written {
     frame: (FrameId, Generation),
     queries: Vec<(PendingTest<()>, u32)>,
     tests: Vec<PendingTest<()>>,
-    /// One word per test; the word of a test that shares another's proxy is never written.
-    words: Vec<u32>,
+    /// One value per test; the value of a test that shares another's proxy is never written.
+    values: Vec<u32>,
     /// The leaves that showed where they were tested one by one.
     leaves: Vec<u32>,
     /// The truth about each test: true if its node showed, or one of its leaves where it shares
@@ -49,7 +49,7 @@ impl Written {
             frame: (plan.frame, hierarchy.generation()),
             queries: Vec::new(),
             tests: plan.tests.iter().map(pending).collect(),
-            words: Vec::new(),
+            values: Vec::new(),
             leaves: Vec::new(),
             showed: Vec::new(),
         }
@@ -61,13 +61,13 @@ impl Written {
         for (test, samples) in &self.queries {
             reader.read_query(test, *samples);
         }
-        for (test, samples) in self.tests.iter().zip(&self.words) {
+        for (test, samples) in self.tests.iter().zip(&self.values) {
             if test.tester == Tester::Query {
                 reader.read_query(test, *samples);
             }
         }
-        reader.read_flags(&self.tests, &self.words);
-        reader.read_computed(&self.tests, &self.words);
+        reader.read_flags(&self.tests, &self.values);
+        reader.read_computed(&self.tests, &self.values);
         let list = match self.leaves.len() > listed {
             true => LeafList::TooMany,
             false => LeafList::These(&self.leaves),
@@ -115,7 +115,7 @@ pub struct Device {
     /// The number of samples up to which a test counts as hidden.
     pub threshold_samples: u32,
     /// The leaves that the last frame left out because of it, and the samples that showed.
-    pub neglected: Vec<(LeafRange, u32)>,
+    pub below_threshold: Vec<(LeafRange, u32)>,
     mishaps: Mishaps,
     random: Random,
     sub_pixel_step: f64,
@@ -131,7 +131,7 @@ impl Device {
             image: Image::new(size),
             drawn: Vec::new(),
             threshold_samples: 0,
-            neglected: Vec::new(),
+            below_threshold: Vec::new(),
             mishaps,
             random: Random::new(seed),
             sub_pixel_step: 0.5_f64.powi(sub_pixel_bits as i32),
@@ -188,7 +188,7 @@ impl Device {
     ) {
         self.image.clear();
         self.drawn.clear();
-        self.neglected.clear();
+        self.below_threshold.clear();
         let mut written = Written::new(plan, hierarchy);
         let mut drawn = 0;
         for ((leaf, tag), after) in plan.queried_draws.iter().zip(&plan.queried_after) {
@@ -204,18 +204,18 @@ impl Device {
         }
         for round in &plan.rounds {
             let tests = &plan.tests[round.clone()];
-            written.words.extend(tests.iter().map(|test| match test.tester {
+            written.values.extend(tests.iter().map(|test| match test.tester {
                 Tester::SharedProxy(_) => 0,
                 _ => self.test(view, (test.tag.node, &test.bounds)),
             }));
             for (number, test) in round.clone().zip(tests) {
                 let samples = match test.tester {
-                    Tester::SharedProxy(front) => written.words[front as usize],
-                    _ => written.words[number],
+                    Tester::SharedProxy(front) => written.values[front as usize],
+                    _ => written.values[number],
                 };
                 if samples <= self.threshold_samples {
                     written.showed.push(samples > 0);
-                    self.neglected.extend((samples > 0).then_some((test.leaves, samples)));
+                    self.below_threshold.extend((samples > 0).then_some((test.leaves, samples)));
                     continue;
                 }
                 let leaves = match test.tag.kind {

@@ -76,7 +76,7 @@ impl World {
         let testers = TesterSupport {
             flags: self.random.chance(0.5),
             compute: self.random.chance(0.5),
-            parts: self.random.chance(0.6),
+            leaf_tests: self.random.chance(0.6),
         };
         let ours = [Strategy::ANTUMBRA, Strategy::ANTUMBRA_COMPUTE][self.random.below(2)];
         for strategy in [Strategy::FRUSTUM, ours] {

@@ -25,8 +25,8 @@ fn camera(frame: usize) -> Camera {
 /// says so.
 #[test]
 fn every_object_was_drawn_as_explained() {
-    let parts = TesterSupport { flags: true, compute: false, parts: true };
-    for testers in [TesterSupport::default(), parts] {
+    let leaf_tests = TesterSupport { flags: true, compute: false, leaf_tests: true };
+    for testers in [TesterSupport::default(), leaf_tests] {
         let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
         walk.culler = Culler::with_testers(CullConfig::default(), testers);
         let seen = explain_walk(&mut walk);

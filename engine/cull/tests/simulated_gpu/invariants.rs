@@ -36,7 +36,9 @@ pub fn check(
         return Err(format!("rounds {:?} of {}", plan.rounds, plan.tests.len()));
     }
     let stats = &plan.stats;
-    if (stats.frontier + stats.probes + stats.own_boxes) as usize != plan.tests.len() {
+    if (stats.frontier + stats.pull_up_queries + stats.visible_box_queries) as usize
+        != plan.tests.len()
+    {
         return Err(format!("{stats:?} of {} tests", plan.tests.len()));
     }
     if strategy == Strategy::FRUSTUM && plan.query_count() > 0 {

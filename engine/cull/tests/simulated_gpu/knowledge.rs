@@ -170,20 +170,20 @@ fn visibility_is_pulled_up() {
 }
 
 #[test]
-fn hidden_siblings_are_probed_before_they_share_a_query() {
+fn hidden_siblings_are_tested_together_before_they_share_a_query() {
     let (mut culler, hierarchy, mut tags) = pair();
     let root = hierarchy.root().unwrap();
-    let mut probed = None;
+    let mut pulled_up = None;
     for _ in 0..60 {
         let answers = tags.iter().map(|tag| Answer { tag: *tag, samples: 0 });
         culler.ingest(&hierarchy, answers.collect::<Vec<_>>());
         tags = frame(&mut culler, &hierarchy);
         if tags.iter().any(|tag| tag.kind == QueryKind::PullUpQuery) {
-            assert_eq!(tags.len(), 3, "the parts are tested beside the probe");
-            probed = probed.or(Some(culler.frame()));
+            assert_eq!(tags.len(), 3, "the parts are tested beside the pull-up query");
+            pulled_up = pulled_up.or(Some(culler.frame()));
         }
     }
-    assert!(probed.is_some());
+    assert!(pulled_up.is_some());
     assert_eq!(culler.state(root), NodeState::Hidden);
     assert_eq!((tags.len(), tags[0].node), (1, root), "one query for both");
 }
@@ -203,7 +203,7 @@ fn a_loose_proxy_backs_off() {
     let (mut culler, hierarchy, mut tags) = pair();
     let leaf = hierarchy.node_of(ObjectId(0)).unwrap();
     // The proxy always shows, the object never does.
-    let mut own_draws = 0;
+    let mut visible_draw_queries = 0;
     let camera = Camera { eye: Vec3::ZERO, ..STREET };
     let view = View::new(&camera, SIZE, 8);
     let mut plan = FramePlan::default();
@@ -216,12 +216,15 @@ fn a_loose_proxy_backs_off() {
         culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, BUDGET, &mut plan);
         let queried = plan.queried_draws.iter().map(|(_, tag)| *tag);
         tags = plan.tests.iter().map(|test| test.tag).chain(queried).collect();
-        own_draws += tags
+        visible_draw_queries += tags
             .iter()
             .filter(|tag| tag.kind == QueryKind::VisibleDrawQuery && tag.node == leaf)
             .count();
     }
-    assert!((5..25).contains(&own_draws), "{own_draws} own-draw tests in 1000 frames");
+    assert!(
+        (5..25).contains(&visible_draw_queries),
+        "{visible_draw_queries} tests of visible draws in 1000 frames"
+    );
 }
 
 #[test]

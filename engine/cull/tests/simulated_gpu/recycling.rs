@@ -267,7 +267,7 @@ fn coherent_knows_nothing_of_who_comes_under_an_old_id() {
             let tokens = batch.tests.iter().map(|test| test.token).chain(drawn);
             answers = tokens.map(|token| TestAnswer { token, samples: 9 }).collect();
         }
-        conversation.stats().boxes + conversation.stats().own_draws
+        conversation.stats().boxes + conversation.stats().visible_draw_queries
     };
     tests(&hierarchy);
     assert_eq!(tests(&hierarchy), 0, "what was seen is assumed to be visible");

@@ -37,7 +37,7 @@ fn a_still_camera_comes_to_rest() {
         let first = walk.plan.stats.frontier;
         walk.steps(&STREET, 300);
         let mut before = essence(&walk);
-        let (mut changed, mut queried, mut probes) = (0, 0, 0);
+        let (mut changed, mut queried, mut pull_ups) = (0, 0, 0);
         let mut drawn = BTreeSet::new();
         let frames = 256;
         for _ in 0..frames {
@@ -46,14 +46,14 @@ fn a_still_camera_comes_to_rest() {
             changed += before.0.symmetric_difference(&now.0).count()
                 + before.1.symmetric_difference(&now.1).count();
             queried += walk.plan.queried_draws.len();
-            probes += walk.plan.stats.probes;
+            pull_ups += walk.plan.stats.pull_up_queries;
             drawn.insert(walk.device.drawn.len());
             before = now;
         }
         let stats = walk.plan.stats;
         let report = format!(
             "latency {latency}, {count} objects, frontier {first} at first, then {stats:?}; \
-             {changed} changes, {queried} own draws, {probes} probes in {frames} frames, \
+             {changed} changes, {queried} own draws, {pull_ups} pull-ups in {frames} frames, \
              drawn {drawn:?}"
         );
         assert_eq!(drawn.len(), 1, "what is drawn does not change: {report}");
@@ -61,8 +61,9 @@ fn a_still_camera_comes_to_rest() {
         assert!(stats.frontier < first && stats.unknown == 0, "{report}");
         // The rest of the changes: leaves whose boxes show while they do not, now and then.
         assert!(changed < frames, "{report}");
-        // Own draws are tested at half to all of the longest interval, probes now and then.
+        // Own draws are tested at half to all of the longest interval, pull-up queries now and
+        // then.
         let scheduled = frames * stats.visible as usize / 8;
-        assert!(queried + (probes as usize) < scheduled, "{report}");
+        assert!(queried + (pull_ups as usize) < scheduled, "{report}");
     }
 }

@@ -23,7 +23,7 @@ const SUB_PIXEL_BITS: u32 = 8;
 struct Found {
     drawn: usize,
     pixels_wrong: usize,
-    neglected: u64,
+    below_threshold: u64,
 }
 
 /// Counts the pixels of the whole image in which some of these objects is the nearest.
@@ -50,7 +50,7 @@ fn walk(seed: u64, threshold_samples: u32) -> Found {
     let calm = Mishaps::none(1 + seed % 4);
     let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, ..calm };
     let mishaps = if random.chance(0.5) { rough } else { calm };
-    let testers = TesterSupport { parts: random.chance(0.5), ..TesterSupport::default() };
+    let testers = TesterSupport { leaf_tests: random.chance(0.5), ..TesterSupport::default() };
     let mut culler = Culler::with_testers(CullConfig { seed, ..CullConfig::default() }, testers);
     culler.set_sample_threshold(threshold_samples);
     let mut device = Device::new(SIZE, SUB_PIXEL_BITS, mishaps, seed);
@@ -70,19 +70,23 @@ fn walk(seed: u64, threshold_samples: u32) -> Found {
         culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, 10_000, &mut plan);
         device.execute(&view, &hierarchy, &solids, &plan);
         let context = format!("seed {seed}, frame {frame}, threshold {threshold_samples}");
-        for (leaves, samples) in &device.neglected {
+        for (leaves, samples) in &device.below_threshold {
             let objects = &hierarchy.leaf_objects()[leaves.indices()];
             let objects = objects.iter().map(|object| object.0 as usize);
             let lost = owned(&view, &scene, &truth, objects);
             assert!(lost <= *samples && *samples <= threshold_samples, "{context}: {lost}");
         }
-        let neglected: u64 = device.neglected.iter().map(|(_, samples)| u64::from(*samples)).sum();
+        let below_threshold: u64 =
+            device.below_threshold.iter().map(|(_, samples)| u64::from(*samples)).sum();
         let pixels = device.image.depths.iter().zip(&truth.depths);
         let wrong = pixels.filter(|(ours, all)| ours != all).count();
-        assert!(wrong as u64 <= neglected, "{context}: {wrong} wrong, {neglected} neglected");
+        assert!(
+            wrong as u64 <= below_threshold,
+            "{context}: {wrong} wrong, {below_threshold} below the threshold"
+        );
         found.drawn += device.drawn.len();
         found.pixels_wrong += wrong;
-        found.neglected += neglected;
+        found.below_threshold += below_threshold;
     }
     found
 }
@@ -93,11 +97,11 @@ fn what_is_missing_showed_no_more_than_the_threshold() {
         (0..SCENES).map(|seed| walk(seed, threshold)).fold(Found::default(), |sum, found| Found {
             drawn: sum.drawn + found.drawn,
             pixels_wrong: sum.pixels_wrong + found.pixels_wrong,
-            neglected: sum.neglected + found.neglected,
+            below_threshold: sum.below_threshold + found.below_threshold,
         })
     });
     println!("{exact:?} {few:?} {many:?}");
-    assert_eq!((exact.pixels_wrong, exact.neglected), (0, 0));
+    assert_eq!((exact.pixels_wrong, exact.below_threshold), (0, 0));
     assert!(few.pixels_wrong > 0 && few.pixels_wrong < many.pixels_wrong, "{few:?} {many:?}");
     assert!(many.drawn < few.drawn && few.drawn < exact.drawn, "{exact:?} {few:?} {many:?}");
 }

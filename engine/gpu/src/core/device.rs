@@ -258,9 +258,9 @@ impl Device {
 
     /// Takes the payload of a dropped object. Commands being recorded may still use it, so it is
     /// freed when all of them are over, or given up.
-    pub(crate) fn retire(&self, garbage: Retired) {
+    pub(crate) fn retire(&self, retired: Retired) {
         let mut deletion = lock(&self.shared.deletion);
-        deletion.retire(self.submitted(), garbage);
+        deletion.retire(self.submitted(), retired);
     }
 
     /// Begins to record commands, which keep alive all that is dropped before the guard is dropped.
@@ -272,8 +272,8 @@ impl Device {
     pub(crate) fn free_retired(&self) -> Result<(), Error> {
         let completed = self.completed()?;
         let mut deletion = lock(&self.shared.deletion);
-        while let Some(garbage) = deletion.pop_over(completed) {
-            self.shared.destroy(garbage);
+        while let Some(retired) = deletion.pop_over(completed) {
+            self.shared.destroy(retired);
         }
         Ok(())
     }

@@ -47,7 +47,7 @@ impl DeviceShared {
     }
 
     /// Destroys the payload of a dropped object that nothing uses any more.
-    pub(super) fn destroy(&self, garbage: Retired) {
+    pub(super) fn destroy(&self, retired: Retired) {
         let free = |allocation| {
             if let Some(allocator) = lock(&self.allocator).as_mut()
                 && let Err(error) = allocator.free(allocation)
@@ -58,7 +58,7 @@ impl DeviceShared {
         // SAFETY: the deletion queue hands a payload out once, after the last submit that could
         // use it is over; it was made from this device.
         unsafe {
-            match garbage {
+            match retired {
                 Retired::Buffer(buffer, allocation) => {
                     self.raw.destroy_buffer(buffer, None);
                     free(allocation);
@@ -102,9 +102,9 @@ impl Drop for DeviceShared {
         }
         loop {
             // No recording is open: each holds the device.
-            let retired = lock(&self.deletion).pop_over(newest);
-            let Some(garbage) = retired else { break };
-            self.destroy(garbage);
+            let popped = lock(&self.deletion).pop_over(newest);
+            let Some(retired) = popped else { break };
+            self.destroy(retired);
         }
         self.pipeline_cache.save_and_destroy(&self.raw);
         if let Some(allocator) = lock(&self.allocator).take() {

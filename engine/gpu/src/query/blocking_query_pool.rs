@@ -15,7 +15,7 @@ use crate::core::ownership::of_device;
 use crate::memory::buffer::{Buffer, MemoryKind};
 use crate::query::occlusion_pool::{Counting, OcclusionPool, QueryIndex, check_recorded};
 use crate::query::recorded_queries::RecordedQueries;
-use crate::query::result_buffer::WORD_BYTES;
+use crate::query::result_buffer::RESULT_BYTES;
 use crate::query::ring::Ring;
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;
@@ -113,7 +113,7 @@ impl BlockingQueryPool {
             let last = queries.end.min((first / PAGE + 1) * PAGE);
             let Some(page) = self.page(first) else { break };
             let (start, count) = (first % PAGE, last - first);
-            let bytes = |words: u32| u64::from(words) * WORD_BYTES;
+            let bytes = |results: u32| u64::from(results) * RESULT_BYTES;
             let to = page.mapped.whole().part(bytes(start), bytes(count));
             page.pool.copy_results(commands, start..start + count, to);
             first = last;
@@ -126,9 +126,10 @@ impl BlockingQueryPool {
     /// Returns the result of `query`, once the tick of its piece is over; 0 for one that was never
     /// taken.
     pub fn samples(&self, query: QueryIndex) -> u32 {
-        let word = (query.0 % PAGE) as usize;
-        let words = self.page(query.0).map_or(&[][..], |page| page.mapped.read(word..word + 1));
-        words.first().copied().unwrap_or(0)
+        let result = (query.0 % PAGE) as usize;
+        let results =
+            self.page(query.0).map_or(&[][..], |page| page.mapped.read(result..result + 1));
+        results.first().copied().unwrap_or(0)
     }
 
     fn page(&self, query: u32) -> Option<&Page> {
@@ -140,7 +141,7 @@ impl BlockingQueryPool {
 impl Page {
     fn new(device: &Device, name: &str) -> Result<Self, Error> {
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
-        let size_bytes = u64::from(PAGE) * WORD_BYTES;
+        let size_bytes = u64::from(PAGE) * RESULT_BYTES;
         let mapped = Buffer::new(device, name, size_bytes, usage, MemoryKind::ReadBack)?;
         Ok(Self { pool: OcclusionPool::new(device, PAGE, name)?, mapped })
     }

@@ -1,8 +1,8 @@
-//! The flag ring: words that shaders set, over N frames in flight, read back like query results.
+//! The flag ring: results that shaders set, over N frames in flight, read back like query results.
 //!
 //! A flag is to a shader's store what a query is to the rasteriser's counter: zero until something
-//! is visible. A slot belongs to one frame until its tick is over; the words are read by predicates
-//! in the same frame and copied to mapped memory at its end.
+//! is visible. A slot belongs to one frame until its tick is over; the results are read by
+//! predicates in the same frame and copied to mapped memory at its end.
 
 use crate::core::device::Device;
 use crate::core::error::Error;
@@ -15,8 +15,8 @@ use crate::query::ring::Ring;
 use crate::record::commands::Commands;
 use crate::record::frames::Frame;
 
-/// A ring of flags over the frames in flight. Each carries a tag `T` and returns it with its word;
-/// the ring does not look into it.
+/// A ring of flags over the frames in flight. Each carries a tag `T` and returns it with its
+/// result; the ring does not look into it.
 pub struct FlagRing<T> {
     device: Device,
     ring: Ring<T, Option<ResultBuffer>>,
@@ -33,18 +33,18 @@ impl<T> OfDevice for FlagRing<T> {
 }
 
 impl<T: Copy> FlagRing<T> {
-    /// Creates a ring for `frames_in_flight` frames whose words `source` writes.
+    /// Creates a ring for `frames_in_flight` frames whose results `source` writes.
     pub fn new(device: &Device, frames_in_flight: usize, source: ResultSource, name: &str) -> Self {
         let (device, ring) = (device.clone(), Ring::new(frames_in_flight));
         Self { device, ring, source, name: name.to_owned() }
     }
 
-    /// Gives `answer` the tags and words of every frame that is over, oldest first. `completed` is
-    /// [`Device::completed`]. Never waits.
+    /// Gives `answer` the tags and results of every frame that is over, oldest first. `completed`
+    /// is [`Device::completed`]. Never waits.
     pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(&[T], &[u32])) {
         self.ring.collect(self.device.proven(completed), |slot| {
-            if let Some(words) = &slot.memory {
-                answer(&slot.tags, words.read(slot.tags.len()));
+            if let Some(results) = &slot.memory {
+                answer(&slot.tags, results.read(slot.tags.len()));
             }
         });
     }
@@ -67,31 +67,31 @@ impl<T: Copy> FlagRing<T> {
         if wanted == 0 {
             return Ok(());
         }
-        if slot.memory.as_ref().is_none_or(|words| !words.holds(wanted)) {
+        if slot.memory.as_ref().is_none_or(|results| !results.holds(wanted)) {
             let name = format!("{} {}", self.name, slot.number);
             slot.memory = None; // retired: the slot's own tick is over
             slot.memory =
                 Some(ResultBuffer::new(&self.device, &name, ResultBuffer::roomy(wanted))?);
         }
-        if let Some(words) = &slot.memory {
-            frame.commands().fill(words.first(wanted), 0);
+        if let Some(results) = &slot.memory {
+            frame.commands().fill(results.first(wanted), 0);
         }
         Ok(())
     }
 
-    /// Returns the words that shaders set, one per tag of the frame being recorded; none without
+    /// Returns the results that shaders set, one per tag of the frame being recorded; none without
     /// tags.
-    pub fn words(&self) -> Option<BufferSlice> {
+    pub fn results(&self) -> Option<BufferSlice> {
         let slot = self.ring.current();
-        let words = slot.memory.as_ref().filter(|_| !slot.tags.is_empty())?;
-        Some(words.first(slot.tags.len()))
+        let results = slot.memory.as_ref().filter(|_| !slot.tags.is_empty())?;
+        Some(results.first(slot.tags.len()))
     }
 
-    /// Copies all words to mapped memory for [`FlagRing::collect`]. The last use in a frame.
+    /// Copies all results to mapped memory for [`FlagRing::collect`]. The last use in a frame.
     pub fn read_back(&self, commands: &Commands) {
         let slot = self.ring.current();
-        if let (Ok(()), Some(words)) = (commands.admit(self), &slot.memory) {
-            words.read_back(commands, slot.tags.len(), &[self.source.access()]);
+        if let (Ok(()), Some(results)) = (commands.admit(self), &slot.memory) {
+            results.read_back(commands, slot.tags.len(), &[self.source.access()]);
         }
     }
 

@@ -132,7 +132,7 @@ impl<T: Copy> LeafDrawRing<T> {
     }
 
     /// Returns the buffers of the frame being recorded, if it has ranges to test.
-    pub fn parts(&self) -> Option<LeafDrawBuffers> {
+    pub fn buffers(&self) -> Option<LeafDrawBuffers> {
         let memory = self.recorded()?;
         Some(LeafDrawBuffers { draws: memory.draws.whole(), list: memory.list.whole() })
     }
@@ -214,8 +214,8 @@ impl PartMemory {
     /// tick is over, so the list is there, collected or not.
     fn forget_switched_on(&mut self) {
         if !self.tested.is_empty() {
-            let words = self.list.read(LISTED_DRAWS + 1);
-            match enabled(words) {
+            let listed = self.list.read(LISTED_DRAWS + 1);
+            match enabled(listed) {
                 EnabledDraws::These(numbers) => {
                     let ranges = numbers.iter().map(|first| DrawRange { first: *first, count: 1 });
                     self.changed.extend(ranges);

@@ -10,7 +10,7 @@ use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::memory::buffer::BufferSlice;
 use crate::query::recorded_queries::RecordedQueries;
-use crate::query::result_buffer::WORD_BYTES;
+use crate::query::result_buffer::RESULT_BYTES;
 use crate::record::commands::{Commands, Failure};
 
 /// A query of the frame being recorded.
@@ -84,13 +84,13 @@ impl OcclusionPool {
         unsafe { raw.cmd_end_query(commands.raw(), self.raw, query) };
     }
 
-    /// Copies the results of `queries`, all of which were recorded, on the GPU to `to`, one word
+    /// Copies the results of `queries`, all of which were recorded, on the GPU to `to`, one result
     /// each. Outside of rendering.
     pub(crate) fn copy_results(&self, commands: &Commands, queries: Range<u32>, to: BufferSlice) {
         // WAIT is the GPU's own wait for its earlier commands, not the CPU's.
         let flags = vk::QueryResultFlags::WAIT;
-        // SAFETY: the queries were begun and ended earlier in this frame; the slice has a word for
-        // each.
+        // SAFETY: the queries were begun and ended earlier in this frame; the slice has a result
+        // for each.
         unsafe {
             self.device.raw().cmd_copy_query_pool_results(
                 commands.raw(),
@@ -99,7 +99,7 @@ impl OcclusionPool {
                 queries.end - queries.start,
                 to.raw,
                 to.offset_bytes,
-                WORD_BYTES,
+                RESULT_BYTES,
                 flags,
             );
         }

@@ -3,8 +3,8 @@
 //! A slot belongs to one frame until its tick is over. While the frame runs, the GPU itself copies
 //! the results: to a buffer that predicates read in the same frame, and from there to mapped
 //! memory, where the CPU picks them up in a later frame (GPU Gems, 29.4; GPU Gems 2, 6.4). The
-//! results are believed because of the tick, not because of an availability word: SwiftShader may
-//! write that word too early.
+//! results are believed because of the tick, not because of an availability value: SwiftShader may
+//! write that value too early.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::core::tick::Tick;
 use crate::memory::buffer::BufferSlice;
 use crate::query::occlusion_pool::{Counting, OcclusionPool, QueryIndex, check_recorded};
 use crate::query::recorded_queries::RecordedQueries;
-use crate::query::result_buffer::{ResultBuffer, WORD_BYTES};
+use crate::query::result_buffer::{RESULT_BYTES, ResultBuffer};
 use crate::query::ring::Ring;
 use crate::record::access::Access;
 use crate::record::commands::Commands;
@@ -115,9 +115,9 @@ impl<T: Copy> QueryRing<T> {
         }
     }
 
-    /// Copies the results of queries `range` on the GPU to [`QueryRing::results`], one 32-bit word
-    /// each. Outside of rendering; the recording fails unless all of them were recorded. A barrier
-    /// from [`Access::CopyWrite`] to the use must follow.
+    /// Copies the results of queries `range` on the GPU to [`QueryRing::results`], one 32-bit
+    /// result each. Outside of rendering; the recording fails unless all of them were recorded. A
+    /// barrier from [`Access::CopyWrite`] to the use must follow.
     pub fn resolve(&self, commands: &Commands, range: Range<u32>) {
         let Some(queries) = self.begun(commands) else {
             return;
@@ -127,17 +127,17 @@ impl<T: Copy> QueryRing<T> {
             return;
         }
         let (offset, size) = (u64::from(range.start), u64::from(range.end - range.start));
-        let to = queries.results.whole().part(offset * WORD_BYTES, size * WORD_BYTES);
+        let to = queries.results.whole().part(offset * RESULT_BYTES, size * RESULT_BYTES);
         queries.pool.copy_results(commands, range, to);
     }
 
-    /// Returns the words that [`QueryRing::resolve`] writes, for predicates.
+    /// Returns the results that [`QueryRing::resolve`] writes, for predicates.
     pub fn results(&self) -> Option<BufferSlice> {
         let queries = self.ring.current().memory.as_ref()?;
         Some(queries.results.whole())
     }
 
-    /// Copies all words to mapped memory for [`QueryRing::collect`]. The last use in a frame.
+    /// Copies all results to mapped memory for [`QueryRing::collect`]. The last use in a frame.
     pub fn read_back(&self, commands: &Commands) {
         let slot = self.ring.current();
         if let (Some(queries), Ok(())) = (&slot.memory, commands.admit(self)) {

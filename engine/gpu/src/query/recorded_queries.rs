@@ -7,21 +7,21 @@ use std::ops::Range;
 /// The queries of the frame being recorded, numbered from 0.
 #[derive(Debug, Default)]
 pub(crate) struct RecordedQueries {
-    words: Vec<Cell<u64>>,
+    blocks: Vec<Cell<u64>>,
     count: u32,
 }
 
 impl RecordedQueries {
     /// Restarts with `count` queries, none of them recorded.
     pub(crate) fn restart(&mut self, count: u32) {
-        self.words.clear();
+        self.blocks.clear();
         self.grow(count);
     }
 
     /// Goes on with `count` queries in all.
     pub(crate) fn grow(&mut self, count: u32) {
         self.count = count;
-        self.words.resize_with(count.div_ceil(u64::BITS) as usize, Cell::default);
+        self.blocks.resize_with(count.div_ceil(u64::BITS) as usize, Cell::default);
     }
 
     pub(crate) fn count(&self) -> u32 {
@@ -30,18 +30,18 @@ impl RecordedQueries {
 
     /// Notes that `query` is recorded; returns false if it was recorded before or does not exist.
     pub(crate) fn note(&self, query: u32) -> bool {
-        let word = self.words.get((query / u64::BITS) as usize).filter(|_| query < self.count);
-        let Some(word) = word else { return false };
+        let block = self.blocks.get((query / u64::BITS) as usize).filter(|_| query < self.count);
+        let Some(block) = block else { return false };
         let bit = 1 << (query % u64::BITS);
-        let before = word.replace(word.get() | bit);
+        let before = block.replace(block.get() | bit);
         before & bit == 0
     }
 
     /// Returns true if all of `queries` were recorded.
     pub(crate) fn has_all(&self, mut queries: Range<u32>) -> bool {
         queries.all(|query| {
-            let word = self.words.get((query / u64::BITS) as usize).map_or(0, Cell::get);
-            word & (1 << (query % u64::BITS)) != 0
+            let block = self.blocks.get((query / u64::BITS) as usize).map_or(0, Cell::get);
+            block & (1 << (query % u64::BITS)) != 0
         })
     }
 }

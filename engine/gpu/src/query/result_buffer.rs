@@ -1,5 +1,5 @@
-//! Words that the GPU writes for the predicates of the same frame, with a copy in mapped memory for
-//! the CPU when the frame is over.
+//! Results that the GPU writes for the predicates of the same frame, with a copy in mapped memory
+//! for the CPU when the frame is over.
 
 use ash::vk;
 
@@ -9,19 +9,19 @@ use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;
 
-/// The size of a word.
-pub(crate) const WORD_BYTES: u64 = 4;
-/// The smallest capacity: fewer words are not worth growing for.
+/// The size of a result.
+pub(crate) const RESULT_BYTES: u64 = 4;
+/// The smallest capacity: fewer results are not worth growing for.
 const FIRST_CAPACITY: usize = 256;
 
-/// The 32-bit words of one frame slot.
+/// The 32-bit results of one frame slot.
 pub(crate) struct ResultBuffer {
-    words: Buffer,
+    buffer: Buffer,
     mapped: Buffer,
 }
 
 impl ResultBuffer {
-    /// Creates room for exactly `count` words.
+    /// Creates room for exactly `count` results.
     pub(crate) fn new(device: &Device, name: &str, count: usize) -> Result<Self, Error> {
         let mut usage = vk::BufferUsageFlags::TRANSFER_DST
             | vk::BufferUsageFlags::TRANSFER_SRC
@@ -29,34 +29,35 @@ impl ResultBuffer {
         if device.conditional().is_some() {
             usage |= vk::BufferUsageFlags::CONDITIONAL_RENDERING_EXT;
         }
-        let (size_bytes, to_host) = (count as u64 * WORD_BYTES, vk::BufferUsageFlags::TRANSFER_DST);
+        let (size_bytes, to_host) =
+            (count as u64 * RESULT_BYTES, vk::BufferUsageFlags::TRANSFER_DST);
         let mapped = format!("{name} read back");
         Ok(Self {
-            words: Buffer::new(device, name, size_bytes, usage, MemoryKind::Device)?,
+            buffer: Buffer::new(device, name, size_bytes, usage, MemoryKind::Device)?,
             mapped: Buffer::new(device, &mapped, size_bytes, to_host, MemoryKind::ReadBack)?,
         })
     }
 
-    /// Returns the capacity for `wanted` words, with room to spare, so that slots grow seldom.
+    /// Returns the capacity for `wanted` results, with room to spare, so that slots grow seldom.
     pub(crate) fn roomy(wanted: usize) -> usize {
         wanted.max(FIRST_CAPACITY).next_power_of_two()
     }
 
-    /// Returns true if there is room for `count` words.
+    /// Returns true if there is room for `count` results.
     pub(crate) fn holds(&self, count: usize) -> bool {
-        self.words.size_bytes() >= count as u64 * WORD_BYTES
+        self.buffer.size_bytes() >= count as u64 * RESULT_BYTES
     }
 
     pub(crate) fn whole(&self) -> BufferSlice {
-        self.words.whole()
+        self.buffer.whole()
     }
 
-    /// Returns the first `count` words.
+    /// Returns the first `count` results.
     pub(crate) fn first(&self, count: usize) -> BufferSlice {
-        self.whole().part(0, count as u64 * WORD_BYTES)
+        self.whole().part(0, count as u64 * RESULT_BYTES)
     }
 
-    /// Copies the first `count` words to mapped memory, after the accesses `written`. Their last
+    /// Copies the first `count` results to mapped memory, after the accesses `written`. Their last
     /// use in a frame.
     pub(crate) fn read_back(&self, commands: &Commands, count: usize, written: &[Access]) {
         if count == 0 {
@@ -67,7 +68,7 @@ impl ResultBuffer {
         commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
     }
 
-    /// Returns the first `count` words of the frame that copied them last, which is over.
+    /// Returns the first `count` results of the frame that copied them last, which is over.
     pub(crate) fn read(&self, count: usize) -> &[u32] {
         self.mapped.read(0..count)
     }

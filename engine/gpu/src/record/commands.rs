@@ -259,8 +259,8 @@ impl Commands {
         unsafe { self.device.raw().cmd_set_scissor(self.raw, 0, &[area]) };
     }
 
-    /// Sets every 32-bit word of `slice` to `word`: an [`crate::Access::CopyWrite`].
-    pub fn fill(&self, slice: BufferSlice, word: u32) {
+    /// Sets every 32-bit value of `slice` to `value`: an [`crate::Access::CopyWrite`].
+    pub fn fill(&self, slice: BufferSlice, value: u32) {
         let size = slice.size_bytes & !3;
         if size > 0 && self.admit(&slice).is_ok() {
             // SAFETY: the slice lies in its buffer, which is a destination of transfers; slices
@@ -271,7 +271,7 @@ impl Commands {
                     slice.raw,
                     slice.offset_bytes,
                     size,
-                    word,
+                    value,
                 );
             }
         }

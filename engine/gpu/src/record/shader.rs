@@ -10,7 +10,7 @@ use crate::core::error::{Called, Error};
 pub struct Spirv {
     /// Its name, as the debugger shows it.
     pub name: String,
-    words: Vec<u32>,
+    code: Vec<u32>,
     /// Values of its specialisation constants, by id; the others keep the defaults of the source.
     constants: Vec<(u32, u32)>,
 }
@@ -23,20 +23,20 @@ impl Spirv {
     /// # Errors
     /// [`Error::NotSpirv`] for anything that does not look like it.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, Error> {
-        let words: Vec<u32> = bytes
+        let code: Vec<u32> = bytes
             .chunks_exact(4)
-            .map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+            .map(|it| u32::from_le_bytes([it[0], it[1], it[2], it[3]]))
             .collect();
         let whole = bytes.len().is_multiple_of(4);
-        if !whole || words.first() != Some(&SPIRV_MAGIC) || words.len() < 5 {
+        if !whole || code.first() != Some(&SPIRV_MAGIC) || code.len() < 5 {
             return Err(Error::NotSpirv { name: name.to_owned() });
         }
-        Ok(Self { name: name.to_owned(), words, constants: Vec::new() })
+        Ok(Self { name: name.to_owned(), code, constants: Vec::new() })
     }
 
     /// Returns its bytes, little-endian, as they are stored beside the GLSL.
     pub fn to_bytes(&self) -> Vec<u8> {
-        self.words.iter().flat_map(|word| word.to_le_bytes()).collect()
+        self.code.iter().flat_map(|value| value.to_le_bytes()).collect()
     }
 
     /// Returns the shader with these additional values for specialisation constants of 32 bits,
@@ -57,16 +57,16 @@ impl Spirv {
     ) -> Result<R, Error> {
         let values: Vec<u32> = self.constants.iter().map(|(_, value)| *value).collect();
         let entry = |(place, (id, _)): (usize, &(u32, u32))| {
-            let word = size_of::<u32>();
-            let offset = (place * word) as u32;
-            vk::SpecializationMapEntry { constant_id: *id, offset, size: word }
+            let size = size_of::<u32>();
+            let offset = (place * size) as u32;
+            vk::SpecializationMapEntry { constant_id: *id, offset, size }
         };
         let entries: Vec<_> = self.constants.iter().enumerate().map(entry).collect();
         let constants = vk::SpecializationInfo::default()
             .map_entries(&entries)
             .data(bytemuck::cast_slice(&values));
-        let info = vk::ShaderModuleCreateInfo::default().code(&self.words);
-        // SAFETY: the words start like SPIR-V; the validation layer checks the rest.
+        let info = vk::ShaderModuleCreateInfo::default().code(&self.code);
+        // SAFETY: the code starts like SPIR-V; the validation layer checks the rest.
         let module = unsafe { device.raw().create_shader_module(&info, None) }
             .called("vkCreateShaderModule")?;
         device.name(module, &self.name);

@@ -47,8 +47,8 @@ pub(super) struct Assembly<'a> {
     pub(super) cut_above: Option<usize>,
     /// The share of the nodes that is done, 0 to 1.
     pub(super) done: f32,
-    /// The listener, which may stop the loading.
-    pub(super) listener: &'a mut Telling<'a>,
+    /// The progress_fn, which may stop the loading.
+    pub(super) progress_fn: &'a mut Telling<'a>,
     /// The number of things placed since the last report.
     pub(super) untold: usize,
     /// The view for which points and lines are sized.
@@ -67,14 +67,14 @@ impl<'a> Assembly<'a> {
     /// Reports progress now and then; to be called for each thing that is placed.
     ///
     /// # Errors
-    /// The listener stopped the loading.
+    /// The progress function stopped the loading.
     pub(super) fn tell(&mut self) -> Result<(), ImportError> {
         self.untold += 1;
         if self.untold < TOLD_PARTS {
             return Ok(());
         }
         self.untold = 0;
-        (self.listener)(self.done)
+        (self.progress_fn)(self.done)
     }
 
     /// Returns true if clips turn the contents of a node inside out, and notes it.

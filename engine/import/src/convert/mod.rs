@@ -60,7 +60,7 @@ pub(crate) fn convert(
     mut source: Source,
     name: String,
     options: &LoadOptions,
-    teller: &mut ProgressSender<'_>,
+    progress_sender: &mut ProgressSender<'_>,
 ) -> Result<GltfScene, ImportError> {
     let mut notes = Notes::after(std::mem::take(&mut source.notes));
     let tree = Tree::of(&mut source, &mut notes)?;
@@ -86,7 +86,7 @@ pub(crate) fn convert(
         budget: Budget::new(&options.limits),
         cut_above: options.cut_above_triangles,
         done: 0.0,
-        listener: &mut |done| teller.tell(Stage::Meshes, done),
+        progress_fn: &mut |done| progress_sender.tell(Stage::Meshes, done),
         untold: assembly::TOLD_PARTS,
         sight,
         transparent_parts: 0,

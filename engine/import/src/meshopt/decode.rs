@@ -10,11 +10,11 @@ const ATTRIBUTES: [u8; 2] = [0xA0, 0xA1];
 const TRIANGLES: u8 = 0xE1;
 const INDICES: u8 = 0xD1;
 
-/// An element of so many words.
+/// An element of so many values.
 #[derive(Clone, Copy)]
-struct Words<const COUNT: usize>([u32; COUNT]);
+struct Values<const COUNT: usize>([u32; COUNT]);
 
-impl<const COUNT: usize> Default for Words<COUNT> {
+impl<const COUNT: usize> Default for Values<COUNT> {
     fn default() -> Self {
         Self([0; COUNT])
     }
@@ -26,7 +26,7 @@ pub(super) fn decode(view: &Compressed, encoded: &[u8]) -> Result<Vec<u8>, Reaso
     let (count, is_short) = (view.count, view.stride == 2);
     let decoded = match view.mode {
         Mode::Attributes(filter) => {
-            attributes(view, encoded).map(|words| filtered(words, filter, view.stride))
+            attributes(view, encoded).map(|values| filtered(values, filter, view.stride))
         }
         Mode::Triangles if is_short => {
             ::meshopt::decode_index_buffer::<u16>(encoded, count).map(bytes_of)
@@ -60,28 +60,28 @@ fn check_header(view: &Compressed, encoded: &[u8]) -> Result<(), Reason> {
 }
 
 fn attributes(view: &Compressed, encoded: &[u8]) -> ::meshopt::Result<Vec<u32>> {
-    macro_rules! by_words {
-        ($($words:literal)*) => {
+    macro_rules! by_values {
+        ($($values:literal)*) => {
             match view.stride / 4 {
-                $($words => decode_words::<$words>(encoded, view.count),)*
+                $($values => decode_values::<$values>(encoded, view.count),)*
                 _ => Ok(Vec::new()),
             }
         };
     }
-    by_words!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32
+    by_values!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32
         33 34 35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64)
 }
 
-fn decode_words<const COUNT: usize>(encoded: &[u8], count: usize) -> ::meshopt::Result<Vec<u32>> {
-    let elements = ::meshopt::decode_vertex_buffer::<Words<COUNT>>(encoded, count)?;
-    let mut words = Vec::with_capacity(count * COUNT);
-    elements.iter().for_each(|Words(element)| words.extend_from_slice(element));
-    Ok(words)
+fn decode_values<const COUNT: usize>(encoded: &[u8], count: usize) -> ::meshopt::Result<Vec<u32>> {
+    let elements = ::meshopt::decode_vertex_buffer::<Values<COUNT>>(encoded, count)?;
+    let mut values = Vec::with_capacity(count * COUNT);
+    elements.iter().for_each(|Values(element)| values.extend_from_slice(element));
+    Ok(values)
 }
 
 /// Returns the filtered elements of `stride` bytes.
-fn filtered(mut words: Vec<u32>, filter: Filter, stride: usize) -> Vec<u8> {
-    let list = words.as_mut_slice();
+fn filtered(mut values: Vec<u32>, filter: Filter, stride: usize) -> Vec<u8> {
+    let list = values.as_mut_slice();
     match (filter, stride) {
         (Filter::None, _) => {}
         (Filter::Octahedral, 4) => {
@@ -101,7 +101,7 @@ fn filtered(mut words: Vec<u32>, filter: Filter, stride: usize) -> Vec<u8> {
             ::meshopt::decode_filter_color::<u16>(bytemuck::cast_slice_mut(list));
         }
     }
-    bytes_of(words)
+    bytes_of(values)
 }
 
 fn bytes_of<T: bytemuck::Pod>(numbers: Vec<T>) -> Vec<u8> {

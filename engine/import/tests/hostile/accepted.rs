@@ -213,14 +213,14 @@ fn numbers_of_all_types_are_read_from_any_place() {
         .collect();
     let many = json!({ "componentType": F32, "type": "VEC3", "count": 1 << 20 });
     let many = scene.push("accessors", many);
-    let words = scene.numbers(U32, "SCALAR", 2, &[1, 0, 0, 0, 2, 0, 1, 0]);
-    primitives.push(json!({ "attributes": { "POSITION": many }, "indices": words }));
+    let values = scene.numbers(U32, "SCALAR", 2, &[1, 0, 0, 0, 2, 0, 1, 0]);
+    primitives.push(json!({ "attributes": { "POSITION": many }, "indices": values }));
     scene.set("/meshes/0/primitives", json!(primitives));
     let source = accept("numbers", scene.glb());
     for (accessor, values) in expected {
         assert_eq!(source.floats::<3>(accessor), Some(values), "accessor {accessor}");
     }
-    assert_eq!(source.integers::<1>(words), Some(vec![[1], [65_538]]));
+    assert_eq!(source.integers::<1>(values), Some(vec![[1], [65_538]]));
 }
 
 #[test]

@@ -149,24 +149,24 @@ fn filters_give_what_was_filtered() {
             "{numbers:?}"
         );
     };
-    let words = |bytes: Vec<u8>| -> Vec<i32> {
-        bytes.chunks(2).map(|word| i32::from(i16::from_le_bytes([word[0], word[1]]))).collect()
+    let values = |bytes: Vec<u8>| -> Vec<i32> {
+        bytes.chunks(2).map(|value| i32::from(i16::from_le_bytes([value[0], value[1]]))).collect()
     };
     let bytes = get(OCTAHEDRAL8, "OCTAHEDRAL", 3, 4);
     let signed = bytes.iter().map(|&byte| i32::from(byte as i8)).collect();
     near(signed, &[127, 0, 0, 127, 0, -127, 0, -127, 76, 0, -102, 127]);
-    let numbers = words(get(OCTAHEDRAL16, "OCTAHEDRAL", 3, 8));
+    let numbers = values(get(OCTAHEDRAL16, "OCTAHEDRAL", 3, 8));
     for (number, expected) in
         numbers.iter().zip([1.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0, -1.0, 0.6, 0.0, -0.8, 1.0])
     {
         assert!((*number as f32 / 32767.0 - expected).abs() < 1e-3, "{numbers:?}");
     }
-    let numbers = words(get(QUATERNIONS, "QUATERNION", 3, 8));
+    let numbers = values(get(QUATERNIONS, "QUATERNION", 3, 8));
     near(numbers, &[0, 0, 0, 32767, 19660, 0, 26213, 0, 16383, -16384, 16384, -16384]);
     let bytes = get(FLOATS, "EXPONENTIAL", 2, 12);
     let floats: Vec<f32> = bytes
         .chunks(4)
-        .map(|word| f32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+        .map(|value| f32::from_le_bytes([value[0], value[1], value[2], value[3]]))
         .collect();
     assert_eq!(floats, [1.5, -0.25, 1000.0, 0.0, 3.0, -7.0]);
 }

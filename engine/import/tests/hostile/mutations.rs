@@ -93,7 +93,7 @@ fn mutant(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
 
 /// Returns the JSON and the binary chunk of a GLB.
 fn split(bytes: &[u8]) -> Option<(Value, Vec<u8>)> {
-    let length = bytes.get(12..16)?.first_chunk().map(|&word| u32::from_le_bytes(word))?;
+    let length = bytes.get(12..16)?.first_chunk().map(|&value| u32::from_le_bytes(value))?;
     let (json, binary) = bytes.get(20..)?.split_at_checked(length as usize)?;
     Some((serde_json::from_slice(json).ok()?, binary.get(8..).unwrap_or_default().to_vec()))
 }

@@ -98,8 +98,8 @@ fn nothing_of_a_scene_is_lost() {
     };
     for expected in SCENES {
         let path = Path::new(&folder).join(expected.file);
-        let listener = &mut |_| ControlFlow::Continue(());
-        let imported = load(&path, &LoadOptions::default(), listener).expect("it is loaded");
+        let progress_fn = &mut |_| ControlFlow::Continue(());
+        let imported = load(&path, &LoadOptions::default(), progress_fn).expect("it is loaded");
         check(&imported);
         let scene = &imported.scene;
         let surfaces = scene.surfaces.as_ref().expect("surfaces");

@@ -56,11 +56,11 @@ fn a_file_with_everything_in_it_is_loaded() {
 fn progress_goes_on_and_can_be_broken_off() {
     let bytes = everything().glb();
     let mut told: Vec<Progress> = Vec::new();
-    let listener = &mut |progress| {
+    let progress_fn = &mut |progress| {
         told.push(progress);
         ControlFlow::Continue(())
     };
-    load_bytes(bytes.clone(), None, &LoadOptions::default(), listener).expect("it is loaded");
+    load_bytes(bytes.clone(), None, &LoadOptions::default(), progress_fn).expect("it is loaded");
     assert_eq!(told[0], Progress { stage: Stage::Reading, fraction: 0.0 });
     assert_eq!(told.last().map(|told| told.stage), Some(Stage::Meshes));
     assert!(told.iter().all(|told| (0.0..=1.0).contains(&told.fraction)));
@@ -69,14 +69,14 @@ fn progress_goes_on_and_can_be_broken_off() {
     assert_eq!(images, [0, 1, 2, 3], "it goes on with the images");
     for calls in 0..told.len() {
         let mut left = calls;
-        let listener = &mut |_| match left {
+        let progress_fn = &mut |_| match left {
             0 => ControlFlow::Break(()),
             _ => {
                 left -= 1;
                 ControlFlow::Continue(())
             }
         };
-        let given_up = load_bytes(bytes.clone(), None, &LoadOptions::default(), listener);
+        let given_up = load_bytes(bytes.clone(), None, &LoadOptions::default(), progress_fn);
         assert_eq!(given_up.expect_err("given up").cause, Cause::GivenUp);
     }
 }
@@ -121,8 +121,8 @@ fn what_is_large_and_seen_once_is_cut_and_what_is_shared_is_not() {
     scene.set("/meshes/0/primitives/0", json!({ "attributes": { "POSITION": positions } }));
     let with = |scene: &Scene, cut_above_triangles: Option<usize>| {
         let options = LoadOptions { cut_above_triangles, ..LoadOptions::default() };
-        let listener = &mut |_| ControlFlow::Continue(());
-        load_bytes(scene.glb(), None, &options, listener).expect("it is loaded").scene
+        let progress_fn = &mut |_| ControlFlow::Continue(());
+        load_bytes(scene.glb(), None, &options, progress_fn).expect("it is loaded").scene
     };
     let cut = with(&scene, Some(80));
     assert_eq!((cut.objects.len(), cut.meshes.len(), cut.triangles()), (8, 8, 100));

@@ -31,7 +31,7 @@ pub(crate) struct PyramidCullIo {
     pub(crate) boxes: BufferSlice,
     /// The draw of each leaf.
     pub(crate) leaves: BufferSlice,
-    /// A word per leaf, of one view.
+    /// A value per leaf, of one view.
     pub(crate) seen: BufferSlice,
     /// Room for a draw per leaf.
     pub(crate) list: BufferSlice,

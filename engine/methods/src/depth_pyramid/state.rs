@@ -46,7 +46,7 @@ impl PyramidState {
             Ok(Slot { counters, in_flight: None })
         };
         Ok(Self {
-            seen: seen_words(device, leaf_count)?,
+            seen: seen_values(device, leaf_count)?,
             leaf_count,
             generation: hierarchy.generation(),
             newest: None,
@@ -55,7 +55,7 @@ impl PyramidState {
         })
     }
 
-    /// Returns a word per leaf, not 0 if it was visible in the last frame.
+    /// Returns a value per leaf, not 0 if it was visible in the last frame.
     pub(crate) fn seen(&self) -> BufferSlice {
         self.seen.whole()
     }
@@ -70,7 +70,7 @@ impl PyramidState {
     ) -> Result<(), Error> {
         let leaf_count = hierarchy.leaf_objects().len();
         if self.leaf_count != leaf_count {
-            self.seen = seen_words(device, leaf_count)?;
+            self.seen = seen_values(device, leaf_count)?;
             self.leaf_count = leaf_count;
             self.newest = None;
         }
@@ -144,8 +144,8 @@ fn count(outcome: &mut FrameOutcome, [first, second]: [Counters; 2]) {
     outcome.revealed = second.draws.into();
 }
 
-/// Creates a buffer of a word per leaf, not written yet.
-fn seen_words(device: &Device, leaf_count: usize) -> Result<Buffer, Error> {
+/// Creates a buffer of a value per leaf, not written yet.
+fn seen_values(device: &Device, leaf_count: usize) -> Result<Buffer, Error> {
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
     Ok(Buffer::new(device, "pyramid seen", leaf_count as u64 * 4, usage, MemoryKind::Device)?)
 }

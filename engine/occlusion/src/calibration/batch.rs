@@ -105,7 +105,7 @@ pub(super) struct Bench<'a> {
     objects: &'a mut dyn ObjectRenderer,
     predicates: Predicates,
     compute: Option<ComputeTest>,
-    words: Buffer,
+    results: Buffer,
     queries: QueryRing<()>,
     flags: FlagRing<()>,
     view: View,
@@ -139,7 +139,7 @@ impl<'a> Bench<'a> {
                 2,
             )?,
             compute: ComputeTest::new(device, shaders, size).ok(),
-            words: Buffer::new(
+            results: Buffer::new(
                 device,
                 "calibration results",
                 u64::from(MOST) * 4,
@@ -183,8 +183,8 @@ impl<'a> Bench<'a> {
             reveal: Reveal::Whole,
             ..PredicatedRange::default()
         });
-        let words = self.flags.words();
-        self.predicates.begin(frame, ResultSource::Fragments, words, decided)?;
+        let results = self.flags.results();
+        self.predicates.begin(frame, ResultSource::Fragments, results, decided)?;
         let [single, patch] = self.draws;
         let draw = if batch.thing == Thing::Patches { patch } else { single };
         let tan = self.view.tan_half;
@@ -311,8 +311,8 @@ impl<'a> Bench<'a> {
                 for _ in 0..grids {
                     let area = Rect::whole(self.objects.target().size());
                     compute.record_grid(commands, self.objects.target(), area);
-                    let words = self.words.whole();
-                    let tests = ComputeTestIo { boxes: io.small, words, first: 0, count };
+                    let results = self.results.whole();
+                    let tests = ComputeTestIo { boxes: io.small, results, first: 0, count };
                     let again = [Access::ComputeWrite];
                     commands.barrier(MemoryBarrier::between(&again, &again));
                     compute.record_tests(commands, &tests, &self.view);
@@ -327,7 +327,7 @@ impl<'a> Bench<'a> {
     }
 
     fn draw_boxes(&self, commands: &Commands, batch: Batch, boxes: BufferSlice) {
-        let io = ProxyIo { boxes, flags: self.flags.words() };
+        let io = ProxyIo { boxes, flags: self.flags.results() };
         self.passes.proxies.bind_flags(commands, &io, &self.view);
         self.passes.proxies.draw_all(commands, 0..batch.count);
     }

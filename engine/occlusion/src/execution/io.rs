@@ -14,7 +14,7 @@ pub(super) struct FrameIo {
     pub(super) queried: BufferSlice,
     pub(super) proxies: ProxyIo,
     pub(super) computed: Option<ComputeTestIo>,
-    pub(super) parts: Option<LeafDrawBuffers>,
+    pub(super) leaf_draws: Option<LeafDrawBuffers>,
 }
 
 pub(super) const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
@@ -28,26 +28,26 @@ impl FrameIo {
     ) -> Result<Self, Error> {
         state.begin(frame, leaves)?;
         let rings = state.rings();
-        let words = [
+        let results = [
             (ResultSource::Queries, rings.queries.results()),
-            (ResultSource::Fragments, rings.flags.words()),
-            (ResultSource::Compute, rings.computed.words()),
+            (ResultSource::Fragments, rings.flags.results()),
+            (ResultSource::Compute, rings.computed.results()),
         ];
-        for (source, words) in words {
+        for (source, results) in results {
             let decided = state.layout.decided(source).iter().copied();
-            leaves.predicates.begin(frame, source, words, decided)?;
+            leaves.predicates.begin(frame, source, results, decided)?;
         }
         let draw = |leaf: &LeafIndex| leaves.draw(*leaf);
         let (plan, uploads) = (state.plan(), frame.uploads());
         let queried = plan.queried_draws.iter();
         let boxes = uploads.push_iter(plan.tests.iter().map(|t| ProxyBox::from(t.bounds)))?;
-        let words = rings.computed.words();
+        let results = rings.computed.results();
         Ok(Self {
             visible: uploads.push_iter(plan.draws.iter().map(draw))?,
             queried: uploads.push_iter(queried.map(|(leaf, _)| draw(leaf)))?,
-            proxies: ProxyIo { boxes, flags: rings.flags.words() },
-            computed: words.map(|words| ComputeTestIo { boxes, words, first: 0, count: 0 }),
-            parts: rings.parts.parts(),
+            proxies: ProxyIo { boxes, flags: rings.flags.results() },
+            computed: results.map(|results| ComputeTestIo { boxes, results, first: 0, count: 0 }),
+            leaf_draws: rings.leaf_draws.buffers(),
         })
     }
 }

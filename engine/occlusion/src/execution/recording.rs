@@ -42,7 +42,7 @@ impl Recording<'_> {
     pub(super) fn record(&self, commands: &Commands, objects: &mut dyn ObjectRenderer) {
         let (state, io, view) = (self.state, self.io, self.view);
         let rounds = &state.layout.rounds;
-        if io.proxies.flags.is_some() || io.parts.is_some() || io.computed.is_some() {
+        if io.proxies.flags.is_some() || io.leaf_draws.is_some() || io.computed.is_some() {
             let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeWrite];
             commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
         }
@@ -82,11 +82,11 @@ impl Recording<'_> {
         }
         objects.shade(self.executor, commands, view, &|commands| self.draw_again(commands));
         commands.pass("copy results", |commands| {
-            state.rings().queries.resolve(commands, 0..state.layout.own_draws);
+            state.rings().queries.resolve(commands, 0..state.layout.visible_draw_queries);
             state.rings().queries.read_back(commands);
             state.rings().flags.read_back(commands);
             state.rings().computed.read_back(commands);
-            state.rings().parts.read_back(commands);
+            state.rings().leaf_draws.read_back(commands);
         });
     }
 
@@ -173,13 +173,13 @@ impl Recording<'_> {
 
     /// Draws the leaves of a round that were switched on one by one.
     fn draw_enabled(&self, commands: &Commands, round: Option<&RoundLayout>) {
-        let Some(parts) = self.io.parts else { return };
+        let Some(leaf_draws) = self.io.leaf_draws else { return };
         for decision in self.state.layout.revealing(round, Reveal::PerLeaf) {
             self.executor.leaves.predicates.draw_enabled(
                 commands,
                 decision.source,
                 decision.number,
-                parts.draws,
+                leaf_draws.draws,
             );
         }
     }
@@ -191,7 +191,7 @@ impl Recording<'_> {
         }
     }
 
-    /// Draws again what all rounds of a frame drew: their words still hold the decisions.
+    /// Draws again what all rounds of a frame drew: their results still hold the decisions.
     fn draw_again(&self, commands: &Commands) {
         let plan = self.state.plan();
         for (draws, count) in
@@ -211,14 +211,14 @@ impl Recording<'_> {
     /// Tests the leaves of the nodes that showed, one by one.
     fn test_leaves(&self, commands: &Commands, known: Option<&RoundLayout>) {
         let known = known.filter(|round| round.has_leaf_tests);
-        let (Some(pass), Some(parts), Some(_)) =
-            (&self.executor.passes.leaf_boxes, self.io.parts, known)
+        let (Some(pass), Some(leaf_draws), Some(_)) =
+            (&self.executor.passes.leaf_boxes, self.io.leaf_draws, known)
         else {
             return;
         };
         commands.label("leaf boxes", |commands| {
             let boxes = self.executor.leaves.boxes();
-            pass.bind(commands, &LeafBoxIo { boxes, parts }, self.view);
+            pass.bind(commands, &LeafBoxIo { boxes, leaf_draws }, self.view);
             for decision in self.state.layout.revealing(known, Reveal::PerLeaf) {
                 self.executor.leaves.predicates.draw_boxes(
                     commands,

@@ -37,14 +37,14 @@ pub struct ComputeTest {
     most_groups: u32,
 }
 
-/// The buffers of a test: reads boxes; writes words.
+/// The buffers of a test: reads boxes; writes results.
 #[derive(Clone, Copy)]
 pub struct ComputeTestIo {
     /// [`ProxyBox`](crate::ProxyBox)es, enlarged already, all of them before the near plane.
     pub boxes: BufferSlice,
-    /// A 32-bit word per box: 1 if it may show, else 0.
-    pub words: BufferSlice,
-    /// The first box, and word, of these tests.
+    /// A 32-bit result per box: 1 if it may show, else 0.
+    pub results: BufferSlice,
+    /// The first box, and result, of these tests.
     pub first: u32,
     /// The number of tests.
     pub count: u32,
@@ -138,10 +138,10 @@ impl ComputeTest {
     }
 
     /// Tests boxes as `view` sees them, which is the view that the depth was drawn with. Outside of
-    /// rendering, after [`ComputeTest::record_grid`]. Earlier readers of the words must be over; a
-    /// barrier from [`Access::ComputeWrite`] to the use must follow.
+    /// rendering, after [`ComputeTest::record_grid`]. Earlier readers of the results must be over;
+    /// a barrier from [`Access::ComputeWrite`] to the use must follow.
     pub fn record_tests(&self, commands: &Commands, io: &ComputeTestIo, view: &View) {
-        let buffers = [io.boxes, self.depths.whole(), self.grid.whole(), io.words];
+        let buffers = [io.boxes, self.depths.whole(), self.grid.whole(), io.results];
         let mut constants = self.constants(view);
         let end = io.first.saturating_add(io.count);
         for first in (io.first..end).step_by(self.most_groups as usize) {

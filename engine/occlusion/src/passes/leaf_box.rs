@@ -23,7 +23,7 @@ pub struct LeafBoxIo {
     /// One [`super::ProxyBox`] per leaf, not yet enlarged.
     pub boxes: BufferSlice,
     /// The draws that are switched on.
-    pub parts: LeafDrawBuffers,
+    pub leaf_draws: LeafDrawBuffers,
 }
 
 #[repr(C)]
@@ -66,7 +66,7 @@ impl LeafBoxPass {
 
     /// Binds everything; the caller then draws boxes, with the leaf as the instance.
     pub fn bind(&self, commands: &Commands, io: &LeafBoxIo, view: &View) {
-        commands.bind(&self.pipeline, &[io.boxes, io.parts.draws, io.parts.list]);
+        commands.bind(&self.pipeline, &[io.boxes, io.leaf_draws.draws, io.leaf_draws.list]);
         commands.push_constants(
             &self.pipeline,
             &Constants {

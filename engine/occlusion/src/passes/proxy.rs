@@ -24,7 +24,7 @@ pub struct ProxyPass {
 pub struct ProxyIo {
     /// One [`ProxyBox`] per test.
     pub boxes: BufferSlice,
-    /// One word per test, for [`ProxyPass::bind_flags`].
+    /// One result per test, for [`ProxyPass::bind_flags`].
     pub flags: Option<BufferSlice>,
 }
 

@@ -15,7 +15,7 @@ pub struct ScatterPass {
 /// The buffers of the pass: reads leaves and elements; writes the array.
 #[derive(Clone, Copy)]
 pub struct ScatterIo {
-    /// The leaf of each new element: one word each.
+    /// The leaf of each new element: one value each.
     pub leaves: BufferSlice,
     /// The new elements, in the same order.
     pub elements: BufferSlice,
@@ -26,8 +26,8 @@ pub struct ScatterIo {
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Constants {
-    element_words: u32,
-    word_count: u32,
+    element_values: u32,
+    value_count: u32,
 }
 
 const GROUP_THREADS: u32 = 64;
@@ -61,18 +61,18 @@ impl ScatterPass {
     }
 
     /// Writes `count` new elements into each array; the second of a pair is the size of an element,
-    /// whole words. Commands that were recorded before, in this frame or an earlier one, still read
-    /// the old elements: one queue runs them all, so an execution barrier is enough.
+    /// whole values. Commands that were recorded before, in this frame or an earlier one, still
+    /// read the old elements: one queue runs them all, so an execution barrier is enough.
     pub fn record(&self, commands: &Commands, count: u32, arrays: &[(ScatterIo, usize)]) {
         commands.pass("upload changes", |commands| {
             commands.barrier(MemoryBarrier::between(&USES, &[Access::ComputeWrite]));
             for (io, element_bytes) in arrays {
-                let element_words = (*element_bytes / size_of::<u32>()) as u32;
-                let word_count = count.saturating_mul(element_words);
+                let element_values = (*element_bytes / size_of::<u32>()) as u32;
+                let value_count = count.saturating_mul(element_values);
                 commands.bind_compute(&self.pipeline, &[io.leaves, io.elements, io.array]);
-                let constants = Constants { element_words, word_count };
+                let constants = Constants { element_values, value_count };
                 commands.push_compute_constants(&self.pipeline, &constants);
-                let groups = word_count.div_ceil(GROUP_THREADS).clamp(1, GROUPS_MAX);
+                let groups = value_count.div_ceil(GROUP_THREADS).clamp(1, GROUPS_MAX);
                 commands.dispatch([groups, 1, 1]);
             }
             commands.barrier(MemoryBarrier::between(&[Access::ComputeWrite], &USES));

@@ -296,8 +296,8 @@ impl Transparent {
         let Some(boxes) = io.boxes else { return };
         let [draws, list] = &self.parts;
         commands.label("transparent boxes", |commands| {
-            let parts = LeafDrawBuffers { draws: draws.whole(), list: list.whole() };
-            pass.bind(commands, &LeafBoxIo { boxes, parts }, view);
+            let leaf_draws = LeafDrawBuffers { draws: draws.whole(), list: list.whole() };
+            pass.bind(commands, &LeafBoxIo { boxes, leaf_draws }, view);
             commands.draw_instances(BOX_VERTICES, 0..io.count);
         });
     }

@@ -99,9 +99,9 @@ pub fn books(cases: &Cases<'_>) -> Vec<Book> {
                 book.setting == Setting::of(place) && book.strategy == run.strategy
             };
             if let Some(book) = books.iter_mut().find(here) {
-                let neglects =
-                    has_threshold && named(&run.strategy).is_some_and(Strategy::can_neglect);
-                book.is_exact &= !neglects;
+                let leaves_out = has_threshold
+                    && named(&run.strategy).is_some_and(Strategy::has_sample_threshold);
+                book.is_exact &= !leaves_out;
                 book.frames_compared += run.frames_verified + run.warm_up_frames_verified;
                 book.pixels_wrong += run.pixels_wrong.unwrap_or(0);
             }

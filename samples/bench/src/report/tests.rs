@@ -25,7 +25,7 @@ fn run(strategy: Strategy, frame_ms: &[f64]) -> RunReport {
             corrections: Some(cull::Corrections { tests: 1.5, frames: 7, ..Default::default() }),
             result_age_frames: Some(2),
             blocking_waits: 0,
-            neglected_samples: 0,
+            samples_below_threshold: 0,
             is_compared: false,
         });
     }
@@ -87,7 +87,7 @@ fn the_keys_are_the_contract() {
             "result_age_frames": {"median": 2, "max": 2},
             "waits": 0, "blocking_waits": 0, "frames_timed": 2, "frames_verified": 1,
             "warm_up_frames_verified": 0, "pixels_wrong": 0,
-            "pixels_wrong_at_most": 0, "neglected_samples": 0,
+            "pixels_wrong_at_most": 0, "samples_below_threshold": 0,
         })
     };
     let expected = json!({

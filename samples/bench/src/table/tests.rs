@@ -111,7 +111,7 @@ fn what_a_threshold_leaves_out_is_told_and_not_called_wrong() {
     let mut report = example();
     assert!(!render(&report, 120).contains("left out"));
     report.threshold_pixels = 12;
-    report.runs[1].neglected_samples = 2_500;
+    report.runs[1].samples_below_threshold = 2_500;
     report.runs[1].pixels_wrong = Some(1_234);
     report.runs[1].pixels_wrong_at_most = Some(2_409);
     let text = render(&report, 120);

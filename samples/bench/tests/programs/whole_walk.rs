@@ -255,7 +255,7 @@ fn a_threshold_is_not_exact_and_says_how_wrong_it_can_be() {
         for run in 1..3 {
             assert!(0.0 < wrong[run] && wrong[run] <= most[run], "{wrong:?} {most:?}");
         }
-        for (timed, all) in numbers("neglected_samples").iter().zip(&most) {
+        for (timed, all) in numbers("samples_below_threshold").iter().zip(&most) {
             assert!(timed <= all, "every timed frame was compared, and those that warm up");
         }
     }

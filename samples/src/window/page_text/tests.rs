@@ -43,7 +43,7 @@ fn outcome() -> FrameOutcome {
         draws: 1_001,
         triangles: 2_002_002,
         revealed: 33,
-        neglected_samples: 44,
+        samples_below_threshold: 44,
     }
 }
 
@@ -160,8 +160,8 @@ fn what_a_person_looks_for_is_said_first() {
     // The overlay's times are not the engine's.
     assert_eq!(overview.times, [figure("6.38 ms", "GPU"), figure("1.25 ms", "CPU")]);
     let verdict = Verdict::Inexact("inexact: 44 px at most".to_owned());
-    assert_eq!(overview.verdict, verdict, "a threshold neglected samples");
-    let exact = FrameOutcome { neglected_samples: 0, ..outcome };
+    assert_eq!(overview.verdict, verdict, "a threshold left samples out");
+    let exact = FrameOutcome { samples_below_threshold: 0, ..outcome };
     let of = |strategy| Known { outcome: Some(&exact), strategy, ..known }.overview("").verdict;
     for strategy in bench::strategy::strategies() {
         let is_exact = matches!(of(strategy), Verdict::Exact(_));

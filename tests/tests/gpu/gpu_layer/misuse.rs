@@ -17,7 +17,7 @@ fn compute(device: &Device) -> ComputePipeline {
 }
 
 struct Lists {
-    words: Buffer,
+    results: Buffer,
     decided: Buffer,
     counts: Buffer,
 }
@@ -26,14 +26,14 @@ impl Lists {
     fn new(device: &Device) -> Self {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC;
         Self {
-            words: device.upload("words", &[0u32, 9], usage).unwrap(),
+            results: device.upload("results", &[0u32, 9], usage).unwrap(),
             decided: device.upload("decided", &[[0u32, 5, 0, 1], [5, 2, 0, 0]], usage).unwrap(),
             counts: Buffer::new(device, "counts", 16, usage, MemoryKind::Device).unwrap(),
         }
     }
 
     fn slices(&self) -> [BufferSlice; 3] {
-        [self.words.whole(), self.decided.whole(), self.counts.whole()]
+        [self.results.whole(), self.decided.whole(), self.counts.whole()]
     }
 }
 
@@ -90,8 +90,8 @@ fn sentence(device: &Device, record: impl FnOnce(&Commands)) -> String {
 fn buffers_and_constants_are_those_of_the_pipeline() {
     run_on_all(|device| {
         let (pipeline, lists) = (compute(device), Lists::new(device));
-        let [words, decided, counts] = lists.slices();
-        for storage in [&[][..], &[words, decided], &[words, decided, counts, words]] {
+        let [results, decided, counts] = lists.slices();
+        for storage in [&[][..], &[results, decided], &[results, decided, counts, results]] {
             let text = sentence(device, |commands| {
                 commands.bind_compute(&pipeline, storage);
                 commands.push_compute_constants(&pipeline, &[0u32, 2, 0]);

@@ -39,22 +39,22 @@ fn drawn(device: &Device, predication: Predication) -> Vec<(bool, bool, bool)> {
         Predicates::new(device, Some(predication), &[draw(0), draw(1)], 1).unwrap();
     let boxes = [-2.0, 2.0].map(|x| box_at(Vec3::new(x, 0.0, -5.0), Vec3::ONE)).map(ProxyBox::from);
     let mut drawn = Vec::new();
-    for has_words in [true, false, true, false] {
+    for has_results in [true, false, true, false] {
         let mut frame = ring.begin().unwrap();
-        queries.begin(&mut frame, &[(has_words, false), (has_words, true)]).unwrap();
+        queries.begin(&mut frame, &[(has_results, false), (has_results, true)]).unwrap();
         flags.begin(&frame, std::iter::repeat_n((), 8)).unwrap();
         let whole = PredicatedRange {
-            word: 5,
+            result: 5,
             range: DrawRange { first: 0, count: 1 },
             reveal: Reveal::Whole,
         };
-        let parts = PredicatedRange {
-            word: 7,
+        let per_leaf = PredicatedRange {
+            result: 7,
             range: DrawRange { first: 1, count: 1 },
             reveal: Reveal::PerLeaf,
         };
-        let words = flags.words().filter(|_| has_words);
-        predicates.begin(&mut frame, SOURCE, words, [whole, parts].into_iter()).unwrap();
+        let results = flags.results().filter(|_| has_results);
+        predicates.begin(&mut frame, SOURCE, results, [whole, per_leaf].into_iter()).unwrap();
         let boxes = frame.uploads().push(&boxes).unwrap();
         let commands = frame.commands();
         let cleared = MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]);
@@ -75,8 +75,8 @@ fn drawn(device: &Device, predication: Predication) -> Vec<(bool, bool, bool)> {
         queries.read_back(commands);
         queries.submitted(frame.submit(None).unwrap());
         device.drain().unwrap();
-        queries.collect(device.completed().unwrap(), |(has_words, is_boxes), samples| {
-            drawn.push((has_words, is_boxes, samples > 0));
+        queries.collect(device.completed().unwrap(), |(has_results, is_boxes), samples| {
+            drawn.push((has_results, is_boxes, samples > 0));
         });
     }
     drawn
@@ -88,9 +88,9 @@ fn what_nobody_answers_is_drawn() {
         for predication in executors(device) {
             let drawn = drawn(device, predication);
             assert_eq!(drawn.len(), 8);
-            for (has_words, is_boxes, is_drawn) in drawn {
+            for (has_results, is_boxes, is_drawn) in drawn {
                 let what = format!("{}, boxes: {is_boxes}", predication.name());
-                assert_eq!(is_drawn, !has_words, "{what}, words: {has_words}");
+                assert_eq!(is_drawn, !has_results, "{what}, results: {has_results}");
             }
         }
     });
@@ -107,20 +107,20 @@ fn more_decisions_than_a_dispatch_has_workgroups() {
         let mut predicates =
             Predicates::new(device, Some(Predication::Instances), &draws, 1).unwrap();
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        let words: Vec<u32> = (0..COUNT).map(|word| word % 3).collect();
-        let words = device.upload("words", &words, usage).unwrap();
+        let results: Vec<u32> = (0..COUNT).map(|result| result % 3).collect();
+        let results = device.upload("results", &results, usage).unwrap();
         let bytes = predicates.draws().size_bytes;
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
         let home = Buffer::new(device, "home", bytes, usage, MemoryKind::ReadBack).unwrap();
         let decided = (0..COUNT).map(|number| PredicatedRange {
-            word: number,
+            result: number,
             range: DrawRange { first: number, count: 1 },
             reveal: Reveal::Whole,
         });
         let mut frame = ring.begin().unwrap();
         let decided: Vec<_> = decided.collect();
-        let words = Some(words.whole());
-        predicates.begin(&mut frame, SOURCE, words, decided.iter().copied()).unwrap();
+        let results = Some(results.whole());
+        predicates.begin(&mut frame, SOURCE, results, decided.iter().copied()).unwrap();
         let commands = frame.commands();
         // Decisions that do not exist decide nothing.
         predicates.resolve(commands, &[(SOURCE, 1..COUNT + 9)]);

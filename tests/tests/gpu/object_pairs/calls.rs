@@ -106,7 +106,7 @@ fn frames() -> Vec<Row> {
             framed(&ours.device(), |frame| {
                 let range = gpu::DrawRange { first: 0, count: 1 };
                 let no_draw = |_| gpu::IndirectDraw::default();
-                theirs.parts.begin(frame, 1, [range].into_iter(), no_draw)
+                theirs.leaf_draws.begin(frame, 1, [range].into_iter(), no_draw)
             })
         }),
         row("Predicates::begin", PREDICATES, |ours, theirs| {
@@ -116,8 +116,8 @@ fn frames() -> Vec<Row> {
         }),
         row("Predicates::begin", "a buffer (`BufferSlice`)", |ours, theirs| {
             framed(&ours.device(), |frame| {
-                let words = Some(theirs.slice());
-                ours.predicates.begin(frame, SOURCE, words, [].into_iter())
+                let results = Some(theirs.slice());
+                ours.predicates.begin(frame, SOURCE, results, [].into_iter())
             })
         }),
         row("BlockingQueryPool::take", "blocking queries (`BlockingQueryPool`)", |ours, theirs| {

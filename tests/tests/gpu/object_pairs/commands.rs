@@ -171,7 +171,7 @@ fn rings() -> Vec<Row> {
             recorded(&ours.device(), |commands| theirs.flags.read_back(commands))
         }),
         row("LeafDrawRing::read_back", "leaf draws (`LeafDrawRing`)", |ours, theirs| {
-            recorded(&ours.device(), |commands| theirs.parts.read_back(commands))
+            recorded(&ours.device(), |commands| theirs.leaf_draws.read_back(commands))
         }),
     ]
 }

@@ -44,7 +44,7 @@ pub struct Side {
     pub queries: QueryRing<u32>,
     pub pages: BlockingQueryPool,
     pub flags: FlagRing<u32>,
-    pub parts: LeafDrawRing<u32>,
+    pub leaf_draws: LeafDrawRing<u32>,
     pub predicates: Predicates,
     pub timeline: Timeline,
     pub stage: Stage,
@@ -137,7 +137,7 @@ impl Side {
             queries: QueryRing::new(device, 1, "queries").unwrap(),
             pages: BlockingQueryPool::new(device, 1, "pages"),
             flags: FlagRing::new(device, 1, ResultSource::Fragments, "flags"),
-            parts: LeafDrawRing::new(device, 1, 2),
+            leaf_draws: LeafDrawRing::new(device, 1, 2),
             predicates: Predicates::new(device, None, &draws, 1).unwrap(),
             timeline: Timeline::new(device, "timeline").unwrap(),
             stage,
@@ -156,14 +156,14 @@ impl Side {
         self.pages.scope(frame.commands(), QueryIndex(0), Counting::Some, |_| {});
         self.flags.begin(&frame, [0].into_iter()).unwrap();
         let no_draw = |_| IndirectDraw::default();
-        self.parts.begin(&mut frame, 0, ranges.into_iter(), no_draw).unwrap();
+        self.leaf_draws.begin(&mut frame, 0, ranges.into_iter(), no_draw).unwrap();
         self.begin_predicates(&mut frame);
     }
 
     /// Makes one draw depend on the first predicate of the buffer.
     pub fn begin_predicates(&mut self, frame: &mut Frame<'_>) {
         let range = DrawRange { first: 0, count: 1 };
-        let decided = [PredicatedRange { word: 0, range, reveal: Reveal::Whole }].into_iter();
+        let decided = [PredicatedRange { result: 0, range, reveal: Reveal::Whole }].into_iter();
         self.predicates.begin(frame, SOURCE, Some(self.buffer.whole()), decided).unwrap();
     }
 

@@ -7,7 +7,7 @@ fn cost_model() -> CostModel {
 }
 
 #[test]
-fn own_draws_are_tested_by_the_square_root_of_the_rate() {
+fn visible_draws_are_tested_by_the_square_root_of_the_rate() {
     let config = CullConfig::default();
     let interval = |hides_per_frame: f32| {
         let mut cost_model = cost_model();

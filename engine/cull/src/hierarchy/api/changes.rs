@@ -220,8 +220,8 @@ impl Hierarchy {
 
     fn note(&mut self, generation: Generation, change: Change) {
         // As much as a few full rebuilds are: enough for views that pause for a while.
-        const WORDS_MIN: usize = 1 << 14;
-        let most_words = WORDS_MIN.max(8 * self.topology.nodes.len());
-        self.journal.push(generation, change, most_words);
+        const ENTRIES_MIN: usize = 1 << 14;
+        let most_entries = ENTRIES_MIN.max(8 * self.topology.nodes.len());
+        self.journal.push(generation, change, most_entries);
     }
 }

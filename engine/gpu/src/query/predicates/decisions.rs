@@ -1,11 +1,11 @@
-//! Predicated ranges: the source of a word, the draws that it decides, and the executors that skip
-//! them.
+//! Predicated ranges: the source of a result, the draws that it decides, and the executors that
+//! skip them.
 
 use crate::core::capabilities::{Capabilities, Optional};
 use crate::record::access::Access;
 use crate::record::indirect::DrawRange;
 
-/// The writer of the words that decide.
+/// The writer of the results that decide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ResultSource {
     /// Copies of query results.
@@ -21,7 +21,7 @@ impl ResultSource {
     pub const ALL: [ResultSource; 3] =
         [ResultSource::Queries, ResultSource::Fragments, ResultSource::Compute];
 
-    /// Returns the access that writes the words.
+    /// Returns the access that writes the results.
     pub fn access(self) -> Access {
         match self {
             ResultSource::Queries => Access::CopyWrite,
@@ -31,7 +31,7 @@ impl ResultSource {
     }
 }
 
-/// The effect of a word that is not zero on its range.
+/// The effect of a result that is not zero on its range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reveal {
     /// The whole range is drawn ([`Predicates::draw`](crate::Predicates::draw)).
@@ -43,11 +43,11 @@ pub enum Reveal {
     PerLeaf,
 }
 
-/// A decision: a range of draws that depends on a word. Several may depend on one word.
+/// A decision: a range of draws that depends on a result. Several may depend on one result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PredicatedRange {
-    /// The number of the word among those of its source.
-    pub word: u32,
+    /// The number of the result among those of its source.
+    pub result: u32,
     /// The draws.
     pub range: DrawRange,
     /// The way in which they are revealed.

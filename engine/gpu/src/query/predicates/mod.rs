@@ -1,9 +1,10 @@
 //! Predicates: ranges of draws that the GPU skips by itself when a test found nothing visible.
 //!
-//! A test leaves a word that is zero or not, from one of several writers ([`ResultSource`]). The
-//! same plan runs on every device, by one of three executors; they differ in their use of the word:
+//! A test leaves a result that is zero or not, from one of several writers ([`ResultSource`]). The
+//! same plan runs on every device, by one of three executors; they differ in their use of the
+//! result:
 //!
-//! - [`Predication::Conditional`]: the word is the predicate of conditional rendering.
+//! - [`Predication::Conditional`]: the result is the predicate of conditional rendering.
 //! - [`Predication::Counts`]: a compute pass turns it into a draw count, 0 or all.
 //! - [`Predication::Instances`]: a compute pass writes it into the instance count of every draw of
 //!   the range. For devices that have neither (SwiftShader); its cost on the GPU grows with the
@@ -41,7 +42,7 @@ pub struct Predicates {
     draws: Buffer,
     writer: Option<ComputePipeline>,
     threshold_samples: u32,
-    // A word that enables all draws: as a predicate, and as a draw count.
+    // A result that enables all draws: as a predicate, and as a draw count.
     all: Buffer,
     lists: [PredicateList; ResultSource::ALL.len()],
 }
@@ -71,7 +72,7 @@ impl Predicates {
         Self::with_threshold(device, predication, draws, frames_in_flight, 0)
     }
 
-    /// Creates predicates with a threshold: words of queries up to `threshold_samples` count as
+    /// Creates predicates with a threshold: results of queries up to `threshold_samples` count as
     /// zero, and those queries must [count](crate::Counting::Samples). The result is then no longer
     /// exact.
     ///
@@ -143,37 +144,38 @@ impl Predicates {
         self.predication
     }
 
-    /// Starts a frame: the decisions that depend on the words of `source`. Each source is begun
-    /// once per frame, without words if it writes none: unknown ranges are drawn.
+    /// Starts a frame: the decisions that depend on the results of `source`. Each source is begun
+    /// once per frame, without results if it writes none: unknown ranges are drawn.
     ///
     /// # Errors
-    /// [`Error::Foreign`] for a frame or words of another device, and the frame fails; no memory.
+    /// [`Error::Foreign`] for a frame or results of another device, and the frame fails; no memory.
     pub fn begin(
         &mut self,
         frame: &mut Frame<'_>,
         source: ResultSource,
-        words: Option<BufferSlice>,
+        results: Option<BufferSlice>,
         decided: impl ExactSizeIterator<Item = PredicatedRange>,
     ) -> Result<(), Error> {
         frame.commands().admit(self)?;
-        words.map_or(Ok(()), |words| frame.commands().admit(&words))?;
+        results.map_or(Ok(()), |results| frame.commands().admit(&results))?;
         let counts = self.predication == Predication::Counts;
         let device = &self.device;
         let Some(list) = self.lists.get_mut(source as usize) else { return Ok(()) };
-        let has_words = words.is_some();
+        let has_results = results.is_some();
         let decided = decided.map(|decided| PredicatedRange {
-            word: decided.word * u32::from(has_words),
+            result: decided.result * u32::from(has_results),
             ..decided
         });
-        list.begin(frame, words.unwrap_or(self.all.whole()), decided);
+        list.begin(frame, results.unwrap_or(self.all.whole()), decided);
         if self.writer.is_some() {
             list.upload(frame, self.predication)?;
         }
         if counts { list.make_counts(device) } else { Ok(()) }
     }
 
-    /// Resolves the words just written into predicates: for each source, a range of its decisions.
-    /// Outside of rendering; after writing the words and before anything is drawn by them.
+    /// Resolves the results just written into predicates: for each source, a range of its
+    /// decisions. Outside of rendering; after writing the results and before anything is drawn by
+    /// them.
     pub fn resolve(&self, commands: &Commands, written: &[(ResultSource, Range<u32>)]) {
         if commands.admit(self).is_err() {
             return;
@@ -189,21 +191,21 @@ impl Predicates {
         commands.barrier(between(&from, &[Access::ComputeRead, Access::ComputeWrite]));
         for (source, range) in written {
             let list = self.list(*source);
-            let result = match self.predication {
+            let output = match self.predication {
                 Predication::Counts => list.counts(),
                 _ => Some(self.draws.whole()),
             };
-            let (Some(on_gpu), Some(words), Some(result)) = (list.on_gpu, list.words, result)
+            let (Some(on_gpu), Some(results), Some(output)) = (list.on_gpu, list.results, output)
             else {
                 continue;
             };
-            let lists = [words, on_gpu.decided, result, on_gpu.box_draws];
+            let lists = [results, on_gpu.decided, output, on_gpu.box_draws];
             commands.bind_compute(
                 writer,
                 lists.get(..writer_buffers(self.predication)).unwrap_or(&lists),
             );
             // Ranges without a result are drawn, and flags do not count samples.
-            let is_counted = *source == ResultSource::Queries && words != self.all.whole();
+            let is_counted = *source == ResultSource::Queries && results != self.all.whole();
             let threshold = if is_counted { self.threshold_samples } else { 0 };
             let per_group = match self.predication {
                 Predication::Counts => 64, // a thread per decision
@@ -218,7 +220,7 @@ impl Predicates {
                 commands.dispatch([count.div_ceil(per_group), 1, 1]);
             }
         }
-        // The next round writes other words of the buffers just read.
+        // The next round writes other results of the buffers just read.
         commands.barrier(between(
             &[Access::ComputeWrite, Access::ComputeRead],
             &[Access::IndirectRead, Access::CopyWrite, Access::CopyRead, Access::FragmentWrite],
@@ -252,13 +254,13 @@ impl Predicates {
         }
     }
 
-    /// Draws the range of a decision if its word is not zero.
+    /// Draws the range of a decision if its result is not zero.
     pub fn draw(&self, commands: &Commands, source: ResultSource, decision: u32) {
         self.draw_from(commands, source, decision, self.draws.whole());
     }
 
-    /// Draws the range of a decision out of `draws` if the word is not zero. `draws` has a copy of
-    /// every draw, whose instance count is 1 where a box was visible and 0 elsewhere.
+    /// Draws the range of a decision out of `draws` if the result is not zero. `draws` has a copy
+    /// of every draw, whose instance count is 1 where a box was visible and 0 elsewhere.
     pub fn draw_enabled(
         &self,
         commands: &Commands,
@@ -280,7 +282,8 @@ impl Predicates {
             return;
         }
         let list = self.list(source);
-        let Some(&PredicatedRange { word, range, .. }) = list.decided.get(decision as usize) else {
+        let Some(&PredicatedRange { result, range, .. }) = list.decided.get(decision as usize)
+        else {
             return;
         };
         let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
@@ -293,19 +296,22 @@ impl Predicates {
                 }
             }
             Predication::Conditional => {
-                self.conditionally(commands, list, word, |commands| commands.draw_indirect(draws));
+                self.conditionally(commands, list, result, |commands| {
+                    commands.draw_indirect(draws)
+                });
             }
         }
     }
 
-    /// Draws [`BOX_VERTICES`] vertices per draw in the range of a decision if the word is not zero;
-    /// the instance index is the number of the draw.
+    /// Draws [`BOX_VERTICES`] vertices per draw in the range of a decision if the result is not
+    /// zero; the instance index is the number of the draw.
     pub fn draw_boxes(&self, commands: &Commands, source: ResultSource, decision: u32) {
         if commands.admit(self).is_err() {
             return;
         }
         let list = self.list(source);
-        let Some(&PredicatedRange { word, range, .. }) = list.decided.get(decision as usize) else {
+        let Some(&PredicatedRange { result, range, .. }) = list.decided.get(decision as usize)
+        else {
             return;
         };
         match (list.on_gpu, self.predication) {
@@ -322,28 +328,28 @@ impl Predicates {
             (Some(on_gpu), _) => {
                 commands.draw_unindexed_indirect(predicate_list::box_draw(on_gpu, decision))
             }
-            (None, _) => self.conditionally(commands, list, word, |commands| {
+            (None, _) => self.conditionally(commands, list, result, |commands| {
                 commands.draw_instances(BOX_VERTICES, range.first..range.first + range.count);
             }),
         }
     }
 
-    /// Records `record` so that the GPU skips it if the word is zero.
+    /// Records `record` so that the GPU skips it if the result is zero.
     fn conditionally(
         &self,
         commands: &Commands,
         list: &PredicateList,
-        word: u32,
+        result: u32,
         record: impl FnOnce(&Commands),
     ) {
-        let (Some(conditional), Some(words)) = (self.device.conditional(), list.words) else {
+        let (Some(conditional), Some(results)) = (self.device.conditional(), list.results) else {
             record(commands);
             return;
         };
         let info = vk::ConditionalRenderingBeginInfoEXT::default()
-            .buffer(words.raw)
-            .offset(words.offset_bytes + u64::from(word) * 4);
-        // SAFETY: the extension is enabled; ash 0.38 has only the raw pointers. The words outlive
+            .buffer(results.raw)
+            .offset(results.offset_bytes + u64::from(result) * 4);
+        // SAFETY: the extension is enabled; ash 0.38 has only the raw pointers. The results outlive
         // the frame.
         unsafe {
             (conditional.fp().cmd_begin_conditional_rendering_ext)(commands.raw(), &raw const info);
@@ -360,8 +366,8 @@ impl Predicates {
     }
 }
 
-/// Returns the number of storage buffers of the compute shader: words, decisions, counts or draws,
-/// and box draws where it writes their instance counts.
+/// Returns the number of storage buffers of the compute shader: results, decisions, counts or
+/// draws, and box draws where it writes their instance counts.
 fn writer_buffers(predication: Predication) -> usize {
     match predication {
         Predication::Instances => 4,

@@ -1,4 +1,4 @@
-//! One source of words in one frame: its decisions, and the executors' buffers for them.
+//! One source of results in one frame: its decisions, and the executors' buffers for them.
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -9,11 +9,11 @@ use crate::core::error::Error;
 use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 use crate::record::frames::Frame;
 
-/// The words of one source and the ranges that they decide.
+/// The results of one source and the ranges that they decide.
 pub(super) struct PredicateList {
-    pub(super) words: Option<BufferSlice>,
+    pub(super) results: Option<BufferSlice>,
     pub(super) decided: Vec<PredicatedRange>,
-    /// The lists for the executors that turn words into counts.
+    /// The lists for the executors that turn results into counts.
     pub(super) on_gpu: Option<OnGpu>,
     slot: usize,
     /// Draw counts, for the range and for the command of its boxes: one buffer per frame slot.
@@ -35,8 +35,8 @@ pub(super) struct OnGpu {
 struct DecidedOnGpu {
     first: u32,
     count: u32,
-    parts: u32,
-    word: u32,
+    per_leaf: u32,
+    result: u32,
 }
 
 /// The layout of `VkDrawIndirectCommand`.
@@ -66,7 +66,7 @@ pub(super) fn box_draw(on_gpu: OnGpu, decision: u32) -> BufferSlice {
 impl PredicateList {
     pub(super) fn new(frames_in_flight: usize) -> Self {
         Self {
-            words: None,
+            results: None,
             decided: Vec::new(),
             on_gpu: None,
             slot: 0,
@@ -77,11 +77,11 @@ impl PredicateList {
     pub(super) fn begin(
         &mut self,
         frame: &Frame<'_>,
-        words: BufferSlice,
+        results: BufferSlice,
         decided: impl ExactSizeIterator<Item = PredicatedRange>,
     ) {
         self.slot = frame.slot().0 % self.counts.len();
-        self.words = Some(words);
+        self.results = Some(results);
         self.decided.clear();
         self.decided.extend(decided);
         self.on_gpu = None;
@@ -98,8 +98,8 @@ impl PredicateList {
         let decided = self.decided.iter().map(|decided| DecidedOnGpu {
             first: decided.range.first,
             count: decided.range.count,
-            parts: u32::from(decided.reveal == Reveal::PerLeaf),
-            word: decided.word,
+            per_leaf: u32::from(decided.reveal == Reveal::PerLeaf),
+            result: decided.result,
         });
         let box_draws = self.decided.iter().map(|decided| BoxDraw {
             vertex_count: BOX_VERTICES,

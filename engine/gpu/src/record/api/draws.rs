@@ -88,13 +88,13 @@ impl Commands {
         }
     }
 
-    /// Draws the one command in `draw` (`VkDrawIndirectCommand`) unless the word in `count` is 0.
+    /// Draws the one command in `draw` (`VkDrawIndirectCommand`) unless the value in `count` is 0.
     pub(crate) fn draw_unindexed_indirect_count(&self, draw: BufferSlice, count: BufferSlice) {
         if !self.admit_all([&draw, &count]) || !self.is_sound() {
             return;
         }
         // SAFETY: drawIndirectCount was checked when this way was chosen; the slices hold one
-        // command and one word.
+        // command and one value.
         unsafe {
             self.device().raw().cmd_draw_indirect_count(
                 self.raw(),
@@ -108,9 +108,9 @@ impl Commands {
         }
     }
 
-    /// Draws the first commands in `draws`, as many as the word in `count`. The recording fails
+    /// Draws the first commands in `draws`, as many as the value in `count`. The recording fails
     /// unless the device has [`Optional::DrawIndirectCount`] and `draws` holds no more commands
-    /// than its `maxDrawIndirectCount`. The word is no larger than that either.
+    /// than its `maxDrawIndirectCount`. The value is no larger than that either.
     pub fn draw_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
         let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
         let most = u32::try_from(draws.size_bytes / u64::from(stride)).unwrap_or(u32::MAX);
