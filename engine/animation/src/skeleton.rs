@@ -118,7 +118,7 @@ impl Skeleton {
     }
 
     /// Returns the nodes between its space and its joints, joints included, parents before
-    /// children: these deform its vertices.
+    /// children: these move its vertices.
     pub fn bones(&self) -> impl Iterator<Item = RigNodeId> {
         self.bones.iter().map(|bone| bone.node)
     }
@@ -128,7 +128,7 @@ impl Skeleton {
         self.joints.len()
     }
 
-    /// Returns true if a clip deforms its vertices, rather than only moving the object.
+    /// Returns true if a clip moves its vertices, rather than only moving the object.
     pub fn is_moved_by(&self, clip: &Clip) -> bool {
         let mut moving = clip.channels.iter().filter(|channel| channel.is_transform());
         moving.any(|channel| self.bone_of(channel.node).is_some())

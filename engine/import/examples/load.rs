@@ -83,7 +83,7 @@ fn tell(imported: &import::GltfScene) {
     }
     for placement in imported.placements.iter().filter(|placement| placement.skinned_mesh.is_some())
     {
-        println!("deformed: rest {:?}, reach {:?}", placement.seen_at_rest, placement.reach);
+        println!("skinned: rest {:?}, reach {:?}", placement.seen_at_rest, placement.reach);
     }
     for note in &imported.notes {
         println!("note: {note}");

@@ -70,7 +70,7 @@ pub enum PlacedNode {
     Light(LightId),
 }
 
-/// An object or light that moves or is deformed.
+/// An object or light that moves or is posed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeAttachment {
     /// The node of the file that has it, and that it moves with. A skinned object moves with its
@@ -84,10 +84,10 @@ pub struct NodeAttachment {
     pub local: Affine3A,
     /// Its skinned mesh, with the index of its skin in [`GltfScene::skins`].
     pub skinned_mesh: Option<(SkinnedMeshId, Option<usize>)>,
-    /// The box in the world around it at rest; empty where it is not deformed.
+    /// The box in the world around it at rest; empty where it is not skinned.
     pub seen_at_rest: Aabb,
     /// A loose box, in its own space, that it stays in under all clips, together or one after the
-    /// other; empty where it is not deformed.
+    /// other; empty where it is not skinned.
     pub reach: Aabb,
 }
 
@@ -102,7 +102,7 @@ pub struct GltfScene {
     pub clips: Vec<Clip>,
     /// The joints of skinned meshes.
     pub skins: Vec<Skin>,
-    /// All that moves: objects and lights on nodes that a clip moves, and all deformed objects.
+    /// All that moves: objects and lights on nodes that a clip moves, and all skinned objects.
     /// Other objects of the scene stay where they are.
     pub placements: Vec<NodeAttachment>,
     /// Its cameras.
@@ -130,7 +130,7 @@ impl GltfScene {
         camera.seen_from(&world, size)
     }
 
-    /// Makes coarser levels of all meshes but deformed and transparent ones. These take index
+    /// Makes coarser levels of all meshes but skinned and transparent ones. These take index
     /// memory, about as much again as the meshes. Meshes with corners in which triangles meet by
     /// the thousands have one level, and a note says so: simplifying them takes time with the
     /// square of that.
@@ -144,9 +144,9 @@ fn bounds(imported: &GltfScene) -> Aabb {
     let scene = &imported.scene;
     let transparent = scene.surfaces.iter().flat_map(|surfaces| &surfaces.transparent);
     let objects = scene.objects.len();
-    // The mesh of a deformed object is not where it is shown.
-    let deformed = imported.placements.iter().filter(|placement| placement.skinned_mesh.is_some());
-    let seen: std::collections::HashMap<usize, Aabb> = deformed
+    // The mesh of a skinned object is not where it is shown.
+    let skinned = imported.placements.iter().filter(|placement| placement.skinned_mesh.is_some());
+    let seen: std::collections::HashMap<usize, Aabb> = skinned
         .filter_map(|placement| match placement.placed {
             PlacedNode::Object(id) => Some((id.0 as usize, placement.seen_at_rest)),
             PlacedNode::Transparent(id) => Some((objects + id.0 as usize, placement.seen_at_rest)),

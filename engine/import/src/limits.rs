@@ -37,9 +37,9 @@ pub struct Limits {
     pub corners: u64,
     /// Nodes. Default: 2^20.
     pub nodes: u64,
-    /// Vertices of deformed meshes, once for each place that has one. Default: as many as a
+    /// Vertices of skinned meshes, once for each place that has one. Default: as many as a
     /// renderer takes on any device, about 3.3 million.
-    pub deformed_vertices: u64,
+    pub skinned_vertices: u64,
     /// Primitives on nodes, each as often as its node is instanced. Default: as many as a renderer
     /// takes on any device, 2^21.
     pub objects: u64,
@@ -73,7 +73,7 @@ impl Default for Limits {
             corners: 1 << 27,
             nodes: 1 << 20,
             objects: scene::limits::OBJECTS_ANYWHERE,
-            deformed_vertices: scene::limits::DEFORMED_VERTICES_ANYWHERE,
+            skinned_vertices: scene::limits::SKINNED_VERTICES_ANYWHERE,
             joints: 1 << 21,
             bones: 1 << 24,
             lights: 1 << 16,

@@ -122,7 +122,7 @@ impl SceneAnimator {
         self.is_moving.get(node.0 as usize) == Some(&true)
     }
 
-    /// Returns the number of objects that the playing clips move or deform.
+    /// Returns the number of objects that the playing clips move or pose.
     pub fn moving_objects(&self) -> usize {
         let placed = self.movers.moved.iter().filter_map(|mover| self.parts.placed(*mover));
         placed.filter(|(placed, _)| matches!(placed, PlacedNode::Object(_))).count()

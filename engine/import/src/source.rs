@@ -61,7 +61,7 @@ use crate::{
 ///   many elements as the interpolation and the number of morph targets demand.
 /// - **Limits.** The parts of the scene are within the limits. Vertices are counted as the lesser
 ///   of a primitive's vertices and its indices, so drop those that no index refers to; once for
-///   each mesh, but once for each *node* where it is deformed (by a skin or morph targets). A
+///   each mesh, but once for each *node* where it is posed (by a skin or morph targets). A
 ///   point, and a segment of a line, counts as a box.
 ///
 /// # Not guaranteed

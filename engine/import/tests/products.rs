@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use antumbra_import::{GltfScene, LoadOptions, load_bytes};
 use gltf_files::files::{F32, Scene};
-use gltf_files::{chains, loaded, perform};
+use gltf_files::{chains, loaded, playback};
 use peak_alloc::PeakAlloc;
 use serde_json::{Value, json};
 
@@ -121,7 +121,7 @@ fn pairs_cost_what_their_parts_cost() {
         let began = Instant::now();
         let imported = load(&scene);
         loaded::check(&imported);
-        perform::perform(imported);
+        playback::play(imported);
         let took = began.elapsed();
         let peak = ALLOCATOR.peak_usage() - before;
         eprintln!("{what}: {} MiB at most, {took:?}", peak / MIB);

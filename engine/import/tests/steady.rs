@@ -77,7 +77,7 @@ fn the_loop_does_not_allocate() {
         let region = Region::new(GLOBAL);
         for frame in first..first + 200 {
             let changes = animator.changes(f64::from(frame) / 60.0);
-            assert!(changes.objects.len() <= 2 && changes.deformations.len() <= 1);
+            assert!(changes.objects.len() <= 2 && changes.poses.len() <= 1);
         }
         let change = region.change();
         change.allocations + change.reallocations > 0

@@ -53,7 +53,7 @@ pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), S
     check_transparent(scene, surfaces)?;
     check_levels(scene, surfaces)?;
     check_sprites(scene, surfaces)?;
-    check_deformers(scene, surfaces)
+    check_skinned_meshes(scene, surfaces)
 }
 
 /// Returns for each mesh true if it is one of sprites.
@@ -167,7 +167,7 @@ fn check_levels(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn check_deformers(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
+fn check_skinned_meshes(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     // The object of each mesh that one has, and whether it is the only one.
     let mut users = vec![0_u32; scene.meshes.len()];
     for object in scene.objects.iter().chain(&surfaces.transparent) {
@@ -175,19 +175,19 @@ fn check_deformers(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError>
             *users = users.saturating_add(1);
         }
     }
-    let mut is_deformed = vec![false; scene.meshes.len()];
+    let mut is_skinned = vec![false; scene.meshes.len()];
     for (index, skinned_mesh) in surfaces.skinned_meshes.iter().enumerate() {
         let (part, mesh) = (("skinned mesh", index), skinned_mesh.mesh.0 as usize);
-        let (Some(users), Some(is_deformed)) = (users.get(mesh), is_deformed.get_mut(mesh)) else {
+        let (Some(users), Some(is_skinned)) = (users.get(mesh), is_skinned.get_mut(mesh)) else {
             return broken(part, "the scene does not have its mesh");
         };
         if *users > 1 {
             return broken(part, "several objects have its mesh: give each a mesh of its own");
         }
-        if std::mem::replace(is_deformed, true) {
-            return broken(part, "another one deforms its mesh");
+        if std::mem::replace(is_skinned, true) {
+            return broken(part, "another one has its mesh");
         }
-        check_deformer(
+        check_skinned_mesh(
             skinned_mesh,
             scene.meshes.get(mesh).map_or(0, |it| it.vertices.len()),
             part,
@@ -196,7 +196,7 @@ fn check_deformers(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError>
     Ok(())
 }
 
-fn check_deformer(
+fn check_skinned_mesh(
     skinned_mesh: &SkinnedMesh,
     vertices: usize,
     part: Part,

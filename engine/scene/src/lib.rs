@@ -42,7 +42,7 @@ pub use surface::{
     MorphTarget, PunctualLight, Sampler, SkinWeights, SkinnedMesh, SkinnedMeshId, SurfaceMesh,
     SurfaceVertex, Surfaces, Texture, TextureId, TextureUse, TransparentId, Wrap,
 };
-pub use update::{Deformation, LightMove, SceneUpdate, TransparentMove};
+pub use update::{LightMove, PoseUpdate, SceneUpdate, TransparentMove};
 
 /// The default of the vertical field of view, in radians.
 pub const FOV_Y_RAD: f32 = 60.0 * PI / 180.0;

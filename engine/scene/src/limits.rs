@@ -17,7 +17,7 @@ pub const LIT_OBJECTS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 32;
 pub const MATERIALS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 64 - 1;
 
 /// The most vertices of skinned meshes, all of them together.
-pub const DEFORMED_VERTICES_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 40;
+pub const SKINNED_VERTICES_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 40;
 
 /// The most images; one that is sampled both as colours and as numbers counts twice.
 pub const IMAGES_ANYWHERE: u64 = MAX_PAGES as u64 * 256;
@@ -49,7 +49,7 @@ mod tests {
         assert_eq!(OBJECTS_ANYWHERE, 2_097_152);
         assert_eq!(LIT_OBJECTS_ANYWHERE, 4_194_304);
         assert_eq!(MATERIALS_ANYWHERE, 2_097_151);
-        assert_eq!(DEFORMED_VERTICES_ANYWHERE, 3_355_443);
+        assert_eq!(SKINNED_VERTICES_ANYWHERE, 3_355_443);
         assert_eq!(IMAGES_ANYWHERE, 3072);
     }
 }

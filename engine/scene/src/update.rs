@@ -24,10 +24,10 @@ pub struct LightMove {
     pub to: PunctualLight,
 }
 
-/// A mesh in another form. The renderer finds the box of its object from it, see
+/// The new pose of a skinned mesh. The renderer finds the box of its object from it, see
 /// [`PoseBounds`](super::PoseBounds).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Deformation {
+pub struct PoseUpdate {
     /// The mesh.
     pub skinned_mesh: SkinnedMeshId,
     /// Its joints' matrices, in [`SceneUpdate::joints`], which meshes with the same joints share;
@@ -46,8 +46,8 @@ pub struct SceneUpdate {
     pub transparent: Vec<TransparentMove>,
     /// Lights that change.
     pub lights: Vec<LightMove>,
-    /// Meshes that change their form.
-    pub deformations: Vec<Deformation>,
+    /// Skinned meshes in another pose.
+    pub poses: Vec<PoseUpdate>,
     /// Matrices of joints: from the mesh's space at rest to its space now.
     pub joints: Vec<Affine3A>,
     /// Weights of morph targets.
@@ -60,7 +60,7 @@ impl SceneUpdate {
         self.objects.clear();
         self.transparent.clear();
         self.lights.clear();
-        self.deformations.clear();
+        self.poses.clear();
         self.joints.clear();
         self.weights.clear();
     }
@@ -70,6 +70,6 @@ impl SceneUpdate {
         self.objects.is_empty()
             && self.transparent.is_empty()
             && self.lights.is_empty()
-            && self.deformations.is_empty()
+            && self.poses.is_empty()
     }
 }

@@ -12,7 +12,7 @@ use crate::run_error::RunError;
 
 /// A camera for every frame.
 #[derive(Clone, Debug)]
-pub enum Course {
+pub enum CameraTrack {
     /// A path made for the scene.
     Made(CameraPath),
     /// A recorded path from a file; the camera is the fallback for a path without frames.
@@ -24,7 +24,7 @@ pub enum Course {
     Around(Orbit, u32),
 }
 
-impl Course {
+impl CameraTrack {
     /// Returns the path that was chosen, along `routes`.
     ///
     /// # Errors

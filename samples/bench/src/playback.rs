@@ -9,7 +9,7 @@ use antumbra::import;
 use antumbra::import::SceneAnimator;
 use antumbra::scene::FOV_Y_RAD;
 
-use crate::camera_path::Course;
+use crate::camera_path::CameraTrack;
 use crate::choices::unknown;
 use crate::run_error::RunError;
 
@@ -98,7 +98,7 @@ pub fn cameras(
     camera: &import::SceneCamera,
     clock: FrameClock,
     (frames, size): (u32, [u32; 2]),
-) -> Course {
+) -> CameraTrack {
     animator.pose(clock.seconds(0));
     let first = animator.seen_by(camera, size);
     let others = match animator.moves(camera.node) {
@@ -109,7 +109,7 @@ pub fn cameras(
         animator.pose(clock.seconds(frame));
         animator.seen_by(camera, size)
     });
-    Course::Filmed(first, others.collect())
+    CameraTrack::Filmed(first, others.collect())
 }
 
 /// The playing clips of a file. No two of them move the same thing.

@@ -110,7 +110,7 @@ pub struct FileReport {
     /// Transparent objects; they are not among the scene's objects.
     pub transparent_objects: u64,
     /// Meshes that are skinned or morphed.
-    pub deformed_meshes: u64,
+    pub skinned_meshes: u64,
     /// Cameras.
     pub cameras: u64,
     /// Clips.

@@ -15,22 +15,26 @@ use crate::terminal::shown;
 
 /// The progress of loading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told<'a> {
+pub struct LoadProgress<'a> {
     /// The current step.
     pub what: &'a str,
     /// The fraction of it that is done, 0 to 1, where it is known.
     pub fraction: Option<f32>,
 }
 
-/// The receiver of the progress, which decides if loading continues.
-pub type Listener<'a> = dyn FnMut(Told<'_>) -> ControlFlow<()> + 'a;
+/// The function that receives the progress, and decides if loading continues.
+pub type LoadProgressFn<'a> = dyn FnMut(LoadProgress<'_>) -> ControlFlow<()> + 'a;
 
 /// Reports the progress; ends the loading where its result is no longer wanted.
 ///
 /// # Errors
 /// When it was given up.
-pub fn tell(told: &mut Listener<'_>, what: &str, fraction: Option<f32>) -> Result<(), RunError> {
-    match told(Told { what, fraction }) {
+pub fn tell(
+    progress_fn: &mut LoadProgressFn<'_>,
+    what: &str,
+    fraction: Option<f32>,
+) -> Result<(), RunError> {
+    match progress_fn(LoadProgress { what, fraction }) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(RunError::given_up()),
     }
@@ -43,9 +47,9 @@ pub fn tell(told: &mut Listener<'_>, what: &str, fraction: Option<f32>) -> Resul
 pub fn load(
     file: &Path,
     exposure: Option<f32>,
-    told: &mut Listener<'_>,
+    progress_fn: &mut LoadProgressFn<'_>,
 ) -> Result<GltfScene, RunError> {
-    tell(told, &format!("reading {}", shown(file)), None)?;
+    tell(progress_fn, &format!("reading {}", shown(file)), None)?;
     if file.is_dir() {
         let shown = shown(file);
         return Err(RunError::user(format!("cannot read the scene '{shown}': it is a folder")));
@@ -57,7 +61,7 @@ pub fn load(
             Stage::Meshes => "making meshes of",
         };
         let what = format!("{what} {}", shown(file));
-        told(Told { what: &what, fraction: Some(progress.fraction) })
+        progress_fn(LoadProgress { what: &what, fraction: Some(progress.fraction) })
     });
     loaded.map_err(|error| match error.cause {
         Cause::GivenUp => RunError::given_up(),
@@ -77,8 +81,11 @@ pub fn load(
 ///
 /// # Errors
 /// A scene over which no hierarchy can be built; loading that was given up.
-pub fn hierarchy(scene: &Scene, told: &mut Listener<'_>) -> Result<Hierarchy, RunError> {
-    tell(told, "building the hierarchy", None)?;
+pub fn hierarchy(
+    scene: &Scene,
+    progress_fn: &mut LoadProgressFn<'_>,
+) -> Result<Hierarchy, RunError> {
+    tell(progress_fn, "building the hierarchy", None)?;
     Hierarchy::build(&object_bounds(scene)?).map_err(RunError::machine)
 }
 
@@ -96,7 +103,7 @@ pub fn report(file: &Path, imported: &GltfScene, load_ms: f64) -> FileReport {
         images: count(surfaces.map(|surfaces| surfaces.images.len())),
         lights: count(surfaces.map(|surfaces| surfaces.lights.len())),
         transparent_objects: count(surfaces.map(|surfaces| surfaces.transparent.len())),
-        deformed_meshes: count(surfaces.map(|surfaces| surfaces.skinned_meshes.len())),
+        skinned_meshes: count(surfaces.map(|surfaces| surfaces.skinned_meshes.len())),
         cameras: imported.cameras.len() as u64,
         clips: imported.clips.len() as u64,
         playing: 0,

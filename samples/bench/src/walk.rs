@@ -9,7 +9,7 @@ use antumbra::methods;
 use antumbra::render::{Renderer, VisibleSet};
 
 use crate::Options;
-use crate::camera_path::Course;
+use crate::camera_path::CameraTrack;
 use crate::choices::Verify;
 use crate::eyes::Eyes;
 use crate::measurement::{FrameMeasurement, RunMeasurement};
@@ -25,7 +25,7 @@ use crate::stopwatch::Stopwatch;
 pub struct Walk<'a> {
     renderer: &'a mut Renderer,
     device: Device,
-    path: &'a Course,
+    path: &'a CameraTrack,
     moving: &'a mut Moving,
     views: u32,
     verify: Verify,
@@ -61,7 +61,7 @@ impl<'a> Walk<'a> {
     /// When the device fails.
     pub fn new(
         renderer: &'a mut Renderer,
-        path: &'a Course,
+        path: &'a CameraTrack,
         moving: &'a mut Moving,
         options: &Options,
     ) -> Result<Self, RunError> {

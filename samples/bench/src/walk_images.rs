@@ -8,7 +8,7 @@ use antumbra::methods;
 use antumbra::render::Renderer;
 
 use crate::Options;
-use crate::camera_path::Course;
+use crate::camera_path::CameraTrack;
 use crate::eyes::Eyes;
 use crate::legend;
 use crate::moving::Moving;
@@ -38,7 +38,7 @@ impl WalkImages {
     pub fn write(
         &mut self,
         renderer: &mut Renderer,
-        path: &Course,
+        path: &CameraTrack,
         moving: &mut Moving,
         options: &Options,
         folder: &Path,
@@ -52,7 +52,7 @@ impl WalkImages {
     fn draw(
         &mut self,
         renderer: &mut Renderer,
-        path: &Course,
+        path: &CameraTrack,
         moving: &mut Moving,
         options: &Options,
         folder: &Path,
@@ -103,7 +103,7 @@ impl WalkImages {
 /// Walks with fresh histories to `frame`, whose image is over when this returns.
 fn walk_to(
     renderer: &mut Renderer,
-    path: &Course,
+    path: &CameraTrack,
     moving: &mut Moving,
     options: &Options,
     frame: u32,

@@ -9,7 +9,7 @@ use antumbra::scene::Scene;
 use scenes::GeneratedScene;
 
 use crate::Options;
-use crate::camera_path::Course;
+use crate::camera_path::CameraTrack;
 use crate::choices;
 use crate::moving::Moving;
 use crate::options::{MadeScene, PathChoice, SceneChoice};
@@ -30,7 +30,7 @@ pub struct WalkScene {
     /// The seed it was generated from; 0 where it comes out of a file.
     pub seed: u64,
     /// The camera's path.
-    pub path: Course,
+    pub path: CameraTrack,
     /// The name of the path.
     pub path_name: String,
     /// The motion.
@@ -67,7 +67,7 @@ impl WalkScene {
             choices::Scene::City => scenes::city(objects, seed)?,
             choices::Scene::Field => scenes::field(objects, seed)?,
         };
-        let path = Course::new(&options.path, &routes)?;
+        let path = CameraTrack::new(&options.path, &routes)?;
         let moving = Moving::new(&scene, options.moving_percent, seed)?;
         let path_name = options.path.to_string();
         Ok(Self { scene, seed, path, path_name, moving, file: None })
@@ -81,10 +81,10 @@ impl WalkScene {
     ) -> Result<Self, RunError> {
         let mut clock = Stopwatch::start();
         let mut newest = String::new();
-        let imported = scene_file::load(file, None, &mut |told| {
-            if told.what != newest {
-                told.what.clone_into(&mut newest);
-                progress.stage(told.what);
+        let imported = scene_file::load(file, None, &mut |loading| {
+            if loading.what != newest {
+                loading.what.clone_into(&mut newest);
+                progress.stage(loading.what);
             }
             match signals.received() {
                 Some(_) => ControlFlow::Break(()),
@@ -114,11 +114,11 @@ impl WalkScene {
             (_, None) => "around".to_owned(),
         };
         let path = match (way, camera) {
-            (Way::Recorded(path), _) => Course::Recorded(path, orbit.camera(0, 1)),
+            (Way::Recorded(path), _) => CameraTrack::Recorded(path, orbit.camera(0, 1)),
             (_, Some(camera)) => {
                 playback::cameras(&mut animator, camera, clock, (options.frames, size))
             }
-            (_, None) => Course::Around(orbit, options.frames),
+            (_, None) => CameraTrack::Around(orbit, options.frames),
         };
         let moving = Moving::played(animator, clock);
         Ok(Self { scene, seed: 0, path, path_name, moving, file: Some(report) })

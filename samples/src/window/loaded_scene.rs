@@ -13,11 +13,11 @@ use super::scene_view::SceneView;
 use super::show::ShowOptions;
 use super::source::FileSource;
 use crate::hud::{HudLevel, PANEL_SHARE};
-use bench::camera_path::Course;
+use bench::camera_path::CameraTrack;
 use bench::choices;
 use bench::options::{MadeScene, PathChoice};
 use bench::run_error::RunError;
-use bench::scene_file::{self, Told};
+use bench::scene_file::{self, LoadProgress};
 
 /// A scene that can be drawn, with its cameras and its motion.
 pub struct LoadedScene {
@@ -64,9 +64,9 @@ impl LoadedScene {
             choices::Scene::City => scenes::city(made.objects, made.seed)?,
             choices::Scene::Field => scenes::field(made.objects, made.seed)?,
         };
-        let course = path.map(|choice| Course::new(choice, &routes)).transpose()?;
-        let start = match &course {
-            Some(course) => course.camera(0),
+        let track = path.map(|choice| CameraTrack::new(choice, &routes)).transpose()?;
+        let start = match &track {
+            Some(track) => track.camera(0),
             None => start(&routes)?.camera(0),
         };
         let renderer = Renderer::new(device, &scene, &renderer_options(options, size)?)?;
@@ -74,7 +74,7 @@ impl LoadedScene {
             renderer,
             scene_view: SceneView::still(&made.scene.to_string(), start)
                 .with_names(&scene)
-                .with_course(course),
+                .with_track(track),
         })
     }
 
@@ -87,15 +87,15 @@ impl LoadedScene {
         (file, settings): (&std::path::Path, &FileSource),
         options: &ShowOptions,
         size: [u32; 2],
-        told: &mut dyn FnMut(Told<'_>) -> ControlFlow<()>,
+        progress_fn: &mut dyn FnMut(LoadProgress<'_>) -> ControlFlow<()>,
     ) -> Result<Self, RunError> {
-        let mut imported = scene_file::load(file, settings.exposure, told)?;
+        let mut imported = scene_file::load(file, settings.exposure, progress_fn)?;
         if settings.detail_pixels.is_some() {
-            scene_file::tell(told, "making levels of detail", None)?;
+            scene_file::tell(progress_fn, "making levels of detail", None)?;
             imported.make_levels(&import::LevelOptions::default());
         }
-        let hierarchy = scene_file::hierarchy(&imported.scene, told)?;
-        scene_file::tell(told, "uploading it to the device", None)?;
+        let hierarchy = scene_file::hierarchy(&imported.scene, progress_fn)?;
+        scene_file::tell(progress_fn, "uploading it to the device", None)?;
         let renderer_options = renderer_options(options, size)?;
         let renderer =
             Renderer::with_hierarchy(device, &imported.scene, hierarchy, &renderer_options)
@@ -108,8 +108,8 @@ impl LoadedScene {
 }
 
 /// Returns the first camera: in a street, or above the scene where there are none.
-fn start(routes: &Routes) -> Result<Course, RunError> {
-    let made = |path| Course::new(&PathChoice::Made(path), routes);
+fn start(routes: &Routes) -> Result<CameraTrack, RunError> {
+    let made = |path| CameraTrack::new(&PathChoice::Made(path), routes);
     made(choices::CameraPath::Street).or_else(|_| made(choices::CameraPath::Fly))
 }
 

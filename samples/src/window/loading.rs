@@ -11,7 +11,7 @@ use super::loaded_scene::LoadedScene;
 use super::show::ShowOptions;
 use super::source::Source;
 use bench::run_error::RunError;
-use bench::scene_file::{self, Told};
+use bench::scene_file::{self, LoadProgress};
 
 /// The progress of loading.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,8 +52,9 @@ impl Loading {
         let (device, options, own) = (device.clone(), options.clone(), source.clone());
         let theirs = Arc::clone(&shared);
         let load = move || {
-            let mut tell = |told: Told<'_>| {
-                let progress = Progress { what: told.what.to_owned(), fraction: told.fraction };
+            let mut tell = |progress: LoadProgress<'_>| {
+                let progress =
+                    Progress { what: progress.what.to_owned(), fraction: progress.fraction };
                 *theirs.progress.lock().unwrap_or_else(PoisonError::into_inner) = progress;
                 match theirs.is_given_up.load(Ordering::Relaxed) {
                     true => ControlFlow::Break(()),

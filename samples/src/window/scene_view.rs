@@ -11,7 +11,7 @@ use antumbra::scene::Scene;
 use super::clearance::clearance_m;
 use super::page_text::{Facts, fact};
 use super::source::FileSource;
-use bench::camera_path::Course;
+use bench::camera_path::CameraTrack;
 use bench::playback::{self, Clips};
 use bench::recorded_path::RecordedPath;
 use bench::run_error::RunError;
@@ -33,7 +33,7 @@ const CROSSING_S: f32 = 30.0;
 #[derive(Debug)]
 enum Guide {
     Nobody,
-    Course(Course),
+    Track(CameraTrack),
     /// A camera of the file, by its place.
     Camera(usize),
     /// A view of everything.
@@ -122,8 +122,8 @@ impl SceneView {
     }
 
     /// Returns the same view, with a camera on this path.
-    pub fn with_course(mut self, course: Option<Course>) -> Self {
-        self.guide = course.map_or(Guide::Nobody, Guide::Course);
+    pub fn with_track(mut self, track: Option<CameraTrack>) -> Self {
+        self.guide = track.map_or(Guide::Nobody, Guide::Track);
         self
     }
 
@@ -164,7 +164,7 @@ impl SceneView {
         let (start, guide) = match (recorded, first) {
             (Some(path), _) => {
                 let start = path.camera(0).unwrap_or(around);
-                (start, Guide::Course(Course::Recorded(path, around)))
+                (start, Guide::Track(CameraTrack::Recorded(path, around)))
             }
             (None, Some(_)) if moved.is_some() => (around, Guide::Overview),
             (None, Some((place, camera))) => (animator.seen_by(camera, size), Guide::Camera(place)),
@@ -196,7 +196,7 @@ impl SceneView {
     /// steers.
     pub fn camera(&self, frame: u32, size: [u32; 2]) -> Option<Camera> {
         match (&self.guide, &self.life) {
-            (Guide::Course(course), _) => Some(course.camera(frame)),
+            (Guide::Track(track), _) => Some(track.camera(frame)),
             (Guide::Camera(place), Some(life)) => {
                 Some(life.animator.seen_by(life.cameras.get(*place)?, size))
             }
@@ -335,7 +335,7 @@ impl SceneView {
         let life = self.life.as_ref()?;
         let camera = match self.guide {
             Guide::Camera(place) => life.cameras.get(place).map(|camera| camera.name.clone()),
-            Guide::Course(_) => Some("along the path".to_owned()),
+            Guide::Track(_) => Some("along the path".to_owned()),
             Guide::Overview => Some("over everything".to_owned()),
             Guide::Nobody => None,
         };

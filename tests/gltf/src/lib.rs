@@ -1,7 +1,7 @@
 //! Small glTF files that are made here, and the invariants of everything loaded from any file.
 //!
 //! [`files`] and [`chains`] make them; [`target`] tries arbitrary bytes, as the tests and `cargo
-//! fuzz` do: the loaded scene is [checked](loaded), and [plays](perform).
+//! fuzz` do: the loaded scene is [checked](loaded), and [plays](playback).
 // A harness fails by panicking.
 #![allow(clippy::panic, clippy::expect_used)]
 #![forbid(unsafe_code)]
@@ -9,5 +9,5 @@
 pub mod chains;
 pub mod files;
 pub mod loaded;
-pub mod perform;
+pub mod playback;
 pub mod target;

@@ -85,14 +85,14 @@ fn check_surfaces(imported: &GltfScene) {
 
 fn check_placements(imported: &GltfScene) {
     let (scene, surfaces) = (&imported.scene, imported.scene.surfaces.as_ref().expect("surfaces"));
-    let mut is_deformed = vec![false; scene.meshes.len()];
+    let mut is_skinned = vec![false; scene.meshes.len()];
     for skinned_mesh in &surfaces.skinned_meshes {
-        is_deformed[skinned_mesh.mesh.0 as usize] = true;
+        is_skinned[skinned_mesh.mesh.0 as usize] = true;
     }
     for object in scene.objects.iter().chain(&surfaces.transparent) {
         assert!(object.transform.is_finite());
         let bounds = scene.bounds_of(object).expect("its mesh is there");
-        assert!(is_deformed[object.mesh.0 as usize] || bounds.is_usable(), "{bounds:?}");
+        assert!(is_skinned[object.mesh.0 as usize] || bounds.is_usable(), "{bounds:?}");
     }
     for placement in &imported.placements {
         assert!((placement.node.0 as usize) < imported.rig.nodes().len());

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::{loaded, perform};
+use crate::{loaded, playback};
 use import::{ImportError, Limits, LoadOptions, Source, load_bytes, read};
 
 /// Limits that keep each try fast.
@@ -38,7 +38,7 @@ pub fn try_bytes(bytes: &[u8]) -> Result<(), ImportError> {
     let progress_fn = &mut |_| ControlFlow::Continue(());
     if let Ok(imported) = load_bytes(bytes.to_vec(), None, &options, progress_fn) {
         loaded::check(&imported);
-        perform::perform(imported);
+        playback::play(imported);
     }
     Ok(())
 }

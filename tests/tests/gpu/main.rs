@@ -10,11 +10,11 @@
 mod bad_machine;
 #[cfg(feature = "shader-compiler")]
 mod bare_boxes;
+mod blocking_query_pool;
 mod calibration;
 mod cold_starts;
 mod compute_test;
 mod counts;
-mod deform;
 mod detail;
 mod edge_on;
 mod exactness;
@@ -31,9 +31,9 @@ mod object_pairs;
 mod pick;
 mod poses;
 mod pyramid;
-mod query_pages;
 mod relight;
 mod shading;
+mod skinning;
 mod slivers;
 mod strategies;
 mod testers;

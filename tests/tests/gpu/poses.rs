@@ -5,11 +5,11 @@ use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{DebugOverlay, Error, FrameRequest, Renderer, ViewState};
-use scene::{Deformation, MeshId, Object, ObjectChange, Scene, SceneUpdate, SkinnedMeshId};
+use scene::{MeshId, Object, ObjectChange, PoseUpdate, Scene, SceneUpdate, SkinnedMeshId};
 use tests::run_on_all;
 use tests::walk::pixels_that_differ;
 
-use crate::deform::{
+use crate::skinning::{
     Pose, SIZE, WIDTH_M, camera, draw, options, pixels_far_apart, pose, scene, take, turns,
 };
 
@@ -47,11 +47,7 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
                 object: ObjectId(0),
                 transform: scene.objects[0].transform,
             }],
-            deformations: vec![Deformation {
-                skinned_mesh: SkinnedMeshId(0),
-                joints: 0..3,
-                weights: 0..2,
-            }],
+            poses: vec![PoseUpdate { skinned_mesh: SkinnedMeshId(0), joints: 0..3, weights: 0..2 }],
             joints,
             weights: vec![0.0; 2],
             ..SceneUpdate::default()

@@ -15,8 +15,8 @@ use crate::error::{Fault, Reason};
 use crate::layout::Layout;
 use crate::verdict::Verdict;
 
-/// The vertices of a point or a segment of a line: two ends at most, unless it is deformed and
-/// becomes a box.
+/// The vertices of a point or a segment of a line: two ends at most, unless it is skinned or
+/// morphed and becomes a box.
 const SPRITE_VERTICES: u64 = 2;
 const BOX_VERTICES: u64 = 8;
 const BOX_CORNERS: u64 = 36;
@@ -108,13 +108,12 @@ fn check_single(root: &Root, limits: &Limits, verdict: &Verdict) -> Result<(), F
     Ok(())
 }
 
-/// Returns the cost of a node: objects, and meshes of its own where it is deformed.
+/// Returns the cost of a node: objects, and meshes of its own where it is skinned or morphed.
 fn of_node(root: &Root, node: &Node, cost: Cost, instances: u64) -> Cost {
     let mesh = node.mesh.and_then(|mesh| root.get(mesh));
-    let is_deformed =
-        node.skin.is_some() || mesh.is_some_and(|mesh| meshes::target_count(mesh) > 0);
+    let is_skinned = node.skin.is_some() || mesh.is_some_and(|mesh| meshes::target_count(mesh) > 0);
     let primitives = cost.primitives.saturating_mul(instances);
-    if is_deformed {
+    if is_skinned {
         Cost { primitives, ..cost.times(instances) }
     } else {
         Cost { primitives, ..Cost::default() }
@@ -151,7 +150,7 @@ fn of_primitive(root: &Root, primitive: &Primitive) -> Cost {
         Checked::Valid(Mode::Triangles) | Checked::Invalid => (used, drawn),
         Checked::Valid(Mode::TriangleStrip | Mode::TriangleFan) => (used, drawn.saturating_mul(3)),
         Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip)
-            if !is_deformed(primitive) =>
+            if !is_skinned_or_morphed(primitive) =>
         {
             (drawn.saturating_mul(SPRITE_VERTICES), 0)
         }
@@ -171,7 +170,7 @@ fn of_primitive(root: &Root, primitive: &Primitive) -> Cost {
 }
 
 /// Returns true if joints or targets may move its vertices.
-fn is_deformed(primitive: &Primitive) -> bool {
+fn is_skinned_or_morphed(primitive: &Primitive) -> bool {
     let has_joints = primitive.attributes.contains_key(&Checked::Valid(Semantic::Joints(0)));
     has_joints || primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty())
 }

@@ -8,8 +8,6 @@ use glam::Affine3A;
 use scene::{Mesh, MeshId, Object, Scene, Sprites, SurfaceMesh, Surfaces, TransparentId};
 
 use super::budget::Budget;
-use super::deformations::Deformations;
-use super::deformed::place_deformed;
 use super::geometry::Geometry;
 use super::initial_view::InitialView;
 use super::instancing;
@@ -19,6 +17,8 @@ use super::numbers::keeps_areas;
 use super::pack::pack;
 use super::primitives::Primitive;
 use super::shared::{Plan, place_shared};
+use super::skinned::place_skinned;
+use super::skinned_extents::SkinnedExtents;
 use super::skins::Skins;
 use crate::gltf_scene::{NodeAttachment, PlacedNode};
 use crate::notes::Notes;
@@ -37,7 +37,7 @@ pub(super) struct Assembly<'a> {
     pub(super) materials: Materials,
     pub(super) skins: Skins,
     pub(super) placements: Vec<NodeAttachment>,
-    pub(super) deformations: Deformations,
+    pub(super) skinned_extents: SkinnedExtents,
     /// True for each node that mirrors at one time and not at another.
     pub(super) turns: Vec<bool>,
     /// True for the skins with such a joint.
@@ -133,7 +133,7 @@ impl<'a> Assembly<'a> {
             let skin = skin.filter(|_| primitive.is_skinned());
             if skin.is_some() || self.is_morphed(node, &primitive) {
                 let name = self.name_of(mesh, number);
-                place_deformed(self, (&primitive, kind.material, name), node, skin, &locals)?;
+                place_skinned(self, (&primitive, kind.material, name), node, skin, &locals)?;
             } else {
                 place_shared(self, kind, &primitive, node, &locals)?;
             }
@@ -236,7 +236,7 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Returns the attachment of an object that is not deformed.
+/// Returns the attachment of an object that is not skinned.
 pub(super) fn rigid(node: RigNodeId, placed: PlacedNode, local: Affine3A) -> NodeAttachment {
     NodeAttachment {
         node,

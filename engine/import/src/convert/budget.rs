@@ -11,8 +11,8 @@ use crate::Limits;
 pub(super) struct Budget {
     most: [u64; 2],
     used: [u64; 2],
-    most_deformed: u64,
-    deformed: u64,
+    most_skinned: u64,
+    skinned: u64,
 }
 
 /// The limit that was passed.
@@ -34,8 +34,8 @@ impl Budget {
         Self {
             most: [limits.vertices, limits.corners],
             used: [0; 2],
-            most_deformed: limits.deformed_vertices,
-            deformed: 0,
+            most_skinned: limits.skinned_vertices,
+            skinned: 0,
         }
     }
 
@@ -60,12 +60,12 @@ impl Budget {
         Ok(())
     }
 
-    /// Takes vertices, which were counted already, for a deformed mesh.
-    pub(super) fn take_deformed(&mut self, vertices: u64) -> Result<(), Over> {
-        self.deformed = self.deformed.saturating_add(vertices);
-        if self.deformed > self.most_deformed {
+    /// Takes vertices, which were counted already, for a skinned mesh.
+    pub(super) fn take_skinned(&mut self, vertices: u64) -> Result<(), Over> {
+        self.skinned = self.skinned.saturating_add(vertices);
+        if self.skinned > self.most_skinned {
             let what = "vertices of meshes that change their form";
-            return Err(Over { what, most: self.most_deformed });
+            return Err(Over { what, most: self.most_skinned });
         }
         Ok(())
     }

@@ -6,8 +6,6 @@ mod budget;
 mod cameras;
 mod clips;
 mod components;
-mod deformations;
-mod deformed;
 mod distances;
 mod exposure;
 mod framing;
@@ -25,6 +23,8 @@ mod primitives;
 mod renderable;
 mod shared;
 mod sidedness;
+mod skinned;
+mod skinned_extents;
 mod skins;
 mod solids;
 mod sprites;
@@ -70,7 +70,7 @@ pub(crate) fn convert(
     let sight = InitialView::of(&source, &tree, first);
     let lights = lights::lights(&source, &tree, &mut notes);
     renderable::check_lights(&source, &tree, &lights, &options.limits)?;
-    let deformations = deformations::Deformations::new(&tree.rig, &clips, &options.limits);
+    let skinned_extents = skinned_extents::SkinnedExtents::new(&tree.rig, &clips, &options.limits);
     let mut assembly = Assembly {
         source: &source,
         tree: &tree,
@@ -80,9 +80,9 @@ pub(crate) fn convert(
         materials: Materials::default(),
         skins: Skins::default(),
         placements: Vec::new(),
-        turns: deformations.turning(&tree.rig),
+        turns: skinned_extents.turning(&tree.rig),
         turning_skins: HashMap::new(),
-        deformations,
+        skinned_extents,
         budget: Budget::new(&options.limits),
         cut_above: options.cut_above_triangles,
         done: 0.0,
@@ -113,13 +113,13 @@ pub(crate) fn convert(
         materials,
         skins,
         placements,
-        deformations,
+        skinned_extents,
         ..
     } = assembly;
     (surfaces.materials, surfaces.textures, surfaces.images) = materials.finish(&mut source);
     renderable::check_textures(&source, &surfaces)?;
     let made = (&scene, &surfaces, skins.list.as_slice());
-    let moved = (&tree, &deformations.into_extents());
+    let moved = (&tree, &skinned_extents.into_extents());
     distances::refuse_far(moved, &mut clips, &placements, made, &cameras, &mut notes);
     let is_empty = scene.objects.is_empty() && surfaces.transparent.is_empty();
     if is_empty {

@@ -57,7 +57,7 @@ impl Facing {
 }
 
 impl Variant {
-    /// Returns the variant that is not deformed.
+    /// Returns the variant that is not skinned.
     pub(super) fn rigid(facing: Facing) -> Self {
         Self { facing, joints: None, is_morphed: false }
     }

@@ -1,5 +1,5 @@
 //! Points and lines as solids, where [sprites](super::sprites) cannot replace them: where they are
-//! blended or masked, have textures, or are deformed. A point is a cube, a line a prism with three
+//! blended or masked, have textures, or are skinned. A point is a cube, a line a prism with three
 //! sides, closed at both ends.
 //!
 //! They are a few pixels wide in the initial view

@@ -8,14 +8,14 @@ use animation::{Clip, Pose, Rig, RigNodeId, Skeleton, Skin};
 use cull::{Aabb, Containment, PlaneMask, View};
 use glam::{Affine3A, Vec3};
 use scene::{
-    Deformation, LightMove, ObjectChange, PoseBounds, PunctualLight, SceneUpdate, SkinnedMesh,
+    LightMove, ObjectChange, PoseBounds, PoseUpdate, PunctualLight, SceneUpdate, SkinnedMesh,
     SkinnedMeshId, TransparentMove, bounds_of_transformed,
 };
 
 use crate::convert::used_joints;
 use crate::gltf_scene::{NodeAttachment, PlacedNode};
 
-/// All that moves or is deformed.
+/// All that moves or is posed.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     parts: Vec<Part>,
@@ -78,7 +78,7 @@ impl Touched {
 /// The indices of parts that are to be visited.
 #[derive(Debug, Default)]
 pub(super) struct Movers {
-    /// The parts that playing clips move or deform.
+    /// The parts that playing clips move or pose.
     pub(super) moved: Vec<usize>,
     /// Other parts whose pose is out of date.
     pub(super) behind: Vec<usize>,
@@ -155,7 +155,7 @@ impl Parts {
     }
 
     /// Returns the box in the world of a part as it was shown last. `mesh` bounds a mesh that is
-    /// not deformed; `form` bounds the poses of one that is.
+    /// not skinned; `form` bounds the poses of one that is.
     pub(super) fn seen_in(
         &self,
         part: usize,
@@ -199,10 +199,10 @@ impl Parts {
         let mut movers = Movers::default();
         for (place, part) in self.parts.iter().enumerate() {
             let node = part.node.and_then(|node| is_moving.get(node.0 as usize));
-            let is_deformed = part.placement.skinned_mesh.is_some();
+            let is_skinned = part.placement.skinned_mesh.is_some();
             let is_formed = part.skeleton.is_some_and(|skeleton| bent.get(skeleton) == Some(&true))
                 || touched.weighed.contains(&part.placement.node);
-            if node == Some(&true) || is_deformed && (is_formed || is_new) {
+            if node == Some(&true) || is_skinned && (is_formed || is_new) {
                 movers.moved.push(place);
             } else if part.is_behind {
                 movers.behind.push(place);
@@ -250,7 +250,7 @@ impl Parts {
         changes.weights.extend_from_slice(weights);
         let joints = hung.map_or(0..0, |hung| hung.bring(changes));
         let weights = first..changes.weights.len();
-        changes.deformations.push(Deformation { skinned_mesh, joints, weights });
+        changes.poses.push(PoseUpdate { skinned_mesh, joints, weights });
     }
 
     /// Adds the transform of a part to the changes if it moved.

@@ -164,8 +164,7 @@ fn moved(animator: &mut SceneAnimator, seconds: f64) -> Vec<u32> {
 fn at_first_only_what_has_no_form_yet_gets_one() {
     let mut animator = animator();
     let changes = animator.changes(0.0).clone();
-    let skinned_meshes: Vec<u32> =
-        changes.deformations.iter().map(|it| it.skinned_mesh.0).collect();
+    let skinned_meshes: Vec<u32> = changes.poses.iter().map(|it| it.skinned_mesh.0).collect();
     assert_eq!(skinned_meshes, [0, 1]);
     assert_eq!((changes.joints.len(), changes.weights.as_slice()), (2, &[0.0][..]));
     assert!(changes.objects.is_empty(), "they are where the scene has them");
@@ -190,7 +189,7 @@ fn what_hangs_on_a_node_goes_where_it_goes() {
     assert_eq!((light.to.position, light.to.intensity), (at, 7.0));
     let [transparent] = changes.transparent.as_slice() else { panic!("{changes:?}") };
     assert_eq!(transparent.transform.translation.x, 2.0);
-    assert!(changes.deformations.is_empty());
+    assert!(changes.poses.is_empty());
     assert!(animator.changes(0.5).is_empty(), "it is there already");
     let (_, _, cameras, _) = SceneAnimator::of(imported());
     assert_eq!(animator.seen_by(&cameras[0], [3, 2]).eye, Vec3::new(3.0, 0.0, 1.0));
@@ -237,7 +236,7 @@ fn who_is_in_no_view_goes_on_and_takes_no_pose_until_it_is() {
     let mut animator = animator();
     animator.play(&[1, 2], 0.0, 0.0);
     let posed = |changes: &SceneUpdate| {
-        changes.deformations.iter().map(|it| it.skinned_mesh.0).collect::<Vec<_>>()
+        changes.poses.iter().map(|it| it.skinned_mesh.0).collect::<Vec<_>>()
     };
     assert_eq!(posed(animator.changes_in(0.0, &away)), [0, 1], "what had no pose gets one");
     assert!(posed(animator.changes_in(0.25, &[])).is_empty(), "nobody looks");
@@ -257,11 +256,11 @@ fn who_comes_to_rest_unseen_is_at_rest_when_it_is_seen() {
     animator.play(&[1, 2], 0.0, 0.0);
     animator.changes_in(0.5, &there);
     animator.play(&[], 0.5, 0.0);
-    assert!(animator.changes_in(0.6, &away).deformations.is_empty());
+    assert!(animator.changes_in(0.6, &away).poses.is_empty());
     assert_eq!((animator.moving_objects(), animator.moving.len()), (0, 0), "nothing plays");
     animator.changes_in(0.7, &away);
     let seen = animator.changes_in(0.8, &there);
-    assert_eq!((seen.deformations.len(), seen.weights[0]), (2, 0.0), "{seen:?}");
+    assert_eq!((seen.poses.len(), seen.weights[0]), (2, 0.0), "{seen:?}");
     assert_eq!(seen.joints[1].translation, Vec3A::NEG_Y);
     assert!(animator.changes(0.9).is_empty());
 }
@@ -323,8 +322,8 @@ fn what_hangs_on_the_same_joints_is_looked_at_once() {
     assert_eq!(animator.parts.skeletons(), 1);
     animator.play(&[1], 0.0, 0.0);
     let changes = animator.changes(0.5);
-    assert_eq!((changes.deformations.len(), changes.joints.len()), (102, 2), "{changes:?}");
-    let shared = changes.deformations.iter().filter(|it| it.joints == (0..2));
+    assert_eq!((changes.poses.len(), changes.joints.len()), (102, 2), "{changes:?}");
+    let shared = changes.poses.iter().filter(|it| it.joints == (0..2));
     assert_eq!(shared.count(), 101, "all but the face");
     assert!(animator.changes(0.5).is_empty());
 }

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use gltf_files::chains::chains;
 use gltf_files::files::{F32, Scene, U8, encoded};
 use gltf_files::loaded;
-use gltf_files::perform::perform;
+use gltf_files::playback::play;
 
 fn load_with(scene: &Scene, limits: Limits) -> Result<GltfScene, ImportError> {
     let options = LoadOptions { limits, ..LoadOptions::default() };
@@ -60,7 +60,7 @@ fn a_clip_that_goes_too_far_is_not_played_and_the_others_are() {
     let note = imported.notes.iter().find(|note| note.reason.contains("not played"));
     let object = &note.expect("a note").object;
     assert!(object.contains("\"far\"") && object.contains("hand"), "{object}");
-    perform(imported);
+    play(imported);
 }
 
 #[test]
@@ -71,12 +71,12 @@ fn clips_that_go_too_far_only_together_do_not_play_together() {
     scene.set("/animations", json!([grows, leaves]));
     let imported = load(&scene);
     assert_eq!(imported.clips.len(), 1, "while one fades into the other, it would be at 1e18");
-    perform(imported);
+    play(imported);
     // Each alone is a matter of taste, and taken.
     scene.set("/animations/0/channels/0/target/node", json!(2));
     let imported = load(&scene);
     assert_eq!(imported.clips.len(), 2, "{:?}", imported.notes);
-    perform(imported);
+    play(imported);
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn long_chains_of_matrices_are_not_too_far() {
     scene.set("/animations", json!([near]));
     let imported = load(&scene);
     assert_eq!(imported.clips.len(), 1, "{:?}", imported.notes);
-    perform(imported);
+    play(imported);
 }
 
 /// Returns several places of a mesh with a morph target that a clip moves.
@@ -129,7 +129,7 @@ fn progress_is_told_within_a_node_and_instances_reach_equally_far() {
     assert!(imported.placements.iter().all(|placement| placement.reach == first));
     assert!((first.max.x - 3.0).abs() < 0.1, "{first:?}");
     loaded::check(&imported);
-    perform(imported);
+    play(imported);
     let mut left = 3;
     let error = load_bytes(scene.glb(), None, &options, &mut |_| {
         left -= 1;
@@ -168,7 +168,7 @@ fn bones_are_counted_once_for_all_that_hangs_on_them() {
     let several = chains(2, 50, 30, 3);
     load_with(&several, limits(300)).unwrap_or_else(|error| panic!("{error}"));
     assert!(load_with(&several, limits(250)).is_err());
-    perform(load(&several));
+    play(load(&several));
 }
 
 #[test]
@@ -298,6 +298,6 @@ fn what_clips_mirror_at_times_is_there_from_both_sides() {
             .iter()
             .any(|note| note.reason.contains("seen from both sides") && note.count == 1);
         assert_eq!(told, is_turning, "{:?}", imported.notes);
-        perform(imported);
+        play(imported);
     }
 }

@@ -11,7 +11,7 @@ use super::replaced::REPLACED;
 use super::unused::{ASIDE, UNUSED};
 use gltf_files::files::{F32, Scene, everything};
 use gltf_files::loaded;
-use gltf_files::perform::perform;
+use gltf_files::playback::play;
 
 /// The outcome of loading a file.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,7 @@ fn what_is_shown_decides() {
             }
             if let Ok(imported) = result {
                 loaded::check(&imported);
-                perform(imported);
+                play(imported);
             }
         }
     }

@@ -25,8 +25,8 @@ impl Posed {
         bounds.bounds(&self.joints, &self.weights)
     }
 
-    /// Returns the position of a vertex, in single precision as `deform.comp` has it, or with fused
-    /// multiplication.
+    /// Returns the position of a vertex, in single precision as `skinning.comp` has it, or with
+    /// fused multiplication.
     fn vertex(&self, number: usize, is_fused: bool) -> Vec3 {
         let add = |sum: f32, a: f32, b: f32| if is_fused { a.mul_add(b, sum) } else { sum + a * b };
         let mut at = self.positions[number].to_array();

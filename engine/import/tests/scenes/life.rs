@@ -152,7 +152,7 @@ fn leg(weights: &[f32]) -> Scene {
 
 const WEIGHTS: [f32; 12] = [1.0, 0.0, 0.0, 0.0, 0.5, 1.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 
-/// Returns the positions in the world of the first deformed object's vertices, in a pose.
+/// Returns the positions in the world of the first skinned object's vertices, in a pose.
 fn skinned(imported: &GltfScene, pose: &Pose) -> Vec<Vec3> {
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
     let placement = &imported.placements[0];
@@ -326,8 +326,8 @@ fn vertices_that_change_their_form_are_limited_where_the_file_has_a_name() {
     scene.set("/nodes/1", node);
     scene.set("/nodes/1/name", json!("second"));
     scene.set("/scenes/0/nodes", json!([0, 1]));
-    let limited = |deformed_vertices| {
-        let limits = Limits { deformed_vertices, ..Limits::default() };
+    let limited = |skinned_vertices| {
+        let limits = Limits { skinned_vertices, ..Limits::default() };
         let options = LoadOptions { limits, ..LoadOptions::default() };
         load_bytes(scene.glb(), None, &options, &mut |_| ControlFlow::Continue(()))
     };

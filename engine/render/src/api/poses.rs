@@ -1,7 +1,7 @@
 //! Poses of skinned meshes, whose objects' boxes follow.
 
 use glam::Affine3A;
-use scene::{Deformation, SceneUpdate, SkinnedMeshId};
+use scene::{PoseUpdate, SceneUpdate, SkinnedMeshId};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
@@ -37,13 +37,11 @@ impl Renderer {
     /// # Errors
     /// The first impossible pose; those before it are set.
     pub(crate) fn take_poses(&mut self, update: &SceneUpdate) -> Result<u32, Error> {
-        self.take_all(update.deformations.iter().map(
-            |Deformation { skinned_mesh, joints, weights }| {
-                let joints = update.joints.get(joints.clone()).unwrap_or_default();
-                let weights = update.weights.get(weights.clone()).unwrap_or_default();
-                (*skinned_mesh, joints, weights)
-            },
-        ))
+        self.take_all(update.poses.iter().map(|PoseUpdate { skinned_mesh, joints, weights }| {
+            let joints = update.joints.get(joints.clone()).unwrap_or_default();
+            let weights = update.weights.get(weights.clone()).unwrap_or_default();
+            (*skinned_mesh, joints, weights)
+        }))
     }
 
     fn take_all<'a>(

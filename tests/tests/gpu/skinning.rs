@@ -81,7 +81,7 @@ pub fn pose(turn: f32) -> Pose {
 }
 
 /// Returns the mesh morphed and skinned by the specification: glTF 2.0, "Morph Targets", "Skins".
-fn deformed(mesh: &Mesh, skinned_mesh: &SkinnedMesh, pose: &Pose) -> Mesh {
+fn skinned(mesh: &Mesh, skinned_mesh: &SkinnedMesh, pose: &Pose) -> Mesh {
     let mut mesh = mesh.clone();
     let skin = skinned_mesh.skin.as_ref().unwrap();
     for (number, vertex) in mesh.vertices.iter_mut().enumerate() {
@@ -170,7 +170,7 @@ fn bent(scene: &Scene, turns: [f32; 2]) -> Scene {
     let mut bent = scene.clone();
     for (mesh, turn) in turns.into_iter().enumerate() {
         let skinned_meshes = &scene.surfaces.as_ref().unwrap().skinned_meshes;
-        bent.meshes[mesh] = deformed(&scene.meshes[mesh], &skinned_meshes[mesh], &pose(turn));
+        bent.meshes[mesh] = skinned(&scene.meshes[mesh], &skinned_meshes[mesh], &pose(turn));
         let surfaces = bent.surfaces.as_mut().unwrap();
         surfaces.meshes[mesh] = surface_of(&bent.meshes[mesh], MaterialId(0));
         surfaces.skinned_meshes.clear();

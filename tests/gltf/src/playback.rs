@@ -15,7 +15,7 @@ const FARTHEST: f32 = 1.001e15;
 
 /// Makes coarser levels of detail, then plays; panics if a change would reach a renderer that the
 /// renderer refuses.
-pub fn perform(mut imported: GltfScene) {
+pub fn play(mut imported: GltfScene) {
     imported.make_levels(&LevelOptions { least_triangles: 1, ..LevelOptions::default() });
     imported.scene.validate().expect("it can be drawn with its levels");
     let (scene, mut animator, cameras, _) = SceneAnimator::of(imported);
@@ -88,11 +88,11 @@ impl<'a> Shown<'a> {
             let LightMove { to, .. } = light;
             assert!(to.position.is_finite() && to.direction.is_normalized(), "{light:?}");
         }
-        for deformed in &changes.deformations {
-            let number = deformed.skinned_mesh.0 as usize;
+        for update in &changes.poses {
+            let number = update.skinned_mesh.0 as usize;
             let skinned_mesh = &self.surfaces.skinned_meshes[number];
-            let joints = &changes.joints[deformed.joints.clone()];
-            let weights = &changes.weights[deformed.weights.clone()];
+            let joints = &changes.joints[update.joints.clone()];
+            let weights = &changes.weights[update.weights.clone()];
             let joint_count =
                 skinned_mesh.skin.as_ref().map_or(0, |skin| skin.joint_count as usize);
             assert_eq!((joints.len(), weights.len()), (joint_count, skinned_mesh.targets.len()));

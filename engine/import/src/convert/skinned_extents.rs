@@ -1,4 +1,4 @@
-//! The reach of deformed meshes, whatever plays. The renderer finds their exact boxes in a pose
+//! The reach of skinned meshes, whatever plays. The renderer finds their exact boxes in a pose
 //! ([`PoseBounds`]). A loose box is enough here and costs next to nothing: it shows which meshes
 //! cannot be drawn at all, and which need no pose because nobody can see them.
 
@@ -15,16 +15,16 @@ use super::primitives::Primitive;
 use super::skins::used_joints;
 use crate::{Cause, ImportError, Limits};
 
-/// The space of a deformed mesh, and its reach.
+/// The space of a skinned mesh, and its reach.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DeformedExtent {
+pub(super) struct SkinnedExtent {
     /// The node in whose space it is; `None` for the world's.
     pub(super) space: Option<RigNodeId>,
     /// A box around the mesh in that space.
     pub(super) reach: Aabb,
 }
 
-impl DeformedExtent {
+impl SkinnedExtent {
     /// Returns true if an object can have its box, as moved by `transform`.
     pub(super) fn is_usable(&self, transform: &Affine3A) -> bool {
         let corners = self.reach.corners().map(|corner| transform.transform_point3(corner));
@@ -73,8 +73,8 @@ impl DeformedExtent {
     }
 }
 
-/// A deformed mesh.
-pub(super) struct Deformed<'a> {
+/// A skinned mesh.
+pub(super) struct SkinnedPrimitive<'a> {
     pub(super) primitive: &'a Primitive<'a>,
     pub(super) geometry: &'a Geometry,
     pub(super) node: RigNodeId,
@@ -84,7 +84,7 @@ pub(super) struct Deformed<'a> {
 
 /// The extents of a rig under its clips, and the skeletons on it.
 #[derive(Debug)]
-pub(super) struct Deformations {
+pub(super) struct SkinnedExtents {
     extents: Extents,
     weights: WeightRanges,
     skeletons: Vec<Skeleton>,
@@ -94,7 +94,7 @@ pub(super) struct Deformations {
     most_bones: u64,
 }
 
-impl Deformations {
+impl SkinnedExtents {
     pub(super) fn new(rig: &Rig, clips: &[Clip], limits: &Limits) -> Self {
         Self {
             extents: Extents::new(rig, clips),
@@ -135,9 +135,9 @@ impl Deformations {
     pub(super) fn form(
         &mut self,
         rig: &Rig,
-        formed: &Deformed<'_>,
-    ) -> Result<Option<DeformedExtent>, ImportError> {
-        let Deformed { primitive, geometry, node, skin } = *formed;
+        skinned: &SkinnedPrimitive<'_>,
+    ) -> Result<Option<SkinnedExtent>, ImportError> {
+        let SkinnedPrimitive { primitive, geometry, node, skin } = *skinned;
         let weights = geometry.skin.as_ref();
         let bounds =
             PoseBounds::new(geometry.positions.iter().copied(), weights, &geometry.targets);
@@ -153,13 +153,13 @@ impl Deformations {
             (Some(_), Some(skeleton)) => {
                 let boxes = boxes.filter_map(|(joint, bounds)| Some((joint?, bounds)));
                 let reach = self.extents.reach(skeleton, boxes);
-                Some(DeformedExtent { space: skeleton.space(), reach })
+                Some(SkinnedExtent { space: skeleton.space(), reach })
             }
             (Some(_), None) => None,
             (None, _) => {
                 let reach = boxes.fold(Aabb::EMPTY, |all, (_, bounds)| all.union(&bounds));
                 let reach = reach.enlarged(reach.largest_coordinate() * ROUNDING);
-                Some(DeformedExtent { space: Some(node), reach })
+                Some(SkinnedExtent { space: Some(node), reach })
             }
         })
     }

@@ -1,14 +1,14 @@
-//! Deformed meshes: each node that has one gets its own, with the box that it stays in.
+//! Skinned meshes: each node that has one gets its own, with the box that it stays in.
 
 use animation::RigNodeId;
 use glam::Affine3A;
 use scene::{Object, SkinnedMesh, SkinnedMeshId};
 
 use super::assembly::{Assembly, NO_TINT};
-use super::deformations::{Deformed, DeformedExtent};
 use super::geometry::Geometry;
 use super::materials::MaterialUse;
 use super::primitives::{Facing, Primitive, Variant};
+use super::skinned_extents::{SkinnedExtent, SkinnedPrimitive};
 use super::skins::Used;
 use crate::gltf_scene::NodeAttachment;
 use crate::{Cause, ImportError};
@@ -17,7 +17,7 @@ use crate::{Cause, ImportError};
 ///
 /// # Errors
 /// Those of [`Primitive::build`]; more skinned meshes than can be searched.
-pub(super) fn place_deformed(
+pub(super) fn place_skinned(
     assembly: &mut Assembly<'_>,
     (primitive, material, name): (&Primitive<'_>, MaterialUse, String),
     node: RigNodeId,
@@ -37,7 +37,7 @@ pub(super) fn place_deformed(
     let once = [Affine3A::IDENTITY];
     let locals = if skin.is_some() { &once } else { locals };
     // Instances of a mesh share one pose.
-    let mut known: Option<Option<DeformedExtent>> = None;
+    let mut known: Option<Option<SkinnedExtent>> = None;
     for local in locals {
         assembly.tell()?;
         let place = assembly.tree.world(node) * *local;
@@ -76,7 +76,7 @@ pub(super) fn place_deformed(
             assembly.leave_out_huge(node);
             continue;
         }
-        add_deformed(
+        add_skinned(
             assembly,
             (geometry, &material, name.clone()),
             node,
@@ -98,14 +98,14 @@ fn facing_of(assembly: &mut Assembly<'_>, skin: Used, node: RigNodeId) -> Facing
     if skin.is_mirrored { Facing::Mirrored } else { Facing::Plain }
 }
 
-fn add_deformed(
+fn add_skinned(
     assembly: &mut Assembly<'_>,
     (mut geometry, material, name): (Geometry, &MaterialUse, String),
     node: RigNodeId,
-    (skin, form): (Option<Used>, DeformedExtent),
+    (skin, form): (Option<Used>, SkinnedExtent),
     (transform, local): (Affine3A, Affine3A),
 ) -> Result<(), ImportError> {
-    assembly.budget.take_deformed(geometry.positions.len() as u64).map_err(|over| {
+    assembly.budget.take_skinned(geometry.positions.len() as u64).map_err(|over| {
         assembly.source.error(Cause::TooLarge, assembly.tree.name(node), over.to_string())
     })?;
     let used = skin.and_then(|used| assembly.skins.list.get(used.skin));
@@ -136,8 +136,8 @@ fn form(
     geometry: &Geometry,
     node: RigNodeId,
     skin: Option<Used>,
-) -> Result<Option<DeformedExtent>, ImportError> {
+) -> Result<Option<SkinnedExtent>, ImportError> {
     let skin = skin.and_then(|used| Some((used.skin, assembly.skins.list.get(used.skin)?)));
-    let formed = Deformed { primitive, geometry, node, skin };
-    assembly.deformations.form(&assembly.tree.rig, &formed)
+    let skinned = SkinnedPrimitive { primitive, geometry, node, skin };
+    assembly.skinned_extents.form(&assembly.tree.rig, &skinned)
 }
