@@ -283,7 +283,8 @@ impl Culler {
     }
 
     /// Plans the next frame from the outcome: draws `leaves` in their order and tests nothing
-    /// (`methods::IDEAL`; [`Culler::plan`] cannot know them and falls back to frustum culling).
+    /// ([`Strategy::needs_still_scene`]; [`Culler::plan`] cannot know them and falls back to
+    /// frustum culling).
     pub fn plan_known(
         &mut self,
         hierarchy: &Hierarchy,

@@ -83,8 +83,7 @@ mod rng;
 
 pub use blocking::{
     Batch, BatchDraw, BatchTest, BatchedOptions, BlockingCuller, BlockingFrame, BlockingKind,
-    BlockingOptions, BlockingStats, CoherentOptions, FirstPass, LeafTest, NextAction, TestAnswer,
-    TestToken,
+    BlockingStats, CoherentOptions, FirstPass, LeafTest, NextAction, TestAnswer, TestToken,
 };
 pub use cost::contents::FrameContents;
 pub use cost::corrections::Corrections;

@@ -15,33 +15,39 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use cull::{
-    Batch, BatchDraw, BlockingCuller, BlockingKind, BlockingOptions, BlockingStats, FirstPass,
-    LeafIndex, NextAction, PlanStats, Strategy, TestAnswer, TestToken,
+    Batch, BatchDraw, BlockingCuller, BlockingKind, BlockingStats, FirstPass, LeafIndex,
+    NextAction, PlanStats, Strategy, TestAnswer, TestToken,
 };
 use gpu::{
     BlockingQueryPool, BufferSlice, Commands, Counting, Frame, IndirectDraw, Optional, QueryIndex,
     Tick,
 };
 use occlusion::{
-    Error, LeafTable, Method, MethodRequest, MethodScene, MethodState, MethodStats, MethodSupport,
-    ObjectPass, ProxyBox, ProxyIo, Rendering, VisibilityState,
+    Error, LeafTable, Method, MethodConstructor, MethodRequest, MethodScene, MethodState,
+    MethodStats, MethodSupport, ObjectPass, ProxyBox, ProxyIo, Rendering, VisibilityState,
 };
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
-/// The state of one view, the same for all of the methods.
+/// The state of one view, for all of the methods: each keeps its history while another is in use.
 struct BlockingState {
-    blocking: BlockingCuller,
+    cullers: Vec<(BlockingKind, BlockingCuller)>,
     queries: BlockingQueryPool,
 }
 
 impl MethodState for BlockingState {}
 
 /// One of the methods.
-pub(crate) struct BlockingMethod {
+#[derive(Clone, Copy)]
+struct BlockingMethod {
     strategy: [Strategy; 1],
     kind: BlockingKind,
-    options: BlockingOptions,
+}
+
+/// Returns the constructor of a method of `kind`.
+pub(crate) fn blocking(strategy: Strategy, kind: BlockingKind) -> MethodConstructor {
+    let method = BlockingMethod { strategy: [strategy], kind };
+    MethodConstructor::new(move || Box::new(method))
 }
 
 /// A part of a frame that was submitted and has results to come.
@@ -92,7 +98,7 @@ impl Method for BlockingMethod {
         let mut kept = state.take_method_state::<BlockingState>().unwrap_or_else(|| {
             let (slots, name) = (state.frames_in_flight(), "blocking queries");
             let queries = BlockingQueryPool::new(scene.device, slots, name);
-            Box::new(BlockingState { blocking: BlockingCuller::new(self.options), queries })
+            Box::new(BlockingState { cullers: Vec::new(), queries })
         });
         let stats = self.record_batches(frame, state, &mut kept, scene, request);
         state.put_method_state(kept);
@@ -102,32 +108,20 @@ impl Method for BlockingMethod {
     }
 
     fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {
-        Ok(Box::new(Self { ..*self }))
+        Ok(Box::new(*self))
     }
 }
 
 impl BlockingMethod {
-    pub(crate) fn new(
-        strategy: [Strategy; 1],
-        kind: BlockingKind,
-        options: &BlockingOptions,
-    ) -> Self {
-        Self { strategy, kind, options: *options }
-    }
-
     /// Returns the kind of queries: they count samples where a threshold needs it.
     fn counting(&self) -> Counting {
-        let threshold = self.options.coherent.visibility_threshold_samples;
-        let counts = self.kind == BlockingKind::Coherent && threshold > 0;
-        if counts { Counting::Samples } else { Counting::Some }
+        if self.kind.counts_samples() { Counting::Samples } else { Counting::Some }
     }
 
     /// Returns true if the batches draw depth alone and the colour comes last, as an option demands
     /// it in scenes that are not drawn so anyway.
     fn is_depth_first(&self, scene: &MethodScene<'_>) -> bool {
-        self.kind == BlockingKind::Coherent
-            && self.options.coherent.first_pass == FirstPass::DepthOnly
-            && !scene.objects.shades_later()
+        self.kind.first_pass() == FirstPass::DepthOnly && !scene.objects.shades_later()
     }
 
     /// Records a frame up to its last batch, which is not submitted yet.
@@ -139,14 +133,15 @@ impl BlockingMethod {
         scene: &mut MethodScene<'_>,
         request: &MethodRequest<'_>,
     ) -> Result<BlockingStats, Error> {
-        let BlockingState { blocking, queries } = kept;
-        let mut conversation = blocking.begin(scene.hierarchy, self.kind, request.view);
+        let BlockingState { cullers, queries } = kept;
+        let mut decisions = culler_of(self.kind, cullers).begin(scene.hierarchy, request.view);
         queries.begin(frame.slot());
         let plan = state.plan_mut();
-        let (mut batch, mut home, mut under_way) = (Batch::default(), Vec::new(), VecDeque::new());
+        let (mut batch, mut answers, mut under_way) =
+            (Batch::default(), Vec::new(), VecDeque::new());
         let mut is_first = true;
         loop {
-            let step = conversation.next(&home, &mut batch);
+            let step = decisions.next(&answers, &mut batch);
             plan.draws.extend(batch.draws.iter().map(|draw| draw.leaf));
             if is_first || !batch.is_empty() {
                 let io = BatchIo::write(frame, &batch, queries, &scene.executor.leaves)?;
@@ -164,9 +159,9 @@ impl BlockingMethod {
                 NextAction::Submit => {}
                 NextAction::Wait(token) => wait(frame, &under_way, token)?,
             }
-            collect(scene.device.completed()?, &mut under_way, queries, &mut home);
+            collect(scene.device.completed()?, &mut under_way, queries, &mut answers);
         }
-        let stats = conversation.stats();
+        let stats = decisions.stats();
         plan.stats = PlanStats {
             nodes_visited: stats.nodes_visited,
             frontier: stats.boxes,
@@ -294,6 +289,18 @@ fn draw(
     }
 }
 
+/// Returns the culler of a kind.
+fn culler_of(
+    kind: BlockingKind,
+    cullers: &mut Vec<(BlockingKind, BlockingCuller)>,
+) -> &mut BlockingCuller {
+    let place = cullers.iter().position(|(of, _)| *of == kind).unwrap_or_else(|| {
+        cullers.push((kind, BlockingCuller::new(kind)));
+        cullers.len() - 1
+    });
+    &mut cullers[place].1
+}
+
 /// Waits for the submission with a query.
 fn wait(
     frame: &mut Frame<'_>,
@@ -311,11 +318,11 @@ fn collect(
     completed: Tick,
     under_way: &mut VecDeque<Submission>,
     queries: &BlockingQueryPool,
-    home: &mut Vec<TestAnswer>,
+    answers: &mut Vec<TestAnswer>,
 ) {
-    home.clear();
+    answers.clear();
     while let Some(piece) = under_way.pop_front_if(|piece| piece.tick <= completed) {
-        home.extend(piece.queries.map(|query| TestAnswer {
+        answers.extend(piece.queries.map(|query| TestAnswer {
             token: TestToken(query),
             samples: queries.samples(QueryIndex(query)),
         }));

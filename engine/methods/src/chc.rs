@@ -2,10 +2,10 @@
 //! GPU Gems 2, 6.4 and 6.5): queries of the frontier and draws interleave, several submits per
 //! frame.
 
-use cull::{BlockingKind, BlockingOptions, Strategy};
-use occlusion::Method;
+use cull::{BlockingKind, CoherentOptions, Strategy};
+use occlusion::MethodConstructor;
 
-use crate::blocking::BlockingMethod;
+use crate::blocking::blocking;
 
 /// The strategy of this method.
 pub const COHERENT: Strategy =
@@ -13,7 +13,7 @@ pub const COHERENT: Strategy =
         .blocking()
         .with_sample_threshold();
 
-/// Creates the method. [`cull::BlockingCuller`] makes its decisions.
-pub(crate) fn method(options: &BlockingOptions) -> Box<dyn Method> {
-    Box::new(BlockingMethod::new([COHERENT], BlockingKind::Coherent, options))
+/// Returns the method's constructor. [`cull::BlockingCuller`] makes its decisions.
+pub fn coherent(options: CoherentOptions) -> MethodConstructor {
+    blocking(COHERENT, BlockingKind::Coherent(options))
 }

@@ -19,14 +19,14 @@ mod build;
 mod cull;
 mod state;
 
-use ::cull::{BlockingOptions, Hierarchy, Strategy, View};
+use ::cull::{Hierarchy, Strategy, View};
 use gpu::{
     Access, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryBarrier, MemoryKind,
     Optional, vk,
 };
 use occlusion::{
-    Error, Method, MethodRequest, MethodScene, MethodStats, MethodSupport, ObjectPass,
-    ObjectRenderer, PlanExecutor, Rect, Rendering, ShaderSet, VisibilityState,
+    Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,
+    ObjectPass, ObjectRenderer, PlanExecutor, Rect, Rendering, ShaderSet, VisibilityState,
 };
 
 pub use build::{PyramidLevel, PyramidPass, pyramid_levels};
@@ -35,7 +35,7 @@ use state::{COUNTER_BYTES, PyramidState};
 
 /// The strategy of this method.
 pub const PYRAMID: Strategy =
-    Strategy::new("pyramid", "two phases against a depth pyramid, on the GPU");
+    Strategy::new("pyramid", "two phases against a depth pyramid, on the GPU").gpu_driven();
 
 /// The method; its objects on the device are made for the first frame.
 #[derive(Default)]
@@ -43,9 +43,9 @@ struct DepthPyramid {
     frame: Option<PyramidFrame>,
 }
 
-/// Creates the method.
-pub(crate) fn method(_options: &BlockingOptions) -> Box<dyn Method> {
-    Box::new(DepthPyramid::default())
+/// Returns the method's constructor.
+pub(crate) fn method() -> MethodConstructor {
+    MethodConstructor::new(|| Box::new(DepthPyramid::default()))
 }
 
 impl Method for DepthPyramid {

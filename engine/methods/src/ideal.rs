@@ -2,10 +2,11 @@
 //! objects that own a pixel, found beforehand, and tests nothing. The lower bound of every method,
 //! for comparison only.
 
-use cull::{BlockingOptions, Strategy};
+use cull::Strategy;
 use gpu::{Frame, Optional};
 use occlusion::{
-    Error, Method, MethodRequest, MethodScene, MethodStats, MethodSupport, VisibilityState, execute,
+    Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,
+    VisibilityState, execute,
 };
 
 /// The strategy of this method.
@@ -15,9 +16,9 @@ pub const IDEAL: Strategy =
 /// The method that draws the leaves that are known to be visible.
 struct Ideal;
 
-/// Creates the method.
-pub(crate) fn method(_options: &BlockingOptions) -> Box<dyn Method> {
-    Box::new(Ideal)
+/// Returns the method's constructor.
+pub(crate) fn method() -> MethodConstructor {
+    MethodConstructor::new(|| Box::new(Ideal))
 }
 
 impl Method for Ideal {

@@ -1,15 +1,12 @@
 //! The methods of the literature and of today's engines, a file each: they run on the same scenes,
 //! frames and passes as Antumbra's own, so that comparisons compare methods and nothing else.
 //!
-//! A renderer supports the methods that it is given ([`ALL`]). A new method is a file with a type
-//! that implements [`occlusion::Method`], and a line in [`ALL`].
+//! A renderer supports the methods that it is given ([`all`]). A new method is a file with a type
+//! that implements [`occlusion::Method`], and a line in [`all`].
 //!
 //! ```
 //! # use antumbra_methods as methods;
-//! use cull::BlockingOptions;
-//!
-//! let options = BlockingOptions::default();
-//! let mut all = methods::ALL.iter().map(|new| new(&options));
+//! let mut all = methods::all().into_iter().map(|constructor| constructor.construct());
 //! assert!(all.any(|method| method.strategies() == [methods::COHERENT]));
 //! ```
 #![forbid(unsafe_code)]
@@ -23,11 +20,11 @@ mod naive;
 mod next_frame;
 mod stop_and_wait;
 
-use cull::{BlockingOptions, Strategy};
+use cull::{BatchedOptions, CoherentOptions, Strategy};
 use occlusion::MethodConstructor;
 
-pub use batched::BATCHED;
-pub use chc::COHERENT;
+pub use batched::{BATCHED, batched};
+pub use chc::{COHERENT, coherent};
 pub use depth_pyramid::{PYRAMID, PyramidLevel, PyramidPass, pyramid_levels};
 
 pub use ideal::IDEAL;
@@ -35,22 +32,24 @@ pub use naive::NAIVE;
 pub use next_frame::NEXT_FRAME;
 pub use stop_and_wait::STOP_AND_WAIT;
 
-/// The constructors of all methods.
-pub const ALL: &[MethodConstructor] = &[
-    naive::method,
-    batched::method,
-    next_frame::method,
-    stop_and_wait::method,
-    chc::method,
-    depth_pyramid::method,
-    ideal::method,
-];
+/// Returns the constructors of all methods, with their default options. Of several methods with one
+/// strategy a renderer takes the first, so that one with other options goes before these.
+pub fn all() -> Vec<MethodConstructor> {
+    vec![
+        naive::method(),
+        batched(BatchedOptions::default()),
+        next_frame::method(),
+        stop_and_wait::method(),
+        coherent(CoherentOptions::default()),
+        depth_pyramid::method(),
+        ideal::method(),
+    ]
+}
 
-/// Returns every strategy of a renderer that is given [`ALL`] methods: the baseline first, then
+/// Returns every strategy of a renderer that is given [`all`] methods: the baseline first, then
 /// those of the literature, ours, and the bound.
 pub fn strategies() -> Vec<Strategy> {
-    let options = BlockingOptions::default();
-    let theirs = ALL.iter().flat_map(|new| new(&options).strategies().to_vec());
+    let theirs = all().into_iter().flat_map(|it| it.construct().strategies().to_vec());
     let mut all: Vec<Strategy> = theirs.chain(Strategy::PLANNED).collect();
     all.sort_by_key(|strategy| (*strategy != Strategy::FRUSTUM, strategy.needs_still_scene()));
     all

@@ -1,9 +1,12 @@
 //! Next-frame occlusion queries (GPU Gems, 29.4): a query per object that is read in a later frame
 //! and decides about that one. Never waits, and is wrong until its results are read back.
 
-use cull::{BlockingOptions, Strategy};
+use cull::Strategy;
 use gpu::Frame;
-use occlusion::{Error, Method, MethodRequest, MethodScene, MethodStats, VisibilityState, execute};
+use occlusion::{
+    Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, VisibilityState,
+    execute,
+};
 
 /// The strategy of this method.
 pub const NEXT_FRAME: Strategy =
@@ -12,9 +15,9 @@ pub const NEXT_FRAME: Strategy =
 /// The method of plans in which no draw depends on the tests of the frame.
 struct NextFrame;
 
-/// Creates the method.
-pub(crate) fn method(_options: &BlockingOptions) -> Box<dyn Method> {
-    Box::new(NextFrame)
+/// Returns the method's constructor.
+pub(crate) fn method() -> MethodConstructor {
+    MethodConstructor::new(|| Box::new(NextFrame))
 }
 
 impl Method for NextFrame {

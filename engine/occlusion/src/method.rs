@@ -1,6 +1,9 @@
 //! The trait of all methods that decide what is drawn: Antumbra's own and those of the literature.
 
-use cull::{BlockingOptions, FramePlan, Hierarchy, LeafIndex, Strategy, View};
+use std::fmt;
+use std::sync::Arc;
+
+use cull::{FramePlan, Hierarchy, LeafIndex, Strategy, View};
 use gpu::{Device, Frame, Optional, Tick, Timeline};
 
 use crate::error::Error;
@@ -53,8 +56,27 @@ pub trait Method: Send {
     fn resized(&mut self) {}
 }
 
-/// The constructor of a method, which takes nothing from the device yet.
-pub type MethodConstructor = fn(&BlockingOptions) -> Box<dyn Method>;
+/// The constructor of a method, with the options of the method. Nothing of the device is used yet.
+#[derive(Clone)]
+pub struct MethodConstructor(Arc<dyn Fn() -> Box<dyn Method> + Send + Sync>);
+
+impl MethodConstructor {
+    /// Creates a constructor from a closure.
+    pub fn new(construct: impl Fn() -> Box<dyn Method> + Send + Sync + 'static) -> Self {
+        Self(Arc::new(construct))
+    }
+
+    /// Constructs the method.
+    pub fn construct(&self) -> Box<dyn Method> {
+        (self.0)()
+    }
+}
+
+impl fmt::Debug for MethodConstructor {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_list().entries(self.construct().strategies()).finish()
+    }
+}
 
 /// The device and the scene that a method must support.
 #[derive(Clone, Copy)]
@@ -98,7 +120,8 @@ pub struct MethodRequest<'a> {
     pub strategy: Strategy,
     /// The view.
     pub view: &'a View,
-    /// The leaves that own a pixel, for `methods::IDEAL`, which uses nothing else.
+    /// The leaves that own a pixel, for strategies that [draw objects found
+    /// beforehand](Strategy::needs_still_scene); empty for others.
     pub visible: &'a [LeafIndex],
     /// The most occlusion queries of a plan. Leaves that cannot be tested are drawn.
     pub query_budget: usize,

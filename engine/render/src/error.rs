@@ -37,19 +37,19 @@ pub enum Error {
         /// The size of the request in bytes.
         size_bytes: usize,
     },
-    /// The strategy `ideal` without a visible set.
+    /// A strategy that draws objects found beforehand, without a visible set.
     #[error(
-        "the strategy `ideal` draws what is known to be visible: find it with `Renderer::visible_set` first"
+        "the strategy `{0}` draws what is known to be visible: find it with `Renderer::visible_set` first"
     )]
-    NoVisibleSet,
-    /// The strategy `ideal` with a set that was found before the scene changed.
+    NoVisibleSet(cull::Strategy),
+    /// A visible set that was found before the scene changed.
     #[error(
         "the scene has changed since it was found out what is visible: find it again with `Renderer::visible_set`"
     )]
     OldVisibleSet,
     /// A strategy that the renderer was given no method for.
     #[error(
-        "this renderer has no method for the strategy `{0}`: give it the literature's with `RendererOptions {{ methods: methods::ALL, .. }}`"
+        "this renderer has no method for the strategy `{0}`: give it one with `RendererOptions::methods`"
     )]
     NoMethod(cull::Strategy),
     /// A strategy that does not count samples, and a threshold.

@@ -1,8 +1,8 @@
 //! The renderer: one frame from top to bottom, from the results of earlier frames to the submit.
 
 use cull::{
-    Aabb, BlockingOptions, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, SceneCosts,
-    Strategy, TesterSupport, View,
+    Aabb, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, SceneCosts, Strategy,
+    TesterSupport, View,
 };
 use gpu::{Device, FrameRing, Optional, PassTime, Predication, Target};
 use occlusion::{
@@ -46,10 +46,8 @@ pub struct RendererOptions {
     pub shaders: Option<ShaderSet>,
     /// The configuration of the culler.
     pub cull_config: CullConfig,
-    /// The methods beside Antumbra's own: those of the literature are `methods::ALL`.
-    pub methods: &'static [MethodConstructor],
-    /// The options of the methods of the literature that wait for results.
-    pub blocking: BlockingOptions,
+    /// The methods beside Antumbra's own; of several with one strategy, the first is used.
+    pub methods: Vec<MethodConstructor>,
     /// The most occlusion queries of a frame. Leaves that are left without one are drawn.
     pub query_budget: usize,
     /// The number of samples up to which a test counts as hidden, so that its leaves are not drawn:
@@ -57,7 +55,7 @@ pub struct RendererOptions {
     /// ([`FrameOutcome::samples_below_threshold`](crate::FrameOutcome::samples_below_threshold)
     /// bounds them), all tests are queries, which must count samples, and conditional rendering is
     /// not available. For [`Strategy::ANTUMBRA`] and [`Strategy::ANTUMBRA_QUERIES`];
-    /// `methods::COHERENT` has [its own](cull::CoherentOptions::visibility_threshold_samples).
+    /// other methods have their own.
     pub threshold_samples: u32,
     /// The prices of tests and draws, so that nothing is tested at a loss. Where the device has
     /// timestamps, the times of frames correct them.
@@ -75,8 +73,7 @@ impl Default for RendererOptions {
             predication: None,
             shaders: None,
             cull_config: CullConfig::default(),
-            methods: &[],
-            blocking: BlockingOptions::default(),
+            methods: Vec::new(),
             query_budget: 8192,
             threshold_samples: 0,
             costs: Costs::default(),
@@ -88,7 +85,7 @@ impl Default for RendererOptions {
 /// Creates Antumbra's own method, and the given ones.
 fn methods_of(options: &RendererOptions) -> Vec<Box<dyn Method>> {
     let ours: Box<dyn Method> = Box::new(PlannedMethod);
-    let given = options.methods.iter().map(|new| new(&options.blocking));
+    let given = options.methods.iter().map(MethodConstructor::construct);
     std::iter::once(ours).chain(given).collect()
 }
 

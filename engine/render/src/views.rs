@@ -24,7 +24,8 @@ pub struct ViewTarget<'a> {
     pub history: &'a mut ViewState,
     /// The camera. Its angle of sight spans the height of `area`.
     pub camera: Camera,
-    /// The objects that own a pixel, for `methods::IDEAL`, which uses nothing else.
+    /// The objects that own a pixel, for strategies that [draw objects found
+    /// beforehand](Strategy::needs_still_scene).
     pub visible: Option<&'a VisibleSet>,
     /// The part of the image for its image: at least a pixel, within the image. Where areas
     /// overlap, later views replace the image of earlier ones.
@@ -69,7 +70,8 @@ pub struct FrameRequest<'a> {
     pub strategy: Strategy,
     /// The eye.
     pub camera: Camera,
-    /// The objects that own a pixel, for `methods::IDEAL`, which uses nothing else.
+    /// The objects that own a pixel, for strategies that [draw objects found
+    /// beforehand](Strategy::needs_still_scene).
     pub visible: Option<&'a VisibleSet>,
     /// The destination of a copy of the image, if it is wanted. Read it when the frame is over.
     pub image: Option<&'a Readback>,

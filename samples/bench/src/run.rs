@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use antumbra::cull::{BlockingOptions, CoherentOptions, Hierarchy, Strategy};
+use antumbra::cull::{CoherentOptions, Hierarchy, Strategy};
 use antumbra::gpu::{
     Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem,
 };
+use antumbra::occlusion::MethodConstructor;
 use antumbra::render::{Renderer, RendererOptions, ShaderSet, object_bounds};
 use antumbra::{gpu, methods, render};
 
@@ -247,14 +248,14 @@ fn costs_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
     entries.into_iter().flatten().map(entry).collect()
 }
 
-/// Returns options with the same threshold for coherent hierarchical culling, the one method of the
-/// literature that has one.
-fn blocking_options(options: &Options) -> BlockingOptions {
-    let coherent = CoherentOptions {
+/// Returns all methods; coherent hierarchical culling, the one method of the literature that has a
+/// threshold, with the same threshold.
+fn all_methods(options: &Options) -> Vec<MethodConstructor> {
+    let coherent = methods::coherent(CoherentOptions {
         visibility_threshold_samples: options.threshold_pixels,
         ..CoherentOptions::default()
-    };
-    BlockingOptions { coherent, ..BlockingOptions::default() }
+    });
+    std::iter::once(coherent).chain(methods::all()).collect()
 }
 
 fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
@@ -262,7 +263,7 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
     let shaders = shaders.transpose().map_err(render::Error::from)?;
     let frames_in_flight = options.frames_in_flight.try_into().unwrap_or(1);
     Ok(RendererOptions {
-        methods: methods::ALL,
+        methods: all_methods(options),
         size: [options.size.width, options.size.height],
         frames_in_flight,
         predication: match options.predicates {
@@ -273,7 +274,6 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
         },
         shaders,
         threshold_samples: options.threshold_pixels,
-        blocking: blocking_options(options),
         costs: options.costs.into(),
         ..Default::default()
     })

@@ -83,7 +83,7 @@ impl From<render::Error> for RunError {
             render::Error::Hierarchy(_)
             | render::Error::NoMethod(_)
             | render::Error::NoMemory { .. }
-            | render::Error::NoVisibleSet
+            | render::Error::NoVisibleSet(_)
             | render::Error::OldVisibleSet
             | render::Error::NoView
             | render::Error::ForeignRenderer { .. }

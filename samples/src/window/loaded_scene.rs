@@ -116,7 +116,7 @@ fn start(routes: &Routes) -> Result<CameraTrack, RunError> {
 fn renderer_options(options: &ShowOptions, size: [u32; 2]) -> Result<RendererOptions, RunError> {
     let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from);
     Ok(RendererOptions {
-        methods: methods::ALL,
+        methods: methods::all(),
         size,
         frames_in_flight: options.frames_in_flight as usize,
         shaders: shaders.transpose().map_err(render::Error::from)?,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use antumbra::gpu::PresentMode;
-use antumbra::{methods, pacing};
+use antumbra::pacing;
 use bench::args::DeviceArguments;
 use bench::choices::{Costs, DeviceChoice, Validation, parse_strategy};
 use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT};
@@ -143,13 +143,12 @@ impl ShowArguments {
 
 /// Reads the name of a strategy that needs no knowledge in advance.
 fn parse_product(text: &str) -> Result<Strategy, String> {
-    match parse_strategy(text)? {
-        methods::IDEAL => {
-            Err("it draws visible sets found in advance, on a known path; see walkthrough"
-                .to_owned())
-        }
-        strategy => Ok(strategy),
+    let strategy = parse_strategy(text)?;
+    if strategy.needs_still_scene() {
+        let reason = "it draws visible sets found in advance, on a known path; see walkthrough";
+        return Err(reason.to_owned());
     }
+    Ok(strategy)
 }
 
 fn frame_limit(text: &str) -> Result<f64, String> {

@@ -109,7 +109,7 @@ fn a_device_that_does_not_count_says_so_when_asked_to_count() {
     let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
     let GeneratedScene { scene, routes } = city(50, 1).unwrap();
     let path = CameraPath::new(PathKind::Street, &routes).unwrap();
-    let options = RendererOptions { methods: methods::ALL, size: [32, 32], ..Default::default() };
+    let options = RendererOptions { methods: methods::all(), size: [32, 32], ..Default::default() };
     let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
     let mut view = renderer.new_view().unwrap();
     for error in
@@ -249,7 +249,7 @@ fn options(predication: Predication) -> RendererOptions {
     // Whatever fails in a measurement is forgiven, and how much it does depends on the clock.
     let costs = Costs::Table(CostTable::default());
     RendererOptions {
-        methods: methods::ALL,
+        methods: methods::all(),
         size: [64, 64],
         predication: Some(predication),
         costs,

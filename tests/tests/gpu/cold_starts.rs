@@ -35,8 +35,12 @@ fn check_standing(renderer: &mut Renderer, camera: Camera, what: &str) {
 }
 
 fn stand_everywhere(device: &Device, seeds: &[u64], size: [u32; 2]) {
-    let options =
-        RendererOptions { methods: methods::ALL, size, frames_in_flight: 2, ..Default::default() };
+    let options = RendererOptions {
+        methods: methods::all(),
+        size,
+        frames_in_flight: 2,
+        ..Default::default()
+    };
     for seed in seeds {
         let GeneratedScene { scene, routes } = scenes::city(600, *seed).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();

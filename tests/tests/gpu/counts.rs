@@ -19,7 +19,7 @@ const SIZE: [u32; 2] = [128, 128];
 fn options() -> RendererOptions {
     // Prices that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
-        methods: methods::ALL,
+        methods: methods::all(),
         size: SIZE,
         costs: Costs::Ignored,
         ..Default::default()

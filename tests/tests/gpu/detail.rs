@@ -44,7 +44,7 @@ fn wood() -> Scene {
 
 fn renderer(device: &Device) -> Renderer {
     let options = RendererOptions {
-        methods: methods::ALL,
+        methods: methods::all(),
         size: SIZE,
         costs: Costs::Ignored,
         ..Default::default()
@@ -149,7 +149,7 @@ fn a_triangle_and_its_back_are_counted_as_one() {
         let scene = wood_from_both_sides();
         assert_eq!(scene.triangles(), 12 * 200);
         let options = RendererOptions {
-            methods: methods::ALL,
+            methods: methods::all(),
             size: SIZE,
             costs: Costs::Ignored,
             ..Default::default()

@@ -21,7 +21,7 @@ fn request(strategy: Strategy, camera: Camera, image: &Readback) -> FrameRequest
 /// camera.
 fn compare(device: &Device, scene: &Scene, camera: Camera) {
     let options =
-        RendererOptions { methods: methods::ALL, size: SIZE, ..RendererOptions::default() };
+        RendererOptions { methods: methods::all(), size: SIZE, ..RendererOptions::default() };
     let mut renderer = Renderer::new(device, scene, &options).unwrap();
     let images = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
     let [expected, found] = &images;

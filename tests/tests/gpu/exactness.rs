@@ -11,7 +11,7 @@ use tests::{Driver, run, run_on_all};
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
     // Prices that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
-        methods: methods::ALL,
+        methods: methods::all(),
         size,
         frames_in_flight,
         costs: Costs::Ignored,

@@ -29,7 +29,7 @@ impl Studio {
         // Measured costs differ from one renderer to the next, and plans with them.
         let costs = Costs::Ignored;
         let options = RendererOptions {
-            methods: methods::ALL,
+            methods: methods::all(),
             size: SIZE,
             predication,
             costs,

@@ -19,7 +19,7 @@ fn the_ideal_is_exact_and_draws_only_what_owns_a_pixel() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(600);
         let path = CameraPath::new(PathKind::Cut, &routes).unwrap();
-        let options = RendererOptions { methods: methods::ALL, size: SIZE, ..Default::default() };
+        let options = RendererOptions { methods: methods::all(), size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut finder = renderer.new_view().unwrap();
         let mut view = renderer.new_view().unwrap();
@@ -54,7 +54,7 @@ fn the_ideal_without_a_set_is_refused() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::Field.build(20);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
-        let options = RendererOptions { methods: methods::ALL, size: SIZE, ..Default::default() };
+        let options = RendererOptions { methods: methods::all(), size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();
         let request = FrameRequest::new(methods::IDEAL, path.camera(0));
@@ -101,7 +101,7 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         let cull_config = CullConfig { growth_frames_per_leaf: 32, ..CullConfig::default() };
         // No price keeps a test from being made.
         let options = RendererOptions {
-            methods: methods::ALL,
+            methods: methods::all(),
             size,
             cull_config,
             costs: Costs::Ignored,

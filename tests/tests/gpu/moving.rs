@@ -29,7 +29,7 @@ const TESTERS: [Strategy; 7] = [
 fn options(frames_in_flight: usize) -> RendererOptions {
     // Prices that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
-        methods: methods::ALL,
+        methods: methods::all(),
         size: SIZE,
         frames_in_flight,
         costs: Costs::Ignored,

@@ -14,7 +14,7 @@ use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk_cameras
 use tests::{Driver, run, run_on_all};
 
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
-    RendererOptions { methods: methods::ALL, size, frames_in_flight, ..Default::default() }
+    RendererOptions { methods: methods::all(), size, frames_in_flight, ..Default::default() }
 }
 
 fn check(found: &Found, what: &str) {

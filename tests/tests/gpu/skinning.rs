@@ -157,7 +157,7 @@ pub fn camera() -> Camera {
 
 pub fn options(frames_in_flight: usize) -> RendererOptions {
     RendererOptions {
-        methods: methods::ALL,
+        methods: methods::all(),
         size: SIZE,
         frames_in_flight,
         costs: Costs::Ignored,

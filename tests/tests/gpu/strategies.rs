@@ -1,7 +1,7 @@
 //! The literature's methods on real drivers: exact if they promise it, counted if not, and each
 //! with its known waits.
 
-use cull::{BlockingOptions, Camera, CoherentOptions, FirstPass, LeafTest, Strategy};
+use cull::{Camera, CoherentOptions, FirstPass, LeafTest, Strategy};
 use glam::Vec3;
 use gpu::{Device, FrameRing, Readback, Tick, Timeline};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
@@ -15,7 +15,7 @@ const DIALOGUES: [Strategy; 4] =
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
     // Prices that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
-        methods: methods::ALL,
+        methods: methods::all(),
         size,
         frames_in_flight,
         costs: Costs::Ignored,
@@ -24,8 +24,7 @@ fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
 }
 
 fn coherent(coherent: CoherentOptions) -> RendererOptions {
-    let blocking = BlockingOptions { coherent, ..Default::default() };
-    RendererOptions { blocking, ..options([160, 90], 2) }
+    RendererOptions { methods: vec![methods::coherent(coherent)], ..options([160, 90], 2) }
 }
 
 fn check(found: &Found, what: &str) {

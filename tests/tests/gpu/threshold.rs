@@ -1,7 +1,7 @@
 //! A visibility threshold: images that are not exact, with an error that is counted and never
 //! larger than the count.
 
-use cull::{Aabb, BlockingOptions, Camera, CoherentOptions, Strategy};
+use cull::{Aabb, Camera, CoherentOptions, Strategy};
 use glam::Vec3;
 use gpu::{Device, Predication, Readback};
 use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions};
@@ -18,13 +18,11 @@ fn options(threshold_samples: u32) -> RendererOptions {
         visibility_threshold_samples: threshold_samples,
         ..CoherentOptions::default()
     };
-    let blocking = BlockingOptions { coherent, ..BlockingOptions::default() };
     // Prices that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
-        methods: methods::ALL,
+        methods: vec![methods::coherent(coherent)],
         size: SIZE,
         threshold_samples,
-        blocking,
         costs: Costs::Ignored,
         ..Default::default()
     }

@@ -88,7 +88,7 @@ fn cameras(frames: u32) -> Vec<Camera> {
 
 fn options(frames_in_flight: usize) -> RendererOptions {
     RendererOptions {
-        methods: methods::ALL,
+        methods: methods::all(),
         size: SIZE,
         frames_in_flight,
         costs: Costs::Ignored,

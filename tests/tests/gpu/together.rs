@@ -131,7 +131,7 @@ fn live(renderer: &mut Renderer, scene: &Scene, frame: u32) {
 fn film(device: &Device, strategy: Strategy, costs: Costs) -> Vec<Readback> {
     let scene = scene();
     let options =
-        RendererOptions { methods: methods::ALL, size: SIZE, costs, ..Default::default() };
+        RendererOptions { methods: methods::all(), size: SIZE, costs, ..Default::default() };
     let mut renderer = Renderer::new(device, &scene, &options).unwrap();
     let mut view = renderer.new_view().unwrap();
     let mut finding = renderer.new_view().unwrap();

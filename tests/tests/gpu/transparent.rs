@@ -74,7 +74,7 @@ fn camera(frame: u32) -> Camera {
 
 fn options(frames_in_flight: usize) -> RendererOptions {
     RendererOptions {
-        methods: methods::ALL,
+        methods: methods::all(),
         size: SIZE,
         frames_in_flight,
         costs: Costs::Ignored,

@@ -16,7 +16,7 @@ const SIZE: [u32; 2] = [320, 100];
 fn options(frames_in_flight: usize) -> RendererOptions {
     // Prices that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
-        methods: methods::ALL,
+        methods: methods::all(),
         size: SIZE,
         frames_in_flight,
         costs: Costs::Ignored,

@@ -124,7 +124,7 @@ fn image(device: &gpu::Device, shaders: Option<ShaderSet>) -> Vec<u8> {
     let GeneratedScene { scene, routes } = city(200, 1).unwrap();
     let path = CameraPath::new(PathKind::Street, &routes).unwrap();
     let options =
-        RendererOptions { methods: methods::ALL, size: [160, 90], shaders, ..Default::default() };
+        RendererOptions { methods: methods::all(), size: [160, 90], shaders, ..Default::default() };
     let mut renderer = Renderer::new(device, &scene, &options).unwrap();
     let mut history = renderer.new_view().unwrap();
     let image = Readback::new(device, renderer.size()).unwrap();

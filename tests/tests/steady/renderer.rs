@@ -50,7 +50,7 @@ fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
             let window = X11Window::open(&server, Library::Xcb, SIZE);
             let stage = Stage::with_entry(Machine::default().entry(), driver, window);
             let options =
-                RendererOptions { methods: methods::ALL, size: SIZE, ..Default::default() };
+                RendererOptions { methods: methods::all(), size: SIZE, ..Default::default() };
             let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
             renderer.supports(strategy).unwrap();
             let mut view = renderer.new_view().unwrap();
@@ -88,7 +88,7 @@ fn a_thousand_switches_leave_the_image_and_keep_nothing() {
     for (driver, modes) in MODES {
         let window = X11Window::open(&server, Library::Xcb, SIZE);
         let stage = Stage::with_entry(Machine::default().entry(), driver, window);
-        let options = RendererOptions { methods: methods::ALL, size: SIZE, ..Default::default() };
+        let options = RendererOptions { methods: methods::all(), size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
         let strategies = methods::strategies().into_iter().filter(is_ours);
         let strategies: Vec<_> = strategies.filter(|s| renderer.supports(*s).is_ok()).collect();

@@ -22,7 +22,7 @@ fn the_renderers_image_in_a_window_is_the_one_without_it() {
         let stage = Stage::new(driver, window.clone());
         let GeneratedScene { scene, routes } = SceneKind::City.build(600);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
-        let options = RendererOptions { methods: methods::ALL, size, ..Default::default() };
+        let options = RendererOptions { methods: methods::all(), size, ..Default::default() };
         let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());
         let error = renderer.present(&mut swapchain, size).expect_err("no image yet");

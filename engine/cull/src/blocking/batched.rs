@@ -8,7 +8,7 @@ use super::recorder::{BlockingStats, BlockingStrategy, NextAction, QueryResult, 
 use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
 use crate::ids::NodeId;
 
-/// The options of `methods::BATCHED`(crate::methods::BATCHED).
+/// The options of [`BlockingKind::Batched`](crate::BlockingKind::Batched).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BatchedOptions {
     /// The size from which on an object is drawn first, without a test: the diagonal of the box

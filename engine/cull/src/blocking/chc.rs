@@ -42,7 +42,7 @@ pub enum FirstPass {
     DepthOnly,
 }
 
-/// The options of `methods::COHERENT`(crate::methods::COHERENT).
+/// The options of [`BlockingKind::Coherent`](crate::BlockingKind::Coherent).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CoherentOptions {
     /// The test of a visible leaf.

@@ -7,7 +7,7 @@
 //!
 //! One frame:
 //!
-//! 1. [`BlockingCuller::begin`] with the strategy and the view.
+//! 1. [`BlockingCuller::begin`] with the hierarchy and the view.
 //! 2. [`BlockingFrame::next`] fills a [`Batch`] and returns a [`NextAction`]. The executor records
 //!    the batch: its draws in their order, those with a token under a query of their own; then its
 //!    tests, front faces of the boxes only, without writing. A batch may be empty.
@@ -39,43 +39,48 @@ pub use recorder::{Batch, BatchDraw, BatchTest, BlockingStats, NextAction, TestA
 use recorder::{BlockingStrategy, PendingQueries, QueryResult, Recorder};
 use stop_and_wait::StopAndWait;
 
-/// The blocking methods of the literature.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The blocking methods of the literature, with their options.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BlockingKind {
     /// A query per object, and a wait for each (GPU Gems, 29.2).
     Naive,
     /// A query per object, behind some large occluders, and a wait for all (GPU Gems, 29.3).
-    Batched,
+    Batched(BatchedOptions),
     /// The hierarchy from the root down, with a wait at each node (GPU Gems 2, 6.3).
     StopAndWait,
     /// Coherent hierarchical culling as published, with several submits per frame and results that
     /// are read between them (GPU Gems 2, 6.4 and 6.5).
-    Coherent,
+    Coherent(CoherentOptions),
 }
 
-/// The options of the methods that have some.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BlockingOptions {
-    /// The options of [`BlockingKind::Batched`].
-    pub batched: BatchedOptions,
-    /// The options of [`BlockingKind::Coherent`].
-    pub coherent: CoherentOptions,
+impl BlockingKind {
+    /// Returns true if its results must be counts of samples, which a threshold needs.
+    #[must_use]
+    pub const fn counts_samples(&self) -> bool {
+        matches!(self, Self::Coherent(options) if options.visibility_threshold_samples > 0)
+    }
+
+    /// Returns the contents of its batches: the shaded image, or its depth alone.
+    #[must_use]
+    pub const fn first_pass(&self) -> FirstPass {
+        match self {
+            Self::Coherent(options) => options.first_pass,
+            Self::Naive | Self::Batched(_) | Self::StopAndWait => FirstPass::Shaded,
+        }
+    }
 }
 
-/// The CPU's half of the blocking methods for one view, with the history of those that keep one.
+/// The CPU's half of a blocking method for one view, with its history if it keeps one.
 #[derive(Debug)]
 pub struct BlockingCuller {
-    naive: Naive,
-    batched: Batched,
-    stop_and_wait: StopAndWait,
-    coherent: Coherent,
+    strategy: Box<dyn BlockingStrategy>,
     pending: PendingQueries,
     results: Vec<QueryResult>,
 }
 
 /// One frame of a blocking method.
 pub struct BlockingFrame<'a> {
-    method: &'a mut dyn BlockingStrategy,
+    strategy: &'a mut dyn BlockingStrategy,
     viewed: ViewedHierarchy<'a>,
     pending: &'a mut PendingQueries,
     results: &'a mut Vec<QueryResult>,
@@ -86,36 +91,25 @@ pub struct BlockingFrame<'a> {
 impl BlockingCuller {
     /// Creates a culler that knows nothing yet.
     #[must_use]
-    pub fn new(options: BlockingOptions) -> Self {
-        Self {
-            naive: Naive::default(),
-            batched: Batched::new(options.batched),
-            stop_and_wait: StopAndWait::default(),
-            coherent: Coherent::new(options.coherent),
-            pending: PendingQueries::default(),
-            results: Vec::new(),
-        }
+    pub fn new(kind: BlockingKind) -> Self {
+        let strategy: Box<dyn BlockingStrategy> = match kind {
+            BlockingKind::Naive => Box::new(Naive::default()),
+            BlockingKind::Batched(options) => Box::new(Batched::new(options)),
+            BlockingKind::StopAndWait => Box::new(StopAndWait::default()),
+            BlockingKind::Coherent(options) => Box::new(Coherent::new(options)),
+        };
+        Self { strategy, pending: PendingQueries::default(), results: Vec::new() }
     }
 
     /// Begins a frame.
-    pub fn begin<'a>(
-        &'a mut self,
-        hierarchy: &'a Hierarchy,
-        kind: BlockingKind,
-        view: &'a View,
-    ) -> BlockingFrame<'a> {
-        let method: &mut dyn BlockingStrategy = match kind {
-            BlockingKind::Naive => &mut self.naive,
-            BlockingKind::Batched => &mut self.batched,
-            BlockingKind::StopAndWait => &mut self.stop_and_wait,
-            BlockingKind::Coherent => &mut self.coherent,
-        };
+    pub fn begin<'a>(&'a mut self, hierarchy: &'a Hierarchy, view: &'a View) -> BlockingFrame<'a> {
         self.pending.clear();
         let viewed = ViewedHierarchy { hierarchy, view };
         let mut stats = BlockingStats::default();
-        method.begin(&viewed, &mut stats);
-        let (pending, results) = (&mut self.pending, &mut self.results);
-        BlockingFrame { method, viewed, pending, results, waits_for: None, stats }
+        self.strategy.begin(&viewed, &mut stats);
+        let Self { strategy, pending, results } = self;
+        let strategy = strategy.as_mut();
+        BlockingFrame { strategy, viewed, pending, results, waits_for: None, stats }
     }
 }
 
@@ -135,7 +129,7 @@ impl BlockingFrame<'_> {
         }
         let mut recorder =
             Recorder { viewed: self.viewed, batch, pending: self.pending, stats: &mut self.stats };
-        let step = self.method.next(self.results, &mut recorder);
+        let step = self.strategy.next(self.results, &mut recorder);
         self.stats.batches += 1;
         if let NextAction::Wait(token) = step {
             self.stats.waits += 1;

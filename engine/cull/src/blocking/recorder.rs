@@ -1,5 +1,7 @@
 //! The messages between a method and the GPU in a frame: batches, actions, results.
 
+use std::fmt;
+
 use crate::geom::bounds::Aabb;
 use crate::hierarchy::front_to_back::ViewedHierarchy;
 use crate::ids::{LeafIndex, NodeId};
@@ -92,7 +94,7 @@ pub struct BlockingStats {
 }
 
 /// One of the methods.
-pub(super) trait BlockingStrategy {
+pub(super) trait BlockingStrategy: fmt::Debug + Send {
     /// Begins a frame.
     fn begin(&mut self, viewed: &ViewedHierarchy<'_>, stats: &mut BlockingStats);
 

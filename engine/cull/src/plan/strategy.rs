@@ -16,6 +16,7 @@ pub struct Strategy {
     is_blocking: bool,
     has_sample_threshold: bool,
     needs_still_scene: bool,
+    is_gpu_driven: bool,
 }
 
 /// The tests in the plans of a strategy.
@@ -72,6 +73,7 @@ impl Strategy {
             is_blocking: false,
             has_sample_threshold: false,
             needs_still_scene: false,
+            is_gpu_driven: false,
         }
     }
 
@@ -101,6 +103,12 @@ impl Strategy {
     #[must_use]
     pub const fn in_still_scenes(self) -> Self {
         Self { needs_still_scene: true, ..self }
+    }
+
+    /// Returns the same strategy, whose decisions the GPU makes.
+    #[must_use]
+    pub const fn gpu_driven(self) -> Self {
+        Self { is_gpu_driven: true, ..self }
     }
 
     /// Returns the name on command lines and in reports.
@@ -145,6 +153,12 @@ impl Strategy {
     #[must_use]
     pub const fn needs_still_scene(self) -> bool {
         self.needs_still_scene
+    }
+
+    /// Returns true if the GPU alone knows what was drawn, so that no frame can be explained.
+    #[must_use]
+    pub const fn is_gpu_driven(self) -> bool {
+        self.is_gpu_driven
     }
 
     /// Returns true if it needs results before a frame can go on: a

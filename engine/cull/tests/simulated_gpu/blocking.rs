@@ -2,8 +2,8 @@
 //! known for.
 
 use antumbra_cull::{
-    BatchedOptions, BlockingCuller, BlockingKind, BlockingOptions, BlockingStats, Camera,
-    CoherentOptions, FirstPass, Hierarchy, LeafTest, ObjectId, Strategy, View,
+    BatchedOptions, BlockingCuller, BlockingKind, BlockingStats, Camera, CoherentOptions,
+    FirstPass, Hierarchy, LeafTest, ObjectId, Strategy, View,
 };
 use glam::Vec3;
 
@@ -14,8 +14,16 @@ use crate::scene::{PATHS, Path, Scene, city};
 use crate::talk::{Talk, Trouble};
 
 const SIZE: [u32; 2] = [40, 28];
-const KINDS: [BlockingKind; 4] =
-    [BlockingKind::Naive, BlockingKind::Batched, BlockingKind::StopAndWait, BlockingKind::Coherent];
+
+/// Returns the blocking methods with these options.
+fn kinds(batched: BatchedOptions, coherent: CoherentOptions) -> [BlockingKind; 4] {
+    let (batched, coherent) = (BlockingKind::Batched(batched), BlockingKind::Coherent(coherent));
+    [BlockingKind::Naive, batched, BlockingKind::StopAndWait, coherent]
+}
+
+fn default_kinds() -> [BlockingKind; 4] {
+    kinds(BatchedOptions::default(), CoherentOptions::default())
+}
 
 fn truth(view: &View, scene: &Scene) -> Image {
     let mut image = Image::new(SIZE);
@@ -25,22 +33,21 @@ fn truth(view: &View, scene: &Scene) -> Image {
     image
 }
 
-fn random_options(random: &mut Random) -> BlockingOptions {
+fn random_kinds(random: &mut Random) -> [BlockingKind; 4] {
     let few = [1, 2, 5, 32];
-    BlockingOptions {
-        batched: BatchedOptions {
-            occluder_angle: random.between(0.0, 2.0),
-            tests_per_submit: few[random.below(4)],
-        },
-        coherent: CoherentOptions {
-            leaf_test: [LeafTest::OwnGeometry, LeafTest::Box][random.below(2)],
-            first_pass: FirstPass::Shaded,
-            visibility_threshold_samples: 0,
-            assumed_visible_frames: [0, 1, 3, 8][random.below(4)],
-            tests_per_submit: few[random.below(4)],
-            draws_per_submit: few[random.below(4)],
-        },
-    }
+    let batched = BatchedOptions {
+        occluder_angle: random.between(0.0, 2.0),
+        tests_per_submit: few[random.below(4)],
+    };
+    let coherent = CoherentOptions {
+        leaf_test: [LeafTest::OwnGeometry, LeafTest::Box][random.below(2)],
+        first_pass: FirstPass::Shaded,
+        visibility_threshold_samples: 0,
+        assumed_visible_frames: [0, 1, 3, 8][random.below(4)],
+        tests_per_submit: few[random.below(4)],
+        draws_per_submit: few[random.below(4)],
+    };
+    kinds(batched, coherent)
 }
 
 /// Runs one seed with all methods and returns the number of leaves drawn and in sight.
@@ -58,9 +65,9 @@ fn verify(seed: u64) -> [u64; 2] {
         lost: if is_rough { 0.1 } else { 0.0 },
         twice: if is_rough { 0.2 } else { 0.0 },
     };
-    let mut runs = KINDS.map(|kind| {
-        let blocking = BlockingCuller::new(random_options(&mut random));
-        (kind, blocking, Talk::new(SIZE, sub_pixel_bits, trouble, seed))
+    let mut runs = [0, 1, 2, 3].map(|method| {
+        let kind = random_kinds(&mut random)[method];
+        (kind, BlockingCuller::new(kind), Talk::new(SIZE, sub_pixel_bits, trouble, seed))
     });
     let mut counted = [0; 2];
     for frame in 0..12 {
@@ -77,8 +84,8 @@ fn verify(seed: u64) -> [u64; 2] {
         let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
         for (kind, blocking, talk) in &mut runs {
             let context = format!("seed {seed}, frame {frame}, {kind:?}");
-            let mut conversation = blocking.begin(&hierarchy, *kind, &view);
-            let stats = talk.frame(&mut conversation, &view, &hierarchy, &solids);
+            let mut decisions = blocking.begin(&hierarchy, &view);
+            let stats = talk.frame(&mut decisions, &view, &hierarchy, &solids);
             assert!(talk.image.depths == expected.depths, "{context}: wrong pixels");
             check_books(talk, &stats, &context);
             counted[0] += u64::from(stats.draws);
@@ -130,16 +137,16 @@ fn streets() -> (Scene, Hierarchy) {
 }
 
 /// Runs the frames of a slow walk ahead and returns their counts.
-fn stroll(kind: BlockingKind, options: BlockingOptions, trouble: Trouble) -> Vec<BlockingStats> {
+fn stroll(kind: BlockingKind, trouble: Trouble) -> Vec<BlockingStats> {
     let (scene, hierarchy) = streets();
-    let mut blocking = BlockingCuller::new(options);
+    let mut blocking = BlockingCuller::new(kind);
     let mut talk = Talk::new(SIZE, 8, trouble, 1);
     let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
     let step = |frame: u64| {
         let eye = CAMERA.eye - Vec3::Z * frame as f32 * 0.05;
         let view = View::new(&Camera { eye, ..CAMERA }, SIZE, 8);
-        let mut conversation = blocking.begin(&hierarchy, kind, &view);
-        talk.frame(&mut conversation, &view, &hierarchy, &solids)
+        let mut decisions = blocking.begin(&hierarchy, &view);
+        talk.frame(&mut decisions, &view, &hierarchy, &solids)
     };
     (0..40).map(step).collect()
 }
@@ -150,9 +157,8 @@ fn sum(frames: &[BlockingStats], of: impl Fn(&BlockingStats) -> u32) -> u32 {
 
 #[test]
 fn each_method_costs_what_it_is_known_for() {
-    let options = BlockingOptions::default();
-    let walk = |kind| stroll(kind, options, Trouble { polls: 3, ..Trouble::default() });
-    let [naive, batched, stop, coherent] = KINDS.map(walk);
+    let walk = |kind| stroll(kind, Trouble { polls: 3, ..Trouble::default() });
+    let [naive, batched, stop, coherent] = default_kinds().map(walk);
     // Once there is a past.
     let [naive, batched, stop, coherent] = [&naive[5..], &batched[5..], &stop[5..], &coherent[5..]];
     assert_eq!(sum(naive, |it| it.waits), sum(naive, |it| it.boxes), "a wait a query");
@@ -168,8 +174,8 @@ fn each_method_costs_what_it_is_known_for() {
 #[test]
 fn a_blocking_method_ends_if_no_answer_ever_comes() {
     let silence = Trouble { lost: 1.0, ..Trouble::default() };
-    for kind in KINDS {
-        let frames = stroll(kind, BlockingOptions::default(), silence);
+    for kind in default_kinds() {
+        let frames = stroll(kind, silence);
         // All in sight is drawn, as frustum culling would.
         let (_, hierarchy) = streets();
         let view = View::new(&CAMERA, SIZE, 8);
@@ -184,8 +190,7 @@ fn a_blocking_method_ends_if_no_answer_ever_comes() {
 fn what_is_assumed_visible_is_not_asked_about() {
     let walk = |assumed_visible_frames| {
         let coherent = CoherentOptions { assumed_visible_frames, ..CoherentOptions::default() };
-        let options = BlockingOptions { coherent, ..BlockingOptions::default() };
-        stroll(BlockingKind::Coherent, options, Trouble::default())
+        stroll(BlockingKind::Coherent(coherent), Trouble::default())
     };
     let [never, three] = [walk(0), walk(3)];
     let visible_draw_queries =
@@ -199,8 +204,7 @@ fn a_threshold_draws_less_and_is_not_exact() {
     let walk = |visibility_threshold_samples| {
         let coherent =
             CoherentOptions { visibility_threshold_samples, ..CoherentOptions::default() };
-        let options = BlockingOptions { coherent, ..BlockingOptions::default() };
-        sum(&stroll(BlockingKind::Coherent, options, Trouble::default()), |it| it.draws)
+        sum(&stroll(BlockingKind::Coherent(coherent), Trouble::default()), |it| it.draws)
     };
     assert!(walk(20) < walk(0));
 }
@@ -210,14 +214,14 @@ fn no_objects_and_none_in_sight_are_no_words() {
     let nothing = Hierarchy::build(&[]).unwrap();
     let (scene, city) = streets();
     let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
-    for kind in KINDS {
-        let mut blocking = BlockingCuller::new(BlockingOptions::default());
+    for kind in default_kinds() {
+        let mut blocking = BlockingCuller::new(kind);
         let mut talk = Talk::new(SIZE, 8, Trouble::default(), 1);
         let away = Camera { eye: Vec3::Y * 500.0, forward: Vec3::Y, up: Vec3::X, ..CAMERA };
         for (hierarchy, camera) in [(&nothing, CAMERA), (&city, away)] {
             let view = View::new(&camera, SIZE, 8);
-            let mut conversation = blocking.begin(hierarchy, kind, &view);
-            let stats = talk.frame(&mut conversation, &view, hierarchy, &solids);
+            let mut decisions = blocking.begin(hierarchy, &view);
+            let stats = talk.frame(&mut decisions, &view, hierarchy, &solids);
             assert_eq!((stats.draws, stats.boxes, stats.waits), (0, 0, 0), "{kind:?}");
         }
     }

@@ -2,7 +2,7 @@
 //! those that must not.
 
 use antumbra_cull::{
-    Aabb, Answer, Batch, BlockingCuller, BlockingKind, BlockingOptions, Camera, CullConfig, Culler,
+    Aabb, Answer, Batch, BlockingCuller, BlockingKind, Camera, CoherentOptions, CullConfig, Culler,
     FramePlan, Hierarchy, LeafRange, NextAction, NodeId, NodeState, ObjectId, QueryKind, QueryTag,
     Strategy, TestAnswer, View,
 };
@@ -257,10 +257,10 @@ fn coherent_knows_nothing_of_who_comes_under_an_old_id() {
     let view = View::new(&camera, SIZE, 8);
     let near = cube(Vec3::new(0.0, 0.0, -5.0), 1.0);
     let mut hierarchy = Hierarchy::build(&[near, cube(Vec3::new(3.0, 0.0, -50.0), 1.0)]).unwrap();
-    let mut blocking = BlockingCuller::new(BlockingOptions::default());
+    let mut blocking = BlockingCuller::new(BlockingKind::Coherent(CoherentOptions::default()));
     // Everything shows. Answers how many tests a frame takes.
     let mut tests = |hierarchy: &Hierarchy| {
-        let mut conversation = blocking.begin(hierarchy, BlockingKind::Coherent, &view);
+        let mut conversation = blocking.begin(hierarchy, &view);
         let (mut batch, mut answers) = (Batch::default(), Vec::new());
         while conversation.next(&answers, &mut batch) != NextAction::Done {
             let drawn = batch.draws.iter().filter_map(|draw| draw.token);

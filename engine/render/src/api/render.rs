@@ -184,7 +184,7 @@ impl Renderer {
         visible.map_or(Ok(()), |visible| self.check_renderer(visible.renderer(), VISIBLE_SET))?;
         match visible {
             _ if !strategy.needs_still_scene() => Ok(()),
-            None => Err(Error::NoVisibleSet),
+            None => Err(Error::NoVisibleSet(strategy)),
             Some(visible) if !visible.is_of(self.edition) => Err(Error::OldVisibleSet),
             Some(_) => Ok(()),
         }

@@ -14,8 +14,8 @@ pub struct VisibilitySnapshot {
     pub frame: FrameId,
     /// The view it was seen from.
     pub view: View,
-    /// The leaves that were drawn, where the CPU knows them: not after a frame of
-    /// `methods::PYRAMID`.
+    /// The leaves that were drawn; empty after a frame of a [GPU-driven
+    /// strategy](cull::Strategy::is_gpu_driven).
     pub drawn: Vec<LeafRange>,
     /// The frontier nodes that stayed hidden: box and level in the hierarchy.
     pub hidden: Vec<(Aabb, u32)>,

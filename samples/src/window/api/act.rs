@@ -5,7 +5,6 @@ use crate::window::actions::Action;
 use crate::window::menu;
 use crate::window::scene_view::SceneView;
 use crate::window::session::Session;
-use antumbra::methods;
 use bench::options::MAX_FRAMES_IN_FLIGHT;
 use bench::recorded_path::RecordedPath;
 use bench::run_error::RunError;
@@ -109,7 +108,7 @@ impl Session {
         let at = all.iter().position(|strategy| *strategy == self.strategy).unwrap_or(0);
         let others = (1..=all.len()).map(|step| all[(at + step) % all.len()]);
         let can = |strategy: &Strategy| {
-            *strategy != methods::IDEAL && self.renderer.supports(*strategy).is_ok()
+            !strategy.needs_still_scene() && self.renderer.supports(*strategy).is_ok()
         };
         if let Some(next) = others.into_iter().find(can) {
             self.choose(next);
@@ -117,9 +116,9 @@ impl Session {
     }
 
     fn choose(&mut self, strategy: Strategy) {
-        if strategy == methods::IDEAL {
-            let reason = "ideal draws visible sets found in advance, and here there are none";
-            return self.refuse(reason.to_owned());
+        if strategy.needs_still_scene() {
+            let reason = "draws visible sets found in advance, and here there are none";
+            return self.refuse(format!("{strategy} {reason}"));
         }
         match self.renderer.supports(strategy) {
             Ok(()) => {
@@ -134,7 +133,7 @@ impl Session {
     /// Shows why an explanation that is on shows nothing.
     fn tell_if_unexplained(&mut self) {
         let is_on = self.has_top_down || self.explanation.has_boxes;
-        if is_on && self.strategy == methods::PYRAMID {
+        if is_on && self.strategy.is_gpu_driven() {
             self.refuse(GPU_KNOWS.to_owned());
         }
     }
@@ -157,7 +156,7 @@ impl Session {
             self.refuse("there is nothing to freeze yet".to_owned());
             return Ok(());
         }
-        if self.strategy == methods::PYRAMID {
+        if self.strategy.is_gpu_driven() {
             self.refuse(GPU_KNOWS.to_owned());
             return Ok(());
         }

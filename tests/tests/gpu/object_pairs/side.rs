@@ -97,7 +97,7 @@ impl Side {
         let device = &stage.device;
         let GeneratedScene { scene, routes } = SceneKind::City.build(60);
         let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(3);
-        let options = RendererOptions { methods: methods::ALL, size: SIZE, ..Default::default() };
+        let options = RendererOptions { methods: methods::all(), size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();
         let visible = renderer.visible_set(&mut view, &camera, Rect::whole(SIZE)).unwrap();
