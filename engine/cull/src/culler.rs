@@ -10,13 +10,13 @@ use crate::history::answers;
 use crate::history::record::{FrameStamp, NodeState};
 use crate::history::records::History;
 use crate::ids::{FrameId, LeafIndex, NodeId, ObjectId};
-use crate::plan::asking::Asking;
 use crate::plan::candidates::Scratch;
 use crate::plan::config::CullConfig;
 use crate::plan::cost_filter::CostFilter;
 use crate::plan::explain::{self, LeafExplanation, NodeHistory};
 use crate::plan::frame_plan::{Answer, FramePlan, PlanStats, QueryKind, Tester, TesterSupport};
 use crate::plan::next_frame::NextFrame;
+use crate::plan::plan_writer::PlanWriter;
 use crate::plan::rounds::{self, Grouping};
 use crate::plan::shared_proxies::{self, SharedProxy};
 use crate::plan::strategy::Strategy;
@@ -232,7 +232,7 @@ impl Culler {
         budget::fit(scratch, &walk, query_budget, &mut plan.stats);
         let (history, rng, frame) = (&mut self.history, &mut self.rng, self.frame);
         let costs = costs.as_ref();
-        Asking {
+        PlanWriter {
             hierarchy,
             view,
             config: &config,

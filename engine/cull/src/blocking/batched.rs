@@ -29,7 +29,7 @@ impl Default for BatchedOptions {
 enum Phase {
     #[default]
     Occluders,
-    Asking,
+    Testing,
     Reading,
 }
 
@@ -96,10 +96,10 @@ impl BlockingStrategy for Batched {
         match self.phase {
             Phase::Occluders => {
                 self.draw_occluders(recorder);
-                self.phase = Phase::Asking;
+                self.phase = Phase::Testing;
                 return NextAction::Submit;
             }
-            Phase::Asking => {
+            Phase::Testing => {
                 self.ask(recorder);
                 if self.next < self.leaves.len() {
                     return NextAction::Submit;

@@ -1,6 +1,5 @@
 //! The stages of a plan, a file each, and its parts.
 
-pub(crate) mod asking;
 pub(crate) mod budget;
 pub(crate) mod candidates;
 pub(crate) mod config;
@@ -9,6 +8,7 @@ pub(crate) mod explain;
 pub(crate) mod frame_plan;
 pub(crate) mod next_frame;
 pub(crate) mod occluders;
+pub(crate) mod plan_writer;
 pub(crate) mod rounds;
 pub(crate) mod shared_proxies;
 pub(crate) mod strategy;

@@ -13,7 +13,7 @@ use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester}
 use crate::rng::SplitMix64;
 
 /// The inputs that the tests of one frame depend on.
-pub(crate) struct Asking<'a> {
+pub(crate) struct PlanWriter<'a> {
     pub(crate) hierarchy: &'a Hierarchy,
     pub(crate) view: &'a View,
     pub(crate) config: &'a CullConfig,
@@ -28,7 +28,7 @@ pub(crate) struct Asking<'a> {
     pub(crate) costs: Option<&'a CostFilter<'a>>,
 }
 
-impl Asking<'_> {
+impl PlanWriter<'_> {
     /// Fills `plan` with the draws and tests of `scratch`.
     pub(crate) fn write(&mut self, scratch: &mut Scratch, plan: &mut FramePlan) {
         plan.draws.extend(scratch.draws.iter().map(|draw| draw.leaf));
