@@ -164,7 +164,7 @@ impl Culler {
             if !hierarchy.is_same_since(tag.node, tag.generation) || tag.frame > self.frame {
                 continue;
             }
-            let Some(asked) = self.stamp(tag.frame) else {
+            let Some(tested) = self.stamp(tag.frame) else {
                 continue;
             };
             self.next_frame.take(hierarchy, &tag, samples);
@@ -174,7 +174,8 @@ impl Culler {
                 _ => samples.saturating_sub(self.sample_threshold),
             };
             let record = self.history.record(tag.node.0);
-            if let Some(cost_model) = self.cost_model.as_mut().filter(|_| record.answered < asked) {
+            if let Some(cost_model) = self.cost_model.as_mut().filter(|_| record.answered < tested)
+            {
                 cost_model.learn(tag.kind, record.state, record.retest_reason, samples > 0);
                 self.history.answered_assumed(tag.node.0);
             }
@@ -184,7 +185,7 @@ impl Culler {
                 config: &self.tuned,
                 rng: &mut self.rng,
                 now,
-                asked,
+                tested,
             }
             .apply(tag.node.0, tag.kind, samples);
         }

@@ -246,8 +246,8 @@ impl BatchIo {
         queries: &mut BlockingQueryPool,
         leaves: &LeafTable,
     ) -> Result<Self, Error> {
-        let asked = batch.draws.iter().filter(|draw| draw.token.is_some()).count();
-        let count = (asked + batch.tests.len()) as u32;
+        let queried = batch.draws.iter().filter(|draw| draw.token.is_some()).count();
+        let count = (queried + batch.tests.len()) as u32;
         let queries = queries.take(frame.commands(), count)?;
         let uploads = frame.uploads();
         let draws = batch.draws.iter().map(|draw| leaves.draw(draw.leaf));

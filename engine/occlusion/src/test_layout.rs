@@ -82,7 +82,7 @@ impl TestLayout {
             };
             predicated(test, result)
         };
-        let tag = |test: &ProxyTest| asked(test, &count);
+        let tag = |test: &ProxyTest| pending_test(test, &count);
         let lists = [
             (Tester::Flag, &mut self.flag_tags, &mut self.flag_decides),
             (Tester::Compute, &mut self.compute_tags, &mut self.compute_decides),
@@ -124,7 +124,7 @@ impl TestLayout {
             let decision = match test.tester {
                 Tester::Query => {
                     let query = self.query_tags.len() as u32;
-                    self.query_tags.push(asked(test, count));
+                    self.query_tags.push(pending_test(test, count));
                     self.query_decides.push(predicated(test, query));
                     extend(&mut round.queried_tests, number);
                     PredicateSlot { source: ResultSource::Queries, number: query }
@@ -208,7 +208,7 @@ fn extend(range: &mut Range<u32>, by: u32) {
     *range = start..by + 1;
 }
 
-fn asked(test: &ProxyTest, count: impl Fn(LeafRange) -> LeafCount) -> PendingTest {
+fn pending_test(test: &ProxyTest, count: impl Fn(LeafRange) -> LeafCount) -> PendingTest {
     PendingTest { tag: test.tag, tester: test.tester, contents: count(test.leaves) }
 }
 

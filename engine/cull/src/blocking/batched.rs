@@ -70,16 +70,16 @@ impl Batched {
         });
     }
 
-    fn ask(&mut self, recorder: &mut Recorder<'_>) {
+    fn test(&mut self, recorder: &mut Recorder<'_>) {
         let left = &self.leaves[self.next.min(self.leaves.len())..];
-        let asked = left.len().min(self.options.tests_per_submit);
-        for leaf in &left[..asked] {
+        let tested = left.len().min(self.options.tests_per_submit);
+        for leaf in &left[..tested] {
             match recorder.viewed.proxy(leaf.node) {
-                Some(proxy) => _ = recorder.ask(leaf.node, proxy),
+                Some(proxy) => _ = recorder.test(leaf.node, proxy),
                 None => recorder.draw(leaf.node),
             }
         }
-        self.next += asked;
+        self.next += tested;
     }
 }
 
@@ -100,7 +100,7 @@ impl BlockingStrategy for Batched {
                 return NextAction::Submit;
             }
             Phase::Testing => {
-                self.ask(recorder);
+                self.test(recorder);
                 if self.next < self.leaves.len() {
                     return NextAction::Submit;
                 }

@@ -30,7 +30,7 @@ pub enum LeafTest {
     Box,
 }
 
-/// The draws of the phase that asks.
+/// The draws of the phase that tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FirstPass {
     /// The image itself.
@@ -47,7 +47,7 @@ pub enum FirstPass {
 pub struct CoherentOptions {
     /// The test of a visible leaf.
     pub leaf_test: LeafTest,
-    /// The draws of the phase that asks.
+    /// The draws of the phase that tests.
     pub first_pass: FirstPass,
     /// The number of samples up to which an object counts as hidden (6.5.4). Above 0 the image is
     /// no longer exact, and the device must count samples precisely.
@@ -238,7 +238,7 @@ impl Coherent {
             }
             Some(_) if was_visible && !is_leaf => self.traverse(node, recorder),
             Some(proxy) if was_visible => self.draw_visible(node.node, proxy, recorder),
-            Some(proxy) => _ = recorder.ask(node.node, proxy),
+            Some(proxy) => _ = recorder.test(node.node, proxy),
         }
     }
 
@@ -255,9 +255,9 @@ impl Coherent {
             return recorder.draw(leaf);
         }
         match self.options.leaf_test {
-            LeafTest::OwnGeometry => recorder.draw_asking(leaf),
+            LeafTest::OwnGeometry => recorder.draw_under_query(leaf),
             LeafTest::Box => {
-                recorder.ask(leaf, proxy);
+                recorder.test(leaf, proxy);
                 recorder.draw(leaf);
             }
         }

@@ -24,7 +24,7 @@ impl BlockingStrategy for Naive {
         while let Some(leaf) = self.leaves.get(self.next) {
             self.next += 1;
             match recorder.proxy(leaf.node) {
-                Some(proxy) => return NextAction::Wait(recorder.ask(leaf.node, proxy)),
+                Some(proxy) => return NextAction::Wait(recorder.test(leaf.node, proxy)),
                 None => recorder.draw(leaf.node),
             }
         }

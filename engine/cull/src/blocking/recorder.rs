@@ -125,17 +125,17 @@ impl Recorder<'_> {
     }
 
     /// Draws a leaf under a query.
-    pub(super) fn draw_asking(&mut self, node: NodeId) {
+    pub(super) fn draw_under_query(&mut self, node: NodeId) {
         self.stats.draws += 1;
         self.stats.visible_draw_queries += 1;
-        let token = Some(self.pending.ask(node));
+        let token = Some(self.pending.begin(node));
         self.batch.draws.push(BatchDraw { leaf: self.viewed.leaf(node), token });
     }
 
     /// Tests a node's box.
-    pub(super) fn ask(&mut self, node: NodeId, bounds: Aabb) -> TestToken {
+    pub(super) fn test(&mut self, node: NodeId, bounds: Aabb) -> TestToken {
         self.stats.boxes += 1;
-        let token = self.pending.ask(node);
+        let token = self.pending.begin(node);
         self.batch.tests.push(BatchTest { token, bounds });
         token
     }
@@ -152,31 +152,31 @@ impl Recorder<'_> {
 #[derive(Debug, Default)]
 pub(super) struct PendingQueries {
     /// The node that each query is about, until its result came.
-    asked: Vec<Option<NodeId>>,
+    nodes: Vec<Option<NodeId>>,
     /// The first query that may be open: all before it have results.
     oldest: usize,
 }
 
 impl PendingQueries {
     pub(super) fn clear(&mut self) {
-        self.asked.clear();
+        self.nodes.clear();
         self.oldest = 0;
     }
 
-    pub(super) fn ask(&mut self, node: NodeId) -> TestToken {
-        let token = TestToken(self.asked.len() as u32);
-        self.asked.push(Some(node));
+    pub(super) fn begin(&mut self, node: NodeId) -> TestToken {
+        let token = TestToken(self.nodes.len() as u32);
+        self.nodes.push(Some(node));
         token
     }
 
     /// Closes a query; `None` if it is not open.
     pub(super) fn settle(&mut self, token: TestToken) -> Option<NodeId> {
-        self.asked.get_mut(token.0 as usize)?.take()
+        self.nodes.get_mut(token.0 as usize)?.take()
     }
 
     /// Returns the oldest open query.
     pub(super) fn oldest_open(&mut self) -> Option<TestToken> {
-        while self.asked.get(self.oldest)?.is_none() {
+        while self.nodes.get(self.oldest)?.is_none() {
             self.oldest += 1;
         }
         Some(TestToken(self.oldest as u32))

@@ -8,7 +8,7 @@ use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
 pub(super) struct StopAndWait {
     stack: Vec<InSight>,
     /// The node whose query is open.
-    asked: Option<InSight>,
+    tested: Option<InSight>,
 }
 
 impl StopAndWait {
@@ -28,23 +28,23 @@ impl StopAndWait {
 
 impl BlockingStrategy for StopAndWait {
     fn begin(&mut self, viewed: &ViewedHierarchy<'_>, _: &mut BlockingStats) {
-        self.asked = None;
+        self.tested = None;
         self.stack.clear();
         self.stack.extend(viewed.root());
     }
 
     fn next(&mut self, results: &[QueryResult], recorder: &mut Recorder<'_>) -> NextAction {
-        if let Some(asked) = self.asked.take()
-            && results.iter().any(|answer| answer.node == asked.node && answer.samples > 0)
+        if let Some(tested) = self.tested.take()
+            && results.iter().any(|answer| answer.node == tested.node && answer.samples > 0)
         {
-            self.open(&asked, recorder);
+            self.open(&tested, recorder);
         }
         while let Some(node) = self.stack.pop() {
             recorder.stats.nodes_visited += 1;
             match recorder.proxy(node.node) {
                 Some(proxy) => {
-                    self.asked = Some(node);
-                    return NextAction::Wait(recorder.ask(node.node, proxy));
+                    self.tested = Some(node);
+                    return NextAction::Wait(recorder.test(node.node, proxy));
                 }
                 None => self.open(&node, recorder),
             }

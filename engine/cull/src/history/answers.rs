@@ -24,8 +24,8 @@ pub(crate) struct Ingest<'a> {
     pub(crate) rng: &'a mut SplitMix64,
     /// The frame planned last.
     pub(crate) now: FrameStamp,
-    /// The frame that asked.
-    pub(crate) asked: FrameStamp,
+    /// The frame of the test.
+    pub(crate) tested: FrameStamp,
 }
 
 impl Ingest<'_> {
@@ -35,17 +35,17 @@ impl Ingest<'_> {
         };
         // The answer for a part refines that for its node, which came first.
         let is_old = match kind {
-            QueryKind::Leaf => record.answered > self.asked,
-            _ => record.answered >= self.asked,
+            QueryKind::Leaf => record.answered > self.tested,
+            _ => record.answered >= self.tested,
         };
         if is_old {
             return;
         }
-        record.answered = self.asked;
+        record.answered = self.tested;
         // The GPU looked here, if not the traversal: leaves that are drawn for a node in the place
-        // of its test are asked about and not visited. Then, not now: an answer that comes back
+        // of its test are tested and not visited. Then, not now: an answer that comes back
         // very late is stale.
-        record.visited = record.visited.max(self.asked);
+        record.visited = record.visited.max(self.tested);
         match (kind, samples) {
             (QueryKind::Leaf, 0) => {}
             (QueryKind::Leaf, _) => self.leaf_showed(node),
@@ -84,11 +84,11 @@ impl Ingest<'_> {
     }
 
     fn set_hidden(&mut self, node: u32) {
-        let asked = self.asked;
+        let tested = self.tested;
         self.update(node, |record| {
             if record.state != NodeState::Hidden {
                 record.state = NodeState::Hidden;
-                record.since = asked;
+                record.since = tested;
             }
             record.stable_queries = 0;
         });
@@ -98,14 +98,14 @@ impl Ingest<'_> {
         let mut record = self.history.record(node);
         if record.state != NodeState::Visible {
             let was_brief = record.state == NodeState::Hidden
-                && self.asked.since(record.since) <= FLICKER_FRAMES;
+                && self.tested.since(record.since) <= FLICKER_FRAMES;
             // Hidden as of the same answer is no past: that of a part's node came just before.
-            if record.since != self.asked {
+            if record.since != self.tested {
                 record.flicker_count =
                     if was_brief { record.flicker_count.saturating_add(1) } else { 0 };
             }
             record.state = NodeState::Visible;
-            record.since = self.asked;
+            record.since = self.tested;
             record.stable_queries = 0;
             record.due = self.now.plus(retest_interval(&record, self.config, self.rng));
             self.update(node, |slot| *slot = record);
@@ -123,7 +123,7 @@ impl Ingest<'_> {
         let mut record = self.history.record(node);
         if record.state != NodeState::Visible {
             record.state = NodeState::Visible;
-            record.since = self.asked;
+            record.since = self.tested;
             record.stable_queries = 0;
         }
         record.flicker_count = 0;
@@ -147,25 +147,25 @@ impl Ingest<'_> {
         let failures = self.failures_of(top);
         let end = self.topology.nodes[top as usize].end(top);
         for node in top..end {
-            let asked = self.asked;
+            let tested = self.tested;
             self.update(node, |record| {
-                if record.answered < asked {
+                if record.answered < tested {
                     if record.state != NodeState::Hidden {
                         record.state = NodeState::Hidden;
-                        record.since = asked;
+                        record.since = tested;
                     }
                     record.stable_queries = 0;
                 }
                 // The GPU was here, if not the traversal.
-                record.visited = record.visited.max(asked);
+                record.visited = record.visited.max(tested);
             });
         }
         let due = self.open_until(failures);
-        let asked = self.asked;
+        let tested = self.tested;
         self.update(top, |record| {
             if record.state != NodeState::Visible {
                 record.state = NodeState::Visible;
-                record.since = asked;
+                record.since = tested;
             }
             record.due = due;
             record.stable_queries = failures;
@@ -201,20 +201,20 @@ impl Ingest<'_> {
                     || (depth < self.config.open_levels_max
                         && links.leaf_count > self.config.open_leaves));
             if is_opened {
-                let asked = self.asked;
+                let tested = self.tested;
                 let due = self.open_until(0);
                 self.update(node, |record| {
                     record.state = NodeState::Visible;
-                    record.since = asked;
+                    record.since = tested;
                     record.due = due;
                     record.stable_queries = 0;
                 });
                 node += 1;
                 continue;
             }
-            let asked = self.asked;
+            let tested = self.tested;
             self.update(node, |record| {
-                if record.state == NodeState::Visible && record.answered < asked {
+                if record.state == NodeState::Visible && record.answered < tested {
                     record.state = NodeState::Unknown;
                 }
             });
@@ -242,7 +242,7 @@ impl Ingest<'_> {
             .filter(|child| child.state == NodeState::Hidden)
             .map(|child| child.since)
             .max()
-            .unwrap_or(self.asked);
+            .unwrap_or(self.tested);
         self.update(node, |record| {
             if record.state != NodeState::Hidden {
                 record.state = NodeState::Hidden;
@@ -267,22 +267,22 @@ impl Ingest<'_> {
         let mut parent = self.topology.nodes[node as usize].parent;
         while parent != NO_NODE {
             let record = self.history.record(parent);
-            let is_told = record.state == NodeState::Visible && record.answered >= self.asked;
-            let knows_better = record.state == NodeState::Hidden && record.answered > self.asked;
+            let is_told = record.state == NodeState::Visible && record.answered >= self.tested;
+            let knows_better = record.state == NodeState::Hidden && record.answered > self.tested;
             if is_told || knows_better {
                 return;
             }
             let due =
                 if record.state == NodeState::Visible { record.due } else { self.open_until(0) };
-            let asked = self.asked;
+            let tested = self.tested;
             self.update(parent, |record| {
                 if record.state != NodeState::Visible {
                     record.state = NodeState::Visible;
-                    record.since = asked;
+                    record.since = tested;
                     record.stable_queries = 0;
                 }
-                record.answered = record.answered.max(asked);
-                record.visited = record.visited.max(asked);
+                record.answered = record.answered.max(tested);
+                record.visited = record.visited.max(tested);
                 record.due = due;
             });
             parent = self.topology.nodes[parent as usize].parent;

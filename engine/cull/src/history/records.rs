@@ -60,7 +60,7 @@ impl History {
 
     /// Notes that a leaf is drawn under a query: the next is due after its interval, even if no
     /// answer comes.
-    pub(crate) fn asked_visible_draw(
+    pub(crate) fn note_visible_draw_query(
         &mut self,
         node: u32,
         now: FrameStamp,
@@ -131,7 +131,7 @@ impl History {
     }
 
     /// Notes that a node has a pull-up query: it has no other before the answer had time to come.
-    pub(crate) fn asked_pull_up(&mut self, node: u32, now: FrameStamp) {
+    pub(crate) fn note_pull_up_query(&mut self, node: u32, now: FrameStamp) {
         if let Some(record) = self.record_mut(node) {
             record.due = now.plus(PULL_UP_RETRY_FRAMES);
         }

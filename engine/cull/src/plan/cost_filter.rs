@@ -153,11 +153,11 @@ fn draw_untested(scratch: &mut Scratch, walk: &Walk<'_>, stats: &mut PlanStats) 
         }
         // A leaf that counts as hidden and is drawn all the same is tested now and then: it may be
         // visible by now, and a reason to test it with its neighbours no more.
-        let is_asked =
+        let is_tested =
             test.leaf_count == 1 && !test.is_unknown() && walk.is_turn_to_retest(test.node);
         walk.leaves_in_frustum(test.node, &mut scratch.stack, |leaf| {
             stats.untested_by_cost += 1;
-            if is_asked {
+            if is_tested {
                 scratch.retests.push(leaf);
                 return;
             }

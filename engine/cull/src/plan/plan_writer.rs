@@ -35,10 +35,10 @@ impl PlanWriter<'_> {
         scratch.place_retests();
         for retest in &scratch.retests {
             plan.queried_after.push(retest.after);
-            let asked = self.tag(retest.node, QueryKind::VisibleDrawQuery);
-            plan.queried_draws.push((retest.leaf, asked));
+            let tag = self.tag(retest.node, QueryKind::VisibleDrawQuery);
+            plan.queried_draws.push((retest.leaf, tag));
             self.history.mark_for_retest(retest.node, self.containment(retest.node));
-            self.history.asked_visible_draw(retest.node, self.now, self.config, self.rng);
+            self.history.note_visible_draw_query(retest.node, self.now, self.config, self.rng);
         }
         for [leaf, top] in &scratch.assumed {
             let due = self.now.plus(self.rng.between(1, self.config.retest_max));
@@ -62,7 +62,7 @@ impl PlanWriter<'_> {
         let mut kind = test.kind;
         if kind == QueryKind::PullUpQuery {
             leaves.count = 0;
-            self.history.asked_pull_up(test.node, self.now);
+            self.history.note_pull_up_query(test.node, self.now);
         } else if kind == QueryKind::VisibleBoxQuery {
             leaves.count = 0;
             self.history.mark_for_retest(test.node, self.containment(test.node));
@@ -81,7 +81,7 @@ impl PlanWriter<'_> {
             leaves,
             level: self.hierarchy.level(node),
             tester: match self.costs.zip(estimate) {
-                // Boxes of visible leaves are not counted as queries, nor asked by them.
+                // Boxes of visible leaves are not counted as queries, nor made by them.
                 Some((costs, estimate)) if kind != QueryKind::VisibleBoxQuery => {
                     costs.tester(&estimate)
                 }

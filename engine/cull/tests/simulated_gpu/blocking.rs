@@ -102,11 +102,11 @@ fn check_books(talk: &Talk, stats: &BlockingStats, context: &str) {
     drawn.dedup();
     assert_eq!(drawn.len(), talk.drawn.len(), "{context}: drawn twice");
     assert_eq!(drawn.len(), stats.draws as usize, "{context}");
-    let asked: Vec<u32> = talk.asked.iter().map(|(token, _)| token.0).collect();
-    let mut in_order = asked.clone();
+    let tested: Vec<u32> = talk.tested.iter().map(|(token, _)| token.0).collect();
+    let mut in_order = tested.clone();
     in_order.sort();
-    assert_eq!(asked.len(), (stats.boxes + stats.visible_draw_queries) as usize, "{context}");
-    assert!((0..).zip(&in_order).all(|(number, token)| number == *token), "{context}: {asked:?}");
+    assert_eq!(tested.len(), (stats.boxes + stats.visible_draw_queries) as usize, "{context}");
+    assert!((0..).zip(&in_order).all(|(number, token)| number == *token), "{context}: {tested:?}");
     assert!(stats.waits <= stats.boxes + stats.visible_draw_queries, "{context}: {stats:?}");
 }
 
@@ -165,9 +165,9 @@ fn each_method_costs_what_it_is_known_for() {
     assert_eq!(sum(stop, |it| it.waits), sum(stop, |it| it.boxes), "a wait a node");
     assert!(sum(batched, |it| it.waits) <= 2 * batched.len() as u32, "a wait for all");
     assert!(sum(coherent, |it| it.waits) * 8 < sum(stop, |it| it.waits), "{coherent:?} {stop:?}");
-    let asked = |it: &BlockingStats| it.boxes + it.visible_draw_queries;
-    assert!(sum(coherent, asked) * 2 < sum(stop, asked), "visible inner nodes are not asked");
-    assert!(sum(stop, asked) < sum(naive, asked), "hidden nodes are asked as one");
+    let tested = |it: &BlockingStats| it.boxes + it.visible_draw_queries;
+    assert!(sum(coherent, tested) * 2 < sum(stop, tested), "visible inner nodes are not tested");
+    assert!(sum(stop, tested) < sum(naive, tested), "hidden nodes are tested as one");
     assert!(sum(batched, |it| it.draws) > sum(naive, |it| it.draws), "tests cannot profit");
 }
 

@@ -196,20 +196,20 @@ fn where_less_hides_than_breaks_cost_frames_ask_seldom() {
     let breaks = CostTable { break_ns: 900_000.0, break_wait_share: 0.2, ..prices() };
     let mut walk = Walk::cost_driven(boxes, 2, breaks);
     let mut camera = CAMERA;
-    let (mut asking, mut frames) = (0, 0);
+    let (mut testing, mut frames) = (0, 0);
     for frame in 0..400 {
         camera.eye.x = (frame as f32 * 0.2).sin() * 2.0;
         walk.step(&camera);
         assert!(walk.is_exact(&camera), "frame {frame}");
         if frame >= 100 {
             let plan = &walk.plan;
-            asking += usize::from(!plan.tests.is_empty() || !plan.queried_draws.is_empty());
+            testing += usize::from(!plan.tests.is_empty() || !plan.queried_draws.is_empty());
             frames += 1;
         }
     }
-    println!("{asking} of {frames} frames ask");
-    assert!(asking > 0, "or nobody would notice more that hides");
-    assert!(asking * 12 < frames, "{asking} of {frames} frames ask");
+    println!("{testing} of {frames} frames test");
+    assert!(testing > 0, "or nobody would notice more that hides");
+    assert!(testing * 12 < frames, "{testing} of {frames} frames test");
 
     move_wall(&mut walk, WALL_HERE);
     walk.steps(&CAMERA, 120);

@@ -79,7 +79,7 @@ fn a_recycled_id_inherits_neither_history_nor_answers() {
 fn answers_about_other_nodes_count_across_a_recycling() {
     let mut walk = settled_city();
     let (gone, other) = (an_object(&walk, NodeState::Hidden), an_object(&walk, NodeState::Visible));
-    let asked = QueryTag {
+    let tag = QueryTag {
         node: walk.hierarchy.node_of(other).unwrap(),
         generation: walk.hierarchy.generation(),
         frame: walk.culler.frame(),
@@ -88,7 +88,7 @@ fn answers_about_other_nodes_count_across_a_recycling() {
     let bounds = walk.hierarchy.bounds(walk.hierarchy.node_of(gone).unwrap());
     walk.hierarchy.remove(gone).unwrap();
     walk.hierarchy.insert(bounds).unwrap();
-    walk.culler.ingest(&walk.hierarchy, [Answer { tag: asked, samples: 0 }]);
+    walk.culler.ingest(&walk.hierarchy, [Answer { tag, samples: 0 }]);
     assert_eq!(leaf_state(&walk.culler, &walk.hierarchy, other), NodeState::Hidden);
 }
 

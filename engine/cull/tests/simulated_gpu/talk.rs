@@ -24,7 +24,7 @@ pub struct Talk {
     /// Leaves drawn by the last frame, in order.
     pub drawn: Vec<LeafIndex>,
     /// The queries of the last frame in the order of their execution, and the submit of each.
-    pub asked: Vec<(TestToken, usize)>,
+    pub tested: Vec<(TestToken, usize)>,
     submits: usize,
     pub trouble: Trouble,
     random: Random,
@@ -48,7 +48,7 @@ impl Talk {
         Self {
             image: Image::new(size),
             drawn: Vec::new(),
-            asked: Vec::new(),
+            tested: Vec::new(),
             submits: 0,
             trouble,
             random: Random::new(seed),
@@ -67,7 +67,7 @@ impl Talk {
     ) -> BlockingStats {
         self.image.clear();
         self.drawn.clear();
-        self.asked.clear();
+        self.tested.clear();
         self.under_way.clear();
         let (mut batch, mut home) = (Batch::default(), Vec::new());
         for _ in 0..STEPS {
@@ -106,7 +106,7 @@ impl Talk {
     }
 
     fn answer(&mut self, token: TestToken, samples: u32) {
-        self.asked.push((token, self.submits));
+        self.tested.push((token, self.submits));
         let copies = match () {
             () if self.random.chance(self.trouble.lost) => 0,
             () if self.random.chance(self.trouble.twice) => 2,
@@ -126,8 +126,8 @@ impl Talk {
 
     /// Makes all results available that were submitted with a query or before.
     fn wait(&mut self, token: TestToken) {
-        let asked = self.asked.iter().find(|(asked, _)| *asked == token);
-        let submit = asked.expect("only what was asked is waited for").1;
+        let tested = self.tested.iter().find(|(tested, _)| *tested == token);
+        let submit = tested.expect("only what was tested is waited for").1;
         for it in self.under_way.iter_mut().filter(|it| it.submit <= submit) {
             it.polls = 0;
         }

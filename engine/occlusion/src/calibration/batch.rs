@@ -85,7 +85,7 @@ impl Batch {
 
 /// The tests of a frame: with or without a wait for results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Asks {
+pub(super) enum TestLoad {
     Nothing,
     Once,
 }
@@ -230,11 +230,11 @@ impl<'a> Bench<'a> {
 
     /// Draws patches that show, in one rendering without a test or in two, of which the second is
     /// tested.
-    pub(super) fn record_load(&mut self, commands: &Commands, asks: Asks) {
+    pub(super) fn record_load(&mut self, commands: &Commands, load: TestLoad) {
         let Some(io) = self.io else { return };
-        let parts = match asks {
-            Asks::Nothing => 1,
-            Asks::Once => 2,
+        let parts = match load {
+            TestLoad::Nothing => 1,
+            TestLoad::Once => 2,
         };
         let bytes = io.draws.size_bytes / parts / DRAW_BYTES * DRAW_BYTES;
         for part in 0..parts {
@@ -250,7 +250,7 @@ impl<'a> Bench<'a> {
                 }
             });
         }
-        if asks == Asks::Once {
+        if load == TestLoad::Once {
             self.queries.resolve(commands, 0..1);
         }
     }

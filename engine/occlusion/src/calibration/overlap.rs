@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use gpu::{Device, FrameRing};
 
-use super::batch::{Asks, Bench};
+use super::batch::{Bench, TestLoad};
 use super::median;
 use crate::error::Error;
 
@@ -25,8 +25,8 @@ pub(super) fn break_wait_share(
     let mut frames = FrameRing::new(device, 2)?;
     let mut shares = Vec::new();
     for _ in 0..ROUNDS {
-        let whole = time_ns(device, bench, &mut frames, Asks::Nothing)?;
-        let broken = time_ns(device, bench, &mut frames, Asks::Once)?;
+        let whole = time_ns(device, bench, &mut frames, TestLoad::Nothing)?;
+        let broken = time_ns(device, bench, &mut frames, TestLoad::Once)?;
         let lost = (broken - whole) / FRAMES as f64 - break_ns;
         shares.push(lost / (whole / FRAMES as f64));
     }
@@ -40,13 +40,13 @@ fn time_ns(
     device: &Device,
     bench: &mut Bench<'_>,
     frames: &mut FrameRing,
-    asks: Asks,
+    load: TestLoad,
 ) -> Result<f64, Error> {
     let began = Instant::now();
     for _ in 0..FRAMES {
         let mut frame = frames.begin()?;
         bench.prepare(&mut frame, Bench::load(PATCHES))?;
-        frame.commands().pass("calibration", |commands| bench.record_load(commands, asks));
+        frame.commands().pass("calibration", |commands| bench.record_load(commands, load));
         frame.submit(None)?;
     }
     device.drain()?;
