@@ -80,7 +80,7 @@ impl ObjectRenderer for CalibrationObjects<'_> {
             indices: self.geometry.indices.whole(),
             instances: self.geometry.instances.whole(),
         };
-        self.passes.opaque.bind(commands, &io, view, &self.passes.light);
+        self.passes.pipelines.opaque.bind(commands, &io, view, &self.passes.light);
     }
 }
 

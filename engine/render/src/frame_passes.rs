@@ -3,9 +3,10 @@
 use cull::{Aabb, Containment, Hierarchy, PlaneMask, Strategy, View};
 use gpu::{BufferSlice, Commands, Device, Frame, RenderTarget, Target};
 use occlusion::{Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering, ShaderSet};
-use scene::{Light, TransparentId};
+use scene::{Light, Scene, TransparentId};
 
-use crate::passes::{CountPass, OpaqueIo, OpaquePass, SurfaceIo};
+use crate::passes::pipelines::{DepthFirst, PassNeeds, Pipelines};
+use crate::passes::{OpaqueIo, SurfaceIo};
 use crate::resources::geometry::{Geometry, bounds_in_world};
 use crate::resources::skinned_meshes::{Skinned, SkinnedMeshes, State};
 use crate::shading::depth_first::{DARK, DepthPass, Shading};
@@ -17,32 +18,23 @@ pub(crate) struct FramePasses {
     pub(crate) device: Device,
     pub(crate) target: Target,
     pub(crate) geometry: Geometry,
-    pub(crate) opaque: OpaquePass,
-    /// The depth-first passes, made for the first method that draws depth first.
-    pub(crate) depth_first: Option<DepthFirst>,
-    /// The count pass, made for the first frame that counts.
-    pub(crate) counts: Option<CountPass>,
+    pub(crate) pipelines: Pipelines,
     pub(crate) light: Light,
     /// The skinned meshes, if there are any.
     pub(crate) skinned_meshes: Option<SkinnedMeshes>,
     /// The transparent objects, if there are any.
     pub(crate) transparent: Option<Transparent>,
-    /// The passes of scenes with surfaces.
-    pub(crate) shading: Option<Shading>,
 }
 
-/// The opaque pass in two: depth, then colour.
-pub(crate) struct DepthFirst {
-    depth: OpaquePass,
-    colour: OpaquePass,
-}
-
-impl DepthFirst {
-    pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        Ok(Self {
-            depth: OpaquePass::depth_only(device, shaders)?,
-            colour: OpaquePass::colour_only(device, shaders)?,
-        })
+fn needs<'a>(
+    geometry: &'a Geometry,
+    transparent: Option<&Transparent>,
+    skinned_meshes: Option<&SkinnedMeshes>,
+) -> PassNeeds<'a> {
+    PassNeeds {
+        surfaces: geometry.surfaces.as_ref(),
+        has_transparent: transparent.is_some(),
+        has_skinned_meshes: skinned_meshes.is_some(),
     }
 }
 
@@ -56,7 +48,7 @@ impl ObjectRenderer for FramePasses {
             Rendering::First => self.image_target(view, self.sky()),
             Rendering::Next => self.target_of(view, None),
         };
-        if self.shading.is_some() { target.depth_only() } else { target }
+        if self.pipelines.shading.is_some() { target.depth_only() } else { target }
     }
 
     fn colour_rendering(&self, view: &View) -> RenderTarget {
@@ -64,14 +56,14 @@ impl ObjectRenderer for FramePasses {
     }
 
     fn prepare(&mut self, pass: ObjectPass, shaders: &ShaderSet) -> Result<(), Error> {
-        if pass != ObjectPass::Visibility && self.depth_first.is_none() {
-            self.depth_first = Some(DepthFirst::new(&self.device, shaders)?);
+        match pass {
+            ObjectPass::Visibility => Ok(()),
+            _ => self.pipelines.depth_first.prepare(&self.device, shaders),
         }
-        Ok(())
     }
 
     fn bind(&self, commands: &Commands, view: &View, pass: ObjectPass) {
-        let pass = match (pass, &self.depth_first) {
+        let pass = match (pass, self.pipelines.depth_first.get()) {
             (ObjectPass::Depth, Some(DepthFirst { depth, .. })) => depth,
             (ObjectPass::Colour, Some(DepthFirst { colour, .. })) => colour,
             _ => return self.bind_visibility(commands, view),
@@ -80,7 +72,7 @@ impl ObjectRenderer for FramePasses {
     }
 
     fn shades_later(&self) -> bool {
-        self.shading.is_some()
+        self.pipelines.shading.is_some()
     }
 
     fn shade(
@@ -95,6 +87,36 @@ impl ObjectRenderer for FramePasses {
 }
 
 impl FramePasses {
+    /// Uploads a scene, with a hierarchy over its objects, and compiles the passes that draw it.
+    ///
+    /// # Errors
+    /// A scene beyond the device's limits, no memory, a shader that does not fit its pass, a failed
+    /// call.
+    pub(crate) fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        (scene, hierarchy): (&Scene, &Hierarchy),
+        target: Target,
+    ) -> Result<Self, crate::Error> {
+        let geometry = Geometry::upload(device, scene, hierarchy)?;
+        let transparent = Transparent::new(device, scene)?;
+        let skinned_meshes = SkinnedMeshes::new(device, scene, |mesh| geometry.first_vertex(mesh))?;
+        let needs = needs(&geometry, transparent.as_ref(), skinned_meshes.as_ref());
+        let pipelines = Pipelines::compile(device, shaders, needs, None)?;
+        let (device, light) = (device.clone(), scene.light);
+        Ok(Self { device, target, geometry, pipelines, light, skinned_meshes, transparent })
+    }
+
+    /// Compiles the same passes with other shaders.
+    ///
+    /// # Errors
+    /// A shader that does not fit its pass, a failed call.
+    pub(crate) fn recompiled(&self, shaders: &ShaderSet) -> Result<Pipelines, Error> {
+        let Self { geometry, transparent, skinned_meshes, .. } = self;
+        let needs = needs(geometry, transparent.as_ref(), skinned_meshes.as_ref());
+        Pipelines::compile(&self.device, shaders, needs, Some(&self.pipelines))
+    }
+
     /// Returns the attachments of a view: its part of the target.
     pub(crate) fn target_of(&self, view: &View, clear: Option<[f32; 4]>) -> RenderTarget {
         self.target.render_target(clear).within(view.origin, view.size)
@@ -119,18 +141,19 @@ impl FramePasses {
     pub(crate) fn image_target(&self, view: &View, backdrop: [f32; 3]) -> RenderTarget {
         let [red, green, blue] = backdrop;
         let plain = [red, green, blue, 1.0];
-        self.target_of(view, Some(self.shading.as_ref().map_or(plain, |_| DARK)))
+        self.target_of(view, Some(self.pipelines.shading.as_ref().map_or(plain, |_| DARK)))
     }
 
     /// Binds the pass that the rounds draw objects with: the one with colours where no other pass
     /// adds them.
     pub(crate) fn bind_visibility(&self, commands: &Commands, view: &View) {
-        let pass = match (self.shading.as_ref().map(|shading| &shading.depth), self.surface_io()) {
+        let Pipelines { opaque, shading, .. } = &self.pipelines;
+        let pass = match (shading.as_ref().map(|shading| &shading.depth), self.surface_io()) {
             (Some(DepthPass::Masked(pass)), Some(io)) => {
                 return pass.bind(commands, &io, view, &self.light);
             }
             (Some(DepthPass::Whole(pass)), _) => pass,
-            _ => &self.opaque,
+            _ => opaque,
         };
         pass.bind(commands, &self.opaque_io(), view, &self.light);
     }
@@ -153,7 +176,7 @@ impl FramePasses {
         view: &View,
         draw: &dyn Fn(&Commands),
     ) {
-        if self.shading.is_none() {
+        if self.pipelines.shading.is_none() {
             return;
         }
         if let Some(transparent) = &self.transparent {
@@ -179,7 +202,8 @@ impl FramePasses {
         backdrop: [f32; 3],
         draw: impl FnOnce(&Commands),
     ) {
-        let (Some(Shading { surfaces, sky, .. }), Some(io)) = (&self.shading, self.surface_io())
+        let (Some(Shading { surfaces, sky, .. }), Some(io)) =
+            (&self.pipelines.shading, self.surface_io())
         else {
             return;
         };
@@ -262,8 +286,12 @@ impl FramePasses {
         commands: &Commands,
         view: &View,
     ) {
-        if let (Some(transparent), Some(surfaces)) = (&self.transparent, self.surface_io()) {
-            transparent.draw(executor, commands, surfaces, (view, &self.light));
+        let (Some(transparent), Some(pass)) = (&self.transparent, &self.pipelines.transparent)
+        else {
+            return;
+        };
+        if let Some(surfaces) = self.surface_io() {
+            transparent.draw((pass, executor), commands, surfaces, (view, &self.light));
         }
     }
 
@@ -285,15 +313,17 @@ impl FramePasses {
     ) -> Result<Skinned, crate::Error> {
         self.geometry.relight(hierarchy, &mut executor.leaves);
         self.geometry.upload_changes(frame, hierarchy, executor)?;
-        let Self { geometry, skinned_meshes, transparent, .. } = self;
-        let (Some(skinned_meshes), Some(deformed)) = (skinned_meshes, geometry.deformed()) else {
+        let Self { geometry, pipelines, skinned_meshes, transparent, .. } = self;
+        let (Some(skinned_meshes), Some(pass), Some(deformed)) =
+            (skinned_meshes, &pipelines.deform, geometry.deformed())
+        else {
             return Ok(Skinned::default());
         };
         let transform = |state: &State| match state.transparent {
             Some(id) => transparent.as_ref()?.transform(id),
             None => geometry.transform(geometry.owner(state.mesh)?),
         };
-        skinned_meshes.upload(frame, deformed, |state| {
+        skinned_meshes.upload(frame, pass, deformed, |state| {
             let Some(transform) = transform(state) else { return false };
             let Some(views) = views else { return true };
             let is_in = |bounds: &Aabb| match bounds_in_world(bounds, &transform) {

@@ -12,19 +12,15 @@ use occlusion::{
 use scene::Scene;
 
 use crate::calibration_scene;
-use crate::debug::debug_overlay::{DebugOverlay, DebugRenderer};
+use crate::debug::debug_overlay::DebugOverlay;
 use crate::debug::flat_overlay::FlatOverlay;
 use crate::debug::visible_set::{SceneRevision, SeenLeaves};
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::passes::{OpaquePass, OverlayPass};
 use crate::resources::geometry::Geometry;
 use crate::resources::limits::check_memory;
 use crate::resources::object_bounds::{check_hierarchy, object_bounds};
-use crate::resources::skinned_meshes::SkinnedMeshes;
 use crate::resources::sprites::has_sprites;
-use crate::shading::depth_first::Shading;
-use crate::shading::transparent::Transparent;
 use crate::update::UpdateScratch;
 use crate::view_state::{RendererId, ViewState};
 
@@ -114,11 +110,10 @@ pub struct Renderer {
     pub(crate) passes: FramePasses,
     pub(crate) executor: PlanExecutor,
     pub(crate) shaders: ShaderSet,
-    pub(crate) top_down: Option<OverlayPass>,
     /// The object whose box is outlined.
     pub(crate) outlined: Option<ObjectId>,
     pub(crate) flat_overlay: Option<FlatOverlay>,
-    pub(crate) explainer: Option<DebugRenderer>,
+    pub(crate) explanation: DebugOverlay,
     pub(crate) seen_leaves: Option<SeenLeaves>,
     pub(crate) methods: Vec<Box<dyn Method>>,
     pub(crate) edition: SceneRevision,
@@ -171,39 +166,19 @@ impl Renderer {
         let shaders = if has_sprites(scene) { shaders.with_sprites() } else { shaders };
         // First what fails on bad input, then what takes long.
         let target = Target::new(device, options.size, "target")?;
-        let opaque = OpaquePass::new(device, &shaders)?;
         let occlusion_passes = OcclusionPasses::new(device, &shaders)?;
         check_hierarchy(scene, &hierarchy)?;
-        let geometry = Geometry::upload(device, scene, &hierarchy)?;
-        let surfaces = geometry.surfaces.as_ref();
-        let shading = surfaces.map(|surfaces| Shading::new(device, &shaders, surfaces));
-        let shading = shading.transpose()?;
-        let transparent = Transparent::new(device, &shaders, scene, surfaces)?;
-        let first_vertices = |mesh| geometry.first_vertex(mesh);
-        let skinned_meshes = SkinnedMeshes::new(device, &shaders, scene, first_vertices)?;
+        let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target)?;
         let slots = options.frames_in_flight.max(1);
         let leaves = LeafTableInfo {
-            mesh_draws: geometry.mesh_draws().clone(),
+            mesh_draws: passes.geometry.mesh_draws().clone(),
             predication: options.predication,
             frames_in_flight: slots,
             threshold_samples: options.threshold_samples,
         };
-        let draw_of = |object| geometry.draw_of(object);
+        let draw_of = |object| passes.geometry.draw_of(object);
         let leaves = LeafTable::new(device, &hierarchy, leaves, draw_of)?;
         let executor = PlanExecutor { passes: occlusion_passes, leaves };
-        let light = scene.light;
-        let mut passes = FramePasses {
-            device: device.clone(),
-            target,
-            geometry,
-            opaque,
-            depth_first: None,
-            counts: None,
-            light,
-            skinned_meshes,
-            transparent,
-            shading,
-        };
         let id = RendererId::new();
         let costs = occlusion::cost_table(options.costs, || {
             calibration_scene::measure(&mut passes, &executor, &shaders)
@@ -221,10 +196,9 @@ impl Renderer {
             passes,
             executor,
             shaders,
-            top_down: None,
             outlined: None,
             flat_overlay: None,
-            explainer: None,
+            explanation: DebugOverlay::default(),
             seen_leaves: None,
             methods: methods_of(options),
             edition: SceneRevision::first(id),
@@ -330,10 +304,8 @@ impl Renderer {
     /// image; a failed call. The former explanation then stays.
     pub fn explain(&mut self, explanation: DebugOverlay) -> Result<(), Error> {
         explanation.top_down.map_or(Ok(()), |area| self.check_area(area))?;
-        let is_something = explanation != DebugOverlay::default();
-        let explainer =
-            is_something.then(|| DebugRenderer::new(&self.device, &self.shaders, explanation));
-        self.explainer = explainer.transpose()?;
+        explanation.prepare(&mut self.passes.pipelines, &self.device, &self.shaders)?;
+        self.explanation = explanation;
         Ok(())
     }
 
@@ -345,7 +317,7 @@ impl Renderer {
 
     /// Returns the explanation in use.
     pub fn explanation(&self) -> DebugOverlay {
-        self.explainer.as_ref().map(|explainer| explainer.explanation).unwrap_or_default()
+        self.explanation
     }
 
     /// Notes that the frame recorded last was submitted.

@@ -9,12 +9,13 @@
 use std::time::Duration;
 
 use cull::{Camera, Corrections, Strategy, View};
-use gpu::{Device, Frame, Readback, Target, Tick, Timeline};
+use gpu::{Device, Frame, Readback, Tick, Timeline};
 use occlusion::{Rect, VisibilityState};
 
 use crate::debug::flat_overlay::FlatOverlay;
 use crate::debug::visible_set::VisibleSet;
 use crate::error::Error;
+use crate::frame_passes::FramePasses;
 use crate::resources::skinned_meshes::Skinned;
 use crate::view_state::ViewState;
 
@@ -152,11 +153,13 @@ impl FrameReport {
 /// of the image if it is wanted.
 pub(crate) fn finish_image(
     frame: &mut Frame<'_>,
-    target: &mut Target,
+    FramePasses { pipelines, target, .. }: &mut FramePasses,
     overlay: Option<&mut FlatOverlay>,
     image: Option<&Readback>,
 ) -> Result<(), Error> {
-    overlay.map_or(Ok(()), |overlay| overlay.record(frame, target))?;
+    if let (Some(overlay), Some(pass)) = (overlay, pipelines.flat.get()) {
+        overlay.record(frame, pass, target)?;
+    }
     if let Some(image) = image {
         frame.commands().pass("copy image", |commands| target.copy_to(commands, image));
     }

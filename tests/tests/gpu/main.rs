@@ -32,6 +32,8 @@ mod pick;
 mod poses;
 mod pyramid;
 mod relight;
+#[cfg(feature = "shader-compiler")]
+mod reload;
 mod shading;
 mod skinning;
 mod slivers;

@@ -4,14 +4,9 @@
 use gpu::{FrameRing, Target};
 use occlusion::{ComputeTest, Method, MethodScene, ShaderSet};
 
-use crate::debug::debug_overlay::DebugRenderer;
 use crate::error::Error;
-use crate::frame_passes::DepthFirst;
-use crate::passes::{CountPass, DeformPass, OpaquePass, OverlayPass};
 use crate::renderer::{MAX_FRAMES_IN_FLIGHT, Renderer};
-use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
-use crate::shading::transparent::Transparent;
 
 impl Renderer {
     /// Draws images of `size` pixels from now on. A view from above that does not fit into them
@@ -32,11 +27,8 @@ impl Renderer {
         // These are made again by the next frame that needs them.
         self.executor.passes.compute_test = None;
         self.methods.iter_mut().for_each(|method| method.resized());
-        if let Some(explainer) = &mut self.explainer {
-            let area = explainer.explanation.top_down;
-            let fits = area.filter(|area| area.fits(size));
-            explainer.explanation.top_down = fits;
-        }
+        let area = self.explanation.top_down;
+        self.explanation.top_down = area.filter(|area| area.fits(size));
         Ok(())
     }
 
@@ -109,45 +101,15 @@ impl Renderer {
     /// # Errors
     /// A shader that does not fit its pass, a failed call. Nothing has changed then.
     pub fn reload(&mut self, shaders: ShaderSet) -> Result<(), Error> {
-        let (device, size) = (&self.device, self.size());
         let surfaces = self.passes.geometry.surfaces.as_ref();
         let has_sprites = surfaces.is_some_and(SurfaceResources::has_sprites);
         let shaders = if has_sprites { shaders.with_sprites() } else { shaders };
-        let opaque = OpaquePass::new(device, &shaders)?;
-        let executing = self.executor.passes.reloaded(device, &shaders, size)?;
-        let depth_first = self.passes.depth_first.as_ref();
-        let depth_first = again(depth_first, || DepthFirst::new(device, &shaders))?;
-        let counts = again(self.passes.counts.as_ref(), || CountPass::new(device, &shaders))?;
-        let top_down = again(self.top_down.as_ref(), || OverlayPass::new(device, &shaders))?;
-        let deforming =
-            self.passes.skinned_meshes.as_ref().map(|skinned_meshes| &skinned_meshes.pass);
-        let deforming = again(deforming, || DeformPass::new(device, &shaders))?;
-        let shading = surfaces.map(|surfaces| Shading::new(device, &shaders, surfaces));
-        let shading = shading.transpose()?;
-        let blending = match (surfaces, &self.passes.transparent) {
-            (Some(surfaces), Some(_)) => Some(Transparent::pass(device, &shaders, surfaces)?),
-            _ => None,
-        };
-        let explanation = self.explanation();
-        let explainer =
-            again(self.explainer.as_ref(), || DebugRenderer::new(device, &shaders, explanation))?;
+        let pipelines = self.passes.recompiled(&shaders)?;
+        let executing = self.executor.passes.reloaded(&self.device, &shaders, self.size())?;
         let methods = self.reloaded_methods(&shaders)?;
-        if let Some(overlay) = &mut self.flat_overlay {
-            overlay.reload(&shaders)?;
-        }
-        let passes = &mut self.passes;
-        (passes.opaque, passes.depth_first, passes.counts) = (opaque, depth_first, counts);
-        (self.executor.passes, self.methods, self.top_down) = (executing, methods, top_down);
-        (passes.shading, self.explainer) = (shading, explainer);
-        if let (Some(transparent), Some(pass)) = (&mut passes.transparent, blending) {
-            transparent.pass = pass;
-        }
-        if let (Some(skinned_meshes), Some(pass)) = (&mut passes.skinned_meshes, deforming) {
-            skinned_meshes.pass = pass;
-        }
-        // Made again when it is next wanted.
-        self.seen_leaves = None;
-        self.shaders = shaders;
+        // Nothing fails from here on.
+        (self.passes.pipelines, self.executor.passes) = (pipelines, executing);
+        (self.methods, self.shaders) = (methods, shaders);
         Ok(())
     }
 }
@@ -159,9 +121,4 @@ impl Renderer {
         let reloaded = methods.iter().map(|method| method.reloaded(&mut scene));
         Ok(reloaded.collect::<Result<_, _>>()?)
     }
-}
-
-/// Makes an object again if it exists.
-fn again<T, E>(there: Option<&T>, make: impl FnOnce() -> Result<T, E>) -> Result<Option<T>, E> {
-    there.map(|_| make()).transpose()
 }

@@ -11,11 +11,8 @@ impl Renderer {
     /// # Errors
     /// A shader that does not compile, a failed call.
     pub fn flat_overlay(&mut self) -> Result<&mut FlatOverlay, Error> {
-        let overlay = match self.flat_overlay.take() {
-            Some(overlay) => overlay,
-            None => FlatOverlay::new(&self.device, &self.shaders)?,
-        };
-        Ok(self.flat_overlay.insert(overlay))
+        self.passes.pipelines.flat.prepare(&self.device, &self.shaders)?;
+        Ok(self.flat_overlay.get_or_insert_with(|| FlatOverlay::new(&self.device)))
     }
 
     /// Removes the flat overlay and frees its memory.

@@ -6,7 +6,6 @@ use gpu::{Optional, Tick};
 
 use crate::debug::pick::Pick;
 use crate::error::Error;
-use crate::passes::OverlayPass;
 use crate::renderer::Renderer;
 use crate::view_state::ViewState;
 
@@ -103,9 +102,7 @@ impl Renderer {
     /// # Errors
     /// A shader that does not compile, a failed call.
     pub fn outline(&mut self, object: Option<ObjectId>) -> Result<(), Error> {
-        if self.top_down.is_none() {
-            self.top_down = Some(OverlayPass::new(&self.device, &self.shaders)?);
-        }
+        self.passes.pipelines.overlay.prepare(&self.device, &self.shaders)?;
         self.outlined = object;
         Ok(())
     }

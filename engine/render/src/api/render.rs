@@ -6,14 +6,13 @@ use cull::{Aabb, Camera, Hierarchy, Strategy, View};
 use gpu::{Frame, PassTime, Readback};
 use occlusion::{FrameTimes, MethodRequest, MethodScene, PlanExecutor, Rect};
 
-use crate::debug::debug_overlay::DebugRenderer;
+use crate::debug::debug_overlay::DebugOverlay;
 use crate::debug::flat_overlay::FlatOverlay;
 use crate::debug::outline::record_outline;
 use crate::debug::sample_counts::count_samples;
 use crate::debug::visible_set::{VISIBLE_SET, VisibleSet};
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::passes::{CountPass, OverlayPass};
 use crate::renderer::Renderer;
 use crate::view_state::{RendererId, ViewState};
 use crate::views::{FrameReport, FrameRequest, ViewTarget, ViewsRequest, finish_image, view_in};
@@ -71,7 +70,7 @@ impl Renderer {
         let mut frame = frames.begin()?;
         note_times(&frame, &mut self.pass_times, &mut self.frame_times);
         // An explanation may draw the scene as seen from elsewhere.
-        let seen = Some(views.as_slice()).filter(|_| self.explainer.is_none());
+        let seen = Some(views.as_slice()).filter(|_| self.explanation.is_empty());
         let skinned = passes.upload_changes(&mut frame, hierarchy, executor, seen)?;
         if is_timed {
             frame.begin_timing();
@@ -96,12 +95,9 @@ impl Renderer {
             let scene = (&*executor, &*hierarchy);
             count_samples(passes, &mut frame, scene, (counts, visibility), view)?;
         }
-        finish_image(&mut frame, &mut passes.target, None, scene_image)?;
-        let overlays = Overlays {
-            explainer: self.explainer.as_ref(),
-            outline: outlined.zip(self.top_down.as_ref()),
-            flat: self.flat_overlay.as_mut(),
-        };
+        finish_image(&mut frame, passes, None, scene_image)?;
+        let overlays =
+            Overlays { explanation: self.explanation, outlined, flat: self.flat_overlay.as_mut() };
         let scene = (&mut *passes, &*executor, &*hierarchy);
         report.overlay_cpu = overlays.record(&mut frame, scene, eyes.first(), request.image)?;
         let waited = frame.waited();
@@ -157,7 +153,7 @@ impl Renderer {
         };
         strategy.uses_cost_model()
             && self.learns
-            && self.explainer.is_none()
+            && self.explanation.is_empty()
             && eyes.iter().all(|eye| eye.history.visibility.has_cost_model())
             && eyes.iter().any(has_turn)
     }
@@ -194,8 +190,8 @@ impl Renderer {
     fn prepare(&mut self, method: usize, eyes: &[ViewTarget<'_>]) -> Result<(), Error> {
         let Self { device, hierarchy, passes, executor, methods, shaders, .. } = self;
         let is_watching = |eye: &ViewTarget<'_>| eye.history.counts.is_watching();
-        if passes.counts.is_none() && eyes.iter().any(is_watching) {
-            passes.counts = Some(CountPass::new(device, shaders)?);
+        if eyes.iter().any(is_watching) {
+            passes.pipelines.count.prepare(device, shaders)?;
         }
         let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
         Ok(methods[method].prepare(&mut scene)?)
@@ -235,8 +231,9 @@ impl Renderer {
 
 /// The overlays over the scene.
 struct Overlays<'a> {
-    explainer: Option<&'a DebugRenderer>,
-    outline: Option<(Aabb, &'a OverlayPass)>,
+    explanation: DebugOverlay,
+    /// The box that is outlined.
+    outlined: Option<Aabb>,
     flat: Option<&'a mut FlatOverlay>,
 }
 
@@ -253,15 +250,13 @@ impl Overlays<'_> {
         let began = Instant::now();
         if let Some(eye) = eye {
             let view = eye.view(&passes.device);
-            if let Some(explainer) = self.explainer {
-                let scene = (&mut *passes, executor, hierarchy);
-                explainer.record(frame, scene, (eye.history, &view))?;
-            }
-            if let Some((bounds, overlay)) = self.outline {
-                record_outline(frame, passes, overlay, (bounds, &view))?;
+            let scene = (&mut *passes, executor, hierarchy);
+            self.explanation.record(frame, scene, (eye.history, &view))?;
+            if let Some(bounds) = self.outlined {
+                record_outline(frame, passes, bounds, &view)?;
             }
         }
-        finish_image(frame, &mut passes.target, self.flat, image)?;
+        finish_image(frame, passes, self.flat, image)?;
         Ok(began.elapsed())
     }
 }

@@ -3,11 +3,11 @@
 use cull::{Answer, Camera, LeafRange, QueryKind, Strategy, View};
 use gpu::{Readback, Tick};
 
+use crate::debug::debug_overlay::DebugOverlay;
 use crate::debug::outline::record_outline;
 use crate::debug::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
-use crate::passes::OverlayPass;
 use crate::renderer::Renderer;
 use crate::view_state::ViewState;
 use crate::views::finish_image;
@@ -107,19 +107,17 @@ impl Renderer {
     ) -> Result<Tick, Error> {
         self.check_renderer(snapshot.renderer, "a snapshot (`VisibilitySnapshot`)")?;
         image.map_or(Ok(()), |image| self.check_image(image))?;
-        if self.top_down.is_none() {
-            self.top_down = Some(OverlayPass::new(&self.device, &self.shaders)?);
-        }
+        self.passes.pipelines.overlay.prepare(&self.device, &self.shaders)?;
         let view = self.view_of(&camera);
         let sketch = Sketch::of(snapshot, self.reach(snapshot));
         let outlined = match backdrop {
             Backdrop::Dark => None,
             Backdrop::Sky => self.outlined_bounds(),
         };
-        let Self { frames, passes, executor, hierarchy, top_down, flat_overlay, .. } = self;
-        let (clear, explainer) = match backdrop {
-            Backdrop::Dark => (BACKGROUND, None),
-            Backdrop::Sky => (passes.sky(), self.explainer.as_ref()),
+        let Self { frames, passes, executor, hierarchy, flat_overlay, .. } = self;
+        let (clear, explanation) = match backdrop {
+            Backdrop::Dark => (BACKGROUND, DebugOverlay::default()),
+            Backdrop::Sky => (passes.sky(), self.explanation),
         };
         let mut frame = frames.begin()?;
         passes.upload_changes(&mut frame, hierarchy, executor, None)?;
@@ -133,19 +131,17 @@ impl Renderer {
             commands.rendering(from, |commands| {
                 passes.draw_all(executor, commands, &view, draws, clear);
                 passes.draw_transparent(executor, commands, &view);
-                if let Some(overlay) = top_down {
+                if let Some(overlay) = passes.pipelines.overlay.get() {
                     overlay.record(commands, &io, &view);
                 }
             });
         });
-        if let Some(explainer) = explainer {
-            let scene = (&mut *passes, &*executor, &*hierarchy);
-            explainer.record_snapshot(&mut frame, scene, &view, (snapshot, draws))?;
+        let scene = (&mut *passes, &*executor, &*hierarchy);
+        explanation.record_snapshot(&mut frame, scene, &view, (snapshot, draws))?;
+        if let Some(bounds) = outlined {
+            record_outline(&mut frame, passes, bounds, &view)?;
         }
-        if let (Some(bounds), Some(overlay)) = (outlined, top_down.as_ref()) {
-            record_outline(&mut frame, passes, overlay, (bounds, &view))?;
-        }
-        finish_image(&mut frame, &mut passes.target, flat_overlay.as_mut(), image)?;
+        finish_image(&mut frame, passes, flat_overlay.as_mut(), image)?;
         let tick = frame.submit(None)?;
         self.submitted();
         Ok(tick)

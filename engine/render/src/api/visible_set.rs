@@ -85,12 +85,13 @@ impl Renderer {
         view: &cull::View,
         leaves: &[LeafIndex],
     ) -> Result<Tick, Error> {
-        if self.seen_leaves.is_none() {
-            let leaves = self.hierarchy.leaf_objects().len();
-            self.seen_leaves = Some(SeenLeaves::new(&self.device, &self.shaders, leaves)?);
-        }
-        let Some(seen) = &self.seen_leaves else { return Ok(Tick::default()) };
         let (passes, leaf_table) = (&mut self.passes, &self.executor.leaves);
+        passes.pipelines.seen.prepare(&self.device, &self.shaders)?;
+        let seen = match self.seen_leaves.take() {
+            Some(seen) => seen,
+            None => SeenLeaves::new(&self.device, self.hierarchy.leaf_objects().len())?,
+        };
+        let seen = self.seen_leaves.insert(seen);
         let mut frame = self.frames.begin()?;
         let draws = frame.uploads().push_iter(leaves.iter().map(|leaf| leaf_table.draw(*leaf)))?;
         let commands = frame.commands();
@@ -108,8 +109,8 @@ impl Renderer {
                     commands.draw_indirect(draws);
                 }
                 let io = SeenIo { opaque: passes.opaque_io(), seen: words };
-                seen.pass.bind(commands, &io, view);
-                if !leaves.is_empty() {
+                if let Some(pass) = passes.pipelines.seen.get().filter(|_| !leaves.is_empty()) {
+                    pass.bind(commands, &io, view);
                     commands.draw_indirect(draws);
                 }
             });
@@ -117,10 +118,7 @@ impl Renderer {
             commands.copy_buffer(words, seen.readback.whole());
             commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
         });
-        let tick = frame.submit(None)?;
-        if let Some(seen) = &mut self.seen_leaves {
-            seen.newest = tick;
-        }
-        Ok(tick)
+        seen.newest = frame.submit(None)?;
+        Ok(seen.newest)
     }
 }

@@ -11,7 +11,8 @@ use crate::debug::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::passes::{OpaquePass, OverlayPass};
+use crate::passes::OverlayIo;
+use crate::passes::pipelines::Pipelines;
 use crate::view_state::ViewState;
 use crate::views::view_in;
 
@@ -34,23 +35,26 @@ const BOXES_AND_WIREFRAME: &str = "boxes and wireframe";
 pub const OVERLAY_PASSES: [&str; 5] =
     [BOXES_AND_WIREFRAME, VIEW_FROM_ABOVE, OUTLINE, GLYPHS, OVERLAY];
 
-/// An explanation and its passes.
-pub(crate) struct DebugRenderer {
-    pub(crate) explanation: DebugOverlay,
-    device: Device,
-    overlay: OverlayPass,
-    wireframe: Option<OpaquePass>,
-}
+impl DebugOverlay {
+    /// Returns true if it explains nothing.
+    pub(crate) fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
 
-impl DebugRenderer {
-    pub(crate) fn new(
+    /// Compiles the passes that it needs.
+    pub(crate) fn prepare(
+        &self,
+        pipelines: &mut Pipelines,
         device: &Device,
         shaders: &ShaderSet,
-        explanation: DebugOverlay,
-    ) -> Result<Self, Error> {
-        let wireframe = explanation.has_wireframe.then(|| OpaquePass::wireframe(device, shaders));
-        let overlay = OverlayPass::new(device, shaders)?;
-        Ok(Self { explanation, device: device.clone(), overlay, wireframe: wireframe.transpose()? })
+    ) -> Result<(), Error> {
+        if self.has_wireframe {
+            pipelines.wireframe.prepare(device, shaders)?;
+        }
+        if !self.is_empty() {
+            pipelines.overlay.prepare(device, shaders)?;
+        }
+        Ok(())
     }
 
     /// Draws the explanation over the frame that `history` was just recorded for.
@@ -60,6 +64,9 @@ impl DebugRenderer {
         (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
         (history, view): (&ViewState, &View),
     ) -> Result<(), Error> {
+        if self.is_empty() {
+            return Ok(());
+        }
         let snapshot = VisibilitySnapshot::underway(history, hierarchy, *view);
         let draws = snapshot.upload(frame, &executor.leaves)?;
         let boxes = history.plan().tests.iter().map(|test| {
@@ -71,20 +78,8 @@ impl DebugRenderer {
             };
             (hierarchy.bounds(test.tag.node), colour)
         });
-        let boxes = self.explanation.has_boxes.then(|| Sketch::through(boxes).upload(frame));
-        let boxes = boxes.transpose()?;
-        passes.target.prepare(frame.commands());
-        frame.commands().pass(BOXES_AND_WIREFRAME, |commands| {
-            commands.rendering(passes.target_of(view, None), |commands| {
-                if let (Some(wireframe), true) = (&self.wireframe, draws.1 > 0) {
-                    wireframe.bind(commands, &passes.opaque_io(), view, &passes.light);
-                    executor.leaves.predicates().draw_after_counted(commands, draws.0);
-                }
-                if let Some(boxes) = &boxes {
-                    self.overlay.record(commands, boxes, view);
-                }
-            });
-        });
+        let boxes = self.has_boxes.then(|| Sketch::through(boxes).upload(frame)).transpose()?;
+        self.record_lines(frame, (passes, executor), view, (draws, boxes));
         self.record_corner(frame, (passes, executor, hierarchy), (&snapshot, draws))
     }
 
@@ -97,16 +92,36 @@ impl DebugRenderer {
         view: &View,
         (snapshot, draws): (&VisibilitySnapshot, (BufferSlice, u32)),
     ) -> Result<(), Error> {
-        if let (Some(wireframe), true) = (&self.wireframe, draws.1 > 0) {
-            passes.target.prepare(frame.commands());
-            frame.commands().pass(BOXES_AND_WIREFRAME, |commands| {
-                commands.rendering(passes.target_of(view, None), |commands| {
+        self.record_lines(frame, (passes, executor), view, (draws, None));
+        self.record_corner(frame, (passes, executor, hierarchy), (snapshot, draws))
+    }
+
+    /// Draws the edges of the triangles of `draws`, if they are requested, and boxes.
+    fn record_lines(
+        &self,
+        frame: &mut Frame<'_>,
+        (passes, executor): (&mut FramePasses, &PlanExecutor),
+        view: &View,
+        (draws, boxes): ((BufferSlice, u32), Option<OverlayIo>),
+    ) {
+        let Pipelines { wireframe, overlay, .. } = &passes.pipelines;
+        let wireframe = wireframe.get().filter(|_| self.has_wireframe && draws.1 > 0);
+        let boxes = overlay.get().zip(boxes);
+        if wireframe.is_none() && boxes.is_none() {
+            return;
+        }
+        passes.target.prepare(frame.commands());
+        frame.commands().pass(BOXES_AND_WIREFRAME, |commands| {
+            commands.rendering(passes.target_of(view, None), |commands| {
+                if let Some(wireframe) = wireframe {
                     wireframe.bind(commands, &passes.opaque_io(), view, &passes.light);
                     executor.leaves.predicates().draw_after_counted(commands, draws.0);
-                });
+                }
+                if let Some((overlay, boxes)) = &boxes {
+                    overlay.record(commands, boxes, view);
+                }
             });
-        }
-        self.record_corner(frame, (passes, executor, hierarchy), (snapshot, draws))
+        });
     }
 
     /// Draws a moment from above, if that is requested.
@@ -116,15 +131,17 @@ impl DebugRenderer {
         (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
         (snapshot, draws): (&VisibilitySnapshot, (BufferSlice, u32)),
     ) -> Result<(), Error> {
-        let Some(area) = self.explanation.top_down else { return Ok(()) };
+        let Some(area) = self.top_down else { return Ok(()) };
         let reach = reach(hierarchy, snapshot);
         let io = Sketch::of(snapshot, reach).upload(frame)?;
-        let view = &view_in(&self.device, &above(snapshot, reach), area);
+        let view = &view_in(&passes.device, &above(snapshot, reach), area);
         passes.target.prepare(frame.commands());
         frame.commands().pass(VIEW_FROM_ABOVE, |commands| {
             commands.rendering(passes.image_target(view, BACKGROUND), |commands| {
                 passes.draw_all(executor, commands, view, draws, BACKGROUND);
-                self.overlay.record(commands, &io, view);
+                if let Some(overlay) = passes.pipelines.overlay.get() {
+                    overlay.record(commands, &io, view);
+                }
             });
         });
         Ok(())

@@ -4,7 +4,6 @@ use gpu::{Device, DynamicTexture, Frame, Target};
 
 use crate::error::Error;
 use crate::passes::{FlatDraw, FlatIo, FlatPass, FlatVertex};
-use occlusion::ShaderSet;
 
 /// The labels of the pass that writes the atlas, and of the one that draws.
 pub(crate) const GLYPHS: &str = "HUD glyphs";
@@ -15,7 +14,6 @@ pub(crate) const OVERLAY: &str = "HUD";
 /// over every frame.
 pub struct FlatOverlay {
     device: Device,
-    pass: FlatPass,
     atlas: Option<DynamicTexture>,
     /// Pieces of the atlas that the GPU does not have yet, and their pixels one after the other.
     patches: Vec<Patch>,
@@ -32,23 +30,16 @@ struct Patch {
 }
 
 impl FlatOverlay {
-    pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        Ok(Self {
+    pub(crate) fn new(device: &Device) -> Self {
+        Self {
             device: device.clone(),
-            pass: FlatPass::new(device, shaders)?,
             atlas: None,
             patches: Vec::new(),
             pixels: Vec::new(),
             vertices: Vec::new(),
             indices: Vec::new(),
             draws: Vec::new(),
-        })
-    }
-
-    /// Compiles the pass again with other shaders.
-    pub(crate) fn reload(&mut self, shaders: &ShaderSet) -> Result<(), Error> {
-        self.pass = FlatPass::new(&self.device, shaders)?;
-        Ok(())
+        }
     }
 
     /// Begins another atlas of `size` pixels, all of them transparent.
@@ -119,6 +110,7 @@ impl FlatOverlay {
     pub(crate) fn record(
         &mut self,
         frame: &mut Frame<'_>,
+        pass: &FlatPass,
         target: &mut Target,
     ) -> Result<(), Error> {
         let Some(atlas) = &mut self.atlas else { return Ok(()) };
@@ -144,7 +136,7 @@ impl FlatOverlay {
         target.prepare(commands);
         commands.pass(OVERLAY, |commands| {
             commands.rendering(target.render_target(None), |commands| {
-                self.pass.record(commands, &io, &self.draws, size);
+                pass.record(commands, &io, &self.draws, size);
             });
         });
         Ok(())

@@ -7,7 +7,6 @@ use crate::debug::palette::SELECTED;
 use crate::debug::top_down::Sketch;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::passes::OverlayPass;
 
 /// The pass that outlines an object.
 pub(crate) const OUTLINE: &str = "outline";
@@ -16,14 +15,16 @@ pub(crate) const OUTLINE: &str = "outline";
 pub(crate) fn record_outline(
     frame: &mut Frame<'_>,
     passes: &mut FramePasses,
-    overlay: &OverlayPass,
-    (bounds, view): (Aabb, &View),
+    bounds: Aabb,
+    view: &View,
 ) -> Result<(), Error> {
     let io = Sketch::through(std::iter::once((bounds, SELECTED))).upload(frame)?;
     passes.target.prepare(frame.commands());
     frame.commands().pass(OUTLINE, |commands| {
         commands.rendering(passes.target_of(view, None), |commands| {
-            overlay.record(commands, &io, view);
+            if let Some(overlay) = passes.pipelines.overlay.get() {
+                overlay.record(commands, &io, view);
+            }
         });
     });
     Ok(())

@@ -282,7 +282,7 @@ fn draw_counted(
     io: &ProxyIo,
     view: &View,
 ) {
-    let Some(pass) = &passes.counts else { return };
+    let Some(pass) = passes.pipelines.count.get() else { return };
     pass.bind_objects(commands, &passes.opaque_io(), view);
     for (query, draw) in &asked.objects {
         queries.scope(commands, *query, |commands| pass.draw(commands, draw));

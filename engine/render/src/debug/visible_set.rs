@@ -5,10 +5,8 @@
 
 use cull::{LeafIndex, ObjectId};
 use gpu::{Buffer, Device, MemoryKind, Tick, vk};
-use occlusion::ShaderSet;
 
 use crate::error::Error;
-use crate::passes::SeenPass;
 use crate::view_state::RendererId;
 
 /// The leaves that own at least one pixel of a frame, nearest first. The holes of masked materials
@@ -61,7 +59,6 @@ impl VisibleSet {
 
 /// The objects on the GPU that finding the set needs.
 pub(crate) struct SeenLeaves {
-    pub(crate) pass: SeenPass,
     pub(crate) words: Buffer,
     pub(crate) readback: Buffer,
     /// The tick of the frame whose words come last.
@@ -69,14 +66,13 @@ pub(crate) struct SeenLeaves {
 }
 
 impl SeenLeaves {
-    pub(crate) fn new(device: &Device, shaders: &ShaderSet, leaves: usize) -> Result<Self, Error> {
+    pub(crate) fn new(device: &Device, leaves: usize) -> Result<Self, Error> {
         let size_bytes = leaves as u64 * 4;
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::TRANSFER_DST
             | vk::BufferUsageFlags::TRANSFER_SRC;
         let home = vk::BufferUsageFlags::TRANSFER_DST;
         Ok(Self {
-            pass: SeenPass::new(device, shaders)?,
             words: Buffer::new(device, "seen leaves", size_bytes, usage, MemoryKind::Device)?,
             readback: Buffer::new(
                 device,

@@ -5,6 +5,7 @@ mod deform;
 mod flat;
 mod opaque;
 mod overlay;
+pub(crate) mod pipelines;
 mod seen;
 mod sky;
 mod surface;

@@ -6,7 +6,6 @@ use std::collections::HashMap;
 use cull::Aabb;
 use glam::Affine3A;
 use gpu::{Buffer, BufferSlice, Device, Frame, vk};
-use occlusion::ShaderSet;
 use scene::{
     Mesh, MeshId, MorphTarget, PoseBounds, Scene, SkinnedMesh, SkinnedMeshId, SurfaceVertex,
     TransparentId,
@@ -18,7 +17,6 @@ use crate::resources::limits::check_storage;
 
 /// All skinned meshes of a scene and their newest poses.
 pub(crate) struct SkinnedMeshes {
-    pub(crate) pass: DeformPass,
     forms: Buffer,
     all: Vec<State>,
     /// The skinned meshes whose pose is not on the GPU yet.
@@ -79,7 +77,6 @@ impl SkinnedMeshes {
     /// More than the device's storage buffers hold, no memory, a failed call.
     pub(crate) fn new(
         device: &Device,
-        shaders: &ShaderSet,
         scene: &Scene,
         first_vertices: impl Fn(usize) -> u32,
     ) -> Result<Option<Self>, Error> {
@@ -112,7 +109,6 @@ impl SkinnedMeshes {
         debug_assert_eq!(words.len() as u64, forms);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         Ok(Some(Self {
-            pass: DeformPass::new(device, shaders)?,
             forms: device.upload("skinned mesh data", &words, storage)?,
             all,
             dirty: Vec::new(),
@@ -189,6 +185,7 @@ impl SkinnedMeshes {
     pub(crate) fn upload(
         &mut self,
         frame: &mut Frame<'_>,
+        pass: &DeformPass,
         deformed: DeformedVertices,
         is_seen: impl Fn(&State) -> bool,
     ) -> Result<Skinned, Error> {
@@ -211,7 +208,7 @@ impl SkinnedMeshes {
         let DeformedVertices { vertices, surfaces } = deformed;
         let io = DeformIo { vertices, surfaces, forms: self.forms.whole(), poses };
         let poses = self.uploaded.iter().filter_map(|number| Some(self.all.get(*number)?.pose));
-        self.pass.record(frame.commands(), &io, poses);
+        pass.record(frame.commands(), &io, poses);
         Ok(skinned)
     }
 

@@ -19,17 +19,15 @@ use gpu::{
     Access, BOX_VERTICES, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw,
     LeafDrawBuffers, MemoryBarrier, MemoryKind, vk,
 };
-use occlusion::{LeafBoxIo, PlanExecutor, ProxyBox, ShaderSet};
+use occlusion::{LeafBoxIo, PlanExecutor, ProxyBox};
 use scene::{ENCLOSING, Light, Mesh, Object, Scene, TransparentId, outwardness};
 
 use crate::error::Error;
-use crate::passes::{SurfaceIo, SurfaceKind, SurfacePass};
+use crate::passes::{SurfaceIo, SurfacePass};
 use crate::resources::geometry::{Geometry, bounds_in_world};
-use crate::shading::surfaces::SurfaceResources;
 
 /// The transparent objects of a scene.
 pub(crate) struct Transparent {
-    pub(crate) pass: SurfacePass,
     objects: Vec<TransparentObject>,
     /// The draws that fragments switch on, and their list, which nothing reads.
     parts: [Buffer; 2],
@@ -129,12 +127,7 @@ impl Transparent {
     ///
     /// # Errors
     /// No memory, a failed call.
-    pub(crate) fn new(
-        device: &Device,
-        shaders: &ShaderSet,
-        scene: &Scene,
-        resources: Option<&SurfaceResources>,
-    ) -> Result<Option<Self>, Error> {
+    pub(crate) fn new(device: &Device, scene: &Scene) -> Result<Option<Self>, Error> {
         let transparent = scene.surfaces.iter().flat_map(|surfaces| &surfaces.transparent);
         let mut known = HashMap::new();
         let object = |object: &Object| {
@@ -145,13 +138,14 @@ impl Transparent {
             Some(TransparentObject { object: *object, own_bounds, bounds, faces })
         };
         let objects: Vec<TransparentObject> = transparent.filter_map(object).collect();
-        let Some(resources) = resources.filter(|_| !objects.is_empty()) else { return Ok(None) };
+        if objects.is_empty() {
+            return Ok(None);
+        }
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
         let indirect = storage | vk::BufferUsageFlags::INDIRECT_BUFFER;
         let draw_bytes = objects.len() as u64 * DRAW_BYTES;
         let list_bytes = (gpu::LISTED_DRAWS as u64 + 1) * 4;
         Ok(Some(Self {
-            pass: Self::pass(device, shaders, resources)?,
             objects,
             parts: [
                 Buffer::new(device, "transparent draws", draw_bytes, indirect, MemoryKind::Device)?,
@@ -160,18 +154,6 @@ impl Transparent {
             sorted: Vec::new(),
             view: None,
         }))
-    }
-
-    /// Compiles the pass.
-    ///
-    /// # Errors
-    /// A failed call.
-    pub(crate) fn pass(
-        device: &Device,
-        shaders: &ShaderSet,
-        resources: &SurfaceResources,
-    ) -> Result<SurfacePass, Error> {
-        Ok(SurfacePass::new(device, shaders, SurfaceKind::Transparent, resources)?)
     }
 
     /// Finds the objects in the frustum of a view and sorts them: the farthest first, by the middle
@@ -313,14 +295,14 @@ impl Transparent {
     /// Draws the objects of the view to the current attachments.
     pub(crate) fn draw(
         &self,
-        executor: &PlanExecutor,
+        (pass, executor): (&SurfacePass, &PlanExecutor),
         commands: &Commands,
         surfaces: SurfaceIo<'_>,
         (view, light): (&View, &Light),
     ) {
         let Some(io) = &self.view else { return };
         let surfaces = SurfaceIo { instances: io.instances, ..surfaces };
-        self.pass.bind(commands, &surfaces, view, light);
+        pass.bind(commands, &surfaces, view, light);
         executor.leaves.predicates().draw_after_counted(commands, self.draws(io));
     }
 

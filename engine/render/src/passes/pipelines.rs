@@ -1,0 +1,133 @@
+//! All passes of a renderer, compiled from one set of shaders.
+
+use gpu::Device;
+use occlusion::{Error, ShaderSet};
+
+use crate::passes::{
+    CountPass, DeformPass, FlatPass, OpaquePass, OverlayPass, SeenPass, SurfaceKind, SurfacePass,
+};
+use crate::shading::depth_first::Shading;
+use crate::shading::surfaces::SurfaceResources;
+
+/// The passes of a renderer. [`Pipelines::compile`] is the one list of them, for new renderers and
+/// for other shaders.
+pub(crate) struct Pipelines {
+    pub(crate) opaque: OpaquePass,
+    /// The passes of scenes with surfaces.
+    pub(crate) shading: Option<Shading>,
+    /// The pass of transparent objects, if there are any.
+    pub(crate) transparent: Option<SurfacePass>,
+    /// The pass of skinned meshes, if there are any.
+    pub(crate) deform: Option<DeformPass>,
+    /// The opaque pass in two, for methods that draw depth first.
+    pub(crate) depth_first: OnDemand<DepthFirst>,
+    pub(crate) count: OnDemand<CountPass>,
+    pub(crate) seen: OnDemand<SeenPass>,
+    pub(crate) overlay: OnDemand<OverlayPass>,
+    pub(crate) wireframe: OnDemand<OpaquePass>,
+    pub(crate) flat: OnDemand<FlatPass>,
+}
+
+/// The parts of a scene that have passes of their own.
+#[derive(Clone, Copy)]
+pub(crate) struct PassNeeds<'a> {
+    pub(crate) surfaces: Option<&'a SurfaceResources>,
+    pub(crate) has_transparent: bool,
+    pub(crate) has_skinned_meshes: bool,
+}
+
+impl Pipelines {
+    /// Compiles the passes that a scene needs, and those on demand that `former` has compiled.
+    ///
+    /// # Errors
+    /// A shader that does not fit its pass, a failed call.
+    pub(crate) fn compile(
+        device: &Device,
+        shaders: &ShaderSet,
+        needs: PassNeeds<'_>,
+        former: Option<&Self>,
+    ) -> Result<Self, Error> {
+        let PassNeeds { surfaces, has_transparent, has_skinned_meshes } = needs;
+        let transparent = surfaces.filter(|_| has_transparent);
+        let transparent = transparent
+            .map(|it| SurfacePass::new(device, shaders, SurfaceKind::Transparent, it))
+            .transpose()?;
+        let deform = has_skinned_meshes.then(|| DeformPass::new(device, shaders)).transpose()?;
+        let on_demand = Former { device, shaders, former };
+        Ok(Self {
+            opaque: OpaquePass::new(device, shaders)?,
+            shading: surfaces.map(|it| Shading::new(device, shaders, it)).transpose()?,
+            transparent,
+            deform,
+            depth_first: on_demand.again(|it| &it.depth_first, DepthFirst::new)?,
+            count: on_demand.again(|it| &it.count, CountPass::new)?,
+            seen: on_demand.again(|it| &it.seen, SeenPass::new)?,
+            overlay: on_demand.again(|it| &it.overlay, OverlayPass::new)?,
+            wireframe: on_demand.again(|it| &it.wireframe, OpaquePass::wireframe)?,
+            flat: on_demand.again(|it| &it.flat, FlatPass::new)?,
+        })
+    }
+}
+
+type Constructor<P> = fn(&Device, &ShaderSet) -> Result<P, Error>;
+
+/// A pass that is compiled when it is first needed.
+pub(crate) struct OnDemand<P> {
+    compile: Constructor<P>,
+    pass: Option<P>,
+}
+
+impl<P> OnDemand<P> {
+    /// Compiles the pass unless it is compiled already.
+    ///
+    /// # Errors
+    /// What the device lacks for the pass, a shader that does not fit it, a failed call.
+    pub(crate) fn prepare(&mut self, device: &Device, shaders: &ShaderSet) -> Result<(), Error> {
+        if self.pass.is_none() {
+            self.pass = Some((self.compile)(device, shaders)?);
+        }
+        Ok(())
+    }
+
+    /// Returns the pass, if it is compiled.
+    pub(crate) fn get(&self) -> Option<&P> {
+        self.pass.as_ref()
+    }
+}
+
+/// The passes with the shaders before, if there were any.
+struct Former<'a> {
+    device: &'a Device,
+    shaders: &'a ShaderSet,
+    former: Option<&'a Pipelines>,
+}
+
+impl Former<'_> {
+    /// Returns a pass on demand, compiled if the former one is.
+    fn again<P>(
+        &self,
+        pass_of: fn(&Pipelines) -> &OnDemand<P>,
+        compile: Constructor<P>,
+    ) -> Result<OnDemand<P>, Error> {
+        let mut pass = OnDemand { compile, pass: None };
+        if self.former.is_some_and(|former| pass_of(former).get().is_some()) {
+            pass.prepare(self.device, self.shaders)?;
+        }
+        Ok(pass)
+    }
+}
+
+/// The opaque pass in two: depth, then colour.
+pub(crate) struct DepthFirst {
+    pub(crate) depth: OpaquePass,
+    pub(crate) colour: OpaquePass,
+}
+
+impl DepthFirst {
+    fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        Ok(Self {
+            depth: OpaquePass::depth_only(device, shaders)?,
+            colour: OpaquePass::colour_only(device, shaders)?,
+        })
+    }
+}

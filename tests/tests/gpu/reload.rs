@@ -1,0 +1,257 @@
+//! Other shaders between two frames: every pass has them, or, if one cannot be made, none has.
+
+use std::ffi::CStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ash::vk;
+use cull::{Camera, CoherentOptions, FirstPass, ObjectId, Strategy};
+use glam::{Affine3A, Quat, Vec3, vec3};
+use gpu::{Device, DeviceOptions, Instance, Optional, Readback};
+use render::{
+    Costs, DebugOverlay, FlatVertex, FrameRequest, Rect, Renderer, RendererOptions, ShaderSet,
+    ViewState,
+};
+use scene::{MeshId, MorphTarget, Object, Scene, SkinnedMesh, SkinnedMeshId};
+use tests::machine::{Fault, Machine};
+use tests::shapes::coloured_cubes;
+use tests::{Driver, instance_with, run_on_all};
+
+const SIZE: [u32; 2] = [160, 90];
+
+/// The mesh that takes another form.
+const FORM: MeshId = MeshId(2);
+
+fn camera() -> Camera {
+    let (eye, up) = (vec3(0.0, 0.5, 6.0), Vec3::Y);
+    Camera { eye, forward: Vec3::NEG_Z, up, fov_y: 0.9, near: 0.1 }
+}
+
+/// Returns coloured cubes; with surfaces also a transparent one, and one that takes another form.
+fn cubes(has_surfaces: bool) -> Scene {
+    let object = |number: u32| {
+        // Their boxes are met also beside them.
+        let turn = Quat::from_rotation_y(0.8);
+        let at = vec3(number as f32 * 1.6 - 2.4, 0.0, number as f32 * -0.7);
+        let transform = Affine3A::from_rotation_translation(turn, at);
+        Object { mesh: MeshId(number), transform, tint: u32::MAX }
+    };
+    let mut scene = coloured_cubes(4, (0..3).map(object).collect());
+    if let Some(surfaces) = &mut scene.surfaces {
+        surfaces.materials[3].base_colour[3] = 0.5;
+        surfaces.transparent = vec![object(3)];
+        let vertices = scene.meshes[FORM.0 as usize].vertices.iter();
+        let positions = vertices.map(|vertex| [0.0, vertex.position[1], 0.0]).collect();
+        let targets = vec![MorphTarget { positions, ..MorphTarget::default() }];
+        surfaces.skinned_meshes = vec![SkinnedMesh { mesh: FORM, skin: None, targets }];
+    }
+    scene.surfaces = scene.surfaces.filter(|_| has_surfaces);
+    scene
+}
+
+/// A renderer all of whose passes are in use.
+struct Studio {
+    renderer: Renderer,
+    view: ViewState,
+    image: Readback,
+    has_surfaces: bool,
+}
+
+impl Studio {
+    fn new(device: &Device, has_surfaces: bool, shaders: Option<ShaderSet>) -> Self {
+        let coherent = CoherentOptions { first_pass: FirstPass::DepthOnly, ..Default::default() };
+        let options = RendererOptions {
+            methods: [vec![methods::coherent(coherent)], methods::all()].concat(),
+            size: SIZE,
+            costs: Costs::Ignored,
+            shaders,
+            ..RendererOptions::default()
+        };
+        let renderer = Renderer::new(device, &cubes(has_surfaces), &options).unwrap();
+        let (view, image) = (renderer.new_view().unwrap(), Readback::new(device, SIZE).unwrap());
+        Self { renderer, view, image, has_surfaces }
+    }
+
+    fn frame(&mut self, strategy: Strategy) -> Vec<u8> {
+        let image = Some(&self.image);
+        let request = FrameRequest { image, ..FrameRequest::new(strategy, camera()) };
+        self.renderer.render(&mut self.view, &request).unwrap();
+        self.renderer.drain(&mut self.view).unwrap();
+        self.image.rgba8().unwrap().to_vec()
+    }
+
+    /// Returns what each pass draws or finds, by its shader.
+    fn shown(&mut self) -> Vec<(&'static str, Vec<u8>)> {
+        let device = self.renderer.device().clone();
+        // Explanations show the history.
+        self.view = self.renderer.new_view().unwrap();
+        let mut shown = vec![("objects", self.frame(Strategy::ANTUMBRA))];
+        shown.push(("depth first", self.frame(methods::COHERENT)));
+        self.frame(methods::PYRAMID);
+        if device.capabilities().has(Optional::PreciseQueries) {
+            self.view.watch(&[ObjectId(0)]).unwrap();
+        }
+        if self.has_surfaces {
+            // Another pose each time, so that it is computed; in the end the one at rest.
+            for weight in [0.5, 1.0, 0.0] {
+                self.renderer.set_pose(SkinnedMeshId(0), &[], &[weight]).unwrap();
+                shown.push(("poses", self.frame(Strategy::ANTUMBRA)));
+            }
+        }
+        for explanation in [
+            DebugOverlay { has_boxes: true, ..DebugOverlay::default() },
+            DebugOverlay {
+                has_wireframe: device.capabilities().has(Optional::Wireframe),
+                top_down: Some(Rect { origin: [0, 0], size: [40, 40] }),
+                ..DebugOverlay::default()
+            },
+        ] {
+            self.renderer.explain(explanation).unwrap();
+            shown.push(("explanations", self.frame(Strategy::ANTUMBRA)));
+        }
+        self.renderer.explain(DebugOverlay::default()).unwrap();
+        self.renderer.outline(Some(ObjectId(1))).unwrap();
+        shown.push(("outline", self.frame(Strategy::ANTUMBRA)));
+        self.renderer.outline(None).unwrap();
+        self.lay_out();
+        shown.push(("flat", self.frame(Strategy::ANTUMBRA)));
+        self.renderer.drop_flat_overlay();
+        if device.capabilities().has(Optional::FragmentStores) {
+            let set = self.renderer.visible_set(&mut self.view, &camera(), Rect::whole(SIZE));
+            let leaves = set.unwrap().leaves().len();
+            shown.push(("seen leaves", vec![leaves as u8]));
+        }
+        shown
+    }
+
+    /// Lays out a reddish square.
+    fn lay_out(&mut self) {
+        let flat = self.renderer.flat_overlay().unwrap();
+        flat.begin_atlas([1, 1]).unwrap();
+        flat.write_atlas([0, 0], [1, 1], [[255; 4]].into_iter()).unwrap();
+        let corner = |position: [f32; 2]| FlatVertex {
+            position,
+            texture_position: [0.5; 2],
+            colour: [220, 90, 10, 255],
+        };
+        let corners = [[0.0, 0.0], [30.0, 0.0], [30.0, 30.0], [0.0, 30.0]].map(corner);
+        flat.add([0, 0], SIZE, &corners, &[0, 1, 2, 0, 2, 3]);
+    }
+}
+
+/// A folder of shaders that is removed in the end.
+struct Folder(PathBuf);
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        fs::remove_dir_all(&self.0).unwrap();
+    }
+}
+
+/// Compiles shaders with which everything looks another way.
+fn changed_shaders(name: &str) -> ShaderSet {
+    let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
+    let own = format!("antumbra-reload-{name}-{}", std::process::id());
+    let folder = Folder(std::env::temp_dir().join(own));
+    fs::create_dir(&folder.0).unwrap();
+    for entry in fs::read_dir(committed).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        if !path.is_file() || name.ends_with(".spv") {
+            continue;
+        }
+        let mut text = fs::read_to_string(&path).unwrap();
+        if name.ends_with(".frag") && text.contains("out vec4 colour") {
+            let end = text.rfind('}').unwrap();
+            text.insert_str(end, "    colour.rgb = colour.gbr;\n");
+        }
+        let text = text.replace("seen[leaf] = 1;", "seen[leaf] = 0;");
+        let text = text.replace("vertices[place + 1] = words.y;", "vertices[place + 1] = 0;");
+        fs::write(folder.0.join(name), text).unwrap();
+    }
+    ShaderSet::compiled_from(&folder.0).unwrap()
+}
+
+#[test]
+fn every_pass_has_the_other_shaders() {
+    let changed = changed_shaders("every");
+    run_on_all(|device| {
+        for has_surfaces in [false, true] {
+            let mut studio = Studio::new(device, has_surfaces, None);
+            let before = studio.shown();
+            studio.renderer.reload(changed.clone()).unwrap();
+            let after = studio.shown();
+            let expected = Studio::new(device, has_surfaces, Some(changed.clone())).shown();
+            for ((before, after), expected) in before.iter().zip(&after).zip(&expected) {
+                assert!(before.1 != after.1, "{}, {has_surfaces}", before.0);
+                assert!(after.1 == expected.1, "{}, {has_surfaces}", after.0);
+            }
+        }
+    });
+}
+
+/// Returns the number of pipelines that a reload makes by `call`, after it failed at each of them.
+fn failures(
+    device: &Device,
+    studio: &mut Studio,
+    call: &'static CStr,
+    changed: &ShaderSet,
+) -> usize {
+    let shown = studio.shown();
+    for number in 0.. {
+        let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+        let fault = Fault { call, fails: number..number + 1, code };
+        Machine { faults: vec![fault], ..Machine::default() }.install();
+        match studio.renderer.reload(changed.clone()) {
+            Ok(()) => {
+                Machine::default().install();
+                return number;
+            }
+            Err(error) => assert!(error.to_string().contains("memory"), "{error}"),
+        }
+        for (expected, found) in shown.iter().zip(studio.shown()) {
+            assert!(expected.1 == found.1, "{}, {call:?} {number}", found.0);
+        }
+        device.drain().unwrap();
+    }
+    0
+}
+
+#[test]
+fn a_reload_that_fails_changes_nothing() {
+    let changed = changed_shaders("fails");
+    for has_surfaces in [false, true] {
+        let instance: Instance = instance_with(Machine::default().entry());
+        let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+        let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+        let mut studio = Studio::new(&device, has_surfaces, None);
+        let graphics = failures(&device, &mut studio, c"vkCreateGraphicsPipelines", &changed);
+        studio.renderer.reload(ShaderSet::embedded().unwrap()).unwrap();
+        let compute = failures(&device, &mut studio, c"vkCreateComputePipelines", &changed);
+        // Passes that are compiled when they are first needed are among them.
+        assert!(graphics >= 14 && compute >= 4, "{graphics}, {compute}");
+        drop((studio, device));
+        assert_eq!(instance.validation_log().drain(), []);
+    }
+}
+
+#[test]
+fn a_pick_on_its_way_outlives_a_reload() {
+    run_on_all(|device| {
+        let mut studio = Studio::new(device, false, None);
+        let mut found = |has_reload: bool| {
+            let owner = |x: u32| {
+                let pick = studio.renderer.pick(&camera(), [x, 45]).unwrap();
+                if has_reload {
+                    studio.renderer.reload(ShaderSet::embedded().unwrap()).unwrap();
+                }
+                device.drain().unwrap();
+                studio.renderer.picked(&pick).unwrap().expect("it is over")
+            };
+            (20..140).step_by(12).map(owner).collect::<Vec<_>>()
+        };
+        let expected = found(false);
+        assert!(expected.contains(&None) && expected.contains(&Some(ObjectId(1))), "{expected:?}");
+        assert_eq!(found(true), expected);
+    });
+}
