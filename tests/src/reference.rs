@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 /// A surface's material at a point.
 #[derive(Debug, Clone, Copy)]
-pub struct Point {
+pub struct ReferencePoint {
     /// Linear.
     pub base_colour: DVec3,
     /// 0 to 1.
@@ -25,7 +25,7 @@ pub struct Point {
 
 /// A light, with its properties of KHR_lights_punctual.
 #[derive(Debug, Clone, Copy)]
-pub enum Light {
+pub enum ReferenceLight {
     /// Light from everywhere along a direction.
     Directional {
         /// Unit vector to it.
@@ -72,7 +72,7 @@ fn step(positive: f64) -> f64 {
 
 /// Returns the BRDF of appendix B.2 and B.3: material = mix of a metal's and a dielectric's BRDF,
 /// with the terms of B.3.
-fn brdf(point: &Point, v: DVec3, l: DVec3) -> DVec3 {
+fn brdf(point: &ReferencePoint, v: DVec3, l: DVec3) -> DVec3 {
     let n = point.normal;
     let h = (l + v).normalize();
     // The engine's own floor: a mirror would not show a light without size.
@@ -98,18 +98,18 @@ fn brdf(point: &Point, v: DVec3, l: DVec3) -> DVec3 {
 }
 
 /// Returns the light at a place, and the direction to it.
-fn arriving(light: &Light, place: DVec3) -> (DVec3, DVec3) {
+fn arriving(light: &ReferenceLight, place: DVec3) -> (DVec3, DVec3) {
     let falloff = |position: DVec3, range: Option<f64>| {
         let distance = (position - place).length();
         let window = range.map_or(1.0, |range| (1.0 - (distance / range).powi(4)).clamp(0.0, 1.0));
         window / (distance * distance)
     };
     match *light {
-        Light::Directional { towards, lux } => (towards, lux),
-        Light::Point { position, candela, range } => {
+        ReferenceLight::Directional { towards, lux } => (towards, lux),
+        ReferenceLight::Point { position, candela, range } => {
             ((position - place).normalize(), candela * falloff(position, range))
         }
-        Light::Spot { position, candela, range, along, inner, outer } => {
+        ReferenceLight::Spot { position, candela, range, along, inner, outer } => {
             let towards = (position - place).normalize();
             let scale = 1.0 / (inner.cos() - outer.cos()).max(0.001);
             let offset = -outer.cos() * scale;
@@ -120,7 +120,12 @@ fn arriving(light: &Light, place: DVec3) -> (DVec3, DVec3) {
 }
 
 /// Returns the light that goes to the eye.
-pub fn radiance(point: &Point, eye: DVec3, lights: &[Light], ambient: &Ambient) -> DVec3 {
+pub fn radiance(
+    point: &ReferencePoint,
+    eye: DVec3,
+    lights: &[ReferenceLight],
+    ambient: &Ambient,
+) -> DVec3 {
     let v = (eye - point.position).normalize();
     let mut sum = point.emission;
     for light in lights {

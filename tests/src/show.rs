@@ -2,7 +2,7 @@
 
 use gpu::{PresentMode, PresentResult, PresentSkipped, Swapchain, SwapchainOptions};
 
-use crate::stage::{Painter, Stage, await_image, show_surely};
+use crate::stage::{Painter, WindowStage, await_image, show_surely};
 use crate::x11_window::X11Window;
 
 /// The most swapchains that wait for their end: eight that need a proof of it, one that is
@@ -12,7 +12,7 @@ const MOST_RETIRING: usize = 9;
 /// A window that shows an image after every change.
 pub struct Show<'a> {
     /// The window's device.
-    pub stage: &'a Stage,
+    pub stage: &'a WindowStage,
     /// The window.
     pub window: &'a X11Window,
     /// The source of images.
@@ -29,7 +29,12 @@ pub struct Show<'a> {
 
 impl<'a> Show<'a> {
     /// Makes a swapchain of that present mode for a window of `size` pixels.
-    pub fn new(stage: &'a Stage, window: &'a X11Window, mode: PresentMode, size: [u32; 2]) -> Self {
+    pub fn new(
+        stage: &'a WindowStage,
+        window: &'a X11Window,
+        mode: PresentMode,
+        size: [u32; 2],
+    ) -> Self {
         let options = SwapchainOptions { mode, ..Default::default() };
         Self {
             stage,

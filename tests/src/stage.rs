@@ -10,8 +10,8 @@ use gpu::{
     SwapchainOptions, Target, Window, WindowSystem,
 };
 
-/// A window's device. Drop what was made from it before [`Stage::end`].
-pub struct Stage {
+/// A window's device. Drop what was made from it before [`WindowStage::end`].
+pub struct WindowStage {
     /// The instance, with validation.
     pub instance: Instance,
     /// The window's surface.
@@ -20,7 +20,7 @@ pub struct Stage {
     pub device: Device,
 }
 
-impl Stage {
+impl WindowStage {
     /// Opens the driver's device for a window.
     pub fn new(driver: Driver, window: Arc<dyn Window>) -> Self {
         Self::with_entry(gpu::load_entry().unwrap(), driver, window)

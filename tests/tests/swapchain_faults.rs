@@ -20,7 +20,7 @@ use tests::xvfb::Xvfb;
 use tests::{Driver, instance, instance_for};
 
 use tests::machine::{CALLS_THAT_SHOW, Fault, Machine, calls};
-use tests::stage::{Painter, Stage, await_image, show_surely};
+use tests::stage::{Painter, WindowStage, await_image, show_surely};
 use tests::x11_window::{Library, X11Window};
 
 const SIZE: [u32; 2] = [96, 64];
@@ -29,7 +29,7 @@ const PRESENT: &CStr = c"vkQueuePresentKHR";
 
 /// A window on a machine that lies, after a few frames without lies.
 struct Liar {
-    stage: Stage,
+    stage: WindowStage,
     window: std::sync::Arc<X11Window>,
     painter: Painter,
     swapchain: Swapchain,
@@ -39,7 +39,7 @@ struct Liar {
 impl Liar {
     fn new(server: &Xvfb, driver: Driver, machine: Machine) -> Self {
         let window = X11Window::open(server, Library::Xcb, SIZE);
-        let stage = Stage::with_entry(machine.entry(), driver, window.clone());
+        let stage = WindowStage::with_entry(machine.entry(), driver, window.clone());
         let painter = Painter::new(&stage.device, SIZE);
         let swapchain = stage.swapchain(&SwapchainOptions::default());
         let mut liar = Self { stage, window, painter, swapchain, frame: 0 };

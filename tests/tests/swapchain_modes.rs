@@ -8,7 +8,7 @@
 
 use gpu::PresentMode;
 use tests::show::Show;
-use tests::stage::{Random, Stage};
+use tests::stage::{Random, WindowStage};
 use tests::ways::{LASTING_WAYS, modes};
 use tests::x11_window::X11Window;
 use tests::xvfb::Xvfb;
@@ -19,7 +19,7 @@ fn modes_and_frames_in_flight_change_a_thousand_times() {
     for &(driver, library) in LASTING_WAYS {
         let size = [160, 120];
         let window = X11Window::open(&server, library, size);
-        let stage = Stage::new(driver, window.clone());
+        let stage = WindowStage::new(driver, window.clone());
         let mut random = Random::new(11);
         let mut show = Show::new(&stage, &window, PresentMode::Fifo, size);
         for step in 0..1_000 {

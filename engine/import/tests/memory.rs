@@ -4,7 +4,7 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 use antumbra_import::{Limits, read};
-use gltf_files::files::{F32, Scene, everything};
+use gltf_files::files::{F32, GltfFile, everything};
 use peak_alloc::PeakAlloc;
 use serde_json::json;
 
@@ -105,7 +105,7 @@ fn memory_stays_below_its_bound() {
 
 fn images(width: u32, height: u32, count: usize) -> Vec<u8> {
     let pixels = image::RgbaImage::new(width, height);
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let mut images = Vec::new();
     for format in
         [image::ImageFormat::Png, image::ImageFormat::WebP].into_iter().cycle().take(count)
@@ -123,13 +123,13 @@ fn images(width: u32, height: u32, count: usize) -> Vec<u8> {
 }
 
 fn data_uri(length: usize) -> Vec<u8> {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.binary.resize(length, 0);
     scene.gltf()
 }
 
 fn zeros() -> Vec<u8> {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/accessors/0", json!({ "componentType": F32, "type": "VEC3", "count": 1 << 24 }));
     scene.glb()
 }

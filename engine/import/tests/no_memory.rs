@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 use antumbra_import::{Cause, ImportError, LoadOptions, load_bytes};
 use cap::Cap;
-use gltf_files::files::{F32, Scene};
+use gltf_files::files::{F32, GltfFile};
 use serde_json::json;
 
 #[global_allocator]
@@ -30,7 +30,7 @@ fn with_image(side: u32) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     let pixels = image::RgbaImage::new(side, side);
     pixels.write_to(&mut bytes, image::ImageFormat::Png).expect("it can be encoded");
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let view = scene.view(&bytes.into_inner());
     scene.set("/images", json!([{ "bufferView": view, "mimeType": "image/png" }]));
     scene.set("/textures", json!([{ "source": 0 }]));
@@ -39,7 +39,7 @@ fn with_image(side: u32) -> Vec<u8> {
 }
 
 fn with_vertices(count: usize) -> Vec<u8> {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/accessors/0", json!({ "componentType": F32, "type": "VEC3", "count": count }));
     scene.remove("/meshes/0/primitives/0/indices");
     scene.glb()

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use antumbra_import::{GltfScene, LoadOptions, load_bytes};
-use gltf_files::files::{F32, Scene};
+use gltf_files::files::{F32, GltfFile};
 use gltf_files::{chains, loaded, playback};
 use peak_alloc::PeakAlloc;
 use serde_json::{Value, json};
@@ -19,14 +19,14 @@ const MIB: usize = 1 << 20;
 /// A time far above that of any of these, and far below that of their pairs.
 const LONGEST: Duration = Duration::from_secs(30);
 
-fn load(scene: &Scene) -> GltfScene {
+fn load(scene: &GltfFile) -> GltfScene {
     let options = LoadOptions::default();
     let imported = load_bytes(scene.glb(), None, &options, &mut |_| ControlFlow::Continue(()));
     imported.unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Adds a clip of weights or places for each of these nodes, of one key.
-fn clips(scene: &mut Scene, targets: impl Iterator<Item = (usize, &'static str)>) {
+fn clips(scene: &mut GltfFile, targets: impl Iterator<Item = (usize, &'static str)>) {
     let times = scene.floats("SCALAR", &[0.0, 1.0]);
     let moves = scene.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
     let weighs = scene.floats("SCALAR", &[0.0, 1.0]);
@@ -39,14 +39,14 @@ fn clips(scene: &mut Scene, targets: impl Iterator<Item = (usize, &'static str)>
     scene.set("/animations", json!(targets.map(clip).collect::<Vec<Value>>()));
 }
 
-fn roots(scene: &mut Scene, nodes: Vec<Value>) {
+fn roots(scene: &mut GltfFile, nodes: Vec<Value>) {
     scene.set("/scenes/0/nodes", json!((0..nodes.len()).collect::<Vec<_>>()));
     scene.set("/nodes", json!(nodes));
 }
 
 /// Returns many morphed nodes, and many clips, each for another node.
-fn morphs_and_clips(count: usize) -> Scene {
-    let mut scene = Scene::triangle();
+fn morphs_and_clips(count: usize) -> GltfFile {
+    let mut scene = GltfFile::triangle();
     scene.set("/meshes/0/primitives/0/targets", json!([{ "POSITION": 0 }]));
     scene.set("/meshes/0/weights", json!([0.5]));
     let mut nodes = vec![json!({ "mesh": 0 }); count];
@@ -57,22 +57,22 @@ fn morphs_and_clips(count: usize) -> Scene {
 }
 
 /// Returns many morphed nodes, and a clip for each of them.
-fn morphs_with_clips(count: usize) -> Scene {
+fn morphs_with_clips(count: usize) -> GltfFile {
     let mut scene = morphs_and_clips(count);
     clips(&mut scene, (0..count).map(|node| (node, "weights")));
     scene
 }
 
 /// Returns chains of joints with a clip each, and many meshes on them.
-fn skins_and_channels(depth: usize, meshes: usize) -> Scene {
+fn skins_and_channels(depth: usize, meshes: usize) -> GltfFile {
     let mut scene = chains::chains(2, depth, meshes, 1);
     clips(&mut scene, (0..2 * depth).map(|node| (node, "translation")));
     scene
 }
 
 /// Returns many instances, and many lights among them.
-fn instances_and_lights(count: usize) -> Scene {
-    let mut scene = Scene::triangle();
+fn instances_and_lights(count: usize) -> GltfFile {
+    let mut scene = GltfFile::triangle();
     let places = json!({ "componentType": F32, "type": "VEC3", "count": count });
     let places = scene.push("accessors", places);
     scene.set("/extensionsUsed", json!(["EXT_mesh_gpu_instancing", "KHR_lights_punctual"]));
@@ -86,8 +86,8 @@ fn instances_and_lights(count: usize) -> Scene {
 }
 
 /// Returns so many points, all in one place or each somewhere else.
-fn points(count: usize, are_apart: bool) -> Scene {
-    let mut scene = Scene::triangle();
+fn points(count: usize, are_apart: bool) -> GltfFile {
+    let mut scene = GltfFile::triangle();
     let mut places = json!({ "componentType": F32, "type": "VEC3", "count": count });
     if are_apart {
         let numbers: Vec<u8> = (0..3 * count)

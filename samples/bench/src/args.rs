@@ -9,8 +9,8 @@ use clap::{Args, Parser, value_parser};
 
 use crate::Options;
 use crate::choices::{
-    Costs, DeviceChoice, Predicates, Scene, Validation, Verify, enumerate, parse_named,
-    parse_strategy,
+    CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice, ValidationChoice, Verify,
+    enumerate, parse_named, parse_strategy,
 };
 use crate::options::{
     DEFAULT_IMAGES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
@@ -54,7 +54,12 @@ walk short: the table and the report then have what was measured until then."
 pub struct Arguments {
     /// The scene: city (nearly all hidden at street level), field (objects side by side: from above
     /// nothing hides anything), or a glTF file, whose name has a dot or a slash
-    #[arg(long, value_name = "city|field|FILE", default_value = "city", help_heading = "Scene")]
+    #[arg(
+        long,
+        value_name = "city|field|FILE",
+        default_value = "city",
+        help_heading = "GeneratorChoice"
+    )]
     pub scene: SceneArgument,
     /// The numbers that city and field are made from.
     #[command(flatten)]
@@ -99,17 +104,17 @@ pub struct Arguments {
     pub frames_in_flight: u32,
     /// Way to skip draws that turn out hidden; auto takes the best that the device has
     #[arg(long, value_name = "WAY", default_value = "auto", help_heading = "Compare")]
-    pub predicates: Predicates,
+    pub predicates: PredicatesChoice,
 
     /// Largest number of visible pixels that counts as hidden, with antumbra, antumbra_queries and
     /// coherent: above 0 they are not exact, and the most pixels that can be wrong are counted
     #[arg(long, value_name = "PIXELS", default_value = "0", help_heading = "Compare")]
     pub threshold: u32,
-    /// Costs in the cost model. measured: on the device before the walk, corrected by the times of
-    /// the frames; tests that cost more than they save are left out. ignored: everything is tested
-    /// [default: measured]
+    /// CostsChoice in the cost model. measured: on the device before the walk, corrected by the
+    /// times of the frames; tests that cost more than they save are left out. ignored: everything
+    /// is tested [default: measured]
     #[arg(long, value_name = "COSTS", help_heading = "Compare")]
-    pub costs: Option<Costs>,
+    pub costs: Option<CostsChoice>,
 
     /// Measure the GPU time of every pass too. It costs time, most of all on a software driver:
     /// leave it off for ratios
@@ -145,17 +150,17 @@ pub struct Arguments {
 #[derive(Clone, Debug, Args)]
 pub struct MadeArguments {
     /// Approximate number of objects in city or field, 1 to 2000000 [default: 10000]
-    #[arg(long, value_name = "N", help_heading = "Scene")]
+    #[arg(long, value_name = "N", help_heading = "GeneratorChoice")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_OBJECTS)))]
     pub objects: Option<u32>,
     /// Seed of city or field: the same one builds the same scene [default: 1]
-    #[arg(long, value_name = "S", help_heading = "Scene")]
+    #[arg(long, value_name = "S", help_heading = "GeneratorChoice")]
     pub seed: Option<u64>,
 }
 
 impl MadeArguments {
     /// Returns the scene that they describe, of this kind.
-    pub fn of(&self, scene: Scene) -> MadeScene {
+    pub fn of(&self, scene: GeneratorChoice) -> MadeScene {
         MadeScene { scene, objects: self.objects.unwrap_or(10_000), seed: self.seed.unwrap_or(1) }
     }
 }
@@ -169,7 +174,7 @@ pub struct DeviceArguments {
     pub choice: Option<DeviceChoice>,
     /// Load the Vulkan validation layer
     #[arg(long, value_name = "MODE", default_value = "off", help_heading = "Device")]
-    pub validation: Validation,
+    pub validation: ValidationChoice,
     /// Compile the shaders from this folder instead of using the embedded ones; in a window again
     /// after every change (needs a build with `--features shader-compiler`)
     #[arg(long, value_name = "DIR", help_heading = "Device")]
@@ -187,7 +192,7 @@ impl DeviceArguments {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SceneArgument {
     /// A scene that is generated.
-    Made(Scene),
+    Made(GeneratorChoice),
     /// A scene in this file.
     File(PathBuf),
 }
@@ -268,7 +273,7 @@ impl Arguments {
             ));
         }
         let (strategies, left_out) = self.strategies()?;
-        if threshold > 0 && predicates == Predicates::Conditional {
+        if threshold > 0 && predicates == PredicatesChoice::Conditional {
             return usage(format!(
                 "--threshold {threshold} and --predicates conditional do not go together: conditional rendering cannot compare; say auto, count or instances"
             ));
@@ -363,14 +368,14 @@ impl Arguments {
         }
     }
 
-    /// Returns the costs to use. Costs that none of the strategies uses are not measured; asking
-    /// for them explicitly is an error.
-    fn costs(&self, strategies: &[Strategy]) -> Result<Costs, UsageError> {
+    /// Returns the costs to use. CostsChoice that none of the strategies uses are not measured;
+    /// asking for them explicitly is an error.
+    fn costs(&self, strategies: &[Strategy]) -> Result<CostsChoice, UsageError> {
         let Some(costs) = self.costs else {
             let is_heeded = strategies.iter().any(|strategy| strategy.uses_cost_model());
-            return Ok(if is_heeded { Costs::Measured } else { Costs::Ignored });
+            return Ok(if is_heeded { CostsChoice::Measured } else { CostsChoice::Ignored });
         };
-        if costs == Costs::Measured {
+        if costs == CostsChoice::Measured {
             refuse_unheeded("--costs measured", strategies, Strategy::uses_cost_model)?;
         }
         Ok(costs)

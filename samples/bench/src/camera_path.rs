@@ -57,10 +57,10 @@ impl CameraTrack {
     }
 }
 
-fn kind(path: choices::CameraPath) -> PathKind {
+fn kind(path: choices::CameraPathChoice) -> PathKind {
     match path {
-        choices::CameraPath::Street => PathKind::Street,
-        choices::CameraPath::Fly => PathKind::Fly,
-        choices::CameraPath::Cut => PathKind::Cut,
+        choices::CameraPathChoice::Street => PathKind::Street,
+        choices::CameraPathChoice::Fly => PathKind::Fly,
+        choices::CameraPathChoice::Cut => PathKind::Cut,
     }
 }

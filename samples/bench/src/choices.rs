@@ -11,14 +11,14 @@ use crate::strategy::{self, Strategy};
 
 /// The scene that the camera walks through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Scene {
+pub enum GeneratorChoice {
     /// Streets between buildings, with props: nearly everything is hidden from eye level.
     City,
     /// Objects side by side on a plane: from above nothing hides anything.
     Field,
 }
 
-impl fmt::Display for Scene {
+impl fmt::Display for GeneratorChoice {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&name_of(self))
     }
@@ -26,7 +26,7 @@ impl fmt::Display for Scene {
 
 /// The camera's path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum CameraPath {
+pub enum CameraPathChoice {
     /// At eye level along the streets.
     Street,
     /// Above the roofs: little is hidden.
@@ -35,7 +35,7 @@ pub enum CameraPath {
     Cut,
 }
 
-impl fmt::Display for CameraPath {
+impl fmt::Display for CameraPathChoice {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&name_of(self))
     }
@@ -43,7 +43,7 @@ impl fmt::Display for CameraPath {
 
 /// The checks of the Vulkan validation layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Validation {
+pub enum ValidationChoice {
     /// The layer is not loaded.
     Off,
     /// Core checks.
@@ -54,7 +54,7 @@ pub enum Validation {
 
 /// The way in which the GPU skips draws that turned out hidden.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Predicates {
+pub enum PredicatesChoice {
     /// Conditional rendering where the device has it, counts otherwise.
     Auto,
     /// `VK_EXT_conditional_rendering`.
@@ -67,18 +67,18 @@ pub enum Predicates {
 
 /// The costs that the engine's cost model uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Costs {
+pub enum CostsChoice {
     /// None: everything that may be hidden is tested.
     Ignored,
-    /// Costs measured on the device at the start: tests that do not pay are left out.
+    /// CostsChoice measured on the device at the start: tests that do not pay are left out.
     Measured,
 }
 
-impl From<Costs> for render::Costs {
-    fn from(costs: Costs) -> Self {
+impl From<CostsChoice> for render::Costs {
+    fn from(costs: CostsChoice) -> Self {
         match costs {
-            Costs::Ignored => Self::Ignored,
-            Costs::Measured => Self::Measured,
+            CostsChoice::Ignored => Self::Ignored,
+            CostsChoice::Measured => Self::Measured,
         }
     }
 }
@@ -206,14 +206,14 @@ mod tests {
         let message = parse_strategy("antumbar").unwrap_err();
         assert!(message.starts_with("unknown strategy 'antumbar': there is frustum"), "{message}");
         assert!(message.ends_with("did you mean 'antumbra'?"), "{message}");
-        let message = parse_named::<Scene>("scene", "CITY").unwrap_err();
+        let message = parse_named::<GeneratorChoice>("scene", "CITY").unwrap_err();
         assert!(message.ends_with("did you mean 'city'?"), "{message}");
     }
 
     #[test]
     fn something_else_gets_no_suggestion() {
         for text in ["", "x", "mountains"] {
-            let message = parse_named::<CameraPath>("path", text).unwrap_err();
+            let message = parse_named::<CameraPathChoice>("path", text).unwrap_err();
             assert!(message.ends_with("there is street, fly and cut"), "{message}");
         }
     }

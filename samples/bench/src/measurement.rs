@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use antumbra::cull::Corrections;
 
 use crate::report::{AgeReport, CorrectionsReport, RunReport, kept_times};
-use crate::statistics::{Summary, median_count};
+use crate::statistics::{TimeSummary, median_count};
 use crate::strategy::Strategy;
 
 /// The measurements of one timed frame.
@@ -125,7 +125,7 @@ impl RunMeasurement {
 
     /// Sums the frames up.
     pub fn report(&self) -> RunReport {
-        let times = |of: fn(&FrameMeasurement) -> f64| Summary::of(self.frames.iter().map(of));
+        let times = |of: fn(&FrameMeasurement) -> f64| TimeSummary::of(self.frames.iter().map(of));
         let count = |of: fn(&FrameMeasurement) -> u64| median_count(self.frames.iter().map(of));
         let below_threshold = |of: fn(&FrameMeasurement) -> bool| {
             let frames = self.frames.iter().filter(|frame| of(frame));
@@ -162,7 +162,7 @@ impl RunMeasurement {
             passes_ms: self
                 .passes
                 .iter()
-                .map(|(label, times)| ((*label).to_owned(), Summary::of(times.iter().copied())))
+                .map(|(label, times)| ((*label).to_owned(), TimeSummary::of(times.iter().copied())))
                 .collect(),
             warm_up_frames_verified: self.warm_up.frames_verified,
             pixels_wrong: is_verified.then_some(self.pixels_wrong),

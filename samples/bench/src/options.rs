@@ -7,7 +7,10 @@ use std::str::FromStr;
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::choices::{CameraPath, Costs, DeviceChoice, Predicates, Scene, Validation, Verify};
+use crate::choices::{
+    CameraPathChoice, CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice,
+    ValidationChoice, Verify,
+};
 use crate::strategy::Strategy;
 use crate::terminal::shown;
 
@@ -87,7 +90,7 @@ impl fmt::Display for SceneChoice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MadeScene {
     /// The kind of scene.
-    pub scene: Scene,
+    pub scene: GeneratorChoice,
     /// The approximate number of its objects: 1 to [`MAX_OBJECTS`].
     pub objects: u32,
     /// The seed: the same one makes the same scene and the same paths.
@@ -98,7 +101,7 @@ pub struct MadeScene {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PathChoice {
     /// A path made for the scene.
-    Made(CameraPath),
+    Made(CameraPathChoice),
     /// The recorded path in this file.
     Recorded(PathBuf),
     /// The camera of this name in the scene's file; the first one, or a turn around the scene where
@@ -140,15 +143,15 @@ pub struct Options {
     /// The number of frames that the CPU may be ahead of the GPU: 1 to [`MAX_FRAMES_IN_FLIGHT`].
     pub frames_in_flight: u32,
     /// The costs of the cost model.
-    pub costs: Costs,
+    pub costs: CostsChoice,
     /// True if the GPU time of every pass is measured.
     pub time_passes: bool,
     /// The device that draws.
     pub device: DeviceChoice,
     /// The checks of the validation layer.
-    pub validation: Validation,
+    pub validation: ValidationChoice,
     /// The way in which hidden draws are skipped.
-    pub predicates: Predicates,
+    pub predicates: PredicatesChoice,
     /// The largest number of visible pixels that counts as hidden; 0 where all is exact.
     pub threshold_pixels: u32,
     /// Folder of GLSL that replaces the embedded shaders.

@@ -10,7 +10,7 @@ use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use crate::terminal::{say, style::can_redraw};
 
 /// The observer of a running walk.
-pub trait Progress {
+pub trait WalkProgress {
     /// Begins a step of the preparations: "building the city".
     fn stage(&self, what: &str);
     /// Begins so many frames, for that purpose.
@@ -22,7 +22,7 @@ pub trait Progress {
 }
 
 /// Returns the progress that suits standard error, or none.
-pub fn for_terminal(quiet: bool) -> Box<dyn Progress> {
+pub fn for_terminal(quiet: bool) -> Box<dyn WalkProgress> {
     if quiet {
         Box::new(Silent)
     } else if can_redraw(&io::stderr()) {
@@ -36,7 +36,7 @@ pub fn for_terminal(quiet: bool) -> Box<dyn Progress> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
-impl Progress for Silent {
+impl WalkProgress for Silent {
     fn stage(&self, _: &str) {}
     fn begin_frames(&self, _: &str, _: u64) {}
     fn frame_done(&self, _: &str) {}
@@ -66,7 +66,7 @@ impl Bar {
     }
 }
 
-impl Progress for Bar {
+impl WalkProgress for Bar {
     fn stage(&self, what: &str) {
         self.0.set_message(what.to_owned());
         self.0.tick();
@@ -142,7 +142,7 @@ struct Lines {
     frames: Cell<u64>,
 }
 
-impl Progress for Lines {
+impl WalkProgress for Lines {
     fn stage(&self, what: &str) {
         say(what);
     }

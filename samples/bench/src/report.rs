@@ -12,7 +12,7 @@ use serde::Serialize;
 use crate::options::LeftOut;
 use crate::outputs::{WriteError, write_file};
 use crate::provenance::Provenance;
-use crate::statistics::{Summary, kept, paired_ratio, ratio};
+use crate::statistics::{TimeSummary, kept, paired_ratio, ratio};
 
 /// The measurements of a walk.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -183,11 +183,11 @@ pub struct RunReport {
     pub strategy: String,
     /// The time of a frame: from its beginning on the CPU to its end on the device, per frame in
     /// flight.
-    pub frame_ms: Summary,
+    pub frame_ms: TimeSummary,
     /// The times that `frame_ms` sums up, in the order of the path.
     pub frame_times_ms: Vec<Option<f64>>,
     /// The CPU time of the engine per frame.
-    pub cpu_ms: Summary,
+    pub cpu_ms: TimeSummary,
     /// Draws submitted.
     pub draws: Option<u64>,
     /// Triangles submitted, those of predicated draws included.
@@ -212,7 +212,7 @@ pub struct RunReport {
     /// The corrections that the cost model had learned at the end; absent without one.
     pub corrections: Option<CorrectionsReport>,
     /// The GPU time of each pass by its label, with `--time-passes`.
-    pub passes_ms: BTreeMap<String, Summary>,
+    pub passes_ms: BTreeMap<String, TimeSummary>,
     /// The age of the results that were read back.
     pub result_age_frames: AgeReport,
     /// Waits for results within a frame.

@@ -11,9 +11,9 @@ use antumbra::occlusion::MethodConstructor;
 use antumbra::render::{Renderer, RendererOptions, ShaderSet, object_bounds};
 use antumbra::{gpu, methods, render};
 
-use crate::choices::{DeviceChoice, Predicates, Validation};
+use crate::choices::{DeviceChoice, PredicatesChoice, ValidationChoice};
 use crate::options::{LeftOut, SceneChoice};
-use crate::progress::Progress;
+use crate::progress::WalkProgress;
 use crate::provenance::Provenance;
 use crate::report::{
     BuildReport, DeviceReport, MemoryReport, Report, SceneReport, paired_ratios, ratios,
@@ -42,7 +42,7 @@ pub struct Walked {
 /// When the device is missing or unsuited, or a signal came before anything was measured.
 pub fn run(
     options: &Options,
-    progress: &dyn Progress,
+    progress: &dyn WalkProgress,
     signals: &Signals,
 ) -> Result<Walked, RunError> {
     let instance = open_instance(options.validation, None)?;
@@ -64,7 +64,7 @@ pub fn run(
 /// # Errors
 /// When there is no Vulkan loader or no driver.
 pub fn list_devices() -> Result<Vec<String>, RunError> {
-    let adapters = open_instance(Validation::Off, None)?.adapters()?;
+    let adapters = open_instance(ValidationChoice::Off, None)?.adapters()?;
     let line = |(index, adapter): (usize, &Adapter)| {
         let fitness = match adapter.missing() {
             None => String::new(),
@@ -77,15 +77,15 @@ pub fn list_devices() -> Result<Vec<String>, RunError> {
 
 /// Returns an instance, for windows of that system if there will be one.
 pub fn open_instance(
-    validation: Validation,
+    validation: ValidationChoice,
     windows: Option<WindowSystem>,
 ) -> Result<Instance, RunError> {
     let options = InstanceOptions {
         application: "Antumbra sample".to_owned(),
         validation: match validation {
-            Validation::Off => gpu::Validation::Off,
-            Validation::On => gpu::Validation::Core,
-            Validation::Sync => gpu::Validation::Synchronization,
+            ValidationChoice::Off => gpu::Validation::Off,
+            ValidationChoice::On => gpu::Validation::Core,
+            ValidationChoice::Sync => gpu::Validation::Synchronization,
         },
         windows,
     };
@@ -121,7 +121,7 @@ pub fn pipeline_cache_file() -> Option<PathBuf> {
 pub fn walk_on(
     device: &Device,
     options: &Options,
-    progress: &dyn Progress,
+    progress: &dyn WalkProgress,
     signals: &Signals,
 ) -> Result<Walked, RunError> {
     let mut clock = Stopwatch::start();
@@ -267,10 +267,10 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
         size: [options.size.width, options.size.height],
         frames_in_flight,
         predication: match options.predicates {
-            Predicates::Auto => None,
-            Predicates::Conditional => Some(Predication::Conditional),
-            Predicates::Count => Some(Predication::Counts),
-            Predicates::Instances => Some(Predication::Instances),
+            PredicatesChoice::Auto => None,
+            PredicatesChoice::Conditional => Some(Predication::Conditional),
+            PredicatesChoice::Count => Some(Predication::Counts),
+            PredicatesChoice::Instances => Some(Predication::Instances),
         },
         shaders,
         threshold_samples: options.threshold_pixels,

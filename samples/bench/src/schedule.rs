@@ -12,7 +12,7 @@ pub const WARM_UP_FRAMES: u32 = 4;
 
 /// The strategy and the frame that are drawn next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Step {
+pub struct WalkStep {
     /// The index of the strategy among those compared.
     pub strategy: usize,
     /// The frame of the walk.
@@ -69,7 +69,7 @@ impl Schedule {
     ///
     /// Every strategy walks every frame exactly once timed, in ascending order. A round's warm-up
     /// walks the frames before its first timed one; before the start of the walk the camera stands.
-    pub fn steps(&self) -> impl Iterator<Item = Step> + use<> {
+    pub fn steps(&self) -> impl Iterator<Item = WalkStep> + use<> {
         let schedule = *self;
         let rounds = if schedule.is_empty() { 0 } else { schedule.rounds() };
         (0..rounds).flat_map(move |round| {
@@ -80,14 +80,14 @@ impl Schedule {
         })
     }
 
-    fn turn(self, round: u32, strategy: usize) -> impl Iterator<Item = Step> {
+    fn turn(self, round: u32, strategy: usize) -> impl Iterator<Item = WalkStep> {
         let (first, end) = (self.boundary(round), self.boundary(round + 1));
-        let warm_up = (1..=self.warm_up_frames).rev().map(move |back| Step {
+        let warm_up = (1..=self.warm_up_frames).rev().map(move |back| WalkStep {
             strategy,
             frame: first.saturating_sub(back),
             timed: false,
         });
-        warm_up.chain((first..end).map(move |frame| Step { strategy, frame, timed: true }))
+        warm_up.chain((first..end).map(move |frame| WalkStep { strategy, frame, timed: true }))
     }
 
     /// Returns the first frame of a round: the rounds' lengths differ by one at most.
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn a_short_walk_is_one_round() {
         let steps: Vec<_> = Schedule::with_rounds(2, 2, 10, 1).steps().collect();
-        let step = |strategy, frame, timed| Step { strategy, frame, timed };
+        let step = |strategy, frame, timed| WalkStep { strategy, frame, timed };
         assert_eq!(
             steps,
             [

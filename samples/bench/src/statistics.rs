@@ -10,7 +10,7 @@ const KEPT_DIGITS: f64 = 1e4;
 /// Samples that are not finite are left out, so a summary never holds one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Summary {
+pub struct TimeSummary {
     /// The middle sample; between the two middle ones if their number is even.
     pub median: Option<f64>,
     /// The smallest sample that 95 % of all do not exceed (nearest rank).
@@ -19,7 +19,7 @@ pub struct Summary {
     pub max: Option<f64>,
 }
 
-impl Summary {
+impl TimeSummary {
     /// Creates the summary of samples in any order.
     pub fn of(samples: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> =
@@ -51,7 +51,7 @@ pub fn ratio(a: Option<f64>, b: Option<f64>) -> Option<f64> {
 /// has one.
 pub fn paired_ratio(a: &[Option<f64>], b: &[Option<f64>]) -> Option<f64> {
     let ratios = a.iter().zip(b).filter_map(|(&a, &b)| Some(a? / b?));
-    Summary::of(ratios).median
+    TimeSummary::of(ratios).median
 }
 
 fn median(sorted: &[f64]) -> Option<f64> {
@@ -83,27 +83,27 @@ mod tests {
 
     #[test]
     fn nothing_is_summarised_as_nothing() {
-        assert_eq!(Summary::of([]), Summary::default());
-        assert_eq!(Summary::of([f64::NAN, f64::INFINITY]), Summary::default());
+        assert_eq!(TimeSummary::of([]), TimeSummary::default());
+        assert_eq!(TimeSummary::of([f64::NAN, f64::INFINITY]), TimeSummary::default());
         assert_eq!(median_count([]), None);
     }
 
     #[test]
     fn known_samples() {
-        let summary = Summary::of((1..=100).rev().map(f64::from));
-        assert_eq!(summary, Summary { median: Some(50.5), p95: Some(95.0), max: Some(100.0) });
-        let one = Summary::of([3.0]);
-        assert_eq!(one, Summary { median: Some(3.0), p95: Some(3.0), max: Some(3.0) });
+        let summary = TimeSummary::of((1..=100).rev().map(f64::from));
+        assert_eq!(summary, TimeSummary { median: Some(50.5), p95: Some(95.0), max: Some(100.0) });
+        let one = TimeSummary::of([3.0]);
+        assert_eq!(one, TimeSummary { median: Some(3.0), p95: Some(3.0), max: Some(3.0) });
         // Of 20 samples the 19th: 95 % do not exceed it. Of 10, only the largest will do.
-        assert_eq!(Summary::of((1..=20).map(f64::from)).p95, Some(19.0));
-        assert_eq!(Summary::of((1..=10).map(f64::from)).p95, Some(10.0));
+        assert_eq!(TimeSummary::of((1..=20).map(f64::from)).p95, Some(19.0));
+        assert_eq!(TimeSummary::of((1..=10).map(f64::from)).p95, Some(10.0));
         assert_eq!(median_count([9, 1, 5, 3]), Some(3));
         assert_eq!(median_count([9, 1, 5]), Some(5));
     }
 
     #[test]
     fn samples_that_are_not_finite_do_not_count() {
-        assert_eq!(Summary::of([1.0, f64::NAN, 3.0, f64::NEG_INFINITY]).median, Some(2.0));
+        assert_eq!(TimeSummary::of([1.0, f64::NAN, 3.0, f64::NEG_INFINITY]).median, Some(2.0));
     }
 
     #[test]
@@ -134,11 +134,11 @@ mod tests {
         fn a_summary_is_ordered_finite_and_blind_to_order(
             samples in prop::collection::vec(prop::num::f64::ANY, 0..50)
         ) {
-            let summary = Summary::of(samples.iter().copied());
-            let reversed = Summary::of(samples.iter().rev().copied());
+            let summary = TimeSummary::of(samples.iter().copied());
+            let reversed = TimeSummary::of(samples.iter().rev().copied());
             prop_assert_eq!(summary, reversed);
             prop_assert_eq!(summary.median.is_some(), samples.iter().any(|s| s.is_finite()));
-            if let Summary { median: Some(median), p95: Some(p95), max: Some(max) } = summary {
+            if let TimeSummary { median: Some(median), p95: Some(p95), max: Some(max) } = summary {
                 prop_assert!(median.is_finite() && p95.is_finite() && max.is_finite());
                 prop_assert!(median <= p95 && p95 <= max);
             }
@@ -148,7 +148,7 @@ mod tests {
         fn at_least_95_percent_do_not_exceed_p95(
             samples in prop::collection::vec(0u32..1000, 1..200)
         ) {
-            let p95 = Summary::of(samples.iter().map(|&s| f64::from(s))).p95.unwrap();
+            let p95 = TimeSummary::of(samples.iter().map(|&s| f64::from(s))).p95.unwrap();
             let within = samples.iter().filter(|&&s| f64::from(s) <= p95).count();
             let below = samples.iter().filter(|&&s| f64::from(s) < p95).count();
             prop_assert!(within * 100 >= samples.len() * 95);

@@ -7,7 +7,7 @@ use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 
 use crate::options::LeftOut;
 use crate::report::{Report, RunReport};
-use crate::statistics::Summary;
+use crate::statistics::TimeSummary;
 use crate::strategy::{Strategy, named};
 
 /// The text for a missing number.
@@ -211,8 +211,9 @@ fn cost_lines(report: &Report) -> String {
 fn pass_lines(report: &Report) -> String {
     let timed = report.runs.iter().filter(|run| !run.passes_ms.is_empty());
     let line = |run: &RunReport| {
-        let pass =
-            |(label, time): (&String, &Summary)| format!("{label} {}", milliseconds(time.median));
+        let pass = |(label, time): (&String, &TimeSummary)| {
+            format!("{label} {}", milliseconds(time.median))
+        };
         let passes: Vec<String> = run.passes_ms.iter().map(pass).collect();
         format!("{}, GPU ms per pass: {}", run.strategy, passes.join(", "))
     };

@@ -14,10 +14,10 @@ use crate::choices::Verify;
 use crate::eyes::Eyes;
 use crate::measurement::{FrameMeasurement, RunMeasurement};
 use crate::moving::Moving;
-use crate::progress::Progress;
+use crate::progress::WalkProgress;
 use crate::report::RunReport;
 use crate::run_error::RunError;
-use crate::schedule::{Schedule, Step};
+use crate::schedule::{Schedule, WalkStep};
 use crate::signals::Signals;
 use crate::stopwatch::Stopwatch;
 
@@ -89,7 +89,7 @@ impl<'a> Walk<'a> {
     /// Finds the visible set of every frame if `ideal` is among the strategies. Not timed.
     fn find_visible_sets(
         &mut self,
-        progress: &dyn Progress,
+        progress: &dyn WalkProgress,
         signals: &Signals,
     ) -> Result<(), RunError> {
         if self.runs.iter().all(|run| run.strategy != methods::IDEAL) {
@@ -114,12 +114,12 @@ impl<'a> Walk<'a> {
     /// When the device fails, or a signal came before anything was measured.
     pub fn run(
         mut self,
-        progress: &dyn Progress,
+        progress: &dyn WalkProgress,
         signals: &Signals,
     ) -> Result<Vec<RunReport>, RunError> {
         self.find_visible_sets(progress, signals)?;
         progress.begin_frames("drawing", self.schedule.len());
-        let mut steps: VecDeque<Step> = self.schedule.steps().collect();
+        let mut steps: VecDeque<WalkStep> = self.schedule.steps().collect();
         while let (Some(turn), None) = (next_turn(&mut steps), signals.received()) {
             self.walk_turn(&turn, progress, signals)?;
         }
@@ -133,8 +133,8 @@ impl<'a> Walk<'a> {
     /// that comparing is in no measured time.
     fn walk_turn(
         &mut self,
-        turn: &[Step],
-        progress: &dyn Progress,
+        turn: &[WalkStep],
+        progress: &dyn WalkProgress,
         signals: &Signals,
     ) -> Result<(), RunError> {
         let verify = self.verify;
@@ -244,7 +244,7 @@ fn book(run: &mut Run, mut walked: Vec<Walked>) {
 }
 
 /// Takes the steps up to the next change of turns: a turn's warm-up follows another's timed frames.
-fn next_turn(steps: &mut VecDeque<Step>) -> Option<Vec<Step>> {
+fn next_turn(steps: &mut VecDeque<WalkStep>) -> Option<Vec<WalkStep>> {
     let mut turn = vec![steps.pop_front()?];
     while let (Some(last), Some(next)) = (turn.last(), steps.front()) {
         if last.strategy != next.strategy || (last.timed && !next.timed) {
@@ -273,7 +273,7 @@ mod tests {
     fn turns_are_cut_where_the_schedule_cuts_them() {
         for strategies in 1..=3 {
             let schedule = Schedule::with_rounds(30, strategies, 10, 2);
-            let mut steps: VecDeque<Step> = schedule.steps().collect();
+            let mut steps: VecDeque<WalkStep> = schedule.steps().collect();
             let mut turns = 0;
             while let Some(turn) = next_turn(&mut steps) {
                 assert_eq!(turn.len(), 12);

@@ -14,7 +14,7 @@ use crate::choices;
 use crate::moving::Moving;
 use crate::options::{MadeScene, PathChoice, SceneChoice};
 use crate::playback::{self, Clips, FrameClock, Orbit};
-use crate::progress::Progress;
+use crate::progress::WalkProgress;
 use crate::recorded_path::RecordedPath;
 use crate::report::FileReport;
 use crate::run_error::RunError;
@@ -47,7 +47,7 @@ impl WalkScene {
     /// that does not exist.
     pub fn build(
         options: &Options,
-        progress: &dyn Progress,
+        progress: &dyn WalkProgress,
         signals: &Signals,
     ) -> Result<Self, RunError> {
         match &options.scene {
@@ -59,13 +59,13 @@ impl WalkScene {
     fn make(
         made: &MadeScene,
         options: &Options,
-        progress: &dyn Progress,
+        progress: &dyn WalkProgress,
     ) -> Result<Self, RunError> {
         let MadeScene { scene: kind, objects, seed } = *made;
         progress.stage(&format!("building the {kind} of about {objects} objects"));
         let GeneratedScene { scene, routes } = match kind {
-            choices::Scene::City => scenes::city(objects, seed)?,
-            choices::Scene::Field => scenes::field(objects, seed)?,
+            choices::GeneratorChoice::City => scenes::city(objects, seed)?,
+            choices::GeneratorChoice::Field => scenes::field(objects, seed)?,
         };
         let path = CameraTrack::new(&options.path, &routes)?;
         let moving = Moving::new(&scene, options.moving_percent, seed)?;
@@ -76,7 +76,7 @@ impl WalkScene {
     fn load(
         file: &Path,
         options: &Options,
-        progress: &dyn Progress,
+        progress: &dyn WalkProgress,
         signals: &Signals,
     ) -> Result<Self, RunError> {
         let mut clock = Stopwatch::start();

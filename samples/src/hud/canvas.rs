@@ -10,7 +10,7 @@ use super::style::{PANEL, Style};
 
 /// The end of a text that is at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Align {
+pub enum TextAlign {
     /// Its left end.
     Left,
     /// Its right end.
@@ -22,7 +22,7 @@ pub enum Align {
 pub struct OpenPanel(usize);
 
 /// A collector of the shapes of one image.
-pub struct Canvas<'a> {
+pub struct HudCanvas<'a> {
     fonts: &'a mut Fonts,
     /// The shapes, in the order of drawing.
     pub shapes: Vec<ClippedShape>,
@@ -32,7 +32,7 @@ pub struct Canvas<'a> {
     pub screen: Rect,
 }
 
-impl<'a> Canvas<'a> {
+impl<'a> HudCanvas<'a> {
     /// Creates an empty canvas of `size` pixels.
     pub fn new(fonts: &'a mut Fonts, size: [u32; 2], scale: f32) -> Self {
         let [width, height] = size.map(|side| side as f32 / scale);
@@ -71,7 +71,7 @@ impl<'a> Canvas<'a> {
     pub fn text_within(
         &mut self,
         at: Pos2,
-        align: Align,
+        align: TextAlign,
         width: f32,
         text: &str,
         style: Style,
@@ -83,8 +83,8 @@ impl<'a> Canvas<'a> {
         job.wrap = TextWrapping::truncate_at_width(width.max(1.0));
         let galley = self.fonts.with_pixels_per_point(self.scale).layout_job(job);
         let left = match align {
-            Align::Left => at.x,
-            Align::Right => at.x - galley.size().x,
+            TextAlign::Left => at.x,
+            TextAlign::Right => at.x - galley.size().x,
         };
         let corner = pos2(left, at.y);
         let area = Rect::from_min_size(corner, galley.size());
@@ -93,7 +93,7 @@ impl<'a> Canvas<'a> {
     }
 
     /// Writes one row in its full length. Returns its area.
-    pub fn text(&mut self, at: Pos2, align: Align, text: &str, style: Style) -> Rect {
+    pub fn text(&mut self, at: Pos2, align: TextAlign, text: &str, style: Style) -> Rect {
         self.text_within(at, align, f32::INFINITY, text, style)
     }
 

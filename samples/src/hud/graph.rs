@@ -2,7 +2,7 @@
 
 use epaint::{Pos2, Rect, pos2, vec2};
 
-use super::canvas::{Align, Canvas};
+use super::canvas::{HudCanvas, TextAlign};
 use super::page::Overview;
 use super::scale::GraphScale;
 use super::style::{BAD, DIM, GOOD, MARGIN, MARK, NAME, Style};
@@ -18,13 +18,13 @@ const CAPTION: Style = Style::text(10.5, NAME);
 const SCALE: Style = Style::number(9.5, NAME);
 
 /// Draws the graph from `corner` on, `width` points wide. Returns its lower end.
-pub fn draw(canvas: &mut Canvas<'_>, overview: &Overview, corner: Pos2, width: f32) -> f32 {
+pub fn draw(canvas: &mut HudCanvas<'_>, overview: &Overview, corner: Pos2, width: f32) -> f32 {
     let scale = GraphScale::of(&overview.frames_ms, overview.budget_ms);
-    let caption = canvas.text(corner, Align::Left, overview.caption, CAPTION);
+    let caption = canvas.text(corner, TextAlign::Left, overview.caption, CAPTION);
     if let Some(GraphScale { cut, slowest_ms, .. }) = scale.filter(|scale| scale.cut > 0) {
         let text = format!("{cut} cut, longest {slowest_ms:.0}");
         let at = pos2(corner.x + width, corner.y);
-        canvas.text(at, Align::Right, &text, Style { colour: BAD, ..CAPTION });
+        canvas.text(at, TextAlign::Right, &text, Style { colour: BAD, ..CAPTION });
     }
     let plot = Rect::from_min_size(
         pos2(corner.x + GUTTER, caption.max.y + 2.0),
@@ -39,17 +39,17 @@ pub fn draw(canvas: &mut Canvas<'_>, overview: &Overview, corner: Pos2, width: f
 }
 
 /// Draws the lines of the scale with their numbers.
-fn rules(canvas: &mut Canvas<'_>, scale: &GraphScale, plot: Rect) {
+fn rules(canvas: &mut HudCanvas<'_>, scale: &GraphScale, plot: Rect) {
     let row = canvas.row(SCALE);
     for (share, above) in [(1.0, 0.0), (0.0, row)] {
         let y = plot.max.y - share * plot.height();
         canvas.line([pos2(plot.min.x, y), pos2(plot.max.x, y)], 1.0, DIM);
         let at = pos2(plot.min.x - 4.0, y - above);
-        canvas.text(at, Align::Right, &number(share * scale.top_ms), SCALE);
+        canvas.text(at, TextAlign::Right, &number(share * scale.top_ms), SCALE);
     }
 }
 
-fn bars(canvas: &mut Canvas<'_>, overview: &Overview, scale: &GraphScale, plot: Rect) {
+fn bars(canvas: &mut HudCanvas<'_>, overview: &Overview, scale: &GraphScale, plot: Rect) {
     let shown = (plot.width() / PITCH[0]) as usize;
     let frames = &overview.frames_ms;
     let skipped = frames.len().saturating_sub(shown);
@@ -67,7 +67,7 @@ fn bars(canvas: &mut Canvas<'_>, overview: &Overview, scale: &GraphScale, plot: 
 }
 
 /// Draws the line that frames should stay below, where it has room beside the ends of the scale.
-fn budget(canvas: &mut Canvas<'_>, overview: &Overview, scale: &GraphScale, plot: Rect) {
+fn budget(canvas: &mut HudCanvas<'_>, overview: &Overview, scale: &GraphScale, plot: Rect) {
     let Some(budget_ms) = overview.budget_ms else { return };
     let y = plot.max.y - scale.height(budget_ms) * plot.height();
     canvas.line([pos2(plot.min.x, y), pos2(plot.max.x, y)], 1.0, MARK);
@@ -76,7 +76,7 @@ fn budget(canvas: &mut Canvas<'_>, overview: &Overview, scale: &GraphScale, plot
     if top >= plot.min.y + row && top + row <= plot.max.y - row {
         let style = Style { colour: MARK, ..SCALE };
         let at = pos2(plot.min.x - 4.0, top);
-        canvas.text(at, Align::Right, &number(budget_ms), style);
+        canvas.text(at, TextAlign::Right, &number(budget_ms), style);
     }
 }
 

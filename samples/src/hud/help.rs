@@ -2,7 +2,7 @@
 
 use epaint::{Rect, pos2, vec2};
 
-use super::canvas::{Align, Canvas};
+use super::canvas::{HudCanvas, TextAlign};
 use super::page::Help;
 use super::style::{MARGIN, MARK, NAME, Style, VALUE};
 
@@ -24,7 +24,7 @@ const COLUMNS: [usize; 4] = [3, 2, 4, 1];
 
 /// Draws the page in the middle of the image, above `bottom`. Returns its area, or `None` where
 /// it has no room.
-pub fn draw(canvas: &mut Canvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
+pub fn draw(canvas: &mut HudCanvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
     let row = canvas.row(TITLE) + 1.0;
     let room = vec2(canvas.screen.width(), bottom);
     let (columns, widths, size) = COLUMNS.into_iter().find_map(|count| {
@@ -46,11 +46,11 @@ pub fn draw(canvas: &mut Canvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
             let y = corner.y + MARGIN + down as f32 * row;
             match content {
                 Row::Title(text) => {
-                    canvas.text(pos2(left, y), Align::Left, text, TITLE);
+                    canvas.text(pos2(left, y), TextAlign::Left, text, TITLE);
                 }
                 Row::Key(name, action) => {
-                    canvas.text(pos2(left + keys, y + 1.0), Align::Right, name, KEY);
-                    canvas.text(pos2(left + keys + MARGIN, y), Align::Left, action, WHAT);
+                    canvas.text(pos2(left + keys, y + 1.0), TextAlign::Right, name, KEY);
+                    canvas.text(pos2(left + keys + MARGIN, y), TextAlign::Left, action, WHAT);
                 }
                 Row::Empty => {}
             }
@@ -61,7 +61,7 @@ pub fn draw(canvas: &mut Canvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
 }
 
 /// Returns the widths of a column's keys and of their texts.
-fn widths(canvas: &mut Canvas<'_>, rows: &[Row<'_>]) -> [f32; 2] {
+fn widths(canvas: &mut HudCanvas<'_>, rows: &[Row<'_>]) -> [f32; 2] {
     rows.iter().fold([0.0, 0.0], |[keys, actions], row| match row {
         Row::Key(key, action) => {
             [canvas.width(key, KEY).max(keys), canvas.width(action, WHAT).max(actions)]

@@ -3,7 +3,7 @@
 use bench::legend::LegendEntry;
 use epaint::{Color32, Pos2, Rect, pos2, vec2};
 
-use super::canvas::{Align, Canvas};
+use super::canvas::{HudCanvas, TextAlign};
 use super::page::Legend;
 use super::style::{MARGIN, NAME, Style, VALUE};
 
@@ -17,7 +17,12 @@ const GAP: f32 = 5.0;
 
 /// Draws one legend: in the upper left of its area, or in the upper right of the image below
 /// `top`. Returns its area, or `None` where it has no room.
-pub fn draw(canvas: &mut Canvas<'_>, legend: &Legend, top: f32, left_bound: f32) -> Option<Rect> {
+pub fn draw(
+    canvas: &mut HudCanvas<'_>,
+    legend: &Legend,
+    top: f32,
+    left_bound: f32,
+) -> Option<Rect> {
     let rows = legend.entries.iter();
     let widths = rows.map(|entry| swatch(entry) + GAP + canvas.width(&entry.meaning, MEANING));
     let widths: Vec<f32> = widths.collect();
@@ -46,17 +51,17 @@ pub fn draw(canvas: &mut Canvas<'_>, legend: &Legend, top: f32, left_bound: f32)
     canvas.close_panel(panel, area);
     let left = corner.x + MARGIN;
     let at = pos2(left, corner.y + MARGIN * 0.5);
-    let mut y = canvas.text(at, Align::Left, legend.title, TITLE).max.y;
+    let mut y = canvas.text(at, TextAlign::Left, legend.title, TITLE).max.y;
     for entry in &legend.entries {
         colours(canvas, entry, pos2(left, y + (row - HEIGHT) * 0.5));
         let at = pos2(left + swatch(entry) + GAP, y);
-        canvas.text(at, Align::Left, &entry.meaning, MEANING);
+        canvas.text(at, TextAlign::Left, &entry.meaning, MEANING);
         y += row;
     }
     Some(area)
 }
 
-fn colours(canvas: &mut Canvas<'_>, entry: &LegendEntry, corner: Pos2) {
+fn colours(canvas: &mut HudCanvas<'_>, entry: &LegendEntry, corner: Pos2) {
     let step = swatch(entry) / entry.colours.len().max(1) as f32;
     for (place, [red, green, blue]) in entry.colours.iter().copied().enumerate() {
         let at = corner + vec2(place as f32 * step, 0.0);

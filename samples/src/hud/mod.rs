@@ -25,10 +25,10 @@ use antumbra::render::{FlatOverlay, FlatVertex};
 use epaint::text::{FontDefinitions, Fonts, TextOptions, ViewportKey};
 use epaint::{ClippedShape, Color32, ImageData, Primitive, TessellationOptions, Tessellator};
 
-use canvas::Canvas;
+use canvas::HudCanvas;
 pub use layout::{Measures, PANEL_SHARE, Room};
 pub use level::HudLevel;
-pub use page::{Figure, Help, HudPage, Legend, Overview, Sign, Split, Verdict};
+pub use page::{ExactnessVerdict, Help, HudFigure, HudPage, Legend, Overview, Sign, Split};
 
 /// The layout of pages, with fonts of its own.
 pub struct Hud {
@@ -76,7 +76,7 @@ impl Hud {
     /// Returns the shapes of a page, later ones over earlier ones.
     fn shapes(&mut self, page: &HudPage, size: [u32; 2], measures: &Measures) -> Vec<ClippedShape> {
         self.fonts.begin_pass(TextOptions::default(), ViewportKey::default());
-        let mut canvas = Canvas::new(&mut self.fonts, size, measures.scale);
+        let mut canvas = HudCanvas::new(&mut self.fonts, size, measures.scale);
         signs::draw(&mut canvas, &page.signs);
         marks::draw(&mut canvas, &page.marks);
         // The panel goes down to the edge: what is said for a while is beside it and hides nothing

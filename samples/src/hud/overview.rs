@@ -2,10 +2,10 @@
 
 use epaint::{Pos2, Rect, Shape, Stroke, pos2, vec2};
 
-use super::canvas::{Align, Canvas};
+use super::canvas::{HudCanvas, TextAlign};
 use super::graph;
 use super::layout::{Measures, Room};
-use super::page::{Figure, HudPage, Overview, Split, Verdict};
+use super::page::{ExactnessVerdict, HudFigure, HudPage, Overview, Split};
 use super::style::{BAD, DIM, GOOD, MARGIN, MARK, NAME, Style, VALUE};
 
 const TITLE: Style = Style::text(13.0, VALUE);
@@ -20,7 +20,7 @@ const GAP: f32 = 5.0;
 const MORE: &str = "more in a larger window";
 
 /// Draws the panel. Returns its area.
-pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, measures: &Measures) -> Option<Rect> {
+pub fn draw(canvas: &mut HudCanvas<'_>, page: &HudPage, measures: &Measures) -> Option<Rect> {
     let overview = page.overview.as_ref()?;
     let bottom = canvas.screen.max.y - MARGIN * 0.5;
     let panel = canvas.open_panel();
@@ -45,37 +45,37 @@ pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, measures: &Measures) -> Opt
 }
 
 /// Draws the whole overview, `width` points wide. Returns its lower end.
-fn full(canvas: &mut Canvas<'_>, overview: &Overview, width: f32) -> f32 {
+fn full(canvas: &mut HudCanvas<'_>, overview: &Overview, width: f32) -> f32 {
     let (left, right) = (MARGIN, MARGIN + width);
     let strategy = Style { colour: MARK, ..TITLE };
-    let title = canvas.text(pos2(right, GAP), Align::Right, &overview.strategy, strategy);
+    let title = canvas.text(pos2(right, GAP), TextAlign::Right, &overview.strategy, strategy);
     let room = title.min.x - left - MARGIN;
-    canvas.text_within(pos2(left, GAP), Align::Left, room, &overview.scene, TITLE);
+    canvas.text_within(pos2(left, GAP), TextAlign::Left, room, &overview.scene, TITLE);
     let y = headline(canvas, overview, title.max.y + 2.0, width);
     let y = graph::draw(canvas, overview, pos2(left, y), width) + 2.0;
     let y = figures(canvas, &overview.objects, y, width);
     let y = overview.split.map_or(y, |split| bar(canvas, split, y + 2.0, width));
     let y = times(canvas, &overview.times, y + 3.0, width);
     let y = verdict(canvas, &overview.verdict, y + 3.0, width);
-    canvas.text_within(pos2(left, y), Align::Left, width, &overview.hint, UNIT).max.y
+    canvas.text_within(pos2(left, y), TextAlign::Left, width, &overview.hint, UNIT).max.y
 }
 
 /// Draws the rate, large, and the time of a frame. Returns their lower end.
-fn headline(canvas: &mut Canvas<'_>, overview: &Overview, y: f32, width: f32) -> f32 {
-    let rate = canvas.text(pos2(MARGIN, y), Align::Left, &overview.rate.value, LARGE);
+fn headline(canvas: &mut HudCanvas<'_>, overview: &Overview, y: f32, width: f32) -> f32 {
+    let rate = canvas.text(pos2(MARGIN, y), TextAlign::Left, &overview.rate.value, LARGE);
     let small = canvas.row(UNIT);
     let beside = pos2(rate.max.x + GAP, rate.max.y - small - 3.5);
-    canvas.text(beside, Align::Left, overview.rate.name, UNIT);
+    canvas.text(beside, TextAlign::Left, overview.rate.name, UNIT);
     let right = MARGIN + width;
     let name = pos2(right, rate.max.y - small - 3.5);
-    let name = canvas.text(name, Align::Right, overview.frame_time.name, UNIT);
+    let name = canvas.text(name, TextAlign::Right, overview.frame_time.name, UNIT);
     let at = pos2(name.min.x - GAP, rate.max.y - canvas.row(MIDDLE) - 2.0);
-    canvas.text(at, Align::Right, &overview.frame_time.value, MIDDLE);
+    canvas.text(at, TextAlign::Right, &overview.frame_time.value, MIDDLE);
     rate.max.y + 1.0
 }
 
 /// Draws numbers in columns, with their names below. Returns their lower end.
-fn figures(canvas: &mut Canvas<'_>, figures: &[Figure], y: f32, width: f32) -> f32 {
+fn figures(canvas: &mut HudCanvas<'_>, figures: &[HudFigure], y: f32, width: f32) -> f32 {
     let column = width / figures.len().max(1) as f32;
     let below = y + canvas.row(MIDDLE);
     for (place, figure) in figures.iter().enumerate() {
@@ -84,15 +84,15 @@ fn figures(canvas: &mut Canvas<'_>, figures: &[Figure], y: f32, width: f32) -> f
         // The last one is what the others come down to.
         let colour = if place + 1 == figures.len() { GOOD } else { VALUE };
         let style = Style { colour, ..MIDDLE };
-        canvas.text_within(pos2(left, y), Align::Left, room, &figure.value, style);
-        canvas.text_within(pos2(left, below), Align::Left, room, figure.name, UNIT);
+        canvas.text_within(pos2(left, y), TextAlign::Left, room, &figure.value, style);
+        canvas.text_within(pos2(left, below), TextAlign::Left, room, figure.name, UNIT);
     }
     below + canvas.row(UNIT) + 2.0
 }
 
 /// Draws the drawn part of the objects in the frustum, as a share and as a sum. Returns its lower
 /// end.
-fn bar(canvas: &mut Canvas<'_>, Split { drawn, culled }: Split, y: f32, width: f32) -> f32 {
+fn bar(canvas: &mut HudCanvas<'_>, Split { drawn, culled }: Split, y: f32, width: f32) -> f32 {
     let whole = Rect::from_min_size(pos2(MARGIN, y), vec2(width, BAR_HEIGHT));
     canvas.fill(whole, DIM);
     let all = drawn.saturating_add(culled);
@@ -108,35 +108,35 @@ fn bar(canvas: &mut Canvas<'_>, Split { drawn, culled }: Split, y: f32, width: f
         super::grouped(all)
     );
     let at = pos2(MARGIN, whole.max.y + 2.0);
-    canvas.text_within(at, Align::Left, width, &sum, UNIT).max.y + 2.0
+    canvas.text_within(at, TextAlign::Left, width, &sum, UNIT).max.y + 2.0
 }
 
 /// Draws names and times side by side. Returns their lower end.
-fn times(canvas: &mut Canvas<'_>, times: &[Figure], y: f32, width: f32) -> f32 {
+fn times(canvas: &mut HudCanvas<'_>, times: &[HudFigure], y: f32, width: f32) -> f32 {
     let column = width / times.len().max(1) as f32;
     let (high, low) = (canvas.row(MIDDLE), canvas.row(UNIT));
     for (place, figure) in times.iter().enumerate() {
         let left = MARGIN + place as f32 * column;
         let name = pos2(left, y + high - low - 2.0);
-        let name = canvas.text(name, Align::Left, figure.name, UNIT);
+        let name = canvas.text(name, TextAlign::Left, figure.name, UNIT);
         let at = pos2(name.max.x + GAP, y);
-        canvas.text_within(at, Align::Left, left + column - at.x, &figure.value, MIDDLE);
+        canvas.text_within(at, TextAlign::Left, left + column - at.x, &figure.value, MIDDLE);
     }
     y + high
 }
 
 /// Draws a check mark or a warning triangle, and a sentence. Returns their lower end.
-fn verdict(canvas: &mut Canvas<'_>, verdict: &Verdict, y: f32, width: f32) -> f32 {
+fn verdict(canvas: &mut HudCanvas<'_>, verdict: &ExactnessVerdict, y: f32, width: f32) -> f32 {
     let row = canvas.row(ROW_NAME);
     let (text, colour) = match verdict {
-        Verdict::Exact(text) => (text, GOOD),
-        Verdict::Inexact(text) => (text, BAD),
-        Verdict::Unknown => return y + row,
+        ExactnessVerdict::Exact(text) => (text, GOOD),
+        ExactnessVerdict::Inexact(text) => (text, BAD),
+        ExactnessVerdict::Unknown => return y + row,
     };
     let [left, size] = [MARGIN, row * 0.7];
     let [top, low] = [y + row * 0.18, y + row * 0.82];
     let mark = match verdict {
-        Verdict::Exact(_) => {
+        ExactnessVerdict::Exact(_) => {
             let points = [(0.0, 0.55), (0.38, 1.0), (1.0, 0.05)];
             let points = points.map(|(x, y)| pos2(left + x * size, top + y * (low - top)));
             Shape::line(points.to_vec(), Stroke::new(2.0, colour))
@@ -150,25 +150,25 @@ fn verdict(canvas: &mut Canvas<'_>, verdict: &Verdict, y: f32, width: f32) -> f3
     canvas.add(mark);
     let at = pos2(left + size + GAP, y);
     let style = Style { colour, ..ROW_NAME };
-    canvas.text_within(at, Align::Left, MARGIN + width - at.x, text, style).max.y + 1.0
+    canvas.text_within(at, TextAlign::Left, MARGIN + width - at.x, text, style).max.y + 1.0
 }
 
 /// Draws the most important numbers alone, one below the other. Returns their lower end.
-fn narrow(canvas: &mut Canvas<'_>, overview: &Overview, width: f32) -> f32 {
+fn narrow(canvas: &mut HudCanvas<'_>, overview: &Overview, width: f32) -> f32 {
     let [objects, in_frustum, drawn] = &overview.objects;
     let mut y = GAP;
     for figure in [&overview.rate, &overview.times[0], objects, in_frustum, drawn] {
         let at = pos2(MARGIN, y);
-        y = canvas.text_within(at, Align::Left, width, &figure.value, NARROW_VALUE).max.y - 2.0;
+        y = canvas.text_within(at, TextAlign::Left, width, &figure.value, NARROW_VALUE).max.y - 2.0;
         let at = pos2(MARGIN, y);
-        y = canvas.text_within(at, Align::Left, width, figure.name, UNIT).max.y + 1.0;
+        y = canvas.text_within(at, TextAlign::Left, width, figure.name, UNIT).max.y + 1.0;
     }
     y
 }
 
 /// Draws groups of names and values below `y`, as many as fit above `bottom`. Returns their lower
 /// end.
-fn details(canvas: &mut Canvas<'_>, page: &HudPage, width: f32, y: f32, bottom: f32) -> f32 {
+fn details(canvas: &mut HudCanvas<'_>, page: &HudPage, width: f32, y: f32, bottom: f32) -> f32 {
     let (row, right) = (canvas.row(ROW_NAME), MARGIN + width);
     let mut y = y;
     let mut groups = page.details.iter().filter(|group| !group.is_empty()).peekable();
@@ -177,15 +177,15 @@ fn details(canvas: &mut Canvas<'_>, page: &HudPage, width: f32, y: f32, bottom: 
         if y + 2.0 * GAP + group.len() as f32 * row + more + GAP > bottom {
             let at = pos2(MARGIN, y + GAP);
             let style = Style { colour: MARK, ..UNIT };
-            return canvas.text_within(at, Align::Left, width, MORE, style).max.y;
+            return canvas.text_within(at, TextAlign::Left, width, MORE, style).max.y;
         }
         y += GAP;
         canvas.line([pos2(MARGIN, y), pos2(right, y)], 1.0, DIM);
         y += GAP;
         for (name, value) in group {
-            let name = canvas.text(pos2(MARGIN, y), Align::Left, name, ROW_NAME);
+            let name = canvas.text(pos2(MARGIN, y), TextAlign::Left, name, ROW_NAME);
             let room = right - name.max.x - GAP;
-            canvas.text_within(pos2(right, y), Align::Right, room, value, ROW_VALUE);
+            canvas.text_within(pos2(right, y), TextAlign::Right, room, value, ROW_VALUE);
             y += row;
         }
     }

@@ -35,9 +35,9 @@ pub struct Overview {
     /// The strategy that decides about draws.
     pub strategy: String,
     /// The frames per second.
-    pub rate: Figure,
+    pub rate: HudFigure,
     /// The time from frame to frame.
-    pub frame_time: Figure,
+    pub frame_time: HudFigure,
     /// The last frames, oldest first (milliseconds per frame).
     pub frames_ms: Vec<f32>,
     /// The kind of frames in `frames_ms`, as a caption.
@@ -45,20 +45,20 @@ pub struct Overview {
     /// The budget of a frame (milliseconds), drawn as a line across the graph.
     pub budget_ms: Option<f32>,
     /// Objects: of the scene, in the frustum, drawn.
-    pub objects: [Figure; 3],
+    pub objects: [HudFigure; 3],
     /// The numbers of those in the frustum that are drawn, and that are not.
     pub split: Option<Split>,
     /// The times of the GPU and of the CPU.
-    pub times: [Figure; 2],
+    pub times: [HudFigure; 2],
     /// The correctness of the image.
-    pub verdict: Verdict,
+    pub verdict: ExactnessVerdict,
     /// The keys to try next.
     pub hint: String,
 }
 
 /// A number and its name.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Figure {
+pub struct HudFigure {
     /// The number.
     pub value: String,
     /// The quantity that it counts or measures.
@@ -76,7 +76,7 @@ pub struct Split {
 
 /// The equality of the image to the one without occlusion culling.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub enum Verdict {
+pub enum ExactnessVerdict {
     /// They are equal, for this reason.
     Exact(String),
     /// They may differ, for this reason.

@@ -2,7 +2,7 @@
 
 use epaint::{Color32, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
-use super::canvas::Canvas;
+use super::canvas::HudCanvas;
 use super::page::Sign;
 use super::style::PANEL;
 
@@ -21,7 +21,7 @@ const fn colour_of(sign: Sign) -> Color32 {
 
 /// Draws frames around the image, one within the other, and badges in the middle of its upper
 /// edge.
-pub fn draw(canvas: &mut Canvas<'_>, signs: &[Sign]) {
+pub fn draw(canvas: &mut HudCanvas<'_>, signs: &[Sign]) {
     let screen = canvas.screen;
     let badges = BADGE * signs.len() as f32;
     let badge = BADGE.min(screen.width() / 4.0).min(screen.height() / 4.0);
@@ -34,7 +34,7 @@ pub fn draw(canvas: &mut Canvas<'_>, signs: &[Sign]) {
     }
 }
 
-fn frame(canvas: &mut Canvas<'_>, area: Rect, colour: Color32) {
+fn frame(canvas: &mut HudCanvas<'_>, area: Rect, colour: Color32) {
     let Rect { min, max } = area;
     for edge in [
         Rect::from_min_max(min, pos2(max.x, min.y + FRAME)),
@@ -47,7 +47,7 @@ fn frame(canvas: &mut Canvas<'_>, area: Rect, colour: Color32) {
 }
 
 /// Draws two bars for a stop, a disc for a recording, a camera for an image.
-fn draw_badge(canvas: &mut Canvas<'_>, sign: Sign, area: Rect) {
+fn draw_badge(canvas: &mut HudCanvas<'_>, sign: Sign, area: Rect) {
     canvas.fill(area, PANEL);
     let colour = colour_of(sign);
     let side = area.width();

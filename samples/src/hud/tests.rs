@@ -27,8 +27,8 @@ fn texts(count: usize, name: &str, value: &str) -> Vec<(String, String)> {
     (0..count).map(|_| (name.to_owned(), value.to_owned())).collect()
 }
 
-fn figure(value: &str, name: &'static str) -> Figure {
-    Figure { value: value.to_owned(), name }
+fn figure(value: &str, name: &'static str) -> HudFigure {
+    HudFigure { value: value.to_owned(), name }
 }
 
 fn overview() -> Overview {
@@ -49,7 +49,7 @@ fn overview() -> Overview {
         ],
         split: Some(Split { drawn: 123_456, culled: 876_543 }),
         times: [figure("26.2 ms", "GPU"), figure("0.54 ms", "CPU")],
-        verdict: Verdict::Exact("exact: only hidden objects left out".to_owned()),
+        verdict: ExactnessVerdict::Exact("exact: only hidden objects left out".to_owned()),
         hint: "F1 help, H details".to_owned(),
     }
 }

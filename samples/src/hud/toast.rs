@@ -3,7 +3,7 @@
 
 use epaint::{Rect, Shape, pos2, vec2};
 
-use super::canvas::{Align, Canvas};
+use super::canvas::{HudCanvas, TextAlign};
 use super::page::HudPage;
 use super::style::{DIM, GOOD, MARGIN, MARK, Style};
 
@@ -13,7 +13,7 @@ const ROWS: Style = Style::number(11.5, MARK);
 const BAR: [f32; 2] = [320.0, 10.0];
 
 /// Draws the lower edge from `left` on. Returns its upper end.
-pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, left: f32) -> f32 {
+pub fn draw(canvas: &mut HudCanvas<'_>, page: &HudPage, left: f32) -> f32 {
     // There is always room for a row, so that a toast moves nothing.
     let reserved = canvas.screen.max.y - canvas.row(TEXT) - 4.0 * MARGIN;
     let bottom = canvas.screen.max.y;
@@ -27,7 +27,7 @@ pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, left: f32) -> f32 {
 }
 
 /// Draws a text whose lower left is at that place. Returns its area.
-fn toast(canvas: &mut Canvas<'_>, text: &str, style: Style, [left, bottom]: [f32; 2]) -> Rect {
+fn toast(canvas: &mut HudCanvas<'_>, text: &str, style: Style, [left, bottom]: [f32; 2]) -> Rect {
     let widest = canvas.screen.width() - left - 4.0 * MARGIN;
     let galley = canvas.wrapped(text.to_owned(), style, widest);
     let size = galley.size() + vec2(2.0 * MARGIN, 2.0 * MARGIN);
@@ -40,7 +40,7 @@ fn toast(canvas: &mut Canvas<'_>, text: &str, style: Style, [left, bottom]: [f32
 }
 
 /// Draws a bar, and above it the name of the step. Returns their area.
-fn progress(canvas: &mut Canvas<'_>, what: &str, fraction: Option<f32>, left: f32) -> Rect {
+fn progress(canvas: &mut HudCanvas<'_>, what: &str, fraction: Option<f32>, left: f32) -> Rect {
     let screen = canvas.screen;
     let row = canvas.row(TEXT);
     let widest = (screen.width() - left - 4.0 * MARGIN).max(1.0);
@@ -51,7 +51,7 @@ fn progress(canvas: &mut Canvas<'_>, what: &str, fraction: Option<f32>, left: f3
     let panel = canvas.open_panel();
     canvas.close_panel(panel, area);
     let at = corner + vec2(MARGIN, MARGIN);
-    canvas.text_within(at, Align::Left, width, what, TEXT);
+    canvas.text_within(at, TextAlign::Left, width, what, TEXT);
     let bar = Rect::from_min_size(at + vec2(0.0, row + MARGIN), vec2(width, BAR[1]));
     canvas.fill(bar, DIM);
     let done = fraction.unwrap_or_default().clamp(0.0, 1.0);

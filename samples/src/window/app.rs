@@ -19,7 +19,7 @@ use super::opened::{Next, Opened};
 use super::pointer::Button;
 use super::session::Files;
 use super::show::ShowOptions;
-use super::source::Source;
+use super::source::SceneSource;
 use bench::run_error::RunError;
 use bench::signals::Signals;
 
@@ -34,7 +34,7 @@ const LONGEST_SLEEP: Duration = Duration::from_millis(250);
 /// No display, or one that fails; an unsuited device or a bad file; messages of the validation
 /// layer.
 pub fn run(
-    source: &Source,
+    source: &SceneSource,
     options: &ShowOptions,
     files: Files,
     signals: &Signals,
@@ -59,7 +59,7 @@ pub fn run(
 
 /// The handler that winit calls.
 struct App<'a> {
-    source: &'a Source,
+    source: &'a SceneSource,
     options: &'a ShowOptions,
     signals: &'a Signals,
     files: Option<Files>,
@@ -98,7 +98,7 @@ impl App<'_> {
             return action.map_or(Ok(false), |action| opened.act(action));
         }
         let settings = || self.source.settings_for_another();
-        let another = |file| Source::File { file, settings: settings() };
+        let another = |file| SceneSource::File { file, settings: settings() };
         let Some(key) = self.input.menu_key(event) else { return Ok(false) };
         opened.choose(key, another, self.options).map(|()| false)
     }
@@ -145,7 +145,7 @@ impl ApplicationHandler for App<'_> {
             }),
             WindowEvent::DroppedFile(file) => {
                 let settings = self.source.settings_for_another();
-                opened.load(&Source::File { file, settings }, self.options);
+                opened.load(&SceneSource::File { file, settings }, self.options);
             }
             WindowEvent::CursorMoved { position, .. } => opened.cursor = position.into(),
             WindowEvent::MouseInput { state, button, .. } => {

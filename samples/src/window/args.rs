@@ -1,10 +1,10 @@
-//! The command line of `city`, and the checks that make it a [`Source`].
+//! The command line of `city`, and the checks that make it a [`SceneSource`].
 
 use clap::Parser;
 
 use super::keys_help::help_with_keys;
 use super::show::{ShowArguments, ShowOptions};
-use super::source::Source;
+use super::source::SceneSource;
 use bench::args::{MadeArguments, SceneArgument, parse_path, usage};
 use bench::options::{PathChoice, UsageError};
 use bench::terminal::shown;
@@ -63,7 +63,7 @@ impl CityArguments {
     ///
     /// # Errors
     /// A scene's file.
-    pub fn options(&self) -> Result<(Source, ShowOptions), UsageError> {
+    pub fn options(&self) -> Result<(SceneSource, ShowOptions), UsageError> {
         let made = match &self.scene {
             SceneArgument::Made(scene) => self.made.of(*scene),
             SceneArgument::File(file) => {
@@ -73,7 +73,7 @@ impl CityArguments {
                 ));
             }
         };
-        Ok((Source::Made { made, path: self.path.clone() }, self.show.options()))
+        Ok((SceneSource::Made { made, path: self.path.clone() }, self.show.options()))
     }
 }
 
@@ -81,11 +81,11 @@ impl CityArguments {
 mod tests {
     use super::*;
     use crate::hud::HudLevel;
-    use bench::choices::CameraPath;
+    use bench::choices::CameraPathChoice;
     use bench::options::PathChoice;
     use bench::strategy::Strategy;
 
-    fn parse_all(line: &[&str]) -> Result<(Source, ShowOptions), String> {
+    fn parse_all(line: &[&str]) -> Result<(SceneSource, ShowOptions), String> {
         let parsed = CityArguments::try_parse_from([&["city"], line].concat());
         parsed.map_err(|error| error.to_string())?.options().map_err(|error| error.to_string())
     }
@@ -96,7 +96,7 @@ mod tests {
 
     fn path_of(line: &[&str]) -> Option<PathChoice> {
         match parse_all(line).unwrap().0 {
-            Source::Made { path, .. } => path,
+            SceneSource::Made { path, .. } => path,
             source => panic!("{source:?}"),
         }
     }
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn paths_are_named_or_files() {
-        let street = PathChoice::Made(CameraPath::Street);
+        let street = PathChoice::Made(CameraPathChoice::Street);
         assert_eq!(path_of(&["--path", "street"]), Some(street));
         for file in ["path.txt", "./path", "/a/b"] {
             let path = path_of(&["--replay", file]);

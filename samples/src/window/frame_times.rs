@@ -58,7 +58,7 @@ impl<const COUNT: usize> Recent<COUNT> {
 
 /// The times of the newest frames under the same conditions.
 #[derive(Clone, Debug, Default)]
-pub struct FrameTimes {
+pub struct FrameTimeSeries {
     conditions: Option<Conditions>,
     intervals: Recent<KEPT>,
     last: Option<Time>,
@@ -74,7 +74,7 @@ pub struct FrameTimes {
     sent: VecDeque<Side>,
 }
 
-impl FrameTimes {
+impl FrameTimeSeries {
     /// Removes everything if `conditions` are not those of the frames before.
     pub fn follow(&mut self, conditions: Conditions) {
         if self.conditions != Some(conditions) {
@@ -190,7 +190,7 @@ mod tests {
 
     #[test]
     fn the_newest_are_kept_in_their_order() {
-        let mut times = FrameTimes::default();
+        let mut times = FrameTimeSeries::default();
         let mut now = 0;
         for frame in 0..300_u64 {
             now += frame * 1_000_000;
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn the_overlay_costs_apart_from_the_engine() {
-        let mut times = FrameTimes::default();
+        let mut times = FrameTimeSeries::default();
         times.follow(Conditions { frames_in_flight: 0, ..conditions() });
         let report = FrameReport {
             cpu: Duration::from_millis(3),
@@ -233,8 +233,8 @@ mod tests {
             Conditions { scene: 1, ..old },
             Conditions { is_comparing: true, ..old },
         ] {
-            let mut times = FrameTimes::default();
-            let take = |times: &mut FrameTimes, conditions, frame: u64| {
+            let mut times = FrameTimeSeries::default();
+            let take = |times: &mut FrameTimeSeries, conditions, frame: u64| {
                 times.follow(conditions);
                 times.push(Time::from_nanos(frame * 10_000_000));
                 times.sent(Side::Culled, &[pass("draw visible", frame as f64)]);
@@ -256,7 +256,7 @@ mod tests {
     /// and of each pair of frames the first.
     #[test]
     fn frames_with_and_without_culling_are_timed_apart() {
-        let mut times = FrameTimes::default();
+        let mut times = FrameTimeSeries::default();
         times.follow(Conditions { is_comparing: true, ..conditions() });
         let (mut slots, mut frame) = ([None; 2], 0);
         for snapshot in 0..40 {

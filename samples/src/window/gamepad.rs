@@ -22,7 +22,7 @@ const LOOK_INTERVAL: Duration = Duration::from_secs(3);
 
 /// An axis of a gamepad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
+pub enum StickAxis {
     /// The left stick to the right.
     LeftX,
     /// The left stick towards the hand.
@@ -47,17 +47,17 @@ pub struct PadState {
 
 impl PadState {
     /// Sets an axis that goes from `least` to `most` to a device's number.
-    pub fn set(&mut self, axis: Axis, value: i32, [least, most]: [i32; 2]) {
+    pub fn set(&mut self, axis: StickAxis, value: i32, [least, most]: [i32; 2]) {
         let span = (f64::from(most) - f64::from(least)).max(1.0);
         let share = ((f64::from(value) - f64::from(least)) / span).clamp(0.0, 1.0) as f32;
         let both_ways = share * 2.0 - 1.0;
         match axis {
-            Axis::LeftX => self.left[0] = both_ways,
-            Axis::LeftY => self.left[1] = both_ways,
-            Axis::RightX => self.right[0] = both_ways,
-            Axis::RightY => self.right[1] = both_ways,
-            Axis::LeftTrigger => self.triggers[0] = share,
-            Axis::RightTrigger => self.triggers[1] = share,
+            StickAxis::LeftX => self.left[0] = both_ways,
+            StickAxis::LeftY => self.left[1] = both_ways,
+            StickAxis::RightX => self.right[0] = both_ways,
+            StickAxis::RightY => self.right[1] = both_ways,
+            StickAxis::LeftTrigger => self.triggers[0] = share,
+            StickAxis::RightTrigger => self.triggers[1] = share,
         }
     }
 
@@ -175,14 +175,14 @@ fn read(device: &mut Device, state: &Mutex<PadState>, actions: &mpsc::Sender<Act
 }
 
 /// Returns the axis of a code of the kernel (Documentation/input/gamepad.rst).
-fn axis_of(code: AbsoluteAxisCode) -> Option<Axis> {
+fn axis_of(code: AbsoluteAxisCode) -> Option<StickAxis> {
     match code {
-        AbsoluteAxisCode::ABS_X => Some(Axis::LeftX),
-        AbsoluteAxisCode::ABS_Y => Some(Axis::LeftY),
-        AbsoluteAxisCode::ABS_RX => Some(Axis::RightX),
-        AbsoluteAxisCode::ABS_RY => Some(Axis::RightY),
-        AbsoluteAxisCode::ABS_Z => Some(Axis::LeftTrigger),
-        AbsoluteAxisCode::ABS_RZ => Some(Axis::RightTrigger),
+        AbsoluteAxisCode::ABS_X => Some(StickAxis::LeftX),
+        AbsoluteAxisCode::ABS_Y => Some(StickAxis::LeftY),
+        AbsoluteAxisCode::ABS_RX => Some(StickAxis::RightX),
+        AbsoluteAxisCode::ABS_RY => Some(StickAxis::RightY),
+        AbsoluteAxisCode::ABS_Z => Some(StickAxis::LeftTrigger),
+        AbsoluteAxisCode::ABS_RZ => Some(StickAxis::RightTrigger),
         _ => None,
     }
 }
@@ -195,7 +195,7 @@ mod tests {
 
     const STICK: [i32; 2] = [-32768, 32767];
 
-    fn pad(axes: &[(Axis, i32, [i32; 2])]) -> PadState {
+    fn pad(axes: &[(StickAxis, i32, [i32; 2])]) -> PadState {
         let mut state = PadState::default();
         axes.iter().for_each(|(axis, value, range)| state.set(*axis, *value, *range));
         state
@@ -203,28 +203,31 @@ mod tests {
 
     #[test]
     fn sticks_and_triggers_steer() {
-        let ahead = pad(&[(Axis::LeftY, -32768, STICK), (Axis::RightTrigger, 255, [0, 255])]);
+        let ahead =
+            pad(&[(StickAxis::LeftY, -32768, STICK), (StickAxis::RightTrigger, 255, [0, 255])]);
         let Steering { ahead, right, up, hurries } = ahead.steering();
         assert!((ahead - 1.0).abs() < 1e-4 && right.abs() < 1e-4 && up == 1.0 && !hurries);
         // Both triggers hold each other; 0 to 1023 is as good a range.
-        let both = [(Axis::LeftTrigger, 1023, [0, 1023]), (Axis::RightTrigger, 255, [0, 255])];
+        let both =
+            [(StickAxis::LeftTrigger, 1023, [0, 1023]), (StickAxis::RightTrigger, 255, [0, 255])];
         assert_eq!(pad(&both).steering().up, 0.0);
-        let [right, down] = pad(&[(Axis::RightX, 32767, STICK)]).turn(0.5);
+        let [right, down] = pad(&[(StickAxis::RightX, 32767, STICK)]).turn(0.5);
         assert!((right - TURN_PIXELS_A_SECOND / 2.0).abs() < 1.0 && down.abs() < 1.0);
     }
 
     #[test]
     fn what_rests_near_the_middle_does_nothing() {
-        let resting = [(Axis::LeftX, 3000, STICK), (Axis::LeftY, -2500, STICK)];
+        let resting = [(StickAxis::LeftX, 3000, STICK), (StickAxis::LeftY, -2500, STICK)];
         assert_eq!(pad(&resting).steering(), Steering::default());
-        assert_eq!(pad(&[(Axis::RightX, -4000, STICK)]).turn(1.0), [0.0, 0.0]);
-        assert_eq!(pad(&[(Axis::LeftTrigger, 20, [0, 255])]).steering().up, 0.0);
+        assert_eq!(pad(&[(StickAxis::RightX, -4000, STICK)]).turn(1.0), [0.0, 0.0]);
+        assert_eq!(pad(&[(StickAxis::LeftTrigger, 20, [0, 255])]).steering().up, 0.0);
     }
 
     #[test]
     fn the_way_out_is_slow_at_first_and_whole_at_the_end() {
-        let speed =
-            |share: f32| pad(&[(Axis::LeftX, (share * 32767.0) as i32, STICK)]).steering().right;
+        let speed = |share: f32| {
+            pad(&[(StickAxis::LeftX, (share * 32767.0) as i32, STICK)]).steering().right
+        };
         let [slow, middle, whole] = [0.3, 0.6, 1.0].map(speed);
         assert!(0.0 < slow && slow < 0.1 && slow < middle && middle < 0.5, "{slow} {middle}");
         assert!((whole - 1.0).abs() < 1e-3);
@@ -243,7 +246,7 @@ mod tests {
         fn whatever_a_device_says_stays_in_range(
             values in prop::array::uniform4(any::<i32>()), ends in prop::array::uniform2(any::<i32>())
         ) {
-            let axes = [Axis::LeftX, Axis::LeftY, Axis::RightX, Axis::LeftTrigger];
+            let axes = [StickAxis::LeftX, StickAxis::LeftY, StickAxis::RightX, StickAxis::LeftTrigger];
             let axes: Vec<_> = axes.into_iter().zip(values).map(|(a, v)| (a, v, ends)).collect();
             let state = pad(&axes);
             let steering = state.steering();

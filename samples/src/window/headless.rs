@@ -13,7 +13,7 @@ use super::fly_camera::Steering;
 use super::loaded_scene::LoadedScene;
 use super::session::{Files, Session};
 use super::show::ShowOptions;
-use super::source::Source;
+use super::source::SceneSource;
 use bench::progress::LoadingBar;
 use bench::run;
 use bench::run_error::RunError;
@@ -29,7 +29,7 @@ const HUD_FRAMES: u32 = 15;
 /// # Errors
 /// An unsuited device or a bad file; messages of the validation layer.
 pub fn run(
-    source: &Source,
+    source: &SceneSource,
     options: &ShowOptions,
     files: Files,
     signals: &Signals,
@@ -48,17 +48,17 @@ pub fn run(
 
 fn draw(
     device: &Device,
-    source: &Source,
+    source: &SceneSource,
     options: &ShowOptions,
     files: Files,
     signals: &Signals,
 ) -> Result<(), RunError> {
     let size = [options.size.width, options.size.height];
     let loaded = match source {
-        Source::Made { made, path } => {
+        SceneSource::Made { made, path } => {
             LoadedScene::made(device, made, path.as_ref(), options, size)?
         }
-        Source::File { file, settings } => {
+        SceneSource::File { file, settings } => {
             let bar = LoadingBar::for_terminal();
             LoadedScene::of_file(device, (file, settings), options, size, &mut |told| {
                 bar.told(told.what, told.fraction);
@@ -68,7 +68,7 @@ fn draw(
                 }
             })?
         }
-        Source::Nothing { .. } => LoadedScene::empty(device, options, size)?,
+        SceneSource::Nothing { .. } => LoadedScene::empty(device, options, size)?,
     };
     for note in &loaded.scene_view.notes {
         tracing::warn!("{}: {note}", shown(Path::new(&loaded.scene_view.name)));

@@ -61,8 +61,8 @@ impl LoadedScene {
         size: [u32; 2],
     ) -> Result<Self, RunError> {
         let GeneratedScene { scene, routes } = match made.scene {
-            choices::Scene::City => scenes::city(made.objects, made.seed)?,
-            choices::Scene::Field => scenes::field(made.objects, made.seed)?,
+            choices::GeneratorChoice::City => scenes::city(made.objects, made.seed)?,
+            choices::GeneratorChoice::Field => scenes::field(made.objects, made.seed)?,
         };
         let track = path.map(|choice| CameraTrack::new(choice, &routes)).transpose()?;
         let start = match &track {
@@ -110,7 +110,7 @@ impl LoadedScene {
 /// Returns the first camera: in a street, or above the scene where there are none.
 fn start(routes: &Routes) -> Result<CameraTrack, RunError> {
     let made = |path| CameraTrack::new(&PathChoice::Made(path), routes);
-    made(choices::CameraPath::Street).or_else(|_| made(choices::CameraPath::Fly))
+    made(choices::CameraPathChoice::Street).or_else(|_| made(choices::CameraPathChoice::Fly))
 }
 
 fn renderer_options(options: &ShowOptions, size: [u32; 2]) -> Result<RendererOptions, RunError> {

@@ -9,13 +9,13 @@ use antumbra::gpu::Device;
 
 use super::loaded_scene::LoadedScene;
 use super::show::ShowOptions;
-use super::source::Source;
+use super::source::SceneSource;
 use bench::run_error::RunError;
 use bench::scene_file::{self, LoadProgress};
 
 /// The progress of loading.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Progress {
+pub struct LoadingStatus {
     /// The current step.
     pub what: String,
     /// The fraction of it that is done, 0 to 1, where it is known.
@@ -25,14 +25,14 @@ pub struct Progress {
 /// The state that both threads share.
 #[derive(Default)]
 struct Shared {
-    progress: Mutex<Progress>,
+    progress: Mutex<LoadingStatus>,
     is_given_up: AtomicBool,
 }
 
 /// A scene that is being loaded or made. Dropping it gives it up and waits for that: the device
 /// outlives it.
 pub struct Loading {
-    source: Source,
+    source: SceneSource,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<Result<LoadedScene, RunError>>>,
 }
@@ -44,7 +44,7 @@ impl Loading {
     /// When the system has no thread for it.
     pub fn start(
         device: &Device,
-        source: &Source,
+        source: &SceneSource,
         options: &ShowOptions,
         size: [u32; 2],
     ) -> Result<Self, RunError> {
@@ -54,7 +54,7 @@ impl Loading {
         let load = move || {
             let mut tell = |progress: LoadProgress<'_>| {
                 let progress =
-                    Progress { what: progress.what.to_owned(), fraction: progress.fraction };
+                    LoadingStatus { what: progress.what.to_owned(), fraction: progress.fraction };
                 *theirs.progress.lock().unwrap_or_else(PoisonError::into_inner) = progress;
                 match theirs.is_given_up.load(Ordering::Relaxed) {
                     true => ControlFlow::Break(()),
@@ -62,14 +62,14 @@ impl Loading {
                 }
             };
             match &own {
-                Source::Made { made, path } => {
+                SceneSource::Made { made, path } => {
                     scene_file::tell(&mut tell, "making the scene", None)?;
                     LoadedScene::made(&device, made, path.as_ref(), &options, size)
                 }
-                Source::File { file, settings } => {
+                SceneSource::File { file, settings } => {
                     LoadedScene::of_file(&device, (file, settings), &options, size, &mut tell)
                 }
-                Source::Nothing { .. } => LoadedScene::empty(&device, &options, size),
+                SceneSource::Nothing { .. } => LoadedScene::empty(&device, &options, size),
             }
         };
         let thread = thread::Builder::new().name("loading".to_owned()).spawn(load);
@@ -79,12 +79,12 @@ impl Loading {
     }
 
     /// Returns the source that is loaded.
-    pub fn source(&self) -> &Source {
+    pub fn source(&self) -> &SceneSource {
         &self.source
     }
 
     /// Returns the progress.
-    pub fn progress(&self) -> Progress {
+    pub fn progress(&self) -> LoadingStatus {
         self.shared.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 

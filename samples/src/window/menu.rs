@@ -16,7 +16,7 @@ pub enum Choice {
     /// This strategy.
     Strategy(Strategy),
     /// This generated scene.
-    Made(choices::Scene),
+    Made(choices::GeneratorChoice),
     /// This file.
     File(PathBuf),
     /// A path to be typed.
@@ -199,7 +199,7 @@ pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
 /// Returns the list of scenes: the generated ones, then files, each once. The one of the name
 /// `shown` is selected.
 pub fn scenes(files: impl IntoIterator<Item = PathBuf>, shown: &str) -> Menu {
-    let made = [choices::Scene::City, choices::Scene::Field];
+    let made = [choices::GeneratorChoice::City, choices::GeneratorChoice::Field];
     let made = made.map(|scene| Row { label: scene.to_string(), choice: Choice::Made(scene) });
     let mut rows: Vec<Row> = made.into();
     for file in files {

@@ -60,13 +60,13 @@ use bench::signals::{Signal, Signals};
 use bench::terminal::{Ending, ending};
 use session::Files;
 use show::ShowOptions;
-use source::Source;
+use source::SceneSource;
 
 /// Runs the program with its options to the end; returns the signal, if one caused it.
 ///
 /// # Errors
 /// No display; an unsuited device or a bad file; messages of the validation layer.
-pub fn run(source: &Source, options: &ShowOptions) -> Result<Option<Signal>, RunError> {
+pub fn run(source: &SceneSource, options: &ShowOptions) -> Result<Option<Signal>, RunError> {
     let files = Files::open(source, options)?;
     let trace = ("--trace", options.trace.as_deref());
     let outputs = Outputs::prepare(options.shaders.as_deref(), options.out.as_deref(), trace)?;
@@ -83,7 +83,7 @@ pub fn run(source: &Source, options: &ShowOptions) -> Result<Option<Signal>, Run
 }
 
 /// Runs the program of the command line, prints its errors, and returns the exit code.
-pub fn end(options: Result<(Source, ShowOptions), RunError>) -> ExitCode {
+pub fn end(options: Result<(SceneSource, ShowOptions), RunError>) -> ExitCode {
     let mut ending = Ending::default();
     match options.and_then(|(source, options)| run(&source, &options)) {
         Ok(signal) => ending.interrupted(signal),

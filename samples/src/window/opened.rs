@@ -26,7 +26,7 @@ use super::pointer::Pointer;
 use super::screen::Screen;
 use super::session::{Files, Session};
 use super::show::ShowOptions;
-use super::source::Source;
+use super::source::SceneSource;
 use super::title::Title;
 use bench::run;
 use bench::run_error::RunError;
@@ -75,7 +75,7 @@ pub(super) enum Next {
 impl Opened {
     pub(super) fn open(
         event_loop: &ActiveEventLoop,
-        source: &Source,
+        source: &SceneSource,
         options: &ShowOptions,
         files: Files,
     ) -> Result<Self, RunError> {

@@ -7,9 +7,9 @@ use antumbra::pacing::Distribution;
 use antumbra::render::{FrameOutcome, FrameReport};
 
 use super::comparison::Tally;
-use super::frame_times::{FrameTimes, is_overlay};
+use super::frame_times::{FrameTimeSeries, is_overlay};
 use super::screen::ScreenFacts;
-use crate::hud::{Figure, Overview, Split, Verdict, grouped};
+use crate::hud::{ExactnessVerdict, HudFigure, Overview, Split, grouped};
 use bench::strategy::Strategy;
 
 const UNKNOWN: &str = "-";
@@ -35,7 +35,7 @@ pub struct Known<'a> {
     /// Objects in the frustum of the frame of the outcome.
     pub in_frustum: Option<u64>,
     /// The times of the newest frames.
-    pub times: &'a FrameTimes,
+    pub times: &'a FrameTimeSeries,
     /// True if passes are listed one by one.
     pub lists_passes: bool,
     /// GPU memory in use.
@@ -70,7 +70,7 @@ impl Known<'_> {
         });
         let drawn = self.outcome.map(|outcome| outcome.draws);
         let number = |number: Option<u64>| number.map_or(UNKNOWN.to_owned(), short);
-        let figure = |value: String, name| Figure { value, name };
+        let figure = |value: String, name| HudFigure { value, name };
         // While frames with and without culling are compared, each moment is drawn twice.
         let [rate_name, time_name, caption] = match self.compared {
             Some(_) => ["pairs/s", "ms/pair", "time of a pair of frames, ms"],
@@ -119,24 +119,25 @@ impl Known<'_> {
         all.join(", ")
     }
 
-    fn verdict(&self) -> Verdict {
+    fn verdict(&self) -> ExactnessVerdict {
         let below_threshold = self.outcome.map_or(0, |outcome| outcome.samples_below_threshold);
         if let Some(tally) = self.compared.filter(|tally| tally.frames > 0) {
             return match tally.differing {
-                0 => Verdict::Exact(tally.text()),
-                _ => Verdict::Inexact(tally.text()),
+                0 => ExactnessVerdict::Exact(tally.text()),
+                _ => ExactnessVerdict::Inexact(tally.text()),
             };
         }
         match self.strategy {
-            _ if self.frame == 0 => Verdict::Unknown,
-            _ if below_threshold > 0 => {
-                Verdict::Inexact(format!("inexact: {} px at most", grouped(below_threshold)))
-            }
-            Strategy::FRUSTUM => Verdict::Exact("exact: the reference image".to_owned()),
+            _ if self.frame == 0 => ExactnessVerdict::Unknown,
+            _ if below_threshold > 0 => ExactnessVerdict::Inexact(format!(
+                "inexact: {} px at most",
+                grouped(below_threshold)
+            )),
+            Strategy::FRUSTUM => ExactnessVerdict::Exact("exact: the reference image".to_owned()),
             exact if exact.is_exact() => {
-                Verdict::Exact("exact: only hidden objects left out".to_owned())
+                ExactnessVerdict::Exact("exact: only hidden objects left out".to_owned())
             }
-            _ => Verdict::Inexact("inexact: objects appear late".to_owned()),
+            _ => ExactnessVerdict::Inexact("inexact: objects appear late".to_owned()),
         }
     }
 

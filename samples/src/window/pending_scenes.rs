@@ -6,7 +6,7 @@ use super::loaded_scene::LoadedScene;
 use super::loading::Loading;
 use super::session::Session;
 use super::show::ShowOptions;
-use super::source::Source;
+use super::source::SceneSource;
 use bench::run_error::RunError;
 
 const DROP_ONE: &str = "drop a glTF file (.glb or .gltf) into this window";
@@ -26,25 +26,25 @@ impl PendingScenes {
     /// # Errors
     /// A scene that cannot be made; a device that fails.
     pub fn open(
-        source: &Source,
+        source: &SceneSource,
         device: &Device,
         options: &ShowOptions,
         size: [u32; 2],
     ) -> Result<(Self, LoadedScene), RunError> {
         let loaded = match source {
-            Source::Made { made, path } => {
+            SceneSource::Made { made, path } => {
                 LoadedScene::made(device, made, path.as_ref(), options, size)?
             }
-            Source::File { .. } | Source::Nothing { .. } => {
+            SceneSource::File { .. } | SceneSource::Nothing { .. } => {
                 LoadedScene::empty(device, options, size)?
             }
         };
         let loading = match source {
-            Source::File { .. } => Some(Loading::start(device, source, options, size)?),
-            Source::Made { .. } | Source::Nothing { .. } => None,
+            SceneSource::File { .. } => Some(Loading::start(device, source, options, size)?),
+            SceneSource::Made { .. } | SceneSource::Nothing { .. } => None,
         };
         let is_first = loading.is_some();
-        let is_invited = !matches!(source, Source::Nothing { .. });
+        let is_invited = !matches!(source, SceneSource::Nothing { .. });
         Ok((Self { loading, is_first, is_invited }, loaded))
     }
 
@@ -65,7 +65,7 @@ impl PendingScenes {
     pub fn load(
         &mut self,
         device: &Device,
-        source: &Source,
+        source: &SceneSource,
         options: &ShowOptions,
         size: [u32; 2],
     ) -> Result<(), RunError> {

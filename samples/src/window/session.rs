@@ -18,9 +18,9 @@ use super::clock::Clock;
 use super::comparison::Comparison;
 use super::failures::first_error;
 use super::fly_camera::{FlyCamera, Steering};
-use super::frame_times::FrameTimes;
+use super::frame_times::FrameTimeSeries;
 use super::loaded_scene::LoadedScene;
-use super::loading::Progress;
+use super::loading::LoadingStatus;
 use super::menu::Menu;
 use super::profiler::{Profiler, Scope};
 use super::scene_view::SceneView;
@@ -29,7 +29,7 @@ use super::script::Script;
 use super::selection::Selection;
 use super::shader_watch::ShaderWatch;
 use super::show::ShowOptions;
-use super::source::Source;
+use super::source::SceneSource;
 use super::toast::Toast;
 use super::trace::Trace;
 use crate::hud::{Hud, HudLevel};
@@ -49,7 +49,7 @@ pub struct Session {
     pub(super) fly: FlyCamera,
     pub(super) scene_view: SceneView,
     /// The progress of another scene that is loading.
-    pub(super) awaited: Option<Progress>,
+    pub(super) awaited: Option<LoadingStatus>,
     pub(super) frozen: Option<VisibilitySnapshot>,
     /// The camera of the newest frame.
     pub(super) seen_from: Camera,
@@ -68,7 +68,7 @@ pub struct Session {
     /// The HUD, while there is something to show over the image.
     pub(super) hud: Option<Hud>,
     pub(super) toast: Toast,
-    pub(super) times: FrameTimes,
+    pub(super) times: FrameTimeSeries,
     /// The present mode of the window.
     pub(super) present_mode: Option<PresentMode>,
     /// The number of the scene.
@@ -130,7 +130,7 @@ impl Session {
             is_page_stale: false,
             hud: None,
             toast: Toast::default(),
-            times: FrameTimes::default(),
+            times: FrameTimeSeries::default(),
             present_mode: None,
             scene: 0,
             viewed: VecDeque::new(),
@@ -394,7 +394,7 @@ impl Files {
     ///
     /// # Errors
     /// A file that cannot be read, or has other contents.
-    pub fn open(source: &Source, options: &ShowOptions) -> Result<Self, RunError> {
+    pub fn open(source: &SceneSource, options: &ShowOptions) -> Result<Self, RunError> {
         if let Some(file) = source.recorded_path() {
             RecordedPath::read(file)?;
         }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use antumbra::gpu::PresentMode;
 use antumbra::pacing;
 use bench::args::DeviceArguments;
-use bench::choices::{Costs, DeviceChoice, Validation, parse_strategy};
+use bench::choices::{CostsChoice, DeviceChoice, ValidationChoice, parse_strategy};
 use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT};
 use bench::strategy::Strategy;
 use clap::{Args, value_parser};
@@ -26,10 +26,11 @@ pub struct ShowArguments {
     #[arg(long, value_name = "NAME", default_value = "antumbra", help_heading = "Frames")]
     #[arg(value_parser = parse_product)]
     pub strategy: Strategy,
-    /// Costs in the cost model. measured: on the device at the start, corrected by the times of the
-    /// frames; tests that cost more than they save are left out. ignored: everything is tested
+    /// CostsChoice in the cost model. measured: on the device at the start, corrected by the times
+    /// of the frames; tests that cost more than they save are left out. ignored: everything is
+    /// tested
     #[arg(long, value_name = "COSTS", default_value = "measured", help_heading = "Frames")]
-    pub costs: Costs,
+    pub costs: CostsChoice,
     /// Number of frames that the CPU may be ahead of the GPU
     #[arg(long, value_name = "1..4", default_value = "2", help_heading = "Frames")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_FRAMES_IN_FLIGHT)))]
@@ -84,7 +85,7 @@ pub struct ShowOptions {
     /// The strategy at the start.
     pub strategy: Strategy,
     /// The costs of the cost model.
-    pub costs: Costs,
+    pub costs: CostsChoice,
     /// The number of frames in flight at the start.
     pub frames_in_flight: u32,
     /// The present mode at the start.
@@ -102,7 +103,7 @@ pub struct ShowOptions {
     /// The device that draws.
     pub device: DeviceChoice,
     /// The checks of the validation layer.
-    pub validation: Validation,
+    pub validation: ValidationChoice,
     /// The folder of GLSL that is watched.
     pub shaders: Option<PathBuf>,
     /// The folder for written files.

@@ -6,7 +6,7 @@ use bench::options::{MadeScene, PathChoice};
 
 /// The source of a scene.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Source {
+pub enum SceneSource {
     /// A scene that is generated.
     Made {
         /// The numbers from which it is generated.
@@ -28,7 +28,7 @@ pub enum Source {
     },
 }
 
-impl Source {
+impl SceneSource {
     /// Returns the recorded path that is walked again.
     pub fn recorded_path(&self) -> Option<&PathBuf> {
         match self {

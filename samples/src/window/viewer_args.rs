@@ -1,4 +1,4 @@
-//! The command line of `viewer`, and the checks that make it a [`Source`].
+//! The command line of `viewer`, and the checks that make it a [`SceneSource`].
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use clap::Parser;
 use super::actions::FILE_KEYS;
 use super::keys_help::help_with_keys;
 use super::show::{ShowArguments, ShowOptions};
-use super::source::{FileSource, Source};
+use super::source::{FileSource, SceneSource};
 use bench::args::{path_file, usage};
 use bench::options::UsageError;
 
@@ -68,7 +68,7 @@ impl ViewerArguments {
     ///
     /// # Errors
     /// Arguments about a file where none is named.
-    pub fn options(&self) -> Result<(Source, ShowOptions), UsageError> {
+    pub fn options(&self) -> Result<(SceneSource, ShowOptions), UsageError> {
         let show = self.show.options();
         let settings = FileSource {
             camera: self.camera.clone(),
@@ -77,14 +77,14 @@ impl ViewerArguments {
             detail_pixels: self.detail,
         };
         match &self.file {
-            Some(file) => Ok((Source::File { file: file.clone(), settings }, show)),
+            Some(file) => Ok((SceneSource::File { file: file.clone(), settings }, show)),
             None if show.is_headless => usage(
                 "without a window there is nothing to drop a file into: say which, as in `viewer FILE --headless`",
             ),
             None if self.camera.is_some() || self.path.is_some() => usage(
                 "--camera and --path are about a file: say which, as in `viewer FILE --camera NAME`",
             ),
-            None => Ok((Source::Nothing { settings }, show)),
+            None => Ok((SceneSource::Nothing { settings }, show)),
         }
     }
 }
@@ -108,7 +108,7 @@ mod tests {
 
     use crate::hud::HudLevel;
 
-    fn parse(line: &[&str]) -> Result<(Source, ShowOptions), String> {
+    fn parse(line: &[&str]) -> Result<(SceneSource, ShowOptions), String> {
         let parsed = ViewerArguments::try_parse_from([&["viewer"], line].concat());
         parsed.map_err(|error| error.to_string())?.options().map_err(|error| error.to_string())
     }
@@ -122,9 +122,9 @@ mod tests {
     fn a_file_is_enough() {
         let (source, show) = parse(&["a.glb"]).unwrap();
         let settings = FileSource::default();
-        assert_eq!(source, Source::File { file: "a.glb".into(), settings: settings.clone() });
+        assert_eq!(source, SceneSource::File { file: "a.glb".into(), settings: settings.clone() });
         assert_eq!((show.is_headless, show.hud), (false, HudLevel::Compact));
-        assert_eq!(parse(&[]).unwrap().0, Source::Nothing { settings });
+        assert_eq!(parse(&[]).unwrap().0, SceneSource::Nothing { settings });
     }
 
     #[test]
@@ -145,11 +145,11 @@ mod tests {
             exposure: Some(0.5),
             detail_pixels: Some(2.0),
         };
-        assert_eq!(source, Source::File { file: "a.glb".into(), settings });
+        assert_eq!(source, SceneSource::File { file: "a.glb".into(), settings });
         assert_eq!((show.size.width, show.size.height, show.is_headless), (3, 2, true));
         let (source, _) = parse(&["a.gltf", "--replay", "./p"]).unwrap();
         let settings = FileSource { recorded: Some("./p".into()), ..FileSource::default() };
-        assert_eq!(source, Source::File { file: "a.gltf".into(), settings });
+        assert_eq!(source, SceneSource::File { file: "a.gltf".into(), settings });
     }
 
     #[test]

@@ -2,12 +2,12 @@
 
 use serde_json::{Value, json};
 
-use crate::files::{Scene, U8};
+use crate::files::{GltfFile, U8};
 
 /// Returns a file of `chains` chains of `depth` nodes each, and `meshes` nodes whose mesh hangs on
 /// the ends of all chains, by `skins` different skins.
-pub fn chains(chains: usize, depth: usize, meshes: usize, skins: usize) -> Scene {
-    let mut scene = Scene::triangle();
+pub fn chains(chains: usize, depth: usize, meshes: usize, skins: usize) -> GltfFile {
+    let mut scene = GltfFile::triangle();
     let joints = scene.numbers(U8, "VEC4", 3, &[0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0]);
     let weights = scene.floats("VEC4", &[[0.5, 0.5, 0.0, 0.0]; 3].concat());
     scene.set("/meshes/0/primitives/0/attributes/JOINTS_0", json!(joints));

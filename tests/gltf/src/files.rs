@@ -17,14 +17,14 @@ pub const F32: u32 = 5126;
 
 /// A file: its JSON, and one buffer.
 #[derive(Clone)]
-pub struct Scene {
+pub struct GltfFile {
     /// The document.
     pub json: Value,
     /// The contents of its buffer.
     pub binary: Vec<u8>,
 }
 
-impl Scene {
+impl GltfFile {
     /// Returns one triangle on one node.
     pub fn triangle() -> Self {
         let json = json!({
@@ -176,8 +176,8 @@ pub fn glb_of(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
 }
 
 /// Returns a file that uses everything that is supported.
-pub fn everything() -> Scene {
-    let mut scene = Scene::triangle();
+pub fn everything() -> GltfFile {
+    let mut scene = GltfFile::triangle();
     add_surface(&mut scene);
     add_life(&mut scene);
     let places = scene.floats("VEC3", &[0.0, 0.0, 0.0, 5.0, 0.0, 0.0]);
@@ -210,7 +210,7 @@ pub fn everything() -> Scene {
 }
 
 /// Adds texture coordinates, a colour, a material, and images of all formats.
-fn add_surface(scene: &mut Scene) {
+fn add_surface(scene: &mut GltfFile) {
     let uv = scene.numbers(U8, "VEC2", 3, &[0, 0, 9, 9, 255, 0, 9, 9, 0, 255]);
     scene.set(&format!("/accessors/{uv}/normalized"), json!(true));
     scene.set(&format!("/bufferViews/{uv}/byteStride"), json!(4));
@@ -255,7 +255,7 @@ fn add_surface(scene: &mut Scene) {
 }
 
 /// Adds a skinned mesh with a morph target, and an animation of it.
-fn add_life(scene: &mut Scene) {
+fn add_life(scene: &mut GltfFile) {
     let joints = scene.numbers(U8, "VEC4", 3, &[0, 1, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]);
     let weights =
         scene.floats("VEC4", &[0.5, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
@@ -291,7 +291,7 @@ fn add_life(scene: &mut Scene) {
 }
 
 /// Returns an accessor of three positions without a base, of which the last is replaced.
-fn sparse(scene: &mut Scene) -> usize {
+fn sparse(scene: &mut GltfFile) -> usize {
     let indices = scene.view(&[2, 0]);
     let values = scene.view(&[1.0f32, 2.0, 3.0].map(f32::to_le_bytes).concat());
     scene.push(

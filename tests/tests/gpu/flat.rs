@@ -4,7 +4,7 @@
 use cull::Strategy;
 use gpu::{Device, Readback};
 use render::{FlatVertex, FrameRequest, Renderer, RendererOptions, ViewState};
-use samples::hud::{Figure, Hud, HudPage, Overview};
+use samples::hud::{Hud, HudFigure, HudPage, Overview};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::run_on_all;
 
@@ -131,7 +131,7 @@ fn the_hud_can_be_read_and_leaves_the_middle_alone() {
     run_on_all(|device| {
         let mut studio = Studio::new(device);
         let plain = studio.image(0);
-        let figure = |value: &str, name| Figure { value: value.to_owned(), name };
+        let figure = |value: &str, name| HudFigure { value: value.to_owned(), name };
         let mut overview = Overview {
             frames_ms: (0..200).map(|frame| 10.0 + (frame % 9) as f32).collect(),
             budget_ms: Some(16.6),

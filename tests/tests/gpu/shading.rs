@@ -10,7 +10,7 @@ use render::surfaces::SurfaceOptions;
 use scene::{
     LightKind, Material, Mesh, PunctualLight, Scene, SurfaceMesh, SurfaceVertex, Surfaces,
 };
-use tests::reference::{self, Ambient, Light, Point};
+use tests::reference::{self, Ambient, ReferenceLight, ReferencePoint};
 use tests::run_on_all;
 use tests::shapes::square_camera;
 use tests::studio::{image, mesh, scene, snorm16};
@@ -85,7 +85,7 @@ fn normal_at([x, y]: [u32; 2], to_world: DMat3) -> DVec3 {
 /// A sweep of metallic (to the right) and roughness (down), under some light.
 struct Sweep {
     surfaces: Surfaces,
-    lights: Vec<Light>,
+    lights: Vec<ReferenceLight>,
     ambient: Ambient,
     transform: Mat3A,
     exposure: f32,
@@ -114,11 +114,13 @@ impl Sweep {
         let along = light.direction.as_dvec3().normalize_or_zero();
         let (position, range) = (light.position.as_dvec3(), light.range_m.map(f64::from));
         self.lights.push(match light.kind {
-            LightKind::Directional => Light::Directional { towards: -along, lux: strength },
-            LightKind::Point => Light::Point { position, candela: strength, range },
+            LightKind::Directional => {
+                ReferenceLight::Directional { towards: -along, lux: strength }
+            }
+            LightKind::Point => ReferenceLight::Point { position, candela: strength, range },
             LightKind::Spot { inner_rad, outer_rad } => {
                 let (inner, outer) = (inner_rad.into(), outer_rad.into());
-                Light::Spot { position, candela: strength, range, along, inner, outer }
+                ReferenceLight::Spot { position, candela: strength, range, along, inner, outer }
             }
         });
         self.surfaces.lights.push(light);
@@ -161,7 +163,7 @@ impl Sweep {
         let part = |pixel: u32| (f64::from(pixel) + 0.5) / f64::from(SIDE / 2) - 1.0;
         let distance = f64::from(DISTANCE_M);
         let [red, green, blue, _] = material.base_colour;
-        let point = Point {
+        let point = ReferencePoint {
             base_colour: reference::wide([red, green, blue]),
             metallic: material.metallic.into(),
             roughness: material.roughness.into(),

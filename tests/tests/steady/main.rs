@@ -10,4 +10,4 @@ mod renderer;
 mod swapchain;
 
 #[global_allocator]
-static ALLOCATOR: tests::counting::Counting = tests::counting::Counting;
+static ALLOCATOR: tests::counting::CountingAllocator = tests::counting::CountingAllocator;

@@ -10,7 +10,7 @@ use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::Driver;
 use tests::counting::allocations;
 use tests::machine::{CALLS_THAT_MAKE, CALLS_THAT_SHOW, Machine, calls};
-use tests::stage::{Random, Stage};
+use tests::stage::{Random, WindowStage};
 use tests::x11_window::{Library, X11Window};
 use tests::xvfb::Xvfb;
 
@@ -48,7 +48,7 @@ fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
     for (driver, _) in MODES {
         for strategy in methods::strategies().into_iter().filter(is_ours) {
             let window = X11Window::open(&server, Library::Xcb, SIZE);
-            let stage = Stage::with_entry(Machine::default().entry(), driver, window);
+            let stage = WindowStage::with_entry(Machine::default().entry(), driver, window);
             let options =
                 RendererOptions { methods: methods::all(), size: SIZE, ..Default::default() };
             let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
@@ -87,7 +87,7 @@ fn a_thousand_switches_leave_the_image_and_keep_nothing() {
     let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(0);
     for (driver, modes) in MODES {
         let window = X11Window::open(&server, Library::Xcb, SIZE);
-        let stage = Stage::with_entry(Machine::default().entry(), driver, window);
+        let stage = WindowStage::with_entry(Machine::default().entry(), driver, window);
         let options = RendererOptions { methods: methods::all(), size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
         let strategies = methods::strategies().into_iter().filter(is_ours);

@@ -5,7 +5,7 @@ use tests::Driver;
 use tests::xvfb::Xvfb;
 
 use tests::show::Show;
-use tests::stage::{Painter, Random, Stage, await_image, show_surely};
+use tests::stage::{Painter, Random, WindowStage, await_image, show_surely};
 use tests::ways::{LASTING_WAYS, WAYS, modes};
 use tests::x11_window::{Library, X11Window};
 
@@ -17,7 +17,7 @@ fn a_window_survives_a_thousand_changes() {
     for (which, &(driver, library)) in LASTING_WAYS.iter().enumerate() {
         let mut size = [320, 200];
         let window = X11Window::open(&server, library, size);
-        let stage = Stage::new(driver, window.clone());
+        let stage = WindowStage::new(driver, window.clone());
         let mut random = Random::new(7 + which as u64);
         let modes = modes(driver);
         let mut show = Show::new(&stage, &window, modes[which % modes.len()], size);
@@ -71,7 +71,7 @@ fn an_image_that_is_not_shown_is_what_the_next_frame_gets() {
     for (driver, library) in WAYS {
         let size = [64, 64];
         let window = X11Window::open(&server, library, size);
-        let stage = Stage::new(driver, window.clone());
+        let stage = WindowStage::new(driver, window.clone());
         let mut painter = Painter::new(&stage.device, size);
         let expected = painter.expected(3);
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());
@@ -94,7 +94,7 @@ fn what_is_let_go_is_not_used_again_before_its_time() {
     for (driver, library) in WAYS {
         let size = [64, 64];
         let window = X11Window::open(&server, library, size);
-        let stage = Stage::new(driver, window.clone());
+        let stage = WindowStage::new(driver, window.clone());
         let mut painter = Painter::new(&stage.device, size);
         let expected = painter.expected(3);
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());
@@ -127,7 +127,7 @@ fn a_window_that_is_destroyed_says_so_and_takes_nothing_with_it() {
         for &mode in modes(driver) {
             let size = [200, 100];
             let window = X11Window::open(&server, library, size);
-            let stage = Stage::new(driver, window.clone());
+            let stage = WindowStage::new(driver, window.clone());
             let mut show = Show::new(&stage, &window, mode, size);
             for seed in 0..5 {
                 show.frame(seed, size);
@@ -175,7 +175,7 @@ fn a_server_that_ends_is_a_window_that_is_gone() {
         let mut server = Xvfb::start();
         let size = [200, 100];
         let window = X11Window::open(&server, Library::Xcb, size);
-        let stage = Stage::new(Driver::Lavapipe, window.clone());
+        let stage = WindowStage::new(Driver::Lavapipe, window.clone());
         let mut painter = Painter::new(&stage.device, size);
         let mut swapchain = stage.swapchain(&SwapchainOptions { mode, ..Default::default() });
         painter.paint(1, None);

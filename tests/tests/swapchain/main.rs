@@ -12,7 +12,7 @@ mod steady;
 mod wayland;
 
 use gpu::SwapchainOptions;
-use tests::stage::{Painter, Stage, await_image, show_surely};
+use tests::stage::{Painter, WindowStage, await_image, show_surely};
 use tests::ways::{WAYS, modes};
 use tests::x11_window::X11Window;
 use tests::xvfb::Xvfb;
@@ -23,7 +23,7 @@ fn an_image_in_a_window_is_what_was_drawn_bit_for_bit() {
     for (driver, library) in WAYS {
         let size = [320, 200];
         let window = X11Window::open(&server, library, size);
-        let stage = Stage::new(driver, window.clone());
+        let stage = WindowStage::new(driver, window.clone());
         let offered = stage.surface.present_modes(&stage.device).unwrap();
         let expected = modes(driver);
         assert!(

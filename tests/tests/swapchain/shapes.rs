@@ -4,7 +4,7 @@ use gpu::{Device, FrameRing, Target};
 use tests::xvfb::Xvfb;
 
 use crate::show_surely;
-use tests::stage::Stage;
+use tests::stage::WindowStage;
 use tests::ways::WAYS;
 use tests::x11_window::X11Window;
 
@@ -55,7 +55,7 @@ fn a_circle_stays_a_circle_in_windows_of_any_shape() {
     let server = Xvfb::start();
     for (driver, library) in WAYS {
         let window = X11Window::open(&server, library, IMAGE);
-        let stage = Stage::new(driver, window.clone());
+        let stage = WindowStage::new(driver, window.clone());
         let target = circle(&stage.device);
         let mut swapchain = stage.swapchain(&Default::default());
         // Also those that have just been resized while the image is still of the old shape.

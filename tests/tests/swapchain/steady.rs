@@ -7,7 +7,7 @@ use cull::Strategy;
 use gpu::{PresentId, PresentResult, Readback, SwapchainOptions};
 use render::{FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
-use tests::stage::{Stage, await_image};
+use tests::stage::{WindowStage, await_image};
 use tests::walk::SceneKind;
 use tests::ways::{WAYS, modes};
 use tests::x11_window::X11Window;
@@ -19,7 +19,7 @@ fn the_renderers_image_in_a_window_is_the_one_without_it() {
     for (driver, library) in WAYS {
         let size = [256, 144];
         let window = X11Window::open(&server, library, size);
-        let stage = Stage::new(driver, window.clone());
+        let stage = WindowStage::new(driver, window.clone());
         let GeneratedScene { scene, routes } = SceneKind::City.build(600);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let options = RendererOptions { methods: methods::all(), size, ..Default::default() };
@@ -72,7 +72,7 @@ fn presents_are_numbered_and_told_of_where_the_driver_tells() {
     for (driver, library) in WAYS {
         let size = [64, 64];
         let window = X11Window::open(&server, library, size);
-        let stage = Stage::new(driver, window.clone());
+        let stage = WindowStage::new(driver, window.clone());
         let mut painter = tests::stage::Painter::new(&stage.device, size);
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());
         assert_eq!((swapchain.newest_presented(), swapchain.size()), (None, None));

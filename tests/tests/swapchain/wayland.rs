@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use gpu::{Device, PresentMode, PresentResult, PresentSkipped, Swapchain, SwapchainOptions};
 use tests::Driver;
-use tests::stage::{Painter, Random, Stage};
+use tests::stage::{Painter, Random, WindowStage};
 use tests::wayland_window::WaylandWindow;
 use tests::weston::Weston;
 
@@ -21,7 +21,7 @@ fn options(mode: PresentMode) -> SwapchainOptions {
 fn a_window_on_wayland_takes_images_of_every_size_in_every_mode() {
     let compositor = Weston::start();
     let window = WaylandWindow::open(&compositor);
-    let stage = Stage::new(Driver::Lavapipe, window.clone());
+    let stage = WindowStage::new(Driver::Lavapipe, window.clone());
     let offered = stage.surface.present_modes(&stage.device).unwrap();
     assert!(offered.contains(&PresentMode::Mailbox) && offered.contains(&PresentMode::Fifo));
     for mode in PresentMode::ALL {
@@ -84,7 +84,7 @@ fn a_window_that_nobody_sees_holds_nothing_up() {
     for mode in [PresentMode::Fifo, PresentMode::Mailbox] {
         let mut compositor = Weston::start();
         let window = WaylandWindow::open_hidden(&compositor);
-        let stage = Stage::new(Driver::Lavapipe, window.clone());
+        let stage = WindowStage::new(Driver::Lavapipe, window.clone());
         let mut painter = Painter::new(&stage.device, SIZE);
         let mut swapchain = stage.swapchain(&options(mode));
         let outcomes = run_loop(&window, &stage.device, &mut painter, &mut swapchain, 12);
@@ -110,7 +110,7 @@ fn a_window_that_nobody_sees_holds_nothing_up() {
 fn a_window_may_be_closed_while_it_holds_a_image_back() {
     let mut compositor = Weston::start();
     let window = WaylandWindow::open_hidden(&compositor);
-    let stage = Stage::new(Driver::Lavapipe, window.clone());
+    let stage = WindowStage::new(Driver::Lavapipe, window.clone());
     let mut painter = Painter::new(&stage.device, SIZE);
     let mut swapchain = stage.swapchain(&options(PresentMode::Fifo));
     run_loop(&window, &stage.device, &mut painter, &mut swapchain, 6);
@@ -134,7 +134,7 @@ fn a_compositor_that_stands_still_is_a_window_that_is_hidden_for_a_while() {
     for mode in [PresentMode::Fifo, PresentMode::Mailbox] {
         let compositor = Weston::start();
         let window = WaylandWindow::open(&compositor);
-        let stage = Stage::new(Driver::Lavapipe, window.clone());
+        let stage = WindowStage::new(Driver::Lavapipe, window.clone());
         let mut painter = Painter::new(&stage.device, SIZE);
         let mut swapchain = stage.swapchain(&options(mode));
         run_loop(&window, &stage.device, &mut painter, &mut swapchain, 10);

@@ -339,14 +339,18 @@ fn the_methods_of_a_type_stand_in_its_file_or_in_api() {
 }
 
 #[test]
-fn public_types_of_two_crates_have_two_names() {
+fn public_types_of_two_packages_have_two_names() {
     assert_obeyed(types::one_name_one_type);
     let at = |path, text| SourceFile::new(path, text);
     let [one, other] = ["pub struct Camera {}\n", "pub enum Camera {}\n"];
     let found = |other_path, other| {
         types::one_name_one_type(&[at("engine/cull/src/a.rs", one), at(other_path, other)]).len()
     };
-    assert_eq!(found("engine/import/src/b.rs", other), 1);
+    for other_path in ["engine/import/src/b.rs", "samples/src/hud/b.rs", "tests/src/b.rs"] {
+        assert_eq!(found(other_path, other), 1, "{other_path}");
+    }
+    assert_eq!(found("tests/tests/gpu/b.rs", other), 0, "a test's own");
+    assert_eq!(found("samples/bench/src/b/tests.rs", other), 0, "a unit test's own");
     assert_eq!(found("engine/cull/src/b.rs", other), 0, "one crate's modules may");
     assert_eq!(found("engine/import/src/b.rs", "pub(crate) struct Camera;\n"), 0);
     assert_eq!(found("engine/import/src/b.rs", "pub struct Error;\n"), 0);

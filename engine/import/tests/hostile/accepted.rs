@@ -4,19 +4,19 @@
 use antumbra_import::{Limits, Source, read};
 use serde_json::json;
 
-use gltf_files::files::{F32, I16, Scene, U8, U32, encoded, everything, glb_of};
+use gltf_files::files::{F32, GltfFile, I16, U8, U32, encoded, everything, glb_of};
 
 fn accept(name: &str, bytes: Vec<u8>) -> Source {
     read(bytes, None, &Limits::default()).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-fn triangle_with(change: impl FnOnce(&mut Scene)) -> Scene {
-    let mut scene = Scene::triangle();
+fn triangle_with(change: impl FnOnce(&mut GltfFile)) -> GltfFile {
+    let mut scene = GltfFile::triangle();
     change(&mut scene);
     scene
 }
 
-type Change = fn(&mut Scene);
+type Change = fn(&mut GltfFile);
 
 /// Changes of a triangle after which the file is still valid.
 const VALID: &[(&str, Change)] = &[
@@ -184,7 +184,7 @@ fn sparse_and_absent_elements_are_read() {
 
 #[test]
 fn numbers_of_all_types_are_read_from_any_place() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     // Three elements of one, then three bytes, 5 bytes apart and beginning at an odd byte.
     let bytes = [0, 255, 128, 127, 9, 9, 129, 0, 1, 9, 9, 64, 32, 16];
     let view = scene.view(&bytes);
@@ -225,7 +225,7 @@ fn numbers_of_all_types_are_read_from_any_place() {
 
 #[test]
 fn containers_are_read_as_freely_as_they_are_written() {
-    let scene = Scene::triangle();
+    let scene = GltfFile::triangle();
     let marked = [b"\xEF\xBB\xBF".as_slice(), &scene.gltf()].concat();
     accept("a byte order mark", marked);
     let json = scene.gltf();
@@ -249,7 +249,7 @@ fn what_is_not_understood_is_noted() {
     let unknown = triangle_with(|scene| scene.set("/extensionsUsed", json!(["VENDOR_thing"])));
     let notes = accept("unknown", unknown.glb()).notes;
     assert!(notes.iter().any(|note| note.object.contains("VENDOR_thing")), "{notes:?}");
-    let mut basis = Scene::triangle();
+    let mut basis = GltfFile::triangle();
     basis.show_images(1);
     basis.set("/textures", json!([{ "extensions": { "KHR_texture_basisu": { "source": 0 } } }]));
     let notes = accept("basis", basis.glb()).notes;

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use antumbra_import::{Cause, Limits, read};
 use serde_json::json;
 
-use gltf_files::files::{F32, Scene, U16, everything};
+use gltf_files::files::{F32, GltfFile, U16, everything};
 
 /// Checks that a file is refused for its size, and in no time.
 fn too_large(bytes: Vec<u8>, expected: &[&str]) {
@@ -23,22 +23,22 @@ fn too_large(bytes: Vec<u8>, expected: &[&str]) {
 
 #[test]
 fn large_meshes_without_bytes_are_refused() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/accessors/0", json!({ "componentType": F32, "type": "VEC3", "count": 1u64 << 40 }));
     too_large(scene.glb(), &["accessor 0", "elements up to it"]);
 
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/accessors/0", json!({ "componentType": F32, "type": "VEC3", "count": 1 << 26 }));
     too_large(scene.glb(), &["mesh 0, primitive 0", "vertices: 67108864, more than"]);
 
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/accessors/1", json!({ "componentType": U16, "type": "SCALAR", "count": 1 << 28 }));
     too_large(scene.glb(), &["mesh 0", "corners of triangles up to it"]);
 }
 
 #[test]
 fn meshes_that_are_named_often_are_refused() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/accessors/0", json!({ "componentType": F32, "type": "VEC3", "count": 1 << 20 }));
     let primitive = json!({ "attributes": { "POSITION": 0 } });
     scene.set("/meshes", json!([{ "primitives": vec![primitive; 40] }]));
@@ -57,7 +57,7 @@ fn meshes_that_are_named_often_are_refused() {
     scene.set("/skins/0/joints", json!([1, 2, 1, 2]));
     too_large(scene.glb(), &["node", "up to it"]);
 
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let primitive = scene.json["meshes"][0]["primitives"][0].clone();
     scene.set("/meshes/0/primitives", json!(vec![primitive; 5_000]));
     scene.set("/nodes", json!(vec![json!({ "mesh": 0 }); 5_000]));
@@ -92,7 +92,7 @@ fn json_that_grows_in_memory_is_refused() {
     let nodes = "{},".repeat(3_000_000);
     let text = format!("{{\"asset\":{{\"version\":\"2.0\"}},\"nodes\":[{nodes}{{}}]}}");
     too_large(text.into_bytes(), &["JSON", "bytes of JSON in memory"]);
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/nodes", json!(vec![json!({}); 50]));
     let limits = Limits { nodes: 49, ..Limits::default() };
     let error = read(scene.glb(), None, &limits).map(drop).expect_err("too many");
@@ -102,7 +102,7 @@ fn json_that_grows_in_memory_is_refused() {
 #[test]
 fn large_images_are_refused_by_their_heads() {
     for (width, height) in [(60_000, 60_000), (60_000, 1), (1, 16_385)] {
-        let mut scene = Scene::triangle();
+        let mut scene = GltfFile::triangle();
         let view = scene.view(&png_head(width, height));
         scene.set("/images", json!([{ "bufferView": view, "mimeType": "image/png" }]));
         scene.show_images(1);
@@ -111,12 +111,12 @@ fn large_images_are_refused_by_their_heads() {
             &["image 0", "pixels along a side of", "more than the limit of 16384"],
         );
     }
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let view = scene.view(&png_head(0x7FFF_FFFF, 0x7FFF_FFFF));
     scene.set("/images", json!([{ "bufferView": view, "mimeType": "image/png" }]));
     scene.show_images(1);
     too_large(scene.glb(), &["image 0", "it cannot be decoded: Memory limit exceeded"]);
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let view = scene.view(&png_head(16_384, 16_384));
     let image = json!({ "bufferView": view, "mimeType": "image/png" });
     scene.set("/images", json!(vec![image; 3]));
@@ -154,7 +154,7 @@ fn checksum(bytes: &[u8]) -> u32 {
 #[test]
 fn a_chain_of_nodes_may_be_as_deep_as_it_likes() {
     let depth = 100_000;
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let mut nodes: Vec<_> = (1..depth).map(|child| json!({ "children": [child] })).collect();
     nodes.push(json!({ "mesh": 0 }));
     scene.set("/nodes", json!(nodes));

@@ -6,7 +6,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::json;
 
-use gltf_files::files::{Scene, U8};
+use gltf_files::files::{GltfFile, U8};
 
 const ATTRIBUTES: [&str; 2] = [
     "oAUAzDDAJgYiFjMAAAAKLgEAMwMDJiIwLgUADAMwCA4IAwAAABABDDAzMBoMKCgGBQPwM8wYDgQeKgg2MAAAAC4FMA/MDyokJg4MMjADAAAAEAUzPDAAHBwoDBI8AAAAJBwFM8AAzAoUCBI0AwAAADAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA4DFgAAAg==",
@@ -44,8 +44,8 @@ const OF_TRIANGLES: View = view("TRIANGLES", "NONE", 24, 4);
 const OF_INDICES: View = view("INDICES", "NONE", 24, 2);
 
 /// Returns a file whose second buffer holds these bytes, decompressed.
-fn scene(encoded: &[u8], view: View) -> Scene {
-    let mut scene = Scene::triangle();
+fn scene(encoded: &[u8], view: View) -> GltfFile {
+    let mut scene = GltfFile::triangle();
     let at = scene.binary.len();
     scene.binary.extend_from_slice(encoded);
     let length = view.count * view.stride;
@@ -63,7 +63,7 @@ fn scene(encoded: &[u8], view: View) -> Scene {
 }
 
 /// Shows the first bytes of a view as a position.
-fn show_view(scene: &mut Scene, view: usize) {
+fn show_view(scene: &mut GltfFile, view: usize) {
     let accessor = json!({ "bufferView": view, "componentType": U8, "type": "VEC3", "count": 1 });
     let positions = scene.push("accessors", accessor);
     let primitives = scene.json["meshes"][0]["primitives"].as_array_mut().expect("a list");
@@ -102,14 +102,14 @@ fn all_modes_are_decompressed() {
 }
 
 /// Returns the same file under the name of the newer extension.
-fn renamed(scene: &Scene) -> Scene {
+fn renamed(scene: &GltfFile) -> GltfFile {
     let text = scene.json.to_string().replace("EXT_meshopt", "KHR_meshopt");
-    Scene { json: serde_json::from_str(&text).expect("it is JSON"), ..scene.clone() }
+    GltfFile { json: serde_json::from_str(&text).expect("it is JSON"), ..scene.clone() }
 }
 
 #[test]
 fn the_newer_extension_has_all_of_the_older_one_and_more() {
-    let read = |scene: &Scene| {
+    let read = |scene: &GltfFile| {
         read(scene.glb(), None, &Limits::default()).map(|source| source.buffer(1).to_vec())
     };
     for ([encoded, expected], view) in

@@ -3,7 +3,7 @@
 use antumbra_import::{Limits, read};
 use serde_json::json;
 
-use gltf_files::files::{Scene, everything, glb_of};
+use gltf_files::files::{GltfFile, everything, glb_of};
 use gltf_files::target::try_bytes;
 
 fn refused(bytes: &[u8]) -> String {
@@ -26,7 +26,7 @@ fn a_file_that_is_cut_off_anywhere_is_refused() {
 
 #[test]
 fn headers_that_lie_are_named() {
-    let glb = Scene::triangle().glb();
+    let glb = GltfFile::triangle().glb();
     let with = |at: usize, bytes: &[u8]| {
         let mut changed = glb.clone();
         changed[at..at + bytes.len()].copy_from_slice(bytes);
@@ -64,7 +64,7 @@ fn what_is_no_json_is_named() {
 
 #[test]
 fn buffers_must_come_from_somewhere() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/buffers", json!([{ "byteLength": 44 }, { "byteLength": 4 }]));
     let source = read(scene.glb(), None, &Limits::default()).expect("nothing uses buffer 1");
     let note = source.notes[0].to_string();

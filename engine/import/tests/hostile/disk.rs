@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use antumbra_import::{Cause, ImportError, Limits, open};
 use serde_json::json;
 
-use gltf_files::files::{Scene, encoded};
+use gltf_files::files::{GltfFile, encoded};
 
 /// A folder with a scene in it, and a secret beside it; removed when dropped.
 struct Folder {
@@ -33,7 +33,7 @@ impl Folder {
     }
 
     fn open_with(&self, buffers: &serde_json::Value) -> Result<(), ImportError> {
-        let mut scene = Scene::triangle();
+        let mut scene = GltfFile::triangle();
         scene.set("/buffers", buffers.clone());
         let path = self.scene().join("scene.gltf");
         fs::write(&path, scene.gltf()).expect("it can be written");
@@ -73,7 +73,7 @@ fn pointers_of_git_lfs_are_named() {
 #[test]
 fn files_below_the_scene_are_read() {
     let folder = Folder::new("below");
-    let bytes = Scene::triangle().binary;
+    let bytes = GltfFile::triangle().binary;
     for (name, uri) in [
         ("a.bin", "a.bin"),
         ("a b ü%.bin", "a%20b%20%C3%BC%25.bin"),
@@ -136,7 +136,7 @@ fn links_and_pipes_lead_nowhere() {
     use std::os::unix::fs::symlink;
     let folder = Folder::new("links");
     let inside = folder.scene();
-    folder.write("a.bin", &Scene::triangle().binary);
+    folder.write("a.bin", &GltfFile::triangle().binary);
     let link = |to: &Path, name: &str| symlink(to, inside.join(name)).expect("a link can be made");
     link(Path::new("a.bin"), "good");
     link(Path::new("../secret.bin"), "bad");
@@ -185,7 +185,7 @@ fn sizes_are_looked_at_before_files_are_read() {
 fn images_are_read_from_files_too() {
     let folder = Folder::new("images");
     folder.write("a.png", &encoded(image::ImageFormat::Png));
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/images", json!([{ "uri": "a.png" }, { "uri": "../a.png" }]));
     scene.show_images(1);
     let path = folder.scene().join("scene.gltf");

@@ -9,23 +9,23 @@ use antumbra_import::{
 use serde_json::{Value, json};
 
 use gltf_files::chains::chains;
-use gltf_files::files::{F32, Scene, U8, encoded};
+use gltf_files::files::{F32, GltfFile, U8, encoded};
 use gltf_files::loaded;
 use gltf_files::playback::play;
 
-fn load_with(scene: &Scene, limits: Limits) -> Result<GltfScene, ImportError> {
+fn load_with(scene: &GltfFile, limits: Limits) -> Result<GltfScene, ImportError> {
     let options = LoadOptions { limits, ..LoadOptions::default() };
     load_bytes(scene.glb(), None, &options, &mut |_| ControlFlow::Continue(()))
 }
 
-fn load(scene: &Scene) -> GltfScene {
+fn load(scene: &GltfFile) -> GltfScene {
     let imported = load_with(scene, Limits::default()).unwrap_or_else(|error| panic!("{error}"));
     loaded::check(&imported);
     imported
 }
 
 /// Returns a clip that moves or scales one node between these values.
-fn clip(scene: &mut Scene, name: &str, channels: &[(usize, &str, [f32; 6])]) -> Value {
+fn clip(scene: &mut GltfFile, name: &str, channels: &[(usize, &str, [f32; 6])]) -> Value {
     let times = scene.floats("SCALAR", &[0.0, 1.0]);
     let mut samplers = Vec::new();
     let mut list = Vec::new();
@@ -41,8 +41,8 @@ const GROWS: [f32; 6] = [1.0, 1.0, 1.0, 1e9, 1e9, 1e9];
 const LEAVES: [f32; 6] = [0.0, 0.0, 0.0, 1e9, 0.0, 0.0];
 
 /// Returns a triangle on a node (1) below another (0).
-fn arm() -> Scene {
-    let mut scene = Scene::triangle();
+fn arm() -> GltfFile {
+    let mut scene = GltfFile::triangle();
     scene.set("/nodes", json!([{ "children": [1] }, { "mesh": 0, "name": "hand" }, { "mesh": 0 }]));
     scene.set("/scenes/0/nodes", json!([0, 2]));
     scene
@@ -81,7 +81,7 @@ fn clips_that_go_too_far_only_together_do_not_play_together() {
 
 #[test]
 fn long_chains_of_matrices_are_not_too_far() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let turned = [0.6, 0.8, 0.0, 0.0, -0.8, 0.6, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     let link = |child: usize| json!({ "children": [child], "matrix": turned });
     let mut nodes: Vec<Value> = (1..300).map(link).collect();
@@ -95,8 +95,8 @@ fn long_chains_of_matrices_are_not_too_far() {
 }
 
 /// Returns several places of a mesh with a morph target that a clip moves.
-fn instanced(count: usize) -> Scene {
-    let mut scene = Scene::triangle();
+fn instanced(count: usize) -> GltfFile {
+    let mut scene = GltfFile::triangle();
     scene.set("/meshes/0/primitives/0/targets", json!([{ "POSITION": 0 }]));
     let places = json!({ "componentType": F32, "type": "VEC3", "count": count });
     let places = scene.push("accessors", places);
@@ -140,7 +140,7 @@ fn progress_is_told_within_a_node_and_instances_reach_equally_far() {
 
 #[test]
 fn lights_are_counted_where_the_file_has_a_name() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/extensionsUsed", json!(["KHR_lights_punctual"]));
     scene.set("/extensions/KHR_lights_punctual/lights", json!([{ "type": "point" }]));
     let light = json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } });
@@ -174,7 +174,7 @@ fn bones_are_counted_once_for_all_that_hangs_on_them() {
 #[test]
 fn joints_without_weight_may_be_any_and_others_must_be_there() {
     let skinned = |joints: [u8; 12]| {
-        let mut scene = Scene::triangle();
+        let mut scene = GltfFile::triangle();
         let joints = scene.numbers(U8, "VEC4", 3, &joints);
         let weights = scene.floats("VEC4", &[[1.0, 0.0, 0.0, 0.0]; 3].concat());
         scene.set("/meshes/0/primitives/0/attributes/JOINTS_0", json!(joints));
@@ -195,7 +195,7 @@ fn joints_without_weight_may_be_any_and_others_must_be_there() {
 fn jpegs_without_their_end_are_taken_if_nothing_else_is_missing() {
     let whole = encoded(image::ImageFormat::Jpeg);
     let read = |bytes: &[u8]| {
-        let mut scene = Scene::triangle();
+        let mut scene = GltfFile::triangle();
         let view = scene.view(bytes);
         scene.set("/images", json!([{ "bufferView": view, "mimeType": "image/jpeg" }]));
         scene.show_images(1);
@@ -246,7 +246,7 @@ fn what_is_no_scene_is_told_from_a_broken_one() {
 
 #[test]
 fn colours_beyond_one_are_told() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let colours = scene.floats("VEC3", &[2.0, 0.5, 0.5, 1.0, 1.0, 1.0, -0.5, 0.0, 0.0]);
     scene.set("/meshes/0/primitives/0/attributes/COLOR_0", json!(colours));
     let imported = load(&scene);

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use gltf_files::files::{Scene, everything, glb_of};
+use gltf_files::files::{GltfFile, everything, glb_of};
 use gltf_files::target::try_bytes;
 
 /// The number of tries in a test; `cargo fuzz` continues where this ends.
@@ -39,7 +39,7 @@ fn corpus() -> Vec<Vec<u8>> {
     let mut seeds: Vec<_> =
         files.iter().map(|file| std::fs::read(file).expect("it can be read")).collect();
     assert!(seeds.len() >= 8, "{} seeds in {}", seeds.len(), folder.display());
-    seeds.extend([everything().glb(), everything().gltf(), Scene::triangle().glb()]);
+    seeds.extend([everything().glb(), everything().gltf(), GltfFile::triangle().glb()]);
     seeds
 }
 

@@ -3,10 +3,10 @@
 use antumbra_import::{Limits, read};
 use serde_json::json;
 
-use gltf_files::files::{F32, Scene, U8, U16, U32, encoded, everything};
+use gltf_files::files::{F32, GltfFile, U8, U16, U32, encoded, everything};
 
 /// A change of a file that uses everything, and parts of the expected error.
-type Case = (fn(&mut Scene), &'static [&'static str]);
+type Case = (fn(&mut GltfFile), &'static [&'static str]);
 
 const POSITION: &str = "/meshes/0/primitives/0/attributes/POSITION";
 
@@ -371,7 +371,7 @@ fn what_the_scene_can_do_without_is_left_out_and_named() {
 }
 
 /// Changes the sparse accessor.
-fn set_sparse(scene: &mut Scene, key: &str, value: serde_json::Value) {
+fn set_sparse(scene: &mut GltfFile, key: &str, value: serde_json::Value) {
     let accessors = scene.json["accessors"].as_array().expect("a list");
     let index = accessors
         .iter()
@@ -380,23 +380,23 @@ fn set_sparse(scene: &mut Scene, key: &str, value: serde_json::Value) {
     scene.set(&format!("/accessors/{index}/sparse/{key}"), value);
 }
 
-fn set_bytes_of_sparse_index(scene: &mut Scene, index: u8) {
+fn set_bytes_of_sparse_index(scene: &mut GltfFile, index: u8) {
     let view = scene.view(&[index, 0]);
     set_sparse(scene, "indices/bufferView", json!(view));
 }
 
-fn set_index(scene: &mut Scene, index: u16) {
+fn set_index(scene: &mut GltfFile, index: u16) {
     let bytes = [0, 1, index].map(u16::to_le_bytes).concat();
     let indices = scene.numbers(U16, "SCALAR", 3, &bytes);
     scene.set("/meshes/0/primitives/0/indices", json!(indices));
 }
 
-fn set_image(scene: &mut Scene, bytes: &[u8]) {
+fn set_image(scene: &mut GltfFile, bytes: &[u8]) {
     let view = scene.view(bytes);
     scene.set("/images/0", json!({ "bufferView": view, "mimeType": "image/png" }));
 }
 
-fn set_cut_image(scene: &mut Scene, format: image::ImageFormat) {
+fn set_cut_image(scene: &mut GltfFile, format: image::ImageFormat) {
     let whole = encoded(format);
     // PNG ends with a checksum and an empty chunk, so that a little less is still a complete
     // image.

@@ -4,17 +4,17 @@
 use serde_json::json;
 
 use super::tolerated::{Outcome::*, Row};
-use gltf_files::files::Scene;
+use gltf_files::files::GltfFile;
 
-fn light(scene: &mut Scene, key: &str, value: serde_json::Value) {
+fn light(scene: &mut GltfFile, key: &str, value: serde_json::Value) {
     scene.set(&format!("/extensions/KHR_lights_punctual/lights/0/{key}"), value);
 }
 
-fn camera(scene: &mut Scene, key: &str, value: serde_json::Value) {
+fn camera(scene: &mut GltfFile, key: &str, value: serde_json::Value) {
     scene.set(&format!("/cameras/0/perspective/{key}"), value);
 }
 
-fn orthographic(scene: &mut Scene, size: [f32; 2]) {
+fn orthographic(scene: &mut GltfFile, size: [f32; 2]) {
     let [xmag, ymag] = size;
     let values = json!({ "xmag": xmag, "ymag": ymag, "znear": 0, "zfar": 9 });
     scene.set("/cameras/0", json!({ "type": "orthographic", "orthographic": values }));
@@ -22,7 +22,7 @@ fn orthographic(scene: &mut Scene, size: [f32; 2]) {
 }
 
 /// Sets the first mesh to another mode, without indices.
-fn mode(scene: &mut Scene, mode: u32) {
+fn mode(scene: &mut GltfFile, mode: u32) {
     scene.remove("/meshes/0/primitives/0/indices");
     scene.set("/meshes/0/primitives/0/mode", json!(mode));
 }

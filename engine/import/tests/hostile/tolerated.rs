@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::deviations::{LEFT_OUT, SHOWN, SPELLINGS};
 use super::replaced::REPLACED;
 use super::unused::{ASIDE, UNUSED};
-use gltf_files::files::{F32, Scene, everything};
+use gltf_files::files::{F32, GltfFile, everything};
 use gltf_files::loaded;
 use gltf_files::playback::play;
 
@@ -27,7 +27,7 @@ pub enum Outcome {
 }
 
 /// A situation, the change of a file that uses everything, and its outcome.
-pub type Row = (&'static str, fn(&mut Scene), Outcome);
+pub type Row = (&'static str, fn(&mut GltfFile), Outcome);
 
 fn load(bytes: Vec<u8>) -> Result<GltfScene, ImportError> {
     load_bytes(bytes, None, &LoadOptions::default(), &mut |_| ControlFlow::Continue(()))
@@ -82,30 +82,30 @@ fn is_as_expected(result: &Result<GltfScene, ImportError>, outcome: Outcome) -> 
 }
 
 /// Appends to a list.
-pub fn add(scene: &mut Scene, list: &str, value: Value) {
+pub fn add(scene: &mut GltfFile, list: &str, value: Value) {
     scene.push(list, value);
 }
 
 /// Appends a buffer to the one of the file.
-pub fn buffer(scene: &mut Scene, value: Value) {
-    let own = Scene { json: json!({}), binary: scene.binary.clone() };
+pub fn buffer(scene: &mut GltfFile, value: Value) {
+    let own = GltfFile { json: json!({}), binary: scene.binary.clone() };
     let data = json!({ "byteLength": own.binary.len(), "uri": own.data_uri() });
     scene.set("/buffers", json!([data, value]));
 }
 
 /// Appends an accessor in which one field is this.
-pub fn accessor(scene: &mut Scene, key: &str, value: Value) {
+pub fn accessor(scene: &mut GltfFile, key: &str, value: Value) {
     let at = scene.push("accessors", json!({ "componentType": F32, "type": "VEC3", "count": 3 }));
     scene.set(&format!("/accessors/{at}/{key}"), value);
 }
 
 /// Appends a light.
-pub fn light(scene: &mut Scene, value: Value) {
+pub fn light(scene: &mut GltfFile, value: Value) {
     scene.set("/extensions/KHR_lights_punctual/lights/1", value);
 }
 
 /// Gives the first node a matrix that is not a rotation and a scale, by one number.
-pub fn matrix(scene: &mut Scene, place: usize, number: f32) {
+pub fn matrix(scene: &mut GltfFile, place: usize, number: f32) {
     let mut matrix = [0.0; 16];
     [0, 5, 10, 15].into_iter().for_each(|place| matrix[place] = 1.0);
     matrix[place] = number;
@@ -113,14 +113,14 @@ pub fn matrix(scene: &mut Scene, place: usize, number: f32) {
 }
 
 /// Returns the accessor of the keys of an animation that nothing else uses.
-pub fn keys(scene: &mut Scene) -> usize {
+pub fn keys(scene: &mut GltfFile) -> usize {
     let at = scene.floats("SCALAR", &[0.0, 1.0]);
     scene.set("/animations/0/samplers/1/input", json!(at));
     at
 }
 
 /// Puts the first image, or keys of the animation, into a buffer that does not exist.
-pub fn elsewhere(scene: &mut Scene, is_image: bool) {
+pub fn elsewhere(scene: &mut GltfFile, is_image: bool) {
     let at = keys(scene);
     buffer(scene, json!({ "byteLength": 8, "uri": "gone.bin" }));
     let view = scene.push("bufferViews", json!({ "buffer": 1, "byteLength": 8 }));
@@ -159,7 +159,7 @@ pub fn vendor(value: &mut Value) {
 }
 
 /// Loads within the time limit, whatever the outcome.
-fn quickly(scene: &Scene) -> Result<GltfScene, ImportError> {
+fn quickly(scene: &GltfFile) -> Result<GltfScene, ImportError> {
     let start = Instant::now();
     let result = load(scene.glb());
     assert!(start.elapsed() < Duration::from_secs(20), "took {:?}", start.elapsed());
@@ -208,7 +208,7 @@ fn broken_images_and_clips_are_noted_up_to_a_bound() {
 #[test]
 fn a_chain_whose_nodes_are_all_named_as_roots_is_shown_once() {
     let depth = 100_000;
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let mut nodes: Vec<Value> = (1..depth).map(|child| json!({ "children": [child] })).collect();
     nodes.push(json!({ "mesh": 0 }));
     scene.set("/nodes", json!(nodes));
@@ -282,7 +282,7 @@ fn numbers_beyond_64_bits_are_faults_of_what_they_are_in() {
 
 #[test]
 fn names_that_occur_twice_are_noted() {
-    let text = String::from_utf8(Scene::triangle().gltf()).expect("JSON");
+    let text = String::from_utf8(GltfFile::triangle().gltf()).expect("JSON");
     let twice = text.replacen("{", "{\"scene\":0,", 1);
     let imported = load(twice.into_bytes()).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(imported.scene.objects.len(), 1);

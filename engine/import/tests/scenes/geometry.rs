@@ -4,7 +4,7 @@ use antumbra_import::GltfScene;
 use serde_json::json;
 
 use super::loading::{load, notes, refused};
-use gltf_files::files::{F32, I16, Scene, U8, U16, U32};
+use gltf_files::files::{F32, GltfFile, I16, U8, U16, U32};
 
 pub const ATTRIBUTES: &str = "/meshes/0/primitives/0/attributes";
 
@@ -28,19 +28,19 @@ fn indices_of_all_types_and_none_mean_the_same() {
         (U16, vec![0, 0, 1, 0, 2, 0]),
         (U32, vec![0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]),
     ] {
-        let mut scene = Scene::triangle();
+        let mut scene = GltfFile::triangle();
         let indices = scene.numbers(component, "SCALAR", 3, &bytes);
         scene.set("/meshes/0/primitives/0/indices", json!(indices));
         assert_eq!(corners(&load(&scene), 0), CORNERS);
     }
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.remove("/meshes/0/primitives/0/indices");
     assert_eq!(corners(&load(&scene), 0), CORNERS);
 }
 
 #[test]
 fn quantised_numbers_become_what_they_mean() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let words = |values: &[i16]| values.iter().flat_map(|it| it.to_le_bytes()).collect::<Vec<_>>();
     let positions = words(&[-32768, 0, 32767, 0, 16384, 0, 0, 0, 0, -32767, 0, 0]);
     let positions = scene.numbers(I16, "VEC3", 3, &positions);
@@ -67,7 +67,7 @@ fn quantised_numbers_become_what_they_mean() {
 }
 
 /// Gives the triangle a texture by a set of coordinates.
-pub fn textured(scene: &mut Scene, set: u32) {
+pub fn textured(scene: &mut GltfFile, set: u32) {
     let image = scene.view(&gltf_files::files::encoded(image::ImageFormat::Png));
     scene.set("/images", json!([{ "bufferView": image, "mimeType": "image/png" }]));
     scene.set("/textures", json!([{ "source": 0 }]));
@@ -78,7 +78,7 @@ pub fn textured(scene: &mut Scene, set: u32) {
 
 #[test]
 fn sparse_accessors_replace_what_they_name() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let indices = scene.view(&[2]);
     let values = scene.view(&[0.0f32, 5.0, 0.0].map(f32::to_le_bytes).concat());
     let sparse = json!({ "count": 1, "indices": { "bufferView": indices, "componentType": U8 },
@@ -89,7 +89,7 @@ fn sparse_accessors_replace_what_they_name() {
 
 #[test]
 fn the_sets_of_coordinates_that_a_material_uses_find_a_place() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let third = scene.floats("VEC2", &[0.0, 0.25, 0.5, 0.75, 1.0, 0.5]);
     let first = scene.floats("VEC2", &[9.0; 6]);
     scene.set(&format!("{ATTRIBUTES}/TEXCOORD_0"), json!(first));
@@ -107,7 +107,7 @@ fn the_sets_of_coordinates_that_a_material_uses_find_a_place() {
 fn strips_and_fans_are_triangles_all_of_one_winding() {
     let square = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
     for (mode, order) in [(5, [0, 1, 2, 3]), (6, [0, 1, 3, 2])] {
-        let mut scene = Scene::triangle();
+        let mut scene = GltfFile::triangle();
         let positions = scene.floats("VEC3", &square);
         let indices = scene.numbers(U8, "SCALAR", 4, &order);
         scene.set(&format!("{ATTRIBUTES}/POSITION"), json!(positions));
@@ -123,7 +123,7 @@ fn strips_and_fans_are_triangles_all_of_one_winding() {
 #[test]
 fn points_and_lines_are_sprites_without_light() {
     for (mode, sprites) in [(0, 3), (1, 1), (2, 3), (3, 2)] {
-        let mut scene = Scene::triangle();
+        let mut scene = GltfFile::triangle();
         scene.set("/meshes/0/primitives/0/mode", json!(mode));
         let imported = load(&scene);
         let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
@@ -144,7 +144,7 @@ fn points_and_lines_are_sprites_without_light() {
 #[test]
 fn points_that_are_blended_are_solids_unless_they_are_a_crowd() {
     let cloud = |count: usize| {
-        let mut scene = Scene::triangle();
+        let mut scene = GltfFile::triangle();
         let places: Vec<f32> = (0..count * 3).map(|place| place as f32).collect();
         let places = scene.floats("VEC3", &places);
         let material = json!({ "alphaMode": "BLEND",
@@ -168,7 +168,7 @@ fn points_that_are_blended_are_solids_unless_they_are_a_crowd() {
 
 #[test]
 fn points_in_one_place_are_one_point() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let nowhere = json!({ "componentType": F32, "type": "VEC3", "count": 2_000_000 });
     let nowhere = scene.push("accessors", nowhere);
     let primitive = json!({ "attributes": { "POSITION": nowhere }, "mode": 0 });
@@ -180,7 +180,7 @@ fn points_in_one_place_are_one_point() {
 
 #[test]
 fn vertices_that_no_triangle_names_are_dropped_whatever_they_are() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let mut places = vec![f32::NAN; 6];
     places.extend(CORNERS.as_flattened());
     let positions = scene.floats("VEC3", &places);
@@ -195,7 +195,7 @@ fn vertices_that_no_triangle_names_are_dropped_whatever_they_are() {
 #[test]
 fn positions_that_are_no_numbers_are_refused_by_name() {
     for wrong in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-        let mut scene = Scene::triangle();
+        let mut scene = GltfFile::triangle();
         let positions = scene.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, wrong, 0.0]);
         scene.set(&format!("{ATTRIBUTES}/POSITION"), json!(positions));
         scene.set("/meshes/0/name", json!("broken"));
@@ -207,7 +207,7 @@ fn positions_that_are_no_numbers_are_refused_by_name() {
 
 #[test]
 fn other_attributes_that_are_no_numbers_are_repaired_and_told() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let inf = f32::INFINITY;
     let normal = scene.floats("VEC3", &[f32::NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 9.0]);
     let uv = scene.floats("VEC2", &[f32::NAN, 0.0, 1e30, -inf, 0.5, -1e30]);
@@ -236,7 +236,7 @@ fn other_attributes_that_are_no_numbers_are_repaired_and_told() {
 
 #[test]
 fn primitives_without_positions_draw_nothing() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let colour = scene.floats("VEC4", &[1.0; 12]);
     scene.set(ATTRIBUTES, json!({ "COLOR_0": colour }));
     let imported = load(&scene);

@@ -9,11 +9,17 @@ use serde_json::{Value, json};
 
 use super::geometry::ATTRIBUTES;
 use super::loading::{counts, load, notes, refused};
-use gltf_files::files::{Scene, U8, U16};
+use gltf_files::files::{GltfFile, U8, U16};
 
 /// Returns the triangle with one channel on its node, of a sampler of these keys.
-fn animated(path: &str, times: &[f32], kind: &str, values: &[f32], interpolation: &str) -> Scene {
-    let mut scene = Scene::triangle();
+fn animated(
+    path: &str,
+    times: &[f32],
+    kind: &str,
+    values: &[f32],
+    interpolation: &str,
+) -> GltfFile {
+    let mut scene = GltfFile::triangle();
     let input = scene.floats("SCALAR", times);
     let output = scene.floats(kind, values);
     let sampler = json!({ "input": input, "output": output, "interpolation": interpolation });
@@ -127,8 +133,8 @@ fn channels_that_cannot_be_are_left_out_and_told() {
 
 /// Returns a leg of two joints: the root at x = 10, the foot 2 above it; the triangle's corners
 /// follow both.
-fn leg(weights: &[f32]) -> Scene {
-    let mut scene = Scene::triangle();
+fn leg(weights: &[f32]) -> GltfFile {
+    let mut scene = GltfFile::triangle();
     scene.set(
         "/nodes",
         json!([
@@ -268,8 +274,8 @@ fn skinned_meshes_are_not_shared_and_mirrored_joints_turn_their_winding() {
 
 /// Returns the triangle with two morph targets: the first lifts its last corner, the second turns
 /// its normals.
-fn morphed(change: Value) -> Scene {
-    let mut scene = Scene::triangle();
+fn morphed(change: Value) -> GltfFile {
+    let mut scene = GltfFile::triangle();
     let lift = scene.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0]);
     let normal = scene.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3));
     let turn = scene.floats("VEC3", &[0.5, 0.0, 0.0].repeat(3));

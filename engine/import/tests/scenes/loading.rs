@@ -7,24 +7,24 @@ use antumbra_import::{
 };
 use serde_json::json;
 
-use gltf_files::files::{Scene, everything};
+use gltf_files::files::{GltfFile, everything};
 use gltf_files::loaded::check;
 
 /// Returns the result of loading with the default options.
-pub fn try_load(scene: &Scene) -> Result<GltfScene, ImportError> {
+pub fn try_load(scene: &GltfFile) -> Result<GltfScene, ImportError> {
     let options = LoadOptions::default();
     load_bytes(scene.glb(), None, &options, &mut |_| ControlFlow::Continue(()))
 }
 
 /// Returns the scene of a file that can be loaded, after a check of everything in it.
-pub fn load(scene: &Scene) -> GltfScene {
+pub fn load(scene: &GltfFile) -> GltfScene {
     let imported = try_load(scene).unwrap_or_else(|error| panic!("{error}"));
     check(&imported);
     imported
 }
 
 /// Returns the error of a file that cannot be loaded.
-pub fn refused(scene: &Scene) -> String {
+pub fn refused(scene: &GltfFile) -> String {
     match try_load(scene) {
         Ok(_) => panic!("it was loaded"),
         Err(error) => error.to_string(),
@@ -83,7 +83,7 @@ fn progress_goes_on_and_can_be_broken_off() {
 
 #[test]
 fn what_grows_while_it_is_made_counts_against_the_limits() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/materials", json!([{ "doubleSided": true }]));
     scene.set("/meshes/0/primitives/0/material", json!(0));
     let with = |vertices: u64, corners: u64| {
@@ -102,7 +102,7 @@ fn what_grows_while_it_is_made_counts_against_the_limits() {
 
 #[test]
 fn an_empty_scene_is_a_scene() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/nodes", json!([{ "name": "nothing" }]));
     let imported = load(&scene);
     assert!(imported.scene.objects.is_empty() && imported.scene.meshes.is_empty());
@@ -111,7 +111,7 @@ fn an_empty_scene_is_a_scene() {
 
 #[test]
 fn what_is_large_and_seen_once_is_cut_and_what_is_shared_is_not() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let row = |place: usize| {
         let x = place as f32;
         [x, 0.0, 0.0, x + 1.0, 0.0, 0.0, x, 1.0, 0.0]
@@ -119,7 +119,7 @@ fn what_is_large_and_seen_once_is_cut_and_what_is_shared_is_not() {
     let places: Vec<f32> = (0..100).flat_map(row).collect();
     let positions = scene.floats("VEC3", &places);
     scene.set("/meshes/0/primitives/0", json!({ "attributes": { "POSITION": positions } }));
-    let with = |scene: &Scene, cut_above_triangles: Option<usize>| {
+    let with = |scene: &GltfFile, cut_above_triangles: Option<usize>| {
         let options = LoadOptions { cut_above_triangles, ..LoadOptions::default() };
         let progress_fn = &mut |_| ControlFlow::Continue(());
         load_bytes(scene.glb(), None, &options, progress_fn).expect("it is loaded").scene

@@ -4,11 +4,11 @@ use antumbra_import::GltfScene;
 use serde_json::{Value, json};
 
 use super::loading::{load, notes};
-use gltf_files::files::{Scene, encoded};
+use gltf_files::files::{GltfFile, encoded};
 
 /// Returns the triangle with a material of this JSON, and textures of three images.
-fn with(material: Value) -> Scene {
-    let mut scene = Scene::triangle();
+fn with(material: Value) -> GltfFile {
+    let mut scene = GltfFile::triangle();
     for format in [image::ImageFormat::Png, image::ImageFormat::Jpeg, image::ImageFormat::WebP] {
         let view = scene.view(&encoded(format));
         let count = scene.json["images"].as_array().map_or(0, Vec::len);
@@ -73,7 +73,7 @@ fn every_value_of_a_material_is_read() {
 
 #[test]
 fn defaults_are_those_of_the_specification() {
-    let imported = load(&Scene::triangle());
+    let imported = load(&GltfFile::triangle());
     let expected = scene::Material { name: "default".to_owned(), ..Default::default() };
     assert_eq!(surfaces(&imported).materials, [expected]);
 }

@@ -7,7 +7,7 @@ use glam::{Vec3, vec3};
 use serde_json::json;
 
 use super::loading::{counts, load, notes};
-use gltf_files::files::{F32, Scene};
+use gltf_files::files::{F32, GltfFile};
 
 /// Returns the position of each object's own (1, 0, 0).
 fn tips(imported: &GltfScene) -> Vec<Vec3> {
@@ -24,7 +24,7 @@ fn assert_near(found: &[Vec3], expected: &[Vec3]) {
 
 #[test]
 fn transforms_go_down_the_tree_as_parts_and_as_matrices() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let half = 0.5_f32.sqrt();
     scene.set(
         "/nodes",
@@ -44,7 +44,7 @@ fn transforms_go_down_the_tree_as_parts_and_as_matrices() {
 
 #[test]
 fn only_the_chosen_scene_is_shown() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/nodes", json!([{ "mesh": 0 }, { "mesh": 0, "translation": [5, 0, 0] }]));
     scene.set("/scenes", json!([{ "nodes": [0] }, { "nodes": [1] }]));
     scene.set("/scene", json!(1));
@@ -61,7 +61,7 @@ fn only_the_chosen_scene_is_shown() {
 #[test]
 fn a_hundred_thousand_nodes_deep_is_not_too_deep() {
     let count = 100_000;
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let node = |index: usize| match index + 1 < count {
         true => json!({ "children": [index + 1], "translation": [0, 0.5, 0] }),
         false => json!({ "mesh": 0 }),
@@ -72,7 +72,7 @@ fn a_hundred_thousand_nodes_deep_is_not_too_deep() {
 
 #[test]
 fn places_that_are_none_are_left_out_and_told() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let huge = json!({ "scale": [1e30, 1e30, 1e30], "children": [2] });
     scene.set(
         "/nodes",
@@ -102,7 +102,7 @@ fn places_that_are_none_are_left_out_and_told() {
 
 #[test]
 fn instances_are_objects_each() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let places = scene.floats("VEC3", &[1.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
     let scales = scene.floats("VEC3", &[1.0, 1.0, 1.0, -3.0, 3.0, 3.0]);
     let turns = scene.floats("VEC4", &[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
@@ -123,7 +123,7 @@ fn instances_are_objects_each() {
 }
 
 /// Moves a node by a clip.
-fn animate(scene: &mut Scene, node: usize) {
+fn animate(scene: &mut GltfFile, node: usize) {
     let times = scene.floats("SCALAR", &[0.0, 1.0]);
     let places = scene.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
     let channel = json!({ "sampler": 0, "target": { "node": node, "path": "translation" } });
@@ -133,7 +133,7 @@ fn animate(scene: &mut Scene, node: usize) {
 
 #[test]
 fn what_moves_is_told_and_what_stays_is_not() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set(
         "/nodes",
         json!([
@@ -161,7 +161,7 @@ fn what_moves_is_told_and_what_stays_is_not() {
 
 #[test]
 fn cameras_have_the_names_of_their_nodes() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let lens = json!({ "yfov": 0.8, "znear": 0.25 });
     let broken = json!({ "yfov": 9.0, "znear": 0.0 });
     scene.set(
@@ -196,7 +196,7 @@ fn cameras_have_the_names_of_their_nodes() {
 
 #[test]
 fn without_a_camera_the_whole_scene_is_seen_and_without_a_light_there_is_one() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/nodes/0/scale", json!([100, 100, 100]));
     let imported = load(&scene);
     let camera = imported.default_camera([400, 300]);
@@ -211,7 +211,7 @@ fn without_a_camera_the_whole_scene_is_seen_and_without_a_light_there_is_one() {
 
 #[test]
 fn lights_of_physical_strength_are_dimmed_unless_an_exposure_is_given() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/nodes/0/extensions/KHR_lights_punctual/light", json!(0));
     let light = json!([{ "type": "directional", "intensity": 100_000 }]);
     scene.set("/extensions/KHR_lights_punctual/lights", light);
@@ -231,7 +231,7 @@ fn lights_of_physical_strength_are_dimmed_unless_an_exposure_is_given() {
 
 #[test]
 fn cameras_are_in_the_order_of_the_file_and_called_by_their_numbers_there() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let camera =
         |yfov: f32| json!({ "type": "perspective", "perspective": { "yfov": yfov, "znear": 1 } });
     scene.set("/cameras", json!([camera(0.5), camera(0.0), camera(0.75)]));
@@ -246,7 +246,7 @@ fn cameras_are_in_the_order_of_the_file_and_called_by_their_numbers_there() {
 
 #[test]
 fn a_flood_of_zeros_is_no_flood_of_memory() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let zeros = json!({ "componentType": F32, "type": "VEC3", "count": 1_000_000 });
     let zeros = scene.push("accessors", zeros);
     scene.set("/meshes/0/primitives/0/attributes/POSITION", json!(zeros));

@@ -4,11 +4,11 @@ use serde_json::json;
 
 use super::geometry::{ATTRIBUTES, corners, normals};
 use super::loading::load;
-use gltf_files::files::Scene;
+use gltf_files::files::GltfFile;
 
 #[test]
 fn nodes_share_the_meshes_that_they_have() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/nodes", json!([{ "mesh": 0 }, { "mesh": 0 }, { "mesh": 1 }, { "mesh": 2 }]));
     scene.set("/scenes/0/nodes", json!([0, 1, 2, 3]));
     let same = scene.json["meshes"][0]["primitives"][0].clone();
@@ -27,7 +27,7 @@ fn nodes_share_the_meshes_that_they_have() {
 
 #[test]
 fn mirrored_places_have_a_mesh_of_the_other_winding() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set(
         "/nodes",
         json!([
@@ -50,7 +50,7 @@ fn mirrored_places_have_a_mesh_of_the_other_winding() {
 
 #[test]
 fn blended_meshes_are_taken_apart_where_they_do_not_hang_together() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let positions: Vec<f32> = (0..3)
         .flat_map(|card| corners.map(|[x, y, z]| [x, y, z - 2.0 * card as f32]))
@@ -77,7 +77,7 @@ fn blended_meshes_are_taken_apart_where_they_do_not_hang_together() {
 
 #[test]
 fn double_sided_materials_have_backs_that_face_the_other_way() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/materials", json!([{ "doubleSided": true }]));
     scene.set("/meshes/0/primitives/0/material", json!(0));
     let imported = load(&scene);
@@ -92,7 +92,7 @@ fn double_sided_materials_have_backs_that_face_the_other_way() {
 
 #[test]
 fn blended_objects_are_apart_from_all_others() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     scene.set("/materials", json!([{ "alphaMode": "BLEND" }, { "alphaMode": "MASK" }]));
     let primitive =
         |material: u32| json!({ "attributes": { "POSITION": 0 }, "material": material });
@@ -108,12 +108,12 @@ fn blended_objects_are_apart_from_all_others() {
 
 #[test]
 fn normal_textures_get_tangents() {
-    let mut scene = Scene::triangle();
+    let mut scene = GltfFile::triangle();
     let uv = scene.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
     scene.set(&format!("{ATTRIBUTES}/TEXCOORD_0"), json!(uv));
     super::geometry::textured(&mut scene, 0);
     scene.set("/materials/0/normalTexture", json!({ "index": 0 }));
-    let tangents = |scene: &Scene| {
+    let tangents = |scene: &GltfFile| {
         let imported = load(scene);
         let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
         surfaces.meshes[0].vertices.iter().map(|vertex| vertex.tangent).collect::<Vec<_>>()

@@ -1,7 +1,7 @@
 //! Tests of the command line: defaults, every option, every refusal.
 
 use super::*;
-use crate::choices::{CameraPath, Costs, Predicates, Validation};
+use crate::choices::{CameraPathChoice, CostsChoice, PredicatesChoice, ValidationChoice};
 use crate::strategy::Strategy;
 use antumbra::methods;
 use clap::CommandFactory;
@@ -39,9 +39,9 @@ fn help_says_what_the_program_does() {
 #[test]
 fn without_arguments_it_is_a_street_walk_against_both_bounds() {
     let options = parse(&[]).unwrap();
-    let city = MadeScene { scene: Scene::City, objects: 10_000, seed: 1 };
+    let city = MadeScene { scene: GeneratorChoice::City, objects: 10_000, seed: 1 };
     assert_eq!(options.scene, SceneChoice::Made(city));
-    assert_eq!(options.path, PathChoice::Made(CameraPath::Street));
+    assert_eq!(options.path, PathChoice::Made(CameraPathChoice::Street));
     assert_eq!(options.size, FrameSize { width: 1280, height: 720 });
     assert_eq!(options.strategies, [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::IDEAL]);
     assert_eq!(options.verify, Verify::Off);
@@ -81,14 +81,14 @@ fn every_option_arrives() {
     assert_eq!(
         options,
         Options {
-            costs: Costs::Measured,
+            costs: CostsChoice::Measured,
             time_passes: false,
             scene: SceneChoice::Made(MadeScene {
-                scene: Scene::Field,
+                scene: GeneratorChoice::Field,
                 objects: 2_000_000,
                 seed: u64::MAX,
             }),
-            path: PathChoice::Made(CameraPath::Cut),
+            path: PathChoice::Made(CameraPathChoice::Cut),
             views: 2,
             moving_percent: 30,
             frames: 7,
@@ -98,8 +98,8 @@ fn every_option_arrives() {
             verify: Verify::EveryNth(NonZeroU32::new(3).unwrap()),
             frames_in_flight: 4,
             device: DeviceChoice::Name("llvmpipe".into()),
-            validation: Validation::Sync,
-            predicates: Predicates::Instances,
+            validation: ValidationChoice::Sync,
+            predicates: PredicatesChoice::Instances,
             threshold_pixels: 9,
             shaders: Some("glsl".into()),
             output: Some("images".into()),

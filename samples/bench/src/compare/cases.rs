@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use super::input::{Measured, MeasuredRun};
 use super::spread::Spread;
-use crate::statistics::Summary;
+use crate::statistics::TimeSummary;
 
 /// The yardstick: draws exactly what owns a pixel.
 pub const IDEAL: &str = "ideal";
@@ -229,7 +229,7 @@ impl<'a> Case<'a> {
         let runs = self.runs(strategy);
         let frames = runs.iter().map(|run| run.frame_times_ms.len()).max().unwrap_or(0);
         let at = |frame: usize| {
-            Summary::of(runs.iter().filter_map(|run| run.frame_times_ms.get(frame).copied()?))
+            TimeSummary::of(runs.iter().filter_map(|run| run.frame_times_ms.get(frame).copied()?))
         };
         (0..frames).map(|frame| at(frame).median).collect()
     }
@@ -238,7 +238,7 @@ impl<'a> Case<'a> {
 fn after_cut_at(a: &[Option<f64>], b: &[Option<f64>], places: usize) -> Option<f64> {
     let jumps = (FRAMES_BETWEEN_CUTS..a.len()).step_by(FRAMES_BETWEEN_CUTS);
     let ratio = |jump: usize| Some((*a.get(jump + places)?)? / (*b.get(jump + places)?)?);
-    Summary::of(jumps.filter_map(ratio)).median
+    TimeSummary::of(jumps.filter_map(ratio)).median
 }
 
 #[cfg(test)]

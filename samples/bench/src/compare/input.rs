@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use crate::input_file;
 use crate::provenance::Provenance;
-use crate::statistics::Summary;
+use crate::statistics::TimeSummary;
 use crate::terminal::shown;
 
 /// The largest file that is read: a report of a million frames and a dozen strategies is smaller.
@@ -118,11 +118,11 @@ pub struct MeasuredRun {
     /// Its name.
     pub strategy: String,
     /// The time of a frame in milliseconds.
-    pub frame_ms: Summary,
+    pub frame_ms: TimeSummary,
     /// The time of every frame, in the order of the path.
     pub frame_times_ms: Vec<Option<f64>>,
     /// The CPU time of the engine per frame, in milliseconds.
-    pub cpu_ms: Summary,
+    pub cpu_ms: TimeSummary,
     /// The draws per frame.
     pub draws: Option<u64>,
     /// The boxes tested per frame, by all mechanisms.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::statistics::Summary;
+use crate::statistics::TimeSummary;
 
 /// At least one finite value, in ascending order.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +20,7 @@ impl Spread {
 
     /// Returns the middle value.
     pub fn median(&self) -> f64 {
-        Summary::of(self.sorted.iter().copied()).median.unwrap_or(f64::NAN)
+        TimeSummary::of(self.sorted.iter().copied()).median.unwrap_or(f64::NAN)
     }
 
     /// Returns the smallest value.

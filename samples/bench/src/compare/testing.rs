@@ -1,7 +1,7 @@
 //! Small made-up reports for tests.
 
 use super::input::{Measured, MeasuredRun, MeasuredScene};
-use crate::statistics::{Summary, paired_ratio, ratio};
+use crate::statistics::{TimeSummary, paired_ratio, ratio};
 
 /// Returns a report whose strategies take these times in every one of 24 frames.
 pub fn measured(scene: &str, path: &str, objects: u64, times_ms: &[(&str, f64)]) -> Measured {
@@ -13,9 +13,9 @@ pub fn measured(scene: &str, path: &str, objects: u64, times_ms: &[(&str, f64)])
 pub fn walked(scene: &str, path: &str, objects: u64, times_ms: &[(&str, Vec<f64>)]) -> Measured {
     let run = |(name, times): &(&str, Vec<f64>)| MeasuredRun {
         strategy: (*name).to_owned(),
-        frame_ms: Summary::of(times.iter().copied()),
+        frame_ms: TimeSummary::of(times.iter().copied()),
         frame_times_ms: times.iter().copied().map(Some).collect(),
-        cpu_ms: Summary::of(times.iter().map(|time| time / 10.0)),
+        cpu_ms: TimeSummary::of(times.iter().map(|time| time / 10.0)),
         draws: Some(50),
         tests: Some(if *name == "frustum" { 0 } else { 300 }),
         queries: Some(if *name == "frustum" { 0 } else { 120 }),

@@ -144,6 +144,6 @@ fn options_of_the_demo_come_after_its_own() {
     // Read as the program reads them: the last word counts.
     let line = ["walkthrough"].into_iter().chain(words.split(' '));
     let arguments: bench::args::Arguments = clap::Parser::try_parse_from(line).expect("options");
-    let fly = bench::options::PathChoice::Made(bench::choices::CameraPath::Fly);
+    let fly = bench::options::PathChoice::Made(bench::choices::CameraPathChoice::Fly);
     assert_eq!(arguments.options().expect("options").path, fly);
 }

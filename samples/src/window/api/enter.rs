@@ -6,10 +6,10 @@ use antumbra::render::FrameReport;
 
 use crate::window::fly_camera::FlyCamera;
 use crate::window::loaded_scene::LoadedScene;
-use crate::window::loading::Progress;
+use crate::window::loading::LoadingStatus;
 use crate::window::selection::Selection;
 use crate::window::session::Session;
-use crate::window::source::Source;
+use crate::window::source::SceneSource;
 use bench::run_error::RunError;
 use bench::strategy::Strategy;
 use bench::terminal::shown;
@@ -73,7 +73,7 @@ impl Session {
     }
 
     /// Shows the progress of a scene that is loading, or removes it if none is.
-    pub fn await_scene(&mut self, progress: Option<Progress>) {
+    pub fn await_scene(&mut self, progress: Option<LoadingStatus>) {
         self.awaited = progress;
     }
 
@@ -83,7 +83,7 @@ impl Session {
     }
 
     /// Shows the error of a source until another message replaces it.
-    pub fn refuse_source(&mut self, source: &Source, error: &RunError) {
+    pub fn refuse_source(&mut self, source: &SceneSource, error: &RunError) {
         self.toast.keep_telling(format!("{} cannot be shown: {error}", source.name()));
     }
 }

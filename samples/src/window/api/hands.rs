@@ -13,7 +13,7 @@ use crate::window::opened::Opened;
 use crate::window::pointer::PointerAction;
 use crate::window::scene_files;
 use crate::window::show::ShowOptions;
-use crate::window::source::Source;
+use crate::window::source::SceneSource;
 use bench::options::MadeScene;
 use bench::run_error::RunError;
 
@@ -89,14 +89,14 @@ impl Opened {
     }
 
     /// Begins to load or make a scene that replaces the one shown.
-    pub(crate) fn load(&mut self, source: &Source, options: &ShowOptions) {
+    pub(crate) fn load(&mut self, source: &SceneSource, options: &ShowOptions) {
         let size = self.session.renderer().size();
         let device = self.session.renderer().device().clone();
         let begun = self.arrivals.load(&device, source, options, size);
         if let Err(error) = begun {
             self.session.refuse_source(source, &error);
         }
-        if let Source::File { file, .. } = source {
+        if let SceneSource::File { file, .. } = source {
             self.files.retain(|opened| opened != file);
             self.files.push(file.clone());
         }
@@ -115,7 +115,7 @@ impl Opened {
     pub(crate) fn choose(
         &mut self,
         key: MenuKey,
-        another: impl Fn(PathBuf) -> Source,
+        another: impl Fn(PathBuf) -> SceneSource,
         options: &ShowOptions,
     ) -> Result<(), RunError> {
         self.next_layout = Time::ZERO;
@@ -137,7 +137,7 @@ impl Opened {
             Choice::Strategy(strategy) => self.session.act(Action::Strategy(strategy))?,
             Choice::Made(scene) => {
                 let made = MadeScene { scene, objects: MADE_OBJECTS, seed: 1 };
-                self.load(&Source::Made { made, path: None }, options);
+                self.load(&SceneSource::Made { made, path: None }, options);
             }
             Choice::File(file) => self.load(&another(file), options),
             Choice::TypePath => self.session.menu = Some(Menu::path()),

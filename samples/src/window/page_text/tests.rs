@@ -80,8 +80,8 @@ fn screen() -> ScreenFacts {
     }
 }
 
-fn times(report: &FrameReport, passes: &[PassTime]) -> FrameTimes {
-    let mut times = FrameTimes::default();
+fn times(report: &FrameReport, passes: &[PassTime]) -> FrameTimeSeries {
+    let mut times = FrameTimeSeries::default();
     times.follow(Conditions {
         strategy: Strategy::ANTUMBRA,
         size: [640, 360],
@@ -99,7 +99,11 @@ fn times(report: &FrameReport, passes: &[PassTime]) -> FrameTimes {
     times
 }
 
-fn known<'a>(report: &'a FrameReport, screen: &'a ScreenFacts, times: &'a FrameTimes) -> Known<'a> {
+fn known<'a>(
+    report: &'a FrameReport,
+    screen: &'a ScreenFacts,
+    times: &'a FrameTimeSeries,
+) -> Known<'a> {
     Known {
         frame: 0,
         scene: "city",
@@ -144,7 +148,7 @@ fn what_a_person_looks_for_is_said_first() {
         is_recording: true,
         ..known(&report, &screen, &times)
     };
-    let figure = |value: &str, name| Figure { value: value.to_owned(), name };
+    let figure = |value: &str, name| HudFigure { value: value.to_owned(), name };
     let overview = known.overview("keys");
     assert_eq!(overview.strategy, "antumbra, frozen, recording");
     assert_eq!(overview.rate, figure("62", "frames/s"));
@@ -159,12 +163,12 @@ fn what_a_person_looks_for_is_said_first() {
     assert_eq!(overview.split, Some(Split { drawn: 1_001, culled: 1_054 }));
     // The overlay's times are not the engine's.
     assert_eq!(overview.times, [figure("6.38 ms", "GPU"), figure("1.25 ms", "CPU")]);
-    let verdict = Verdict::Inexact("inexact: 44 px at most".to_owned());
+    let verdict = ExactnessVerdict::Inexact("inexact: 44 px at most".to_owned());
     assert_eq!(overview.verdict, verdict, "a threshold left samples out");
     let exact = FrameOutcome { samples_below_threshold: 0, ..outcome };
     let of = |strategy| Known { outcome: Some(&exact), strategy, ..known }.overview("").verdict;
     for strategy in bench::strategy::strategies() {
-        let is_exact = matches!(of(strategy), Verdict::Exact(_));
+        let is_exact = matches!(of(strategy), ExactnessVerdict::Exact(_));
         assert_eq!(is_exact, strategy.is_exact(), "{strategy}: {:?}", of(strategy));
     }
 }
@@ -213,7 +217,7 @@ hitches: 5,005
 
 #[test]
 fn of_a_screen_that_tells_nothing_the_starts_of_frames_are_said() {
-    let (report, known_screen, times) = (report(), screen(), FrameTimes::default());
+    let (report, known_screen, times) = (report(), screen(), FrameTimeSeries::default());
     let screen = ScreenFacts {
         fallback: Some(PresentMode::Mailbox),
         refresh: None,
@@ -234,7 +238,7 @@ fn of_a_screen_that_tells_nothing_the_starts_of_frames_are_said() {
 
 #[test]
 fn nothing_known_is_no_number() {
-    let (report, times) = (FrameReport::default(), FrameTimes::default());
+    let (report, times) = (FrameReport::default(), FrameTimeSeries::default());
     let screen = ScreenFacts {
         mode: PresentMode::Immediate,
         fallback: None,
@@ -249,7 +253,7 @@ fn nothing_known_is_no_number() {
     let values = [&overview.rate, &overview.frame_time, &overview.times[0], &overview.times[1]];
     assert!(values.iter().all(|figure| figure.value == "-"), "{overview:?}");
     assert_eq!(overview.objects.map(|figure| figure.value), ["10,000", "-", "-"]);
-    assert_eq!((overview.split, overview.verdict), (None, Verdict::Unknown));
+    assert_eq!((overview.split, overview.verdict), (None, ExactnessVerdict::Unknown));
 }
 
 #[test]

@@ -16,7 +16,7 @@ use render::{
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use shaders::Shader;
 use tests::Driver;
-use tests::stage::Stage;
+use tests::stage::WindowStage;
 use tests::walk::SceneKind;
 use tests::x11_window::{Library, X11Window};
 use tests::xvfb::Xvfb;
@@ -47,7 +47,7 @@ pub struct Side {
     pub leaf_draws: LeafDrawRing<u32>,
     pub predicates: Predicates,
     pub timeline: Timeline,
-    pub stage: Stage,
+    pub stage: WindowStage,
 }
 
 fn spirv(shader: Shader) -> Spirv {
@@ -93,7 +93,7 @@ const ARRAY: TextureArrayInfo<'_> = TextureArrayInfo {
 impl Side {
     pub fn new(server: &Xvfb) -> Self {
         let window = X11Window::open(server, Library::Xcb, SIZE);
-        let stage = Stage::new(Driver::Lavapipe, window);
+        let stage = WindowStage::new(Driver::Lavapipe, window);
         let device = &stage.device;
         let GeneratedScene { scene, routes } = SceneKind::City.build(60);
         let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(3);

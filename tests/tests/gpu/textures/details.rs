@@ -26,10 +26,10 @@ fn sun() -> PunctualLight {
 const TOWARDS_SUN: DVec3 = dvec3(0.6, 0.48, 0.64);
 
 /// Returns a matt point in the middle of a pixel.
-fn point(pixel: usize) -> reference::Point {
+fn point(pixel: usize) -> reference::ReferencePoint {
     let part = |pixel: usize| (pixel as f64 + 0.5) / f64::from(SIDE / 2) - 1.0;
     let (x, y) = (part(pixel % SIDE as usize), -part(pixel / SIDE as usize));
-    reference::Point {
+    reference::ReferencePoint {
         base_colour: DVec3::splat(0.5),
         metallic: 0.0,
         roughness: 1.0,
@@ -48,10 +48,10 @@ fn compare(
     found: &[[u8; 4]],
     what: &str,
     ambient: DVec3,
-    point_at: impl Fn(usize) -> reference::Point,
+    point_at: impl Fn(usize) -> reference::ReferencePoint,
 ) {
     let towards = TOWARDS_SUN.normalize();
-    let sun = reference::Light::Directional { towards, lux: DVec3::splat(2.0) };
+    let sun = reference::ReferenceLight::Directional { towards, lux: DVec3::splat(2.0) };
     for (pixel, found) in found.iter().enumerate() {
         let light = reference::radiance(&point_at(pixel), DVec3::ZERO, &[sun], &[ambient; 2]);
         assert_close(*found, reference::encoded(reference::tone_mapped(light)), pixel, what);
@@ -110,7 +110,7 @@ fn normals_lean_along_tangent_and_bitangent() {
                     let up = f64::from(sign) * f64::from(mirrored);
                     let normal = dvec3(x * lean, y * lean * up, z).normalize();
                     let what = format!("sign {sign}, scale {scale}, mirrored {mirrored}");
-                    compare(&found, &what, DVec3::ZERO, |pixel| reference::Point {
+                    compare(&found, &what, DVec3::ZERO, |pixel| reference::ReferencePoint {
                         normal,
                         ..point(pixel)
                     });
@@ -137,7 +137,7 @@ fn roughness_is_green_and_metallic_is_blue() {
             let (x, y) = (pixel as u32 % SIDE / 16, pixel as u32 / SIDE / 16);
             let [_, green, blue, _] = texel(x, y).map(|byte| f64::from(byte) / 255.0);
             let (roughness, metallic) = (green * f64::from(0.9_f32), blue * f64::from(0.8_f32));
-            reference::Point { roughness, metallic, ..point(pixel) }
+            reference::ReferencePoint { roughness, metallic, ..point(pixel) }
         });
     });
 }
@@ -158,7 +158,7 @@ fn occlusion_darkens_ambient_light_alone_by_its_strength() {
             compare(&found, "occlusion", DVec3::splat(0.5), |pixel| {
                 let red = f64::from(texel(pixel as u32 % SIDE / 16, 0)[0]) / 255.0;
                 let occlusion = 1.0 + f64::from(strength) * (red - 1.0);
-                reference::Point { occlusion, ..point(pixel) }
+                reference::ReferencePoint { occlusion, ..point(pixel) }
             });
         }
     });
@@ -178,7 +178,7 @@ fn emission_is_added_with_its_strength() {
             let (x, y) = (pixel as u32 % SIDE / 16, pixel as u32 / SIDE / 16);
             let [red, green, blue, _] = texel(x, y).map(reference::decoded);
             let emission = dvec3(red, green, blue) * reference::wide(emission);
-            reference::Point { emission, ..point(pixel) }
+            reference::ReferencePoint { emission, ..point(pixel) }
         });
     });
 }
