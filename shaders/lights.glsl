@@ -7,14 +7,14 @@ struct PunctualLight {
 };
 
 layout(std430, binding = 3) readonly buffer Lights { PunctualLight lights[]; };
-// For each object eight words: sixteen lights of sixteen bits, the strongest first.
+// For each object eight values: sixteen lights of sixteen bits, the strongest first.
 layout(std430, binding = 4) readonly buffer LightLists { uint light_lists[]; };
 
-const uint LIST_WORDS = 8;
+const uint LIST_VALUES = 8;
 
 uint light_of_list(uint slot, uint place) {
-    uint word = light_lists[slot * LIST_WORDS + place / 2u];
-    return (place & 1u) != 0u ? word >> 16 : word & 0xFFFFu;
+    uint value = light_lists[slot * LIST_VALUES + place / 2u];
+    return (place & 1u) != 0u ? value >> 16 : value & 0xFFFFu;
 }
 
 // The part of a point's or spot's light that arrives at a place, from this direction and distance:

@@ -1,10 +1,10 @@
 // Sprites: points and lines, drawn as squares and bars that face the camera. An object of sprites
 // has vertices without a position of their own: each names a corner of a sprite. The sprites lie
-// behind all instances, as words of four numbers:
+// behind all instances, as vectors of four numbers:
 //
-//   head   radius in the object's space; words of an end; ends of a sprite (a point: 1, a line: 2)
+//   head   radius in the object's space; vectors of an end; ends (of a point: 1, a line: 2)
 //   end    position; square root of the linear colour in 24 bits, as a whole number
-//          normal, where an end has two words
+//          normal, where an end has two vectors
 //
 // A shader that includes this has `instances` at binding 0.
 
@@ -15,13 +15,13 @@ layout(constant_id = 13) const bool SPRITES = false;
 // A little less than the room that boxes have around the ends for each metre of the radius.
 const float SPRITE_REACH = 1.41422;
 
-vec4 sprite_word(uint place) {
+vec4 sprite_vector(uint place) {
     uint part = place & 3u;
     Instance block = instances[place >> 2u];
     return part == 3u ? uintBitsToFloat(block.tail) : block.rows[part];
 }
 
-// The index of the first word of an end. Of a corner x is the end, 0 or 1, y the side, -1 or 1, z
+// The index of the first vector of an end. Of a corner x is the end, 0 or 1, y the side, -1 or 1, z
 // the sprite's number.
 uint sprite_end(uint head_place, vec4 head, vec3 corner, float end) {
     uint ends = uint(head.z);
@@ -31,9 +31,9 @@ uint sprite_end(uint head_place, vec4 head, vec3 corner, float end) {
 
 vec3 sprite_to_world(Instance instance, vec3 corner, mat4 view_proj) {
     uint head_place = instance.tail.w;
-    vec4 head = sprite_word(head_place);
-    vec3 from = to_world(instance, sprite_word(sprite_end(head_place, head, corner, 0.0)).xyz);
-    vec3 to = to_world(instance, sprite_word(sprite_end(head_place, head, corner, 1.0)).xyz);
+    vec4 head = sprite_vector(head_place);
+    vec3 from = to_world(instance, sprite_vector(sprite_end(head_place, head, corner, 0.0)).xyz);
+    vec3 to = to_world(instance, sprite_vector(sprite_end(head_place, head, corner, 1.0)).xyz);
     vec3 forward = normalize(vec3(view_proj[0].w, view_proj[1].w, view_proj[2].w));
     vec3 up = normalize(cross(vec3(view_proj[0].x, view_proj[1].x, view_proj[2].x), forward));
     vec3 right = cross(forward, up);
@@ -57,10 +57,10 @@ vec3 vertex_to_world(Instance instance, vec3 position, mat4 view_proj) {
 
 // The linear colour and the normal of a sprite's corner.
 void sprite_look(Instance instance, vec3 corner, out vec3 colour, out vec3 normal) {
-    vec4 head = sprite_word(instance.tail.w);
+    vec4 head = sprite_vector(instance.tail.w);
     uint place = sprite_end(instance.tail.w, head, corner, corner.x);
-    uint whole = uint(sprite_word(place).w);
+    uint whole = uint(sprite_vector(place).w);
     vec3 root = vec3(whole & 0xFFu, whole >> 8u & 0xFFu, whole >> 16u & 0xFFu) / 255.0;
     colour = root * root;
-    normal = head.y > 1.5 ? sprite_word(place + 1u).xyz : vec3(0.0, 1.0, 0.0);
+    normal = head.y > 1.5 ? sprite_vector(place + 1u).xyz : vec3(0.0, 1.0, 0.0);
 }

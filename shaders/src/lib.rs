@@ -59,7 +59,7 @@ pub const PASSES: [Shader; 26] = [
     shader!("pyramid_first.comp"),
     shader!("pyramid_second.comp"),
     shader!("scatter.comp"),
-    shader!("deform.comp"),
+    shader!("skinning.comp"),
     shader!("surface.vert"),
     shader!("surface.frag"),
     shader!("surface_depth.vert"),

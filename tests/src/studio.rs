@@ -73,7 +73,7 @@ pub fn image(
 
     let plain = OpaquePass::depth_only(device, &shaders).expect("a pass");
     let pass = |kind| SurfacePass::new(device, &shaders, kind, &surfaces).expect("a pass");
-    let [masked, colour, blending] =
+    let [masked, colour, transparent_pass] =
         [SurfaceKind::Depth, SurfaceKind::Colour, SurfaceKind::Transparent].map(pass);
     let sky = SkyPass::new(device, &shaders).expect("a pass");
     let view = View::new(camera, size, device.adapter().limits.sub_pixel_precision_bits);
@@ -100,7 +100,7 @@ pub fn image(
             commands.draw_indirect(draws.whole());
             sky.draw(commands, scene.light.sky);
             if !transparent.is_empty() {
-                blending.bind(commands, &io, &view, &scene.light);
+                transparent_pass.bind(commands, &io, &view, &scene.light);
                 commands.draw_indirect(over.whole());
             }
         });

@@ -59,8 +59,8 @@ impl Outcomes {
         outcomes.find(|outcome| outcome.frame == frame)
     }
 
-    /// Adds the draws of a result to the outcome of its frame, or the samples that the threshold
-    /// neglected.
+    /// Adds the draws of a result to the outcome of its frame, or the samples below the
+    /// threshold.
     pub(crate) fn add(&mut self, result: &TestResult<LeafCount>, threshold_samples: u32) {
         let Answer { tag, samples } = result.answer;
         let is_drawn = matches!(tag.kind, QueryKind::Proxy | QueryKind::Leaf);

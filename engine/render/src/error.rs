@@ -122,7 +122,7 @@ pub enum Error {
     },
     /// A pose that a mesh cannot take.
     #[error("the skinned mesh {} cannot take this pose: {reason}", skinned_mesh.0)]
-    Deform {
+    Pose {
         /// The skinned mesh.
         skinned_mesh: scene::SkinnedMeshId,
         /// The reason.

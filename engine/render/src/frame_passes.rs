@@ -314,8 +314,8 @@ impl FramePasses {
         self.geometry.relight(hierarchy, &mut executor.leaves);
         self.geometry.upload_changes(frame, hierarchy, executor)?;
         let Self { geometry, pipelines, skinned_meshes, transparent, .. } = self;
-        let (Some(skinned_meshes), Some(pass), Some(deformed)) =
-            (skinned_meshes, &pipelines.deform, geometry.deformed())
+        let (Some(skinned_meshes), Some(pass), Some(vertices)) =
+            (skinned_meshes, &pipelines.skinning, geometry.skinned())
         else {
             return Ok(Skinned::default());
         };
@@ -323,7 +323,7 @@ impl FramePasses {
             Some(id) => transparent.as_ref()?.transform(id),
             None => geometry.transform(geometry.owner(state.mesh)?),
         };
-        skinned_meshes.upload(frame, pass, deformed, |state| {
+        skinned_meshes.upload(frame, pass, vertices, |state| {
             let Some(transform) = transform(state) else { return false };
             let Some(views) = views else { return true };
             let is_in = |bounds: &Aabb| match bounds_in_world(bounds, &transform) {

@@ -113,10 +113,10 @@ pub struct Renderer {
     /// The object whose box is outlined.
     pub(crate) outlined: Option<ObjectId>,
     pub(crate) flat_overlay: Option<FlatOverlay>,
-    pub(crate) explanation: DebugOverlay,
+    pub(crate) debug_overlay: DebugOverlay,
     pub(crate) seen_leaves: Option<SeenLeaves>,
     pub(crate) methods: Vec<Box<dyn Method>>,
-    pub(crate) edition: SceneRevision,
+    pub(crate) revision: SceneRevision,
     pub(crate) update_scratch: UpdateScratch,
     /// The views of the newest frame, kept to allocate nothing.
     pub(crate) views: Vec<View>,
@@ -198,10 +198,10 @@ impl Renderer {
             shaders,
             outlined: None,
             flat_overlay: None,
-            explanation: DebugOverlay::default(),
+            debug_overlay: DebugOverlay::default(),
             seen_leaves: None,
             methods: methods_of(options),
-            edition: SceneRevision::first(id),
+            revision: SceneRevision::first(id),
             update_scratch: UpdateScratch::default(),
             views: Vec::new(),
             pass_times: Vec::new(),
@@ -297,15 +297,15 @@ impl Renderer {
         self.executor.leaves.predicates().predication()
     }
 
-    /// Explains the images from now on; an empty explanation costs nothing.
+    /// Draws a debug overlay over the images from now on; an empty one costs nothing.
     ///
     /// # Errors
     /// Wires on a device that lacks [`gpu::Optional::Wireframe`]; an area that is not within the
-    /// image; a failed call. The former explanation then stays.
-    pub fn explain(&mut self, explanation: DebugOverlay) -> Result<(), Error> {
-        explanation.top_down.map_or(Ok(()), |area| self.check_area(area))?;
-        explanation.prepare(&mut self.passes.pipelines, &self.device, &self.shaders)?;
-        self.explanation = explanation;
+    /// image; a failed call. The former overlay then stays.
+    pub fn set_debug_overlay(&mut self, debug_overlay: DebugOverlay) -> Result<(), Error> {
+        debug_overlay.top_down.map_or(Ok(()), |area| self.check_area(area))?;
+        debug_overlay.prepare(&mut self.passes.pipelines, &self.device, &self.shaders)?;
+        self.debug_overlay = debug_overlay;
         Ok(())
     }
 
@@ -315,9 +315,9 @@ impl Renderer {
         Some(self.hierarchy.bounds(node)).filter(|bounds| !bounds.is_empty())
     }
 
-    /// Returns the explanation in use.
-    pub fn explanation(&self) -> DebugOverlay {
-        self.explanation
+    /// Returns the debug overlay in use.
+    pub fn debug_overlay(&self) -> DebugOverlay {
+        self.debug_overlay
     }
 
     /// Notes that the frame recorded last was submitted.
@@ -346,10 +346,10 @@ impl Renderer {
     ///
     /// # Errors
     /// A view of another renderer, a lost device, or a frame that takes too long.
-    pub fn drain(&mut self, history: &mut ViewState) -> Result<(), Error> {
-        self.check_view(history)?;
+    pub fn drain(&mut self, state: &mut ViewState) -> Result<(), Error> {
+        self.check_view(state)?;
         self.device.drain()?;
-        history.collect(self.device.completed()?, &self.hierarchy, &self.executor.leaves);
+        state.collect(self.device.completed()?, &self.hierarchy, &self.executor.leaves);
         Ok(())
     }
 }

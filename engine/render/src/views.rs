@@ -21,34 +21,34 @@ use crate::view_state::ViewState;
 
 /// One view of a frame.
 pub struct ViewTarget<'a> {
-    /// The history of the view. Every eye needs one of its own, the same in each frame.
-    pub history: &'a mut ViewState,
-    /// The camera. Its angle of sight spans the height of `area`.
+    /// The state of the view. Every view needs one of its own, the same in each frame.
+    pub state: &'a mut ViewState,
+    /// The camera. Its angle of sight spans the height of `rect`.
     pub camera: Camera,
     /// The objects that own a pixel, for strategies that [draw objects found
     /// beforehand](Strategy::needs_still_scene).
     pub visible: Option<&'a VisibleSet>,
     /// The part of the image for its image: at least a pixel, within the image. Where areas
     /// overlap, later views replace the image of earlier ones.
-    pub area: Rect,
+    pub rect: Rect,
 }
 
 impl ViewTarget<'_> {
     /// Returns its view of the scene.
     pub(crate) fn view(&self, device: &Device) -> View {
-        view_in(device, &self.camera, self.area)
+        view_in(device, &self.camera, self.rect)
     }
 }
 
 impl AsRef<VisibilityState> for ViewTarget<'_> {
     fn as_ref(&self) -> &VisibilityState {
-        &self.history.visibility
+        &self.state.visibility
     }
 }
 
 impl AsMut<VisibilityState> for ViewTarget<'_> {
     fn as_mut(&mut self) -> &mut VisibilityState {
-        &mut self.history.visibility
+        &mut self.state.visibility
     }
 }
 
@@ -69,14 +69,14 @@ pub struct ViewsRequest<'a> {
 pub struct FrameRequest<'a> {
     /// The strategy that decides what to draw.
     pub strategy: Strategy,
-    /// The eye.
+    /// The camera.
     pub camera: Camera,
     /// The objects that own a pixel, for strategies that [draw objects found
     /// beforehand](Strategy::needs_still_scene).
     pub visible: Option<&'a VisibleSet>,
     /// The destination of a copy of the image, if it is wanted. Read it when the frame is over.
     pub image: Option<&'a Readback>,
-    /// The destination of a copy of the scene's image alone, before explanations and the flat
+    /// The destination of a copy of the scene's image alone, before the debug overlay and the flat
     /// overlay are drawn over it, if that is wanted.
     pub scene_image: Option<&'a Readback>,
     /// The tick of a host's timeline that the frame waits for on the GPU.
@@ -97,7 +97,7 @@ pub struct FrameReport {
     pub tick: Tick,
     /// Time the CPU spent in the engine, without waits and without [`FrameReport::overlay_cpu`].
     pub cpu: Duration,
-    /// Time the CPU spent on explanations and the flat overlay.
+    /// Time the CPU spent on the debug overlay and the flat overlay.
     pub overlay_cpu: Duration,
     /// Proxies tested, by any tester.
     pub tests: u32,
@@ -106,7 +106,7 @@ pub struct FrameReport {
     /// Times that the CPU waited for a result within the frame: 0 but with the strategies that
     /// block ([`Strategy::is_blocking`]).
     pub waits: u32,
-    /// Blended objects in the frustum.
+    /// Transparent objects in the frustum.
     pub transparent: u32,
     /// Poses that were uploaded: those that changed and that one of the views may show.
     pub poses: u32,
@@ -133,18 +133,18 @@ impl FrameReport {
     }
 
     /// Adds the counts of a view.
-    pub(crate) fn add(&mut self, history: &ViewState) {
-        let plan = history.plan();
+    pub(crate) fn add(&mut self, state: &ViewState) {
+        let plan = state.plan();
         let predicated = plan.tests.iter().filter(|test| test.leaves.count > 0);
         self.predicated_draws += predicated.count() as u32;
         self.plan += plan.stats;
         // Views that are drawn together learn the same.
-        self.corrections = self.corrections.or(history.corrections());
+        self.corrections = self.corrections.or(state.corrections());
         // No age is less than any, so the larger of two is the older one that there is.
         self.oldest_answer_frames =
-            self.oldest_answer_frames.max(history.visibility.answer_ages().max());
+            self.oldest_answer_frames.max(state.visibility.answer_ages().max());
         let youngest =
-            self.youngest_answer_frames.into_iter().chain(history.visibility.answer_ages().min());
+            self.youngest_answer_frames.into_iter().chain(state.visibility.answer_ages().min());
         self.youngest_answer_frames = youngest.min();
     }
 }

@@ -7,10 +7,10 @@ pub const STORAGE_BYTES_ANYWHERE: u64 = 1 << 27;
 /// mesh.
 pub const INSTANCE_BYTES: u64 = 64;
 
-/// The most objects, with room for those that are added; blended ones count by themselves.
+/// The most objects, with room for those that are added; transparent ones count by themselves.
 pub const OBJECTS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / INSTANCE_BYTES;
 
-/// The most objects together with blended ones in a scene with point or spot lights.
+/// The most objects together with transparent ones in a scene with point or spot lights.
 pub const LIT_OBJECTS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 32;
 
 /// The most materials.

@@ -71,7 +71,7 @@ impl Mesh {
     /// Returns the number of triangles in `indices` of its indices.
     pub fn triangles_of(&self, indices: usize) -> u64 {
         let sides = if self.has_backs { 2 } else { 1 };
-        // A coarser form may keep a triangle and not its back.
+        // A coarser level may keep a triangle and not its back.
         (indices as u64 / 3).div_ceil(sides)
     }
 }

@@ -1,4 +1,4 @@
-//! Boxes around meshes that change their form, from nothing but their pose.
+//! Boxes around skinned meshes, from nothing but their pose.
 //!
 //! A skinned vertex is a mix of the points to which its joints take it, with weights that are not
 //! negative and 1 together, so it lies in the hull of these points. The union of the boxes that

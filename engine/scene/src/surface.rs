@@ -284,7 +284,7 @@ pub struct SkinnedMesh {
     pub targets: Vec<MorphTarget>,
 }
 
-/// A coarser form of a mesh, of the same vertices.
+/// A coarser level of detail of a mesh, of the same vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LodLevel {
     /// Three indices for each triangle.
@@ -313,7 +313,8 @@ pub struct Surfaces {
     pub skinned_meshes: Vec<SkinnedMesh>,
     /// Meshes of points and lines.
     pub sprites: Vec<Sprites>,
-    /// Coarser forms of each mesh, the finest first; empty, or one list for each mesh of the scene.
+    /// Coarser levels of each mesh, the finest first; empty, or one list for each mesh of the
+    /// scene.
     pub levels: Vec<Vec<LodLevel>>,
     /// Factor of all light before tone mapping; 1 shows a white surface under a lux of pi as white.
     pub exposure: f32,

@@ -4,8 +4,8 @@ use glam::{Affine2, Affine3A, Vec2, Vec3};
 
 use super::*;
 
-/// Returns a triangle with a skin of two joints and a morph target, as an object and as a blended
-/// one's mesh.
+/// Returns a triangle with a skin of two joints and a morph target, as an object and as a
+/// transparent one's mesh.
 fn scene() -> Scene {
     let vertex = |x: f32, y: f32| Vertex {
         position: [x, y, 0.0],

@@ -42,7 +42,7 @@ pub struct PoseUpdate {
 pub struct SceneUpdate {
     /// Objects that move, come or go, in this order.
     pub objects: Vec<ObjectChange>,
-    /// Blended objects that move.
+    /// Transparent objects that move.
     pub transparent: Vec<TransparentMove>,
     /// Lights that change.
     pub lights: Vec<LightMove>,

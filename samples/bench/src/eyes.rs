@@ -42,10 +42,10 @@ impl Eyes {
         let views = self.histories.len() as u32;
         let areas = Rect::side_by_side(renderer.size(), views);
         let eye = |((number, history), area)| ViewTarget {
-            history,
+            state: history,
             camera: camera_of(camera, number, views),
             visible: visible.get(number as usize),
-            area,
+            rect: area,
         };
         let mut eyes: Vec<ViewTarget<'_>> =
             (0..).zip(&mut self.histories).zip(areas).map(eye).collect();

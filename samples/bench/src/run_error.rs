@@ -92,7 +92,7 @@ impl From<render::Error> for RunError {
             | render::Error::Rect { .. }
             | render::Error::Atlas { .. }
             | render::Error::Transparent { .. }
-            | render::Error::Deform { .. }
+            | render::Error::Pose { .. }
             | render::Error::Light { .. }
             | render::Error::Change { .. } => Self::machine(error),
         }

@@ -14,19 +14,19 @@ pub fn from_above(area: Option<Rect>) -> Legend {
 }
 
 /// Returns the legends of everything that is explained; `is_frozen` while the culling is frozen.
-pub fn of(explanation: DebugOverlay, is_frozen: bool) -> Vec<Legend> {
+pub fn of(debug_overlay: DebugOverlay, is_frozen: bool) -> Vec<Legend> {
     let mut legends = Vec::new();
     if is_frozen {
         legends.push(from_above(None));
     }
-    if explanation.has_boxes && !is_frozen {
+    if debug_overlay.has_boxes && !is_frozen {
         let entries = [BOX_HIDDEN, BOX_BEHIND, BOX_UNKNOWN, BOX_SHOWED].map(Into::into).to_vec();
         legends.push(Legend { title: "Boxes that are tested", entries, area: None });
     }
-    if explanation.has_wireframe {
+    if debug_overlay.has_wireframe {
         legends.push(Legend { title: "Wireframe", entries: vec![WIREFRAME.into()], area: None });
     }
-    legends.extend(explanation.top_down.map(|area| from_above(Some(area))));
+    legends.extend(debug_overlay.top_down.map(|area| from_above(Some(area))));
     legends
 }
 
@@ -44,13 +44,13 @@ mod tests {
         let area = Rect { origin: [1, 2], size: [3, 4] };
         let nothing = DebugOverlay::default();
         let all = DebugOverlay { has_wireframe: true, has_boxes: true, top_down: Some(area) };
-        let titles = |explanation, is_frozen| -> Vec<&str> {
-            of(explanation, is_frozen).iter().map(|legend| legend.title).collect()
+        let titles = |debug_overlay, is_frozen| -> Vec<&str> {
+            of(debug_overlay, is_frozen).iter().map(|legend| legend.title).collect()
         };
         assert!(titles(nothing, false).is_empty());
         let above = "Boxes and the camera";
         assert_eq!(titles(all, false), ["Boxes that are tested", "Wireframe", above]);
-        // A frozen view shows the boxes by their level, with any explanation.
+        // A frozen view shows the boxes by their level, with any debug overlay.
         assert_eq!(titles(nothing, true), [above]);
         assert_eq!(titles(all, true), [above, "Wireframe", above]);
         for legend in of(all, false) {

@@ -53,7 +53,7 @@ pub struct Session {
     pub(super) frozen: Option<VisibilitySnapshot>,
     /// The camera of the newest frame.
     pub(super) seen_from: Camera,
-    pub(super) explanation: DebugOverlay,
+    pub(super) debug_overlay: DebugOverlay,
     /// The running comparison of frames with and without culling.
     pub(super) comparison: Option<Comparison>,
     pub(super) selection: Selection,
@@ -120,7 +120,7 @@ impl Session {
             awaited: None,
             frozen: None,
             seen_from: start,
-            explanation: DebugOverlay::default(),
+            debug_overlay: DebugOverlay::default(),
             comparison: None,
             selection: Selection::default(),
             menu: None,
@@ -203,7 +203,7 @@ impl Session {
     /// A size that the device does not support; no memory.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), RunError> {
         self.renderer.resize(size)?;
-        self.explain()
+        self.update_debug_overlay()
     }
 
     /// Returns the camera of the next frame, `seconds` after the last one.
@@ -240,8 +240,8 @@ impl Session {
         }
         let camera = self.camera(steering, seconds);
         if self.frozen.is_none() {
-            // An explanation may show the scene from above.
-            let is_only = self.explanation == DebugOverlay::default();
+            // The debug overlay may show the scene from above.
+            let is_only = self.debug_overlay == DebugOverlay::default();
             self.scene_view.show(&mut self.renderer, is_only.then_some(&camera))?;
             self.scene_view.choose_detail(&mut self.renderer, &camera);
         }
@@ -352,12 +352,12 @@ impl Session {
         Ok(())
     }
 
-    /// Shows the explanations that are on, the view from above in the lower right.
-    pub(super) fn explain(&mut self) -> Result<(), RunError> {
+    /// Shows the debug overlay that is on, the view from above in the lower right.
+    pub(super) fn update_debug_overlay(&mut self) -> Result<(), RunError> {
         let corner = corner(self.renderer.size()).filter(|_| self.has_top_down);
-        self.explanation.top_down = corner;
-        if self.renderer.explanation() != self.explanation {
-            self.renderer.explain(self.explanation)?;
+        self.debug_overlay.top_down = corner;
+        if self.renderer.debug_overlay() != self.debug_overlay {
+            self.renderer.set_debug_overlay(self.debug_overlay)?;
         }
         Ok(())
     }

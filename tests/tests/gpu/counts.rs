@@ -182,10 +182,10 @@ fn each_view_counts_what_it_sees() {
                 let eyes = histories.iter_mut().zip(cameras).zip(areas);
                 let mut eyes: Vec<ViewTarget<'_>> = eyes
                     .map(|((history, camera), area)| ViewTarget {
-                        history,
+                        state: history,
                         camera,
                         visible: None,
-                        area,
+                        rect: area,
                     })
                     .collect();
                 let request = ViewsRequest { strategy, image: None, after: None };

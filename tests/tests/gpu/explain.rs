@@ -1,4 +1,5 @@
-//! Explanations of frames: drawn at the right place, without effect on decisions, and removable.
+//! The debug overlay of frames: drawn at the right place, without effect on decisions, and
+//! removable.
 
 use cull::Strategy;
 use gpu::{Device, Predication, Readback};
@@ -51,9 +52,9 @@ impl Studio {
         (report, self.image.rgba8().unwrap().to_vec())
     }
 
-    /// Returns a frame under an explanation.
-    fn explained(&mut self, explanation: DebugOverlay) -> Vec<u8> {
-        self.renderer.explain(explanation).unwrap();
+    /// Returns a frame under a debug overlay.
+    fn explained(&mut self, debug_overlay: DebugOverlay) -> Vec<u8> {
+        self.renderer.set_debug_overlay(debug_overlay).unwrap();
         self.render(Strategy::ANTUMBRA).1
     }
 }
@@ -76,7 +77,7 @@ fn differences(a: &[u8], b: &[u8], area: Rect) -> (usize, usize) {
 }
 
 #[test]
-fn explanations_are_drawn_where_they_belong_and_go() {
+fn debug_overlays_are_drawn_where_they_belong_and_go() {
     run_on_all(|device| {
         let mut studio = Studio::new(device);
         for _ in 0..8 {
@@ -102,12 +103,12 @@ fn explanations_are_drawn_where_they_belong_and_go() {
 }
 
 #[test]
-fn an_explanation_decides_nothing() {
+fn a_debug_overlay_decides_nothing() {
     run_on_all(|device| {
         let [mut plain, mut explained] = [Studio::new(device), Studio::new(device)];
         let all = DebugOverlay { has_wireframe: true, has_boxes: true, top_down: Some(CORNER) };
-        explained.renderer.explain(all).unwrap();
-        assert_eq!(explained.renderer.explanation(), all);
+        explained.renderer.set_debug_overlay(all).unwrap();
+        assert_eq!(explained.renderer.debug_overlay(), all);
         for frame in 0..12 {
             let [a, b] = [&mut plain, &mut explained].map(|it| it.render(Strategy::ANTUMBRA).0);
             assert_eq!((a.tests, a.plan.visible), (b.tests, b.plan.visible), "frame {frame}");
@@ -116,14 +117,15 @@ fn an_explanation_decides_nothing() {
             explained.render(strategy);
         }
         let beyond = Rect { origin: [300, 0], size: [30, 20] };
-        let refused = explained.renderer.explain(DebugOverlay { top_down: Some(beyond), ..all });
+        let refused =
+            explained.renderer.set_debug_overlay(DebugOverlay { top_down: Some(beyond), ..all });
         assert!(refused.unwrap_err().to_string().contains("is not within the image"));
-        assert_eq!(explained.renderer.explanation(), all, "what was explained before still is");
+        assert_eq!(explained.renderer.debug_overlay(), all, "what was explained before still is");
     });
 }
 
 #[test]
-fn an_explanation_is_the_same_however_draws_are_skipped() {
+fn a_debug_overlay_is_the_same_however_draws_are_skipped() {
     run(Driver::Lavapipe, |device| {
         let all = DebugOverlay { has_wireframe: true, has_boxes: true, top_down: Some(CORNER) };
         let kinds = [Predication::Conditional, Predication::Counts, Predication::Instances];

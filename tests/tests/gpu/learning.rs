@@ -79,7 +79,12 @@ fn views_that_are_drawn_together_learn_the_same() {
             let mut eyes: Vec<ViewTarget<'_>> = views
                 .iter_mut()
                 .zip(areas)
-                .map(|(history, area)| ViewTarget { history, camera, visible: None, area })
+                .map(|(history, area)| ViewTarget {
+                    state: history,
+                    camera,
+                    visible: None,
+                    rect: area,
+                })
                 .collect();
             let request = ViewsRequest { strategy: Strategy::ANTUMBRA, image: None, after: None };
             renderer.render_views(&mut eyes, &request).unwrap();
@@ -150,12 +155,12 @@ fn what_is_drawn_to_explain_is_not_learned_from() {
     run_on_all(|device| {
         let (mut renderer, cameras) = renderer(device, Costs::default(), 2);
         let mut view = renderer.new_view().unwrap();
-        renderer.explain(DebugOverlay { has_boxes: true, ..Default::default() }).unwrap();
+        renderer.set_debug_overlay(DebugOverlay { has_boxes: true, ..Default::default() }).unwrap();
         for camera in &cameras {
             renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, *camera)).unwrap();
         }
         assert_eq!(view.corrections(), Some(Corrections::default()));
-        renderer.explain(DebugOverlay::default()).unwrap();
+        renderer.set_debug_overlay(DebugOverlay::default()).unwrap();
         for camera in &cameras {
             renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, *camera)).unwrap();
         }

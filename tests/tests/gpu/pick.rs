@@ -192,7 +192,7 @@ fn a_pick_is_not_answered_by_what_a_newer_one_found() {
 }
 
 #[test]
-fn an_outline_and_explanations_are_not_in_the_image_of_the_scene() {
+fn an_outline_and_a_debug_overlay_are_not_in_the_image_of_the_scene() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = city(300, 5).unwrap();
         let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(7);
@@ -207,7 +207,9 @@ fn an_outline_and_explanations_are_not_in_the_image_of_the_scene() {
         let object = renderer.picked(&pick).unwrap().expect("it is over");
         assert!(object.is_some(), "something is in the middle of the street");
         renderer.outline(object).unwrap();
-        renderer.explain(DebugOverlay { has_boxes: true, ..DebugOverlay::default() }).unwrap();
+        renderer
+            .set_debug_overlay(DebugOverlay { has_boxes: true, ..DebugOverlay::default() })
+            .unwrap();
         let both = FrameRequest { image: Some(&whole), scene_image: Some(&alone), ..request };
         renderer.render(&mut view, &both).unwrap();
         renderer.drain(&mut view).unwrap();
@@ -218,7 +220,7 @@ fn an_outline_and_explanations_are_not_in_the_image_of_the_scene() {
         assert_eq!(differing(&plain, &alone), 0);
         assert!(differing(&plain, &whole) > 50);
         // The outline alone, and gone again.
-        renderer.explain(DebugOverlay::default()).unwrap();
+        renderer.set_debug_overlay(DebugOverlay::default()).unwrap();
         renderer.render(&mut view, &both).unwrap();
         renderer.drain(&mut view).unwrap();
         assert!((20..5000).contains(&differing(&plain, &whole)));

@@ -114,8 +114,8 @@ fn poses_wait_until_a_view_may_show_them() {
 fn looking_about(device: &Device, strategy: Strategy, sees_all: bool) -> Vec<Readback> {
     let mut renderer = Renderer::new(device, &scene(), &options(2)).unwrap();
     if sees_all {
-        let explanation = DebugOverlay { has_boxes: true, ..DebugOverlay::default() };
-        renderer.explain(explanation).unwrap();
+        let debug_overlay = DebugOverlay { has_boxes: true, ..DebugOverlay::default() };
+        renderer.set_debug_overlay(debug_overlay).unwrap();
     }
     let mut view = renderer.new_view().unwrap();
     let frame = |frame: u32| {
@@ -180,7 +180,7 @@ fn bad_poses_are_refused_and_change_nothing() {
             let error =
                 renderer.set_pose(SkinnedMeshId(skinned_mesh), joints, weights).unwrap_err();
             let text = error.to_string();
-            assert!(matches!(error, Error::Deform { .. }) && text.contains(why), "{text}");
+            assert!(matches!(error, Error::Pose { .. }) && text.contains(why), "{text}");
         };
         refuse(2, &joints, &weights, "no such skinned mesh");
         refuse(0, &joints[..2], &weights, "3 joints");

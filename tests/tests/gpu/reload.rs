@@ -83,7 +83,7 @@ impl Studio {
     /// Returns what each pass draws or finds, by its shader.
     fn shown(&mut self) -> Vec<(&'static str, Vec<u8>)> {
         let device = self.renderer.device().clone();
-        // Explanations show the history.
+        // Debug overlays show the history.
         self.view = self.renderer.new_view().unwrap();
         let mut shown = vec![("objects", self.frame(Strategy::ANTUMBRA))];
         shown.push(("depth first", self.frame(methods::COHERENT)));
@@ -98,7 +98,7 @@ impl Studio {
                 shown.push(("poses", self.frame(Strategy::ANTUMBRA)));
             }
         }
-        for explanation in [
+        for debug_overlay in [
             DebugOverlay { has_boxes: true, ..DebugOverlay::default() },
             DebugOverlay {
                 has_wireframe: device.capabilities().has(Optional::Wireframe),
@@ -106,10 +106,10 @@ impl Studio {
                 ..DebugOverlay::default()
             },
         ] {
-            self.renderer.explain(explanation).unwrap();
-            shown.push(("explanations", self.frame(Strategy::ANTUMBRA)));
+            self.renderer.set_debug_overlay(debug_overlay).unwrap();
+            shown.push(("debug overlays", self.frame(Strategy::ANTUMBRA)));
         }
-        self.renderer.explain(DebugOverlay::default()).unwrap();
+        self.renderer.set_debug_overlay(DebugOverlay::default()).unwrap();
         self.renderer.outline(Some(ObjectId(1))).unwrap();
         shown.push(("outline", self.frame(Strategy::ANTUMBRA)));
         self.renderer.outline(None).unwrap();
@@ -148,12 +148,19 @@ impl Drop for Folder {
     }
 }
 
+/// Lines of shaders that write no colour, and the lines in their place.
+const CHANGES: [(&str, &str); 2] = [
+    ("seen[leaf] = 1;", "seen[leaf] = 0;"),
+    ("vertices[place + 1] = values.y;", "vertices[place + 1] = 0;"),
+];
+
 /// Compiles shaders with which everything looks another way.
 fn changed_shaders(name: &str) -> ShaderSet {
     let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
     let own = format!("antumbra-reload-{name}-{}", std::process::id());
     let folder = Folder(std::env::temp_dir().join(own));
     fs::create_dir(&folder.0).unwrap();
+    let mut is_there = [false; CHANGES.len()];
     for entry in fs::read_dir(committed).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_str().unwrap();
@@ -165,10 +172,13 @@ fn changed_shaders(name: &str) -> ShaderSet {
             let end = text.rfind('}').unwrap();
             text.insert_str(end, "    colour.rgb = colour.gbr;\n");
         }
-        let text = text.replace("seen[leaf] = 1;", "seen[leaf] = 0;");
-        let text = text.replace("vertices[place + 1] = words.y;", "vertices[place + 1] = 0;");
+        for (is_there, (from, to)) in is_there.iter_mut().zip(CHANGES) {
+            *is_there |= text.contains(from);
+            text = text.replace(from, to);
+        }
         fs::write(folder.0.join(name), text).unwrap();
     }
+    assert_eq!(is_there, [true; CHANGES.len()], "the shaders have other lines: change the test");
     ShaderSet::compiled_from(&folder.0).unwrap()
 }
 

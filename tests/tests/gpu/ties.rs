@@ -277,18 +277,20 @@ fn all_else_goes_on_with_surfaces() {
         for (frame, camera) in cameras.iter().enumerate() {
             if frame == 4 {
                 let (has_boxes, top_down) = (true, Some(corner));
-                renderer.explain(DebugOverlay { has_wireframe, has_boxes, top_down }).unwrap();
+                renderer
+                    .set_debug_overlay(DebugOverlay { has_wireframe, has_boxes, top_down })
+                    .unwrap();
             }
             if frame == 8 {
-                renderer.explain(DebugOverlay::default()).unwrap();
+                renderer.set_debug_overlay(DebugOverlay::default()).unwrap();
                 renderer.reload(ShaderSet::embedded().unwrap()).unwrap();
             }
             let mut halves = Rect::side_by_side(SIZE, 2);
             let mut eye = |history| ViewTarget {
-                history,
+                state: history,
                 camera: *camera,
                 visible: None,
-                area: halves.next().unwrap(),
+                rect: halves.next().unwrap(),
             };
             let eyes = &mut [eye(&mut left), eye(&mut right)];
             let strategies = [Strategy::ANTUMBRA, methods::PYRAMID, methods::BATCHED];

@@ -44,10 +44,10 @@ fn render(
         .zip(cameras)
         .zip(areas)
         .map(|((history, camera), area)| ViewTarget {
-            history,
+            state: history,
             camera: *camera,
             visible: None,
-            area: *area,
+            rect: *area,
         })
         .collect();
     let request = ViewsRequest { strategy, image: Some(image), after: None };
@@ -165,10 +165,10 @@ fn each_eye_has_an_ideal_of_its_own() {
                 .iter_mut()
                 .enumerate()
                 .map(|(eye, history)| ViewTarget {
-                    history,
+                    state: history,
                     camera: cameras[eye],
                     visible: Some(&sets[eye]),
-                    area: areas[eye],
+                    rect: areas[eye],
                 })
                 .collect();
             let request = ViewsRequest { strategy: methods::IDEAL, image: Some(&got), after: None };
@@ -289,7 +289,7 @@ fn areas_outside_of_the_image_are_refused() {
         ] {
             let area = Rect { origin, size };
             let camera = path.camera(0);
-            let mut eyes = [ViewTarget { history: &mut view, camera, visible: None, area }];
+            let mut eyes = [ViewTarget { state: &mut view, camera, visible: None, rect: area }];
             let request = ViewsRequest { strategy: Strategy::ANTUMBRA, image: None, after: None };
             let error = renderer.render_views(&mut eyes, &request).unwrap_err().to_string();
             assert!(error.contains("not within the image of 320x100"), "{error}");

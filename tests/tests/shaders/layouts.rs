@@ -83,13 +83,13 @@ fn proxies_are_two_corners() {
 }
 
 #[test]
-fn the_seen_pass_reads_instances_and_writes_a_word_a_leaf() {
+fn the_seen_pass_reads_instances_and_writes_a_value_per_leaf() {
     assert_eq!(interface("seen.vert"), (vec![(0, 64, vec![0, 48])], 72));
     assert_eq!(interface("seen.frag"), (vec![(1, 4, vec![0])], 0));
 }
 
 #[test]
-fn flags_are_words_and_leaf_boxes_switch_on_draws() {
+fn flags_are_values_and_leaf_boxes_enable_draws() {
     assert_eq!(interface("proxy.frag"), (vec![(1, 4, vec![0])], 0));
     assert_eq!(interface("leaf_box.vert"), (vec![(0, 32, vec![0, 16])], 96));
     let draws = (1, size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
@@ -115,15 +115,15 @@ fn flat_triangles_are_in_pixels() {
 }
 
 #[test]
-fn predicates_read_words_and_ranges() {
-    let words = (0, 4, vec![0]);
+fn predicates_read_results_and_ranges() {
+    let values = (0, 4, vec![0]);
     let ranges = (1, 16, vec![0, 4, 8, 12]);
     let boxes = (3, size_of::<gpu::vk::DrawIndirectCommand>(), vec![0, 4, 8, 12]);
     let draws = (2, size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
     let counts = (2, 4, vec![0]);
     let [of_counts, of_instances] = OF_GPU.map(|shader| interface(shader.name));
-    assert_eq!(of_counts, (vec![words.clone(), ranges.clone(), counts], 12));
-    assert_eq!(of_instances, (vec![words, ranges, draws, boxes], 12));
+    assert_eq!(of_counts, (vec![values.clone(), ranges.clone(), counts], 12));
+    assert_eq!(of_instances, (vec![values, ranges, draws, boxes], 12));
     // The layout that vkCmdDrawIndexedIndirect reads.
     assert_eq!(size_of::<IndirectDraw>(), size_of::<gpu::vk::DrawIndexedIndirectCommand>());
     assert_eq!(INDIRECT_DRAW_OFFSETS, [0, 4, 8, 12, 16]);
@@ -133,7 +133,7 @@ fn predicates_read_words_and_ranges() {
 fn the_pyramid_reads_boxes_and_draws_and_counts_them() {
     assert_eq!(interface("pyramid_build.comp"), (vec![(0, 4, vec![0])], 16));
     let draw = (size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
-    // Boxes carry the number of triangles that are shown in the word behind their lower corner.
+    // Boxes carry the number of triangles that are shown in the value behind their lower corner.
     let first = vec![
         (0, 32, vec![0, 12, 16, 28]),
         (1, draw.0, draw.1.clone()),
@@ -147,7 +147,7 @@ fn the_pyramid_reads_boxes_and_draws_and_counts_them() {
 }
 
 #[test]
-fn the_compute_tester_reads_boxes_and_depths_and_writes_words() {
+fn the_compute_tester_reads_boxes_and_depths_and_writes_results() {
     let floats = |binding| (binding, 4, vec![0]);
     assert_eq!(interface("depth_grid.comp"), (vec![floats(0), floats(1)], 8));
     let buffers = vec![(0, 32, vec![0, 16]), floats(1), floats(2), floats(3)];
@@ -155,9 +155,9 @@ fn the_compute_tester_reads_boxes_and_depths_and_writes_words() {
 }
 
 #[test]
-fn scattering_knows_only_words() {
-    let words = |binding| (binding, 4, vec![0]);
-    assert_eq!(interface("scatter.comp"), (vec![words(0), words(1), words(2)], 8));
+fn scattering_knows_only_values() {
+    let values = |binding| (binding, 4, vec![0]);
+    assert_eq!(interface("scatter.comp"), (vec![values(0), values(1), values(2)], 8));
 }
 
 #[test]
@@ -171,8 +171,8 @@ fn surfaces_have_materials_transforms_lights_and_lists() {
     assert_eq!(interface("surface.frag"), (vec![transforms.clone(), lights, (4, 4, vec![0])], 112));
     assert_eq!(interface("surface_depth.frag").0, vec![transforms]);
     let source = std::fs::read_to_string(crate::folder().join("lights.glsl")).unwrap();
-    let words = scene::limits::MAX_LIGHTS_PER_OBJECT / 2;
-    assert!(source.contains(&format!("LIST_WORDS = {words};")));
+    let list_values = scene::limits::MAX_LIGHTS_PER_OBJECT / 2;
+    assert!(source.contains(&format!("LIST_VALUES = {list_values};")));
 }
 
 #[test]
@@ -191,10 +191,10 @@ fn push_constants_fit_every_device() {
 }
 
 #[test]
-fn the_deform_pass_reads_and_writes_words() {
-    let words = |binding| (binding, 4, vec![0]);
-    assert_eq!(interface("deform.comp"), ([0, 1, 2, 3].map(words).to_vec(), 32));
-    // Its words: a vertex has five of them, a surface vertex ten.
+fn the_skinning_pass_reads_and_writes_values() {
+    let values = |binding| (binding, 4, vec![0]);
+    assert_eq!(interface("skinning.comp"), ([0, 1, 2, 3].map(values).to_vec(), 32));
+    // Its values: a vertex has five of them, a surface vertex ten.
     assert_eq!(size_of::<scene::Vertex>(), 5 * 4);
     assert_eq!(size_of::<scene::SurfaceVertex>(), 10 * 4);
     assert_eq!(offset_of!(scene::Vertex, normal), 3 * 4);

@@ -27,8 +27,8 @@ impl Renderer {
         // These are made again by the next frame that needs them.
         self.executor.passes.compute_test = None;
         self.methods.iter_mut().for_each(|method| method.resized());
-        let area = self.explanation.top_down;
-        self.explanation.top_down = area.filter(|area| area.fits(size));
+        let area = self.debug_overlay.top_down;
+        self.debug_overlay.top_down = area.filter(|area| area.fits(size));
         Ok(())
     }
 

@@ -6,24 +6,23 @@ use occlusion::Rect;
 use crate::renderer::Renderer;
 
 impl Renderer {
-    /// Lets objects take the forms ([`Surfaces::levels`](scene::Surfaces::levels)) whose errors are
-    /// too small to be seen by any of the `cameras`; returns the number of objects that took
-    /// another. To be called once per frame, before it: each call looks at no more than
-    /// 2,048 objects, in turn, so that larger
-    /// scenes follow the camera some frames late.
+    /// Lets objects take the levels of detail ([`Surfaces::levels`](scene::Surfaces::levels)) whose
+    /// errors are too small to be seen by any of the `cameras`; returns the number of objects that
+    /// took another. To be called once per frame, before it: each call looks at no more than 2,048
+    /// objects, in turn, so that larger scenes follow the camera some frames late.
     ///
     /// Visibility plays no part in it, so that frames are the same under every strategy. An error
-    /// of 0 pixels restores the finest forms.
+    /// of 0 pixels restores the finest levels.
     pub fn choose_detail(&mut self, cameras: &[Camera], policy: &DetailPolicy) -> u32 {
         let [width, height] = self.size();
         let area = Rect { origin: [0, 0], size: [width, height] };
         let views: Vec<View> = cameras.iter().map(|it| self.view_in(it, area)).collect();
         let geometry = &mut self.passes.geometry;
-        if !geometry.forms.are_any() {
+        if !geometry.lods.are_any() {
             return 0;
         }
         let mut changed = 0;
-        for object in geometry.forms.turn(self.hierarchy.leaf_objects().len()) {
+        for object in geometry.lods.next_batch(self.hierarchy.leaf_objects().len()) {
             let (Some(node), Some(leaf)) =
                 (self.hierarchy.node_of(object), self.hierarchy.leaf_of(object))
             else {
@@ -38,7 +37,7 @@ impl Renderer {
             }
         }
         if changed > 0 {
-            self.edition.advance();
+            self.revision.advance();
         }
         changed
     }

@@ -12,9 +12,9 @@ use crate::view_state::ViewState;
 impl Renderer {
     /// Begins to find the object of the scene, as it was drawn last, that owns the pixel at `pixel`
     /// (from the upper left) of an image seen from `camera`. All objects count, also those that
-    /// culling left out; blended ones do not. Submits a frame of one pixel, which draws all objects
-    /// whose boxes lie along its ray: only their triangles decide which is hit. Present the image
-    /// before or after the next.
+    /// culling left out; transparent ones do not. Submits a frame of one pixel, which draws all
+    /// objects whose boxes lie along its ray: only their triangles decide which is hit. Present the
+    /// image before or after the next.
     ///
     /// On a device whose fragment shaders cannot write to buffers, the object with the nearest box
     /// is returned.
@@ -28,8 +28,8 @@ impl Renderer {
         let met = self.hierarchy.leaves_along(view.eye, ray).into_iter();
         let met = met.filter_map(|(_, leaf)| Some((leaf, *objects.get(leaf.0 as usize)?)));
         let candidates: Vec<(LeafIndex, ObjectId)> = met.collect();
-        let can_ask = self.device.capabilities().has(Optional::FragmentStores);
-        let tick = match can_ask && !candidates.is_empty() {
+        let can_test = self.device.capabilities().has(Optional::FragmentStores);
+        let tick = match can_test && !candidates.is_empty() {
             true => Some(self.submit_pick(camera, &view, ray, &candidates)?),
             false => None,
         };
@@ -71,21 +71,21 @@ impl Renderer {
         Ok(Some(owner.map(|(_, object)| *object)))
     }
 
-    /// Explains the decision to draw an object or not in the newest frame of `history`, seen from
+    /// Explains the decision to draw an object or not in the newest frame of `state`, seen from
     /// `view`, with the outcome by the newest answers and their frame. `None` if there is no such
     /// object, or the view is of another renderer.
     pub fn explain_object(
         &self,
-        history: &ViewState,
+        state: &ViewState,
         view: &View,
         object: ObjectId,
     ) -> Option<(LeafExplanation, Option<(FrameId, Outcome)>)> {
-        self.check_view(history).ok()?;
-        let plan = history.plan();
-        let explained = history.visibility.culler().explain(&self.hierarchy, view, plan, object)?;
-        let answers = history.visibility.newest_answers();
+        self.check_view(state).ok()?;
+        let plan = state.plan();
+        let explained = state.visibility.culler().explain(&self.hierarchy, view, plan, object)?;
+        let answers = state.visibility.newest_answers();
         let outcome =
-            explained.outcome(&self.hierarchy, answers, |answer| history.visibility.shows(answer));
+            explained.outcome(&self.hierarchy, answers, |answer| state.visibility.shows(answer));
         Some((explained, answers.first().map(|answer| answer.tag.frame).zip(outcome)))
     }
 

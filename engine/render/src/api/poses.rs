@@ -20,7 +20,7 @@ impl Renderer {
     /// vertices in the first frame with a view that the mesh may be in.
     ///
     /// # Errors
-    /// [`Error::Deform`]: no such skinned mesh, a number of joints or targets other than it has,
+    /// [`Error::Pose`]: no such skinned mesh, a number of joints or targets other than it has,
     /// values that are not finite or move it beyond the possible coordinates. Nothing has changed
     /// then.
     pub fn set_pose(
@@ -29,46 +29,46 @@ impl Renderer {
         joints: &[Affine3A],
         weights: &[f32],
     ) -> Result<(), Error> {
-        self.take_all([(skinned_mesh, joints, weights)]).map(drop)
+        self.set_each([(skinned_mesh, joints, weights)]).map(drop)
     }
 
     /// Sets the poses of an update, in their order. Returns the number of poses that changed.
     ///
     /// # Errors
     /// The first impossible pose; those before it are set.
-    pub(crate) fn take_poses(&mut self, update: &SceneUpdate) -> Result<u32, Error> {
-        self.take_all(update.poses.iter().map(|PoseUpdate { skinned_mesh, joints, weights }| {
+    pub(crate) fn set_poses(&mut self, update: &SceneUpdate) -> Result<u32, Error> {
+        self.set_each(update.poses.iter().map(|PoseUpdate { skinned_mesh, joints, weights }| {
             let joints = update.joints.get(joints.clone()).unwrap_or_default();
             let weights = update.weights.get(weights.clone()).unwrap_or_default();
             (*skinned_mesh, joints, weights)
         }))
     }
 
-    fn take_all<'a>(
+    fn set_each<'a>(
         &mut self,
         poses: impl IntoIterator<Item = (SkinnedMeshId, &'a [Affine3A], &'a [f32])>,
     ) -> Result<u32, Error> {
         let mut scratch = std::mem::take(&mut self.update_scratch);
         let mut count = 0;
-        let taken = poses.into_iter().try_for_each(|(skinned_mesh, joints, weights)| {
-            let is_other = self.take_pose(skinned_mesh, joints, weights, &mut scratch)?;
+        let set = poses.into_iter().try_for_each(|(skinned_mesh, joints, weights)| {
+            let is_other = self.set_one(skinned_mesh, joints, weights, &mut scratch)?;
             count += u32::from(is_other);
             Ok(())
         });
         let settled = if count > 0 { self.settle(&mut scratch) } else { Ok(()) };
         self.update_scratch = scratch;
-        taken.and(settled.map_err(Error::from)).map(|()| count)
+        set.and(settled.map_err(Error::from)).map(|()| count)
     }
 
     /// Sets a pose. Returns true if it changed.
-    fn take_pose(
+    fn set_one(
         &mut self,
         skinned_mesh: SkinnedMeshId,
         joints: &[Affine3A],
         weights: &[f32],
         scratch: &mut UpdateScratch,
     ) -> Result<bool, Error> {
-        let refuse = |reason: &str| Error::Deform { skinned_mesh, reason: reason.to_owned() };
+        let refuse = |reason: &str| Error::Pose { skinned_mesh, reason: reason.to_owned() };
         let none = || refuse("the scene has no skinned mesh");
         let FramePasses { skinned_meshes, geometry, transparent, .. } = &mut self.passes;
         let skinned_meshes = skinned_meshes.as_mut().ok_or_else(none)?;
@@ -85,9 +85,9 @@ impl Renderer {
         const FAR: &str = "it takes its object farther than anything can be";
         let transform = transform.unwrap_or(Affine3A::IDENTITY);
         let in_world = bounds_in_world(&bounds, &transform).ok_or_else(|| refuse(FAR))?;
-        skinned_meshes.take(skinned_mesh, joints, weights, bounds);
+        skinned_meshes.set_pose(skinned_mesh, joints, weights, bounds);
         geometry.reshape(mesh, bounds);
-        self.edition.advance();
+        self.revision.advance();
         if let Some(id) = id {
             self.passes.change_transparent(id, |object| {
                 (object.own_bounds, object.bounds) = (bounds, in_world);

@@ -25,14 +25,14 @@ impl Renderer {
     /// Those of [`Renderer::render_views`].
     pub fn render(
         &mut self,
-        history: &mut ViewState,
+        state: &mut ViewState,
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
-        let area = Rect::whole(self.size());
+        let rect = Rect::whole(self.size());
         let FrameRequest { strategy, camera, visible, image, scene_image, after } = *request;
-        let eye = ViewTarget { history, camera, visible, area };
+        let target = ViewTarget { state, camera, visible, rect };
         let request = ViewsRequest { strategy, image, after };
-        self.render_eyes(&mut [eye], &request, scene_image)
+        self.render_targets(&mut [target], &request, scene_image)
     }
 
     /// Renders one frame of several views, one after the other, and submits them together. Waits
@@ -46,38 +46,38 @@ impl Renderer {
     /// takes too long.
     pub fn render_views(
         &mut self,
-        eyes: &mut [ViewTarget<'_>],
+        targets: &mut [ViewTarget<'_>],
         request: &ViewsRequest<'_>,
     ) -> Result<FrameReport, Error> {
-        self.render_eyes(eyes, request, None)
+        self.render_targets(targets, request, None)
     }
 
     /// Renders the same, and copies the image of the scene alone to `scene_image`.
-    pub(crate) fn render_eyes(
+    pub(crate) fn render_targets(
         &mut self,
-        eyes: &mut [ViewTarget<'_>],
+        targets: &mut [ViewTarget<'_>],
         request: &ViewsRequest<'_>,
         scene_image: Option<&Readback>,
     ) -> Result<FrameReport, Error> {
-        let method = self.check_frame(eyes, request, scene_image)?;
+        let method = self.check_frame(targets, request, scene_image)?;
         let began = Instant::now();
-        self.prepare(method, eyes)?;
-        let is_timed = self.is_timed(request.strategy, eyes);
+        self.prepare(method, targets)?;
+        let is_timed = self.is_timed(request.strategy, targets);
         let outlined = self.outlined_bounds();
-        let views = self.take_views(eyes);
+        let views = self.take_views(targets);
         let Self { device, frames, hierarchy, passes, executor, methods, shaders, .. } = self;
 
         let mut frame = frames.begin()?;
         note_times(&frame, &mut self.pass_times, &mut self.frame_times);
-        // An explanation may draw the scene as seen from elsewhere.
-        let seen = Some(views.as_slice()).filter(|_| self.explanation.is_empty());
+        // The debug overlay may draw the scene as seen from elsewhere.
+        let seen = Some(views.as_slice()).filter(|_| self.debug_overlay.is_empty());
         let skinned = passes.upload_changes(&mut frame, hierarchy, executor, seen)?;
         if is_timed {
             frame.begin_timing();
         }
         let mut report = FrameReport::of(skinned);
-        for (ViewTarget { history, visible, .. }, view) in eyes.iter_mut().zip(&views) {
-            history.collect(device.completed()?, hierarchy, &executor.leaves);
+        for (ViewTarget { state, visible, .. }, view) in targets.iter_mut().zip(&views) {
+            state.collect(device.completed()?, hierarchy, &executor.leaves);
             report.transparent +=
                 passes.gather_transparent(&mut frame, executor, view, request.strategy)?;
             let wanted = MethodRequest {
@@ -88,7 +88,7 @@ impl Renderer {
                 after: request.after,
             };
             let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
-            let ViewState { counts, visibility, .. } = &mut **history;
+            let ViewState { counts, visibility, .. } = &mut **state;
             let stats = methods[method].record(&mut frame, visibility, &mut scene, &wanted)?;
             report.tests += stats.tests;
             report.queries += stats.queries;
@@ -96,45 +96,48 @@ impl Renderer {
             count_samples(passes, &mut frame, scene, (counts, visibility), view)?;
         }
         finish_image(&mut frame, passes, None, scene_image)?;
-        let overlays =
-            Overlays { explanation: self.explanation, outlined, flat: self.flat_overlay.as_mut() };
+        let overlays = Overlays {
+            debug_overlay: self.debug_overlay,
+            outlined,
+            flat: self.flat_overlay.as_mut(),
+        };
         let scene = (&mut *passes, &*executor, &*hierarchy);
-        report.overlay_cpu = overlays.record(&mut frame, scene, eyes.first(), request.image)?;
+        report.overlay_cpu = overlays.record(&mut frame, scene, targets.first(), request.image)?;
         let waited = frame.waited();
         report.waits = frame.waits();
         report.tick = frame.submit(request.after)?;
         self.views = views;
         self.submitted();
-        self.note_submitted(eyes, is_timed, &mut report);
+        self.note_submitted(targets, is_timed, &mut report);
         report.cpu = began.elapsed().saturating_sub(waited + report.overlay_cpu);
         Ok(report)
     }
 
     /// Returns the views of a frame, in memory that is kept from frame to frame.
-    fn take_views(&mut self, eyes: &[ViewTarget<'_>]) -> Vec<View> {
+    fn take_views(&mut self, targets: &[ViewTarget<'_>]) -> Vec<View> {
         let mut views = std::mem::take(&mut self.views);
         views.clear();
-        views.extend(eyes.iter().map(|eye| eye.view(&self.device)));
+        views.extend(targets.iter().map(|target| target.view(&self.device)));
         views
     }
 
     /// Refuses a frame that cannot be drawn. Returns the number of the method that draws it.
     fn check_frame(
         &self,
-        eyes: &mut [ViewTarget<'_>],
+        targets: &mut [ViewTarget<'_>],
         request: &ViewsRequest<'_>,
         scene_image: Option<&Readback>,
     ) -> Result<usize, Error> {
-        if eyes.is_empty() {
+        if targets.is_empty() {
             return Err(Error::NoView);
         }
         let method = self.method(request.strategy)?;
-        for eye in eyes.iter_mut() {
-            self.check_view(eye.history)?;
-            self.check_area(eye.area)?;
-            self.check_visible(request.strategy, eye.visible)?;
+        for target in targets.iter_mut() {
+            self.check_view(target.state)?;
+            self.check_area(target.rect)?;
+            self.check_visible(request.strategy, target.visible)?;
             let (slots, leaves) = (self.frames_in_flight(), &self.executor.leaves);
-            eye.history.set_frames_in_flight(slots, &self.hierarchy, leaves)?;
+            target.state.set_frames_in_flight(slots, &self.hierarchy, leaves)?;
         }
         for image in request.image.into_iter().chain(scene_image) {
             self.check_image(image)?;
@@ -145,33 +148,33 @@ impl Renderer {
         Ok(method)
     }
 
-    /// Returns true if cost models learn from the time of the next frame. Draws of explanations
-    /// beside a plan falsify prices.
-    fn is_timed(&self, strategy: Strategy, eyes: &[ViewTarget<'_>]) -> bool {
-        let has_turn = |eye: &ViewTarget<'_>| {
-            occlusion::is_timed_after(eye.history.visibility.culler().frame())
+    /// Returns true if cost models learn from the time of the next frame. Draws of the debug
+    /// overlay beside a plan falsify prices.
+    fn is_timed(&self, strategy: Strategy, targets: &[ViewTarget<'_>]) -> bool {
+        let has_turn = |target: &ViewTarget<'_>| {
+            occlusion::is_timed_after(target.state.visibility.culler().frame())
         };
         strategy.uses_cost_model()
             && self.learns
-            && self.explanation.is_empty()
-            && eyes.iter().all(|eye| eye.history.visibility.has_cost_model())
-            && eyes.iter().any(has_turn)
+            && self.debug_overlay.is_empty()
+            && targets.iter().all(|target| target.state.visibility.has_cost_model())
+            && targets.iter().any(has_turn)
     }
 
     /// Notes in the views that their frame was submitted, and in the report their plans.
     fn note_submitted(
         &mut self,
-        eyes: &mut [ViewTarget<'_>],
+        targets: &mut [ViewTarget<'_>],
         is_timed: bool,
         report: &mut FrameReport,
     ) {
-        let timed_views = is_timed.then_some(eyes.len());
-        for ViewTarget { history, .. } in eyes.iter_mut() {
-            history.submitted(report.tick, &self.executor.leaves, timed_views);
-            report.add(history);
+        let timed_views = is_timed.then_some(targets.len());
+        for ViewTarget { state, .. } in targets.iter_mut() {
+            state.submitted(report.tick, &self.executor.leaves, timed_views);
+            report.add(state);
         }
         // Their lessons are for the next frame.
-        self.frame_times.teach(eyes);
+        self.frame_times.teach(targets);
     }
 
     /// Refuses a set of another renderer, and an ideal frame without a set of the scene as it is
@@ -181,16 +184,16 @@ impl Renderer {
         match visible {
             _ if !strategy.needs_still_scene() => Ok(()),
             None => Err(Error::NoVisibleSet(strategy)),
-            Some(visible) if !visible.is_of(self.edition) => Err(Error::OldVisibleSet),
+            Some(visible) if !visible.is_of(self.revision) => Err(Error::OldVisibleSet),
             Some(_) => Ok(()),
         }
     }
 
     /// Creates objects that only some methods and frames need, for the first frame that does.
-    fn prepare(&mut self, method: usize, eyes: &[ViewTarget<'_>]) -> Result<(), Error> {
+    fn prepare(&mut self, method: usize, targets: &[ViewTarget<'_>]) -> Result<(), Error> {
         let Self { device, hierarchy, passes, executor, methods, shaders, .. } = self;
-        let is_watching = |eye: &ViewTarget<'_>| eye.history.counts.is_watching();
-        if eyes.iter().any(is_watching) {
+        let is_watching = |target: &ViewTarget<'_>| target.state.counts.is_watching();
+        if targets.iter().any(is_watching) {
             passes.pipelines.count.prepare(device, shaders)?;
         }
         let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
@@ -203,8 +206,8 @@ impl Renderer {
     }
 
     /// Refuses a view of another renderer.
-    pub(crate) fn check_view(&self, history: &ViewState) -> Result<(), Error> {
-        self.check_renderer(history.renderer, "a view (`ViewState`)")
+    pub(crate) fn check_view(&self, state: &ViewState) -> Result<(), Error> {
+        self.check_renderer(state.renderer, "a view (`ViewState`)")
     }
 
     /// Refuses an object of another renderer.
@@ -231,7 +234,7 @@ impl Renderer {
 
 /// The overlays over the scene.
 struct Overlays<'a> {
-    explanation: DebugOverlay,
+    debug_overlay: DebugOverlay,
     /// The box that is outlined.
     outlined: Option<Aabb>,
     flat: Option<&'a mut FlatOverlay>,
@@ -244,14 +247,14 @@ impl Overlays<'_> {
         self,
         frame: &mut Frame<'_>,
         (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
-        eye: Option<&ViewTarget<'_>>,
+        target: Option<&ViewTarget<'_>>,
         image: Option<&Readback>,
     ) -> Result<Duration, Error> {
         let began = Instant::now();
-        if let Some(eye) = eye {
-            let view = eye.view(&passes.device);
+        if let Some(target) = target {
+            let view = target.view(&passes.device);
             let scene = (&mut *passes, executor, hierarchy);
-            self.explanation.record(frame, scene, (eye.history, &view))?;
+            self.debug_overlay.record(frame, scene, (target.state, &view))?;
             if let Some(bounds) = self.outlined {
                 record_outline(frame, passes, bounds, &view)?;
             }

@@ -19,17 +19,17 @@ enum Backdrop {
 }
 
 impl Renderer {
-    /// Freezes the newest frame of `history`, which was seen from `view`. Waits for it.
+    /// Freezes the newest frame of `state`, which was seen from `view`. Waits for it.
     ///
     /// # Errors
     /// A view of another renderer, a lost device, or a frame that takes too long.
     pub fn snapshot(
         &mut self,
-        history: &mut ViewState,
+        state: &mut ViewState,
         view: View,
     ) -> Result<VisibilitySnapshot, Error> {
-        self.drain(history)?;
-        let plan = history.plan();
+        self.drain(state)?;
+        let plan = state.plan();
         let one = |first| LeafRange { first, count: 1 };
         let taken = plan.draws.iter().copied().map(one);
         let queried = plan.queried_draws.iter().map(|(leaf, _)| one(*leaf));
@@ -42,8 +42,8 @@ impl Renderer {
         };
         let mut showed = Vec::new();
         let of_frame =
-            |answer: &&Answer| history.visibility.shows(answer) && answer.tag.frame == plan.frame;
-        for answer in history.visibility.newest_answers().iter().filter(of_frame) {
+            |answer: &&Answer| state.visibility.shows(answer) && answer.tag.frame == plan.frame;
+        for answer in state.visibility.newest_answers().iter().filter(of_frame) {
             let node = answer.tag.node;
             match answer.tag.kind {
                 QueryKind::Proxy | QueryKind::Leaf => {
@@ -84,8 +84,8 @@ impl Renderer {
 
     /// Draws `moment` as it looks to another eye, without a wait: the culling stands still, the
     /// camera does not. Beside the drawn objects it shows the hidden frontier nodes and the
-    /// frustum, as [`Renderer::top_down`] does; of the explanations by [`Renderer::explain`] it
-    /// shows the wires and the view from above.
+    /// frustum, as [`Renderer::top_down`] does; of the overlay by [`Renderer::set_debug_overlay`]
+    /// it shows the wires and the view from above.
     ///
     /// # Errors
     /// A moment of another renderer, an image of another device or size, no memory, a failed call.
@@ -115,9 +115,9 @@ impl Renderer {
             Backdrop::Sky => self.outlined_bounds(),
         };
         let Self { frames, passes, executor, hierarchy, flat_overlay, .. } = self;
-        let (clear, explanation) = match backdrop {
+        let (clear, debug_overlay) = match backdrop {
             Backdrop::Dark => (BACKGROUND, DebugOverlay::default()),
-            Backdrop::Sky => (passes.sky(), self.explanation),
+            Backdrop::Sky => (passes.sky(), self.debug_overlay),
         };
         let mut frame = frames.begin()?;
         passes.upload_changes(&mut frame, hierarchy, executor, None)?;
@@ -137,7 +137,7 @@ impl Renderer {
             });
         });
         let scene = (&mut *passes, &*executor, &*hierarchy);
-        explanation.record_snapshot(&mut frame, scene, &view, (snapshot, draws))?;
+        debug_overlay.record_snapshot(&mut frame, scene, &view, (snapshot, draws))?;
         if let Some(bounds) = outlined {
             record_outline(&mut frame, passes, bounds, &view)?;
         }

@@ -24,7 +24,7 @@ impl Renderer {
             [] => Vec::new(),
             objects => self.update(objects)?.added,
         };
-        let poses = self.take_poses(update)?;
+        let poses = self.set_poses(update)?;
         for TransparentMove { transparent, transform } in &update.transparent {
             self.move_transparent(*transparent, *transform)?;
         }
@@ -119,7 +119,7 @@ impl Renderer {
     ) -> Result<(), String> {
         const TAKEN: &str = "its mesh is skinned and another object has it: remove that first";
         let geometry = &self.passes.geometry;
-        if !geometry.is_deformed(object.mesh) {
+        if !geometry.is_skinned(object.mesh) {
             return Ok(());
         }
         let is_there = geometry.owner(object.mesh).is_some_and(|owner| !gone.contains(&owner));
@@ -139,7 +139,7 @@ impl Renderer {
         scratch: &mut UpdateScratch,
     ) -> Result<UpdateReport, Error> {
         if !changes.is_empty() {
-            self.edition.advance();
+            self.revision.advance();
         }
         let before = self.hierarchy.work();
         let mut added = Vec::new();
@@ -186,7 +186,7 @@ impl Renderer {
             })
             .collect();
         self.hierarchy.rebuild(&boxes)?;
-        self.edition.advance();
+        self.revision.advance();
         let mut scratch = std::mem::take(&mut self.update_scratch);
         scratch.reordered.extend(self.hierarchy.root().map(|root| self.hierarchy.leaves(root)));
         self.mark_dirty(&mut scratch);

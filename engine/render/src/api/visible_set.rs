@@ -16,7 +16,7 @@ use crate::views::{ViewTarget, ViewsRequest};
 
 impl Renderer {
     /// Finds the objects that own a pixel of `area` seen from `camera`. Waits for the GPU, twice:
-    /// for measurements, not for a frame loop. `history` is a view kept for this, so that its
+    /// for measurements, not for a frame loop. `state` is a view kept for this, so that its
     /// history grows along the path.
     ///
     /// # Errors
@@ -24,27 +24,27 @@ impl Renderer {
     /// memory; a failed call.
     pub fn visible_set(
         &mut self,
-        history: &mut ViewState,
+        state: &mut ViewState,
         camera: &Camera,
         area: Rect,
     ) -> Result<VisibleSet, Error> {
-        self.check_view(history)?;
-        let eye = ViewTarget { history: &mut *history, camera: *camera, visible: None, area };
+        self.check_view(state)?;
+        let target = ViewTarget { state: &mut *state, camera: *camera, visible: None, rect: area };
         // With a threshold ours leaves out what this is to find.
         let strategy = if self.is_exact() { Strategy::ANTUMBRA } else { Strategy::FRUSTUM };
         let request = ViewsRequest { strategy, image: None, after: None };
-        self.render_views(&mut [eye], &request)?;
+        self.render_views(&mut [target], &request)?;
         let view = self.view_in(camera, area);
-        let snapshot = self.snapshot(history, view)?;
+        let snapshot = self.snapshot(state, view)?;
         let drawn = snapshot.drawn.iter();
         let drawn: Vec<LeafIndex> = drawn
             .flat_map(|range| (range.first.0..range.first.0 + range.count).map(LeafIndex))
             .collect();
         self.submit_seen(&snapshot.view, &drawn)?;
         self.device.drain()?;
-        let edition = self.edition;
+        let revision = self.revision;
         let Some(seen) = &self.seen_leaves else {
-            return Ok(VisibleSet { leaves: Vec::new(), objects: Vec::new(), edition });
+            return Ok(VisibleSet { leaves: Vec::new(), objects: Vec::new(), revision });
         };
         let mut leaves: Vec<LeafIndex> =
             drawn.into_iter().filter(|leaf| seen.is_seen(*leaf)).collect();
@@ -55,7 +55,7 @@ impl Renderer {
         });
         let all = self.hierarchy.leaf_objects();
         let objects = leaves.iter().filter_map(|leaf| all.get(leaf.0 as usize)).copied();
-        Ok(VisibleSet { objects: objects.collect(), leaves, edition })
+        Ok(VisibleSet { objects: objects.collect(), leaves, revision })
     }
 
     /// Makes a set valid again that was found when the scene was as it is now, although it has
@@ -68,7 +68,7 @@ impl Renderer {
         self.check_renderer(set.renderer(), VISIBLE_SET)?;
         set.leaves.clear();
         set.leaves.extend(set.objects.iter().filter_map(|object| self.hierarchy.leaf_of(*object)));
-        set.edition = self.edition;
+        set.revision = self.revision;
         Ok(())
     }
 
@@ -95,12 +95,12 @@ impl Renderer {
         let mut frame = self.frames.begin()?;
         let draws = frame.uploads().push_iter(leaves.iter().map(|leaf| leaf_table.draw(*leaf)))?;
         let commands = frame.commands();
-        let words = seen.words.whole();
+        let values = seen.values.whole();
         commands.pass("find visible", |commands| {
             let between = MemoryBarrier::between;
             // The frame before may still copy, where nobody waited for it.
             commands.barrier(between(&[Access::CopyRead, Access::CopyWrite], &[Access::CopyWrite]));
-            commands.fill(words, 0);
+            commands.fill(values, 0);
             commands.barrier(between(&[Access::CopyWrite], &[Access::FragmentWrite]));
             passes.target.prepare(commands);
             commands.rendering(passes.rendering(view, Rendering::First), |commands| {
@@ -108,14 +108,14 @@ impl Renderer {
                 if !leaves.is_empty() {
                     commands.draw_indirect(draws);
                 }
-                let io = SeenIo { opaque: passes.opaque_io(), seen: words };
+                let io = SeenIo { opaque: passes.opaque_io(), seen: values };
                 if let Some(pass) = passes.pipelines.seen.get().filter(|_| !leaves.is_empty()) {
                     pass.bind(commands, &io, view);
                     commands.draw_indirect(draws);
                 }
             });
             commands.barrier(between(&[Access::FragmentWrite], &[Access::CopyRead]));
-            commands.copy_buffer(words, seen.readback.whole());
+            commands.copy_buffer(values, seen.readback.whole());
             commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
         });
         seen.newest = frame.submit(None)?;

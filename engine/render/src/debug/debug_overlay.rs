@@ -1,4 +1,5 @@
-//! Explanations of running frames: wires, the boxes of the frontier, a view from above in a corner.
+//! The debug overlay of running frames: wires, the boxes of the frontier, a view from above in a
+//! corner.
 
 use cull::{Hierarchy, NodeState, Tester, View};
 use gpu::{BufferSlice, Device, Frame};
@@ -57,20 +58,20 @@ impl DebugOverlay {
         Ok(())
     }
 
-    /// Draws the explanation over the frame that `history` was just recorded for.
+    /// Draws the overlay over the frame that `state` was just recorded for.
     pub(crate) fn record(
         &self,
         frame: &mut Frame<'_>,
         (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
-        (history, view): (&ViewState, &View),
+        (state, view): (&ViewState, &View),
     ) -> Result<(), Error> {
         if self.is_empty() {
             return Ok(());
         }
-        let snapshot = VisibilitySnapshot::underway(history, hierarchy, *view);
+        let snapshot = VisibilitySnapshot::underway(state, hierarchy, *view);
         let draws = snapshot.upload(frame, &executor.leaves)?;
-        let boxes = history.plan().tests.iter().map(|test| {
-            let colour = match (test.tester, history.visibility.culler().state(test.tag.node)) {
+        let boxes = state.plan().tests.iter().map(|test| {
+            let colour = match (test.tester, state.visibility.culler().state(test.tag.node)) {
                 (Tester::SharedProxy(_), _) => BOX_BEHIND,
                 (_, NodeState::Hidden) => BOX_HIDDEN,
                 (_, NodeState::Unknown) => BOX_UNKNOWN,
@@ -83,7 +84,7 @@ impl DebugOverlay {
         self.record_corner(frame, (passes, executor, hierarchy), (&snapshot, draws))
     }
 
-    /// Draws the explanation of a frozen moment over its image from another eye: its wires, and
+    /// Draws the overlay of a frozen moment over its image from another eye: its wires, and
     /// the view from above. That image has its hidden boxes already.
     pub(crate) fn record_snapshot(
         &self,

@@ -24,15 +24,15 @@ pub struct VisibilitySnapshot {
 }
 
 impl VisibilitySnapshot {
-    /// Returns the newest frame of `history` as far as it is known while it is in flight: the
+    /// Returns the newest frame of `state` as far as it is known while it is in flight: the
     /// leaves that are taken as visible, and the frontier nodes that were hidden when they were
     /// last tested.
-    pub(crate) fn underway(history: &ViewState, hierarchy: &Hierarchy, view: View) -> Self {
-        let plan = history.plan();
+    pub(crate) fn underway(state: &ViewState, hierarchy: &Hierarchy, view: View) -> Self {
+        let plan = state.plan();
         let one = |first| LeafRange { first, count: 1 };
         let taken = plan.draws.iter().copied().map(one);
         let queried = plan.queried_draws.iter().map(|(leaf, _)| one(*leaf));
-        let is_hidden = |node| history.visibility.culler().state(node) == NodeState::Hidden;
+        let is_hidden = |node| state.visibility.culler().state(node) == NodeState::Hidden;
         let tests = plan.tests.iter().filter(|test| test.leaves.count > 0);
         let tests = tests.filter(|test| is_hidden(test.tag.node));
         Self {
@@ -40,7 +40,7 @@ impl VisibilitySnapshot {
             view,
             drawn: taken.chain(queried).collect(),
             hidden: tests.map(|test| (hierarchy.bounds(test.tag.node), test.level)).collect(),
-            renderer: history.renderer,
+            renderer: state.renderer,
         }
     }
 

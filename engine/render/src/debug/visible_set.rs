@@ -17,7 +17,7 @@ pub struct VisibleSet {
     /// The same objects, at any place in the hierarchy.
     pub(crate) objects: Vec<ObjectId>,
     /// The scene as it was then.
-    pub(crate) edition: SceneRevision,
+    pub(crate) revision: SceneRevision,
 }
 
 /// The set's name in errors.
@@ -48,20 +48,20 @@ impl VisibleSet {
 
     /// Returns the renderer that found it.
     pub(crate) fn renderer(&self) -> RendererId {
-        self.edition.renderer
+        self.revision.renderer
     }
 
     /// Returns true if it was found for the scene in this revision.
-    pub(crate) fn is_of(&self, edition: SceneRevision) -> bool {
-        self.edition == edition
+    pub(crate) fn is_of(&self, revision: SceneRevision) -> bool {
+        self.revision == revision
     }
 }
 
 /// The objects on the GPU that finding the set needs.
 pub(crate) struct SeenLeaves {
-    pub(crate) words: Buffer,
+    pub(crate) values: Buffer,
     pub(crate) readback: Buffer,
-    /// The tick of the frame whose words come last.
+    /// The tick of the frame whose values come last.
     pub(crate) newest: Tick,
 }
 
@@ -73,7 +73,7 @@ impl SeenLeaves {
             | vk::BufferUsageFlags::TRANSFER_SRC;
         let home = vk::BufferUsageFlags::TRANSFER_DST;
         Ok(Self {
-            words: Buffer::new(device, "seen leaves", size_bytes, usage, MemoryKind::Device)?,
+            values: Buffer::new(device, "seen leaves", size_bytes, usage, MemoryKind::Device)?,
             readback: Buffer::new(
                 device,
                 "seen leaves read back",
@@ -85,7 +85,7 @@ impl SeenLeaves {
         })
     }
 
-    /// Returns true if no frame after that of `tick` writes the words.
+    /// Returns true if no frame after that of `tick` writes the values.
     pub(crate) fn is_newest(&self, tick: Tick) -> bool {
         self.newest == tick
     }
@@ -93,6 +93,6 @@ impl SeenLeaves {
     /// Returns true if a leaf owned a pixel of the frame that was read back last.
     pub(crate) fn is_seen(&self, leaf: LeafIndex) -> bool {
         let place = leaf.0 as usize;
-        self.readback.read::<u32>(place..place + 1).first().is_some_and(|word| *word != 0)
+        self.readback.read::<u32>(place..place + 1).first().is_some_and(|value| *value != 0)
     }
 }

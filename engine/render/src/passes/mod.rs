@@ -1,22 +1,22 @@
 //! The passes: each a struct with its pipeline, and an `Io` that lists its reads and writes.
 
 mod count;
-mod deform;
 mod flat;
 mod opaque;
 mod overlay;
 pub(crate) mod pipelines;
 mod seen;
+mod skinning;
 mod sky;
 mod surface;
 
 pub(crate) use count::CountPass;
-pub(crate) use deform::{DeformIo, DeformPass, Deformation, REST_WORDS};
 pub use flat::{FlatDraw, FlatVertex};
 pub(crate) use flat::{FlatIo, FlatPass};
 pub use opaque::{OpaqueIo, OpaquePass};
 pub use overlay::OverlayVertex;
 pub(crate) use overlay::{OverlayIo, OverlayPass};
 pub(crate) use seen::{SeenIo, SeenPass};
+pub(crate) use skinning::{REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
 pub use sky::SkyPass;
 pub use surface::{SurfaceIo, SurfaceKind, SurfacePass};

@@ -4,7 +4,7 @@ use gpu::Device;
 use occlusion::{Error, ShaderSet};
 
 use crate::passes::{
-    CountPass, DeformPass, FlatPass, OpaquePass, OverlayPass, SeenPass, SurfaceKind, SurfacePass,
+    CountPass, FlatPass, OpaquePass, OverlayPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass,
 };
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
@@ -18,7 +18,7 @@ pub(crate) struct Pipelines {
     /// The pass of transparent objects, if there are any.
     pub(crate) transparent: Option<SurfacePass>,
     /// The pass of skinned meshes, if there are any.
-    pub(crate) deform: Option<DeformPass>,
+    pub(crate) skinning: Option<SkinningPass>,
     /// The opaque pass in two, for methods that draw depth first.
     pub(crate) depth_first: OnDemand<DepthFirst>,
     pub(crate) count: OnDemand<CountPass>,
@@ -52,13 +52,14 @@ impl Pipelines {
         let transparent = transparent
             .map(|it| SurfacePass::new(device, shaders, SurfaceKind::Transparent, it))
             .transpose()?;
-        let deform = has_skinned_meshes.then(|| DeformPass::new(device, shaders)).transpose()?;
+        let skinning =
+            has_skinned_meshes.then(|| SkinningPass::new(device, shaders)).transpose()?;
         let on_demand = Former { device, shaders, former };
         Ok(Self {
             opaque: OpaquePass::new(device, shaders)?,
             shading: surfaces.map(|it| Shading::new(device, shaders, it)).transpose()?,
             transparent,
-            deform,
+            skinning,
             depth_first: on_demand.again(|it| &it.depth_first, DepthFirst::new)?,
             count: on_demand.again(|it| &it.count, CountPass::new)?,
             seen: on_demand.again(|it| &it.seen, SeenPass::new)?,

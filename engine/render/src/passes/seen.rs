@@ -18,13 +18,13 @@ pub struct SeenPass {
     pipeline: GraphicsPipeline,
 }
 
-/// The buffers of the pass: reads those of the opaque pass, and the finished depth; writes one word
-/// per leaf.
+/// The buffers of the pass: reads those of the opaque pass, and the finished depth; writes one
+/// value per leaf.
 #[derive(Clone, Copy)]
 pub struct SeenIo {
     /// The buffers of the draws.
     pub opaque: OpaqueIo,
-    /// One word per leaf of the scene: 1 for each that is seen, the others stay as they are.
+    /// One value per leaf of the scene: 1 for each that is seen, the others stay as they are.
     pub seen: BufferSlice,
 }
 

@@ -23,7 +23,7 @@ pub enum SurfaceKind {
     /// of the two. Of equally near surfaces the larger value of each channel is kept, so the order
     /// of draws decides nothing: start from black.
     Colour,
-    /// Blended objects over the finished image, hidden by nearer surfaces; draw them back to
+    /// Transparent objects over the finished image, hidden by nearer surfaces; draw them back to
     /// front.
     Transparent,
 }
@@ -42,7 +42,7 @@ pub struct SurfaceIo<'a> {
     pub vertices: BufferSlice,
     /// Their indices.
     pub indices: BufferSlice,
-    /// One instance per leaf, or per transparent object; their last words are
+    /// One instance per leaf, or per transparent object; their last values are
     /// [`SurfaceResources::instance_tail`]s.
     pub instances: BufferSlice,
     /// The scene's surfaces, with the second half of its vertices.

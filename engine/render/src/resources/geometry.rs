@@ -19,7 +19,7 @@ use crate::resources::instance::Instance;
 use crate::resources::limits::{check_memory, check_storage, room};
 use crate::resources::lod::{LodTable, stretch};
 use crate::resources::skinned_meshes::{
-    DeformedVertices, are_deformed, deformed_vertices, mesh_order,
+    SkinnedVertices, are_skinned, mesh_order, skinned_vertices,
 };
 use crate::resources::sprites;
 use crate::shading::surfaces::{SurfaceOptions, SurfaceResources};
@@ -38,22 +38,22 @@ const NO_MESH: u32 = u32::MAX;
 pub(crate) struct Geometry {
     pub(crate) vertices: Buffer,
     /// The number of vertices, from the first on, that belong to skinned meshes.
-    deformed_vertices: u64,
+    skinned_vertices: u64,
     pub(crate) indices: Buffer,
     pub(crate) instances: Buffer,
     /// The surfaces of a scene that has them.
     pub(crate) surfaces: Option<SurfaceResources>,
-    /// The draws of meshes, and of their coarser forms behind those.
+    /// The draws of meshes, and of their coarser levels behind those.
     mesh_draws: Arc<[MeshDraw]>,
     mesh_bounds: Vec<Aabb>,
-    pub(crate) forms: LodTable,
+    pub(crate) lods: LodTable,
     // By object.
     object_meshes: Vec<u32>,
-    /// The draw of each object: that of its mesh, or of a coarser form.
-    object_forms: Vec<u32>,
+    /// The draw of each object: that of its mesh, or of a coarser level.
+    object_lods: Vec<u32>,
     object_instances: Vec<Instance>,
     /// By mesh: true if it is skinned, so that its box is the box of its one object.
-    is_deformed: Vec<bool>,
+    is_skinned: Vec<bool>,
     /// The objects of skinned meshes.
     owners: HashMap<u32, ObjectId>,
 }
@@ -81,15 +81,15 @@ impl Geometry {
         let objects = hierarchy.leaf_objects().len();
         check_memory("the objects on their way to the GPU", objects, UPLOAD_BYTES_PER_OBJECT)?;
         let (mut vertices, mut indices, mut mesh_draws) = join_meshes(scene)?;
-        let forms = LodTable::join(scene, &mut indices, &mut mesh_draws);
+        let lods = LodTable::join(scene, &mut indices, &mut mesh_draws);
         let leaf_count = hierarchy.leaf_objects().len();
         Self::check_size(device, leaf_count)?;
         sprites::check_size(device, scene, leaf_count)?;
         sprites::add_pattern(scene, &mut vertices, &mut indices, &mut mesh_draws);
         check_storage(
             device,
-            "vertices of meshes that change their form",
-            (deformed_vertices(scene), size_of::<SurfaceVertex>() as u64),
+            "vertices of skinned meshes",
+            (skinned_vertices(scene), size_of::<SurfaceVertex>() as u64),
             "make those meshes simpler, or fewer",
         )?;
         let surfaces =
@@ -104,45 +104,45 @@ impl Geometry {
         let by_leaf = || hierarchy.leaf_objects().iter().map(|object| object.0 as usize);
         let mut instances: Vec<Instance> =
             by_leaf().map(|o| object_instances.get(o).copied().unwrap_or_default()).collect();
-        sprites::add_words(scene, &mut instances);
+        sprites::add_vectors(scene, &mut instances);
         let mesh_draws = counted(scene, &mesh_draws);
         let index = vk::BufferUsageFlags::INDEX_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        let deformed_vertices = deformed_vertices(scene);
-        let is_deformed = are_deformed(scene);
+        let skinned_vertices = skinned_vertices(scene);
+        let is_skinned = are_skinned(scene);
         let owners =
             (0..).map(ObjectId).zip(&scene.objects).map(|(id, object)| (object.mesh.0, id));
-        let owners = owners.filter(|(mesh, _)| is_deformed.get(*mesh as usize) == Some(&true));
+        let owners = owners.filter(|(mesh, _)| is_skinned.get(*mesh as usize) == Some(&true));
         let owners = owners.collect();
-        let vertex = match deformed_vertices {
+        let vertex = match skinned_vertices {
             0 => vk::BufferUsageFlags::VERTEX_BUFFER,
             _ => vk::BufferUsageFlags::VERTEX_BUFFER | storage,
         };
         Ok(Self {
             vertices: device.upload("vertices", &vertices, vertex)?,
-            deformed_vertices,
-            is_deformed,
+            skinned_vertices,
+            is_skinned,
             owners,
             indices: device.upload("indices", &indices, index)?,
             instances: device.upload("instances", &instances, storage)?,
             mesh_bounds: scene.meshes.iter().map(|mesh| mesh.bounds).collect(),
             surfaces,
             mesh_draws,
-            forms,
-            object_forms: object_meshes.clone(),
+            lods,
+            object_lods: object_meshes.clone(),
             object_meshes,
             object_instances,
         })
     }
 
-    /// Returns the draws of leaves: of meshes, and of coarser forms behind those.
+    /// Returns the draws of leaves: of meshes, and of coarser levels behind those.
     pub(crate) fn mesh_draws(&self) -> &Arc<[MeshDraw]> {
         &self.mesh_draws
     }
 
-    /// Returns the draw of an object: its mesh, or a coarser form of it.
+    /// Returns the draw of an object: its mesh, or a coarser level of it.
     pub(crate) fn draw_of(&self, object: ObjectId) -> MeshDrawId {
-        self.object_forms.get(object.0 as usize).map_or(MeshDrawId::NONE, |form| MeshDrawId(*form))
+        self.object_lods.get(object.0 as usize).map_or(MeshDrawId::NONE, |lod| MeshDrawId(*lod))
     }
 
     /// Returns the draw of a mesh; an empty one where the scene does not have it.
@@ -177,8 +177,8 @@ impl Geometry {
     }
 
     /// Returns true if a mesh is skinned.
-    pub(crate) fn is_deformed(&self, mesh: MeshId) -> bool {
-        self.is_deformed.get(mesh.0 as usize).copied().unwrap_or_default()
+    pub(crate) fn is_skinned(&self, mesh: MeshId) -> bool {
+        self.is_skinned.get(mesh.0 as usize).copied().unwrap_or_default()
     }
 
     /// Returns the object of a skinned mesh.
@@ -196,12 +196,12 @@ impl Geometry {
         })
     }
 
-    /// Returns the place of the deformed vertices.
-    pub(crate) fn deformed(&self) -> Option<DeformedVertices> {
+    /// Returns the place of the skinned vertices.
+    pub(crate) fn skinned(&self) -> Option<SkinnedVertices> {
         let part = |vertices: BufferSlice, vertex_bytes: usize| {
-            vertices.part(0, self.deformed_vertices * vertex_bytes as u64)
+            vertices.part(0, self.skinned_vertices * vertex_bytes as u64)
         };
-        Some(DeformedVertices {
+        Some(SkinnedVertices {
             vertices: part(self.vertices.whole(), size_of::<Vertex>()),
             surfaces: part(self.surfaces.as_ref()?.vertices(), size_of::<SurfaceVertex>()),
         })
@@ -224,26 +224,26 @@ impl Geometry {
         let surfaces = self.surfaces.as_ref();
         let now = object.map(|object| instance_of(id, object, surfaces)).unwrap_or_default();
         let place = id.0 as usize;
-        let (Some(mesh), Some(form), Some(instance)) = (
+        let (Some(mesh), Some(lod), Some(instance)) = (
             self.object_meshes.get_mut(place),
-            self.object_forms.get_mut(place),
+            self.object_lods.get_mut(place),
             self.object_instances.get_mut(place),
         ) else {
             return;
         };
         self.owners.remove(mesh);
         if let Some(object) = object
-            && self.is_deformed.get(object.mesh.0 as usize) == Some(&true)
+            && self.is_skinned.get(object.mesh.0 as usize) == Some(&true)
         {
             self.owners.insert(object.mesh.0, id);
         }
         *mesh = object.map_or(NO_MESH, |object| object.mesh.0);
-        *form = *mesh;
+        *lod = *mesh;
         *instance = now;
     }
 
-    /// Selects the form of an object for the size it appears in. Returns true if it changed. Its
-    /// leaf must then be marked.
+    /// Selects the level of detail of an object for the size it appears in. Returns true if it
+    /// changed. Its leaf must then be marked.
     pub(crate) fn select_lod(
         &mut self,
         object: ObjectId,
@@ -251,16 +251,16 @@ impl Geometry {
         policy: &DetailPolicy,
     ) -> bool {
         let id = object.0 as usize;
-        let (Some(mesh), Some(form), Some(instance)) = (
+        let (Some(mesh), Some(lod), Some(instance)) = (
             self.object_meshes.get(id),
-            self.object_forms.get_mut(id),
+            self.object_lods.get_mut(id),
             self.object_instances.get(id),
         ) else {
             return false;
         };
         let scale = pixels_per_metre * stretch(&instance.rows);
-        let chosen = self.forms.choose(MeshId(*mesh), *form, scale, policy);
-        chosen.is_some_and(|chosen| std::mem::replace(form, chosen) != chosen)
+        let chosen = self.lods.select_lod(MeshId(*mesh), *lod, scale, policy);
+        chosen.is_some_and(|chosen| std::mem::replace(lod, chosen) != chosen)
     }
 
     /// Finds the lights of an object at its present place, none if it is gone. Returns true if they
@@ -327,12 +327,12 @@ impl Geometry {
     }
 }
 
-/// Returns the draws of meshes, and of their coarser forms behind them, with the triangles that
+/// Returns the draws of meshes, and of their coarser levels behind them, with the triangles that
 /// they show.
 fn counted(scene: &Scene, draws: &[IndirectDraw]) -> Arc<[MeshDraw]> {
     let levels = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.levels);
-    let forms = scene.meshes.iter().zip(levels);
-    let coarser = forms.flat_map(|(mesh, levels)| levels.iter().map(move |_| mesh));
+    let lods = scene.meshes.iter().zip(levels);
+    let coarser = lods.flat_map(|(mesh, levels)| levels.iter().map(move |_| mesh));
     let meshes = scene.meshes.iter().chain(coarser);
     let counted = |(mesh, draw): (&Mesh, &IndirectDraw)| {
         let triangles = mesh.triangles_of(draw.index_count as usize) as u32;
@@ -361,7 +361,7 @@ fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
 type Joined = (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>);
 
 /// Joins all meshes in one vertex and one index buffer, so that any objects can share a draw call.
-/// There is room for their coarser forms and for the pattern of sprites.
+/// There is room for their coarser levels and for the pattern of sprites.
 fn join_meshes(scene: &Scene) -> Result<Joined, Error> {
     let levels = scene.surfaces.iter().flat_map(|surfaces| surfaces.levels.iter().flatten());
     let levels: usize = levels.map(|level| level.indices.len()).sum();

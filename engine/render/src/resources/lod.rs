@@ -1,4 +1,5 @@
-//! Levels of detail: the form of its mesh that each object has, chosen for a few objects per frame.
+//! Levels of detail: the level of its mesh that each object has, chosen for a few objects per
+//! frame.
 
 use cull::{DetailLevel, DetailPolicy, ObjectId};
 use gpu::IndirectDraw;
@@ -8,7 +9,7 @@ use scene::{MeshId, Scene};
 /// one call.
 pub const DETAIL_OBJECTS_A_CALL: usize = 2048;
 
-/// The coarser forms of all meshes: draws behind those of the meshes themselves.
+/// The coarser levels of all meshes: draws behind those of the meshes themselves.
 pub(crate) struct LodTable {
     of_mesh: Vec<Option<MeshForms>>,
     /// The object that is looked at next.
@@ -16,14 +17,14 @@ pub(crate) struct LodTable {
 }
 
 struct MeshForms {
-    /// The number of the first coarser form.
+    /// The number of the first coarser level.
     first: u32,
     /// The errors of all of them, the finest first, whose error is 0.
     errors_m: Vec<f32>,
 }
 
 impl LodTable {
-    /// Adds the indices and draws of coarser forms to those of the meshes.
+    /// Adds the indices and draws of coarser levels to those of the meshes.
     pub(crate) fn join(
         scene: &Scene,
         indices: &mut Vec<u32>,
@@ -51,28 +52,28 @@ impl LodTable {
         self.of_mesh.get(mesh.0 as usize)?.as_ref()
     }
 
-    /// Returns the form of a mesh that an object with the form `now` should have.
-    pub(crate) fn choose(
+    /// Returns the level of a mesh that an object with the level `now` should have.
+    pub(crate) fn select_lod(
         &self,
         mesh: MeshId,
         now: u32,
         pixels_per_metre: f32,
         policy: &DetailPolicy,
     ) -> Option<u32> {
-        let forms = self.of(mesh)?;
-        let level = (now + 1).checked_sub(forms.first).filter(|_| now != mesh.0).unwrap_or(0);
+        let lods = self.of(mesh)?;
+        let level = (now + 1).checked_sub(lods.first).filter(|_| now != mesh.0).unwrap_or(0);
         let level = DetailLevel(u8::try_from(level).unwrap_or(u8::MAX));
-        let chosen = policy.choose(pixels_per_metre, &forms.errors_m, level);
-        Some(chosen.0.checked_sub(1).map_or(mesh.0, |coarser| forms.first + u32::from(coarser)))
+        let chosen = policy.choose(pixels_per_metre, &lods.errors_m, level);
+        Some(chosen.0.checked_sub(1).map_or(mesh.0, |coarser| lods.first + u32::from(coarser)))
     }
 
-    /// Returns true if any mesh has several forms.
+    /// Returns true if any mesh has several levels.
     pub(crate) fn are_any(&self) -> bool {
         self.of_mesh.iter().any(Option::is_some)
     }
 
     /// Returns the objects of this turn, out of `objects`.
-    pub(crate) fn turn(&mut self, objects: usize) -> impl Iterator<Item = ObjectId> + use<> {
+    pub(crate) fn next_batch(&mut self, objects: usize) -> impl Iterator<Item = ObjectId> + use<> {
         let (first, count) = (self.next, DETAIL_OBJECTS_A_CALL.min(objects));
         self.next = (first + count) % objects.max(1);
         (first..first + count).map(move |object| ObjectId((object % objects.max(1)) as u32))
@@ -91,7 +92,7 @@ mod tests {
     use super::*;
     use scene::{LodLevel, Mesh, Surfaces};
 
-    fn forms() -> (LodTable, Vec<u32>, Vec<IndirectDraw>) {
+    fn table() -> (LodTable, Vec<u32>, Vec<IndirectDraw>) {
         let level = |triangles: u32, error_m| LodLevel {
             indices: (0..triangles * 3).map(|corner| corner % 3).collect(),
             error_m,
@@ -109,13 +110,13 @@ mod tests {
             ..IndirectDraw::default()
         };
         let mut draws = vec![draw(0), draw(1), draw(2)];
-        let forms = LodTable::join(&scene, &mut indices, &mut draws);
-        (forms, indices, draws)
+        let lods = LodTable::join(&scene, &mut indices, &mut draws);
+        (lods, indices, draws)
     }
 
     #[test]
-    fn coarser_forms_lie_behind_the_meshes() {
-        let (_, indices, draws) = forms();
+    fn coarser_levels_lie_behind_the_meshes() {
+        let (_, indices, draws) = table();
         let found: Vec<_> =
             draws.iter().map(|it| (it.index_count, it.first_index, it.vertex_offset)).collect();
         let behind = [(12, 30, 10), (6, 42, 10), (3, 48, 20)];
@@ -124,10 +125,10 @@ mod tests {
     }
 
     #[test]
-    fn an_object_takes_the_form_that_its_distance_allows() {
-        let (forms, ..) = forms();
+    fn an_object_takes_the_level_that_its_distance_allows() {
+        let (lods, ..) = table();
         let policy = DetailPolicy { error_pixels: 1.0, hysteresis: 0.0 };
-        let choose = |mesh, now, scale| forms.choose(MeshId(mesh), now, scale, &policy);
+        let choose = |mesh, now, scale| lods.select_lod(MeshId(mesh), now, scale, &policy);
         assert_eq!(choose(0, 0, 0.0), None, "it has but one");
         for now in [1, 3, 4] {
             assert_eq!(choose(1, now, 100.0), Some(1));
@@ -139,15 +140,15 @@ mod tests {
 
     #[test]
     fn all_objects_have_their_turn() {
-        let (mut forms, ..) = forms();
+        let (mut lods, ..) = table();
         for objects in [1, 7, DETAIL_OBJECTS_A_CALL, DETAIL_OBJECTS_A_CALL * 2 + 9] {
             let mut seen = vec![false; objects];
             for _ in 0..objects.div_ceil(DETAIL_OBJECTS_A_CALL) {
-                forms.turn(objects).for_each(|object| seen[object.0 as usize] = true);
+                lods.next_batch(objects).for_each(|object| seen[object.0 as usize] = true);
             }
             assert!(seen.into_iter().all(|it| it), "{objects}");
-            forms.next = 0;
+            lods.next = 0;
         }
-        assert_eq!(forms.turn(0).count(), 0);
+        assert_eq!(lods.next_batch(0).count(), 0);
     }
 }

@@ -12,19 +12,19 @@ use scene::{
 };
 
 use crate::error::Error;
-use crate::passes::{DeformIo, DeformPass, Deformation, REST_WORDS};
+use crate::passes::{REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
 use crate::resources::limits::check_storage;
 
 /// All skinned meshes of a scene and their newest poses.
 pub(crate) struct SkinnedMeshes {
-    forms: Buffer,
+    mesh_data: Buffer,
     all: Vec<State>,
     /// The skinned meshes whose pose is not on the GPU yet.
     dirty: Vec<usize>,
     /// The skinned meshes whose pose the frame being recorded uploads.
     uploaded: Vec<usize>,
     /// The poses of a frame, kept to allocate nothing.
-    words: Vec<u32>,
+    values: Vec<u32>,
 }
 
 /// The CPU's data of a skinned mesh.
@@ -37,22 +37,22 @@ pub(crate) struct State {
     pub(crate) bounds: Aabb,
     /// The box of the vertices on the GPU.
     pub(crate) shown_bounds: Aabb,
-    /// The deformation without its pose.
-    form: Deformation,
+    /// The job without its pose.
+    rest: SkinningJob,
     joint_count: usize,
     targets: Vec<TargetPlaces>,
     joints: Vec<Affine3A>,
     weights: Vec<f32>,
     is_dirty: bool,
-    /// The deformation with its place among this frame's poses.
-    pose: Deformation,
+    /// The job with its place among this frame's poses.
+    pose: SkinningJob,
 }
 
-/// The places of a target's lists among the forms, in words, or [`NOTHING`].
+/// The places of a target's lists in the mesh data, in values, or [`NOTHING`].
 #[derive(Clone, Copy)]
 struct TargetPlaces([u32; 3]);
 
-/// The place of an empty list; mirrors `deform.comp`.
+/// The place of an empty list; mirrors `skinning.comp`.
 const NOTHING: u32 = u32::MAX;
 
 /// The work of a frame for skinned meshes.
@@ -64,7 +64,7 @@ pub(crate) struct Skinned {
 
 /// The vertices that the pass writes, from the first on.
 #[derive(Clone, Copy)]
-pub(crate) struct DeformedVertices {
+pub(crate) struct SkinnedVertices {
     pub(crate) vertices: BufferSlice,
     pub(crate) surfaces: BufferSlice,
 }
@@ -85,14 +85,14 @@ impl SkinnedMeshes {
             return Ok(None);
         };
         const FEWER: &str = "leave out joints or morph targets, or make those meshes simpler";
-        let [forms, poses] = words_of(scene);
-        let what = "words of joints, weights and morph targets";
-        check_storage(device, what, (forms, 4), FEWER)?;
+        let [mesh_data, poses] = value_counts(scene);
+        let what = "values of joints, weights and morph targets";
+        check_storage(device, what, (mesh_data, 4), FEWER)?;
         check_storage(device, "poses", (poses, 4), FEWER)?;
         let transparent = (0..).map(TransparentId).zip(&surfaces.transparent);
         let transparent: HashMap<_, _> =
             transparent.map(|(id, object)| (object.mesh, id)).collect();
-        let (mut words, mut all) = (Vec::new(), Vec::with_capacity(surfaces.skinned_meshes.len()));
+        let (mut values, mut all) = (Vec::new(), Vec::with_capacity(surfaces.skinned_meshes.len()));
         for skinned_mesh in &surfaces.skinned_meshes {
             let mesh = skinned_mesh.mesh.0 as usize;
             let (Some(at_rest), Some(surface)) =
@@ -103,17 +103,17 @@ impl SkinnedMeshes {
             let transparent = transparent.get(&skinned_mesh.mesh).copied();
             let surface = &surface.vertices;
             let state =
-                State::new(skinned_mesh, (at_rest, surface), first_vertices(mesh), &mut words);
+                State::new(skinned_mesh, (at_rest, surface), first_vertices(mesh), &mut values);
             all.push(State { transparent, ..state });
         }
-        debug_assert_eq!(words.len() as u64, forms);
+        debug_assert_eq!(values.len() as u64, mesh_data);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         Ok(Some(Self {
-            forms: device.upload("skinned mesh data", &words, storage)?,
+            mesh_data: device.upload("skinned mesh data", &values, storage)?,
             all,
             dirty: Vec::new(),
             uploaded: Vec::new(),
-            words: Vec::new(),
+            values: Vec::new(),
         }))
     }
 
@@ -132,7 +132,7 @@ impl SkinnedMeshes {
         joints: &[Affine3A],
         weights: &[f32],
     ) -> Result<Option<Aabb>, Error> {
-        let refuse = |reason: String| Err(Error::Deform { skinned_mesh, reason });
+        let refuse = |reason: String| Err(Error::Pose { skinned_mesh, reason });
         let Some(state) = self.all.get(skinned_mesh.0 as usize) else {
             return refuse("the scene has no such skinned mesh".to_owned());
         };
@@ -158,8 +158,8 @@ impl SkinnedMeshes {
         }
     }
 
-    /// Takes a possible pose, in which the mesh has this box.
-    pub(crate) fn take(
+    /// Sets a possible pose, in which the mesh has this box.
+    pub(crate) fn set_pose(
         &mut self,
         skinned_mesh: SkinnedMeshId,
         joints: &[Affine3A],
@@ -185,8 +185,8 @@ impl SkinnedMeshes {
     pub(crate) fn upload(
         &mut self,
         frame: &mut Frame<'_>,
-        pass: &DeformPass,
-        deformed: DeformedVertices,
+        pass: &SkinningPass,
+        target: SkinnedVertices,
         is_seen: impl Fn(&State) -> bool,
     ) -> Result<Skinned, Error> {
         self.uploaded.clear();
@@ -195,18 +195,18 @@ impl SkinnedMeshes {
         if self.uploaded.is_empty() {
             return Ok(Skinned::default());
         }
-        self.words.clear();
+        self.values.clear();
         let mut skinned = Skinned::default();
         for number in &self.uploaded {
             if let Some(state) = self.all.get_mut(*number) {
-                state.write(&mut self.words);
+                state.write(&mut self.values);
                 skinned.poses += 1;
-                skinned.vertices += u64::from(state.form.vertex_count);
+                skinned.vertices += u64::from(state.rest.vertex_count);
             }
         }
-        let poses = frame.uploads().push(&self.words)?;
-        let DeformedVertices { vertices, surfaces } = deformed;
-        let io = DeformIo { vertices, surfaces, forms: self.forms.whole(), poses };
+        let poses = frame.uploads().push(&self.values)?;
+        let SkinnedVertices { vertices, surfaces } = target;
+        let io = SkinningIo { vertices, surfaces, mesh_data: self.mesh_data.whole(), poses };
         let poses = self.uploaded.iter().filter_map(|number| Some(self.all.get(*number)?.pose));
         pass.record(frame.commands(), &io, poses);
         Ok(skinned)
@@ -225,38 +225,38 @@ impl SkinnedMeshes {
 }
 
 impl State {
-    /// Appends the data of a skinned mesh to the words of all.
+    /// Appends the data of a skinned mesh to the values of all.
     fn new(
         skinned_mesh: &SkinnedMesh,
         (mesh, surface): (&Mesh, &[SurfaceVertex]),
         first_vertex: u32,
-        words: &mut Vec<u32>,
+        values: &mut Vec<u32>,
     ) -> Self {
-        let place = |words: &Vec<u32>| words.len() as u32;
-        let mut form = Deformation {
+        let place = |values: &Vec<u32>| values.len() as u32;
+        let mut rest = SkinningJob {
             vertex_count: mesh.vertices.len() as u32,
             first_vertex,
-            rest: place(words),
-            ..Deformation::default()
+            rest: place(values),
+            ..SkinningJob::default()
         };
         for (vertex, surface) in mesh.vertices.iter().zip(surface) {
-            words.extend(vertex.position.map(f32::to_bits));
+            values.extend(vertex.position.map(f32::to_bits));
             let [x, y, z, sides] = surface.normal;
             let [tangent_x, tangent_y, tangent_z, sign] = surface.tangent;
             let pairs = [[x, y], [z, sides], [tangent_x, tangent_y], [tangent_z, sign]];
-            words.extend(
+            values.extend(
                 pairs.map(|[low, high]| u32::from(low as u16) | u32::from(high as u16) << 16),
             );
         }
-        debug_assert_eq!(place(words), form.rest + REST_WORDS * form.vertex_count);
-        form.skin = place(words);
+        debug_assert_eq!(place(values), rest.rest + REST_VALUES * rest.vertex_count);
+        rest.skin = place(values);
         if let Some(skin) = &skinned_mesh.skin {
-            form.joint_sets = skin.sets;
+            rest.joint_sets = skin.sets;
             for (joints, weights) in skin.joints.iter().zip(&skin.weights) {
                 let pair =
                     |first: usize| u32::from(joints[first]) | u32::from(joints[first + 1]) << 16;
-                words.extend([pair(0), pair(2)]);
-                words.extend(weights.map(f32::to_bits));
+                values.extend([pair(0), pair(2)]);
+                values.extend(weights.map(f32::to_bits));
             }
         }
         let targets = skinned_mesh.targets.iter().map(|target| {
@@ -264,8 +264,8 @@ impl State {
                 if list.is_empty() {
                     return NOTHING;
                 }
-                let begins = place(words);
-                words.extend(list.as_flattened().iter().map(|part| part.to_bits()));
+                let begins = place(values);
+                values.extend(list.as_flattened().iter().map(|part| part.to_bits()));
                 begins
             }))
         });
@@ -275,42 +275,42 @@ impl State {
             pose_bounds: PoseBounds::of(mesh, skinned_mesh),
             bounds: mesh.bounds,
             shown_bounds: mesh.bounds,
-            form,
+            rest,
             targets: targets.collect(),
             joint_count: skinned_mesh.skin.as_ref().map_or(0, |skin| skin.joint_count as usize),
             // At rest, as the vertices are: no pose was set yet.
             joints: Vec::new(),
             weights: Vec::new(),
             is_dirty: false,
-            pose: form,
+            pose: rest,
         }
     }
 
     /// Appends its pose to those of a frame.
-    fn write(&mut self, words: &mut Vec<u32>) {
-        let joints = words.len() as u32;
+    fn write(&mut self, values: &mut Vec<u32>) {
+        let joints = values.len() as u32;
         for joint in &self.joints {
             for row in 0..3 {
                 let part = joint.matrix3.row(row);
                 let row = [part.x, part.y, part.z, joint.translation[row]];
-                words.extend(row.map(f32::to_bits));
+                values.extend(row.map(f32::to_bits));
             }
         }
-        let targets = words.len() as u32;
+        let targets = values.len() as u32;
         let mut target_count = 0;
         for (weight, TargetPlaces(places)) in self.weights.iter().zip(&self.targets) {
             if *weight != 0.0 {
-                words.push(weight.to_bits());
-                words.extend(places);
+                values.push(weight.to_bits());
+                values.extend(places);
                 target_count += 1;
             }
         }
-        self.pose = Deformation { joints, targets, target_count, ..self.form };
+        self.pose = SkinningJob { joints, targets, target_count, ..self.rest };
     }
 }
 
-/// Returns the number of words of the skinned meshes of a scene, and of the poses of all.
-fn words_of(scene: &Scene) -> [u64; 2] {
+/// Returns the number of values of the skinned meshes of a scene, and of the poses of all.
+fn value_counts(scene: &Scene) -> [u64; 2] {
     let mut sums = [0, 0];
     for skinned_mesh in scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes) {
         let mesh = scene.meshes.get(skinned_mesh.mesh.0 as usize);
@@ -319,7 +319,7 @@ fn words_of(scene: &Scene) -> [u64; 2] {
         let lists = |target: &MorphTarget| {
             (target.positions.len() + target.normals.len() + target.tangents.len()) as u64
         };
-        sums[0] += mesh.map_or(0, |mesh| mesh.vertices.len() as u64) * u64::from(REST_WORDS)
+        sums[0] += mesh.map_or(0, |mesh| mesh.vertices.len() as u64) * u64::from(REST_VALUES)
             + influences * 6
             + skinned_mesh.targets.iter().map(lists).sum::<u64>() * 3;
         sums[1] += skin.map_or(0, |skin| u64::from(skin.joint_count)) * 12
@@ -331,14 +331,14 @@ fn words_of(scene: &Scene) -> [u64; 2] {
 /// Returns the meshes of a scene in the order of their vertices: skinned ones first, so that these
 /// are one part of the buffers that a storage buffer can be.
 pub(crate) fn mesh_order(scene: &Scene) -> Vec<usize> {
-    let is_deformed = are_deformed(scene);
+    let is_skinned = are_skinned(scene);
     let mut order: Vec<usize> = (0..scene.meshes.len()).collect();
-    order.sort_by_key(|mesh| !is_deformed[*mesh]);
+    order.sort_by_key(|mesh| !is_skinned[*mesh]);
     order
 }
 
 /// Returns the number of vertices of all skinned meshes.
-pub(crate) fn deformed_vertices(scene: &Scene) -> u64 {
+pub(crate) fn skinned_vertices(scene: &Scene) -> u64 {
     let skinned_meshes = scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes);
     let meshes =
         skinned_meshes.filter_map(|skinned_mesh| scene.meshes.get(skinned_mesh.mesh.0 as usize));
@@ -346,12 +346,12 @@ pub(crate) fn deformed_vertices(scene: &Scene) -> u64 {
 }
 
 /// Returns true for each mesh of a scene that is skinned.
-pub(crate) fn are_deformed(scene: &Scene) -> Vec<bool> {
-    let mut are_deformed = vec![false; scene.meshes.len()];
+pub(crate) fn are_skinned(scene: &Scene) -> Vec<bool> {
+    let mut are_skinned = vec![false; scene.meshes.len()];
     for skinned_mesh in scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes) {
-        if let Some(is_deformed) = are_deformed.get_mut(skinned_mesh.mesh.0 as usize) {
-            *is_deformed = true;
+        if let Some(is_skinned) = are_skinned.get_mut(skinned_mesh.mesh.0 as usize) {
+            *is_skinned = true;
         }
     }
-    are_deformed
+    are_skinned
 }

@@ -1,4 +1,4 @@
-//! Sprites on the GPU: their words behind the instances, and the corners that all of them share.
+//! Sprites on the GPU: their vectors behind the instances, and the corners that all of them share.
 //!
 //! A mesh of sprites is drawn with the vertices and indices of one pattern, which hold corner and
 //! number, so that sprites take no vertices of their own; `sprites.glsl` finds the rest from the
@@ -12,8 +12,8 @@ use crate::error::Error;
 use crate::resources::instance::Instance;
 use crate::resources::limits::check_storage;
 
-/// The words of four numbers in the place of an instance.
-const WORDS: usize = 4;
+/// The vectors of four numbers in the place of an instance.
+const VECTORS: usize = 4;
 
 /// Corners of a sprite: end and side of each, anticlockwise.
 const CORNERS: [[f32; 2]; 4] = [[0.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 1.0]];
@@ -30,13 +30,13 @@ pub(crate) fn has_sprites(scene: &Scene) -> bool {
     !of_scene(scene).is_empty()
 }
 
-/// Returns the number of words of an end.
-fn end_words(sprites: &Sprites) -> usize {
+/// Returns the number of vectors of an end.
+fn end_vectors(sprites: &Sprites) -> usize {
     if sprites.normals.is_empty() { 1 } else { 2 }
 }
 
-fn words(sprites: &Sprites) -> usize {
-    1 + sprites.ends.len() * end_words(sprites)
+fn vectors(sprites: &Sprites) -> usize {
+    1 + sprites.ends.len() * end_vectors(sprites)
 }
 
 /// Refuses more sprites than the device can hold behind `instances` instances.
@@ -49,45 +49,43 @@ pub(crate) fn check_size(device: &Device, scene: &Scene, instances: usize) -> Re
     )
 }
 
-/// Returns the number of instances that the words of all sprites take the place of.
+/// Returns the number of instances that the vectors of all sprites take the place of.
 fn blocks(scene: &Scene) -> usize {
-    of_scene(scene).iter().map(words).sum::<usize>().div_ceil(WORDS)
+    of_scene(scene).iter().map(vectors).sum::<usize>().div_ceil(VECTORS)
 }
 
-/// Returns for each mesh the place of its sprites' words behind `instances` instances; 0 without
+/// Returns for each mesh the place of its sprites' vectors behind `instances` instances; 0 without
 /// any.
 pub(crate) fn places(scene: &Scene, instances: usize) -> Vec<u32> {
     let mut places = vec![0; scene.meshes.len()];
-    let mut next = instances * WORDS;
+    let mut next = instances * VECTORS;
     for sprites in of_scene(scene) {
         if let Some(place) = places.get_mut(sprites.mesh.0 as usize) {
             *place = next as u32;
         }
-        next += words(sprites);
+        next += vectors(sprites);
     }
     places
 }
 
-/// Adds the words of all sprites behind the instances.
-pub(crate) fn add_words(scene: &Scene, instances: &mut Vec<Instance>) {
-    let mut words: Vec<[f32; WORDS]> = Vec::with_capacity(blocks(scene) * WORDS);
+/// Adds the vectors of all sprites behind the instances.
+pub(crate) fn add_vectors(scene: &Scene, instances: &mut Vec<Instance>) {
+    let mut vectors: Vec<[f32; VECTORS]> = Vec::with_capacity(blocks(scene) * VECTORS);
     for sprites in of_scene(scene) {
-        let (end_words, ends) = (end_words(sprites) as f32, sprites.shape.ends() as f32);
-        words.push([sprites.radius_m, end_words, ends, 0.0]);
+        let (end_vectors, ends) = (end_vectors(sprites) as f32, sprites.shape.ends() as f32);
+        vectors.push([sprites.radius_m, end_vectors, ends, 0.0]);
         for (place, end) in sprites.ends.iter().enumerate() {
             let [x, y, z] = end.position;
-            words.push([x, y, z, end.colour]);
-            words.extend(sprites.normals.get(place).map(|&[x, y, z]| [x, y, z, 0.0]));
+            vectors.push([x, y, z, end.colour]);
+            vectors.extend(sprites.normals.get(place).map(|&[x, y, z]| [x, y, z, 0.0]));
         }
     }
-    words.resize(words.len().next_multiple_of(WORDS), [0.0; WORDS]);
-    instances.reserve_exact(words.len() / WORDS);
-    instances.extend(
-        words.as_chunks().0.iter().map(|&[a, b, c, d]: &[_; WORDS]| Instance {
-            rows: [a, b, c],
-            tail: d.map(f32::to_bits),
-        }),
-    );
+    vectors.resize(vectors.len().next_multiple_of(VECTORS), [0.0; VECTORS]);
+    instances.reserve_exact(vectors.len() / VECTORS);
+    instances.extend(vectors.as_chunks().0.iter().map(|&[a, b, c, d]: &[_; VECTORS]| Instance {
+        rows: [a, b, c],
+        tail: d.map(f32::to_bits),
+    }));
 }
 
 /// Returns the number of sprites of the largest mesh.

@@ -1,4 +1,4 @@
-//! Blended objects: drawn back to front over the finished image, where they can be hidden but
+//! Transparent objects: drawn back to front over the finished image, where they can be hidden but
 //! hide nothing.
 //!
 //! ```text
@@ -30,9 +30,9 @@ use crate::resources::geometry::{Geometry, bounds_in_world};
 pub(crate) struct Transparent {
     objects: Vec<TransparentObject>,
     /// The draws that fragments switch on, and their list, which nothing reads.
-    parts: [Buffer; 2],
+    leaf_draws: [Buffer; 2],
     /// The objects in the frustum of the view being recorded, the farthest first.
-    sorted: Vec<Placed>,
+    sorted: Vec<SortedObject>,
     /// The draws of the view being recorded, if any.
     view: Option<TransparentIo>,
 }
@@ -95,7 +95,7 @@ fn depth_m(bounds: &Aabb, eye: Vec3, faces: Faces) -> f32 {
 
 /// An object of a view.
 #[derive(Clone, Copy)]
-struct Placed {
+struct SortedObject {
     number: usize,
     depth_m: f32,
     test: Test,
@@ -147,7 +147,7 @@ impl Transparent {
         let list_bytes = (gpu::LISTED_DRAWS as u64 + 1) * 4;
         Ok(Some(Self {
             objects,
-            parts: [
+            leaf_draws: [
                 Buffer::new(device, "transparent draws", draw_bytes, indirect, MemoryKind::Device)?,
                 Buffer::new(device, "transparent list", list_bytes, storage, MemoryKind::Device)?,
             ],
@@ -169,7 +169,7 @@ impl Transparent {
             let depth_m = depth_m(bounds, view.eye, object.faces.under(&object.object.transform));
             let can_be_tested = test == Test::Box && view.margin.proxy(bounds).is_some();
             let test = if can_be_tested { Test::Box } else { Test::None };
-            self.sorted.push(Placed { number, depth_m, test });
+            self.sorted.push(SortedObject { number, depth_m, test });
         }
         self.sorted.sort_unstable_by(|a, b| {
             let farther = b.depth_m.total_cmp(&a.depth_m);
@@ -184,20 +184,20 @@ impl Transparent {
             return Ok(());
         }
         let Self { sorted, objects, .. } = self;
-        let placed = || sorted.iter().map(|placed| (placed, &objects[placed.number]));
+        let in_order = || sorted.iter().map(|it| (it, &objects[it.number]));
         let uploads = frame.uploads();
-        let instances = uploads.push_iter(placed().map(|(placed, transparent)| {
-            geometry.transparent_instance(TransparentId(placed.number as u32), &transparent.object)
+        let instances = uploads.push_iter(in_order().map(|(sorted, transparent)| {
+            geometry.transparent_instance(TransparentId(sorted.number as u32), &transparent.object)
         }))?;
-        let draws = placed().enumerate().map(|(place, (placed, transparent))| IndirectDraw {
+        let draws = in_order().enumerate().map(|(place, (sorted, transparent))| IndirectDraw {
             first_instance: place as u32,
-            instance_count: u32::from(placed.test == Test::None),
+            instance_count: u32::from(sorted.test == Test::None),
             ..geometry.mesh_draw(transparent.object.mesh)
         });
         let draws = uploads.push_iter(draws)?;
-        let is_any_tested = sorted.iter().any(|placed| placed.test == Test::Box);
+        let is_any_tested = sorted.iter().any(|it| it.test == Test::Box);
         let boxes = is_any_tested.then(|| {
-            uploads.push_iter(placed().map(|(placed, transparent)| match placed.test {
+            uploads.push_iter(in_order().map(|(sorted, transparent)| match sorted.test {
                 Test::Box => ProxyBox::from(transparent.bounds),
                 Test::None => ProxyBox::from(Aabb::EMPTY),
             }))
@@ -215,7 +215,7 @@ impl Transparent {
     /// Returns the draws of the view, as they are on the GPU once their boxes were tested.
     fn draws(&self, io: &TransparentIo) -> BufferSlice {
         let draws = match io.boxes {
-            Some(_) => self.parts[0].whole(),
+            Some(_) => self.leaf_draws[0].whole(),
             None => io.draws,
         };
         draws.part(0, u64::from(io.count) * DRAW_BYTES)
@@ -261,7 +261,7 @@ impl Transparent {
     /// about.
     pub(crate) fn prepare(&self, commands: &Commands) {
         let Some(io) = self.tested() else { return };
-        let [draws, list] = &self.parts;
+        let [draws, list] = &self.leaf_draws;
         let between = MemoryBarrier::between;
         // The view or frame before may still draw and note.
         let before = [Access::IndirectRead, Access::FragmentWrite];
@@ -276,7 +276,7 @@ impl Transparent {
     pub(crate) fn test(&self, executor: &PlanExecutor, commands: &Commands, view: &View) {
         let (Some(io), Some(pass)) = (self.tested(), &executor.passes.leaf_boxes) else { return };
         let Some(boxes) = io.boxes else { return };
-        let [draws, list] = &self.parts;
+        let [draws, list] = &self.leaf_draws;
         commands.label("transparent boxes", |commands| {
             let leaf_draws = LeafDrawBuffers { draws: draws.whole(), list: list.whole() };
             pass.bind(commands, &LeafBoxIo { boxes, leaf_draws }, view);

@@ -33,13 +33,13 @@ impl Session {
             Action::Compare => self.toggle_comparison()?,
             Action::TopDown => {
                 self.has_top_down = !self.has_top_down;
-                self.explain()?;
-                self.tell_if_unexplained();
+                self.update_debug_overlay()?;
+                self.tell_if_overlay_is_empty();
             }
             Action::Boxes => {
-                self.explanation.has_boxes = !self.explanation.has_boxes;
-                self.explain()?;
-                self.tell_if_unexplained();
+                self.debug_overlay.has_boxes = !self.debug_overlay.has_boxes;
+                self.update_debug_overlay()?;
+                self.tell_if_overlay_is_empty();
             }
             Action::Wireframe => self.toggle_wireframe(),
             Action::TimePasses => self.toggle_times(),
@@ -124,15 +124,15 @@ impl Session {
             Ok(()) => {
                 self.strategy = strategy;
                 self.tell(format!("strategy {strategy}"));
-                self.tell_if_unexplained();
+                self.tell_if_overlay_is_empty();
             }
             Err(error) => self.refuse(error.to_string()),
         }
     }
 
-    /// Shows why an explanation that is on shows nothing.
-    fn tell_if_unexplained(&mut self) {
-        let is_on = self.has_top_down || self.explanation.has_boxes;
+    /// Shows why a debug overlay that is on shows nothing.
+    fn tell_if_overlay_is_empty(&mut self) {
+        let is_on = self.has_top_down || self.debug_overlay.has_boxes;
         if is_on && self.strategy.is_gpu_driven() {
             self.refuse(GPU_KNOWS.to_owned());
         }
@@ -163,7 +163,7 @@ impl Session {
         self.finish_comparison()?;
         let view = self.renderer.view_of(&self.seen_from);
         self.frozen = Some(self.renderer.snapshot(&mut self.history, view)?);
-        let boxes = match self.explanation.has_boxes {
+        let boxes = match self.debug_overlay.has_boxes {
             true => "; the boxes are those that stayed hidden",
             false => "",
         };
@@ -172,9 +172,9 @@ impl Session {
     }
 
     fn toggle_wireframe(&mut self) {
-        self.explanation.has_wireframe = !self.explanation.has_wireframe;
-        if let Err(error) = self.explain() {
-            self.explanation.has_wireframe = !self.explanation.has_wireframe;
+        self.debug_overlay.has_wireframe = !self.debug_overlay.has_wireframe;
+        if let Err(error) = self.update_debug_overlay() {
+            self.debug_overlay.has_wireframe = !self.debug_overlay.has_wireframe;
             self.refuse(error.to_string());
         }
     }

@@ -58,7 +58,7 @@ impl Session {
             tracing::warn!("{}: {note}", shown(Path::new(&self.scene_view.name)));
         }
         self.tell_notes(notes);
-        self.explain()
+        self.update_debug_overlay()
     }
 
     /// Shows once the parts of a file that are not shown, and the keys to try next.

@@ -176,7 +176,7 @@ impl Session {
     /// Returns the meanings of the colours that are shown.
     fn legends(&self) -> Vec<Legend> {
         let selected = (!self.card().is_empty()).then(legends::of_selection);
-        let explained = legends::of(self.renderer.explanation(), self.frozen.is_some());
+        let explained = legends::of(self.renderer.debug_overlay(), self.frozen.is_some());
         selected.into_iter().chain(explained).collect()
     }
 

@@ -10,8 +10,8 @@ use crate::shading::surfaces::light_tree::{LightTree, Reach, Strongest};
 use crate::shading::surfaces::lights::LightTable;
 use crate::shading::surfaces::marked::Marked;
 
-/// The words of a list, with two lights per word.
-pub(crate) const LIST_WORDS: usize = MAX_LIGHTS_PER_OBJECT / 2;
+/// The values of a list, with two lights per value.
+pub(crate) const LIST_VALUES: usize = MAX_LIGHTS_PER_OBJECT / 2;
 
 /// The most nodes of the tree of lights that one object's search may visit: all of them up to 8192
 /// lights. More are only needed where thousands of lights end just short of an object.
@@ -27,13 +27,13 @@ pub(crate) const VISITS_A_FRAME: usize = 1 << 25;
 /// A list as the shaders read it, and its length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct LightList {
-    words: [u32; LIST_WORDS],
+    values: [u32; LIST_VALUES],
     count: u32,
     /// True if lights that reach the object are not in it.
     leaves_out: bool,
 }
 
-/// The lists of all objects, by slots: first the objects by their ids, then the blended ones.
+/// The lists of all objects, by slots: first the objects by their ids, then the transparent ones.
 ///
 /// Memory grows with the slots and the lights only. The work per frame is at most finding every
 /// list once again, each by a bounded search.
@@ -89,7 +89,7 @@ impl LightLists {
     #[must_use]
     pub fn entries(&self, slot: u32) -> Vec<u32> {
         let list = self.lists.get(slot as usize).copied().unwrap_or_default();
-        let entry = |place: usize| list.words[place / 2] >> (16 * (place % 2)) & 0xFFFF;
+        let entry = |place: usize| list.values[place / 2] >> (16 * (place % 2)) & 0xFFFF;
         (0..list.count as usize).map(entry).collect()
     }
 
@@ -120,7 +120,7 @@ impl LightLists {
         let before = std::mem::replace(list, now);
         self.crowded += usize::from(now.leaves_out);
         self.crowded -= usize::from(before.leaves_out);
-        let is_other = (before.words, before.count) != (now.words, now.count);
+        let is_other = (before.values, before.count) != (now.values, now.count);
         if is_other {
             self.dirty.mark_dirty(slot);
         }
@@ -176,13 +176,13 @@ impl LightLists {
     }
 
     /// Returns the list in a slot as the shaders read it.
-    pub(crate) fn words(&self, slot: u32) -> [u32; LIST_WORDS] {
-        self.lists.get(slot as usize).map(|list| list.words).unwrap_or_default()
+    pub(crate) fn values(&self, slot: u32) -> [u32; LIST_VALUES] {
+        self.lists.get(slot as usize).map(|list| list.values).unwrap_or_default()
     }
 
     /// Returns all lists, in the order of slots.
-    pub(crate) fn all_words(&self) -> Vec<[u32; LIST_WORDS]> {
-        self.lists.iter().map(|list| list.words).collect()
+    pub(crate) fn all_values(&self) -> Vec<[u32; LIST_VALUES]> {
+        self.lists.iter().map(|list| list.values).collect()
     }
 
     /// Returns the number of nodes of the tree of lights that were visited since the last frame.
@@ -209,7 +209,7 @@ impl LightList {
     fn of(found: &Strongest) -> Self {
         let mut list = Self { leaves_out: found.leaves_out, ..Self::default() };
         for (place, entry) in found.entries().enumerate() {
-            list.words[place / 2] |= entry << (16 * (place % 2));
+            list.values[place / 2] |= entry << (16 * (place % 2));
             list.count += 1;
         }
         list

@@ -41,7 +41,7 @@ pub(crate) struct TransformEntry {
 
 const _: () = assert!(size_of::<TransformEntry>() == 32);
 
-/// A texture word without a page.
+/// A packed texture without a page.
 const NO_TEXTURE: u32 = 15;
 const UNLIT_FLAG: u32 = 1 << 16;
 /// All materials of a scene; the last one is for meshes that name none.
@@ -164,14 +164,14 @@ fn place_of(texture_use: TextureUse, plan: &PagePlan) -> Option<(usize, u32)> {
 }
 
 fn entry_of(material: &Material, plan: &PagePlan, transforms: &mut Transforms) -> MaterialEntry {
-    let mut word = |texture_use: Option<TextureUse>| {
+    let mut packed = |texture_use: Option<TextureUse>| {
         let placed = texture_use.and_then(|used| Some((used, place_of(used, plan)?)));
         let Some((texture_use, (page, layer))) = placed else { return NO_TEXTURE };
         let set = u32::from(texture_use.uv_set.min(1));
         page as u32 | set << 4 | layer << 5 | transforms.number_of(texture_use.transform) << 16
     };
     let [base, metallic_roughness, normal, occlusion, emission] =
-        textures_of(material).map(&mut word);
+        textures_of(material).map(&mut packed);
     let [red, green, blue, alpha] = material.base_colour.map(|part| or(part, 1.0));
     let flags = if material.is_unlit { UNLIT_FLAG } else { 0 };
     MaterialEntry {
@@ -202,6 +202,6 @@ fn or(value: f32, otherwise: f32) -> f32 {
 
 /// Returns two numbers of `0.0..=1.0` as GLSL's `unpackUnorm2x16` reads them.
 fn pack_unorm16(low: f32, high: f32) -> u32 {
-    let word = |value: f32| (value.clamp(0.0, 1.0) * 65535.0).round() as u32;
-    word(low) | word(high) << 16
+    let unorm = |value: f32| (value.clamp(0.0, 1.0) * 65535.0).round() as u32;
+    unorm(low) | unorm(high) << 16
 }

@@ -13,7 +13,7 @@ use crate::resources::limits;
 use crate::resources::skinned_meshes::mesh_order;
 use crate::resources::sprites;
 use crate::shading::scene_degradations::SceneDegradations;
-use crate::shading::surfaces::light_lists::{LIST_WORDS, LightLists};
+use crate::shading::surfaces::light_lists::{LIST_VALUES, LightLists};
 use crate::shading::surfaces::lights::{LightEntry, LightTable};
 use crate::shading::surfaces::marked::Marked;
 use crate::shading::surfaces::materials::{Features, MaterialEntry, MaterialTable};
@@ -39,8 +39,8 @@ impl Default for SurfaceOptions {
 
 /// The data that the surface pass reads of a scene beside positions, indices and instances.
 ///
-/// An object has a *slot*: its id, or, if it is blended, the number of the hierarchy's leaves plus
-/// its place in [`Surfaces::transparent`].
+/// An object has a *slot*: its id, or, if it is transparent, the number of the hierarchy's leaves
+/// plus its place in [`Surfaces::transparent`].
 pub struct SurfaceResources {
     /// [`SurfaceVertex`]es, beside the vertices of all meshes in their order.
     vertices: Buffer,
@@ -88,7 +88,7 @@ impl SurfaceResources {
         let table = LightTable::new(surfaces);
         let first_transparent_slot = hierarchy.leaf_objects().len() as u32;
         let slots = first_transparent_slot as usize + surfaces.transparent.len();
-        limits::check_memory("the lights of all objects", slots, 2 * 4 * LIST_WORDS)?;
+        limits::check_memory("the lights of all objects", slots, 2 * 4 * LIST_VALUES)?;
         let mut light_lists = LightLists::new(&table, slots);
         let bounds = |object: &Object| scene.bounds_of(object).unwrap_or(Aabb::EMPTY);
         let transparent: Vec<Aabb> = surfaces.transparent.iter().map(bounds).collect();
@@ -106,7 +106,7 @@ impl SurfaceResources {
         meshes.for_each(|mesh| vertices.extend_from_slice(&mesh.vertices));
         sprites::add_surface_pattern(scene, &mut vertices);
         // Without lights nobody reads the lists.
-        let lists = if light_lists.has_lights() { light_lists.all_words() } else { Vec::new() };
+        let lists = if light_lists.has_lights() { light_lists.all_values() } else { Vec::new() };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let default_material = surfaces.materials.len() as u32;
         let material_of = |material: u32| material.min(default_material);
@@ -145,7 +145,7 @@ impl SurfaceResources {
         }))
     }
 
-    /// Returns true if some object that is not blended has holes: then a
+    /// Returns true if some object that is not transparent has holes: then a
     /// [`SurfaceKind::Depth`](crate::passes::SurfaceKind::Depth) pass draws the depth, else
     /// [`OpaquePass::depth_only`](crate::passes::OpaquePass::depth_only).
     pub fn is_masked(&self) -> bool {
@@ -218,7 +218,7 @@ impl SurfaceResources {
     }
 
     /// Replaces a light by one of the same kind; the next frame shows it. Objects of `hierarchy`
-    /// and blended ones around its old and its new place must [find their
+    /// and transparent ones around its old and its new place must [find their
     /// lights](SurfaceResources::relight) again.
     pub(crate) fn replace_light(
         &mut self,
@@ -266,9 +266,9 @@ impl SurfaceResources {
             let uploads = frame.uploads();
             let leaves = uploads.push(dirty)?;
             let elements =
-                uploads.push_iter(dirty.iter().map(|slot| self.light_lists.words(*slot)))?;
+                uploads.push_iter(dirty.iter().map(|slot| self.light_lists.values(*slot)))?;
             let io = ScatterIo { leaves, elements, array: self.lists.whole() };
-            scatter.record(frame.commands(), dirty.len() as u32, &[(io, LIST_WORDS * 4)]);
+            scatter.record(frame.commands(), dirty.len() as u32, &[(io, LIST_VALUES * 4)]);
         }
         let changed = || {
             self.dirty_lights.list().iter().filter_map(|light| {
@@ -296,7 +296,7 @@ impl SurfaceResources {
         self.dirty_lights.drain().for_each(drop);
     }
 
-    /// Returns the features that opaque and masked objects, or blended ones, use.
+    /// Returns the features that opaque and masked objects, or transparent ones, use.
     pub(crate) fn features(&self, is_transparent: bool) -> &Features {
         &self.features[usize::from(is_transparent)]
     }
@@ -325,7 +325,7 @@ fn check_counts(device: &Device, surfaces: &Surfaces, hierarchy: &Hierarchy) -> 
     limits::check_storage(device, "transparent objects", instances, SPLIT)?;
     if surfaces.lights.iter().any(|light| light.kind != LightKind::Directional) {
         let slots = hierarchy.leaf_objects().len() as u64 + transparent;
-        let lists = (slots, LIST_WORDS as u64 * 4);
+        let lists = (slots, LIST_VALUES as u64 * 4);
         limits::check_storage(device, "objects in the light of lamps", lists, SPLIT)?;
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! The deform pass: computes the vertices of skinned meshes, before anything of the frame reads
+//! The skinning pass: computes the vertices of skinned meshes, before anything of the frame reads
 //! them.
 
 use bytemuck::{Pod, Zeroable};
@@ -8,81 +8,81 @@ use occlusion::{Error, ShaderSet};
 
 /// The pass that writes the vertices of meshes, morphed and skinned, into their places among all
 /// others.
-pub(crate) struct DeformPass {
+pub(crate) struct SkinningPass {
     pipeline: ComputePipeline,
 }
 
-/// The buffers of the pass: reads forms and poses; writes positions, normals and tangents.
+/// The buffers of the pass: reads mesh data and poses; writes positions, normals and tangents.
 #[derive(Clone, Copy)]
-pub(crate) struct DeformIo {
+pub(crate) struct SkinningIo {
     /// The [`Vertex`](scene::Vertex)es of all meshes.
     pub(crate) vertices: BufferSlice,
     /// The [`SurfaceVertex`](scene::SurfaceVertex)es, of the same vertices.
     pub(crate) surfaces: BufferSlice,
-    /// Words: the data of the forms.
-    pub(crate) forms: BufferSlice,
-    /// Words: the poses of this frame.
+    /// The vertices at rest, joints, weights and morph targets, as 32-bit values.
+    pub(crate) mesh_data: BufferSlice,
+    /// The poses of this frame, as 32-bit values.
     pub(crate) poses: BufferSlice,
 }
 
-/// One mesh; mirrors `deform.comp`. Places are numbers of words.
+/// One mesh; mirrors `skinning.comp`. Places are numbers of values.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-pub(crate) struct Deformation {
+pub(crate) struct SkinningJob {
     pub(crate) vertex_count: u32,
     pub(crate) first_vertex: u32,
-    /// Among the forms: the vertices at rest.
+    /// In the mesh data: the vertices at rest.
     pub(crate) rest: u32,
-    /// Among the forms: the joints and weights of each vertex.
+    /// In the mesh data: the joints and weights of each vertex.
     pub(crate) skin: u32,
     /// Groups of four joints per vertex; 0 without a skin.
     pub(crate) joint_sets: u32,
-    /// Among the poses: the rows of each joint.
+    /// In the poses: the rows of each joint.
     pub(crate) joints: u32,
-    /// Among the poses: the targets with a weight.
+    /// In the poses: the targets with a weight.
     pub(crate) targets: u32,
     pub(crate) target_count: u32,
 }
 
-const _: () = assert!(size_of::<Deformation>() == 32);
+const _: () = assert!(size_of::<SkinningJob>() == 32);
 
-/// Words of a vertex at rest.
-pub(crate) const REST_WORDS: u32 = 7;
+/// Values of a vertex at rest.
+pub(crate) const REST_VALUES: u32 = 7;
 
 const GROUP_THREADS: u32 = 64;
 
 /// The most workgroups: more do not make it faster, and every device allows 65535.
 const GROUPS_MAX: u32 = 4096;
 
-impl DeformPass {
+impl SkinningPass {
     /// Compiles the pass.
     ///
     /// # Errors
     /// A failed call.
     pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        let push_bytes = size_of::<Deformation>() as u32;
+        let push_bytes = size_of::<SkinningJob>() as u32;
         let storage = StorageLayout { buffers: 4, push_bytes, ..StorageLayout::default() };
-        let name = "deform.comp";
+        let name = "skinning.comp";
         Ok(Self { pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)? })
     }
 
-    /// Deforms meshes, each at most once. Commands that were recorded before, in this frame or an
-    /// earlier one, still read the old form: one queue runs them all.
+    /// Skins meshes, each at most once. Commands that were recorded before, in this frame or an
+    /// earlier one, still read the old vertices: one queue runs them all.
     pub(crate) fn record(
         &self,
         commands: &Commands,
-        io: &DeformIo,
-        deformations: impl Iterator<Item = Deformation>,
+        io: &SkinningIo,
+        jobs: impl Iterator<Item = SkinningJob>,
     ) {
         let between = MemoryBarrier::between;
         commands.pass("skin meshes", |commands| {
             let before = [Access::AttributeRead, Access::ComputeWrite];
             commands.barrier(between(&before, &[Access::ComputeWrite]));
-            let buffers = [io.vertices, io.surfaces, io.forms, io.poses];
+            let buffers = [io.vertices, io.surfaces, io.mesh_data, io.poses];
             commands.bind_compute(&self.pipeline, &buffers);
-            for deformation in deformations {
-                commands.push_compute_constants(&self.pipeline, &deformation);
-                let groups = deformation.vertex_count.div_ceil(GROUP_THREADS);
+            for job in jobs {
+                commands.push_compute_constants(&self.pipeline, &job);
+                let groups = job.vertex_count.div_ceil(GROUP_THREADS);
                 commands.dispatch([groups.clamp(1, GROUPS_MAX), 1, 1]);
             }
             commands.barrier(between(&[Access::ComputeWrite], &[Access::AttributeRead]));

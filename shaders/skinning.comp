@@ -1,19 +1,19 @@
-// The deform pass: morphs the vertices of a mesh, then skins them, and writes them where all passes
-// read them. Colours and coordinates do not change and are not touched.
+// The skinning pass: morphs the vertices of a mesh, then skins them, and writes them where all
+// passes read them. Colours and coordinates do not change and are not touched.
 #version 460
 
 layout(local_size_x = 64) in;
 
-// Five words per vertex: position, normal as snorm8, colour.
+// Five values per vertex: position, normal as snorm8, colour.
 layout(std430, binding = 0) writeonly buffer Vertices { uint vertices[]; };
-// Ten words per vertex: normal and tangent as snorm16, then the other attributes of shading.
+// Ten values per vertex: normal and tangent as snorm16, then the other attributes of shading.
 layout(std430, binding = 1) writeonly buffer Surfaces { uint surfaces[]; };
 // The constant part: vertices at rest, their joints and weights, the targets' differences.
-layout(std430, binding = 2) readonly buffer Forms { uint forms[]; };
+layout(std430, binding = 2) readonly buffer MeshData { uint mesh_data[]; };
 // The pose: the joints, and the targets with weights.
 layout(std430, binding = 3) readonly buffer Poses { uint poses[]; };
 
-// All but the counts are numbers of words.
+// All but the counts are numbers of values.
 layout(push_constant) uniform Constants {
     uint vertex_count;
     uint first_vertex;
@@ -25,14 +25,14 @@ layout(push_constant) uniform Constants {
     uint target_count;
 };
 
-const uint REST_WORDS = 7;
-const uint SET_WORDS = 6;
-const uint JOINT_WORDS = 12;
-const uint TARGET_WORDS = 4;
+const uint REST_VALUES = 7;
+const uint SET_VALUES = 6;
+const uint JOINT_VALUES = 12;
+const uint TARGET_VALUES = 4;
 const uint NOTHING = 0xffffffff;
 
-vec3 form_vector(uint at) {
-    return uintBitsToFloat(uvec3(forms[at], forms[at + 1], forms[at + 2]));
+vec3 rest_vector(uint at) {
+    return uintBitsToFloat(uvec3(mesh_data[at], mesh_data[at + 1], mesh_data[at + 2]));
 }
 
 vec4 pose_row(uint at) {
@@ -41,7 +41,7 @@ vec4 pose_row(uint at) {
 
 // The difference that a target adds; `list` is where its list begins, if it has one.
 vec3 added(uint list, uint vertex) {
-    return list == NOTHING ? vec3(0.0) : form_vector(list + 3 * vertex);
+    return list == NOTHING ? vec3(0.0) : rest_vector(list + 3 * vertex);
 }
 
 float largest_of(vec3 v) {
@@ -64,17 +64,17 @@ vec3 unit(vec3 direction, vec3 otherwise) {
 void main() {
     uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
     for (uint vertex = gl_GlobalInvocationID.x; vertex < vertex_count; vertex += stride) {
-        uint at = rest + REST_WORDS * vertex;
-        vec3 position = form_vector(at);
-        vec2 normal_z_sides = unpackSnorm2x16(forms[at + 4]);
-        vec3 rest_normal = vec3(unpackSnorm2x16(forms[at + 3]), normal_z_sides.x);
-        vec2 tangent_z_sign = unpackSnorm2x16(forms[at + 6]);
-        vec3 rest_tangent = vec3(unpackSnorm2x16(forms[at + 5]), tangent_z_sign.x);
+        uint at = rest + REST_VALUES * vertex;
+        vec3 position = rest_vector(at);
+        vec2 normal_z_sides = unpackSnorm2x16(mesh_data[at + 4]);
+        vec3 rest_normal = vec3(unpackSnorm2x16(mesh_data[at + 3]), normal_z_sides.x);
+        vec2 tangent_z_sign = unpackSnorm2x16(mesh_data[at + 6]);
+        vec3 rest_tangent = vec3(unpackSnorm2x16(mesh_data[at + 5]), tangent_z_sign.x);
         vec3 normal = rest_normal;
         vec3 tangent = rest_tangent;
         float bitangent_turn = 1.0;
         for (uint number = 0; number < target_count; ++number) {
-            uint target = targets + TARGET_WORDS * number;
+            uint target = targets + TARGET_VALUES * number;
             float weight = uintBitsToFloat(poses[target]);
             position += weight * added(poses[target + 1], vertex);
             normal += weight * added(poses[target + 2], vertex);
@@ -83,13 +83,13 @@ void main() {
         if (joint_sets > 0) {
             vec4 rows[3] = vec4[](vec4(0.0), vec4(0.0), vec4(0.0));
             for (uint set = 0; set < joint_sets; ++set) {
-                uint hangs = skin + SET_WORDS * (joint_sets * vertex + set);
+                uint hangs = skin + SET_VALUES * (joint_sets * vertex + set);
                 for (uint which = 0; which < 4; ++which) {
-                    uint joint = forms[hangs + which / 2] >> 16 * (which % 2) & 0xffff;
-                    float weight = uintBitsToFloat(forms[hangs + 2 + which]);
+                    uint joint = mesh_data[hangs + which / 2] >> 16 * (which % 2) & 0xffff;
+                    float weight = uintBitsToFloat(mesh_data[hangs + 2 + which]);
                     if (weight != 0.0) {
                         for (uint row = 0; row < 3; ++row) {
-                            rows[row] += weight * pose_row(joints + JOINT_WORDS * joint + 4 * row);
+                            rows[row] += weight * pose_row(joints + JOINT_VALUES * joint + 4 * row);
                         }
                     }
                 }
@@ -115,10 +115,10 @@ void main() {
         normal = unit(normal, rest_normal);
         tangent = unit(tangent, rest_tangent);
         uint place = 5 * (first_vertex + vertex);
-        uvec3 words = floatBitsToUint(position);
-        vertices[place] = words.x;
-        vertices[place + 1] = words.y;
-        vertices[place + 2] = words.z;
+        uvec3 values = floatBitsToUint(position);
+        vertices[place] = values.x;
+        vertices[place + 1] = values.y;
+        vertices[place + 2] = values.z;
         vertices[place + 3] = packSnorm4x8(vec4(normal, 0.0));
         place = 10 * (first_vertex + vertex);
         surfaces[place] = packSnorm2x16(normal.xy);
