@@ -9,6 +9,7 @@ use antumbra::gpu::{
 };
 use antumbra::occlusion::MethodConstructor;
 use antumbra::render::{Renderer, RendererOptions, ShaderSet, object_bounds};
+use antumbra::scene::Scene;
 use antumbra::{gpu, methods, render};
 
 use crate::choices::{DeviceChoice, PredicatesChoice, ValidationChoice};
@@ -133,24 +134,18 @@ pub fn walk_on(
     let hierarchy_ms = clock.lap_ms();
     signals.check()?;
     progress.stage("uploading it to the device");
-    let mut renderer =
-        Renderer::with_hierarchy(device, &scene, hierarchy, &renderer_options(options)?).map_err(
-            |error| match &options.scene {
-                SceneChoice::File(file) => RunError::from(error).about(file),
-                SceneChoice::Made(_) => error.into(),
-            },
-        )?;
-    let upload_ms = clock.lap_ms();
+    let mut renderer = upload(device, &scene, hierarchy, options)?;
+    let build_ms = BuildReport {
+        scene: Some(scene_ms),
+        hierarchy: Some(hierarchy_ms),
+        upload: Some(clock.lap_ms()),
+    };
     if let Some(file) = &mut file {
         file.notes.extend(renderer.degradations().texts());
     }
-    let scene_report = SceneReport {
-        name: scene_name(&options.scene),
-        objects: scene.objects.len() as u64,
-        triangles: scene.triangles(),
-        seed,
-        file,
-    };
+    let (objects, triangles) = (scene.objects.len() as u64, scene.triangles());
+    let scene_report =
+        SceneReport { name: scene_name(&options.scene), objects, triangles, seed, file };
     // The device has it all.
     drop(scene);
     let (strategies, left_out) = able(&renderer, options)?;
@@ -166,14 +161,8 @@ pub fn walk_on(
         progress.stage("drawing the images");
         images.write(&mut renderer, &path, &mut moving, options, folder, signals);
     }
-    let adapter = device.adapter();
     let report = Report {
-        device: DeviceReport {
-            name: adapter.name.clone(),
-            driver: adapter.driver.clone(),
-            api: adapter.api.clone(),
-            conditional_rendering: adapter.has_conditional_rendering(),
-        },
+        device: device_report(device.adapter()),
         scene: scene_report,
         path: path_name,
         views: options.views,
@@ -187,15 +176,8 @@ pub fn walk_on(
         threshold_pixels: options.threshold_pixels,
         costs_ns: costs_report(&renderer),
         validation_messages: 0,
-        memory: MemoryReport {
-            peak_resident_mib: memory::peak_resident_mib(),
-            gpu_allocated_mib: Some(device.memory_bytes().1 as f64 / f64::from(1 << 20)),
-        },
-        build_ms: BuildReport {
-            scene: Some(scene_ms),
-            hierarchy: Some(hierarchy_ms),
-            upload: Some(upload_ms),
-        },
+        memory: memory_report(device),
+        build_ms,
         ratios: ratios(&runs),
         paired_ratios: paired_ratios(&runs),
         left_out: options.left_out.clone(),
@@ -203,6 +185,36 @@ pub fn walk_on(
         runs,
     };
     Ok(Walked { report, images })
+}
+
+/// Returns a renderer of the scene.
+fn upload(
+    device: &Device,
+    scene: &Scene,
+    hierarchy: Hierarchy,
+    options: &Options,
+) -> Result<Renderer, RunError> {
+    let renderer = Renderer::with_hierarchy(device, scene, hierarchy, &renderer_options(options)?);
+    renderer.map_err(|error| match &options.scene {
+        SceneChoice::File(file) => RunError::from(error).about(file),
+        SceneChoice::Made(_) => error.into(),
+    })
+}
+
+fn device_report(adapter: &Adapter) -> DeviceReport {
+    DeviceReport {
+        name: adapter.name.clone(),
+        driver: adapter.driver.clone(),
+        api: adapter.api.clone(),
+        conditional_rendering: adapter.has_conditional_rendering(),
+    }
+}
+
+fn memory_report(device: &Device) -> MemoryReport {
+    MemoryReport {
+        peak_resident_mib: memory::peak_resident_mib(),
+        gpu_allocated_mib: Some(device.memory_bytes().1 as f64 / f64::from(1 << 20)),
+    }
 }
 
 /// Returns the scene's name in reports: a file by its name without its folder.

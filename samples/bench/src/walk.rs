@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use antumbra::cull::{FrameId, Strategy};
 use antumbra::gpu::{Device, Readback};
 use antumbra::methods;
-use antumbra::render::{Renderer, VisibleSet};
+use antumbra::render::{FrameReport, Renderer, VisibleSet};
 
 use crate::Options;
 use crate::camera_path::CameraTrack;
@@ -166,19 +166,9 @@ impl<'a> Walk<'a> {
                 // From submit to submit: in a full pipeline, the time a frame takes.
                 frame_ms: clock.lap_ms(),
                 cpu_ms: (moved + report.cpu).as_secs_f64() * 1e3,
-                tests: report.tests.into(),
-                queries: report.queries.into(),
-                predicated_draws: report.predicated_draws.into(),
-                nodes_visited: report.plan.nodes_visited.into(),
-                untested_by_cost: report.plan.untested_by_cost.into(),
-                rounds_by_compute: report.plan.rounds_by_compute.into(),
-                retest_interval_frames: report.plan.retest_interval_frames.into(),
-                expected_saving_ns: report.plan.expected_saving_ns,
-                corrections: report.corrections.filter(|_| run.strategy.uses_cost_model()),
-                result_age_frames: report.oldest_answer_frames,
                 blocking_waits: self.device.wait_counts().other - waits,
                 is_compared: image.is_some(),
-                ..FrameMeasurement::default()
+                ..measurement_of(&report, run.strategy)
             };
             let frame = run.eyes.frame();
             walked.push(Walked { frame, timed: step.timed, measurement });
@@ -222,6 +212,23 @@ impl<'a> Walk<'a> {
             self.references.insert(frame, image.rgba8()?.to_vec());
         }
         Ok(())
+    }
+}
+
+/// Returns what a frame's report says.
+fn measurement_of(report: &FrameReport, strategy: Strategy) -> FrameMeasurement {
+    FrameMeasurement {
+        tests: report.tests.into(),
+        queries: report.queries.into(),
+        predicated_draws: report.predicated_draws.into(),
+        nodes_visited: report.plan.nodes_visited.into(),
+        untested_by_cost: report.plan.untested_by_cost.into(),
+        rounds_by_compute: report.plan.rounds_by_compute.into(),
+        retest_interval_frames: report.plan.retest_interval_frames.into(),
+        expected_saving_ns: report.plan.expected_saving_ns,
+        corrections: report.corrections.filter(|_| strategy.uses_cost_model()),
+        result_age_frames: report.oldest_answer_frames,
+        ..FrameMeasurement::default()
     }
 }
 

@@ -7,6 +7,7 @@
 
 mod code;
 mod files;
+mod functions;
 mod knots;
 mod manifests;
 mod map;
@@ -69,6 +70,17 @@ fn no_file_is_too_long() {
     let long = "\n".repeat(501);
     assert_catches(rules::length, &[("a.rs", &long), ("a.comp", &long), ("ci/a", &long)]);
     assert_permits(rules::length, &[("a.rs", &"\n".repeat(500))]);
+}
+
+#[test]
+fn no_function_is_too_long() {
+    assert_obeyed(functions::long_functions);
+    let function = |lines: usize| format!("pub fn a() {{\n{}}}\n", "    b();\n".repeat(lines - 2));
+    let path = "engine/gpu/src/lib.rs";
+    assert_catches(functions::long_functions, &[(path, &function(71))]);
+    assert_permits(functions::long_functions, &[(path, &function(70))]);
+    let frame = "engine/render/src/api/render.rs";
+    assert_catches(functions::long_functions, &[(frame, &function(61))]);
 }
 
 #[test]

@@ -160,34 +160,14 @@ impl Capabilities {
         let extensions = extension_names(instance, physical);
         let has_extension = |name: &CStr| extensions.iter().any(|e| e.as_c_str() == name);
 
-        let mut conditional = vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default();
-        let mut features_12 = vk::PhysicalDeviceVulkan12Features::default();
-        let mut features_13 = vk::PhysicalDeviceVulkan13Features::default();
-        let mut features = vk::PhysicalDeviceFeatures2::default()
-            .push_next(&mut features_12)
-            .push_next(&mut features_13);
-        if has_extension(ext::conditional_rendering::NAME) {
-            features = features.push_next(&mut conditional);
-        }
         let shows = instance.windows.is_some() && has_extension(khr::swapchain::NAME);
-        let mut present_fences = vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT::default();
-        let mut present_id = vk::PhysicalDevicePresentIdFeaturesKHR::default();
-        let mut present_wait = vk::PhysicalDevicePresentWaitFeaturesKHR::default();
-        if shows && fences_extension(instance, &extensions).is_some() {
-            features = features.push_next(&mut present_fences);
-        }
-        if shows && has_extension(khr::present_id::NAME) && has_extension(khr::present_wait::NAME) {
-            features = features.push_next(&mut present_id).push_next(&mut present_wait);
-        }
-        // SAFETY: the chain holds only structures this device's version and extensions know.
-        unsafe { instance.raw.get_physical_device_features2(physical, &mut features) };
-        let core = features.features;
+        let features = Features::read(instance, physical, &extensions, shows);
+        let Features { core, features_12, features_13, .. } = &features;
         // SAFETY: a valid physical device and format.
         let depth = unsafe {
             instance.raw.get_physical_device_format_properties(physical, vk::Format::D32_SFLOAT)
         };
 
-        let yes = |feature: vk::Bool32| feature == vk::TRUE;
         require(yes(features_13.dynamic_rendering), Required::DynamicRendering);
         require(yes(features_13.synchronization2), Required::Synchronization2);
         require(yes(features_12.timeline_semaphore), Required::TimelineSemaphore);
@@ -202,7 +182,7 @@ impl Capabilities {
         );
         let timestamps = queue_family.is_some_and(|family| family.timestamp_valid_bits > 0);
         let optional = [
-            (yes(conditional.conditional_rendering), Optional::ConditionalRendering),
+            (features.conditional_rendering, Optional::ConditionalRendering),
             (yes(features_12.draw_indirect_count), Optional::DrawIndirectCount),
             (yes(core.occlusion_query_precise), Optional::PreciseQueries),
             (timestamps, Optional::Timestamps),
@@ -214,12 +194,68 @@ impl Capabilities {
                 Optional::CalibratedTimestamps,
             ),
             (shows, Optional::Swapchain),
-            (yes(present_fences.swapchain_maintenance1), Optional::PresentFences),
-            (yes(present_id.present_id) && yes(present_wait.present_wait), Optional::PresentWait),
+            (features.present_fences, Optional::PresentFences),
+            (features.present_wait, Optional::PresentWait),
             (shows && has_extension(google::display_timing::NAME), Optional::DisplayTiming),
         ];
         let optional = optional.into_iter().filter(|(there, _)| *there).map(|(_, what)| what);
         Self { missing, optional: optional.collect() }
+    }
+}
+
+fn yes(feature: vk::Bool32) -> bool {
+    feature == vk::TRUE
+}
+
+/// The features of a device, as far as they are used.
+struct Features {
+    core: vk::PhysicalDeviceFeatures,
+    features_12: vk::PhysicalDeviceVulkan12Features<'static>,
+    features_13: vk::PhysicalDeviceVulkan13Features<'static>,
+    conditional_rendering: bool,
+    present_fences: bool,
+    present_wait: bool,
+}
+
+impl Features {
+    /// Reads the features of a device with Vulkan 1.3; those of presenting if it `shows` images in
+    /// windows.
+    fn read(
+        instance: &InstanceShared,
+        physical: vk::PhysicalDevice,
+        extensions: &[CString],
+        shows: bool,
+    ) -> Self {
+        let has_extension = |name: &CStr| extensions.iter().any(|e| e.as_c_str() == name);
+        let mut conditional = vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default();
+        let mut features_12 = vk::PhysicalDeviceVulkan12Features::default();
+        let mut features_13 = vk::PhysicalDeviceVulkan13Features::default();
+        let mut all = vk::PhysicalDeviceFeatures2::default()
+            .push_next(&mut features_12)
+            .push_next(&mut features_13);
+        if has_extension(ext::conditional_rendering::NAME) {
+            all = all.push_next(&mut conditional);
+        }
+        let mut present_fences = vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT::default();
+        let mut present_id = vk::PhysicalDevicePresentIdFeaturesKHR::default();
+        let mut present_wait = vk::PhysicalDevicePresentWaitFeaturesKHR::default();
+        if shows && fences_extension(instance, extensions).is_some() {
+            all = all.push_next(&mut present_fences);
+        }
+        if shows && has_extension(khr::present_id::NAME) && has_extension(khr::present_wait::NAME) {
+            all = all.push_next(&mut present_id).push_next(&mut present_wait);
+        }
+        // SAFETY: the chain holds only structures this device's version and extensions know.
+        unsafe { instance.raw.get_physical_device_features2(physical, &mut all) };
+        let core = all.features;
+        Self {
+            core,
+            features_12,
+            features_13,
+            conditional_rendering: yes(conditional.conditional_rendering),
+            present_fences: yes(present_fences.swapchain_maintenance1),
+            present_wait: yes(present_id.present_id) && yes(present_wait.present_wait),
+        }
     }
 }
 

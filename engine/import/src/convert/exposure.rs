@@ -24,8 +24,16 @@ const MOST_OBJECTS: usize = 512;
 /// The most pairs of an object and a light that are sampled.
 const MOST_PAIRS: usize = 1 << 22;
 
+/// Sets the exposure of a scene: the `wanted` one, or 1, with the lights dimmed where needed.
+pub(super) fn set(wanted: Option<f32>, scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
+    match wanted {
+        Some(exposure) => surfaces.exposure = exposure,
+        None => dim(scene, surfaces, notes),
+    }
+}
+
 /// Dims the lights of a scene where most of the lit objects would be white, and notes it.
-pub(super) fn dim(scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
+fn dim(scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
     let objects = scene.objects.iter().chain(&surfaces.transparent);
     let count = scene.objects.len() + surfaces.transparent.len();
     let most = (MOST_PAIRS / surfaces.lights.len().max(1)).clamp(1, MOST_OBJECTS);

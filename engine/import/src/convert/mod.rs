@@ -37,7 +37,7 @@ use std::collections::HashMap;
 
 use animation::RigNodeId;
 use glam::Affine3A;
-use scene::{LightId, Scene, Surfaces};
+use scene::{LightId, PunctualLight, Scene, Surfaces};
 
 use self::assembly::{Assembly, rigid};
 use self::budget::Budget;
@@ -91,21 +91,8 @@ pub(crate) fn convert(
         sight,
         transparent_parts: 0,
     };
-    for (light, node) in lights {
-        let id = LightId(assembly.surfaces.lights.len() as u32);
-        assembly.surfaces.lights.push(light);
-        if let Some(node) = node.filter(|node| tree.moves(*node)) {
-            assembly.placements.push(rigid(node, PlacedNode::Light(id), Affine3A::IDENTITY));
-        }
-    }
-    let mut plan = shared::plan(&mut assembly);
-    assembly.scene.objects.reserve_exact(plan.objects());
-    let count = tree.in_file.len();
-    for (place, node) in (0..count).zip((0..).map(RigNodeId)) {
-        assembly.done = place as f32 / count as f32;
-        assembly.tell()?;
-        assembly.place(&mut plan, node)?;
-    }
+    place_lights(&mut assembly, lights);
+    place_nodes(&mut assembly)?;
     let Assembly {
         mut notes,
         mut scene,
@@ -125,17 +112,12 @@ pub(crate) fn convert(
     if is_empty {
         notes.say("there is nothing to see in the scene");
     }
-    match options.exposure {
-        Some(exposure) => surfaces.exposure = exposure,
-        None => exposure::dim(&scene, &mut surfaces, &mut notes),
-    }
+    exposure::set(options.exposure, &scene, &mut surfaces, &mut notes);
     scene.surfaces = Some(surfaces);
     let skins = skins.list;
-    let places = cameras.iter().map(|camera| Place {
-        world: tree.world(camera.node),
-        should_see: !is_empty && !tree.moves(camera.node),
-    });
-    let places: Vec<Place> = places.collect();
+    let should_see = |node| !is_empty && !tree.moves(node);
+    let place = |node| Place { world: tree.world(node), should_see: should_see(node) };
+    let places: Vec<Place> = cameras.iter().map(|camera| place(camera.node)).collect();
     let (list, none) = (Vec::new(), Vec::new());
     let mut imported =
         GltfScene { scene, rig: tree.rig, clips, skins, placements, cameras: list, notes: none };
@@ -143,6 +125,30 @@ pub(crate) fn convert(
     cameras::settle(&mut cameras, &lenses, &places, &bounds, &mut notes);
     (imported.cameras, imported.notes) = (cameras, notes.finish());
     Ok(imported)
+}
+
+/// Adds the lights, and attaches those that move to their nodes.
+fn place_lights(assembly: &mut Assembly<'_>, lights: Vec<(PunctualLight, Option<RigNodeId>)>) {
+    for (light, node) in lights {
+        let id = LightId(assembly.surfaces.lights.len() as u32);
+        assembly.surfaces.lights.push(light);
+        if let Some(node) = node.filter(|node| assembly.tree.moves(*node)) {
+            assembly.placements.push(rigid(node, PlacedNode::Light(id), Affine3A::IDENTITY));
+        }
+    }
+}
+
+/// Adds the objects of all nodes.
+fn place_nodes(assembly: &mut Assembly<'_>) -> Result<(), ImportError> {
+    let mut plan = shared::plan(assembly);
+    assembly.scene.objects.reserve_exact(plan.objects());
+    let count = assembly.tree.in_file.len();
+    for (place, node) in (0..count).zip((0..).map(RigNodeId)) {
+        assembly.done = place as f32 / count as f32;
+        assembly.tell()?;
+        assembly.place(&mut plan, node)?;
+    }
+    Ok(())
 }
 
 /// Returns a scene with nothing in it yet.

@@ -164,21 +164,7 @@ impl Primitive<'_> {
         budget.check(least, corners).map_err(|over| self.over(&over))?;
         memory::ask(least * VERTEX_BYTES + corners * CORNER_BYTES)
             .map_err(|reason| reason.of(self.place()).in_file(&self.source.file))?;
-        let geometry = match elements {
-            Elements::Triangles(triangles) => {
-                let geometry = Geometry { triangles, ..geometry };
-                if geometry.normals.is_empty() { normals::flatten(&geometry) } else { geometry }
-            }
-            Elements::Lines(lines) => {
-                let height = sight.height_at(&geometry.bounds(), to_world);
-                solids::lines(&geometry, &lines, height)
-            }
-            Elements::Points(points) => {
-                let height = sight.height_at(&geometry.bounds(), to_world);
-                solids::points(&geometry, &points, height)
-            }
-        };
-        let mut geometry = geometry;
+        let mut geometry = solid(geometry, elements, sight, to_world);
         let broken = normals::repair(&mut geometry);
         notes.count("normals without a direction, taken from their triangles", broken, || {
             self.place()
@@ -229,5 +215,24 @@ impl Primitive<'_> {
         })?;
         let vertices = Vertices::new(self, picks.as_deref());
         Ok(Some((vertices.read(positions, variant, material, notes)?, elements)))
+    }
+}
+
+/// Returns triangles with normals: of triangles themselves, else of the solids that stand for lines
+/// and points.
+fn solid(
+    geometry: Geometry,
+    elements: Elements,
+    sight: &InitialView<'_>,
+    to_world: &Affine3A,
+) -> Geometry {
+    let height = |geometry: &Geometry| sight.height_at(&geometry.bounds(), to_world);
+    match elements {
+        Elements::Triangles(triangles) => {
+            let geometry = Geometry { triangles, ..geometry };
+            if geometry.normals.is_empty() { normals::flatten(&geometry) } else { geometry }
+        }
+        Elements::Lines(lines) => solids::lines(&geometry, &lines, height(&geometry)),
+        Elements::Points(points) => solids::points(&geometry, &points, height(&geometry)),
     }
 }

@@ -48,28 +48,10 @@ impl Commands {
         textures: &[&DynamicTexture],
         arrays: &[&TextureArray],
     ) {
-        let are_ours = self.admit(pipeline).is_ok()
-            && self.admit_all(storage)
-            && self.admit_all(textures.iter().copied())
-            && self.admit_all(arrays.iter().copied());
-        if !are_ours {
+        if !self.admit_bindings(pipeline, storage, textures, arrays) {
             return;
         }
         let raw = self.device().raw();
-        if storage.len() != pipeline.buffers as usize {
-            self.fail(Failure::Wrong("a pipeline is bound with too many or too few buffers"));
-            return;
-        }
-        let are_known = textures.iter().all(|texture| texture.is_known_to(self));
-        if textures.len() != pipeline.textures as usize || !are_known {
-            self.fail(Failure::Wrong("a pipeline is bound with textures that are not there"));
-            return;
-        }
-        let are_filled = arrays.iter().all(|array| array.is_filled());
-        if arrays.len() != pipeline.texture_arrays as usize || !are_filled {
-            self.fail(Failure::Wrong("a pipeline is bound with texture arrays that are not there"));
-            return;
-        }
         // SAFETY: a live pipeline of the right kind.
         unsafe { raw.cmd_bind_pipeline(self.raw(), point, pipeline.raw) };
         if storage.is_empty() && textures.is_empty() && arrays.is_empty() {
@@ -89,6 +71,55 @@ impl Commands {
             self.fail(Failure::Call("vkAllocateDescriptorSets", code));
             return;
         }
+        self.write_descriptors(set, storage, textures, arrays);
+        // SAFETY: the set was made from this pipeline's layout.
+        unsafe {
+            raw.cmd_bind_descriptor_sets(self.raw(), point, pipeline.layout, 0, &[set], &[]);
+        }
+    }
+
+    /// Returns true if all of it is of this device, and there is as much of each kind as the
+    /// pipeline has bindings. Notes a failure otherwise.
+    fn admit_bindings(
+        &self,
+        pipeline: &PipelineKind,
+        storage: &[BufferSlice],
+        textures: &[&DynamicTexture],
+        arrays: &[&TextureArray],
+    ) -> bool {
+        let are_ours = self.admit(pipeline).is_ok()
+            && self.admit_all(storage)
+            && self.admit_all(textures.iter().copied())
+            && self.admit_all(arrays.iter().copied());
+        if !are_ours {
+            return false;
+        }
+        if storage.len() != pipeline.buffers as usize {
+            self.fail(Failure::Wrong("a pipeline is bound with too many or too few buffers"));
+            return false;
+        }
+        let are_known = textures.iter().all(|texture| texture.is_known_to(self));
+        if textures.len() != pipeline.textures as usize || !are_known {
+            self.fail(Failure::Wrong("a pipeline is bound with textures that are not there"));
+            return false;
+        }
+        let are_filled = arrays.iter().all(|array| array.is_filled());
+        if arrays.len() != pipeline.texture_arrays as usize || !are_filled {
+            self.fail(Failure::Wrong("a pipeline is bound with texture arrays that are not there"));
+            return false;
+        }
+        true
+    }
+
+    /// Writes a fresh set: storage buffers, then textures, then one binding of all arrays.
+    fn write_descriptors(
+        &self,
+        set: vk::DescriptorSet,
+        storage: &[BufferSlice],
+        textures: &[&DynamicTexture],
+        arrays: &[&TextureArray],
+    ) {
+        let raw = self.device().raw();
         for (binding, slice) in storage.iter().enumerate() {
             let buffers = [vk::DescriptorBufferInfo {
                 buffer: slice.raw,
@@ -123,10 +154,6 @@ impl Commands {
                 .image_info(&images);
             // SAFETY: as above.
             unsafe { raw.update_descriptor_sets(&[write], &[]) };
-        }
-        // SAFETY: the set was made from this pipeline's layout.
-        unsafe {
-            raw.cmd_bind_descriptor_sets(self.raw(), point, pipeline.layout, 0, &[set], &[]);
         }
     }
 

@@ -98,13 +98,7 @@ impl SurfaceResources {
             light_lists.fill(&transparent, first_transparent_slot);
         }
         light_lists.submitted();
-        let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
-        let count = surfaces.meshes.iter().map(|mesh| mesh.vertices.len()).sum::<usize>();
-        let [pattern, _] = sprites::pattern_size(scene);
-        let mut vertices: Vec<SurfaceVertex> =
-            limits::room("what the vertices of all meshes look like", count + pattern)?;
-        meshes.for_each(|mesh| vertices.extend_from_slice(&mesh.vertices));
-        sprites::add_surface_pattern(scene, &mut vertices);
+        let vertices = surface_vertices(scene, surfaces)?;
         // Without lights nobody reads the lists.
         let lists = if light_lists.has_lights() { light_lists.all_values() } else { Vec::new() };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -312,6 +306,18 @@ impl SurfaceResources {
         let first = self.pages.first();
         (0..MAX_PAGES).filter_map(|page| self.pages.get(page).or(first)).collect()
     }
+}
+
+/// Returns the vertices of all meshes in the order of their positions, and those of sprites.
+fn surface_vertices(scene: &Scene, surfaces: &Surfaces) -> Result<Vec<SurfaceVertex>, Error> {
+    let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
+    let count = surfaces.meshes.iter().map(|mesh| mesh.vertices.len()).sum::<usize>();
+    let [pattern, _] = sprites::pattern_size(scene);
+    let mut vertices: Vec<SurfaceVertex> =
+        limits::room("what the vertices of all meshes look like", count + pattern)?;
+    meshes.for_each(|mesh| vertices.extend_from_slice(&mesh.vertices));
+    sprites::add_surface_pattern(scene, &mut vertices);
+    Ok(vertices)
 }
 
 /// Refuses more elements than the tables of the shaders hold.
