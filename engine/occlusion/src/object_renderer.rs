@@ -38,15 +38,19 @@ pub trait ObjectRenderer {
     fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget;
 
     /// Returns the attachments of a rendering of a view that adds colour to the contents.
-    fn colour_rendering(&self, view: &View) -> RenderTarget;
+    fn colour_rendering(&self, view: &View) -> RenderTarget {
+        self.rendering(view, Rendering::Next)
+    }
 
     /// Creates the objects that a pass needs, before the first frame that binds it.
     /// [`ObjectPass::Depth`] and [`ObjectPass::Colour`] are for methods with an option to draw
-    /// depth first.
+    /// depth first, which need nothing where all is made beforehand.
     ///
     /// # Errors
     /// A shader that does not compile, a failed call.
-    fn prepare(&mut self, pass: ObjectPass, shaders: &ShaderSet) -> Result<(), Error>;
+    fn prepare(&mut self, _pass: ObjectPass, _shaders: &ShaderSet) -> Result<(), Error> {
+        Ok(())
+    }
 
     /// Binds the objects that the draws of a pass need.
     fn bind(&self, commands: &Commands, view: &View, pass: ObjectPass);

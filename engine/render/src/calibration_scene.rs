@@ -70,10 +70,6 @@ impl ObjectRenderer for CalibrationObjects<'_> {
         self.passes.colour_rendering(view)
     }
 
-    fn prepare(&mut self, _pass: ObjectPass, _shaders: &ShaderSet) -> Result<(), occlusion::Error> {
-        Ok(())
-    }
-
     fn bind(&self, commands: &Commands, view: &View, _pass: ObjectPass) {
         let io = OpaqueIo {
             vertices: self.geometry.vertices.whole(),

@@ -11,8 +11,8 @@ use gpu::{
     VertexLayout, vk,
 };
 use occlusion::{
-    Error, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, Method, MethodRequest, MethodScene,
-    ObjectPass, ObjectRenderer, OcclusionPasses, PlanExecutor, PlannedMethod, Rendering, ShaderSet,
+    LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, Method, MethodRequest, MethodScene, ObjectPass,
+    ObjectRenderer, OcclusionPasses, PlanExecutor, PlannedMethod, Rendering, ShaderSet,
     VisibilityState,
 };
 use tests::walk::pixels_that_differ;
@@ -78,14 +78,6 @@ impl ObjectRenderer for Boxes {
     fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget {
         let clear = (rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]);
         self.target.render_target(clear).within(view.origin, view.size)
-    }
-
-    fn colour_rendering(&self, view: &View) -> RenderTarget {
-        self.rendering(view, Rendering::Next)
-    }
-
-    fn prepare(&mut self, _pass: ObjectPass, _shaders: &ShaderSet) -> Result<(), Error> {
-        Ok(())
     }
 
     fn bind(&self, commands: &Commands, view: &View, _pass: ObjectPass) {

@@ -1,0 +1,56 @@
+//! Walks past a wall with a field of tiles behind it by every method, and prints what a frame of
+//! each draws, tests and waits for.
+
+use std::error::Error;
+
+use antumbra::glam::{Affine3A, Vec3, vec3};
+use antumbra::render::{Costs, Rect};
+use antumbra::scene::{Mesh, MeshId, Object};
+use antumbra::{Camera, FrameRequest, Renderer, RendererOptions, Scene, methods};
+
+const SIZE: [u32; 2] = [640, 360];
+
+/// Returns a square of 2 m that faces +z.
+fn square(name: &str) -> Mesh {
+    let [a, b] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0]];
+    let [c, d] = [[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    Mesh::of_triangles(name, &[a, b, c, a, c, d].map(|corner| (corner, [0.6; 3])))
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut scene = Scene::single(square("wall"));
+    scene.meshes.push(square("tile"));
+    scene.objects.extend((0..400_u16).map(|number| {
+        let at = vec3(f32::from(number % 20) * 0.2 - 2.0, 0.0, -1.0 - f32::from(number / 20));
+        let transform = Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(0.08));
+        Object { mesh: MeshId(1), transform, tint: u32::MAX }
+    }));
+    let (device, _) = antumbra::open(None)?;
+    // Tests are made whether they pay or not: with so few triangles, hardly any does.
+    let (all, costs) = (methods::ALL, Costs::Ignored);
+    let options = RendererOptions { size: SIZE, methods: all, costs, ..Default::default() };
+    let mut renderer = Renderer::new(&device, &scene, &options)?;
+    println!("{:18} {:>6} {:>6} {:>6}", "", "draws", "tests", "waits");
+    for strategy in methods::strategies() {
+        if let Err(error) = renderer.supports(strategy) {
+            println!("{strategy}: {error}");
+            continue;
+        }
+        let [mut view, mut beforehand] = [renderer.new_view()?, renderer.new_view()?];
+        let (mut tests, mut waits) = (0, 0);
+        for step in 0..20_u8 {
+            let eye = vec3(f32::from(step) * 0.02, 0.0, 3.0);
+            let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
+            // For the bound of all methods, which draws what is known to be visible.
+            let known = renderer.visible_set(&mut beforehand, &camera, Rect::whole(SIZE))?;
+            let request = FrameRequest::new(strategy, camera);
+            let request = FrameRequest { visible: Some(&known), ..request };
+            let report = renderer.render(&mut view, &request)?;
+            (tests, waits) = (report.tests, report.waits);
+        }
+        renderer.drain(&mut view)?;
+        let draws = view.take_outcomes().last().map_or(0, |outcome| outcome.draws);
+        println!("{:18} {draws:6} {tests:6} {waits:6}", strategy.name());
+    }
+    Ok(())
+}

@@ -1,0 +1,60 @@
+//! The owner of the objects: boxes, and the pipeline that draws their depth.
+
+use antumbra_occlusion::{Error, LeafTable, ObjectPass, ObjectRenderer, Rendering, ShaderSet};
+use cull::View;
+use gpu::{
+    Blend, Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
+    GraphicsPipelineInfo, Polygon, RenderTarget, StorageLayout, Target, VertexLayout, vk,
+};
+
+pub const INDICES: u32 = 18; // of the three faces of a box that can face the eye
+
+pub struct Boxes {
+    target: Target,
+    pipeline: GraphicsPipeline,
+    boxes: BufferSlice,
+    indices: Buffer,
+}
+
+impl Boxes {
+    pub fn new(device: &Device, shaders: &ShaderSet, leaves: &LeafTable) -> Result<Self, Error> {
+        let info = GraphicsPipelineInfo {
+            name: "boxes",
+            vertex: shaders.find("proxy.vert")?,
+            fragment: None,
+            vertices: VertexLayout::default(),
+            storage: StorageLayout { buffers: 1, push_bytes: 80, ..Default::default() },
+            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            polygon: Polygon::Filled,
+            cull: vk::CullModeFlags::NONE,
+            depth: DepthMode::TestAndWrite,
+            blend: Blend::NoColour,
+        };
+        let indices: Vec<u32> = (0..INDICES).collect();
+        let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;
+        Ok(Self {
+            target: Target::new(device, [640, 360], "boxes")?,
+            pipeline: GraphicsPipeline::new(device, &info)?,
+            boxes: leaves.boxes(),
+            indices: device.upload("indices", &indices, usage)?,
+        })
+    }
+}
+
+impl ObjectRenderer for Boxes {
+    fn target(&mut self) -> &mut Target {
+        &mut self.target
+    }
+
+    fn rendering(&self, _view: &View, rendering: Rendering) -> RenderTarget {
+        self.target.render_target((rendering == Rendering::First).then_some([0.0; 4]))
+    }
+
+    fn bind(&self, commands: &Commands, view: &View, _pass: ObjectPass) {
+        let [x, y, z, w] = view.view_proj.to_cols_array_2d();
+        commands.bind(&self.pipeline, &[self.boxes]);
+        // The shader makes its vertices of the boxes: any buffer does.
+        commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
+        commands.push_constants(&self.pipeline, &[x, y, z, w, view.eye.extend(1.0).to_array()]);
+    }
+}

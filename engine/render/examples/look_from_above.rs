@@ -1,0 +1,60 @@
+//! Draws a wall and a field of tiles behind it, moves the wall aside, explains the decision about a
+//! tile before and after, and saves the view from above: `look_from_above [FILE.png]`.
+
+use std::error::Error;
+
+use antumbra_render::{Costs, FrameRequest, Renderer, RendererOptions};
+use cull::{Camera, Decision, ObjectId, Strategy};
+use glam::{Affine3A, Vec3, vec3};
+use scene::{Mesh, MeshId, Object, ObjectChange, Scene, SceneUpdate};
+
+/// Returns a square of 2 m that faces +z.
+fn square(name: &str, colour: [f32; 3]) -> Mesh {
+    let [a, b] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0]];
+    let [c, d] = [[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    Mesh::of_triangles(name, &[a, b, c, a, c, d].map(|corner| (corner, colour)))
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut scene = Scene::single(square("wall", [0.6, 0.6, 0.5]));
+    scene.meshes.push(square("tile", [0.8, 0.1, 0.1]));
+    scene.objects.extend((0..400_u16).map(|number| {
+        let at = vec3(f32::from(number % 20) * 0.1 - 1.0, 0.0, -1.0 - f32::from(number / 20) * 0.2);
+        let transform = Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(0.04));
+        Object { mesh: MeshId(1), transform, tint: u32::MAX }
+    }));
+    let (device, _) = gpu::open(None)?;
+    // Tests are made whether they pay or not: on some devices 2 triangles are drawn faster.
+    let (size, costs) = ([640, 360], Costs::Ignored);
+    let options = RendererOptions { size, costs, ..Default::default() };
+    let mut renderer = Renderer::new(&device, &scene, &options)?;
+    let mut view = renderer.new_view()?;
+    let camera =
+        Camera { eye: Vec3::Z * 3.0, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
+    for aside in [0.0, 1.2] {
+        let transform = Affine3A::from_translation(Vec3::X * aside);
+        let moved = ObjectChange::Move { object: ObjectId(0), transform };
+        renderer.apply(&SceneUpdate { objects: vec![moved], ..Default::default() })?;
+        for _ in 0..20 {
+            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera))?;
+        }
+        renderer.drain(&mut view)?;
+        let drawn = view.take_outcomes().last().map_or(0, |outcome| outcome.draws);
+        println!("wall at {aside} m: {drawn} of 401 objects drawn");
+        let tile = renderer.explain_object(&view, &renderer.view_of(&camera), ObjectId(1));
+        match tile.ok_or("the scene has no tile")?.0.decision {
+            Decision::Tested { leaves, .. } => println!("tile 1: one test for {leaves} tiles"),
+            decision => println!("tile 1: {decision:?}"),
+        }
+    }
+    let snapshot = renderer.snapshot(&mut view, renderer.view_of(&camera))?;
+    let image = gpu::Readback::new(&device, renderer.size())?;
+    renderer.top_down(&snapshot, &image)?;
+    let file = std::env::args().nth(1).unwrap_or_else(|| "from_above.png".to_owned());
+    let [width, height] = renderer.size();
+    let mut png = png::Encoder::new(std::fs::File::create(&file)?, width, height);
+    png.set_color(png::ColorType::Rgba);
+    png.write_header()?.write_image_data(&image.rgba8()?)?;
+    println!("{file}: {} hidden boxes", snapshot.hidden.len());
+    Ok(())
+}
