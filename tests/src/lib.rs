@@ -33,7 +33,7 @@ pub enum Driver {
 }
 
 impl Driver {
-    /// Both.
+    /// Both drivers, in the order in which tests run on them.
     pub const ALL: [Driver; 2] = [Driver::Lavapipe, Driver::SwiftShader];
 
     /// Returns a part of its device's name.

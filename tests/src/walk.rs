@@ -19,7 +19,7 @@ pub enum SceneKind {
 }
 
 impl SceneKind {
-    /// Both.
+    /// Both kinds of scenes.
     pub const ALL: [SceneKind; 2] = [SceneKind::City, SceneKind::Field];
 
     /// Builds the scene.
@@ -50,7 +50,7 @@ pub fn show_motion(
 /// The results of a walk.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Found {
-    /// Frames compared.
+    /// Frames compared with the reference, pixel by pixel.
     pub frames: u32,
     /// Pixels that differed, over all frames.
     pub pixels_wrong: usize,

@@ -8,7 +8,7 @@ pub(crate) const LARGEST: f32 = 1e9;
 /// The reason why keys make no track.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TrackError {
-    /// No keys.
+    /// A track without a key: it needs at least one.
     #[error("there are no keys")]
     Empty,
     /// A time that is not finite.

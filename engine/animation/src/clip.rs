@@ -26,7 +26,7 @@ pub enum Values {
     Translation(Vec<Vec3>),
     /// Its rotation; unit quaternions, except the tangents of cubic tracks.
     Rotation(Vec<Quat>),
-    /// Its scale.
+    /// The scale along each of the node's axes, per key.
     Scale(Vec<Vec3>),
     /// Its morph targets' weights: all targets of the first value, then of the next.
     Weights(Vec<f32>),
@@ -181,9 +181,9 @@ impl Track {
 /// The movement of one property of one node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// The node.
+    /// The node of the rig that the track moves.
     pub node: RigNodeId,
-    /// The track.
+    /// The keys of the property, over the time of the clip in seconds.
     pub track: Track,
 }
 

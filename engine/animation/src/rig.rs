@@ -13,11 +13,11 @@ pub struct RigNodeId(pub u32);
 /// A transform in parts: scale first, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trs {
-    /// The translation.
+    /// The translation from the parent, in metres.
     pub translation: Vec3,
     /// The rotation, of unit length.
     pub rotation: Quat,
-    /// The scale.
+    /// The scale along each axis; 1 leaves the size as it is.
     pub scale: Vec3,
 }
 
@@ -60,7 +60,7 @@ pub enum RigError {
     /// A parent that does not exist.
     #[error("node {node} has the parent {parent}, which is not there")]
     NoParent {
-        /// The child.
+        /// The index of the child.
         node: u32,
         /// The parent that it names.
         parent: u32,

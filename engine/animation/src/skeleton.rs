@@ -12,7 +12,7 @@ use crate::skin::Skin;
 /// The reason why joints make no skin of a rig.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SkinError {
-    /// No joints.
+    /// A skin without a joint: it needs at least one.
     #[error("the skin has no joints")]
     Empty,
     /// A joint that is not a node.

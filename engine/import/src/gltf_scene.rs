@@ -66,7 +66,7 @@ pub enum PlacedNode {
     Object(ObjectId),
     /// An object of [`Surfaces::transparent`](scene::Surfaces::transparent).
     Transparent(TransparentId),
-    /// A light.
+    /// A light of [`Surfaces::lights`](scene::Surfaces::lights).
     Light(LightId),
 }
 
@@ -96,7 +96,7 @@ pub struct NodeAttachment {
 pub struct GltfScene {
     /// The scene at rest.
     pub scene: Scene,
-    /// Its nodes.
+    /// The nodes of the shown scene, at rest.
     pub rig: Rig,
     /// The clips that play on them.
     pub clips: Vec<Clip>,
@@ -105,7 +105,7 @@ pub struct GltfScene {
     /// All that moves: objects and lights on nodes that a clip moves, and all skinned objects.
     /// Other objects of the scene stay where they are.
     pub placements: Vec<NodeAttachment>,
-    /// Its cameras.
+    /// The cameras of the shown scene, in the order of the file's list.
     pub cameras: Vec<SceneCamera>,
     /// The deviations of the file that were tolerated, and the parts that are not shown, for
     /// people.

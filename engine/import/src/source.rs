@@ -71,7 +71,7 @@ use crate::{
 pub struct Source {
     /// The file's path, for errors.
     pub file: String,
-    /// Its JSON.
+    /// The checked JSON of the file.
     pub document: gltf::Document,
     /// One entry per image of the document; `None` where no shown material uses it.
     pub images: Vec<Option<Image>>,

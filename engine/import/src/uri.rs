@@ -25,7 +25,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 pub(crate) enum Wanted {
     /// The first so many, which must be there.
     First(u64),
-    /// All bytes.
+    /// All bytes of the resource, however many there are.
     All,
 }
 

@@ -44,9 +44,9 @@ pub enum Costs {
 
 /// The objects that prices are measured with.
 pub struct CalibrationScene<'a> {
-    /// The device.
+    /// The device whose prices are measured.
     pub device: &'a Device,
-    /// The shaders.
+    /// The shaders that the passes were made of.
     pub shaders: &'a ShaderSet,
     /// The passes that test boxes.
     pub passes: &'a OcclusionPasses,

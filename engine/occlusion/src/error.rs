@@ -11,7 +11,7 @@ pub enum Error {
         "the strategy `{strategy}` does not count samples, which a threshold of {threshold_samples} needs: use `antumbra` or `antumbra_queries`, or set the threshold to 0"
     )]
     CannotCount {
-        /// The strategy.
+        /// The strategy that was asked for.
         strategy: cull::Strategy,
         /// The threshold in samples.
         threshold_samples: u32,

@@ -81,7 +81,7 @@ impl fmt::Debug for MethodConstructor {
 /// The device and the scene that a method must support.
 #[derive(Clone, Copy)]
 pub struct MethodSupport<'a> {
-    /// The device.
+    /// The device that frames are recorded for.
     pub device: &'a Device,
     /// The hierarchy over the scene.
     pub hierarchy: &'a Hierarchy,
@@ -101,9 +101,9 @@ impl MethodSupport<'_> {
 
 /// The scene of a method.
 pub struct MethodScene<'a> {
-    /// The device.
+    /// The device that frames are recorded for.
     pub device: &'a Device,
-    /// The shaders.
+    /// The shaders for the method's own passes.
     pub shaders: &'a ShaderSet,
     /// The hierarchy over the scene.
     pub hierarchy: &'a Hierarchy,
@@ -118,7 +118,7 @@ pub struct MethodScene<'a> {
 pub struct MethodRequest<'a> {
     /// The strategy to use, one of the method's.
     pub strategy: Strategy,
-    /// The view.
+    /// The camera's matrix, its volumes and its part of the image.
     pub view: &'a View,
     /// The leaves that own a pixel, for strategies that [draw objects found
     /// beforehand](Strategy::needs_still_scene); empty for others.
@@ -134,7 +134,7 @@ pub struct MethodRequest<'a> {
 pub struct MethodStats {
     /// Proxies tested, by any tester.
     pub tests: u32,
-    /// Occlusion queries.
+    /// Occlusion queries recorded, those on draws included.
     pub queries: u32,
 }
 

@@ -9,7 +9,7 @@ use crate::leaf_table::LeafCount;
 /// The outcome of a frame, known once its results are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameOutcome {
-    /// The frame.
+    /// The number of the frame in its view.
     pub frame: FrameId,
     /// Objects the GPU drew: those taken as visible and those whose proxy showed.
     pub draws: u64,

@@ -50,7 +50,7 @@ pub(crate) struct RoundLayout {
     pub(crate) computed: Range<u32>,
     /// The tests by query.
     pub(crate) queried_tests: Range<u32>,
-    /// Their queries.
+    /// The queries of `queried_tests`, by index.
     pub(crate) queries: Range<u32>,
     /// True if there are tests whose leaves are tested one by one.
     pub(crate) has_leaf_tests: bool,

@@ -20,7 +20,7 @@ pub enum Step {
     Start(Plan),
 }
 
-/// A sleep.
+/// A sleep before the next step, with the latest time to wake and the reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wait {
     /// The latest time to wake, never more than a second from now. Waking earlier is always

@@ -71,7 +71,7 @@ pub enum PresentationMode {
 /// The caller's knowledge of the display. The pacer learns the rest where possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refresh {
-    /// No knowledge.
+    /// No knowledge: the period is learnt from present times or acquires.
     Unknown,
     /// An approximate period, from the window system or `refreshDuration`. It may be wrong.
     About(Duration),

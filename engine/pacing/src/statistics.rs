@@ -49,7 +49,7 @@ pub struct Distribution {
     pub p99: Duration,
     /// The 99.9th percentile.
     pub p99_9: Duration,
-    /// The longest.
+    /// The longest of the known durations.
     pub worst: Duration,
     /// The mean of the longest hundredth of them, at least of one, rounded down to nanoseconds. Its
     /// reciprocal is known as "1 % low".

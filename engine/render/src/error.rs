@@ -23,7 +23,7 @@ pub enum Error {
         wanted: u64,
         /// The largest number on this device.
         limit: u64,
-        /// The advice.
+        /// The advice: something smaller that can be drawn.
         instead: &'static str,
     },
     /// Less memory than the scene takes.
@@ -57,7 +57,7 @@ pub enum Error {
         "the strategy `{strategy}` does not count samples, which a threshold of {threshold_samples} needs: use `antumbra` or `antumbra_queries`, or set the threshold to 0"
     )]
     CannotCount {
-        /// The strategy.
+        /// The strategy that was asked for.
         strategy: cull::Strategy,
         /// The threshold in samples.
         threshold_samples: u32,
@@ -115,9 +115,9 @@ pub enum Error {
     /// A transparent object that cannot be moved as requested.
     #[error("the transparent object {} cannot be moved: {reason}", transparent.0)]
     Transparent {
-        /// The object.
+        /// The id of the transparent object.
         transparent: scene::TransparentId,
-        /// The reason.
+        /// The reason why it cannot move.
         reason: &'static str,
     },
     /// A pose that a mesh cannot take.
@@ -125,7 +125,7 @@ pub enum Error {
     Pose {
         /// The skinned mesh.
         skinned_mesh: scene::SkinnedMeshId,
-        /// The reason.
+        /// The reason why the pose does not fit the mesh.
         reason: String,
     },
     /// A view whose area is empty or not within the image.
@@ -147,7 +147,7 @@ pub enum Error {
     Atlas {
         /// Its upper left corner.
         origin: [u32; 2],
-        /// Its size.
+        /// Its width and height, in pixels.
         size: [u32; 2],
         /// The number of pixels given.
         pixels: usize,
@@ -160,7 +160,7 @@ pub enum Error {
         size[0], size[1]
     )]
     Image {
-        /// Its name.
+        /// The name of the image in the scene.
         image: String,
         /// Its size in pixels.
         size: [u32; 2],
@@ -170,7 +170,7 @@ pub enum Error {
     /// A light that cannot be changed as requested.
     #[error("the light {} cannot be changed: {reason}", light.0)]
     Light {
-        /// The light.
+        /// The id of the light in the scene.
         light: scene::LightId,
         /// The reason, and the advice.
         reason: &'static str,

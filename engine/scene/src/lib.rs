@@ -58,7 +58,7 @@ pub enum SceneError {
     BrokenMesh {
         /// The mesh's name.
         mesh: String,
-        /// The fault.
+        /// The fault, as the end of a sentence.
         fault: &'static str,
     },
     /// Surfaces that cannot be drawn.
@@ -68,7 +68,7 @@ pub enum SceneError {
         part: &'static str,
         /// Its place among its kind.
         index: usize,
-        /// The fault.
+        /// The fault, as the end of a sentence.
         fault: &'static str,
     },
     /// An object that cannot be drawn.
@@ -76,7 +76,7 @@ pub enum SceneError {
     BrokenObject {
         /// Its place in [`Scene::objects`].
         index: usize,
-        /// The fault.
+        /// The fault, as the end of a sentence.
         fault: &'static str,
     },
 }
@@ -86,14 +86,14 @@ pub enum SceneError {
 pub enum ObjectChange {
     /// The object moves.
     Move {
-        /// The object.
+        /// The id of the object in the scene.
         object: ObjectId,
         /// Its new transform.
         transform: Affine3A,
     },
     /// The object is removed; its id may be given to another.
     Remove {
-        /// The object.
+        /// The id of the object in the scene.
         object: ObjectId,
     },
     /// The object is added. The update returns its id.
@@ -140,7 +140,7 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// The objects, neighbours near each other.
     pub objects: Vec<Object>,
-    /// Its light.
+    /// The sun, the ambient light and the colour of the sky.
     pub light: Light,
     /// The surfaces; `None` where vertices hold the whole appearance.
     pub surfaces: Option<Surfaces>,

@@ -27,7 +27,7 @@ const _: () = assert!(size_of::<Vertex>() == 20);
 pub struct Mesh {
     /// The name, for people.
     pub name: String,
-    /// The vertices.
+    /// The vertices, in the space of the mesh.
     pub vertices: Vec<Vertex>,
     /// Three indices into `vertices` for each triangle.
     pub indices: Vec<u32>,
@@ -79,7 +79,7 @@ impl Mesh {
 /// A mesh somewhere in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Object {
-    /// The mesh.
+    /// The mesh that it shows, of its scene.
     pub mesh: MeshId,
     /// The transform from the mesh's space to the world's, in metres; y is up.
     pub transform: Affine3A,

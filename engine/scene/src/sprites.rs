@@ -50,13 +50,13 @@ impl SpriteShape {
 /// it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sprites {
-    /// The mesh.
+    /// The mesh of the scene that they stand for.
     pub mesh: MeshId,
-    /// The shape.
+    /// The shape of all of them: points or lines.
     pub shape: SpriteShape,
     /// Half of their width, in the space of the mesh, in metres.
     pub radius_m: f32,
-    /// Their ends.
+    /// The places of points, or both ends of each line.
     pub ends: Vec<SpriteEnd>,
     /// A unit vector for each end, for lit materials; or none.
     pub normals: Vec<[f32; 3]>,

@@ -52,14 +52,14 @@ const _: () = assert!(size_of::<SurfaceVertex>() == 40);
 pub struct SurfaceMesh {
     /// The second halves of the mesh's vertices.
     pub vertices: Vec<SurfaceVertex>,
-    /// The material.
+    /// The material that all of its triangles have.
     pub material: MaterialId,
 }
 
 /// The way a surface covers the background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Alpha {
-    /// Full cover.
+    /// Full cover, whatever its alpha is.
     Opaque,
     /// Full cover where its alpha is at least the cutoff, none elsewhere.
     Mask {
@@ -73,7 +73,7 @@ pub enum Alpha {
 /// A texture, and the coordinates of a surface in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureUse {
-    /// The texture.
+    /// The texture that is sampled, of the scene's.
     pub texture: TextureId,
     /// The set of texture coordinates: 0 or 1.
     pub uv_set: u8,
@@ -156,7 +156,7 @@ pub struct Image {
 pub enum Encoding {
     /// Colours: red, green, blue are sRGB, alpha is linear.
     Srgb,
-    /// Numbers.
+    /// Numbers: all four channels are linear, as in normal maps.
     Linear,
 }
 
@@ -207,11 +207,11 @@ impl Default for Sampler {
 /// An image and its sampling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Texture {
-    /// The image.
+    /// The image that is sampled, of the scene's.
     pub image: ImageId,
     /// The meaning of its bytes.
     pub encoding: Encoding,
-    /// The sampling.
+    /// The wrapping and filtering of its pixels.
     pub sampler: Sampler,
 }
 
@@ -234,7 +234,7 @@ pub enum LightKind {
 /// A light of `KHR_lights_punctual`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PunctualLight {
-    /// The kind.
+    /// The kind of light, with the angles of a spot's cone.
     pub kind: LightKind,
     /// Linear red, green, blue.
     pub colour: [f32; 3],
@@ -298,7 +298,7 @@ pub struct LodLevel {
 pub struct Surfaces {
     /// The surface of each mesh of the scene.
     pub meshes: Vec<SurfaceMesh>,
-    /// The materials.
+    /// The materials that meshes name.
     pub materials: Vec<Material>,
     /// The textures of materials.
     pub textures: Vec<Texture>,

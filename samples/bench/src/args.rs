@@ -241,7 +241,7 @@ impl FromStr for StrategyList {
 /// The frame that is shown from above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TopDown {
-    /// No frame.
+    /// No frame is shown from above.
     Off,
     /// The frame of this number.
     Frame(u32),

@@ -46,7 +46,7 @@ impl fmt::Display for CameraPathChoice {
 pub enum ValidationChoice {
     /// The layer is not loaded.
     Off,
-    /// Core checks.
+    /// The core checks: valid usage of every call.
     On,
     /// Core checks and synchronization validation.
     Sync,
@@ -57,7 +57,7 @@ pub enum ValidationChoice {
 pub enum PredicatesChoice {
     /// Conditional rendering where the device has it, counts otherwise.
     Auto,
-    /// `VK_EXT_conditional_rendering`.
+    /// `VK_EXT_conditional_rendering`: the device skips draws by itself.
     Conditional,
     /// A compute pass that writes draw counts.
     Count,
@@ -86,7 +86,7 @@ impl From<CostsChoice> for render::Costs {
 /// The frames that are compared with plain frustum culling, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verify {
-    /// None.
+    /// No frame is compared.
     Off,
     /// Every K-th frame, beginning with the first; the same frames in warm-ups.
     EveryNth(NonZeroU32),

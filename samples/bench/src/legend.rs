@@ -25,7 +25,7 @@ const MEANING: [u8; 3] = [176, 186, 200];
 pub struct LegendEntry {
     /// The colours, sRGB-encoded.
     pub colours: Vec<[u8; 3]>,
-    /// Their meaning.
+    /// The meaning of the colours, in a few words.
     pub meaning: String,
 }
 

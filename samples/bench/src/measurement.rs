@@ -15,11 +15,11 @@ pub struct FrameMeasurement {
     pub frame_ms: f64,
     /// The CPU time of the engine in it, in milliseconds.
     pub cpu_ms: f64,
-    /// Draws submitted.
+    /// Draws of objects that were submitted.
     pub draws: u64,
-    /// Triangles submitted.
+    /// Triangles of these draws.
     pub triangles: u64,
-    /// Proxies tested.
+    /// Proxies tested, by queries or otherwise.
     pub tests: u64,
     /// Occlusion queries issued.
     pub queries: u64,

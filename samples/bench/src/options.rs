@@ -17,7 +17,7 @@ use crate::terminal::shown;
 /// A strategy that does not run, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
-    /// Its name.
+    /// The name of the strategy.
     pub strategy: String,
     /// The reason why it cannot run here.
     pub reason: String,
@@ -122,7 +122,7 @@ impl fmt::Display for PathChoice {
 /// A walk, fully described. Every value is in its range.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// The scene.
+    /// The scene to walk through: generated, or out of a file.
     pub scene: SceneChoice,
     /// The camera's path.
     pub path: PathChoice,

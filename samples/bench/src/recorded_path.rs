@@ -37,7 +37,7 @@ const MOST_LINE_BYTES: u64 = 4096;
 pub struct PathFrame {
     /// The time when it was drawn, in seconds after the first one.
     pub seconds: f64,
-    /// The camera.
+    /// The camera that the frame was drawn from.
     pub camera: Camera,
 }
 

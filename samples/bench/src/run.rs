@@ -30,7 +30,7 @@ use crate::{Options, memory};
 
 /// The result of a walk.
 pub struct Walked {
-    /// The measurements.
+    /// The measurements of all strategies.
     pub report: Report,
     /// The images in `options.output`.
     pub images: WalkImages,

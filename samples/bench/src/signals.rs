@@ -16,7 +16,7 @@ pub enum Signal {
     Hangup,
     /// SIGINT: Ctrl-C.
     Interrupt,
-    /// SIGTERM.
+    /// SIGTERM: the system, or `kill`, asks for the end.
     Terminate,
 }
 

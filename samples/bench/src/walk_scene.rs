@@ -33,7 +33,7 @@ pub struct WalkScene {
     pub path: CameraTrack,
     /// The name of the path.
     pub path_name: String,
-    /// The motion.
+    /// The motion of objects along the walk, if they move.
     pub moving: Moving,
     /// The report about its file, if it comes from one.
     pub file: Option<FileReport>,

@@ -46,7 +46,7 @@ impl Paint {
 /// The faces of a box that are built; hidden ones are left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Faces {
-    /// All six.
+    /// All six, for a box that is seen from everywhere.
     All,
     /// All but the bottom, for a box that stands on something.
     Standing,

@@ -16,11 +16,11 @@ const SMALLEST: f32 = 0.66;
 /// The parts of the panel that fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Room {
-    /// Everything.
+    /// Everything: the overview and the details below it.
     Full,
     /// The most important numbers.
     Narrow,
-    /// Nothing.
+    /// Nothing: the window is too small for text.
     None,
 }
 

@@ -10,7 +10,7 @@ pub const MARGIN: f32 = 8.0;
 pub const PANEL: Color32 = Color32::from_rgba_premultiplied(9, 11, 15, 246);
 /// Names and units.
 pub const NAME: Color32 = Color32::from_rgb(176, 186, 200);
-/// Values.
+/// Values without a judgement.
 pub const VALUE: Color32 = Color32::from_rgb(235, 240, 245);
 /// Values that are as they should be.
 pub const GOOD: Color32 = Color32::from_rgb(86, 196, 150);

@@ -17,7 +17,7 @@ pub struct ObjectCard<'a> {
     pub outcome: Option<(FrameId, Outcome)>,
     /// The name of its mesh, if it is known.
     pub mesh: Option<&'a str>,
-    /// Its triangles.
+    /// The number of its triangles, at its level of detail.
     pub triangles: u64,
     /// The eye of the explained frame, in metres.
     pub eye: Vec3,

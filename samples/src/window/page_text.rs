@@ -44,7 +44,7 @@ pub struct Known<'a> {
     pub device: &'a str,
     /// The size of the image, in pixels.
     pub size: [u32; 2],
-    /// The strategy.
+    /// The strategy that decides about draws.
     pub strategy: Strategy,
     /// True if the culling is frozen.
     pub is_frozen: bool,

@@ -67,11 +67,11 @@ pub struct Profiler;
 
 #[cfg(not(feature = "tracy"))]
 impl Profiler {
-    /// Starts nothing.
+    /// Does nothing: this build has no profiler.
     pub fn start() -> Self {
         Self
     }
 
-    /// Sends nothing.
+    /// Drops the times of a frame.
     pub fn frame(&mut self, _: &[PassTime]) {}
 }

@@ -16,7 +16,7 @@ pub enum SceneSource {
     },
     /// A scene in a glTF file.
     File {
-        /// The file.
+        /// The path of the file.
         file: PathBuf,
         /// The options of showing it.
         settings: FileSource,

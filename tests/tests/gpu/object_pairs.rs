@@ -15,7 +15,7 @@ use tests::{Driver, open, run};
 
 /// A pair that does not belong together.
 pub struct Row {
-    /// The call.
+    /// The call that refuses the pair, by its path.
     pub call: &'static str,
     /// The argument, as the error names it.
     pub given: &'static str,

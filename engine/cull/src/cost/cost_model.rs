@@ -63,7 +63,7 @@ pub struct CostBenefit {
     pub saving_ns: f32,
     /// The part of it that is saved in this frame.
     pub saving_now_ns: f32,
-    /// The cost.
+    /// The cost of the test itself, in nanoseconds.
     pub cost_ns: f32,
 }
 

@@ -65,7 +65,7 @@ impl Default for CostTable {
      take the default table if the clock of the device cannot be trusted"
 )]
 pub struct BadCost {
-    /// The entry.
+    /// The name of the entry of the [`CostTable`].
     pub name: &'static str,
     /// The refused value.
     pub value: f32,

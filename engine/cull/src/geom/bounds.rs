@@ -1,4 +1,4 @@
-//! Axis-aligned boxes.
+//! Axis-aligned boxes: union, overlap, distance, in metres.
 
 use glam::Vec3;
 

@@ -22,7 +22,7 @@ pub enum HierarchyError {
          check its mesh and its transform for infinities and NaN", object.0, bounds.min, bounds.max
     )]
     BadBox {
-        /// The object.
+        /// The id of the object.
         object: ObjectId,
         /// Its box as it was given.
         bounds: Aabb,
@@ -47,7 +47,7 @@ pub enum HierarchyError {
         "object {} is not in the hierarchy: insert it, or rebuild the hierarchy with it", object.0
     )]
     UnknownObject {
-        /// The object.
+        /// The id of the object.
         object: ObjectId,
     },
     /// No free leaf: there is an object in every leaf.

@@ -11,7 +11,7 @@ use crate::plan::frame_plan::{Answer, QueryKind, QueryTag, Tester};
 pub struct PendingTest<C> {
     /// The subject of the test.
     pub tag: QueryTag,
-    /// The tester.
+    /// The tester that writes the result.
     pub tester: Tester,
     /// The objects that are drawn if it shows.
     pub contents: C,
@@ -20,7 +20,7 @@ pub struct PendingTest<C> {
 /// An answer, and the objects that are drawn if it shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TestResult<C> {
-    /// The answer.
+    /// The tag of the test and the samples that passed.
     pub answer: Answer,
     /// The objects that depend on it.
     pub contents: C,

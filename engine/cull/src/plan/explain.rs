@@ -11,7 +11,7 @@ use crate::plan::frame_plan::{Answer, FramePlan, QueryKind, Tester};
 /// The state of a node, and the frame since which it is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NodeHistory {
-    /// The state.
+    /// The state of the node: hidden, visible or unknown.
     pub state: NodeState,
     /// The frame whose answer led to the state, or in which it was assumed.
     pub since: Option<FrameId>,
@@ -67,7 +67,7 @@ pub enum Outcome {
 /// The explanation of the decision to draw one object in a frame or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeafExplanation {
-    /// The object.
+    /// The object that is explained.
     pub object: ObjectId,
     /// Its box in metres.
     pub bounds: Aabb,

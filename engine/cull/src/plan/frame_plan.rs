@@ -86,7 +86,7 @@ pub struct ProxyTest {
     pub leaves: LeafRange,
     /// The depth of the node in the hierarchy, for debug views.
     pub level: u32,
-    /// The tester.
+    /// The mechanism that tests the box.
     pub tester: Tester,
 }
 

@@ -56,7 +56,7 @@ impl NextFrame {
         }
     }
 
-    /// Forgets everything.
+    /// Forgets all results: each leaf counts as visible again.
     pub(crate) fn reset(&mut self) {
         self.records.clear();
     }

@@ -20,7 +20,7 @@ pub struct Adapter {
     pub api: String,
     /// The kind of device: integrated, discrete, software.
     pub kind: vk::PhysicalDeviceType,
-    /// Its limits.
+    /// The limits of the device, as the driver reports them.
     pub limits: vk::PhysicalDeviceLimits,
     /// The entries of the engine's capability table that it has.
     pub capabilities: Capabilities,

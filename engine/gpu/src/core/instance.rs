@@ -16,7 +16,7 @@ pub enum Validation {
     /// The layer is not loaded.
     #[default]
     Off,
-    /// Core checks.
+    /// The core checks: valid usage of every call.
     Core,
     /// Core checks and synchronization hazards.
     Synchronization,

@@ -10,7 +10,7 @@ use ash::vk;
 pub struct Message {
     /// The layer's name for the rule, such as `VUID-vkCmdDraw-None-02699`.
     pub id: String,
-    /// Its text.
+    /// The text of the message, in the layer's own words.
     pub text: String,
 }
 

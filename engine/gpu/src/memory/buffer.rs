@@ -23,7 +23,7 @@ pub enum MemoryKind {
     ReadBack,
 }
 
-/// A buffer.
+/// A buffer with memory of its own, retired when it is dropped.
 pub struct Buffer {
     device: Device,
     raw: vk::Buffer,

@@ -27,7 +27,7 @@ pub struct DynamicTexture {
 /// The contents that the newest recording left in a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// Undefined contents.
+    /// Undefined contents, as after creation.
     Fresh,
     /// Cleared by the recording, which may never be submitted.
     Cleared(Recording),

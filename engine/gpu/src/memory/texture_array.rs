@@ -24,7 +24,7 @@ pub enum MipMaking {
 /// The description of a [`TextureArray`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TextureArrayInfo<'a> {
-    /// Debug name.
+    /// The name in messages and debuggers.
     pub name: &'a str,
     /// Width and height of each layer in pixels.
     pub size: [u32; 2],

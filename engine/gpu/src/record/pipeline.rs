@@ -30,7 +30,7 @@ pub enum DepthMode {
 /// The use of colour by a pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Blend {
-    /// Replacement.
+    /// Replacement of the colour by that of the fragment.
     Opaque,
     /// Blending by alpha.
     Alpha,
@@ -81,13 +81,13 @@ pub struct StorageLayout {
 /// The description of a graphics pipeline.
 #[derive(Debug, Clone, Copy)]
 pub struct GraphicsPipelineInfo<'a> {
-    /// Debug name.
+    /// The name in messages and debuggers.
     pub name: &'a str,
-    /// Vertex shader.
+    /// The SPIR-V of the vertex stage.
     pub vertex: &'a Spirv,
     /// Fragment shader; `None` draws depth only.
     pub fragment: Option<&'a Spirv>,
-    /// Vertices.
+    /// The layout of the vertices in their buffers.
     pub vertices: VertexLayout<'a>,
     /// Buffers and constants.
     pub storage: StorageLayout,
@@ -97,9 +97,9 @@ pub struct GraphicsPipelineInfo<'a> {
     pub polygon: Polygon,
     /// Faces that are not drawn; counter-clockwise is front.
     pub cull: vk::CullModeFlags,
-    /// Depth.
+    /// The test of the depth, and its storage.
     pub depth: DepthMode,
-    /// Colour.
+    /// The combination of the colour with the one that is there.
     pub blend: Blend,
 }
 

@@ -10,7 +10,7 @@ use scene::{MorphTarget, SkinWeights};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Geometry {
     pub(super) positions: Vec<Vec3>,
-    /// Unit vectors.
+    /// Unit vectors that point out of the surface.
     pub(super) normals: Vec<Vec3>,
     /// Unit vectors, not necessarily orthogonal to the normals; the last component is the
     /// bitangent's sign, -1 or 1.

@@ -23,7 +23,7 @@ const LARGEST_EMISSION: f32 = 65504.0;
 pub(super) enum Shading {
     /// The lighting that the material asks for.
     Own,
-    /// No lighting.
+    /// No lighting: the base colour is shown as it is.
     Unlit,
 }
 

@@ -15,7 +15,7 @@ use crate::{Cause, ImportError, Source};
 /// The nodes of the scene that is shown: depth first, so that all that is below a node follows it.
 #[derive(Debug)]
 pub(super) struct Tree {
-    /// The nodes.
+    /// The nodes as a rig, parents first.
     pub(super) rig: Rig,
     /// The number in the file of each of them.
     pub(super) in_file: Vec<usize>,

@@ -6,7 +6,7 @@ use super::geometry::Geometry;
 /// The place of the backs in the order of triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Backs {
-    /// No backs.
+    /// No backs: triangles show from the front alone.
     None,
     /// After the fronts.
     Last,

@@ -16,7 +16,7 @@ use crate::frame_passes::FramePasses;
 /// The number of visible samples of an object in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VisibleSamples {
-    /// The object.
+    /// The watched object.
     pub object: ObjectId,
     /// The frame of the count.
     pub frame: FrameId,

@@ -10,7 +10,7 @@ use crate::view_state::{RendererId, ViewState};
 /// The decisions and the results of a view in one frame.
 #[derive(Debug, Clone)]
 pub struct VisibilitySnapshot {
-    /// The frame.
+    /// The number of the frozen frame in its view.
     pub frame: FrameId,
     /// The view it was seen from.
     pub view: View,

@@ -19,7 +19,7 @@ pub struct FlatPass {
 /// being rendered to.
 #[derive(Clone, Copy)]
 pub struct FlatIo<'a> {
-    /// [`FlatVertex`]es.
+    /// The corners of the triangles, one [`FlatVertex`] each.
     pub vertices: BufferSlice,
     /// 32-bit indices into them, three per triangle.
     pub indices: BufferSlice,
@@ -46,7 +46,7 @@ pub struct FlatDraw {
     pub origin: [u32; 2],
     /// Its size (pixels).
     pub size: [u32; 2],
-    /// Their indices.
+    /// The indices of their corners, three per triangle.
     pub indices: Range<u32>,
 }
 

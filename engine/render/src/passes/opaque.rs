@@ -30,7 +30,7 @@ enum Kind {
 pub struct OpaqueIo {
     /// The vertices of all meshes.
     pub vertices: BufferSlice,
-    /// Their indices.
+    /// The 32-bit indices of all meshes, three per triangle.
     pub indices: BufferSlice,
     /// One instance per leaf.
     pub instances: BufferSlice,

@@ -32,7 +32,7 @@ pub struct OverlayIo {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct OverlayVertex {
-    /// Position (metres).
+    /// The position in the world, in metres.
     pub position: [f32; 3],
     /// Linear red, green, blue and opacity as unorm8x4, red in the lowest byte.
     pub colour: u32,

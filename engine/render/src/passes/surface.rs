@@ -40,7 +40,7 @@ pub struct SurfacePass {
 pub struct SurfaceIo<'a> {
     /// [`Vertex`]es of all meshes.
     pub vertices: BufferSlice,
-    /// Their indices.
+    /// The 32-bit indices of all meshes, three per triangle.
     pub indices: BufferSlice,
     /// One instance per leaf, or per transparent object; their last values are
     /// [`SurfaceResources::instance_tail`]s.

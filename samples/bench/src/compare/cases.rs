@@ -13,7 +13,7 @@ use crate::statistics::TimeSummary;
 
 /// The yardstick: draws exactly what owns a pixel.
 pub const IDEAL: &str = "ideal";
-/// The baseline.
+/// The baseline: draws all that is in the view frustum.
 pub const FRUSTUM: &str = "frustum";
 /// The engine's own method, which all figures are about.
 pub const ANTUMBRA: &str = "antumbra";

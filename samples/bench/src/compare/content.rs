@@ -21,7 +21,7 @@ const ASKED_SIZE: [u32; 2] = [1280, 720];
 /// One strategy on `street`, over all sizes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodRow {
-    /// Its name.
+    /// The name of the strategy.
     pub strategy: String,
     /// The frame times at each of the sizes, as multiples of the yardstick's.
     pub ratios: Vec<Option<Spread>>,
@@ -63,7 +63,7 @@ pub struct Content {
     pub methods: Vec<MethodRow>,
     /// The figures: asked for, and found.
     pub figures: Vec<Figure>,
-    /// Wrong pixels.
+    /// Wrong pixels per strategy and setting.
     pub books: Vec<Book>,
     /// The missing measurements, with the reasons.
     pub left_out: Vec<String>,

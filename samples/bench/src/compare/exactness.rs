@@ -18,7 +18,7 @@ pub enum Setting {
 }
 
 impl Setting {
-    /// Every setting.
+    /// Every setting, in the order of the table.
     pub const ALL: [Self; 4] = [Self::Still, Self::Moving, Self::Views, Self::MovingViews];
 
     /// Returns its name in words.
@@ -50,12 +50,12 @@ impl Setting {
 /// One strategy in one setting.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Book {
-    /// Its name.
+    /// The name of the strategy.
     pub strategy: String,
     /// True if it promises the picture of plain frustum culling. A strategy that this build does
     /// not know promises nothing, nor does one that ran with a threshold in some report.
     pub is_exact: bool,
-    /// The setting.
+    /// The setting in which frames were compared.
     pub setting: Setting,
     /// True if it is refused there by design.
     pub is_refused: bool,

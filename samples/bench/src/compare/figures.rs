@@ -74,7 +74,7 @@ pub struct Figure {
     pub case: String,
     /// The measured quantity.
     pub what: String,
-    /// The goal.
+    /// The goal for the measured value.
     pub asked: Asked,
     /// The measured value.
     pub found: Option<Spread>,

@@ -47,7 +47,7 @@ pub enum InputError {
         shown(file)
     )]
     Broken {
-        /// The file.
+        /// The path of the refused file.
         file: PathBuf,
         /// The error in it.
         reason: String,
@@ -115,7 +115,7 @@ pub struct MeasuredScene {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct MeasuredRun {
-    /// Its name.
+    /// The name of the strategy.
     pub strategy: String,
     /// The time of a frame in milliseconds.
     pub frame_ms: TimeSummary,

@@ -27,9 +27,9 @@ const EDGE_M: f32 = TILE_M / 2.0;
 /// The surface between the pavements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Middle {
-    /// Slabs.
+    /// Slabs of stone.
     Paved,
-    /// Lawn.
+    /// Lawn, in two greens.
     Planted,
 }
 

@@ -165,7 +165,7 @@ impl Lot {
 /// The middle of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Court {
-    /// Built over.
+    /// Built over: there is no court.
     Built,
     /// Open: the middle four lots are free.
     Open,

@@ -34,11 +34,11 @@ pub(super) fn wall_tint(family: u32, random: &mut Random) -> u32 {
 pub(crate) enum TintKind {
     /// No part of it is tinted.
     Plain,
-    /// Leaves.
+    /// Leaves of trees and bushes.
     Leaf,
-    /// Car paint.
+    /// The paint of cars and vans.
     Vehicle,
-    /// Painted metal.
+    /// The painted metal of street furniture.
     Furniture,
 }
 
@@ -72,13 +72,13 @@ pub(crate) struct Materials {
     pub(crate) glass: [Paint; 4],
     /// Fired roof tiles.
     pub(crate) tile: Paint,
-    /// Slate roofs.
+    /// Pitched roofs of slate.
     pub(crate) slate: Paint,
-    /// Flat roofs.
+    /// The gravel of flat roofs.
     pub(crate) gravel: Paint,
-    /// Dark metal.
+    /// Dark metal: posts, canopies, wheels.
     pub(crate) iron: Paint,
-    /// Bright metal.
+    /// Bright metal: frames, rims of wheels.
     pub(crate) steel: Paint,
     /// Doors and benches.
     pub(crate) wood: Paint,

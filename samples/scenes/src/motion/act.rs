@@ -10,7 +10,7 @@ use crate::random::Random;
 /// A motion that repeats itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Act {
-    /// No motion.
+    /// No motion: the object rests.
     Stay,
     /// A slide to a place and back.
     Slide {

@@ -12,7 +12,7 @@ pub struct PresentId(pub u64);
 /// A frame that is on its way to the screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Presented {
-    /// Its number.
+    /// The number of the frame, with which its timing is reported.
     pub id: PresentId,
     /// The tick at whose end it is drawn; it is on the screen later.
     pub tick: Tick,

@@ -15,7 +15,7 @@ pub struct Page {
     pub size: [u32; 2],
     /// The encoding of the bytes.
     pub encoding: Encoding,
-    /// The sampler.
+    /// The sampler that all layers share.
     pub sampler: Sampler,
     /// The image on each layer, resampled where its size is another.
     pub layers: Vec<ImageId>,

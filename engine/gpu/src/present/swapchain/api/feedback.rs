@@ -11,7 +11,7 @@ use crate::core::error::{Called, Error};
 /// The times of one presented frame, on the clock of the display (`CLOCK_MONOTONIC` on Linux).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PresentTiming {
-    /// The frame.
+    /// The number of the presented frame.
     pub id: PresentId,
     /// The time at which it was first on the screen, in nanoseconds.
     pub shown_ns: u64,
