@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let transform = Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(0.08));
         Object { mesh: MeshId(1), transform, tint: u32::MAX }
     }));
-    let (device, _) = antumbra::open(None)?;
+    let device = antumbra::open()?;
     // Tests are made whether they pay or not: with so few triangles, hardly any does.
     let (all, costs) = (methods::ALL, Costs::Ignored);
     let options = RendererOptions { size: SIZE, methods: all, costs, ..Default::default() };

@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             ..first
         }
     }));
-    let (device, _) = antumbra::open(None)?;
+    let device = antumbra::open()?;
     // Tests are made whether they pay or not: on some devices 12 triangles are drawn faster.
     let options = RendererOptions { costs: Costs::Ignored, ..Default::default() };
     let mut renderer = Renderer::new(&device, &scene, &options)?;

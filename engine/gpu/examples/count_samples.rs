@@ -11,7 +11,7 @@ use antumbra_gpu::{
 const SIZE: [u32; 2] = [64, 64];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (device, _) = open(None)?;
+    let device = open()?;
     println!("{}", device.adapter().name);
     let shader = |name: &str| {
         let found = shaders::find(name).ok_or("no such shader")?;

@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let transform = Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(0.04));
         Object { mesh: MeshId(1), transform, tint: u32::MAX }
     }));
-    let (device, _) = gpu::open(None)?;
+    let device = gpu::open()?;
     // Tests are made whether they pay or not: on some devices 2 triangles are drawn faster.
     let (size, costs) = ([640, 360], Costs::Ignored);
     let options = RendererOptions { size, costs, ..Default::default() };

@@ -13,7 +13,7 @@ pub struct TestToken(pub u32);
 /// A leaf to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BatchDraw {
-    /// The leaf.
+    /// The leaf that is drawn, under a query if there is a token.
     pub leaf: LeafIndex,
     /// The query whose result is the number of samples that the draw leaves.
     pub token: Option<TestToken>,
@@ -22,7 +22,7 @@ pub struct BatchDraw {
 /// A box to test against the depth so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BatchTest {
-    /// The query.
+    /// The identity of the query, unique within its frame.
     pub token: TestToken,
     /// The box, enlarged already by the view's [margin](crate::Margin).
     pub bounds: Aabb,
@@ -33,7 +33,7 @@ pub struct BatchTest {
 pub struct Batch {
     /// The draws, in this order.
     pub draws: Vec<BatchDraw>,
-    /// The tests.
+    /// The boxes to test after the draws, in this order.
     pub tests: Vec<BatchTest>,
 }
 
@@ -65,7 +65,7 @@ pub enum NextAction {
 /// The result of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TestAnswer {
-    /// The query.
+    /// The identity of the query, unique within its frame.
     pub token: TestToken,
     /// Samples that passed; where queries are not precise, any number but 0 for "some".
     pub samples: u32,
@@ -74,13 +74,13 @@ pub struct TestAnswer {
 /// Counts of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BlockingStats {
-    /// Nodes visited.
+    /// Nodes of the hierarchy that the traversal visited.
     pub nodes_visited: u32,
-    /// Boxes tested.
+    /// Boxes of nodes and leaves tested by a query each.
     pub boxes: u32,
     /// Leaves drawn under a query of their own.
     pub visible_draw_queries: u32,
-    /// Leaves drawn.
+    /// Leaves drawn, under a query or not.
     pub draws: u32,
     /// Nodes whose box would be cut by the near plane: visible without a test.
     pub too_near: u32,

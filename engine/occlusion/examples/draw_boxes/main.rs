@@ -26,7 +26,7 @@ fn bounds() -> Vec<Aabb> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (device, _) = gpu::open(None)?;
+    let device = gpu::open()?;
     let shaders = ShaderSet::embedded()?;
     let hierarchy = Hierarchy::build(&bounds())?;
     let draw = IndirectDraw { index_count: INDICES, instance_count: 1, ..Default::default() };

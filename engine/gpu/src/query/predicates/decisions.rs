@@ -17,7 +17,7 @@ pub enum ResultSource {
 }
 
 impl ResultSource {
-    /// All sources.
+    /// All sources; their lists of predicates have this order.
     pub const ALL: [ResultSource; 3] =
         [ResultSource::Queries, ResultSource::Fragments, ResultSource::Compute];
 
@@ -48,7 +48,7 @@ pub enum Reveal {
 pub struct PredicatedRange {
     /// The number of the result among those of its source.
     pub result: u32,
-    /// The draws.
+    /// The draws that depend on the result.
     pub range: DrawRange,
     /// The way in which they are revealed.
     pub reveal: Reveal,
@@ -57,7 +57,7 @@ pub struct PredicatedRange {
 /// The executor that keeps the GPU from drawing hidden objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Predication {
-    /// `VK_EXT_conditional_rendering`.
+    /// `VK_EXT_conditional_rendering`: the device skips the draws by itself, without a compute pass.
     Conditional,
     /// Draw counts written by a compute pass; needs `drawIndirectCount`.
     Counts,
