@@ -27,15 +27,15 @@ struct Extent {
 #[derive(Clone, Debug)]
 pub struct Extents {
     nodes: Vec<Extent>,
-    /// The ranges of scales of the nodes that clips scale, which are few.
+    /// The ranges of scales of those few nodes that clips scale.
     scales: HashMap<RigNodeId, [Vec3; 2]>,
 }
 
 /// The factor for rounding errors of single precision.
 const ROUNDING: f32 = 1.001;
 
-/// Returns the greatest factor by which a matrix lengthens a vector, which is exact for rotated and
-/// scaled axes: the square root of the largest sum of a row of its product with its transpose.
+/// Returns the greatest factor by which a matrix lengthens a vector, exact for rotated and scaled
+/// axes: the square root of the largest sum of a row of its product with its transpose.
 fn lengthens(matrix: &Affine3A) -> f32 {
     let axes = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis];
     // Its entries may be as large as numbers get.
@@ -149,8 +149,8 @@ impl Extents {
     /// Returns a box that no vertex of a skeleton leaves, whatever plays: the sum of the lengths of
     /// the chains above it. `boxes` holds for each joint, by its number in the skin, the box of the
     /// vertices that follow it, in the space of the mesh. The box is around the origin of the
-    /// [skeleton's space](Skeleton::space); it is infinite, or larger than anything can be, where
-    /// vertices reach that far. Takes time in proportion to boxes and bones.
+    /// [skeleton's space](Skeleton::space); where vertices reach too far, it is infinite or larger
+    /// than any scene. Takes time in proportion to boxes and bones.
     pub fn reach(&self, skeleton: &Skeleton, boxes: impl IntoIterator<Item = (u16, Aabb)>) -> Aabb {
         let mut hanging = vec![f32::NEG_INFINITY; skeleton.bones.len()];
         let mut farthest = 0.0_f32;

@@ -24,7 +24,7 @@ pub enum Repeat {
 /// The playback of a clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Playback {
-    /// The clip that plays, an index into the list that is given to [`Player::pose_at`].
+    /// The clip that plays, an index into the list given to [`Player::pose_at`].
     pub clip: ClipId,
     /// The time of its beginning, in seconds of the player's time; before that it shows its first
     /// pose.

@@ -84,8 +84,8 @@ impl Pose {
         }
     }
 
-    /// Sets the properties that a clip animates to their values at `time_s`, which is clamped to
-    /// the clip's ends. Other properties stay.
+    /// Sets the properties that a clip animates to their values at `time_s`, clamped to the clip's
+    /// ends. Other properties stay.
     pub fn sample(&mut self, clip: &Clip, time_s: f32) {
         for Channel { node, track } in &clip.channels {
             self.mark(*node);
@@ -112,7 +112,7 @@ impl Pose {
 
     /// Blends this pose with another of the same rig: 0 is this one, 1 the other. Rotations take
     /// the shorter arc, along its chord ("nlerp"): unlike slerp this keeps every mix of any number
-    /// of poses in the cone that their rotations span, on which the bounds of blends rely.
+    /// of poses in the cone that their rotations span. The bounds of blends rely on that.
     pub fn blend(&mut self, other: &Self, weight: f32) {
         let weight = if weight.is_finite() { weight.clamp(0.0, 1.0) } else { 0.0 };
         for node in &other.moved {

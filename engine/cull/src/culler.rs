@@ -62,7 +62,7 @@ impl Culler {
         Self::with_testers(config, TesterSupport::default())
     }
 
-    /// Creates a culler that knows nothing yet, for a device that can do more than queries.
+    /// Creates a culler without history, for a device that can do more than queries.
     #[must_use]
     pub fn with_testers(config: CullConfig, testers: TesterSupport) -> Self {
         Self {
@@ -155,8 +155,8 @@ impl Culler {
     }
 
     /// Takes answers to queries of earlier plans: in any order, late, twice, or never. Answers that
-    /// fit nothing (a node that stood for something else, a frame to come, an older answer than the
-    /// last) are ignored.
+    /// fit nothing (another generation of the node, a frame to come, an older answer than the last)
+    /// are ignored.
     pub fn ingest(&mut self, hierarchy: &Hierarchy, answers: impl IntoIterator<Item = Answer>) {
         self.history.adopt(hierarchy);
         let now = self.stamp(self.frame).unwrap_or(FrameStamp::NEVER);

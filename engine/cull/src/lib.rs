@@ -3,10 +3,10 @@
 //! A [`Culler`] turns the results of earlier frames into a [`FramePlan`]: leaves to draw at once,
 //! and a *frontier* of proxies to test, each with the contiguous range of leaves to draw in the
 //! same frame if a sample of it shows. The answers come back frames later, or never, and only steer
-//! what the next plans cost: an object that owns a pixel is drawn in any case, because every object
-//! that is not drawn at once lies under a proxy that is tested now. The method follows Bittner and
-//! Wimmer's coherent hierarchical culling ("Hardware Occlusion Queries Made Useful", GPU Gems 2,
-//! chapter 6), with predicates on the GPU in place of waiting on the CPU.
+//! what the next plans cost: an object that owns a pixel is drawn in any case. If it is not drawn
+//! at once, it lies under a proxy of this frame's tests. The method follows Bittner and Wimmer's
+//! coherent hierarchical culling ("Hardware Occlusion Queries Made Useful", GPU Gems 2, chapter 6),
+//! with predicates on the GPU in place of waiting on the CPU.
 //!
 //! Nothing here knows Vulkan, reads a clock, or allocates in a steady frame, and equal inputs make
 //! equal plans.

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use antumbra_import as import;
 
-/// Returns a value of `/proc/self/status` in MiB, where that file exists.
+/// Returns a value of `/proc/self/status` in MiB; 0 without that file.
 fn memory_mib(what: &str) -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix(what)?.strip_prefix(':'));

@@ -24,7 +24,7 @@ pub enum Cause {
     NotScene,
     /// A violation of glTF 2.0 or of an extension.
     Malformed,
-    /// Compressed bytes that cannot be decoded, which the glTF validator does not check.
+    /// Compressed bytes that cannot be decoded. The glTF validator does not check them.
     Damaged,
     /// A feature that is not implemented here.
     Unsupported,

@@ -7,8 +7,8 @@ use serde_json::{Map, Value};
 
 use crate::error::Reason;
 
-/// The extensions that a file may require. Others that it requires are refused by name, others that
-/// it merely uses are noted.
+/// The extensions that a file may require. Other required ones are refused by name, other used ones
+/// are noted.
 pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",

@@ -75,8 +75,7 @@ pub enum PlacedNode {
 pub struct NodeAttachment {
     /// The node of the file that has it, and that it moves with. A skinned object moves with its
     /// joints instead: it is in the space of its skeleton,
-    /// [`Skeleton::space`](animation::Skeleton::space), which consists of the joints that its
-    /// vertices follow.
+    /// [`Skeleton::space`](animation::Skeleton::space): of the joints that its vertices follow.
     pub node: RigNodeId,
     /// The attached object or light.
     pub placed: PlacedNode,
@@ -107,8 +106,7 @@ pub struct GltfScene {
     pub placements: Vec<NodeAttachment>,
     /// The cameras of the shown scene, in the order of the file's list.
     pub cameras: Vec<SceneCamera>,
-    /// The deviations of the file that were tolerated, and the parts that are not shown, for
-    /// people.
+    /// The tolerated deviations of the file, and the parts that are not shown, for people.
     pub notes: Vec<Note>,
 }
 

@@ -41,7 +41,7 @@ pub(crate) struct Images {
 }
 
 /// Decodes the images that materials show; the others stay `None`. Images that cannot be read
-/// become placeholders, which is noted.
+/// become placeholders, with a note.
 ///
 /// # Errors
 /// Images beyond the limits; a progress function that stopped the loading.

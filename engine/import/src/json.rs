@@ -65,7 +65,7 @@ fn syntax(error: &serde_json::Error) -> Reason {
     Reason::malformed(format!("it is no JSON in line {line}, column {column}: {what}"))
 }
 
-/// Reads JSON again that `gltf` refused, or of whose numbers it may have kept only a part.
+/// Reads JSON again that `gltf` refused, or may have kept only a part of.
 fn by_elements(json: &[u8], notes: &mut Notes) -> Result<Parsed, Fault> {
     let value: Value = serde_json::from_slice(json).map_err(|error| syntax(&error).of("JSON"))?;
     // Files of other versions have other forms.

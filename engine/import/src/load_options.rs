@@ -7,13 +7,13 @@ use crate::Limits;
 pub struct LoadOptions {
     /// The limits on the file's demands.
     pub limits: Limits,
-    /// The number of triangles above which a rigid mesh that is seen once is cut into spatial
+    /// The number of triangles above which a rigid mesh with a single object is cut into spatial
     /// pieces, each an object of at most a quarter as many triangles. `None` leaves all meshes
     /// whole. Default: 65,536.
     pub cut_above_triangles: Option<usize>,
     /// The factor of all light before tone mapping, as
     /// [`Surfaces::exposure`](scene::Surfaces::exposure). `None`, the default, is 1; lights that
-    /// would turn most of the lit objects white are dimmed then, which is noted.
+    /// would turn most of the lit objects white are dimmed then, with a note.
     pub exposure: Option<f32>,
 }
 

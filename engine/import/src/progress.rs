@@ -22,7 +22,7 @@ pub struct Progress {
     pub fraction: f32,
 }
 
-/// The function that receives the progress of loading, which continues or stops it.
+/// The function that receives the progress of loading, and continues or stops it.
 pub type ProgressFn<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;
 
 /// The sender of progress, which stops when its function says so.
@@ -49,6 +49,5 @@ impl ProgressSender<'_> {
     }
 }
 
-/// The function that receives the share of a file that was read, which continues or stops the
-/// reading.
+/// The function that receives the read share of a file, and continues or stops the reading.
 pub(crate) type ReadProgress<'a> = dyn FnMut(f32) -> ControlFlow<()> + 'a;

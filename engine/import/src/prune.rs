@@ -32,7 +32,7 @@ pub(crate) fn channels(root: &mut Root, verdict: &mut Verdict) {
 }
 
 /// Leaves only roots in the list of the scene that is shown. `parents` holds the parents of nodes
-/// that it reaches, or of all nodes where it does not reach the parent.
+/// that it reaches, or of all nodes if it does not reach the parent.
 pub(crate) fn scene_roots(root: &mut Root, parents: &[Option<u32>], verdict: &mut Verdict) {
     let mut outside: BTreeMap<usize, usize> = BTreeMap::new();
     for (index, node) in root.nodes.iter().enumerate() {

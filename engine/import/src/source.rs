@@ -22,20 +22,19 @@ use crate::{
 
 /// A glTF file that was read and checked.
 ///
-/// # Guarantees
-/// The shown scene is the one that the file names, else its first one, else all nodes without a
-/// parent. Elements of the document's lists that it does not reach are *empty*: they keep
+/// # Guarantees The shown scene is the one that the file names, else its first one, else all nodes
+/// without a parent. Elements of the document's lists that it does not reach are *empty*: they keep
 /// their index, refer to nothing (an empty view to the first buffer, if there is one), and are not
 /// described below. Their faults are in the notes. So are those of broken animations, which are
-/// empty too, and of unreadable images, which placeholders replace. For all other elements:
+/// empty too. Placeholders replace unreadable images. For all other elements:
 /// - **Indices.** Every index of core glTF 2.0 and of
 ///   [`SUPPORTED_EXTENSIONS`](crate::SUPPORTED_EXTENSIONS) is in range: accessors, views, buffers,
 ///   nodes, meshes, skins, joints, cameras, lights, materials, textures, samplers, images, scenes,
 ///   targets and samplers of animations. So the methods of `gltf` that look them up do not panic.
 ///   No enumerated value is unknown, every camera has the values of its type, every spot light its
-///   cone. Attributes whose names glTF does not know were removed, those of applications (`_NAME`)
-///   too, and so were animation channels without a node, or of a node that is not shown. Skins and
-///   weights of nodes without a mesh were removed. Joints may be nodes that are empty.
+///   cone. Attributes with names unknown to glTF were removed, those of applications (`_NAME`) too.
+///   So were animation channels without a node, or of a node that is not shown. Skins and weights
+///   of nodes without a mesh were removed. Joints may be nodes that are empty.
 /// - **Nodes** are a forest: each is a child of at most one other, none its own ancestor; nodes of
 ///   the scene are roots (files may name others: the notes say which). It can be 100,000 deep: do
 ///   not walk it by recursion. All numbers of nodes, cameras, lights and materials in the JSON are
@@ -78,8 +77,8 @@ pub struct Source {
     /// The indices of images that could not be read, each replaced by a checkered one.
     pub placeholders: BTreeSet<usize>,
     /// One entry per texture of the document: the index of its image, which exists; `None` for
-    /// textures that are not shown, and for those with an image in an unsupported format, which are
-    /// noted.
+    /// textures that are not shown, and, with a note, for those with an image in an unsupported
+    /// format.
     pub texture_images: Vec<Option<usize>>,
     /// The instancing of each node whose mesh is instanced.
     pub instancing: BTreeMap<usize, Instancing>,

@@ -109,7 +109,7 @@ impl Verdict {
     }
 }
 
-/// Notes the animations that are broken, which are not played.
+/// Notes the broken animations, which are not played.
 pub(crate) fn note_broken_animations(root: &Root, verdict: &mut Verdict) {
     for index in 0..root.animations.len() {
         let element = Kind::Animation.at(index);

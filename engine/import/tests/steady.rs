@@ -23,7 +23,7 @@ static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 /// well, but the loop does the same each time.
 const TRIES: usize = 10;
 
-/// Returns a triangle on a node that slides, and another one on a node that is morphed.
+/// Returns a triangle on a sliding node, and another one that is morphed.
 fn scene() -> Vec<u8> {
     let numbers: [f32; 28] = [
         0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, // positions

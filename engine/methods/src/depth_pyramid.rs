@@ -127,8 +127,7 @@ impl PyramidFrame {
 
     /// Compiles the passes and makes room for the leaves of `hierarchy`.
     ///
-    /// # Errors
-    /// A device that lacks something, an image or scene that is too large, no memory.
+    /// # Errors A device that lacks something, too large an image or scene, no memory.
     fn new(
         device: &Device,
         shaders: &ShaderSet,

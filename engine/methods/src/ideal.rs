@@ -13,7 +13,7 @@ use occlusion::{
 pub const IDEAL: Strategy =
     Strategy::new("ideal", "the bound: the exact visible set, found in advance").in_still_scenes();
 
-/// The method that draws the leaves that are known to be visible.
+/// The method that draws the known visible leaves.
 struct Ideal;
 
 /// Returns the method's constructor.

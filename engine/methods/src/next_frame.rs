@@ -1,5 +1,5 @@
-//! Next-frame occlusion queries (GPU Gems, 29.4): a query per object that is read in a later frame
-//! and decides about that one. Never waits, and is wrong until its results are read back.
+//! Next-frame occlusion queries (GPU Gems, 29.4): a query per object, read in a later frame to
+//! decide about that one. Never waits, and is wrong until its results are read back.
 
 use cull::Strategy;
 use gpu::Frame;

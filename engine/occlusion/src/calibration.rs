@@ -36,8 +36,8 @@ pub enum Costs {
     Ignored,
     /// The given table.
     Table(CostTable),
-    /// Prices that are measured when the renderer is made, which takes a quarter of a second on a
-    /// software driver.
+    /// Prices that are measured when the renderer is made: a quarter of a second on a software
+    /// driver.
     #[default]
     Measured,
 }

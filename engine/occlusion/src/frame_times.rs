@@ -36,8 +36,8 @@ impl FrameTimes {
         self.known.push_back(time);
     }
 
-    /// Passes the times of the frames that showed `views`, which were drawn together, to their cost
-    /// models. The results of those frames must have been read.
+    /// Passes the times of the frames of `views`, which were drawn together, to their cost models.
+    /// The results of those frames must have been read.
     pub fn teach<V>(&mut self, views: &mut [V])
     where
         V: AsRef<VisibilityState> + AsMut<VisibilityState>,

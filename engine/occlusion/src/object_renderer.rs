@@ -42,9 +42,9 @@ pub trait ObjectRenderer {
         self.rendering(view, Rendering::Next)
     }
 
-    /// Creates the objects that a pass needs, before the first frame that binds it.
-    /// [`ObjectPass::Depth`] and [`ObjectPass::Colour`] are for methods with an option to draw
-    /// depth first, which need nothing where all is made beforehand.
+    /// Creates the objects of a pass, before the first frame that binds it. [`ObjectPass::Depth`]
+    /// and [`ObjectPass::Colour`] are for methods with an option to draw depth first. An owner that
+    /// made all beforehand does nothing here.
     ///
     /// # Errors
     /// A shader that does not compile, a failed call.

@@ -31,7 +31,7 @@ struct Pending {
     is_known: bool,
 }
 
-/// The most outcomes that are kept for a caller that takes them seldom, or never.
+/// The most outcomes kept for a caller that takes them seldom, or never.
 const OUTCOMES_KEPT: usize = 1024;
 
 /// The outcomes of one view's frames: those whose results are to come, and those that were not

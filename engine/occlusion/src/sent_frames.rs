@@ -7,10 +7,10 @@ use gpu::Tick;
 
 use crate::outcomes::FrameOutcome;
 
-/// The times that are kept for views that are not drawn at the moment; older ones are lost.
+/// The times kept for views that are not drawn at the moment; older ones are lost.
 pub(crate) const TIMES_KEPT: usize = 8;
 
-/// A frame of one view that is in flight, or whose time is not yet used.
+/// A frame of one view that is in flight, or has a time not yet used.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SentFrame {
     tick: Tick,

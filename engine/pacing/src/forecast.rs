@@ -19,7 +19,7 @@ pub(crate) struct Knowledge<'a> {
     pub(crate) report: &'a Estimate,
     /// True if ticks are reported at all.
     pub(crate) sees_finishes: bool,
-    /// The best known time at which the last frame that left was shown.
+    /// The best known time of showing the last frame that left.
     pub(crate) last_left: f64,
     pub(crate) now: f64,
 }
@@ -71,8 +71,8 @@ impl Knowledge<'_> {
         if self.sees_finishes { finish.max(self.now) } else { finish }
     }
 
-    /// Returns the time at which a frame is shown that finishes at `finish`, after a frame shown at
-    /// `previous`.
+    /// Returns the time at which a frame is shown if it finishes at `finish`, after a frame shown
+    /// at `previous`.
     pub(crate) fn shown(&self, record: &Record, finish: f64, previous: f64) -> f64 {
         if let Some(shown) = record.shown {
             return shown;

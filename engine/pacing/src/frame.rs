@@ -40,7 +40,7 @@ pub enum WaitReason {
     QueueFull(PacedFrameId),
     /// The limit on frames per second.
     FrameLimit,
-    /// A window that seems hidden, or whose frames are dropped one after the other.
+    /// A window that seems hidden: its frames may be dropped one after the other.
     Hidden,
     /// The expected end of this frame on the GPU: look, to learn its duration.
     Poll(PacedFrameId),
@@ -54,8 +54,8 @@ pub struct Plan {
     /// The time of its start: the one given to [`Pacer::next`](crate::Pacer::next), or the latest
     /// before if that went backwards.
     pub start: Time,
-    /// The time at which its image should be shown, for which animation should be computed.
-    /// Unknown until the display is known.
+    /// The time at which its image should be shown: animation should be computed for it. Unknown
+    /// until the display is known.
     pub expected_present: Option<Time>,
 }
 

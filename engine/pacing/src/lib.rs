@@ -25,7 +25,7 @@
 //! while.
 //!
 //! With [`PresentReports::Missing`], refreshes are learnt only from acquires that had to wait, once
-//! it is clear that they wait for the display: if acquires wait for the GPU alone, refreshes stay
+//! they are known to wait for the display: if acquires wait for the GPU alone, refreshes stay
 //! unknown. While the phase is searched for, as many frames may be queued as there are images: ask
 //! for no more images than frames may be queued.
 //!

@@ -1,10 +1,9 @@
-//! The margin by which a frame must be ready earlier than predicted, learnt from frames that came
-//! too late.
+//! The margin by which a frame must be ready earlier than predicted, learnt from late frames.
 //!
 //! Each miss adds a step and each frame in time removes a small part of one, so that the share of
 //! misses settles where both balance: a quantile tracked by stochastic approximation (Robbins and
-//! Monro 1951). It covers delays that no prediction includes, such as a compositor that latches
-//! early.
+//! Monro 1951). It covers delays that no prediction includes, such as an early latch of a
+//! compositor.
 
 use crate::options::PresentReports;
 use crate::time::MICROSECOND_NS;

@@ -91,7 +91,7 @@ pub enum PresentReports {
     /// Reports by [`Feedback::Shown`](crate::Feedback::Shown) (present wait, display timing).
     Times,
     /// No reports. In [`PresentationMode::Fifo`] the pacer then learns the phase of the display
-    /// from acquires that had to wait, and fills the queue now and then for that. It does so only
+    /// from acquires that had to wait. It fills the queue for that now and then. It does so only
     /// after the waits have proved to be for the display and not for the GPU, which requires
     /// reports of finished GPU work. Without a display that holds frames back, its refreshes stay
     /// unknown.
@@ -136,8 +136,8 @@ impl Presentation {
         }
     }
 
-    /// Returns the shortest period of a display that waits for frames; `None` for images that tear,
-    /// which never wait.
+    /// Returns the shortest period of a display that waits for frames; `None` for images that tear:
+    /// they never wait.
     pub(crate) fn variable_ns(&self) -> Option<f64> {
         match self.refresh {
             Refresh::Variable { min_period, .. } if self.mode != PresentationMode::Immediate => {

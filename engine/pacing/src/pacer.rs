@@ -23,7 +23,7 @@ const LONGEST_WAIT_NS: f64 = SECOND_NS;
 const SHORTEST_WAIT_NS: f64 = 1e4;
 /// The number of times that a frame is aimed at another refresh.
 const MOST_OVERSLEPT: u32 = 2;
-/// The distance beyond which times that go back are of another clock.
+/// The distance beyond which times going back are of another clock.
 const BACKWARDS_NS: f64 = 100.0 * MILLISECOND_NS;
 
 /// A frame pacer: it starts each frame as late as possible for the next refresh that it can reach,

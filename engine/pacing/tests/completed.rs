@@ -1,4 +1,4 @@
-//! Tests of the time at which a frame counts as known, and of frames that were not reported.
+//! Tests of the time at which a frame counts as known, and of unreported frames.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

@@ -169,8 +169,8 @@ impl Scene {
     /// the scene.
     ///
     /// Each bound is computed in the order of operations of `transform * position` (after J. Arvo,
-    /// "Transforming Axis-Aligned Bounding Boxes", Graphics Gems), so a vertex that is transformed
-    /// in that order never lies outside; one that is transformed in another order, or with fused
+    /// "Transforming Axis-Aligned Bounding Boxes", Graphics Gems), so a vertex transformed in that
+    /// order never lies outside; one that is transformed in another order, or with fused
     /// multiplication, may by the last place.
     pub fn bounds_of(&self, object: &Object) -> Option<Aabb> {
         Some(bounds_of_transformed(&self.mesh_of(object)?.bounds, &object.transform))
@@ -190,10 +190,9 @@ impl Scene {
 
     /// Checks that a renderer can draw the scene.
     ///
-    /// # Errors
-    /// The first mesh whose indices do not fit its vertices or whose numbers are not finite, the
-    /// first object that names no mesh or has a transform that is not finite, or the first part of
-    /// its surfaces that does not belong to it or has a value that is not finite.
+    /// # Errors The first fault: a mesh with indices that do not fit its vertices or numbers that
+    /// are not finite; an object without a mesh or with a transform that is not finite; a part of
+    /// its surfaces that does not belong to it or is not finite.
     pub fn validate(&self) -> Result<(), SceneError> {
         for mesh in &self.meshes {
             let broken = |fault| Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });

@@ -13,8 +13,8 @@ const OPEN: f64 = 0.55;
 
 /// Returns the degree to which counter-clockwise triangles face away from the middle of their box:
 /// 1 if all face straight away, as those of a ball, -1 if all face the middle, 0 for sheets, for
-/// surfaces that are more open than half a ball, and for triangles that have their backs. Values
-/// that are no numbers do not count.
+/// surfaces more open than half a ball, and for triangles with their backs. Values that are no
+/// numbers do not count.
 pub fn outwardness(bounds: &Aabb, triangles: impl IntoIterator<Item = [Vec3; 3]>) -> f32 {
     let middle = bounds.centre().as_dvec3();
     let (mut outwards, mut all) = (0.0, 0.0);

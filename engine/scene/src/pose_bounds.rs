@@ -1,6 +1,6 @@
 //! Boxes around skinned meshes, from nothing but their pose.
 //!
-//! A skinned vertex is a mix of the points to which its joints take it, with weights that are not
+//! A skinned vertex is a mix of the points to which its joints take it. The weights are not
 //! negative and 1 together, so it lies in the hull of these points. The union of the boxes that
 //! hold these points holds all vertices in any pose: of one clip, of mixed ones, of inverse
 //! kinematics, of physics. A joint takes all vertices that follow it by one matrix, so for each
@@ -18,14 +18,7 @@
 //! A GPU computes vertices in single precision, in any order and with or without fused
 //! multiplication; so does this. Each operation adds at most `u = 2^-24` of its result. Let `S` be
 //! the sum of the magnitudes of all terms of a coordinate: `sum over axes of |matrix| * P +
-//! |translation|`, where `P` is the largest magnitude of a position at rest and of the
-//! displacements that targets add to it. No partial sum is larger than `S`, and a term goes through
-//! `t + 1` operations for `t` targets, `n + 1` for `n` influences, and 5 for the product with the
-//! mixed matrix. So a vertex is off by less than `(t + n + 7) * u * S`, and this box by less than
-//! `(t + 7) * u * S`. The margin is `2 * u` instead of `u`, which covers the terms of higher order
-//! and the rounding of the margin itself. Weights that are 1 together only up to `e` scale a mix by
-//! at most `1 + e`, which moves it by at most `e * S`. (Numbers below the least normal one may be
-//! flushed to zero: some 1e-38 m, which the proxies' own margin exceeds.)
+//! |translation|`, where `P` is the largest magnitude of a position at rest and of the displacements that targets add to it. No partial sum is larger than `S`, and a term goes through `t + 1` operations for `t` targets, `n + 1` for `n` influences, and 5 for the product with the mixed matrix. So a vertex is off by less than `(t + n + 7) * u * S`, and this box by less than `(t + 7) * u * S`. The margin is `2 * u` instead of `u`, which covers the terms of higher order and the rounding of the margin itself. Weights that are 1 together only up to `e` scale a mix by at most `1 + e`, and move it by at most `e * S`. (Numbers below the least normal one may be flushed to zero: some 1e-38 m, which the proxies' own margin exceeds.)
 
 use cull::Aabb;
 use glam::{Affine3A, Vec3, Vec3A};
@@ -56,7 +49,7 @@ pub struct PoseBounds {
 /// The vertices that one matrix moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Part {
-    /// The joint; `None` for a mesh without a skin, which stays where it is.
+    /// The joint; `None` for a mesh without a skin: it stays where it is.
     joint: Option<u16>,
     /// The box of the vertices that follow it, at rest, in the space of the mesh.
     bounds: Aabb,
@@ -90,8 +83,8 @@ impl PoseBounds {
     }
 
     /// Returns the box of the mesh in a pose, in the space to which `joints` transform it: no
-    /// vertex leaves it, with the rounding of any GPU. `None` where it reaches beyond the
-    /// coordinates that can be drawn, or a joint is missing.
+    /// vertex leaves it, with the rounding of any GPU. `None` if it reaches beyond the coordinates
+    /// that can be drawn, or a joint is missing.
     pub fn bounds(&self, joints: &[Affine3A], weights: &[f32]) -> Option<Aabb> {
         let (added, added_size) = self.added(weights.iter().map(|weight| [*weight; 2]));
         let mut all = if self.parts.is_empty() { NOTHING } else { Aabb::EMPTY };

@@ -34,8 +34,8 @@ pub struct SkinnedMeshId(pub u32);
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct SurfaceVertex {
-    /// Unit normal as snorm16; the last is 32767 where the mesh has both sides of each triangle, so
-    /// that it may be mirrored in some frames and not in others, else 0.
+    /// Unit normal as snorm16; the last is 32767 if the mesh has both sides of each triangle, else
+    /// 0. With both, it may be mirrored in some frames and not in others.
     pub normal: [i16; 4],
     /// Unit tangent as snorm16; the last is the bitangent's sign, -32767 or 32767.
     pub tangent: [i16; 4],

@@ -52,8 +52,8 @@ pub struct CoherentOptions {
     /// The number of samples up to which an object counts as hidden (6.5.4). Above 0 the image is
     /// no longer exact, and the device must count samples precisely.
     pub visibility_threshold_samples: u32,
-    /// The frames for which a leaf that was found visible is drawn without a test (6.5.5). The
-    /// first such time is shorter at random, so that leaves are not all tested in the same frame.
+    /// The frames for which a leaf found visible is drawn without a test (6.5.5). The first such
+    /// time is shorter at random, so that leaves are not all tested in the same frame.
     pub assumed_visible_frames: u32,
     /// Boxes that are tested together. Fewer of them, and results come back sooner; more, and there
     /// are fewer submits.
@@ -99,7 +99,7 @@ pub(super) struct Coherent {
     shown: Vec<FrameId>,
     /// The records by object.
     records: Vec<LastTest>,
-    /// The hierarchy that `shown` is about, and the generation since which its nodes are the same.
+    /// The hierarchy of `shown`, and the generation since which its nodes are the same.
     known: Option<(Arc<()>, Generation)>,
     queue: NearestFirst,
     rng: SplitMix64,

@@ -13,13 +13,12 @@
 //!    tests, front faces of the boxes only, without writing. A batch may be empty.
 //! 3. [`NextAction::Submit`]: the executor submits, and calls again at once with the results that
 //!    are available. [`NextAction::Wait`]: it submits, waits for that result, and calls again with
-//!    it and all others that are available. [`NextAction::Done`]: the frame is complete with this
-//!    batch.
+//!    all available results. [`NextAction::Done`]: the frame is complete with this batch.
 //!
 //! A result may be missing after a wait: its node then counts as visible. Results that come twice,
-//! or of queries that were never sent, are ignored. So every frame ends, and its image is the same
-//! as with everything drawn, for the reason in [`Margin`](crate::Margin); a visibility threshold
-//! above 0 gives that up.
+//! or of queries never sent, are ignored. So every frame ends, and its image is the same as with
+//! everything drawn, for the reason in [`Margin`](crate::Margin); a visibility threshold above 0
+//! gives that up.
 
 mod batched;
 mod chc;

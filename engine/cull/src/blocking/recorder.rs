@@ -15,7 +15,7 @@ pub struct TestToken(pub u32);
 pub struct BatchDraw {
     /// The leaf that is drawn, under a query if there is a token.
     pub leaf: LeafIndex,
-    /// The query whose result is the number of samples that the draw leaves.
+    /// The query that counts the samples of the draw.
     pub token: Option<TestToken>,
 }
 
@@ -88,8 +88,8 @@ pub struct BlockingStats {
     pub waits: u32,
     /// Batches, the last one included.
     pub batches: u32,
-    /// Samples of boxes that showed and whose leaves were left out all the same: at most so many
-    /// pixels are wrong.
+    /// Samples of boxes that showed although their leaves were left out: at most so many pixels are
+    /// wrong.
     pub samples_below_threshold: u64,
 }
 

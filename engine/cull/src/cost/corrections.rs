@@ -48,7 +48,7 @@ const LONGEST_NS: f64 = 60.0e9;
 /// The shortest time of a frame (ns).
 const SHORTEST_NS: f64 = 1.0;
 
-/// The factor beyond which a table is so far from the times of frames that it is not corrected.
+/// The factor between a table and the times of frames beyond which it is not corrected.
 const MOST_PREDICTED: f64 = 1.0e3;
 
 /// The frames after which a lesson about draws and tests counts half.

@@ -4,8 +4,7 @@
 //! passes the times of frames, and it corrects its prices by them. An object that it leaves
 //! untested is drawn, so that no image depends on it. Evidence fades, so that old findings are
 //! tried again, and leaves that were drawn without a test are still tested on their own draw, now
-//! and then. Both together notice within a bounded number of frames that tests pay again in a scene
-//! where they did not.
+//! and then. Both together notice within a bounded number of frames that tests pay again.
 
 use crate::cost::contents::FrameContents;
 use crate::cost::corrections::{Corrections, Learner};
@@ -26,8 +25,7 @@ const CALM_SHARE: f32 = 0.01;
 /// The most frames by which [`CALM_SHARE`] may delay the notice of a change in the scene.
 const MOST_GATE_FRAMES: u32 = 32;
 
-/// The frames without a test that pays after which it is of little use to learn what tests could
-/// hide.
+/// The frames without a paying test after which it is of little use to learn what tests could hide.
 const IDLE_AFTER_FRAMES: u32 = 8;
 
 /// The frames for which it is worth knowing that something is hidden, before its own draw would
@@ -289,8 +287,8 @@ impl CostModel {
     }
 
     /// Returns true if a compute shader tests a round at the least cost. The round has `boxes` that
-    /// cover `pixels` together, and `shared` ones beside that cost the other testers nothing. The
-    /// compute shader has a fixed price, the others are paid by the pixel.
+    /// cover `pixels` together. Its `shared` ones cost the other testers nothing. The compute
+    /// shader has a fixed price, the others are paid by the pixel.
     #[must_use]
     pub fn is_for_compute(&self, boxes: u32, shared: u32, pixels: f32, has_flags: bool) -> bool {
         let count = boxes as f32;

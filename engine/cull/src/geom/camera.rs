@@ -4,7 +4,7 @@ use glam::Vec3;
 
 /// A perspective camera in a right-handed world.
 ///
-/// Values that describe no camera are repaired by [`View::new`](crate::View::new), which says how.
+/// [`View::new`](crate::View::new) repairs values that describe no camera, and says how.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Position of the eye (metres).

@@ -16,7 +16,7 @@
 //! the farthest corner.
 //!
 //! A quarter of a pixel on top pays for the rounding of the depth itself: `q` is nearer than `p` by
-//! about that much of a footprint, some ten thousandths of `w`, where a 32-bit depth resolves ten
+//! about that much of a footprint, some ten thousandths of `w`. A 32-bit depth resolves ten
 //! millionths. The last term pays for coordinates far from the origin.
 //!
 //! Only front faces of proxies are drawn. A proxy that reaches before the near plane would lose

@@ -42,7 +42,7 @@ pub enum HierarchyError {
         /// The number of objects.
         count: usize,
     },
-    /// An object that the hierarchy was not built with, or that was removed.
+    /// An object that was never in the hierarchy, or was removed.
     #[error(
         "object {} is not in the hierarchy: insert it, or rebuild the hierarchy with it", object.0
     )]

@@ -21,7 +21,7 @@ pub(crate) use topology::{NO_NODE, Topology};
 
 /// A bounding-volume hierarchy over the boxes of objects.
 ///
-/// A box that is [`Aabb::EMPTY`] makes no object but a free leaf, room for an object that is
+/// An [empty box](Aabb::EMPTY) makes no object but a free leaf, room for an object that is
 /// [inserted](Hierarchy::insert) later.
 ///
 /// An id of a node that is not in the hierarchy counts as an empty node; no accessor panics.

@@ -54,7 +54,7 @@ pub(super) fn refit_above(
 /// among equals the deepest, which is nearest to a leaf.
 pub(super) type Search = BinaryHeap<(Reverse<u32>, u32, u32)>;
 
-/// Nodes that the search looks at before it takes the first leaf that it reaches.
+/// Nodes that the search looks at before it takes the first leaf within reach.
 const SEARCHED_NODES: u32 = 512;
 
 /// Returns the free leaf in which a box makes the boxes above grow least in total (after Bittner,

@@ -2,8 +2,8 @@
 //! showed, and pulled down to its parts ("Hardware Occlusion Queries Made Useful", 6.4).
 //!
 //! Where the literature also pulls hidden children up to a hidden parent, a pull-up query tests the
-//! parent first: its box shows in many places where the boxes of its children do not, and a parent
-//! that is merged on trust would then be drawn whole.
+//! parent first: its box shows in many places where the boxes of its children do not. A parent
+//! merged on trust would then be drawn whole.
 
 use crate::hierarchy::{NO_NODE, Topology};
 use crate::history::record::{FrameStamp, NodeRecord, NodeState};
@@ -141,7 +141,7 @@ impl Ingest<'_> {
         self.pull_up(node);
     }
 
-    /// Marks a node that showed and whose leaves were tested one by one: the leaves that showed
+    /// Marks a node that showed after its leaves were tested one by one: the leaves that showed
     /// have answers of their own, and all others are hidden.
     fn leaves_showed(&mut self, top: u32) {
         let failures = self.failures_of(top);

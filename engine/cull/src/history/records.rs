@@ -1,4 +1,4 @@
-//! The records of all nodes, which follow a hierarchy that changes.
+//! The records of all nodes, which follow the changes of the hierarchy.
 
 use std::sync::Arc;
 

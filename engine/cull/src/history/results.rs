@@ -26,7 +26,7 @@ pub struct TestResult<C> {
     pub contents: C,
 }
 
-/// The leaves of one frame that showed where they were tested one by one.
+/// The leaves of one frame that were tested one by one and showed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeafList<'a> {
     /// These, each once, in any order.

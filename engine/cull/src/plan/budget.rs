@@ -2,7 +2,8 @@
 //!
 //! Tests decide about draws and come first. If there are more of them than queries, the tests with
 //! the most leaves stay and the leaves of the others are drawn. The remaining queries are shared by
-//! pull-up queries, which save tests later on, and own-draw tests, which can as well be draws.
+//! pull-up queries and own-draw tests. The former save tests later on, the latter can as well be
+//! draws.
 
 use crate::plan::candidates::{Draw, Scratch};
 use crate::plan::config::CullConfig;

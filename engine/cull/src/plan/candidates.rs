@@ -97,8 +97,7 @@ pub(crate) struct Scratch {
     pub(crate) retests: Vec<Retest>,
     pub(crate) tests: Vec<Candidate>,
     pub(crate) visited: Vec<u32>,
-    /// Leaves that are drawn without a test although nothing is known, and the node that was not
-    /// tested.
+    /// Leaves drawn without a test although nothing is known, and the node that was not tested.
     pub(crate) assumed: Vec<[u32; 2]>,
     pub(crate) stack: Vec<(u32, PlaneMask)>,
     pub(crate) by_size: Vec<u32>,

@@ -69,7 +69,7 @@ pub struct CullConfig {
     ///
     /// Halved: +1.9 % draws, `street`; doubled: -3.5 % draws, `street` (queries alone, 100,000).
     pub open_leaves: u32,
-    /// ... but never deeper than this, which bounds the tests that one surprise can cause.
+    /// ... but never deeper than this, to bound the tests that one surprise can cause.
     ///
     /// Halved: -3.5 % draws, `street`; doubled: nothing (queries alone, 100,000).
     pub open_levels_max: u32,
@@ -82,7 +82,7 @@ pub struct CullConfig {
     ///
     /// Halved: +0.8 % rounds, `cut`; doubled: -2.9 % tests, `fly`.
     pub retest_max: u32,
-    /// The time within which a leaf is tested that is overdue by more than this, or not due for
+    /// The time within which a leaf is tested if it is overdue by more than this, or not due for
     /// longer: so that a change of the interval neither comes late nor tests all leaves at once. 0
     /// for never.
     ///
@@ -102,7 +102,8 @@ pub struct CullConfig {
     ///
     /// Halved: +27.3 % tests, `fly`; doubled: -10.5 % tests, `fly`.
     pub visible_box_frames: u32,
-    /// The number of them after which its own draw is tested, which the box may hide.
+    /// The number of them after which its own draw is tested: the box may show where the draw does
+    /// not.
     ///
     /// Halved: -4.7 % tests, `fly`; doubled: +2.4 % tests, `fly`.
     pub visible_box_streak: u32,
@@ -154,7 +155,7 @@ pub struct CullConfig {
     ///
     /// Halved: +10.6 % rounds, `cut`; doubled: -27.6 % rounds, `cut`.
     pub round_tests_min: u32,
-    /// The fewest leaves of a node that are tested one by one in the frame in which it shows, if
+    /// The fewest leaves of a node for testing them one by one in the frame in which it shows, if
     /// the device supports it.
     ///
     /// Halved: +7.5 % tests, `street`; doubled: -5.8 % tests, `fly`.

@@ -13,7 +13,7 @@ use crate::plan::frame_plan::{Answer, FramePlan, QueryKind, Tester};
 pub struct NodeHistory {
     /// The state of the node: hidden, visible or unknown.
     pub state: NodeState,
-    /// The frame whose answer led to the state, or in which it was assumed.
+    /// The frame of the answer that led to the state, or the frame of the assumption.
     pub since: Option<FrameId>,
     /// The newest frame with an answer about the node.
     pub answered: Option<FrameId>,

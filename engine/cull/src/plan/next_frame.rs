@@ -1,4 +1,4 @@
-//! A query per object that is read in a later frame, and decides about that one (GPU Gems, 29.4).
+//! A query per object, read in a later frame to decide about that one (GPU Gems, 29.4).
 //!
 //! An object that was visible at its last test is drawn, under a query of its own draw; one that
 //! was hidden is tested by its box, every frame, and not drawn, with any result. So an object that
@@ -26,7 +26,7 @@ struct NodeRecord {
     answered: FrameId,
     /// The last frame that had it in the frustum.
     in_sight: FrameId,
-    /// The generation in which it was about the object that has the id; an object that was inserted
+    /// The generation in which it was about the object of this id; an object that was inserted
     /// later has a new record.
     since: Generation,
 }

@@ -81,7 +81,7 @@ impl Strategy {
         Self { tests, ..self }
     }
 
-    /// Returns the same strategy, which may miss an object that owns a pixel.
+    /// Returns the same strategy, marked: it may miss an object that owns a pixel.
     #[must_use]
     pub const fn inexact(self) -> Self {
         Self { is_exact: false, ..self }
@@ -99,7 +99,7 @@ impl Strategy {
         Self { has_sample_threshold: true, ..self }
     }
 
-    /// Returns the same strategy, which draws objects that were found beforehand.
+    /// Returns the same strategy, marked: it draws objects that were found beforehand.
     #[must_use]
     pub const fn in_still_scenes(self) -> Self {
         Self { needs_still_scene: true, ..self }
@@ -124,10 +124,10 @@ impl Strategy {
     }
 
     /// Returns true if it never misses an object that owns a pixel, and has the image of plain
-    /// frustum culling, as long as no option gives that up: a threshold where it [can have
+    /// frustum culling, as long as no option gives that up: a threshold, if it [can have
     /// one](Strategy::has_sample_threshold), and
-    /// [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of coherent hierarchical culling,
-    /// under which some devices choose another of two faces of equal depth.
+    /// [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of coherent hierarchical culling.
+    /// Under the latter some devices choose another of two faces of equal depth.
     #[must_use]
     pub const fn is_exact(self) -> bool {
         self.is_exact
@@ -148,8 +148,7 @@ impl Strategy {
         self.has_sample_threshold
     }
 
-    /// Returns true if it draws objects that were found beforehand, in a scene that does not
-    /// change.
+    /// Returns true if it draws objects that were found beforehand, in a still scene.
     #[must_use]
     pub const fn needs_still_scene(self) -> bool {
         self.needs_still_scene

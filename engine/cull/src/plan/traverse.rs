@@ -75,7 +75,7 @@ struct Visit {
     leaf_count: u32,
     bounds: Aabb,
     record: NodeRecord,
-    /// The frame since which a node above was hidden, where the node inherits that.
+    /// The frame since which a node above was hidden, if the node inherits that.
     inherited: Option<FrameStamp>,
 }
 
@@ -265,8 +265,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Returns the frame since which every part of a node that is in the frustum is hidden; `None`
-    /// if one is not, or none is there.
+    /// Returns the frame since which all of a node within the frustum is hidden; `None` if one is
+    /// not, or none is there.
     fn children_hidden_since(&self, visit: &Visit) -> Option<FrameStamp> {
         let mut since = None;
         for child in self.hierarchy.children(NodeId(visit.node))? {

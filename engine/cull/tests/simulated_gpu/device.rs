@@ -35,7 +35,7 @@ struct Written {
     tests: Vec<PendingTest<()>>,
     /// One value per test; the value of a test that shares another's proxy is never written.
     values: Vec<u32>,
-    /// The leaves that showed where they were tested one by one.
+    /// The leaves that were tested one by one and showed.
     leaves: Vec<u32>,
     /// The truth about each test: true if its node showed, or one of its leaves where it shares
     /// another's proxy.

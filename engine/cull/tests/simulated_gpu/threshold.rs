@@ -1,5 +1,5 @@
-//! Tests that with a threshold only objects that showed no more samples than it are missing, and no
-//! more pixels than that.
+//! Tests that with a threshold an object is missing only if it showed no more samples, and that no
+//! more pixels are wrong.
 
 use antumbra_cull::{
     Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, NodeState, ObjectId, Strategy,

@@ -1,5 +1,4 @@
-//! The one table of the capabilities that the engine requires of a device, and of those that it
-//! uses if present.
+//! The one table of capabilities: those that the engine requires of a device, and optional ones.
 
 use std::ffi::{CStr, CString};
 

@@ -75,8 +75,8 @@ impl<T> DeletionQueue<T> {
         }
     }
 
-    /// Keeps `payload` until every recording that is open is closed, and then until the last submit
-    /// before that is over. With none open, keeps it until `submitted`, the newest tick, is over.
+    /// Keeps `payload` until every open recording is closed, and then until the last submit before
+    /// that is over. With none open, keeps it until `submitted`, the newest tick, is over.
     /// `submitted` never falls from call to call.
     pub(crate) fn retire(&mut self, submitted: Tick, payload: T) {
         debug_assert!(self.submitted.back().is_none_or(|(last, _)| *last <= submitted));

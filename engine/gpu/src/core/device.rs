@@ -29,8 +29,8 @@ pub struct WaitCounts {
     pub other: u64,
 }
 
-/// The semaphores that a submit waits for, and those that it signals beside its tick. Binary
-/// semaphores belong to a window.
+/// The semaphores of a submit beside its tick: to wait for, and to signal. Binary semaphores belong
+/// to a window.
 #[derive(Default)]
 pub(crate) struct Order<'a> {
     pub(crate) after: Option<(&'a Timeline, Tick)>,
@@ -134,8 +134,8 @@ impl Device {
         Ok(Tick(completed))
     }
 
-    /// Cuts `completed`, which may be of another device, to the newest tick that this device was
-    /// seen to complete.
+    /// Cuts `completed` to the newest tick that this device was seen to complete: it may be of
+    /// another device.
     pub(crate) fn proven(&self, completed: Tick) -> Tick {
         completed.min(Tick(self.shared.completed.load(Ordering::Acquire)))
     }

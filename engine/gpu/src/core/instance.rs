@@ -206,8 +206,8 @@ fn extension_names(entry: &ash::Entry) -> Result<Vec<CString>, Error> {
     Ok(names.map(Into::into).collect())
 }
 
-/// Returns the error behind the code of a loader that cannot begin. A loader reports that it is out
-/// of memory where a manifest of a driver or a layer is damaged, with memory to spare.
+/// Returns the error behind the code of a loader that cannot begin. With a damaged manifest of a
+/// driver or a layer, a loader reports missing memory.
 fn refusal(call: &'static str, code: vk::Result) -> Error {
     match code {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {

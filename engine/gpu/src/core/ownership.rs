@@ -1,5 +1,4 @@
-//! The device that each object was made from, and the one check that no other device is given its
-//! handles.
+//! The device of each object, and the one check that no other device is given its handles.
 //!
 //! Handles mean something to the device (or instance) that gave them away and to no other: drivers
 //! follow them as pointers. Whatever owns handles says by [`OfDevice`] where they come from;

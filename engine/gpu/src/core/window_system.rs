@@ -19,7 +19,7 @@ pub struct WindowSystem(&'static CStr);
 pub(crate) struct WindowFunctions {
     pub(crate) system: WindowSystem,
     pub(crate) surface: khr::surface::Instance,
-    /// The extensions that give devices present fences, where the instance has its half of them.
+    /// The extensions that give devices present fences, if the instance has its half of them.
     pub(crate) present_fences: Vec<&'static CStr>,
 }
 

@@ -2,9 +2,9 @@
 //! it.
 //!
 //! The commands that copy an image leave a [`Ticket`], which learns their tick when they are
-//! submitted. Until that tick is over nothing can be read, and while somebody reads nothing can be
-//! recorded that writes: no thread ever sees half an image. Of the frames that are open at once,
-//! one may copy an image to the same place.
+//! submitted. Until that tick is over nothing can be read, and while somebody reads, no recording
+//! may write: no thread ever sees half an image. Of the frames that are open at once, one may copy
+//! an image to the same place.
 
 use std::ops::Deref;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};

@@ -20,9 +20,9 @@ type SetExitHandler =
 
 /// The connection of a window to its display.
 ///
-/// A connection of Xlib that breaks ends the process with everything that it has not written yet.
-/// With a link it does not: Xlib's calls fail from then on, [`DisplayLink::is_lost`] returns true,
-/// and the program can end by itself.
+/// A connection of Xlib that breaks ends the process, and unwritten data are lost. With a link it
+/// does not: Xlib's calls fail from then on, [`DisplayLink::is_lost`] returns true, and the program
+/// can end by itself.
 #[derive(Clone, Copy, Debug)]
 pub struct DisplayLink(&'static AtomicBool);
 

@@ -41,8 +41,7 @@ pub(crate) struct SurfaceShared {
 }
 
 impl Surface {
-    /// Creates a surface for `window`, which belongs to the window system that the instance was
-    /// made for.
+    /// Creates a surface for `window`, of the window system that the instance was made for.
     ///
     /// # Errors
     /// [`Error::NoDisplay`] where the window or its connection is gone; [`Error::NoWindows`] for an

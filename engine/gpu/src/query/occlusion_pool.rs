@@ -22,7 +22,7 @@ pub struct QueryIndex(pub u32);
 pub enum Counting {
     /// Visibility: any number but 0 if some samples passed.
     Some,
-    /// The number of samples that passed, where the device has [`crate::Optional::PreciseQueries`].
+    /// The number of samples that passed. Needs [`crate::Optional::PreciseQueries`].
     Samples,
 }
 
@@ -55,8 +55,8 @@ impl OcclusionPool {
         }
     }
 
-    /// Records what `record` draws under query `query` of this pool, which is `number` among those
-    /// that the frame has `recorded`. A second use of a query makes the recording fail.
+    /// Records what `record` draws under query `query` of this pool: `number` among those
+    /// `recorded` in the frame. A second use of a query makes the recording fail.
     pub(crate) fn scope(
         &self,
         commands: &Commands,

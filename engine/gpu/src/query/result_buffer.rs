@@ -68,7 +68,7 @@ impl ResultBuffer {
         commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
     }
 
-    /// Returns the first `count` results of the frame that copied them last, which is over.
+    /// Returns the first `count` results of the frame that copied them last. It is over.
     pub(crate) fn read(&self, count: usize) -> &[u32] {
         self.mapped.read(0..count)
     }

@@ -36,7 +36,7 @@ pub struct Commands {
     descriptors: vk::DescriptorPool,
     timer: Option<Arc<PassTimer>>,
     failed: Cell<Option<Failure>>,
-    /// The ticket that takes the tick, for images that these commands copy.
+    /// The ticket that takes the tick, for the images copied by these commands.
     ticket: OnceCell<Arc<Ticket>>,
 }
 

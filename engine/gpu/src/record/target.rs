@@ -136,8 +136,8 @@ impl Target {
 
     /// Copies the depth of `size` pixels from `origin` on (from the upper left) to `to`: 32-bit
     /// floats, rows from the top without gaps, an [`Access::CopyWrite`]. Copies nothing to a slice
-    /// that is too small, and nothing of an area that is not within the image. To continue drawing,
-    /// prepare the target again.
+    /// that is too small, and nothing of an area beyond the image. To continue drawing, prepare the
+    /// target again.
     pub fn copy_depth_to(
         &mut self,
         commands: &Commands,

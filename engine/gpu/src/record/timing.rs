@@ -200,7 +200,7 @@ enum Stage {
 }
 
 impl FrameTimer {
-    /// Creates one that measures by `timer`, which has room for one pass.
+    /// Creates one that measures by `timer`, with room for one pass.
     pub(crate) fn new(timer: PassTimer) -> Self {
         Self { timer: Some(timer), ..Self::default() }
     }

@@ -92,7 +92,7 @@ pub(super) fn check_form(
 
 /// The types of attributes that are floats alone.
 pub(super) const FLOATS: &[Form] = &[FLOAT];
-/// The types of attributes that are floats, or integers that mean fractions.
+/// The types of attributes that are floats, or integers in place of fractions.
 pub(super) const FRACTIONS: &[Form] = &[FLOAT, SNORM8, UNORM8, SNORM16, UNORM16];
 /// The types of indices.
 pub(super) const INDICES: &[Form] = &[U8, U16, (ComponentType::U32, false)];

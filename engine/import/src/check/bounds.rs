@@ -12,8 +12,8 @@ use crate::verdict::Verdict;
 /// them.
 const TOLERANCE: f32 = 1e-5;
 
-/// Checks the bounds of all accessors that are used, and notes and replaces those that are wrong,
-/// or missing where they must be.
+/// Checks the bounds of all used accessors. Wrong ones, and missing ones that are required, are
+/// noted and replaced.
 pub(crate) fn check(root: &mut Root, store: &Store, verdict: &mut Verdict) {
     for (index, is_needed) in needed(root, verdict).into_iter().enumerate() {
         let element = Kind::Accessor.at(index);

@@ -10,8 +10,7 @@ use crate::error::{At, Fault, Reason};
 use crate::extensions::lights;
 use crate::verdict::Verdict;
 
-/// Checks all nodes and scenes. Returns the parents of the nodes that are shown, which are a
-/// forest.
+/// Checks all nodes and scenes. Returns the parents of the shown nodes, which are a forest.
 pub(super) fn check(
     root: &Root,
     limits: &Limits,

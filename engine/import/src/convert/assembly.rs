@@ -57,7 +57,7 @@ pub(super) struct Assembly<'a> {
     pub(super) transparent_parts: usize,
 }
 
-/// The function that receives the share that is done.
+/// The function that receives the finished share.
 pub(super) type Telling<'a> = dyn FnMut(f32) -> Result<(), ImportError> + 'a;
 
 /// The number of things placed between two reports of progress.

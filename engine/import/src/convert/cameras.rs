@@ -53,10 +53,10 @@ mod faults {
     pub(super) const ANGLE: &str =
         "cameras whose yfov is not between 0 and 180 degrees, shown with 60";
     pub(super) const ASPECT: &str =
-        "cameras whose width by height is not between 1/1000 and 1000, which is ignored";
+        "cameras with a width by height that is not between 1/1000 and 1000, ignored";
     pub(super) const BLIND: &str = "cameras that see nothing of the scene at rest";
     pub(super) const HEIGHT: &str = "orthographic cameras without a height, shown as high as wide";
-    pub(super) const NEAR: &str = "cameras whose zfar is not beyond znear or whose znear is not above 0, shown from the nearer one on";
+    pub(super) const NEAR: &str = "cameras with a zfar that is not beyond znear or a znear not above 0, shown from the nearer one on";
 }
 
 /// Returns all cameras of the scene's nodes in the order of the file's list of cameras, each with

@@ -186,7 +186,7 @@ impl Primitive<'_> {
         self.error(Cause::TooLarge, over.to_string())
     }
 
-    /// Returns all attributes that count, for the vertices that are used.
+    /// Returns all attributes that count, for the used vertices.
     pub(super) fn read(
         &self,
         variant: Variant,

@@ -1,4 +1,4 @@
-//! Rigid meshes, made once for all nodes that have them, and once more for nodes that mirror.
+//! Rigid meshes, made once for all their nodes, and once more for nodes that mirror.
 
 use std::collections::HashMap;
 

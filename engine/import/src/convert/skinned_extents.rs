@@ -1,6 +1,6 @@
 //! The reach of skinned meshes, whatever plays. The renderer finds their exact boxes in a pose
 //! ([`PoseBounds`]). A loose box is enough here and costs next to nothing: it shows which meshes
-//! cannot be drawn at all, and which need no pose because nobody can see them.
+//! cannot be drawn at all, and which need no pose, being out of sight.
 
 use std::collections::HashMap;
 
@@ -111,8 +111,8 @@ impl SkinnedExtents {
         self.extents
     }
 
-    /// Returns true for each node that mirrors, or is below one that mirrors, at one time and not
-    /// at another.
+    /// Returns true for each node that mirrors at one time and not at another, by itself or by a
+    /// node above.
     pub(super) fn turning(&self, rig: &Rig) -> Vec<bool> {
         let mut turns = vec![false; rig.nodes().len()];
         if !self.extents.may_any_turn_inside_out() {

@@ -1,5 +1,5 @@
-//! Tangents: those of the file made unit vectors, or MikkTSpace's where the file has none and the
-//! material has a normal texture, or any where nothing samples with them.
+//! Tangents: those of the file made unit vectors. If the file has none, they are MikkTSpace's for a
+//! material with a normal texture, else any.
 
 use glam::{Affine2, Vec2, Vec3, Vec4};
 

@@ -154,8 +154,7 @@ fn make_whole(value: &mut Value) {
     }
 }
 
-/// Drops channels whose target has no node, which is valid where an extension defines their
-/// targets.
+/// Drops channels whose target has no node. They are valid if an extension defines their targets.
 fn drop_channels_without_node(index: usize, animation: &mut Value, notes: &mut Notes) {
     let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else {
         return;

@@ -1,4 +1,4 @@
-//! Lists where objects must be, which a reader of structures takes for their fields in order.
+//! Lists in the place of objects: a reader of structures takes them for their fields in order.
 
 use serde_json::Value;
 

@@ -32,8 +32,8 @@ fn number(text: &str) -> Option<u32> {
     text.bytes().all(|byte| byte.is_ascii_digit()).then(|| text.parse().ok()).flatten()
 }
 
-/// Checks the version that a file has, and the one that its reader must know at least. Other
-/// spellings than MAJOR.MINOR are noted.
+/// Checks the version of a file, and the least version that its reader must know. Other spellings
+/// than MAJOR.MINOR are noted.
 ///
 /// # Errors
 /// A version that is unknown, or not a version.

@@ -14,8 +14,8 @@ use crate::error::Reason;
 const SCALAR_BYTES: u64 = size_of::<serde_json::Value>() as u64;
 /// The size of an entry of a map of JSON values, beside its key and value.
 const ENTRY_BYTES: u64 = 64;
-/// The size of an object anywhere: the largest structure that `gltf` makes of one, save a material,
-/// of which there are few.
+/// The size of an object anywhere: the largest structure that `gltf` makes of one, save for
+/// materials: they are few.
 const OBJECT_BYTES: u64 = 512;
 
 const _: () = {
@@ -44,8 +44,8 @@ const MOST_PER_BYTE: u64 = OBJECT_BYTES / 2;
 
 /// Fails if the JSON is longer than the limits allow, or would take more memory.
 ///
-/// JSON that is not well-formed is weighed up to its fault, which its reader reports. Text too
-/// short to be too heavy is not weighed: weighing takes half as long as reading.
+/// Broken JSON is weighed up to its fault, which its reader reports. Text too short to be too heavy
+/// is not weighed: weighing takes half as long as reading.
 pub(super) fn check(json: &[u8], limits: &Limits) -> Result<(), Reason> {
     let length = json.len() as u64;
     if length > limits.json_bytes {

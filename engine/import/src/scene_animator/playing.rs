@@ -5,7 +5,7 @@ use std::mem::discriminant;
 
 use animation::{Clip, Pose};
 
-/// The clips that play, and those that they replace.
+/// The playing clips, and those that they replace.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Playing {
     from: Vec<usize>,

@@ -18,9 +18,9 @@ use gltf_files::playback::play;
 pub enum Outcome {
     /// A file that opens without a note.
     Opens,
-    /// A file that opens with one note, which has these parts.
+    /// A file that opens with one note of these parts.
     Noted(&'static [&'static str]),
-    /// A file that opens with one note, which has this part and says that nothing shown is wrong.
+    /// A file that opens with one note of this part: nothing shown is wrong.
     Unused(&'static str),
     /// A file that is refused by a sentence with these parts.
     Refused(&'static [&'static str]),

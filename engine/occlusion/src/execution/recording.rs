@@ -35,9 +35,9 @@ pub(super) struct Recording<'a> {
 impl Recording<'_> {
     /// Records one view's frame.
     ///
-    /// Each rendering draws the leaves that the previous tests revealed and the proxies that are
-    /// tested next, so that a round costs one break and not two. Leaves below a node that showed in
-    /// round `n` are tested together with round `n + 1`, and drawn with the leaves that that one
+    /// Each rendering draws the leaves that the previous tests revealed, and the proxies of the
+    /// next tests. So a round costs one break and not two. Leaves below a node that showed in round
+    /// `n` are tested together with round `n + 1`, and drawn with the leaves that round `n + 1`
     /// reveals.
     pub(super) fn record(&self, commands: &Commands, objects: &mut dyn ObjectRenderer) {
         let (state, io, view) = (self.state, self.io, self.view);

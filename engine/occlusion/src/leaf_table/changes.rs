@@ -1,4 +1,4 @@
-//! The leaves whose draw changed, for views that keep copies of the draws: each reads on where it
+//! The leaves whose draw changed, for views with copies of the draws: each reads on where it
 //! stopped.
 
 use std::collections::VecDeque;

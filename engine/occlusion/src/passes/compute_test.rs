@@ -2,7 +2,7 @@
 //!
 //! A grid of 8x8-pixel cells holds the farthest depth of each. A workgroup tests one box: the cells
 //! it may cover first, then their pixels where a cell does not decide. It suits boxes that cover
-//! many pixels, where a rasteriser that runs on a CPU touches every one of them.
+//! many pixels: a rasteriser on a CPU touches every one of them.
 //!
 //! It never calls a box hidden of which [`ProxyPass`](crate::ProxyPass) would show a sample; the
 //! proof is in `compute_test.comp`.
@@ -137,7 +137,7 @@ impl ComputeTest {
         commands.barrier(between(&[Access::ComputeWrite], &[Access::ComputeRead]));
     }
 
-    /// Tests boxes as `view` sees them, which is the view that the depth was drawn with. Outside of
+    /// Tests boxes as `view` sees them: the view that the depth was drawn with. Outside of
     /// rendering, after [`ComputeTest::record_grid`]. Earlier readers of the results must be over;
     /// a barrier from [`Access::ComputeWrite`] to the use must follow.
     pub fn record_tests(&self, commands: &Commands, io: &ComputeTestIo, view: &View) {

@@ -19,10 +19,10 @@ pub use scatter::{ScatterIo, ScatterPass};
 pub struct OcclusionPasses {
     /// The pass that tests boxes by queries and by flags.
     pub proxies: ProxyPass,
-    /// The pass that tests the leaves below a node that showed, where fragment shaders can write to
-    /// buffers.
+    /// The pass that tests the leaves below a node that showed. Needs fragment shaders that can
+    /// write to buffers.
     pub leaf_boxes: Option<LeafBoxPass>,
-    /// The pass that tests boxes by a compute shader, made for the first frame that does.
+    /// The pass that tests boxes by a compute shader, made for the first such frame.
     pub compute_test: Option<ComputeTest>,
     /// The pass that uploads changed leaves.
     pub scatter: ScatterPass,

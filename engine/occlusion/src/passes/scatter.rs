@@ -7,7 +7,7 @@ use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier,
 use crate::error::Error;
 use crate::shader_set::ShaderSet;
 
-/// The pass that writes elements of arrays that have one element per leaf.
+/// The pass that writes elements of arrays with one element per leaf.
 pub struct ScatterPass {
     pipeline: ComputePipeline,
 }

@@ -25,7 +25,7 @@ pub enum Panel {
     },
 }
 
-/// The work of the GPU that an acquire waits for where there is no screen.
+/// The work of the GPU that an acquire waits for without a screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Work {
     /// The work of the frame that frees its image.

@@ -41,7 +41,7 @@ fn back_within_five_frames_of_a_stall() {
 }
 
 /// Checks recovery with fewer images than frames may be queued, and with more. Here timestamps that
-/// come with a look are not enough where the GPU stalls.
+/// come with a look are not enough if the GPU stalls.
 #[test]
 fn back_within_five_frames_of_a_stall_without_reports() {
     const AT: usize = 200;

@@ -38,7 +38,7 @@ impl Renderer {
     }
 
     /// Changes the number of frames that may be in flight at once; 0 counts as 1. Results and times
-    /// that are still on their way are lost, which costs some tests and no pixel.
+    /// on their way are lost, which costs some tests and no pixel.
     ///
     /// # Errors
     /// More than [`MAX_FRAMES_IN_FLIGHT`]; a failed call. Nothing has changed then.

@@ -172,7 +172,7 @@ impl Renderer {
         }
     }
 
-    /// Builds the hierarchy again over the objects as they are now, for large scenes whose
+    /// Builds the hierarchy again over the objects as they are now, for large scenes: if an
     /// [update](Renderer::update) reports that it is worn. The CPU's work is the same as for
     /// loading the scene; the GPU is not waited for. Views keep their history of objects.
     ///

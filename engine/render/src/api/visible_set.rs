@@ -79,7 +79,7 @@ impl Renderer {
         node.map_or(0.0, |node| self.hierarchy.bounds(node).distance_squared(eye))
     }
 
-    /// Submits a frame that notes the ones among `leaves` that own a pixel of `view`.
+    /// Submits a frame that notes those of `leaves` with a pixel of `view`.
     pub(crate) fn submit_seen(
         &mut self,
         view: &cull::View,

@@ -5,7 +5,7 @@ use gpu::{Device, DynamicTexture, Frame, Target};
 use crate::error::Error;
 use crate::passes::{FlatDraw, FlatIo, FlatPass, FlatVertex};
 
-/// The labels of the pass that writes the atlas, and of the one that draws.
+/// The labels of the pass that writes the atlas, and of the drawing one.
 pub(crate) const GLYPHS: &str = "HUD glyphs";
 pub(crate) const OVERLAY: &str = "HUD";
 

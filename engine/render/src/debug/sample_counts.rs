@@ -20,8 +20,8 @@ pub struct VisibleSamples {
     pub object: ObjectId,
     /// The frame of the count.
     pub frame: FrameId,
-    /// The age of that frame in frames of the view. 0 only for objects outside of the frustum,
-    /// which need no count, and after [`Renderer::drain`](crate::Renderer::drain).
+    /// The age of that frame in frames of the view. 0 only for objects outside of the frustum, as
+    /// they need no count, and after [`Renderer::drain`](crate::Renderer::drain).
     pub age_frames: u64,
     /// Samples of it where nothing is nearer in the finished image: its pixels, where no two of
     /// its faces have the same depth. 0 outside of the frustum.
@@ -135,8 +135,8 @@ impl SampleCounts {
         !self.watched.is_empty()
     }
 
-    /// Drops the ring, which the next frame that counts makes again for the number of frames in
-    /// flight then.
+    /// Drops the ring. The next counting frame makes it again for the number of frames in flight
+    /// then.
     pub(crate) fn forget_ring(&mut self) {
         self.queries = None;
     }

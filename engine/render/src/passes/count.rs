@@ -15,9 +15,9 @@ use occlusion::ProxyIo;
 use crate::passes::OpaqueIo;
 use occlusion::{Error, ShaderSet};
 
-/// The pass that draws objects a second time against the depth that they left, and proxies at any
-/// depth. Writes nothing: queries around the draws count. The positions of objects are invariant,
-/// so the samples that pass are those where the object is the nearest.
+/// The pass that draws objects a second time against their own depth, and proxies at any depth.
+/// Writes nothing: queries around the draws count. The positions of objects are invariant, so a
+/// sample passes where the object is the nearest.
 pub struct CountPass {
     objects: GraphicsPipeline,
     proxies: GraphicsPipeline,

@@ -10,7 +10,7 @@ use scene::{Light, Vertex};
 
 use occlusion::{Error, ShaderSet};
 
-/// The pass that draws opaque objects, of which nearer ones win.
+/// The pass that draws opaque objects: nearer ones win.
 pub struct OpaquePass {
     pipeline: GraphicsPipeline,
 }
@@ -66,7 +66,7 @@ impl OpaquePass {
         Self::of_kind(device, shaders, Kind::Depth)
     }
 
-    /// Compiles a pass that adds the colour to objects that [`OpaquePass::depth_only`] drew.
+    /// Compiles a pass that adds the colour to the objects of [`OpaquePass::depth_only`].
     ///
     /// # Errors
     /// A failed call.
@@ -74,8 +74,7 @@ impl OpaquePass {
         Self::of_kind(device, shaders, Kind::Colour)
     }
 
-    /// Compiles a pass that draws the edges of objects that [`OpaquePass::new`] drew, in one
-    /// colour.
+    /// Compiles a pass that draws the edges of the objects of [`OpaquePass::new`], in one colour.
     ///
     /// # Errors
     /// A device that lacks [`gpu::Optional::Wireframe`]; a failed call.

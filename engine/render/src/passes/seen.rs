@@ -11,9 +11,8 @@ use scene::Vertex;
 use crate::passes::OpaqueIo;
 use occlusion::{Error, ShaderSet};
 
-/// The pass that draws objects a second time against the depth that they left. A fragment that
-/// passes is visible; it notes its leaf. The positions are invariant, so equal objects have equal
-/// depths.
+/// The pass that draws objects a second time against their own depth. A fragment that passes is
+/// visible; it notes its leaf. The positions are invariant, so equal objects have equal depths.
 pub struct SeenPass {
     pipeline: GraphicsPipeline,
 }

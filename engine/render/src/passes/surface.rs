@@ -19,9 +19,9 @@ pub enum SurfaceKind {
     /// [`OpaquePass::depth_only`](crate::passes::OpaquePass::depth_only) draws the same depth for
     /// less.
     Depth,
-    /// The colour of the surfaces that own a pixel of the finished depth, which was drawn by either
-    /// of the two. Of equally near surfaces the larger value of each channel is kept, so the order
-    /// of draws decides nothing: start from black.
+    /// The colour of the surfaces that own a pixel of the finished depth, drawn by either of the
+    /// two. Of equally near surfaces the larger value of each channel is kept, so the order of
+    /// draws decides nothing: start from black.
     Colour,
     /// Transparent objects over the finished image, hidden by nearer surfaces; draw them back to
     /// front.

@@ -28,8 +28,8 @@ pub(crate) fn check_storage(
     check(what, count, limit / bytes.max(1), instead)
 }
 
-/// Refuses a size that there is no memory for, before it is allocated piece by piece, which would
-/// end the program. Allocates all of it and frees it.
+/// Refuses a size without enough memory for it. Allocating it piece by piece would end the program.
+/// Allocates all of it and frees it.
 pub(crate) fn check_memory(
     what: &'static str,
     count: usize,

@@ -17,7 +17,8 @@ pub fn object_bounds(scene: &Scene) -> Result<Vec<Aabb>, Error> {
     Ok(scene.objects.iter().filter_map(|object| scene.bounds_of(object)).collect())
 }
 
-/// Refuses a hierarchy that is not over the objects of `scene`, each in a box that holds it.
+/// Refuses a hierarchy over other objects than those of `scene`, or with a box that does not hold
+/// its object.
 pub(crate) fn check_hierarchy(scene: &Scene, hierarchy: &Hierarchy) -> Result<(), Error> {
     let bounds = object_bounds(scene)?;
     let leaves = hierarchy.leaf_objects().len() as u32;

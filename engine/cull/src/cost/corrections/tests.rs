@@ -3,7 +3,7 @@
 use super::*;
 use crate::rng::SplitMix64;
 
-/// Frames whose draws and tests vary, on a device where the rest takes 10 ms.
+/// Frames with various draws and tests, on a device where the rest takes 10 ms.
 struct Frames {
     rng: SplitMix64,
     learner: Learner,

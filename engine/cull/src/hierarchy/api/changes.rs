@@ -52,9 +52,9 @@ impl Hierarchy {
         Ok(())
     }
 
-    /// Puts an object in, in the free leaf where it fits best: one of an object that was removed,
-    /// or that was built with an empty box. No view remembers the leaf's former object as the new
-    /// one, and results of tests of the former are ignored.
+    /// Puts an object in, in the free leaf where it fits best: one whose object was removed or had
+    /// an empty box from the beginning. No view remembers the leaf's former object as the new one,
+    /// and results of tests of the former are ignored.
     ///
     /// # Errors
     /// [`HierarchyError::BadBox`]; [`HierarchyError::NoFreeLeaf`].

@@ -12,8 +12,8 @@ const TOLERANCE: f32 = 1e-4;
 
 impl Hierarchy {
     /// Returns the leaves whose boxes are met by the ray from `origin` along `direction`, in the
-    /// order in which it enters them, with the distances in lengths of `direction`. A box that
-    /// holds the origin is met at distance 0.
+    /// order of entry, with the distances in lengths of `direction`. A box that holds the origin is
+    /// met at distance 0.
     #[must_use]
     pub fn leaves_along(&self, origin: Vec3, direction: Vec3) -> Vec<(f32, LeafIndex)> {
         let mut met = Vec::new();

@@ -173,8 +173,8 @@ impl SwapchainImages {
         Ok(true)
     }
 
-    /// Returns the call that hands an image that is being drawn to the presentation engine. From
-    /// now on the present counts as made.
+    /// Returns the call that hands an image being drawn to the presentation engine. From now on the
+    /// present counts as made.
     pub(super) fn present(
         &mut self,
         index: ImageIndex,

@@ -7,7 +7,7 @@ use crate::present::present_mode::PresentMode;
 /// The options of a [`Swapchain`](crate::Swapchain).
 #[derive(Debug, Clone)]
 pub struct SwapchainOptions {
-    /// The present mode wanted. One that the window lacks falls back to the nearest
+    /// The present mode wanted. If the window lacks it, it falls back to the nearest
     /// ([`PresentMode::nearest`]), which is logged and [reported](crate::Swapchain::fallback).
     pub mode: PresentMode,
     /// The number of frames on their way to the window at once; 0 counts as 1.

@@ -1,4 +1,4 @@
-//! A thread that presents to windows whose presents may block while they are hidden.
+//! A thread for windows whose presents may block while they are hidden.
 //!
 //! On Wayland, drivers wait inside `vkQueuePresentKHR` until the compositor asks for another
 //! frame. It does not ask for a hidden window, and the call has no bound. So the call is made

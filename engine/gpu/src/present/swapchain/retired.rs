@@ -5,8 +5,8 @@
 //!
 //! - *Present fences* (`VK_EXT_swapchain_maintenance1`): polled, never waited for.
 //! - Without them, *an image of a younger chain that was presented and is acquired again*: presents
-//!   to one window are carried out in order, so those of older chains are over once the frame that
-//!   waits for that acquire is over.
+//!   to one window are carried out in order. Those of older chains are over with the frame that
+//!   waits for that acquire.
 //! - Where chains are replaced faster than their images come back, no more than [`MOST`] are kept:
 //!   the oldest goes when a submit made behind its last present is over. `vkQueueWaitIdle`, which
 //!   programs use for this, proves no more, and waits.

@@ -35,7 +35,7 @@ pub(super) struct SwapchainState {
     /// Acquire semaphores, by slot.
     pub(super) acquire: Vec<vk::Semaphore>,
     pub(super) held: Option<AcquiredImage>,
-    /// The thread that presents, where a present may block for ever.
+    /// The thread that presents, if a present may block for ever.
     pub(super) presenter: Option<Presenter>,
     /// The present whose call has not come back.
     pub(super) calling: Option<ImageIndex>,

@@ -8,8 +8,7 @@ use crate::core::deletion::Retired;
 use crate::core::device::{Device, Order};
 use crate::core::error::Error;
 
-/// An image that was acquired and is not yet presented, and the semaphore that is signalled when it
-/// may be written.
+/// An image that was acquired and is not yet presented, and the semaphore of its acquire.
 #[derive(Clone, Copy)]
 pub(super) struct AcquiredImage {
     pub(super) index: ImageIndex,

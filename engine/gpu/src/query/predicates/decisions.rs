@@ -57,7 +57,8 @@ pub struct PredicatedRange {
 /// The executor that keeps the GPU from drawing hidden objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Predication {
-    /// `VK_EXT_conditional_rendering`: the device skips the draws by itself, without a compute pass.
+    /// `VK_EXT_conditional_rendering`: the device skips the draws by itself, without a compute
+    /// pass.
     Conditional,
     /// Draw counts written by a compute pass; needs `drawIndirectCount`.
     Counts,

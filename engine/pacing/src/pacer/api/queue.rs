@@ -147,7 +147,7 @@ impl Pacer {
         Some((until, WaitReason::QueueFull(PacedFrameId(frame))))
     }
 
-    /// Notes the best known time at which the newest frame that left was shown.
+    /// Notes the best known time of showing the newest frame that left.
     pub(in crate::pacer) fn shown_at(&mut self, frame: u64, at: f64) {
         if frame >= self.last_left.0 {
             self.last_left = (frame, at);

@@ -65,7 +65,7 @@ impl Pacer {
         Schedule { start, wanted, target, reason }
     }
 
-    /// Returns the expected time at which the GPU finishes a frame that starts at `start`.
+    /// Returns the expected time of the GPU's end of a frame that starts at `start`.
     fn ready(&self, start: f64, forecast: &Forecast) -> f64 {
         let submitted = (start + self.cpu.expected()).max(forecast.image_free);
         submitted.max(forecast.gpu_free) + self.gpu.expected()

@@ -47,7 +47,7 @@ pub struct LightLists {
     crowded: usize,
     /// Slots whose list is not on the GPU yet.
     dirty: Marked,
-    /// Slots around which lights changed, whose lists must be found again before the next frame.
+    /// Slots around which lights changed: their lists must be found again before the next frame.
     doubtful: Marked,
     /// Nodes that were visited to find these; once they are more than the slots are worth, all
     /// slots are doubtful.
@@ -141,8 +141,8 @@ impl LightLists {
         [before, now].into_iter().flatten().map(|reach| (reach.position, reach.reach_m))
     }
 
-    /// Marks the lists of the objects of a hierarchy, whose slots begin at `first_slot`, that are
-    /// within `radius_m` of `centre`: they must be found again.
+    /// Marks the lists of the objects within `radius_m` of `centre` in a hierarchy, whose slots
+    /// begin at `first_slot`: they must be found again.
     pub(crate) fn doubt(
         &mut self,
         hierarchy: &Hierarchy,

@@ -39,7 +39,7 @@ fn bulb(position: Vec3, candela: f32, range_m: Option<f32>) -> PunctualLight {
     }
 }
 
-/// Returns a light of a kind that scenes have, or one that nobody would make.
+/// Returns a light of a usual kind, or one that nobody would make.
 fn any_light(random: &mut Random) -> PunctualLight {
     // Many in the same place, and many that are equally strong.
     let position =

@@ -1,5 +1,5 @@
-//! Numbers that were marked, each once: changes that wait for a frame that may never be drawn
-//! cannot grow without bound.
+//! Numbers that were marked, each once: changes for a frame that may never be drawn cannot grow
+//! without bound.
 
 /// A set of marked numbers below a bound.
 #[derive(Debug, Default)]

@@ -40,8 +40,8 @@ pub struct PagePlan {
 type Key = ([u32; 2], Encoding, Sampler);
 
 impl PagePlan {
-    /// Plans pages for the textures of `surfaces` that materials use, on a device whose images have
-    /// at most `max_side` pixels per side and `max_layers` layers. Textures of the same image and
+    /// Plans pages for the textures of `surfaces` that materials use. Images of the device have at
+    /// most `max_side` pixels per side and `max_layers` layers. Textures of the same image and
     /// sampler share a layer. Images beyond the device's size are halved until they fit.
     ///
     /// Where there would be more than [`MAX_PAGES`](scene::limits::MAX_PAGES), the two pages whose

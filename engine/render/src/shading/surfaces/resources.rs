@@ -24,8 +24,8 @@ use occlusion::{ScatterIo, ScatterPass};
 /// The options of the upload of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceOptions {
-    /// The most samples of textures along grazing surfaces; `None` takes 8, and 1 on devices that
-    /// are a CPU, where each costs as much as another texture.
+    /// The most samples of textures along grazing surfaces; `None` takes 8, and 1 on a CPU, where
+    /// each costs as much as another texture.
     pub anisotropy: Option<f32>,
     /// The maker of the mip maps.
     pub mip_making: MipMaking,
@@ -233,7 +233,7 @@ impl SurfaceResources {
     }
 
     /// Finds again the lights of transparent objects around which lights changed, and returns the
-    /// other objects that need the same.
+    /// other objects in need of it.
     pub(crate) fn relight(&mut self) -> Vec<ObjectId> {
         let mut objects = self.light_lists.take_doubtful();
         objects.retain(|slot| {

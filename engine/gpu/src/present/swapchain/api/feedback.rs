@@ -44,7 +44,7 @@ impl Swapchain {
 
     /// Waits until the frame of `id` is on the screen, for no longer than `bound` (at most a
     /// minute), and returns true if it is. Returns false at once for an id that was never
-    /// presented, that belongs to a swapchain replaced since, and without
+    /// presented, for one of a swapchain replaced since, and without
     /// [`crate::Optional::PresentWait`].
     ///
     /// # Errors
