@@ -9,7 +9,7 @@ use super::{LightId, ObjectChange, PunctualLight, SkinnedMeshId, TransparentId};
 /// A transparent object in another place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransparentMove {
-    /// The object.
+    /// The transparent object that moves.
     pub transparent: TransparentId,
     /// The transform from its space to the world's.
     pub transform: Affine3A,
@@ -18,7 +18,7 @@ pub struct TransparentMove {
 /// A light in another place, or of another colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightMove {
-    /// The light.
+    /// The light that changes.
     pub light: LightId,
     /// Its new state, of the same kind.
     pub to: PunctualLight,
@@ -28,7 +28,7 @@ pub struct LightMove {
 /// [`PoseBounds`](super::PoseBounds).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseUpdate {
-    /// The mesh.
+    /// The skinned mesh that takes the pose.
     pub skinned_mesh: SkinnedMeshId,
     /// Its joints' matrices, in [`SceneUpdate::joints`], which meshes with the same joints share;
     /// none without a skin.
