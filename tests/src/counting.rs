@@ -1,4 +1,4 @@
-//! An allocator that counts, for tests of frames that must not allocate.
+//! A counting allocator, for tests of frames that must not allocate.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

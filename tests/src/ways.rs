@@ -1,4 +1,4 @@
-//! The window libraries that are tested, and the present modes that they have.
+//! The tested window libraries, and their present modes.
 
 use crate::Driver;
 use gpu::PresentMode;
@@ -14,9 +14,8 @@ pub const WAYS: [(Driver, Library); 4] = [
 ];
 
 /// The ways that can have thousands of swapchains. Before its process ends, SwiftShader never frees
-/// the shared memory of a swapchain that was replaced, and crashes where there is no more: a
-/// machine has 4,096 pieces. So tests that make a thousand swapchains with it are in programs of
-/// their own.
+/// the shared memory of a replaced swapchain, and crashes if there is no more: a machine has 4,096
+/// pieces. So tests that make a thousand swapchains with it are in programs of their own.
 pub const LASTING_WAYS: &[(Driver, Library)] = WAYS.split_at(3).0;
 
 /// Returns the present modes that a driver has under Xvfb.

@@ -169,7 +169,7 @@ impl Culler {
             };
             self.next_frame.take(hierarchy, &tag, samples);
             let samples = match tag.kind {
-                // Told by fragments.
+                // Set by fragments, which count no samples.
                 QueryKind::Leaf => samples,
                 _ => samples.saturating_sub(self.sample_threshold),
             };

@@ -22,11 +22,12 @@ use crate::{
 
 /// A glTF file that was read and checked.
 ///
-/// # Guarantees The shown scene is the one that the file names, else its first one, else all nodes
-/// without a parent. Elements of the document's lists that it does not reach are *empty*: they keep
-/// their index, refer to nothing (an empty view to the first buffer, if there is one), and are not
+/// # Guarantees
+/// The shown scene is the one that the file names, else its first one, else all nodes without a
+/// parent. Elements of the document's lists that it does not reach are *empty*: they keep their
+/// index, refer to nothing (an empty view to the first buffer, if there is one), and are not
 /// described below. Their faults are in the notes. So are those of broken animations, which are
-/// empty too. Placeholders replace unreadable images. For all other elements:
+/// empty too, and of unreadable images, replaced by placeholders. For all other elements:
 /// - **Indices.** Every index of core glTF 2.0 and of
 ///   [`SUPPORTED_EXTENSIONS`](crate::SUPPORTED_EXTENSIONS) is in range: accessors, views, buffers,
 ///   nodes, meshes, skins, joints, cameras, lights, materials, textures, samplers, images, scenes,

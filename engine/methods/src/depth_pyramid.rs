@@ -127,7 +127,8 @@ impl PyramidFrame {
 
     /// Compiles the passes and makes room for the leaves of `hierarchy`.
     ///
-    /// # Errors A device that lacks something, too large an image or scene, no memory.
+    /// # Errors
+    /// A device that lacks something, too large an image or scene, no memory.
     fn new(
         device: &Device,
         shaders: &ShaderSet,

@@ -40,7 +40,7 @@ pub enum WaitReason {
     QueueFull(PacedFrameId),
     /// The limit on frames per second.
     FrameLimit,
-    /// A window that seems hidden: its frames may be dropped one after the other.
+    /// A window that seems hidden, or drops frame after frame.
     Hidden,
     /// The expected end of this frame on the GPU: look, to learn its duration.
     Poll(PacedFrameId),

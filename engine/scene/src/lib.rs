@@ -190,9 +190,10 @@ impl Scene {
 
     /// Checks that a renderer can draw the scene.
     ///
-    /// # Errors The first fault: a mesh with indices that do not fit its vertices or numbers that
-    /// are not finite; an object without a mesh or with a transform that is not finite; a part of
-    /// its surfaces that does not belong to it or is not finite.
+    /// # Errors
+    /// The first fault: a mesh with indices that do not fit its vertices or numbers that are not
+    /// finite; an object without a mesh or with a transform that is not finite; a part of its
+    /// surfaces that does not belong to it or is not finite.
     pub fn validate(&self) -> Result<(), SceneError> {
         for mesh in &self.meshes {
             let broken = |fault| Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });

@@ -65,9 +65,9 @@ pub struct Arguments {
     #[command(flatten)]
     pub made: MadeArguments,
     /// The camera's path: street (eye level), fly (from above), cut (every tenth frame jumps), or a
-    /// file that city or viewer recorded, whose name ends in .txt or has a slash. In a glTF file: a
-    /// camera of that name, whose whole clip is walked once from end to end [default: street; in a
-    /// file its first camera, or a turn around the scene if it has none]
+    /// file that city or viewer recorded (a name with .txt at its end or a slash). In a glTF file:
+    /// a camera of that name, whose whole clip is walked once from end to end [default: street; in
+    /// a file its first camera, or a turn around the scene if it has none]
     #[arg(long, value_name = "street|fly|cut|CAMERA|FILE", help_heading = "Walk")]
     pub path: Option<String>,
     /// Number of eyes: 1, or 2 for a stereo pair side by side in one frame, half of it each
@@ -323,7 +323,7 @@ impl Arguments {
         };
         let shown = shown(file);
         for (option, is_there, why) in [
-            ("--objects", self.made.objects.is_some(), "the number of objects is that of the file"),
+            ("--objects", self.made.objects.is_some(), "the file has its own number of objects"),
             ("--seed", self.made.seed.is_some(), "nothing in a file is random"),
             ("--moving", self.moving > 0, "only its clips move the objects of a file"),
         ] {

@@ -52,7 +52,7 @@ pub enum ValidationChoice {
     Sync,
 }
 
-/// The way in which the GPU skips draws that turned out hidden.
+/// The way in which the GPU skips hidden draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PredicatesChoice {
     /// Conditional rendering where the device has it, counts otherwise.

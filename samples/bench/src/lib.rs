@@ -2,9 +2,10 @@
 //! images, exit codes.
 //!
 //! The program `walkthrough`, step by step: [`args`] turns its command line into [`Options`],
-//! [`outputs`] checks that its files can be written, [`run`] draws the frames that [`schedule`]
-//! orders and measures them with [`measurement`], and [`report`] and [`table`] present the results.
-//! The program `compare` makes one page of many such reports: `compare`, with the feature `charts`.
+//! [`outputs`] checks that its files can be written, [`run`] draws the frames in the order of
+//! [`schedule`] and measures them with [`measurement`]. [`report`] and [`table`] present the
+//! results. The program `compare` makes one page of many such reports: `compare`, with the feature
+//! `charts`.
 #![forbid(unsafe_code)]
 
 pub mod args;

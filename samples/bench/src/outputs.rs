@@ -36,20 +36,19 @@ impl WriteError {
 /// The number of attempts to make a folder that others remove.
 const TRIES_MAX: u32 = 100;
 
-/// The folders that were made for a walk. Dropping it removes those that are still empty, so that a
-/// walk that failed leaves nothing behind.
+/// The folders that were made for a walk. Dropping it removes the empty ones, so that a failed walk
+/// leaves nothing behind.
 #[derive(Debug)]
 pub struct Outputs {
     made: Vec<PathBuf>,
 }
 
 impl Outputs {
-    /// Makes the folder of images and the folder of a file, by its option, where they are
-    /// missing, and checks that files can be written there. Checks also that the folder of shaders
-    /// is one.
+    /// Makes the missing ones of the folder of images and the folder of a file, by its option, and
+    /// checks that files can be written there. Checks also that the folder of shaders is one.
     ///
     /// # Errors
-    /// The option that names something that cannot be written or read, and the reason.
+    /// The option whose file or folder cannot be written or read, and the reason.
     pub fn prepare(
         shaders: Option<&Path>,
         images: Option<&Path>,

@@ -15,7 +15,7 @@ use crate::run_error::RunError;
 
 /// The frames per second where no clip determines the length of a walk.
 const FRAMES_A_SECOND: f64 = 60.0;
-/// The angle by which a camera that goes around something looks down, in radians.
+/// The angle by which a camera on a way around something looks down, in radians.
 const DOWN_RAD: f32 = 0.35;
 /// The factor of the distance at which everything would just fit.
 const ROOM: f32 = 1.05;
@@ -119,8 +119,8 @@ pub struct Clips {
 }
 
 impl Clips {
-    /// Returns all clips, but for those that move something that an earlier one moves; `first`
-    /// precedes all others.
+    /// Returns all clips but those that move something of an earlier one; `first` precedes all
+    /// others.
     pub fn all(animator: &SceneAnimator, first: Option<usize>) -> Self {
         Self { playing: animator.compatible(first) }
     }

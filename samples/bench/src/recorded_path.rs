@@ -91,7 +91,7 @@ impl RecordedPath {
     /// Reads a file.
     ///
     /// # Errors
-    /// A file that cannot be read, or the first line that is not of a path, with its number.
+    /// An unreadable file, or the first line that is not of a path, with its number.
     pub fn read(path: &Path) -> Result<Self, UsageError> {
         let shown = shown(path);
         let refuse = |reason: &dyn std::fmt::Display| {

@@ -272,7 +272,7 @@ impl Report {
     /// Returns the report as indented JSON with a final line break.
     ///
     /// # Errors
-    /// When a value cannot be JSON, which no report that this program makes holds.
+    /// A value that cannot be JSON. No report of this program holds one.
     pub fn to_json(&self) -> Result<String, serde_json::Error> {
         serde_json::to_string_pretty(self).map(|json| json + "\n")
     }

@@ -40,8 +40,7 @@ impl RunError {
         Self { blame: Blame::Machine, message: message.to_string() }
     }
 
-    /// Creates the error of work that was given up because the program is to end, which is no
-    /// failure.
+    /// Creates the error of work given up because the program is to end. It is no failure.
     pub fn given_up() -> Self {
         Self { blame: Blame::Nobody, message: "it was given up".to_owned() }
     }

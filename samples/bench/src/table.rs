@@ -154,7 +154,7 @@ fn more_lines(report: &Report) -> String {
 /// The most runs that are compared with each other, one by one.
 const FEW_RUNS: usize = 3;
 
-/// The strategies that all others are compared with where there are many.
+/// The strategies that all others are compared with if there are many.
 const MEASURES: [Strategy; 3] = [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::IDEAL];
 
 /// Returns a sentence for each pair, in the order of the runs; of many, one for each run.

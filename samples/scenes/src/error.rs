@@ -32,7 +32,7 @@ pub enum GeneratorError {
     /// A walk in a scene that has no streets.
     #[error("the scene has no streets to walk along: choose the path fly")]
     NoStreets,
-    /// A scene that cannot be drawn, which has no motion.
+    /// A scene that cannot be drawn: it has no motion.
     #[error(transparent)]
     Scene(#[from] SceneError),
 }

@@ -6,7 +6,7 @@ use scene::{Object, Scene};
 use super::error::{GeneratorError, MAX_OBJECTS};
 use super::routes::Routes;
 
-/// The distance that a thing hovers over the surface that carries it, in metres.
+/// The distance of a thing from the surface that carries it, in metres.
 pub(crate) const HOVER_M: f32 = 0.02;
 
 /// A scene, and the facts about it that are known from its generation.

@@ -46,7 +46,7 @@ struct Mover {
     presence: Option<Presence>,
 }
 
-/// The times at which an object that comes and goes is present.
+/// The times at which a coming and going object is present.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Presence {
     period_frames: u32,
@@ -216,7 +216,7 @@ impl Cast {
         &self.changes
     }
 
-    /// Records that the newest changes were made, and the ids of the objects that came with them.
+    /// Records that the newest changes were made, and the ids of the added objects.
     pub fn came(&mut self, added: &[ObjectId]) {
         for place in self.going.drain(..) {
             if let Some(id) = self.ids.get_mut(place) {

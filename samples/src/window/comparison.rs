@@ -14,7 +14,7 @@ use bench::strategy::Strategy;
 const TURN_S: f64 = 0.5;
 /// The pairs that may be pending; a frame that finds no free pair is not compared.
 const PAIRS: usize = 3;
-/// The time for which areas that differed stay marked.
+/// The time for which differing areas stay marked.
 const MARKED_FOR: Duration = Duration::from_secs(2);
 
 /// One frame of a pair.

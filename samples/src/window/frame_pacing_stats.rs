@@ -22,7 +22,7 @@ impl FramePacingStats {
     /// Creates statistics over no frame.
     ///
     /// # Errors
-    /// An error of the number of frames, which cannot come with the one that is built in.
+    /// An error of the number of frames. The built-in number causes none.
     pub fn new() -> Result<Self, PacingError> {
         let statistics = FrameStatistics::new(FRAMES, HitchRule::default())?;
         Ok(Self { statistics, conditions: None, first: None })

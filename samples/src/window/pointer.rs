@@ -28,7 +28,7 @@ pub enum PointerAction {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pointer {
     is_captured: bool,
-    /// The button that is held, and the distance that the mouse moved since, in pixels.
+    /// The held button, and the distance that the mouse moved since, in pixels.
     held: Option<(Button, f64)>,
 }
 

@@ -42,7 +42,7 @@ impl Profiler {
         Self { client: tracy_client::Client::start(), plots: Vec::new() }
     }
 
-    /// Sends that a frame was submitted, with the passes that were read back.
+    /// Sends the submit of a frame, with the passes that were read back.
     pub fn frame(&mut self, passes: &[PassTime]) {
         self.client.frame_mark();
         if !tracy_client::Client::is_connected() {

@@ -22,7 +22,7 @@ const FADE_S: f64 = 0.3;
 const STEP_S: f64 = 1.0 / 60.0;
 /// The longest step: after a pause of the program time goes on, it does not jump.
 const LONGEST_STEP_S: f32 = 0.25;
-/// The speed of flight where everything is of a size that people walk in, in metres per second.
+/// The speed of flight in scenes of the size of streets, in metres per second.
 const WALKING_M: f32 = 4.0;
 /// The clear distance in its middle without which a view is before a wall.
 const WALL_M: f32 = 2.5;
@@ -127,7 +127,7 @@ impl SceneView {
         self
     }
 
-    /// Creates the view of a file's scene, seen on images of that size at first, whose left is
+    /// Creates the view of a file's scene, seen on images of that size at first. Their left is
     /// covered up to a share of the width.
     ///
     /// # Errors

@@ -59,7 +59,7 @@ impl Screenshots {
         failed.map_or(Ok(newest), Err)
     }
 
-    /// Writes an image that can be read, under a name that is free. Returns its path.
+    /// Writes an image that was read back, under a free name. Returns its path.
     ///
     /// # Errors
     /// A file that cannot be written: that is also an error in the [end](Self::finish).

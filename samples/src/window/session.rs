@@ -278,8 +278,7 @@ impl Session {
         Ok(tick)
     }
 
-    /// Returns the buffer for the screenshot that was asked for, which is `image` if there is
-    /// one, and its file.
+    /// Returns the buffer for the requested screenshot, `image` if there is one, and its file.
     fn screenshot(
         &mut self,
         image: Option<&Rc<Readback>>,
@@ -366,7 +365,7 @@ impl Session {
     /// tried regardless of failures of the others.
     ///
     /// # Errors
-    /// A file that cannot be written, or a screenshot that could not be before.
+    /// A file or an earlier screenshot that cannot be written.
     pub fn finish(mut self, options: &ShowOptions) -> Result<(), RunError> {
         let compared = self.finish_comparison();
         let recording = self.stop_recording();

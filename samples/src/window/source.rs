@@ -75,7 +75,7 @@ pub struct FileSource {
     pub camera: Option<String>,
     /// The recorded path of the camera.
     pub recorded: Option<PathBuf>,
-    /// The factor of all light; `None` is 1, with lights dimmed that are too bright for that.
+    /// The factor of all light; `None` is 1, with too bright lights dimmed.
     pub exposure: Option<f32>,
     /// The largest error of surfaces in pixels with coarser levels of detail; `None` for the finest
     /// level.

@@ -132,9 +132,8 @@ impl Trace {
         self.push(Event { name, thread: CPU, began_ns, took_ns, offset_ns: None });
     }
 
-    /// Adds that a frame whose recording began at `began` was submitted, as one of so many in
-    /// flight. The passes that were read back, of the frame that had its slot before, are known
-    /// since `known`.
+    /// Adds the submit of a frame, as one of so many in flight. Its recording began at `began`. The
+    /// passes of the frame in its slot before are known since `known`.
     ///
     /// # Errors
     /// A failed call.

@@ -91,7 +91,7 @@ impl ViewerArguments {
 
 fn recorded_path(text: &str) -> Result<PathBuf, String> {
     path_file(text).ok_or_else(|| {
-        "it takes a file that was recorded, whose name ends in .txt or has a slash; for a camera of the file say --camera"
+        "it takes a recorded file, with a name that ends in .txt or has a slash; for a camera of the file say --camera"
             .to_owned()
     })
 }

@@ -248,7 +248,7 @@ fn it_runs_under_wayland() {
         assert!(status.success() && log.contains(said), "{mode}: {status}: {log}");
         let counted = log.contains("of the last 2") || log.contains("of the last 3");
         let is_measured = log.contains("frame, median ") && !log.contains("frame, median -");
-        assert!(counted && is_measured, "{mode}: what the frames took is not told: {log}");
+        assert!(counted && is_measured, "{mode}: the times of frames are missing: {log}");
     }
 }
 

@@ -43,7 +43,7 @@ pub fn try_bytes(bytes: &[u8]) -> Result<(), ImportError> {
     Ok(())
 }
 
-/// Visits everything that the document links, by the methods that panic on a bad link.
+/// Visits all links of the document, by the methods that panic on a bad one.
 fn read_everything(source: &Source) {
     let document = &source.document;
     for accessor in document.accessors() {

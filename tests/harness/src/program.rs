@@ -41,8 +41,8 @@ pub fn program(name: &str, folder: &Path, arguments: &[&str]) -> Command {
 }
 
 /// Returns the same for a program that is to be sent signals. A program that ignored them from its
-/// start would go on ignoring them, as the programs of a background job do where the shell has no
-/// job control.
+/// start would go on ignoring them. So do the programs of a background job in a shell without job
+/// control.
 pub fn signalled_program(name: &str, folder: &Path, arguments: &[&str]) -> Command {
     program("env", folder, &[&["--default-signal=INT,TERM,HUP", name], arguments].concat())
 }

@@ -11,8 +11,8 @@ use tests::{Driver, run};
 /// The frames for which a camera stands: results of the first are read back before the last.
 const FRAMES: usize = 4;
 
-/// Returns the strategies that promise the image and need nothing found beforehand, but the one
-/// that waits for each object.
+/// Returns the strategies that promise the image and need nothing found beforehand, without the one
+/// with a wait per object.
 fn strategies() -> impl Iterator<Item = Strategy> {
     let left_out = [Strategy::FRUSTUM, methods::NAIVE, methods::IDEAL];
     methods::strategies().into_iter().filter(move |it| it.is_exact() && !left_out.contains(it))

@@ -1,5 +1,5 @@
 //! The compute tester against the rasteriser: it never hides a box that a query on the proxy shows,
-//! and shows few that the query hides.
+//! and hides most of those hidden for the query.
 
 use cull::{Aabb, Camera, View};
 use glam::Vec3;

@@ -1,7 +1,6 @@
 //! Sills at the height of the eye. A rasteriser that interpolates depth from vertices before
-//! snapping them draws streaks of such faces through the walls before them, wherever a row of
-//! samples lies at that height. With vertices that are on its grid already there is nothing to
-//! streak.
+//! snapping them draws streaks of such faces through the walls before them. It takes a row of
+//! samples at that height. With vertices that are on its grid already there is nothing to streak.
 
 use cull::{Camera, Strategy};
 use gpu::{Device, Readback};

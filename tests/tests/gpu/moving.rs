@@ -213,7 +213,7 @@ fn an_updated_scene_is_the_scene_built_anew() {
     });
 }
 
-/// Checks views that take turns, pause and look elsewhere, on one scene that moves.
+/// Checks views that take turns, pause and look elsewhere, on one moving scene.
 #[test]
 fn views_that_pause_stay_exact() {
     run(Driver::Lavapipe, |device| {
@@ -344,7 +344,7 @@ fn objects_that_jump_far_stay_exact() {
                 render(&mut fresh, &mut view, Strategy::FRUSTUM, camera, &expected);
                 device.drain().unwrap();
                 let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
-                assert_eq!(wrong, 0, "frame {frame}, built anew");
+                assert_eq!(wrong, 0, "frame {frame}, built again");
             }
         }
         assert!(rebuilt > 0, "nothing was worn");

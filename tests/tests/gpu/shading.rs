@@ -1,7 +1,7 @@
 //! Shading: the images of the surface pass equal the specification's formulas, pixel by pixel.
 //!
-//! The comparison is exact in positions: flat patches whose corners lie on corners of pixels, so
-//! that nothing is snapped or covered in part, with normals that turn over them as over a sphere.
+//! The comparison is exact in positions: flat patches with normals that turn over them as over a
+//! sphere. Their corners lie on corners of pixels, so that nothing is snapped or covered in part.
 //! Every pixel that a patch covers is compared.
 
 use glam::{Affine3A, DMat3, DVec3, Mat3A, Vec3, Vec3A, vec3};

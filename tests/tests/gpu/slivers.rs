@@ -81,7 +81,7 @@ impl Copies {
     }
 }
 
-/// Returns the number of boxes that own a sample, and the number of them whose proxy has none.
+/// Returns the number of boxes that own a sample, and of those without a sample of their proxy.
 fn lost(device: &Device, seeds: u64, proxy_of: impl Fn(&View, &Aabb) -> Aabb) -> (usize, usize) {
     let opaque = OpaquePass::new(device, &ShaderSet::embedded().unwrap()).unwrap();
     let proxies = proxy_pass(device);

@@ -1,5 +1,5 @@
-//! A visibility threshold: images that are not exact, with an error that is counted and never
-//! larger than the count.
+//! A visibility threshold: images that are not exact, with a counted error: it is never larger than
+//! the count.
 
 use cull::{Aabb, Camera, CoherentOptions, Strategy};
 use glam::Vec3;

@@ -45,8 +45,8 @@ fn interface(name: &str) -> (Buffers, usize) {
     (buffers, push_bytes)
 }
 
-/// Returns the stride and the offsets of a storage buffer, which is one structure that holds one
-/// array without an end.
+/// Returns the stride and the offsets of a storage buffer: one structure of one array without an
+/// end.
 fn array_in(name: &str, ty: &Type) -> (usize, Vec<usize>) {
     let Type::Struct(block) = ty else { panic!("{name}: no block but {ty}") };
     let [member] = &block.members[..] else { panic!("{name}: more than an array in {ty}") };

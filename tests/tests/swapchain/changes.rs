@@ -1,4 +1,4 @@
-//! Windows that change in every way that a user can change them, a thousand times.
+//! Windows that change in every way open to a user, a thousand times.
 
 use gpu::{Acquired, PresentMode, PresentResult, PresentSkipped, SwapchainOptions};
 use tests::Driver;

@@ -2,7 +2,7 @@
 
 use crate::files::SourceFile;
 
-/// Finds published crates whose manifest lacks a description that registries show.
+/// Finds published crates whose manifest lacks a description for registries.
 pub fn published(files: &[SourceFile]) -> Vec<String> {
     const SHOWN: [&str; 5] = ["description", "license", "readme", "keywords", "categories"];
     let mut findings = Vec::new();

@@ -34,7 +34,7 @@ enum Place {
     Item(usize),
 }
 
-/// Returns the code of each file that is no test, without items that are compiled for tests alone.
+/// Returns the code of each file but tests, without items that are compiled for tests alone.
 pub fn product_code(files: &[SourceFile]) -> BTreeMap<&str, String> {
     let product = files.iter().filter(|file| file.is_rust() && !file.is_test());
     let code = |file: &SourceFile| without_tests(&without_comments_and_strings(&file.text));
@@ -80,8 +80,8 @@ impl<'a> Modules<'a> {
         self.modules.len()
     }
 
-    /// Returns the names that each file takes from each other one. Names that come through a
-    /// re-export come from the file that defines them; a child that is declared is not taken.
+    /// Returns the names that each file takes from each other one. Names of a re-export come from
+    /// the file that defines them; a child that is declared is not taken.
     pub fn ties(&self) -> Ties<'a> {
         let mut ties = Ties::new();
         for own in 0..self.modules.len() {

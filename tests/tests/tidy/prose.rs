@@ -7,7 +7,7 @@ use crate::{assert_catches, assert_obeyed, assert_permits};
 const MAX_COLUMNS: usize = 100;
 /// Words that turn a description into a question.
 const QUESTIONS: [&str; 8] = ["What", "Who", "Whose", "Whether", "How", "Where", "When", "Whoever"];
-/// Words that end in s and are no verbs in the third person, or none that a function can do.
+/// Words with an s at the end that are no verbs in the third person, or none of a function.
 const NO_VERBS: [&str; 21] = [
     "Across", "Always", "As", "Besides", "Boxes", "Frames", "Has", "Is", "Its", "Less", "Objects",
     "Others", "Perhaps", "Pixels", "This", "Thus", "Towards", "Unless", "Was", "Words", "Yes",

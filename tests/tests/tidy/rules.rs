@@ -63,8 +63,7 @@ pub fn length(files: &[SourceFile]) -> Vec<String> {
     files.iter().filter(written).filter_map(too_long).collect()
 }
 
-/// Finds files of a crate that include a file outside of the crate, which could then not be
-/// packaged.
+/// Finds files of a crate that include a file outside of it: the crate could not be packaged.
 pub fn own_files(files: &[SourceFile]) -> Vec<String> {
     let mut findings = Vec::new();
     for file in files.iter().filter(|file| file.is_rust() && !file.is_test()) {
@@ -324,7 +323,7 @@ pub fn module_paths(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// Finds empty names, which things that do too much attract.
+/// Finds empty names: they attract too many purposes.
 pub fn names(files: &[SourceFile]) -> Vec<String> {
     let empty = |word: &str| {
         ["Manager", "Helper", "Helpers", "Util", "Utils"].iter().any(|end| word.ends_with(end))
@@ -341,8 +340,7 @@ pub fn names(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// Finds code in the README that is not the example that is compiled with the facade's
-/// documentation.
+/// Finds code in the README that is not the example of the facade's documentation.
 pub fn quoted_example(files: &[SourceFile]) -> Vec<String> {
     const FACADE: &str = "engine/antumbra/src/lib.rs";
     let of = |path: &str| files.iter().find(|file| file.path == path);

@@ -33,14 +33,14 @@ pub fn tokens(code: &str) -> Vec<Token<'_>> {
     tokens
 }
 
-/// A name that a `use` brings into scope, and the path that it stands for.
+/// A name that a `use` defines, with its path.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Import<'a> {
     pub name: &'a str,
     pub path: Vec<&'a str>,
 }
 
-/// Returns the imports of a `use` whose tree begins here, and the number of tokens that it takes.
+/// Returns the imports of a `use` with the tree that begins here, and the number of its tokens.
 pub fn imports<'a>(tokens: &[Token<'a>]) -> (Vec<Import<'a>>, usize) {
     let mut imports = Vec::new();
     let length = tree(tokens, &[], &mut imports);

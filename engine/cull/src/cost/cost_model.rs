@@ -3,8 +3,8 @@
 //! It counts the results of tests and sets prices against them. It reads no clock: its caller
 //! passes the times of frames, and it corrects its prices by them. An object that it leaves
 //! untested is drawn, so that no image depends on it. Evidence fades, so that old findings are
-//! tried again, and leaves that were drawn without a test are still tested on their own draw, now
-//! and then. Both together notice within a bounded number of frames that tests pay again.
+//! tried again. Leaves drawn without a test are still tested on their own draw, now and then. Both
+//! together notice within a bounded number of frames that tests pay again.
 
 use crate::cost::contents::FrameContents;
 use crate::cost::corrections::{Corrections, Learner};
@@ -307,8 +307,8 @@ impl CostModel {
         (self.prices.break_ns + self.prices.break_wait_share * drawn).min(f32::MAX)
     }
 
-    /// Takes the GPU time of a frame with these contents. Where frames that differ agree that tests
-    /// are dearer or cheaper in proportion to draws than the table says, the prices of tests follow
+    /// Takes the GPU time of a frame with these contents. If different frames agree that tests are
+    /// dearer or cheaper than the table says, in proportion to draws, the prices of tests follow
     /// ([`CostModel::corrections`]). Impossible times are ignored.
     pub fn observe(&mut self, gpu_ns: f64, contents: &FrameContents) {
         if self.learner.note(gpu_ns, contents.predicted(&self.table)) {

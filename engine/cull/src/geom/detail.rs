@@ -10,8 +10,8 @@ pub struct DetailPolicy {
     /// The distance by which a surface may be misplaced (pixels in the middle of the image, above
     /// 0).
     pub error_pixels: f32,
-    /// The share (0 to 1) by which the error of a coarser form must be below that, so that an
-    /// object at the limit does not change to and fro.
+    /// The share (0 to 1) by which the error of a coarser form must be below that: an object at the
+    /// limit does not change to and fro.
     pub hysteresis: f32,
 }
 

@@ -1,5 +1,5 @@
-//! Boxes against the view frustum: the bounding sphere first, then the box, and per plane a mask so
-//! that nothing below a node is tested again against a plane that the node is wholly inside of.
+//! Boxes against the view frustum: the bounding sphere first, then the box. A mask per plane saves
+//! tests below a node that lies wholly inside of it.
 
 use glam::Vec3;
 

@@ -44,8 +44,8 @@ impl<'a> CostFilter<'a> {
     }
 
     /// Assigns the rounds of `plan` to the compute shader that cost least so, and returns their
-    /// number. A test whose result others share changes its tester only together with them, so that
-    /// rounds with such tests in common change together or stay.
+    /// number. A test with a shared result changes its tester only together with the tests that
+    /// share it. So rounds with such tests in common change together or stay.
     pub(crate) fn hand_to_compute(&self, view: &View, plan: &mut FramePlan) -> u32 {
         if !self.has_compute {
             return 0;

@@ -26,7 +26,8 @@ pub fn open() -> Result<Device, Error> {
 
 /// Opens the machine's best device that can present to `window`, and the window's swapchain.
 ///
-/// # Errors Those of [`open`]; a window that is gone, or is out of reach of all devices.
+/// # Errors
+/// Those of [`open`]; a window that is gone, or is out of reach of all devices.
 #[cfg(feature = "window")]
 pub fn open_with_window(window: Arc<dyn Window>) -> Result<(Device, Swapchain), Error> {
     let windows = Some(WindowSystem::of(&window)?);

@@ -35,9 +35,10 @@ impl TextureUploads {
     /// Writes the next rows of a layer, from its top on: four bytes per pixel, whole rows. With the
     /// last of them the layer's mip maps are made. So a loader can upload images a piece at a time.
     ///
-    /// # Errors [`Error::WrongCommands`] for a missing layer, for bytes that are no whole rows or
-    /// more than are left; [`Error::Foreign`] for an array of another device; a failed call. What
-    /// was written before stays.
+    /// # Errors
+    /// [`Error::WrongCommands`] for a missing layer, for bytes that are no whole rows or more than
+    /// are left; [`Error::Foreign`] for an array of another device; a failed call. What was written
+    /// before stays.
     pub fn write_rows(
         &mut self,
         array: &mut TextureArray,

@@ -30,7 +30,7 @@ pub enum DepthMode {
 /// The use of colour by a pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Blend {
-    /// Replacement of the colour by that of the fragment.
+    /// Replacement of the colour by the fragment's.
     Opaque,
     /// Blending by alpha.
     Alpha,

@@ -1,4 +1,4 @@
-//! Skinned meshes: each node that has one gets its own, with the box that it stays in.
+//! Skinned meshes: each node with one gets its own, and the box that it stays in.
 
 use animation::RigNodeId;
 use glam::Affine3A;

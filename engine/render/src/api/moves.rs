@@ -12,9 +12,9 @@ impl Renderer {
     /// it. The cost grows with the objects around its old and its new place, not with the scene;
     /// they find their lights once per frame, for any number of changed lights.
     ///
-    /// # Errors [`Error::Light`] for a light that is not in the scene, and for another kind of
-    /// light: pipelines are compiled for the kinds in the scene. Make it dark and light another
-    /// then.
+    /// # Errors
+    /// [`Error::Light`] for a light that is not in the scene, and for another kind of light:
+    /// pipelines are compiled for the kinds in the scene. Make it dark and light another then.
     pub fn set_light(&mut self, light: LightId, to: PunctualLight) -> Result<(), Error> {
         let place = light.0 as usize;
         let geometry = &mut self.passes.geometry;

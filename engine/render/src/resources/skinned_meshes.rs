@@ -328,8 +328,8 @@ fn value_counts(scene: &Scene) -> [u64; 2] {
     sums
 }
 
-/// Returns the meshes of a scene in the order of their vertices: skinned ones first, so that these
-/// are one part of the buffers that a storage buffer can be.
+/// Returns the meshes of a scene in the order of their vertices: skinned ones first: they are one
+/// part of the buffers, which a storage buffer can be.
 pub(crate) fn mesh_order(scene: &Scene) -> Vec<usize> {
     let is_skinned = are_skinned(scene);
     let mut order: Vec<usize> = (0..scene.meshes.len()).collect();

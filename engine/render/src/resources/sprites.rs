@@ -1,8 +1,7 @@
 //! Sprites on the GPU: their vectors behind the instances, and the corners that all of them share.
 //!
 //! A mesh of sprites is drawn with the vertices and indices of one pattern, which hold corner and
-//! number, so that sprites take no vertices of their own; `sprites.glsl` finds the rest from the
-//! instance.
+//! number. Sprites take no vertices of their own; `sprites.glsl` finds the rest from the instance.
 
 use gpu::{Device, IndirectDraw};
 use scene::limits::INSTANCE_BYTES;

@@ -80,8 +80,8 @@ impl Faces {
     }
 }
 
-/// Returns the distance by which something is sorted, so that the contents of a glass come after
-/// its far side and before its near one.
+/// Returns the sorting distance of something: the contents of a glass come after its far side and
+/// before its near one.
 fn depth_m(bounds: &Aabb, eye: Vec3, faces: Faces) -> f32 {
     let towards = bounds.centre() - eye;
     let distance_m = towards.length();

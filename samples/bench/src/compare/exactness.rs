@@ -52,8 +52,8 @@ impl Setting {
 pub struct Book {
     /// The name of the strategy.
     pub strategy: String,
-    /// True if it promises the picture of plain frustum culling. A strategy that this build does
-    /// not know promises nothing, nor does one that ran with a threshold in some report.
+    /// True if it promises the picture of plain frustum culling. A strategy unknown to this build
+    /// promises nothing, nor does one that ran with a threshold in some report.
     pub is_exact: bool,
     /// The setting in which frames were compared.
     pub setting: Setting,

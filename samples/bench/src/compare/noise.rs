@@ -13,8 +13,8 @@ use super::input::Measured;
 pub const NOISE_MAX: f64 = 0.1;
 
 /// Returns the width of the narrowest range that holds more than half of the times, as a part of
-/// the middle of that range. One disturbed repetition of three says nothing against the other two.
-/// `None` of fewer than two times.
+/// its middle. One disturbed repetition of three says nothing against the other two. `None` of
+/// fewer than two times.
 fn noise(times: impl Iterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = times.filter(|time| time.is_finite() && *time > 0.0).collect();
     sorted.sort_by(f64::total_cmp);

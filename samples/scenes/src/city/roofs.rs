@@ -187,7 +187,7 @@ impl RoofSite<'_> {
         self.dormers(builder, [0, 2], 3, rise / z, 0.9);
     }
 
-    /// Adds small windows that stand out of a slope which rises by `slope` metres per metre.
+    /// Adds small windows that stand out of a slope of `slope` metres per metre.
     fn dormers(
         &self,
         builder: &mut MeshBuilder,

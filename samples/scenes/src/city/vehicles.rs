@@ -164,7 +164,7 @@ fn plate(builder: &mut MeshBuilder, corners: [Vec3; 4], paint: Paint) {
     }
 }
 
-/// Adds a window that leaves a frame of the face that these corners span.
+/// Adds a window with a frame around it, within the face of these corners.
 fn pane(builder: &mut MeshBuilder, corners: [Vec3; 4], paint: Paint) {
     let middle = corners.iter().sum::<Vec3>() / 4.0;
     plate(builder, corners.map(|corner| corner.lerp(middle, 0.14)), paint);

@@ -124,7 +124,7 @@ fn blind_arch(builder: &mut MeshBuilder, frame: &Frame, ends: [f32; 2], material
     builder.polygon(&opening, back);
 }
 
-/// Returns a slender house that stands where a street ends.
+/// Returns a slender house for the end of a street.
 pub(super) fn gate_house(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let mut random = Random::keyed(0, &[77]);
