@@ -6,7 +6,7 @@ use std::error::Error;
 use antumbra::glam::{Affine3A, Vec3, vec3};
 use antumbra::render::{Costs, Rect};
 use antumbra::scene::{Mesh, MeshId, Object};
-use antumbra::{Camera, FrameRequest, Renderer, RendererOptions, Scene, methods};
+use antumbra::{Camera, FrameRequest, Renderer, RendererOptions, Scene};
 
 const SIZE: [u32; 2] = [640, 360];
 
@@ -27,11 +27,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     }));
     let device = antumbra::open()?;
     // Tests are made whether they pay or not: with so few triangles, hardly any does.
-    let (all, costs) = (methods::ALL, Costs::Ignored);
-    let options = RendererOptions { size: SIZE, methods: all, costs, ..Default::default() };
+    let (methods, costs) = (antumbra::methods::all(), Costs::Ignored);
+    let options = RendererOptions { size: SIZE, methods, costs, ..Default::default() };
     let mut renderer = Renderer::new(&device, &scene, &options)?;
     println!("{:18} {:>6} {:>6} {:>6}", "", "draws", "tests", "waits");
-    for strategy in methods::strategies() {
+    for strategy in antumbra::methods::strategies() {
         if let Err(error) = renderer.supports(strategy) {
             println!("{strategy}: {error}");
             continue;

@@ -49,8 +49,8 @@ pub struct RendererOptions {
     /// The number of samples up to which a test counts as hidden, so that its leaves are not drawn:
     /// at 0 the image is exact. Above, each test that is left out may cost as many pixels
     /// ([`FrameOutcome::samples_below_threshold`](crate::FrameOutcome::samples_below_threshold)
-    /// bounds them), all tests are queries, which must count samples, and conditional rendering is
-    /// not available. For [`Strategy::ANTUMBRA`] and [`Strategy::ANTUMBRA_QUERIES`];
+    /// bounds them). All tests are then queries, which must count samples, and conditional
+    /// rendering is not available. For [`Strategy::ANTUMBRA`] and [`Strategy::ANTUMBRA_QUERIES`];
     /// other methods have their own.
     pub threshold_samples: u32,
     /// The prices of tests and draws, so that nothing is tested at a loss. Where the device has
