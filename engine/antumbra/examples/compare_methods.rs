@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             (tests, waits) = (report.tests, report.waits);
         }
         renderer.drain(&mut view)?;
-        let draws = view.take_outcomes().last().map_or(0, |outcome| outcome.draws);
+        let draws = view.take_outcomes().next_back().map_or(0, |outcome| outcome.draws);
         println!("{:18} {draws:6} {tests:6} {waits:6}", strategy.name());
     }
     Ok(())

@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera))?;
         }
         renderer.drain(&mut view)?;
-        let drawn = view.take_outcomes().last().map_or(0, |outcome| outcome.draws);
+        let drawn = view.take_outcomes().next_back().map_or(0, |outcome| outcome.draws);
         println!("wall at {aside} m: {drawn} of 401 objects drawn");
         let tile = renderer.explain_object(&view, &renderer.view_of(&camera), ObjectId(1));
         match tile.ok_or("the scene has no tile")?.0.decision {
