@@ -228,8 +228,8 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Draws patches that show, in one rendering without a test or in two, of which the second is
-    /// tested.
+    /// Draws patches that show, in one rendering without a test or in two with a test of the
+    /// second.
     pub(super) fn record_load(&mut self, commands: &Commands, load: TestLoad) {
         let Some(io) = self.io else { return };
         let parts = match load {
