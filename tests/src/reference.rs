@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 /// A surface's material at a point.
 #[derive(Debug, Clone, Copy)]
 pub struct ReferencePoint {
-    /// Linear.
+    /// Linear red, green and blue, 0 to 1.
     pub base_colour: DVec3,
     /// 0 to 1.
     pub metallic: f64,
@@ -19,7 +19,7 @@ pub struct ReferencePoint {
     pub emission: DVec3,
     /// In the world, in metres.
     pub position: DVec3,
-    /// Unit.
+    /// The unit normal of the surface, in the world.
     pub normal: DVec3,
 }
 
@@ -30,23 +30,23 @@ pub enum ReferenceLight {
     Directional {
         /// Unit vector to it.
         towards: DVec3,
-        /// Its illuminance.
+        /// The illuminance of each colour, in lux.
         lux: DVec3,
     },
     /// Light from a place in all directions.
     Point {
-        /// Its position.
+        /// The position in the world, in metres.
         position: DVec3,
-        /// Its intensity.
+        /// The intensity of each colour, in candela.
         candela: DVec3,
         /// Its range, in metres.
         range: Option<f64>,
     },
     /// Light from a place into a cone.
     Spot {
-        /// Its position.
+        /// The position in the world, in metres.
         position: DVec3,
-        /// Its intensity.
+        /// The intensity of each colour, in candela.
         candela: DVec3,
         /// Its range, in metres.
         range: Option<f64>,

@@ -13,7 +13,7 @@ const MOST_RETIRING: usize = 9;
 pub struct Show<'a> {
     /// The window's device.
     pub stage: &'a WindowStage,
-    /// The window.
+    /// The window that shows the images.
     pub window: &'a X11Window,
     /// The source of images.
     pub painter: Painter,

@@ -93,7 +93,7 @@ impl FrameRequest<'_> {
 /// The report of a frame when it is submitted, of all its views together.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrameReport {
-    /// Its tick.
+    /// The tick at whose end the GPU has drawn the frame.
     pub tick: Tick,
     /// Time the CPU spent in the engine, without waits and without [`FrameReport::overlay_cpu`].
     pub cpu: Duration,
@@ -101,7 +101,7 @@ pub struct FrameReport {
     pub overlay_cpu: Duration,
     /// Proxies tested, by any tester.
     pub tests: u32,
-    /// Occlusion queries.
+    /// Occlusion queries recorded, those on draws included.
     pub queries: u32,
     /// Times that the CPU waited for a result within the frame: 0 but with the strategies that
     /// block ([`Strategy::is_blocking`]).

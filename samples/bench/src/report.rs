@@ -93,7 +93,7 @@ pub struct SceneReport {
 /// A file that a scene was loaded from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FileReport {
-    /// Its path.
+    /// The path of the file, as it was given.
     pub path: String,
     /// The time of reading it and of making a scene of it.
     pub load_ms: Option<f64>,
@@ -111,9 +111,9 @@ pub struct FileReport {
     pub transparent_objects: u64,
     /// Meshes that are skinned or morphed.
     pub skinned_meshes: u64,
-    /// Cameras.
+    /// Cameras of the shown scene.
     pub cameras: u64,
-    /// Clips.
+    /// Animation clips of the file.
     pub clips: u64,
     /// The number of clips that played.
     pub playing: u64,
@@ -146,7 +146,7 @@ pub struct BuildReport {
 pub struct AgeReport {
     /// The median; absent where no result was read back.
     pub median: Option<u64>,
-    /// The largest.
+    /// The largest age; absent where no result was read back.
     pub max: Option<u64>,
 }
 
@@ -179,7 +179,7 @@ impl From<Corrections> for CorrectionsReport {
 /// One strategy's walk. Counts are medians per frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunReport {
-    /// Its name.
+    /// The name of the strategy.
     pub strategy: String,
     /// The time of a frame: from its beginning on the CPU to its end on the device, per frame in
     /// flight.
@@ -188,7 +188,7 @@ pub struct RunReport {
     pub frame_times_ms: Vec<Option<f64>>,
     /// The CPU time of the engine per frame.
     pub cpu_ms: TimeSummary,
-    /// Draws submitted.
+    /// Draws submitted, predicated ones included.
     pub draws: Option<u64>,
     /// Triangles submitted, those of predicated draws included.
     pub triangles: Option<u64>,

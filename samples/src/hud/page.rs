@@ -30,7 +30,7 @@ pub struct HudPage {
 /// The numbers that a person looks for first.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Overview {
-    /// The scene.
+    /// The name of the scene.
     pub scene: String,
     /// The strategy that decides about draws.
     pub strategy: String,
@@ -59,7 +59,7 @@ pub struct Overview {
 /// A number and its name.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HudFigure {
-    /// The number.
+    /// The number with its unit, as text.
     pub value: String,
     /// The quantity that it counts or measures.
     pub name: &'static str,

@@ -13,11 +13,11 @@ const SHOWN_ROWS: usize = 14;
 /// The choice that a list or field ends with.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// This strategy.
+    /// A strategy to draw with.
     Strategy(Strategy),
     /// This generated scene.
     Made(choices::GeneratorChoice),
-    /// This file.
+    /// A glTF file to open.
     File(PathBuf),
     /// A path to be typed.
     TypePath,
@@ -26,9 +26,9 @@ pub enum Choice {
 /// A row of a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// Its text.
+    /// The text of the row.
     pub label: String,
-    /// Its choice.
+    /// The choice that the row stands for.
     pub choice: Choice,
 }
 
@@ -62,7 +62,7 @@ pub enum MenuKey {
 pub enum Menu {
     /// A list of rows.
     List {
-        /// Its title.
+        /// The title above the rows.
         title: &'static str,
         /// The rows, at least one.
         rows: Vec<Row>,

@@ -18,7 +18,7 @@ pub const F32: u32 = 5126;
 /// A file: its JSON, and one buffer.
 #[derive(Clone)]
 pub struct GltfFile {
-    /// The document.
+    /// The JSON of the file, which a test changes as it needs.
     pub json: Value,
     /// The contents of its buffer.
     pub binary: Vec<u8>,
@@ -175,7 +175,7 @@ pub fn glb_of(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     glb
 }
 
-/// Returns a file that uses everything that is supported.
+/// Returns a file that uses everything supported.
 pub fn everything() -> GltfFile {
     let mut scene = GltfFile::triangle();
     add_surface(&mut scene);

@@ -12,9 +12,9 @@ use crate::view_state::ViewState;
 impl Renderer {
     /// Begins to find the object of the scene, as it was drawn last, that owns the pixel at `pixel`
     /// (from the upper left) of an image seen from `camera`. All objects count, also those that
-    /// culling left out; transparent ones do not. Submits a frame of one pixel, which draws all
-    /// objects whose boxes lie along its ray: only their triangles decide which is hit. Present the
-    /// image before or after the next.
+    /// culling left out; transparent ones do not. Submits a frame of one pixel with all objects
+    /// whose boxes lie along its ray: only their triangles decide which is hit. Present the image
+    /// before or after the next.
     ///
     /// On a device whose fragment shaders cannot write to buffers, the object with the nearest box
     /// is returned.
@@ -53,7 +53,7 @@ impl Renderer {
     }
 
     /// Returns the object that was found; `Some(None)` if there is none, `None` while that is not
-    /// known, which is for ever if a newer pick, or [`Renderer::visible_set`], replaced it before.
+    /// known. It is never known if a newer pick, or [`Renderer::visible_set`], replaced it before.
     ///
     /// # Errors
     /// A pick of another renderer; a lost device.

@@ -189,7 +189,7 @@ impl Renderer {
         }
     }
 
-    /// Creates objects that only some methods and frames need, for the first frame that does.
+    /// Creates objects that only some methods and frames need, for the first of these frames.
     fn prepare(&mut self, method: usize, targets: &[ViewTarget<'_>]) -> Result<(), Error> {
         let Self { device, hierarchy, passes, executor, methods, shaders, .. } = self;
         let is_watching = |target: &ViewTarget<'_>| target.state.counts.is_watching();

@@ -24,9 +24,8 @@ pub struct VisibilitySnapshot {
 }
 
 impl VisibilitySnapshot {
-    /// Returns the newest frame of `state` as far as it is known while it is in flight: the
-    /// leaves that are taken as visible, and the frontier nodes that were hidden when they were
-    /// last tested.
+    /// Returns the newest frame of `state` as far as it is known while it is in flight: the leaves
+    /// taken as visible, and the frontier nodes that were hidden in their last test.
     pub(crate) fn underway(state: &ViewState, hierarchy: &Hierarchy, view: View) -> Self {
         let plan = state.plan();
         let one = |first| LeafRange { first, count: 1 };

@@ -29,7 +29,7 @@ use crate::resources::geometry::{Geometry, bounds_in_world};
 /// The transparent objects of a scene.
 pub(crate) struct Transparent {
     objects: Vec<TransparentObject>,
-    /// The draws that fragments switch on, and their list, which nothing reads.
+    /// The draws that fragments switch on, and their list. Nothing reads the list.
     leaf_draws: [Buffer; 2],
     /// The objects in the frustum of the view being recorded, the farthest first.
     sorted: Vec<SortedObject>,
@@ -257,8 +257,7 @@ impl Transparent {
         self.view.is_some()
     }
 
-    /// Records, before the rendering that tests the boxes, the clear of the draws that they decide
-    /// about.
+    /// Records, before the boxes are tested, the clear of the draws that they decide about.
     pub(crate) fn prepare(&self, commands: &Commands) {
         let Some(io) = self.tested() else { return };
         let [draws, list] = &self.leaf_draws;
