@@ -23,7 +23,7 @@ pub enum SkinError {
         /// The node that it names.
         node: u32,
     },
-    /// A number of inverse bind matrices that differs from that of joints.
+    /// Another number of inverse bind matrices than of joints.
     #[error("{joints} joints have {matrices} inverse bind matrices")]
     Count {
         /// The number of joints.

@@ -42,7 +42,7 @@ pub(crate) fn uses(root: &Root, extension: &str) -> bool {
     root.extensions_used.iter().chain(&root.extensions_required).any(|used| used == extension)
 }
 
-/// Returns a number that is an index or a count, also where it is written as `1.0`.
+/// Returns a number that is an index or a count, also if it is written as `1.0`.
 pub(crate) fn index(value: &Value) -> Option<usize> {
     let whole =
         |float: f64| float.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&float);

@@ -18,7 +18,7 @@ pub struct SceneCamera {
     /// The full vertical field of view, in radians, in images that are no narrower than
     /// [`SceneCamera::aspect_ratio`].
     pub fov_y_rad: f32,
-    /// The aspect ratio of its image; `None` where the file leaves that to the viewer.
+    /// The aspect ratio of its image; `None` if the file leaves it to the viewer.
     pub aspect_ratio: Option<f32>,
     /// The distance of the near plane, in metres.
     pub near_m: f32,

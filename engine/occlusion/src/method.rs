@@ -120,7 +120,7 @@ pub struct MethodRequest<'a> {
     pub strategy: Strategy,
     /// The camera's matrix, its volumes and its part of the image.
     pub view: &'a View,
-    /// The leaves that own a pixel, for strategies that [draw objects found
+    /// The leaves that own a pixel, for strategies with [objects found
     /// beforehand](Strategy::needs_still_scene); empty for others.
     pub visible: &'a [LeafIndex],
     /// The most occlusion queries of a plan. Leaves that cannot be tested are drawn.

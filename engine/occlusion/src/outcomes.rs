@@ -34,7 +34,7 @@ struct Pending {
 /// The most outcomes kept for a caller that takes them seldom, or never.
 const OUTCOMES_KEPT: usize = 1024;
 
-/// The outcomes of one view's frames: those whose results are to come, and those that were not
+/// The outcomes of one view's frames: those with results to come, and known ones that were not
 /// taken yet.
 #[derive(Debug, Default)]
 pub struct Outcomes {

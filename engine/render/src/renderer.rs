@@ -330,8 +330,7 @@ impl Renderer {
     }
 
     /// Returns the GPU time of each pass of the frame that used the slot of the newest one before
-    /// it: with N frames in flight, N frames earlier, of any view. Empty where that was not
-    /// measured.
+    /// it: with N frames in flight, N frames earlier, of any view. Empty if they were not measured.
     pub fn pass_times(&self) -> &[PassTime] {
         &self.pass_times
     }

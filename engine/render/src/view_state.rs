@@ -71,7 +71,7 @@ impl ViewState {
     }
 
     /// Returns the newest count of each watched object that has one yet, ascending by object. The
-    /// count of an object that is gone is dropped, also where another has its id now.
+    /// count of a removed object is dropped, also if another has its id now.
     pub fn visible_samples(&self) -> &[VisibleSamples] {
         self.counts.newest()
     }

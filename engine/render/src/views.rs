@@ -25,7 +25,7 @@ pub struct ViewTarget<'a> {
     pub state: &'a mut ViewState,
     /// The camera. Its angle of sight spans the height of `rect`.
     pub camera: Camera,
-    /// The objects that own a pixel, for strategies that [draw objects found
+    /// The objects that own a pixel, for strategies with [objects found
     /// beforehand](Strategy::needs_still_scene).
     pub visible: Option<&'a VisibleSet>,
     /// The part of the image for its image: at least a pixel, within the image. Where areas
@@ -71,7 +71,7 @@ pub struct FrameRequest<'a> {
     pub strategy: Strategy,
     /// The camera.
     pub camera: Camera,
-    /// The objects that own a pixel, for strategies that [draw objects found
+    /// The objects that own a pixel, for strategies with [objects found
     /// beforehand](Strategy::needs_still_scene).
     pub visible: Option<&'a VisibleSet>,
     /// The destination of a copy of the image, if it is wanted. Read it when the frame is over.

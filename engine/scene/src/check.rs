@@ -1,5 +1,5 @@
-//! Checks that the surfaces of a scene belong to it and can be drawn: a scene that passes makes no
-//! shader read out of bounds or meet a value that is not finite.
+//! Checks that the surfaces of a scene belong to it and can be drawn: with a scene that passes, no
+//! shader reads out of bounds or meets a value that is not finite.
 
 use super::surface::{Material, MorphTarget, SkinWeights, SkinnedMesh, Surfaces, TextureUse};
 use super::{Scene, SceneError, bounds_of_transformed};

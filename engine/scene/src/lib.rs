@@ -191,9 +191,9 @@ impl Scene {
     /// Checks that a renderer can draw the scene.
     ///
     /// # Errors
-    /// The first fault: a mesh with indices that do not fit its vertices or numbers that are not
-    /// finite; an object without a mesh or with a transform that is not finite; a part of its
-    /// surfaces that does not belong to it or is not finite.
+    /// The first fault: a mesh with indices that do not fit its vertices, or with infinities or
+    /// NaN; an object without a mesh, or with such a transform; a part of its surfaces that does
+    /// not belong to it, or has such a value.
     pub fn validate(&self) -> Result<(), SceneError> {
         for mesh in &self.meshes {
             let broken = |fault| Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });

@@ -29,7 +29,7 @@ pub struct FrameMeasurement {
     pub nodes_visited: u64,
     /// Leaves drawn because testing them would cost more than it saves.
     pub untested_by_cost: u64,
-    /// Rounds of tests that went to a compute shader because that cost least.
+    /// Rounds of tests by a compute shader, as the cheapest tester.
     pub rounds_by_compute: u64,
     /// The number of frames after which the draw of a stable visible leaf is tested again; 0
     /// without costs.

@@ -32,7 +32,7 @@ impl Moving {
         Ok(Self(Movers::Made { motion, cast }))
     }
 
-    /// Returns the clips that play in `performance`, by that clock.
+    /// Returns the motion of the clips that `animator` plays, by that clock.
     pub fn played(animator: SceneAnimator, clock: FrameClock) -> Self {
         Self(Movers::Played { animator: Box::new(animator), clock })
     }

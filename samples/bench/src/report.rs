@@ -160,7 +160,7 @@ pub struct CorrectionsReport {
     pub tests: Option<f64>,
     /// The factor applied to the costs of tests at the end, since that much was certain.
     pub proportion: Option<f64>,
-    /// The number of frames from which that was learned; 0 where the device reports no times.
+    /// The number of frames behind these estimates; 0 where the device reports no times.
     pub frames: u64,
 }
 
@@ -202,7 +202,7 @@ pub struct RunReport {
     pub nodes_visited: Option<u64>,
     /// Objects drawn because testing them would have cost more than it saved.
     pub untested_by_cost: Option<u64>,
-    /// Rounds of tests that `antumbra` gave to a compute shader because that cost least.
+    /// Rounds of tests that `antumbra` gave to a compute shader, as the cheapest tester.
     pub rounds_by_compute: Option<u64>,
     /// The number of frames after which the draw of a stable visible object was tested again; 0
     /// without a cost model.

@@ -18,7 +18,7 @@ use crate::terminal::shown;
 pub struct LoadProgress<'a> {
     /// The current step.
     pub what: &'a str,
-    /// The fraction of it that is done, 0 to 1, where it is known.
+    /// The finished fraction of it, 0 to 1, if it is known.
     pub fraction: Option<f32>,
 }
 

@@ -5,7 +5,7 @@
 //! the whole scene leaves them cold for the next one. Hence rounds, each begun by warm-up frames
 //! that do not count, and a rotating order, so that no strategy always follows the same other.
 
-/// The fewest consecutive timed frames of a round, where the walk has that many.
+/// The fewest consecutive timed frames of a round, if the walk has so many.
 pub const ROUND_FRAMES: u32 = 12;
 /// The frames walked again before each round's first timed one.
 pub const WARM_UP_FRAMES: u32 = 4;

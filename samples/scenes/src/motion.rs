@@ -172,7 +172,7 @@ fn order(scene: &Scene, wanted: usize, random: &mut Random) -> Vec<u32> {
 #[derive(Clone, Debug)]
 pub struct Cast {
     ids: Vec<Option<ObjectId>>,
-    /// The movers that come with the newest changes, and those that go.
+    /// The movers that come and those that go with the newest changes.
     coming: Vec<usize>,
     going: Vec<usize>,
     changes: Vec<ObjectChange>,

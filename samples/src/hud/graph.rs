@@ -66,7 +66,7 @@ fn bars(canvas: &mut HudCanvas<'_>, overview: &Overview, scale: &GraphScale, plo
     }
 }
 
-/// Draws the line that frames should stay below, where it has room beside the ends of the scale.
+/// Draws the line that frames should stay below, if it has room beside the ends of the scale.
 fn budget(canvas: &mut HudCanvas<'_>, overview: &Overview, scale: &GraphScale, plot: Rect) {
     let Some(budget_ms) = overview.budget_ms else { return };
     let y = plot.max.y - scale.height(budget_ms) * plot.height();

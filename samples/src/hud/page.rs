@@ -22,8 +22,8 @@ pub struct HudPage {
     pub asked: Option<String>,
     /// A message about an error or a finished action, at the lower edge.
     pub toast: Option<String>,
-    /// The scene that is loading, and the fraction of it that is done (0 to 1, where that is
-    /// known): a bar in place of the toast.
+    /// The scene that is loading, and its finished fraction (0 to 1, if known): a bar in place of
+    /// the toast.
     pub progress: Option<(String, Option<f32>)>,
 }
 

@@ -26,7 +26,7 @@ pub fn draw(canvas: &mut HudCanvas<'_>, page: &HudPage, left: f32) -> f32 {
     asked.or(lowest).map_or(reserved, |area| (area.min.y - MARGIN).min(reserved))
 }
 
-/// Draws a text whose lower left is at that place. Returns its area.
+/// Draws a text with its lower left at the given place. Returns its area.
 fn toast(canvas: &mut HudCanvas<'_>, text: &str, style: Style, [left, bottom]: [f32; 2]) -> Rect {
     let widest = canvas.screen.width() - left - 4.0 * MARGIN;
     let galley = canvas.wrapped(text.to_owned(), style, widest);

@@ -1,5 +1,4 @@
-//! The clock of a frame loop: the one that displays and GPUs report their times on, where there is
-//! one.
+//! The clock of a frame loop: the one of the times that displays and GPUs report, if there is one.
 
 use antumbra::pacing::Time;
 

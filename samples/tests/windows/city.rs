@@ -178,8 +178,7 @@ fn a_screenshot_is_the_frame_it_was_taken_of() {
     assert!(first != second, "nobody walked");
 }
 
-/// Checks that files that could not be written are named at the end, which is a failure; all others
-/// are written.
+/// Checks that unwritable files are named at the end, which is a failure; all others are written.
 #[test]
 fn what_cannot_be_written_is_no_success() {
     let scratch = Scratch::new("city-unwritten");

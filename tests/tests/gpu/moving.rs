@@ -153,8 +153,8 @@ fn every_way_to_skip_draws_is_exact_while_objects_move() {
     });
 }
 
-/// Checks that every tester is exact while objects move: boxes that moved on the GPU, draws that
-/// others took over, leaves that are free.
+/// Checks that every tester is exact while objects move: boxes that moved on the GPU, draws taken
+/// over by others, free leaves.
 #[test]
 fn every_tester_is_exact_while_objects_move() {
     run_on_all(|device| {

@@ -144,8 +144,8 @@ fn what_is_explained_of_objects_is_what_was_drawn() {
     });
 }
 
-/// Checks that every object of the newest frame, which is waited for, was drawn if and only if that
-/// is explained; counts those drawn, hidden and outside.
+/// Waits for the newest frame, and checks that each of its objects was drawn if and only if that is
+/// explained; counts those drawn, hidden and outside.
 fn check(
     renderer: &mut Renderer,
     view: &mut ViewState,

@@ -1,4 +1,4 @@
-//! Lights that change and objects that move under them: frames look as if the scene had always been
+//! Changing lights, and objects that move under them: frames look as if the scene had always been
 //! so.
 
 use cull::{Camera, ObjectId, Strategy};

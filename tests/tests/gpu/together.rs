@@ -1,5 +1,5 @@
-//! All features that a scene can have at once: lamps that move, holes, panes, a skinned mesh, a
-//! door that opens. The images are the same with every strategy.
+//! All features that a scene can have at once: moving lamps, holes, panes, a skinned mesh, an
+//! opening door. The images are the same with every strategy.
 
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};

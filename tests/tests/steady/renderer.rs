@@ -20,8 +20,8 @@ const MODES: [(Driver, &[PresentMode]); 2] = [
     (Driver::SwiftShader, &[PresentMode::Fifo, PresentMode::Mailbox]),
 ];
 
-/// Returns the number of objects that were made, beside the recording of commands and the sets that
-/// a frame takes from its slot's pool: both begin again with every frame.
+/// Returns the number of objects that were made, beside the recording of commands and the sets of a
+/// frame from its slot's pool: both begin again with every frame.
 fn made() -> usize {
     const EVERY_FRAME: [&CStr; 4] = [
         c"vkBeginCommandBuffer",

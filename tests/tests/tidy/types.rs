@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::files::SourceFile;
 
-/// Finds public types of two packages that have one name, which a reader of a third package cannot
-/// tell apart. Each crate of the engine has an `Error` of its own, as Rust's crates do.
+/// Finds public types of two packages with one name: a reader of a third package cannot tell them
+/// apart. Each crate of the engine has an `Error` of its own, as Rust's crates do.
 pub fn one_name_one_type(files: &[SourceFile]) -> Vec<String> {
     let mut known = BTreeMap::<&str, &str>::new();
     let mut findings = Vec::new();

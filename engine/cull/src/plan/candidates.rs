@@ -76,7 +76,7 @@ pub(crate) struct Candidate {
     pub(crate) kind: QueryKind,
     pub(crate) proxy: Aabb,
     pub(crate) leaf_count: u32,
-    /// The frame since which a node above it was hidden, where nothing newer is known.
+    /// The frame since which a node above it was hidden, unless something newer is known.
     pub(crate) inherited: Option<FrameStamp>,
     /// The frames for which the node has been hidden; `None` where it is not known to be. 0 where
     /// nothing depends on that: pull-up queries and own boxes, whose nodes are visible.

@@ -184,7 +184,7 @@ pub struct PlanStats {
     pub expected_saving_ns: u64,
     /// Pixels that the boxes of all tests cover, about; 0 without a cost model.
     pub proxy_pixels: u64,
-    /// Rounds of tests that the cost model assigned to the compute shader, where that costs least.
+    /// Rounds of tests that the cost model assigned to the compute shader as the cheapest tester.
     pub rounds_by_compute: u32,
     /// Leaves drawn to have occluders when nothing is known.
     pub occluders: u32,

@@ -123,8 +123,8 @@ impl Strategy {
         self.summary
     }
 
-    /// Returns true if it never misses an object that owns a pixel, and has the image of plain
-    /// frustum culling, as long as no option gives that up: a threshold, if it [can have
+    /// Returns true if it never misses an object with a pixel, and has the image of plain frustum
+    /// culling, unless an option gives that up: a threshold, if it [can have
     /// one](Strategy::has_sample_threshold), and
     /// [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of coherent hierarchical culling.
     /// Under the latter some devices choose another of two faces of equal depth.

@@ -182,8 +182,8 @@ fn what_comes_into_view_is_drawn_at_once_where_nothing_hides() {
     assert!(frames_with_tests < 24, "{frames_with_tests} frames of 240 were broken for tests");
 }
 
-/// Checks a scene in which some objects in view are hidden, but drawing them costs less than the
-/// breaks that their tests need.
+/// Checks a scene with some hidden objects in view that cost less to draw than the breaks of their
+/// tests.
 #[test]
 fn where_less_hides_than_breaks_cost_frames_ask_seldom() {
     // A quarter of the things stands behind others that hide them now and then.

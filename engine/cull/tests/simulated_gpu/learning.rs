@@ -106,8 +106,8 @@ impl Clocked {
         }
     }
 
-    /// Returns the number of single leaves that were tested over `frames` frames, and checks that
-    /// each frame is exact.
+    /// Returns the number of single leaves tested over `frames` frames, and checks that each frame
+    /// is exact.
     fn single_tests(&mut self, frames: usize) -> usize {
         let mut single = 0;
         for _ in 0..frames {

@@ -17,8 +17,8 @@ const STREET: Camera = Camera {
     near: 0.1,
 };
 
-/// Returns the leaves that a plan draws without a test and the nodes that it tests, apart from
-/// scheduled tests.
+/// Returns the leaves of a plan drawn without a test and its tested nodes, apart from scheduled
+/// tests.
 fn essence(walk: &Walk) -> (BTreeSet<u32>, BTreeSet<u32>) {
     let queried = walk.plan.queried_draws.iter().map(|(leaf, _)| leaf.0);
     let draws = walk.plan.draws.iter().map(|leaf| leaf.0).chain(queried);

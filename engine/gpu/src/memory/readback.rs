@@ -1,7 +1,7 @@
 //! Images on their way to the CPU: mapped memory that is read only while the GPU does not write
 //! it.
 //!
-//! The commands that copy an image leave a [`Ticket`], which learns their tick when they are
+//! Commands with a copy of an image leave a [`Ticket`], which learns their tick when they are
 //! submitted. Until that tick is over nothing can be read, and while somebody reads, no recording
 //! may write: no thread ever sees half an image. Of the frames that are open at once, one may copy
 //! an image to the same place.

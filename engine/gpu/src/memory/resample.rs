@@ -1,5 +1,5 @@
-//! Images of another size, computed on the CPU: for mip maps where the device makes none, and for
-//! images that must share a size.
+//! Images of another size, computed on the CPU: for mip maps on devices that make none, and for
+//! images of a common size.
 
 use ash::vk;
 

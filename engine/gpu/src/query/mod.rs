@@ -1,4 +1,4 @@
-//! Rings that test on the GPU and get results frames later, and draws that depend on the results.
+//! Rings of tests on the GPU with results frames later, and draws that depend on the results.
 
 pub(crate) mod blocking_query_pool;
 pub(crate) mod flag_ring;

@@ -1,10 +1,10 @@
 //! The query ring: occlusion queries over N frames in flight, whose results nobody waits for.
 //!
 //! A slot belongs to one frame until its tick is over. While the frame runs, the GPU itself copies
-//! the results: to a buffer that predicates read in the same frame, and from there to mapped
-//! memory, where the CPU picks them up in a later frame (GPU Gems, 29.4; GPU Gems 2, 6.4). The
-//! results are believed because of the tick, not because of an availability value: SwiftShader may
-//! write that value too early.
+//! the results: to a buffer for the predicates of the same frame, and from there to mapped memory,
+//! where the CPU picks them up in a later frame (GPU Gems, 29.4; GPU Gems 2, 6.4). The results are
+//! believed because of the tick, not because of an availability value: SwiftShader may write that
+//! value too early.
 
 use std::ops::Range;
 

@@ -167,8 +167,8 @@ impl Frame<'_> {
         self.slot
     }
 
-    /// Returns the time that [`FrameRing::begin`] waited for the frame that used this slot before,
-    /// and [`Frame::wait`] for this one.
+    /// Returns the time of waits: in [`FrameRing::begin`] for the frame that used this slot before,
+    /// and in [`Frame::wait`] for this one.
     pub fn waited(&self) -> Duration {
         self.waited
     }

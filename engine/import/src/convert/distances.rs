@@ -2,8 +2,8 @@
 //! playback, so such clips are found when loading and are not played.
 //!
 //! The distance of each node is bounded for all clips at once, mixed or not ([`Extents`]), so that
-//! no fade goes farther than a clip. Only where that bound is too far, clips are tried one after
-//! the other, each with the accepted ones before it.
+//! no fade goes farther than a clip. Only if that bound is too far, clips are tried one after the
+//! other, each with the accepted ones before it.
 
 use std::collections::HashMap;
 

@@ -28,7 +28,7 @@ const FAULTS: &[Fault] = &[
     ),
     (
         |it| it.color.iter().any(|part| !(0.0..=1.0).contains(part)),
-        "lights whose color is not between 0 and 1, taken as 0 where it is below",
+        "lights with a color that is not between 0 and 1, taken as 0 if below",
     ),
     (
         |it| it.range.is_some_and(|range| range <= 0.0),

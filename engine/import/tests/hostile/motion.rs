@@ -1,5 +1,4 @@
-//! Tests of clips that move too far, limits that only a renderer has, and odd files that are
-//! accepted.
+//! Tests of clips that move too far, limits of renderers alone, and accepted odd files.
 
 use std::ops::ControlFlow;
 

@@ -37,7 +37,7 @@ pub const REPLACED: &[Row] = &[
     (
         "a light of a negative colour",
         |s| light(s, "color", json!([1, -1, 1])),
-        Noted(&["node 3: lights whose color is not between"]),
+        Noted(&["node 3: lights with a color that is not between"]),
     ),
     (
         "a light that ends before it begins",
@@ -52,17 +52,17 @@ pub const REPLACED: &[Row] = &[
     (
         "an image of no width",
         |s| camera(s, "aspectRatio", json!(0)),
-        Noted(&["camera \"camera 0\": cameras whose width by height"]),
+        Noted(&["camera \"camera 0\": cameras with a width by height"]),
     ),
     (
         "an image of negative width",
         |s| camera(s, "aspectRatio", json!(-1)),
-        Noted(&["cameras whose width by height"]),
+        Noted(&["cameras with a width by height"]),
     ),
     (
         "an image of hardly any width",
         |s| camera(s, "aspectRatio", json!(1e-30)),
-        Noted(&["cameras whose width by height"]),
+        Noted(&["cameras with a width by height"]),
     ),
     ("a tall image", |s| camera(s, "aspectRatio", json!(0.1)), Opens),
     (

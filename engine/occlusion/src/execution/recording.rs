@@ -37,8 +37,7 @@ impl Recording<'_> {
     ///
     /// Each rendering draws the leaves that the previous tests revealed, and the proxies of the
     /// next tests. So a round costs one break and not two. Leaves below a node that showed in round
-    /// `n` are tested together with round `n + 1`, and drawn with the leaves that round `n + 1`
-    /// reveals.
+    /// `n` are tested together with round `n + 1`, and drawn with the leaves revealed by it.
     pub(super) fn record(&self, commands: &Commands, objects: &mut dyn ObjectRenderer) {
         let (state, io, view) = (self.state, self.io, self.view);
         let rounds = &state.layout.rounds;

@@ -169,7 +169,7 @@ fn a_clock_of_one_millisecond_will_do() {
     assert!(missed_in_all * 200 <= all, "{missed_in_all} of {all}");
 }
 
-/// Checks that the loop still runs with a clock whose steps are about a refresh, which reveals no
+/// Checks that the loop still runs with a clock of steps of about a refresh, which reveals no
 /// phases.
 #[test]
 fn a_clock_of_sixty_four_hertz_does_not_break_it() {

@@ -37,7 +37,7 @@ pub(crate) struct PassNeeds<'a> {
 }
 
 impl Pipelines {
-    /// Compiles the passes that a scene needs, and those on demand that `former` has compiled.
+    /// Compiles the passes that a scene needs, and of those on demand the ones in `former`.
     ///
     /// # Errors
     /// A shader that does not fit its pass, a failed call.

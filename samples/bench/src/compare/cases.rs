@@ -2,8 +2,8 @@
 //! them.
 //!
 //! A case may have been measured in parts, since plain frustum culling leaves caches cold for those
-//! that follow it. A ratio of two strategies that never ran in one walk is tied through a third one
-//! that ran with both.
+//! that follow it. Two strategies that never ran in one walk are compared through a third one that
+//! ran with both.
 
 use std::collections::BTreeMap;
 

@@ -56,7 +56,8 @@ pub enum CompareError {
 }
 
 impl CompareError {
-    /// Returns the exit code: 2 for errors that the user can correct, 1 where the machine failed.
+    /// Returns the exit code: 2 for errors that the user can correct, 1 for failures of the
+    /// machine.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Input(_) | Self::Devices(_) | Self::NoPicture => 2,

@@ -1,4 +1,4 @@
-//! The whole text of pages whose values are all known, and of one whose values are all unknown.
+//! The whole text of pages with all values known, and of one with none.
 
 use std::time::Duration;
 

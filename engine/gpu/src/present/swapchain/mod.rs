@@ -10,8 +10,8 @@
 //!   for it is over, and it may be given to an acquire again.
 //! - The presentation engine waits for the image's *drawn semaphore*. There is one per image: when
 //!   the image is acquired again, the present that waited for it is over.
-//! - If a driver waits inside the present itself, as for a window that may be hidden, another
-//!   thread makes that call ([`presenter`]).
+//! - If a driver waits inside the present itself, as for a hidden window, another thread makes that
+//!   call ([`presenter`]).
 //!
 //! A frame is rendered and submitted before its image is asked for, so the GPU draws while the CPU
 //! waits for the screen, and a frame without a window is the same frame.

@@ -1,12 +1,12 @@
 //! Replaced swapchains, until the presentation engine no longer uses them.
 //!
-//! Their last presents wait for semaphores that go with them, and no tick proves that a present has
-//! done that. These do:
+//! Their last presents wait for semaphores that go with them. No tick proves the end of such a
+//! wait. These do:
 //!
 //! - *Present fences* (`VK_EXT_swapchain_maintenance1`): polled, never waited for.
 //! - Without them, *an image of a younger chain that was presented and is acquired again*: presents
 //!   to one window are carried out in order. Those of older chains are over with the frame that
-//!   waits for that acquire.
+//!   waits for the acquire.
 //! - Where chains are replaced faster than their images come back, no more than [`MOST`] are kept:
 //!   the oldest goes when a submit made behind its last present is over. `vkQueueWaitIdle`, which
 //!   programs use for this, proves no more, and waits.
@@ -34,7 +34,7 @@ impl RetiredSwapchains {
         if self.chains.len() > MOST { self.retire_behind_a_submit(device, 1) } else { Ok(()) }
     }
 
-    /// Retires those whose fences prove that their presents are over.
+    /// Retires those whose presents are over, as their fences prove.
     pub(super) fn retire_presented(&mut self, device: &Device) -> Result<(), Error> {
         while let Some(oldest) = self.chains.front() {
             if oldest.is_presented(device)? != Some(true) {

@@ -260,7 +260,7 @@ impl Predicates {
     }
 
     /// Draws the range of a decision out of `draws` if the result is not zero. `draws` has a copy
-    /// of every draw, whose instance count is 1 where a box was visible and 0 elsewhere.
+    /// of every draw. Its instance count is 1 if the box was visible, else 0.
     pub fn draw_enabled(
         &self,
         commands: &Commands,

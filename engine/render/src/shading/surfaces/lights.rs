@@ -68,8 +68,8 @@ pub(crate) fn strongest_part(light: &PunctualLight) -> f32 {
     light.colour.into_iter().fold(0.0, f32::max) * light.intensity
 }
 
-/// Returns the reach of a point or spot light, in metres: its range, or the distance where a white
-/// surface that faces it falls below 1/256 of white at an exposure of 1 (a matt one of irradiance E
+/// Returns the reach of a point or spot light, in metres: its range, or the distance from which a
+/// white surface towards it is below 1/256 of white at an exposure of 1 (a matt one of irradiance E
 /// has radiance E / pi).
 #[must_use]
 pub fn reach_m(light: &PunctualLight) -> f32 {

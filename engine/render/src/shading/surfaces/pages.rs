@@ -51,8 +51,8 @@ impl PagePlan {
     /// first.
     ///
     /// All pages together take at most twice the memory of their images, or
-    /// [`SMALL_PAGES_BYTES`](super::page_groups::SMALL_PAGES_BYTES) where that is more. An image
-    /// that is sampled as colours and as numbers counts twice.
+    /// [`SMALL_PAGES_BYTES`](super::page_groups::SMALL_PAGES_BYTES) if more. An image that is
+    /// sampled as colours and as numbers counts twice.
     #[must_use]
     pub fn new(surfaces: &Surfaces, max_side: u32, max_layers: u32) -> Self {
         let max_layers = max_layers.clamp(1, MAX_LAYERS);

@@ -17,7 +17,7 @@ pub struct PresentTiming {
     pub shown_ns: u64,
     /// The earliest time at which it could have been shown, in nanoseconds.
     pub earliest_ns: u64,
-    /// The time by which it was ready before that, in nanoseconds.
+    /// The time from its readiness to that, in nanoseconds.
     pub margin_ns: u64,
 }
 
