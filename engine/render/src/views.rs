@@ -69,7 +69,7 @@ pub struct ViewsRequest<'a> {
 pub struct FrameRequest<'a> {
     /// The strategy that decides what to draw.
     pub strategy: Strategy,
-    /// The camera.
+    /// The camera that the view is seen from.
     pub camera: Camera,
     /// The objects that own a pixel, for strategies with [objects found
     /// beforehand](Strategy::needs_still_scene).
