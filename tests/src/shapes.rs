@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, Camera, View};
 use glam::{Affine3A, Quat, Vec3};
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    Polygon, Spirv, StorageLayout, VertexLayout, vk,
+    BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, Spirv,
+    StorageLayout,
 };
 use occlusion::{ProxyPass, ShaderSet};
 use scene::{
@@ -29,23 +29,12 @@ impl DepthBoxes {
     /// Compiles the pipeline.
     pub fn new(device: &Device) -> Self {
         let shader = shaders::find("proxy.vert");
-        let spirv = Spirv::from_bytes("proxy.vert", shader.expect("the shader").spirv);
+        let spirv =
+            Spirv::from_bytes("proxy.vert", shader.expect("the shader").spirv).expect("SPIR-V");
         let info = GraphicsPipelineInfo {
-            name: "depth boxes",
-            vertex: &spirv.expect("SPIR-V"),
-            fragment: None,
-            vertices: VertexLayout::default(),
-            storage: StorageLayout {
-                buffers: 1,
-                textures: 0,
-                texture_arrays: 0,
-                push_bytes: size_of::<Constants>() as u32,
-            },
-            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-            polygon: Polygon::Filled,
-            cull: vk::CullModeFlags::NONE,
+            storage: StorageLayout::new::<Constants>(1),
             depth: DepthMode::TestAndWrite,
-            blend: Blend::NoColour,
+            ..GraphicsPipelineInfo::of("depth boxes", &spirv)
         };
         Self { pipeline: GraphicsPipeline::new(device, &info).expect("a pipeline") }
     }

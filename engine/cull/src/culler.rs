@@ -299,7 +299,7 @@ impl Culler {
 
     /// Returns the history of a node; an empty one for a foreign id.
     #[must_use]
-    pub fn node_history(&self, node: NodeId) -> NodeHistory {
+    pub(crate) fn node_history(&self, node: NodeId) -> NodeHistory {
         let record = self.history.record(node.0);
         let frame = |stamp: FrameStamp| {
             Some(FrameId(self.epoch + stamp.frames()?)).filter(|frame| frame.0 > 0)

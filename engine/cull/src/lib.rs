@@ -87,7 +87,7 @@ pub use blocking::{
 };
 pub use cost::contents::FrameContents;
 pub use cost::corrections::Corrections;
-pub use cost::cost_model::{CostBenefit, CostModel, TestEstimate};
+pub use cost::cost_model::CostModel;
 pub use cost::table::{BadCost, CostTable, SceneCosts};
 pub use culler::Culler;
 pub use geom::bounds::{Aabb, MAX_COORDINATE};

@@ -93,7 +93,7 @@ pub use crate::query::predicates::{
     BOX_VERTICES, PredicatedRange, Predicates, Predication, ResultSource, Reveal,
 };
 pub use crate::query::query_ring::QueryRing;
-pub use crate::record::access::{Access, LayoutChange, MemoryBarrier};
+pub use crate::record::access::{Access, MemoryBarrier};
 pub use crate::record::commands::Commands;
 pub use crate::record::frames::{Frame, FrameRing, SlotIndex};
 pub use crate::record::indirect::{DrawRange, IndirectDraw};
@@ -105,7 +105,7 @@ pub use crate::record::render_target::{Load, RenderTarget};
 pub use crate::record::shader::Spirv;
 #[cfg(feature = "shader-compiler")]
 pub use crate::record::shader::compile;
-pub use crate::record::target::{COLOUR_FORMAT, DEPTH_FORMAT, Target};
+pub use crate::record::target::Target;
 pub use crate::record::timing::{FrameTime, PassTime};
 pub use ash::{Entry, vk};
 #[cfg(feature = "window")]

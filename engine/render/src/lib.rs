@@ -56,7 +56,7 @@ pub use debug::visibility_snapshot::VisibilitySnapshot;
 pub use debug::visible_set::VisibleSet;
 pub use error::Error;
 pub use occlusion::{Costs, FrameOutcome, Rect, ShaderSet};
-pub use passes::{FlatDraw, FlatVertex};
+pub use passes::FlatVertex;
 pub use renderer::{MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use resources::object_bounds::object_bounds;
 pub use shading::scene_degradations::SceneDegradations;

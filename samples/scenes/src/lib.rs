@@ -34,5 +34,5 @@ pub use error::{GeneratorError, MAX_OBJECTS, MotionError};
 pub use field::field;
 pub use generated::GeneratedScene;
 pub use motion::{Cast, Motion};
-pub use path::{CameraPath, EYE_HEIGHT_M, PathKind};
+pub use path::{CameraPath, PathKind};
 pub use routes::{Flight, Routes, Streets};

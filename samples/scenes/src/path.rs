@@ -16,7 +16,7 @@ use super::random::Random;
 use super::routes::{Flight, Routes, Streets};
 
 /// The height of a walker's eye over the road, in metres.
-pub const EYE_HEIGHT_M: f32 = 1.7;
+pub(crate) const EYE_HEIGHT_M: f32 = 1.7;
 
 /// The distance that a walker covers per frame, in metres: 3 m/s at 30 frames per second.
 const WALK_STEP_M: f64 = 0.1;

@@ -7,8 +7,7 @@ use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Strategy, View};
 use glam::{Vec3, vec3};
 use gpu::{
     Blend, Buffer, BufferSlice, Commands, DepthMode, Device, FrameRing, GraphicsPipeline,
-    GraphicsPipelineInfo, IndirectDraw, Polygon, Readback, RenderTarget, StorageLayout, Target,
-    VertexLayout, vk,
+    GraphicsPipelineInfo, IndirectDraw, Readback, RenderTarget, StorageLayout, Target, vk,
 };
 use occlusion::{
     LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, Method, MethodRequest, MethodScene, ObjectPass,
@@ -48,16 +47,11 @@ impl Boxes {
         let fragment = gpu::compile(&file).unwrap();
         std::fs::remove_file(file).unwrap();
         let info = GraphicsPipelineInfo {
-            name: "bare boxes",
-            vertex: shaders.find("proxy.vert").unwrap(),
             fragment: Some(&fragment),
-            vertices: VertexLayout::default(),
             storage: StorageLayout { buffers: 1, push_bytes: 80, ..Default::default() },
-            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-            polygon: Polygon::Filled,
-            cull: vk::CullModeFlags::NONE,
             depth: DepthMode::TestAndWrite,
             blend: Blend::Opaque,
+            ..GraphicsPipelineInfo::of("bare boxes", shaders.find("proxy.vert").unwrap())
         };
         let indices: Vec<u32> = (0..BOX_INDICES).collect();
         let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;

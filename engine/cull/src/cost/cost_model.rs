@@ -45,30 +45,30 @@ const KNOWN_PRIOR: DecayingRate = DecayingRate { yes: 7.2, no: 0.8 };
 
 /// A test that could be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TestEstimate {
+pub(crate) struct TestEstimate {
     /// Leaves that are drawn without it.
-    pub leaves: u32,
+    pub(crate) leaves: u32,
     /// Pixels that its proxy covers.
-    pub pixels: f32,
+    pub(crate) pixels: f32,
     /// True if nothing is known of the node.
-    pub is_unknown: bool,
+    pub(crate) is_unknown: bool,
 }
 
 /// The saving and the cost of a test.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CostBenefit {
+pub(crate) struct CostBenefit {
     /// The average saving.
-    pub saving_ns: f32,
+    pub(crate) saving_ns: f32,
     /// The part of it that is saved in this frame.
-    pub saving_now_ns: f32,
+    pub(crate) saving_now_ns: f32,
     /// The cost of the test itself, in nanoseconds.
-    pub cost_ns: f32,
+    pub(crate) cost_ns: f32,
 }
 
 impl CostBenefit {
     /// Returns true if the test pays.
     #[must_use]
-    pub fn pays(self) -> bool {
+    pub(crate) fn pays(self) -> bool {
         self.saving_ns >= self.cost_ns
     }
 }
@@ -129,13 +129,13 @@ impl CostModel {
 
     /// Returns the probability that an unknown node turns out hidden.
     #[must_use]
-    pub fn unknown_hidden(&self) -> f32 {
+    pub(crate) fn unknown_hidden(&self) -> f32 {
         self.unknown.probability(UNKNOWN_PRIOR)
     }
 
     /// Returns the probability that a hidden node is still hidden.
     #[must_use]
-    pub fn still_hidden(&self) -> f32 {
+    pub(crate) fn still_hidden(&self) -> f32 {
         self.known.probability(KNOWN_PRIOR)
     }
 
@@ -252,7 +252,7 @@ impl CostModel {
 
     /// Weighs a test that `tester` answers.
     #[must_use]
-    pub fn weigh(&self, estimate: &TestEstimate, tester: Tester) -> CostBenefit {
+    pub(crate) fn weigh(&self, estimate: &TestEstimate, tester: Tester) -> CostBenefit {
         let (hidden, frames) = match estimate.is_unknown {
             true => (self.unknown_hidden(), HORIZON_FRAMES),
             false => (self.still_hidden(), 1.0),
@@ -269,7 +269,7 @@ impl CostModel {
     /// at the price of one test from then on. Where a test of a single leaf does not pay, one of
     /// many may.
     #[must_use]
-    pub fn weigh_pull_up(&self, estimate: &TestEstimate, tester: Tester) -> CostBenefit {
+    pub(crate) fn weigh_pull_up(&self, estimate: &TestEstimate, tester: Tester) -> CostBenefit {
         let benefit = self.weigh(estimate, tester);
         let saving_ns = HORIZON_FRAMES * (benefit.saving_ns - benefit.cost_ns).max(0.0);
         CostBenefit { saving_ns: saving_ns.min(f32::MAX), ..benefit }
@@ -277,7 +277,7 @@ impl CostModel {
 
     /// Returns the available tester that tests a box at the least cost.
     #[must_use]
-    pub fn cheaper(&self, estimate: &TestEstimate, has_flags: bool) -> Tester {
+    pub(crate) fn cheaper(&self, estimate: &TestEstimate, has_flags: bool) -> Tester {
         let cost = |tester| self.weigh(estimate, tester).cost_ns;
         if has_flags && cost(Tester::Flag) <= cost(Tester::Query) {
             Tester::Flag
@@ -290,7 +290,13 @@ impl CostModel {
     /// cover `pixels` together. Its `shared` ones cost the other testers nothing. The compute
     /// shader has a fixed price, the others are paid by the pixel.
     #[must_use]
-    pub fn is_for_compute(&self, boxes: u32, shared: u32, pixels: f32, has_flags: bool) -> bool {
+    pub(crate) fn is_for_compute(
+        &self,
+        boxes: u32,
+        shared: u32,
+        pixels: f32,
+        has_flags: bool,
+    ) -> bool {
         let count = boxes as f32;
         let hidden = self.still_hidden();
         let per_box = |tester| self.box_ns(pixels / count.max(1.0), hidden, tester);

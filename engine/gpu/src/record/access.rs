@@ -170,7 +170,7 @@ impl MemoryBarrier {
 
 /// A barrier over an image that also moves it from one access's layout to another's.
 #[derive(Debug, Clone, Copy)]
-pub struct LayoutChange {
+pub(crate) struct LayoutChange {
     pub(crate) image: vk::Image,
     pub(crate) part: vk::ImageSubresourceRange,
     pub(crate) barrier: MemoryBarrier,

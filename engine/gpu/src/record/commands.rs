@@ -172,7 +172,7 @@ impl Commands {
     }
 
     /// Records image barriers that change layouts.
-    pub fn change_layouts<const N: usize>(&self, changes: [LayoutChange; N]) {
+    pub(crate) fn change_layouts<const N: usize>(&self, changes: [LayoutChange; N]) {
         let images = changes.map(|change| {
             vk::ImageMemoryBarrier2::default()
                 .image(change.image)

@@ -103,6 +103,32 @@ pub struct GraphicsPipelineInfo<'a> {
     pub blend: Blend,
 }
 
+impl StorageLayout {
+    /// Describes so many buffers, and push constants of type `C`.
+    pub fn new<C>(buffers: u32) -> Self {
+        Self { buffers, push_bytes: size_of::<C>() as u32, ..Self::default() }
+    }
+}
+
+impl<'a> GraphicsPipelineInfo<'a> {
+    /// Describes the plainest pipeline: both sides of triangles that the shader makes up, tested
+    /// for as near or nearer, with nothing stored.
+    pub fn of(name: &'a str, vertex: &'a Spirv) -> Self {
+        Self {
+            name,
+            vertex,
+            fragment: None,
+            vertices: VertexLayout::default(),
+            storage: StorageLayout::default(),
+            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            polygon: Polygon::Filled,
+            cull: vk::CullModeFlags::NONE,
+            depth: DepthMode::TestOnly,
+            blend: Blend::NoColour,
+        }
+    }
+}
+
 /// A graphics pipeline.
 pub struct GraphicsPipeline(pub(crate) PipelineKind);
 

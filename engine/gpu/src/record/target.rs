@@ -14,12 +14,12 @@ use crate::record::commands::{Commands, Failure};
 use crate::record::render_target::{Load, RenderTarget};
 
 /// Colour: eight bits per channel, sRGB-encoded by the hardware.
-pub const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
+pub(crate) const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 /// The format of the colour's memory: the same bytes without encoding, so that a window gets them
 /// unchanged in whichever order of channels it wants them.
 pub(crate) const COLOUR_BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
 /// Depth: 32-bit float, reversed, so that precision is even over all distances.
-pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
+pub(crate) const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
 /// A colour and a depth image of one size.
 pub struct Target {

@@ -80,12 +80,7 @@ impl PyramidPass {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::TRANSFER_DST
             | vk::BufferUsageFlags::TRANSFER_SRC;
-        let storage = StorageLayout {
-            buffers: 1,
-            textures: 0,
-            texture_arrays: 0,
-            push_bytes: size_of::<Constants>() as u32,
-        };
+        let storage = StorageLayout::new::<Constants>(1);
         let shader = shaders.find("pyramid_build.comp")?;
         Ok(Self {
             pipeline: ComputePipeline::new(device, "pyramid build", shader, storage)?,

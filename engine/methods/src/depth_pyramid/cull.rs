@@ -103,9 +103,8 @@ impl PyramidCullPass {
     /// # Errors
     /// A failed call.
     pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        let push_bytes = size_of::<Constants>() as u32;
         let phase = |name, shader, buffers| {
-            let storage = StorageLayout { buffers, textures: 0, texture_arrays: 0, push_bytes };
+            let storage = StorageLayout::new::<Constants>(buffers);
             ComputePipeline::new(device, name, shaders.find(shader)?, storage).map_err(Error::from)
         };
         Ok(Self {

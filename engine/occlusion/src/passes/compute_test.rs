@@ -84,13 +84,7 @@ impl ComputeTest {
         Self::check(device, size)?;
         let limits = &device.adapter().limits;
         let bytes = |size| product(size).saturating_mul(4);
-        let pipeline = |name, shader, buffers, push_bytes: usize| {
-            let storage = StorageLayout {
-                buffers,
-                textures: 0,
-                texture_arrays: 0,
-                push_bytes: push_bytes as u32,
-            };
+        let pipeline = |name, shader, storage| {
             ComputePipeline::new(device, name, shaders.find(shader)?, storage).map_err(Error::from)
         };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -98,12 +92,12 @@ impl ComputeTest {
             Buffer::new(device, name, bytes(size), storage | usage, MemoryKind::Device)
         };
         let cells = cells(size);
-        let grid_bytes = size_of::<GridConstants>();
-        let test_bytes = size_of::<TestConstants>();
+        let grid_layout = StorageLayout::new::<GridConstants>(2);
+        let test_layout = StorageLayout::new::<TestConstants>(4);
         let snapping = 0.5_f32.powi(limits.sub_pixel_precision_bits.min(24) as i32);
         Ok(Self {
-            grid_pipeline: pipeline("depth grid", "depth_grid.comp", 2, grid_bytes)?,
-            test_pipeline: pipeline("compute test", "compute_test.comp", 4, test_bytes)?,
+            grid_pipeline: pipeline("depth grid", "depth_grid.comp", grid_layout)?,
+            test_pipeline: pipeline("compute test", "compute_test.comp", test_layout)?,
             depths: buffer("tested depth", size, vk::BufferUsageFlags::TRANSFER_DST)?,
             grid: buffer("depth grid", cells, vk::BufferUsageFlags::empty())?,
             reach_pixels: snapping + SLACK_PIXELS,

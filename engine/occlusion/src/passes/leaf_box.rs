@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    LeafDrawBuffers, Polygon, StorageLayout, VertexLayout, vk,
+    BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, LeafDrawBuffers,
+    StorageLayout,
 };
 
 use crate::error::Error;
@@ -45,21 +45,9 @@ impl LeafBoxPass {
     /// A failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let info = GraphicsPipelineInfo {
-            name: "leaf boxes",
-            vertex: shaders.find("leaf_box.vert")?,
             fragment: Some(shaders.find("leaf_box.frag")?),
-            vertices: VertexLayout::default(),
-            storage: StorageLayout {
-                buffers: 3,
-                textures: 0,
-                texture_arrays: 0,
-                push_bytes: size_of::<Constants>() as u32,
-            },
-            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-            polygon: Polygon::Filled,
-            cull: vk::CullModeFlags::NONE,
-            depth: DepthMode::TestOnly,
-            blend: Blend::NoColour,
+            storage: StorageLayout::new::<Constants>(3),
+            ..GraphicsPipelineInfo::of("leaf boxes", shaders.find("leaf_box.vert")?)
         };
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
     }

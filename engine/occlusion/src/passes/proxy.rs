@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, View};
 use gpu::{
-    BOX_VERTICES, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, Optional, Polygon, StorageLayout, VertexLayout, vk,
+    BOX_VERTICES, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, Optional,
+    StorageLayout,
 };
 
 use crate::error::Error;
@@ -70,21 +70,9 @@ impl ProxyPass {
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let pipeline = |name, fragment, buffers| -> Result<GraphicsPipeline, Error> {
             let info = GraphicsPipelineInfo {
-                name,
-                vertex: shaders.find("proxy.vert")?,
                 fragment,
-                vertices: VertexLayout::default(),
-                storage: StorageLayout {
-                    buffers,
-                    textures: 0,
-                    texture_arrays: 0,
-                    push_bytes: size_of::<Constants>() as u32,
-                },
-                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-                polygon: Polygon::Filled,
-                cull: vk::CullModeFlags::NONE,
-                depth: DepthMode::TestOnly,
-                blend: Blend::NoColour,
+                storage: StorageLayout::new::<Constants>(buffers),
+                ..GraphicsPipelineInfo::of(name, shaders.find("proxy.vert")?)
             };
             Ok(GraphicsPipeline::new(device, &info)?)
         };

@@ -50,12 +50,7 @@ impl ScatterPass {
     /// # Errors
     /// A failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        let storage = StorageLayout {
-            buffers: 3,
-            textures: 0,
-            texture_arrays: 0,
-            push_bytes: size_of::<Constants>() as u32,
-        };
+        let storage = StorageLayout::new::<Constants>(3);
         let name = "scatter.comp";
         Ok(Self { pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)? })
     }

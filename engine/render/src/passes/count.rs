@@ -4,15 +4,15 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    BOX_VERTICES, Blend, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    IndirectDraw, Polygon, StorageLayout, VertexLayout, vk,
+    BOX_VERTICES, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    IndirectDraw, StorageLayout, vk,
 };
-use scene::Vertex;
 
 use crate::passes::seen::SeenConstants;
 use occlusion::ProxyIo;
 
 use crate::passes::OpaqueIo;
+use crate::passes::opaque::POSITIONS;
 use occlusion::{Error, ShaderSet};
 
 /// The pass that draws objects a second time against their own depth, and proxies at any depth.
@@ -39,42 +39,15 @@ impl CountPass {
     /// A failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let proxies = GraphicsPipelineInfo {
-            name: "counted proxies",
-            vertex: shaders.find("proxy.vert")?,
-            fragment: None,
-            vertices: VertexLayout::default(),
-            storage: StorageLayout {
-                buffers: 1,
-                textures: 0,
-                texture_arrays: 0,
-                push_bytes: size_of::<ProxyConstants>() as u32,
-            },
-            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-            polygon: Polygon::Filled,
-            cull: vk::CullModeFlags::NONE,
+            storage: StorageLayout::new::<ProxyConstants>(1),
             depth: DepthMode::Ignored,
-            blend: Blend::NoColour,
+            ..GraphicsPipelineInfo::of("counted proxies", shaders.find("proxy.vert")?)
         };
         let objects = GraphicsPipelineInfo {
-            name: "counted objects",
-            vertex: shaders.find("seen.vert")?,
-            fragment: None,
-            vertices: VertexLayout {
-                stride_bytes: size_of::<Vertex>() as u32,
-                attributes: &[(vk::Format::R32G32B32_SFLOAT, 0)],
-                beside: None,
-            },
-            storage: StorageLayout {
-                buffers: 1,
-                textures: 0,
-                texture_arrays: 0,
-                push_bytes: size_of::<SeenConstants>() as u32,
-            },
-            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-            polygon: Polygon::Filled,
+            vertices: POSITIONS,
+            storage: StorageLayout::new::<SeenConstants>(1),
             cull: vk::CullModeFlags::BACK,
-            depth: DepthMode::TestOnly,
-            blend: Blend::NoColour,
+            ..GraphicsPipelineInfo::of("counted objects", shaders.find("seen.vert")?)
         };
         Ok(Self {
             objects: GraphicsPipeline::new(device, &objects)?,

@@ -5,7 +5,7 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, DynamicTexture, GraphicsPipeline,
-    GraphicsPipelineInfo, IndirectDraw, Polygon, StorageLayout, VertexLayout, vk,
+    GraphicsPipelineInfo, IndirectDraw, StorageLayout, VertexLayout, vk,
 };
 
 use occlusion::{Error, ShaderSet};
@@ -66,8 +66,6 @@ impl FlatPass {
     /// A failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let info = GraphicsPipelineInfo {
-            name: "flat",
-            vertex: shaders.find("flat.vert")?,
             fragment: Some(shaders.find("flat.frag")?),
             vertices: VertexLayout {
                 stride_bytes: size_of::<FlatVertex>() as u32,
@@ -78,17 +76,10 @@ impl FlatPass {
                     (vk::Format::R8G8B8A8_UNORM, 16),
                 ],
             },
-            storage: StorageLayout {
-                buffers: 0,
-                textures: 1,
-                texture_arrays: 0,
-                push_bytes: size_of::<Constants>() as u32,
-            },
-            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-            polygon: Polygon::Filled,
-            cull: vk::CullModeFlags::NONE,
+            storage: StorageLayout { textures: 1, ..StorageLayout::new::<Constants>(0) },
             depth: DepthMode::Ignored,
             blend: Blend::Premultiplied,
+            ..GraphicsPipelineInfo::of("flat", shaders.find("flat.vert")?)
         };
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
     }

@@ -11,8 +11,8 @@ mod sky;
 mod surface;
 
 pub(crate) use count::CountPass;
-pub use flat::{FlatDraw, FlatVertex};
-pub(crate) use flat::{FlatIo, FlatPass};
+pub use flat::FlatVertex;
+pub(crate) use flat::{FlatDraw, FlatIo, FlatPass};
 pub use opaque::{OpaqueIo, OpaquePass};
 pub use overlay::OverlayVertex;
 pub(crate) use overlay::{OverlayIo, OverlayPass};

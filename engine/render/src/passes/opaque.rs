@@ -48,6 +48,13 @@ struct Constants {
 
 const _: () = assert!(size_of::<Constants>() == 128);
 
+/// The positions of [`Vertex`]es, for passes that need nothing else of them.
+pub(super) const POSITIONS: VertexLayout<'static> = VertexLayout {
+    stride_bytes: size_of::<Vertex>() as u32,
+    attributes: &[(vk::Format::R32G32B32_SFLOAT, 0)],
+    beside: None,
+};
+
 impl OpaquePass {
     /// Compiles the pass.
     ///
@@ -99,29 +106,21 @@ impl OpaquePass {
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {
-                name,
-                vertex: shaders.find("opaque.vert")?,
                 fragment,
                 vertices: VertexLayout {
-                    stride_bytes: size_of::<Vertex>() as u32,
-                    beside: None,
                     attributes: &[
                         (vk::Format::R32G32B32_SFLOAT, 0),
                         (vk::Format::R8G8B8A8_SNORM, 12),
                         (vk::Format::R8G8B8A8_UNORM, 16),
                     ],
+                    ..POSITIONS
                 },
-                storage: StorageLayout {
-                    buffers: 1,
-                    textures: 0,
-                    texture_arrays: 0,
-                    push_bytes: size_of::<Constants>() as u32,
-                },
-                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+                storage: StorageLayout::new::<Constants>(1),
                 polygon,
                 cull: vk::CullModeFlags::BACK,
                 depth,
                 blend,
+                ..GraphicsPipelineInfo::of(name, shaders.find("opaque.vert")?)
             },
         )?;
         Ok(Self { pipeline })

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    Polygon, StorageLayout, VertexLayout, vk,
+    StorageLayout, VertexLayout, vk,
 };
 
 use occlusion::{Error, ShaderSet};
@@ -56,8 +56,6 @@ impl OverlayPass {
             GraphicsPipeline::new(
                 device,
                 &GraphicsPipelineInfo {
-                    name,
-                    vertex: shaders.find("overlay.vert")?,
                     fragment: Some(shaders.find("overlay.frag")?),
                     vertices: VertexLayout {
                         stride_bytes: size_of::<OverlayVertex>() as u32,
@@ -67,17 +65,11 @@ impl OverlayPass {
                             (vk::Format::R8G8B8A8_UNORM, 12),
                         ],
                     },
-                    storage: StorageLayout {
-                        buffers: 0,
-                        textures: 0,
-                        texture_arrays: 0,
-                        push_bytes: size_of::<Constants>() as u32,
-                    },
+                    storage: StorageLayout::new::<Constants>(0),
                     topology,
-                    polygon: Polygon::Filled,
-                    cull: vk::CullModeFlags::NONE,
                     depth,
                     blend: Blend::Alpha,
+                    ..GraphicsPipelineInfo::of(name, shaders.find("overlay.vert")?)
                 },
             )
             .map_err(Error::from)

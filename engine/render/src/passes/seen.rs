@@ -3,12 +3,12 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    Optional, Polygon, StorageLayout, VertexLayout, vk,
+    BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, Optional, StorageLayout,
+    vk,
 };
-use scene::Vertex;
 
 use crate::passes::OpaqueIo;
+use crate::passes::opaque::POSITIONS;
 use occlusion::{Error, ShaderSet};
 
 /// The pass that draws objects a second time against their own depth. A fragment that passes is
@@ -60,25 +60,11 @@ impl SeenPass {
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {
-                name: "seen",
-                vertex: shaders.find("seen.vert")?,
                 fragment: Some(shaders.find("seen.frag")?),
-                vertices: VertexLayout {
-                    stride_bytes: size_of::<Vertex>() as u32,
-                    attributes: &[(vk::Format::R32G32B32_SFLOAT, 0)],
-                    beside: None,
-                },
-                storage: StorageLayout {
-                    buffers: 2,
-                    textures: 0,
-                    texture_arrays: 0,
-                    push_bytes: size_of::<SeenConstants>() as u32,
-                },
-                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-                polygon: Polygon::Filled,
+                vertices: POSITIONS,
+                storage: StorageLayout::new::<SeenConstants>(2),
                 cull: vk::CullModeFlags::BACK,
-                depth: DepthMode::TestOnly,
-                blend: Blend::NoColour,
+                ..GraphicsPipelineInfo::of("seen", shaders.find("seen.vert")?)
             },
         )?;
         Ok(Self { pipeline })

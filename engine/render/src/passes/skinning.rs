@@ -60,8 +60,7 @@ impl SkinningPass {
     /// # Errors
     /// A failed call.
     pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        let push_bytes = size_of::<SkinningJob>() as u32;
-        let storage = StorageLayout { buffers: 4, push_bytes, ..StorageLayout::default() };
+        let storage = StorageLayout::new::<SkinningJob>(4);
         let name = "skinning.comp";
         Ok(Self { pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)? })
     }

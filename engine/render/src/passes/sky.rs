@@ -1,10 +1,7 @@
 //! The sky pass: a colour where nothing was drawn.
 
 use bytemuck::{Pod, Zeroable};
-use gpu::{
-    Blend, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, Polygon,
-    StorageLayout, VertexLayout, vk,
-};
+use gpu::{Blend, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, StorageLayout};
 
 use occlusion::{Error, ShaderSet};
 
@@ -29,19 +26,10 @@ impl SkyPass {
     /// A failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let info = GraphicsPipelineInfo {
-            name: "sky",
-            vertex: shaders.find("sky.vert")?,
             fragment: Some(shaders.find("sky.frag")?),
-            vertices: VertexLayout::default(),
-            storage: StorageLayout {
-                push_bytes: size_of::<Constants>() as u32,
-                ..StorageLayout::default()
-            },
-            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-            polygon: Polygon::Filled,
-            cull: vk::CullModeFlags::NONE,
-            depth: DepthMode::TestOnly,
+            storage: StorageLayout::new::<Constants>(0),
             blend: Blend::Opaque,
+            ..GraphicsPipelineInfo::of("sky", shaders.find("sky.vert")?)
         };
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
     }

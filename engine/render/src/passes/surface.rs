@@ -4,11 +4,12 @@ use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    Polygon, StorageLayout, VertexLayout, vk,
+    StorageLayout, VertexLayout, vk,
 };
 use scene::limits::MAX_PAGES;
-use scene::{Light, SurfaceVertex, Vertex};
+use scene::{Light, SurfaceVertex};
 
+use crate::passes::opaque::POSITIONS;
 use crate::shading::surfaces::SurfaceResources;
 use occlusion::{Error, ShaderSet};
 
@@ -38,7 +39,7 @@ pub struct SurfacePass {
 /// textures, lights and their lists; writes the colour and depth that are being rendered to.
 #[derive(Clone, Copy)]
 pub struct SurfaceIo<'a> {
-    /// [`Vertex`]es of all meshes.
+    /// [`Vertex`](scene::Vertex)es of all meshes.
     pub vertices: BufferSlice,
     /// The 32-bit indices of all meshes, three per triangle.
     pub indices: BufferSlice,
@@ -102,26 +103,18 @@ impl SurfacePass {
             attributes,
             beside: None,
         };
+        let vertex = stage("vert")?;
         let info = GraphicsPipelineInfo {
-            name,
-            vertex: &stage("vert")?,
             fragment: Some(&stage("frag")?),
-            vertices: VertexLayout {
-                stride_bytes: size_of::<Vertex>() as u32,
-                attributes: &[(vk::Format::R32G32B32_SFLOAT, 0)],
-                beside: Some(&surface_vertices),
-            },
+            vertices: VertexLayout { beside: Some(&surface_vertices), ..POSITIONS },
             storage: StorageLayout {
-                buffers: 5,
-                textures: 0,
                 texture_arrays: MAX_PAGES as u32,
-                push_bytes: size_of::<Constants>() as u32,
+                ..StorageLayout::new::<Constants>(5)
             },
-            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-            polygon: Polygon::Filled,
             cull: vk::CullModeFlags::BACK,
             depth,
             blend,
+            ..GraphicsPipelineInfo::of(name, &vertex)
         };
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
     }

@@ -273,7 +273,7 @@ impl Geometry {
         if let Some(instance) = self.object_instances.get_mut(object.0 as usize)
             && is_other
         {
-            instance.tail[2] = surfaces.light_lists().count(object.0);
+            instance.tail[2] = surfaces.light_lists.count(object.0);
         }
         is_other
     }

@@ -3,10 +3,10 @@
 use glam::Vec3;
 
 use super::super::{
-    CameraPath, EYE_HEIGHT_M, GeneratedScene, GeneratorError, PathKind, Routes, Streets, city,
-    field,
+    CameraPath, GeneratedScene, GeneratorError, PathKind, Routes, Streets, city, field,
 };
 use super::Boxes;
+use crate::path::EYE_HEIGHT_M;
 
 fn scenes() -> Vec<GeneratedScene> {
     let counts = [1, 2, 30, 35, 60, 500, 10_000, 100_000];

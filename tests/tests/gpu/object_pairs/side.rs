@@ -7,7 +7,7 @@ use gpu::{
     DynamicTexture, FlagRing, Frame, FrameRing, GraphicsPipeline, GraphicsPipelineInfo,
     IndirectDraw, LeafDrawRing, MemoryKind, MipMaking, PredicatedRange, Predicates, QueryIndex,
     QueryRing, Readback, ResultSource, Reveal, Spirv, StorageLayout, Swapchain, Target,
-    TextureArray, TextureArrayInfo, TextureUploads, Timeline, VertexLayout, vk,
+    TextureArray, TextureArrayInfo, TextureUploads, Timeline, vk,
 };
 use render::{
     FlatVertex, FrameRequest, Pick, Rect, Renderer, RendererOptions, ViewState, VisibilitySnapshot,
@@ -58,16 +58,11 @@ fn graphics(device: &Device) -> GraphicsPipeline {
     let vertex = spirv(shaders::find("sky.vert").unwrap());
     let fragment = spirv(shaders::find("sky.frag").unwrap());
     let info = GraphicsPipelineInfo {
-        name: "sky",
-        vertex: &vertex,
         fragment: Some(&fragment),
-        vertices: VertexLayout::default(),
         storage: StorageLayout { push_bytes: 16, ..StorageLayout::default() },
-        topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-        polygon: gpu::Polygon::Filled,
-        cull: vk::CullModeFlags::NONE,
         depth: gpu::DepthMode::Ignored,
         blend: gpu::Blend::Opaque,
+        ..GraphicsPipelineInfo::of("sky", &vertex)
     };
     GraphicsPipeline::new(device, &info).unwrap()
 }

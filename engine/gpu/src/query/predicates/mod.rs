@@ -93,12 +93,7 @@ impl Predicates {
             Predication::Instances => Some(shaders::PREDICATE_INSTANCES),
         };
         let buffers = writer_buffers(predication) as u32;
-        let storage = StorageLayout {
-            buffers,
-            textures: 0,
-            texture_arrays: 0,
-            push_bytes: size_of::<Decisions>() as u32,
-        };
+        let storage = StorageLayout::new::<Decisions>(buffers);
         let writer = match shader {
             None => None,
             Some(shader) => {

@@ -86,7 +86,7 @@ impl LightLists {
 
     /// Returns the lights that reach the object in a slot, the strongest first, as places in the
     /// light table.
-    #[must_use]
+    #[cfg(test)]
     pub fn entries(&self, slot: u32) -> Vec<u32> {
         let list = self.lists.get(slot as usize).copied().unwrap_or_default();
         let entry = |place: usize| list.values[place / 2] >> (16 * (place % 2)) & 0xFFFF;

@@ -175,20 +175,9 @@ impl SurfaceResources {
         SceneDegradations { crowded_objects: self.light_lists.crowded(), ..self.degradations }
     }
 
-    /// Returns the lists of the lights that reach each object.
-    pub fn light_lists(&self) -> &LightLists {
-        &self.light_lists
-    }
-
     /// Returns the factor of all light before tone mapping.
     pub fn exposure(&self) -> f32 {
         self.exposure
-    }
-
-    /// Sets the factor of all light before tone mapping; a value that is negative or not finite
-    /// counts as 1.
-    pub fn expose(&mut self, exposure: f32) {
-        self.exposure = if exposure.is_finite() && exposure >= 0.0 { exposure } else { 1.0 };
     }
 
     /// Finds the lights of the object in a slot, with its present box; an empty box holds no
