@@ -59,7 +59,7 @@ fn two_digits(count: u64) -> u64 {
     while count / unit >= 100 {
         unit *= 10;
     }
-    (count + unit / 2) / unit * unit
+    (count / unit + count % unit * 2 / unit) * unit
 }
 
 /// A ratio of two strategies' times.

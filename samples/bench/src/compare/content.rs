@@ -1,12 +1,12 @@
 //! The content of a comparison without its form: the page and the table are made from it.
 
-use super::canvas::DrawError;
 use super::cases::{ANTUMBRA, Cases, FRUSTUM, IDEAL, Place};
 use super::exactness::{self, Book};
 use super::figures::{self, Figure, Verdict};
 use super::input::Measured;
 use super::noise;
 use super::palette;
+use super::picture::DrawError;
 use super::plots::{self, Plot};
 use super::spread::{Spread, short, thousands};
 use super::thumbnails::Thumbnail;

@@ -6,20 +6,18 @@
 //! [`page`] and [`markdown`]. [`noise`] decides if the machine was steady enough to judge.
 
 pub mod args;
-pub mod axis;
 pub mod bar_chart;
-pub mod canvas;
 pub mod cases;
 pub mod content;
 pub mod exactness;
 pub mod figures;
 pub mod input;
-pub mod labels;
 pub mod line_chart;
 pub mod markdown;
 pub mod noise;
 pub mod page;
 pub mod palette;
+pub mod picture;
 pub mod plots;
 pub mod spread;
 #[cfg(test)]
@@ -31,10 +29,10 @@ use std::path::Path;
 use thiserror::Error;
 
 use self::args::Arguments;
-use self::canvas::DrawError;
 use self::cases::Cases;
 use self::content::Content;
 use self::input::{InputError, Measured, read_folder, read_notes};
+use self::picture::DrawError;
 use crate::outputs::write_file;
 use crate::terminal::{Ending, output::say_wrote, print};
 

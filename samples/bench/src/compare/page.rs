@@ -1,12 +1,12 @@
 //! The comparison as one HTML page that needs no other file: plots, tables, and the conditions of
 //! the measurement.
 
-use super::canvas::escaped;
 use super::cases::ANTUMBRA;
 use super::content::{Content, MethodRow};
 use super::exactness::{Book, Setting};
 use super::figures::{Figure, Verdict};
 use super::palette;
+use super::picture::escaped;
 use super::plots::Plot;
 use super::spread::{Spread, objects, short, thousands};
 use super::thumbnails::Thumbnail;

@@ -3,8 +3,8 @@
 //!
 //! The hues are from Okabe and Ito, whose palette people with any colour vision can distinguish,
 //! with lightnesses that keep contrast on the background; variants of one method share its hue and
-//! differ by dashes. Every line has its name beside it as well. A picture is drawn in the light
-//! colours, and its style sheet exchanges them where the reader's system is dark.
+//! differ by dashes and hollow dots. A picture is drawn in the light colours, and its style sheet
+//! exchanges them where the reader's system is dark.
 
 use plotters::style::RGBColor;
 
@@ -70,6 +70,11 @@ impl Colour {
 pub fn of_strategy(name: &str) -> Colour {
     let known = STRATEGIES.iter().find(|(known, ..)| *known == name);
     known.map_or(OTHER, |(_, colour, _)| *colour)
+}
+
+/// Returns true for a strategy whose line is dashed; its dots are hollow.
+pub fn is_dashed(name: &str) -> bool {
+    STRATEGIES.iter().any(|(known, _, dashes)| *known == name && !dashes.is_empty())
 }
 
 /// Returns the names of the strategies that have a colour of their own.

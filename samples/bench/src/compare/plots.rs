@@ -1,23 +1,29 @@
 //! The plots of the comparison, out of its cases.
 
-use super::axis::Axis;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::{AsRelative, BindKeyPoints, IntoLogRange};
+
 use super::bar_chart::BarChart;
-use super::canvas::{DrawError, picture};
 use super::cases::{ANTUMBRA, Case, Cases, FRUSTUM, IDEAL, Place};
 use super::figures::{STREET_GOALS, case_name};
 use super::input::{Measured, MeasuredRun};
-use super::line_chart::{LineChart, Marks, Point, Series};
+use super::line_chart::{
+    Axis, LineChart, Marks, Point, Series, logarithmic, picture_with_legend, plain,
+};
 use super::palette;
+use super::picture::{DrawError, picture};
 use super::spread::{Spread, objects};
 use crate::strategy::{Strategy, named};
 
 /// The width of a plot over the whole page, in pixels.
 const WIDTH: u32 = 1120;
-const HEIGHT: u32 = 430;
 /// The largest ratio that is shown once more, larger.
 const NEAR: f64 = 3.6;
 /// The ratio of frame times above which they are shown on a logarithmic axis.
 const WIDE: f64 = 5.0;
+/// The values between which axes end: nothing that takes longer or shorter was measured, whatever
+/// a report says.
+const SENSIBLE: [f64; 2] = [1e-6, 1e9];
 
 /// A plot, and the text that explains it.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,52 +45,51 @@ pub fn ratios(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
     let over = yardstick(cases, &sizes);
     let ratio = |case: &Case<'_>, name: &str| case.ratio(name, over).map(|ratio| ratio.spread);
     let series = over_sizes(cases, &sizes, &ratio);
-    let Some((x, [least, most])) = size_axis(&series, "objects in the scene").zip(range(&series))
-    else {
+    let Some([least, most]) = range(&series) else {
         return Ok(None);
     };
+    let sizes = sizes_of(&series);
     let label = format!("frame time, times that of {over}");
     let all = LineChart {
-        title: format!("Frame time over that of {over}"),
-        x: x.clone(),
-        y: Axis::logarithmic(&format!("{label} (logarithmic)"), least * 0.9, most * 1.15),
-        series: series.clone(),
+        title: &format!("Frame time over that of {over}"),
+        labels: ["objects in the scene", &format!("{label} (logarithmic)")],
+        x_text: objects,
+        series: &series,
         goals: vec![],
         marks: Marks::Dots,
+    };
+    let near = LineChart {
+        title: &format!("The same, near {over}"),
+        labels: ["objects in the scene", &label],
+        goals: goals(&sizes),
+        ..all.clone()
     };
     let describe = format!("Frame time of every strategy over that of {over}, by scene size");
     let mut caption = format!(
         "City at street level. Each dot is the median of the ratios frame by frame to {over}, each \
          vertical line the spread of the repetitions."
     );
-    let svg = if over == IDEAL {
-        caption.push_str(
-            " Short horizontal bars: the goals of antumbra. Lines that leave the right plot are \
-             named at its top.",
-        );
-        let near = LineChart {
-            title: format!("The same, near {over}"),
-            y: Axis::linear(&label, (least - 0.05).min(0.9), NEAR.min(most * 1.05).max(1.5)),
-            goals: goals(&x),
-            x,
-            series,
-            marks: Marks::Dots,
-        };
-        picture((WIDTH, HEIGHT + 40), &describe, |canvas| {
-            let (left, right) = canvas.split_at(i32::try_from(WIDTH / 2).unwrap_or(0));
-            all.draw(&left)?;
-            near.draw(&right)
-        })?
-    } else {
-        picture((WIDTH, HEIGHT), &describe, |canvas| all.draw(canvas))?
-    };
+    if over == IDEAL {
+        caption.push_str(" Short horizontal bars: the goals of antumbra.");
+    }
+    let svg = picture_with_legend(&describe, (&series, all.marks), |area| {
+        let y = logarithmic(least * 0.9, most * 1.15);
+        if over != IDEAL {
+            return all.draw(area, size_axis(&sizes), y);
+        }
+        let (left, right) = area.split_horizontally(50.percent_width());
+        all.draw(&left, size_axis(&sizes), y)?;
+        let shown = (least - 0.05).min(0.9)..NEAR.min(most * 1.05).max(1.5);
+        near.draw(&right, size_axis(&sizes), RangedCoordf64::from(shown))
+    })?;
     Ok(Some(Plot { svg, caption }))
 }
 
-/// Returns the goals of `antumbra` at the sizes of an axis.
-fn goals(x: &Axis) -> Vec<(f64, f64)> {
+/// Returns the goals of `antumbra` between the smallest and the largest of these sizes.
+fn goals(sizes: &[f64]) -> Vec<(f64, f64)> {
     let goals = STREET_GOALS.into_iter().map(|(size, goal)| (size as f64, goal));
-    goals.filter(|(size, _)| (0.0..=1.0).contains(&x.place(*size))).collect()
+    let is_measured = |size: f64| sizes.first() <= Some(&size) && Some(&size) <= sizes.last();
+    goals.filter(|(size, _)| is_measured(*size)).collect()
 }
 
 /// Returns the strategy that ratios are taken to.
@@ -102,22 +107,23 @@ pub fn cpu_times(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
     let sizes: Vec<u64> =
         cases.sizes("city", "street").into_iter().filter(|size| *size >= 10_000).collect();
     let series = over_sizes(cases, &sizes, &|case, name| case.cpu_ms(name));
-    let Some((x, [least, most])) = size_axis(&series, "objects in the scene").zip(range(&series))
-    else {
+    let Some([least, most]) = range(&series) else {
         return Ok(None);
     };
-    let label = "CPU time of the engine in a frame, ms (logarithmic)";
     let chart = LineChart {
-        title: "CPU time over scene size".to_owned(),
-        x,
-        y: Axis::logarithmic(label, least * 0.8, most * 1.25),
-        series,
+        title: "CPU time over scene size",
+        labels: ["objects in the scene", "CPU time of the engine in a frame, ms (logarithmic)"],
+        x_text: objects,
+        series: &series,
         goals: vec![],
         marks: Marks::Dots,
     };
-    let svg = picture((WIDTH, HEIGHT), "CPU time over scene size", |canvas| chart.draw(canvas))?;
-    let caption = "City at street level; medians of all frames. At the largest sizes only what is \
-                   named there was measured.";
+    let svg = picture_with_legend(chart.title, (&series, chart.marks), |area| {
+        let y = logarithmic(least * 0.8, most * 1.25);
+        chart.draw(area, size_axis(&sizes_of(&series)), y)
+    })?;
+    let caption = "City at street level; medians of all frames. At the largest sizes only some \
+                   strategies were measured.";
     Ok(Some(Plot { svg, caption: caption.to_owned() }))
 }
 
@@ -140,17 +146,23 @@ pub fn frame_times(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, Dra
     };
     let last =
         series.iter().flat_map(|line| line.points.last()).map(|end| end.x).fold(1.0, f64::max);
-    let label = "frame time, ms";
-    let y = if most / least > WIDE {
-        Axis::logarithmic(&format!("{label} (logarithmic)"), least * 0.9, most * 1.1)
-    } else {
-        Axis::linear(label, 0.0, most * 1.05)
-    };
+    let is_wide = most / least > WIDE;
     let name = case_name(&place.scene, &place.path, place.objects);
-    let title = format!("Frame time over the path: {name}");
-    let x = Axis::linear("frame", 0.0, last);
-    let chart = LineChart { title, x, y, series, goals: vec![], marks: Marks::Line };
-    let svg = picture((WIDTH, HEIGHT), &chart.title, |canvas| chart.draw(canvas))?;
+    let chart = LineChart {
+        title: &format!("Frame time over the path: {name}"),
+        labels: ["frame", if is_wide { "frame time, ms (logarithmic)" } else { "frame time, ms" }],
+        x_text: plain,
+        series: &series,
+        goals: vec![],
+        marks: Marks::Line,
+    };
+    let svg = picture_with_legend(chart.title, (&series, chart.marks), |area| {
+        let x = RangedCoordf64::from(0.0..last);
+        if is_wide {
+            return chart.draw(area, x, logarithmic(least * 0.9, most * 1.1));
+        }
+        chart.draw(area, x, RangedCoordf64::from(0.0..most * 1.05))
+    })?;
     let late = case.reports().iter().map(|report| report.frames_in_flight).max().unwrap_or(0);
     let mut caption = match place.path.as_str() {
         "cut" => caption_of_cuts(&case.strategies(), late),
@@ -201,13 +213,11 @@ pub fn counts(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, DrawErro
     let queries = chart("Occlusion queries per frame", |run| run.queries);
     let draws = chart("Draws per frame", |run| run.draws);
     let describe = "Boxes tested, occlusion queries and draws per frame";
-    let svg = picture((WIDTH, queries.height()), describe, |canvas| {
-        let third = i32::try_from(WIDTH / 3).unwrap_or(0);
-        let (left, rest) = canvas.split_at(third);
-        let (middle, right) = rest.split_at(third);
-        tests.draw(&left)?;
-        queries.draw(&middle)?;
-        draws.draw(&right)
+    let svg = picture((WIDTH, queries.height()), describe, |area| {
+        for (third, chart) in area.split_evenly((1, 3)).iter().zip([tests, queries, draws]) {
+            chart.draw(third)?;
+        }
+        Ok(())
     })?;
     let name = case_name(&place.scene, &place.path, place.objects);
     let caption = format!(
@@ -249,15 +259,19 @@ fn over_sizes(
     lines(names, |name| sizes.iter().filter_map(|size| point(name, *size)).collect())
 }
 
-/// Returns a logarithmic axis that has a tick at each size at which something was measured.
-fn size_axis(series: &[Series], label: &str) -> Option<Axis> {
-    let mut sizes: Vec<f64> =
-        series.iter().flat_map(|line| &line.points).map(|point| point.x).collect();
+/// Returns the sizes at which something was measured, in ascending order.
+fn sizes_of(series: &[Series]) -> Vec<f64> {
+    let points = series.iter().flat_map(|line| &line.points);
+    let mut sizes: Vec<f64> = points.map(|point| point.x).collect();
     sizes.sort_by(f64::total_cmp);
     sizes.dedup();
-    let (least, most) = (*sizes.first()?, *sizes.last()?);
-    let ticks = sizes.into_iter().map(|size| (size, objects(size))).collect();
-    Some(Axis::logarithmic(label, least * 0.85, most * 1.15).with_ticks(ticks))
+    sizes
+}
+
+/// Returns a logarithmic axis that has a tick at each of these sizes.
+fn size_axis(sizes: &[f64]) -> impl Axis + use<> {
+    let [least, most] = [sizes.first(), sizes.last()].map(|size| size.copied().unwrap_or(1.0));
+    (least.max(1.0) * 0.85..most.max(1.0) * 1.15).log_scale().with_key_points(sizes.to_vec())
 }
 
 /// Returns the smallest value above 0 and the largest of all lines.
@@ -265,7 +279,7 @@ fn range(series: &[Series]) -> Option<[f64; 2]> {
     let points = || series.iter().flat_map(|line| &line.points);
     let least = points().map(|point| point.least).filter(|y| *y > 0.0).reduce(f64::min)?;
     let most = points().map(|point| point.most).reduce(f64::max)?;
-    Some([least, most])
+    Some([least, most].map(|end| end.clamp(SENSIBLE[0], SENSIBLE[1])))
 }
 
 #[cfg(test)]
@@ -318,6 +332,28 @@ mod tests {
         assert_eq!(cpu_times(&cases).unwrap(), None);
         assert_eq!(frame_times(&cases, &Place::still("city", "cut", 10_000)).unwrap(), None);
         assert_eq!(counts(&cases, &Place::still("city", "cut", 10_000)).unwrap(), None);
+    }
+
+    #[test]
+    fn any_report_is_drawn() {
+        let times = |ms: f64| vec![ms, f64::MAX, ms, 0.0, f64::MIN];
+        let walk = |objects| {
+            let runs = [("ideal", times(1e-300)), ("antumbra", times(1e5)), ("frustum", vec![])];
+            walked("city", "street", objects, &runs)
+        };
+        let reports = [walk(0), walk(10_000), walk(u64::MAX)];
+        let cases = Cases::of(&reports);
+        let place = Place::still("city", "street", 10_000);
+        let plots = [
+            ratios(&cases),
+            cpu_times(&cases),
+            frame_times(&cases, &place),
+            counts(&cases, &place),
+        ];
+        for plot in plots {
+            let svg = plot.unwrap().unwrap().svg;
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        }
     }
 
     #[test]
