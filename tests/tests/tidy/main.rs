@@ -84,54 +84,6 @@ fn no_function_is_too_long() {
 }
 
 #[test]
-fn crates_depend_only_downwards() {
-    assert_obeyed(rules::arrows);
-    assert_catches(
-        rules::arrows,
-        &[
-            ("engine/cull/Cargo.toml", "[dependencies]\ngpu.workspace = true\n"),
-            ("engine/cull/Cargo.toml", "[dev-dependencies]\nash = \"0.38\"\n"),
-            ("engine/cull/Cargo.toml", "[dependencies]\nx = { package = \"antumbra-gpu\" }\n"),
-            ("engine/pacing/Cargo.toml", "[dependencies]\nash.workspace = true\n"),
-            ("engine/pacing/Cargo.toml", "[dependencies]\ncull.workspace = true\n"),
-            ("engine/gpu/Cargo.toml", "[dependencies]\ncull.workspace = true\n"),
-            (
-                "engine/gpu/Cargo.toml",
-                "[target.'cfg(unix)'.dependencies]\nrender = { path = \"x\" }\n",
-            ),
-            ("engine/gpu/Cargo.toml", "[dependencies.cull]\nworkspace = true\n"),
-            ("engine/render/Cargo.toml", "[dependencies]\nsamples = { path = \"x\" }\n"),
-            ("engine/import/Cargo.toml", "[dependencies]\nrender.workspace = true\n"),
-            ("engine/scene/Cargo.toml", "[dev-dependencies]\nscenes.workspace = true\n"),
-            ("shaders/Cargo.toml", "[dependencies]\nantumbra-gpu = \"0.1\"\n"),
-            ("samples/bench/Cargo.toml", "[dependencies]\nsamples = { path = \"..\" }\n"),
-        ],
-    );
-    let harmless = "[package]\nname = \"antumbra-gpu\"\n[dependencies]\ngpu-allocator = \"1\"\n";
-    assert_permits(rules::arrows, &[("engine/gpu/Cargo.toml", harmless)]);
-}
-
-#[test]
-fn what_measures_is_light() {
-    assert_obeyed(rules::light_instrument);
-    assert_catches(
-        rules::light_instrument,
-        &[
-            ("samples/bench/Cargo.toml", "[dependencies]\nwinit = \"0.30\"\n"),
-            ("samples/bench/Cargo.toml", "[dependencies]\nplotters.workspace = true\n"),
-        ],
-    );
-    let optional = "[dependencies]\nplotters = { workspace = true, optional = true }\n";
-    assert_permits(
-        rules::light_instrument,
-        &[
-            ("samples/bench/Cargo.toml", optional),
-            ("samples/Cargo.toml", "[dependencies]\nwinit = \"0.30\"\n"),
-        ],
-    );
-}
-
-#[test]
 fn modules_lie_where_their_names_say() {
     assert_obeyed(rules::module_paths);
     assert_catches(
@@ -154,22 +106,6 @@ fn crates_include_no_files_of_others() {
     );
     let own = "macro_rules! a { ($a:literal) => { include_bytes!(concat!(\"../\", $a)) } }";
     assert_permits(rules::own_files, &[("shaders/src/lib.rs", own)]);
-}
-
-#[test]
-fn published_crates_describe_themselves() {
-    assert_obeyed(manifests::published);
-    let whole = "[package]\ndescription = \"A\"\nlicense.workspace = true\nreadme = \"README.md\"\n\
-                 keywords = []\ncategories = []\n";
-    let without = |key: &str| {
-        let lines = whole.lines().filter(|line| !line.starts_with(key));
-        lines.map(|line| format!("{line}\n")).collect::<String>()
-    };
-    for key in ["description", "license", "readme", "keywords", "categories"] {
-        assert_catches(manifests::published, &[("a/Cargo.toml", &without(key))]);
-    }
-    let private = "[package]\npublish = false\n[dependencies]\n";
-    assert_permits(manifests::published, &[("a/Cargo.toml", whole), ("b/Cargo.toml", private)]);
 }
 
 #[test]

@@ -1,6 +1,117 @@
-//! Rules about the manifests of crates.
+//! Rules about the manifests of crates: their dependencies and descriptions.
 
 use crate::files::SourceFile;
+use crate::{assert_catches, assert_obeyed, assert_permits};
+
+/// The crates that each crate may depend on, of all kinds of dependencies; only `gpu` may know
+/// Vulkan's.
+const ARROWS: [(&str, &[&str]); 14] = [
+    ("engine/animation/Cargo.toml", &["cull"]),
+    (
+        "engine/antumbra/Cargo.toml",
+        &[
+            "animation",
+            "cull",
+            "gpu",
+            "import",
+            "methods",
+            "occlusion",
+            "pacing",
+            "render",
+            "scene",
+        ],
+    ),
+    ("engine/cull/Cargo.toml", &[]),
+    ("engine/gpu/Cargo.toml", &["shaders"]),
+    ("engine/import/Cargo.toml", &["animation", "cull", "scene"]),
+    ("engine/methods/Cargo.toml", &["cull", "gpu", "occlusion"]),
+    ("engine/occlusion/Cargo.toml", &["cull", "gpu", "shaders"]),
+    ("engine/pacing/Cargo.toml", &[]),
+    ("engine/render/Cargo.toml", &["cull", "gpu", "occlusion", "scene"]),
+    ("engine/scene/Cargo.toml", &["cull"]),
+    ("samples/Cargo.toml", &["antumbra", "bench", "harness", "scenes", "tests"]),
+    ("samples/bench/Cargo.toml", &["antumbra", "harness", "scenes"]),
+    ("samples/scenes/Cargo.toml", &["cull", "scene"]),
+    ("shaders/Cargo.toml", &[]),
+];
+
+/// Finds dependencies between crates that [`ARROWS`] does not allow.
+pub fn arrows(files: &[SourceFile]) -> Vec<String> {
+    const OURS: [&str; 16] = [
+        "animation",
+        "antumbra",
+        "bench",
+        "cull",
+        "gpu",
+        "harness",
+        "import",
+        "methods",
+        "occlusion",
+        "pacing",
+        "render",
+        "samples",
+        "scene",
+        "scenes",
+        "shaders",
+        "tests",
+    ];
+    const VULKAN: [&str; 3] = ["ash", "ash-window", "gpu-allocator"];
+    let mut findings = Vec::new();
+    for file in files {
+        let of_file = ARROWS.iter().find(|(path, _)| *path == file.path);
+        let Some((_, allowed)) = of_file else { continue };
+        for (line, name) in dependencies(&file.text) {
+            let bare = name.strip_prefix("antumbra-").unwrap_or(&name);
+            let is_refused = (OURS.contains(&bare) && !allowed.contains(&bare))
+                || (VULKAN.contains(&bare) && file.path != "engine/gpu/Cargo.toml");
+            if is_refused {
+                findings.push(file.finding(line, &format!("must not depend on {name}")));
+            }
+        }
+    }
+    findings
+}
+
+/// Returns the names and packages of a manifest's dependencies, of every kind, with their lines.
+fn dependencies(manifest: &str) -> Vec<(usize, String)> {
+    let mut names = Vec::new();
+    let mut in_dependencies = false;
+    for (line, text) in (1..).zip(manifest.lines().map(str::trim)) {
+        if let Some(section) = text.strip_prefix('[') {
+            let section = section.trim_end_matches(']');
+            in_dependencies = section.ends_with("dependencies");
+            if let Some((_, name)) = section.rsplit_once("dependencies.") {
+                in_dependencies = true;
+                names.push((line, name.to_owned()));
+            }
+        } else if in_dependencies && !text.starts_with('#') {
+            let key = text.split(['.', '=', ' ']).next().unwrap_or_default();
+            let package = text.split_once("package").and_then(|(_, after)| after.split('"').nth(1));
+            names.extend([Some(key), package].into_iter().flatten().map(|n| (line, n.to_owned())));
+        }
+    }
+    names
+}
+
+/// Finds dependencies of the measuring crate on window systems and fonts, and on charts unless
+/// optional.
+pub fn light_instrument(files: &[SourceFile]) -> Vec<String> {
+    const OF_WINDOWS: [&str; 7] =
+        ["arboard", "egui", "epaint", "evdev", "renderdoc", "tracy-client", "winit"];
+    let mut findings = Vec::new();
+    for file in files.iter().filter(|file| file.path == "samples/bench/Cargo.toml") {
+        for (line, name) in dependencies(&file.text) {
+            let text = file.text.lines().nth(line - 1).unwrap_or_default();
+            if OF_WINDOWS.contains(&name.as_str()) {
+                findings
+                    .push(file.finding(line, &format!("{name} belongs to the window programs")));
+            } else if name == "plotters" && !text.contains("optional = true") {
+                findings.push(file.finding(line, "must be optional: the demo draws no chart"));
+            }
+        }
+    }
+    findings
+}
 
 /// Finds published crates whose manifest lacks a description for registries.
 pub fn published(files: &[SourceFile]) -> Vec<String> {
@@ -23,4 +134,68 @@ pub fn published(files: &[SourceFile]) -> Vec<String> {
         }
     }
     findings
+}
+
+#[test]
+fn crates_depend_only_downwards() {
+    assert_obeyed(arrows);
+    assert_catches(
+        arrows,
+        &[
+            ("engine/cull/Cargo.toml", "[dependencies]\ngpu.workspace = true\n"),
+            ("engine/cull/Cargo.toml", "[dev-dependencies]\nash = \"0.38\"\n"),
+            ("engine/cull/Cargo.toml", "[dependencies]\nx = { package = \"antumbra-gpu\" }\n"),
+            ("engine/pacing/Cargo.toml", "[dependencies]\nash.workspace = true\n"),
+            ("engine/pacing/Cargo.toml", "[dependencies]\ncull.workspace = true\n"),
+            ("engine/gpu/Cargo.toml", "[dependencies]\ncull.workspace = true\n"),
+            (
+                "engine/gpu/Cargo.toml",
+                "[target.'cfg(unix)'.dependencies]\nrender = { path = \"x\" }\n",
+            ),
+            ("engine/gpu/Cargo.toml", "[dependencies.cull]\nworkspace = true\n"),
+            ("engine/render/Cargo.toml", "[dependencies]\nsamples = { path = \"x\" }\n"),
+            ("engine/import/Cargo.toml", "[dependencies]\nrender.workspace = true\n"),
+            ("engine/scene/Cargo.toml", "[dev-dependencies]\nscenes.workspace = true\n"),
+            ("shaders/Cargo.toml", "[dependencies]\nantumbra-gpu = \"0.1\"\n"),
+            ("samples/bench/Cargo.toml", "[dependencies]\nsamples = { path = \"..\" }\n"),
+        ],
+    );
+    let harmless = "[package]\nname = \"antumbra-gpu\"\n[dependencies]\ngpu-allocator = \"1\"\n";
+    assert_permits(arrows, &[("engine/gpu/Cargo.toml", harmless)]);
+}
+
+#[test]
+fn what_measures_is_light() {
+    assert_obeyed(light_instrument);
+    assert_catches(
+        light_instrument,
+        &[
+            ("samples/bench/Cargo.toml", "[dependencies]\nwinit = \"0.30\"\n"),
+            ("samples/bench/Cargo.toml", "[dependencies]\nplotters.workspace = true\n"),
+        ],
+    );
+    let optional = "[dependencies]\nplotters = { workspace = true, optional = true }\n";
+    assert_permits(
+        light_instrument,
+        &[
+            ("samples/bench/Cargo.toml", optional),
+            ("samples/Cargo.toml", "[dependencies]\nwinit = \"0.30\"\n"),
+        ],
+    );
+}
+
+#[test]
+fn published_crates_describe_themselves() {
+    assert_obeyed(published);
+    let whole = "[package]\ndescription = \"A\"\nlicense.workspace = true\nreadme = \"README.md\"\n\
+                 keywords = []\ncategories = []\n";
+    let without = |key: &str| {
+        let lines = whole.lines().filter(|line| !line.starts_with(key));
+        lines.map(|line| format!("{line}\n")).collect::<String>()
+    };
+    for key in ["description", "license", "readme", "keywords", "categories"] {
+        assert_catches(published, &[("a/Cargo.toml", &without(key))]);
+    }
+    let private = "[package]\npublish = false\n[dependencies]\n";
+    assert_permits(published, &[("a/Cargo.toml", whole), ("b/Cargo.toml", private)]);
 }
