@@ -1,133 +1,17 @@
-//! Machines that lack something or fail: each ends with a sentence, no panic, no leak and no hang.
+//! Machines that fail: each ends with a sentence, no panic, no leak and no hang.
+
+mod lacking;
 
 use std::time::Duration;
 
 use ash::vk;
 use cull::{CostTable, Strategy};
-use gpu::{
-    Adapter, Device, DeviceOptions, Error, IndirectDraw, Instance, Predicates, Predication,
-    Readback, Required,
-};
+use gpu::{Adapter, Device, DeviceOptions, Instance, Predication, Readback};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
 use scene::Scene;
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
-use tests::machine::{
-    CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_START, Fault, Machine, calls,
-};
-use tests::{Driver, instance_with, take_turn};
-
-/// Returns the error of opening an instance without validation on `machine` and picking a device
-/// there.
-fn refusal(machine: Machine, wanted: Option<&str>) -> Error {
-    take_turn();
-    let options = gpu::InstanceOptions::default();
-    let instance = Instance::new(machine.entry(), &options);
-    let picked = instance.and_then(|instance| instance.pick_adapter(wanted));
-    picked.map(|adapter| adapter.name).expect_err("an error")
-}
-
-#[test]
-fn an_old_loader_is_refused_with_its_version() {
-    for (version, found) in [(vk::make_api_version(0, 1, 1, 70), "1.1.70"), (0, "1.0.0")] {
-        let machine = Machine { loader_version: Some(version), ..Machine::default() };
-        let error = refusal(machine, None);
-        assert!(matches!(&error, Error::OldLoader { found: f } if f == found), "{error}");
-        assert!(error.to_string().contains("needs 1.3"), "{error}");
-    }
-}
-
-#[test]
-fn no_device_means_no_driver() {
-    let fails = |call, code| Machine {
-        faults: vec![Fault { call, fails: 0..usize::MAX, code }],
-        ..Machine::default()
-    };
-    for machine in [
-        Machine { has_no_devices: true, ..Machine::default() },
-        fails(c"vkEnumeratePhysicalDevices", vk::Result::ERROR_INITIALIZATION_FAILED),
-        fails(c"vkCreateInstance", vk::Result::ERROR_INCOMPATIBLE_DRIVER),
-    ] {
-        for wanted in [None, Some("llvmpipe"), Some("0")] {
-            let error = refusal(machine.clone(), wanted);
-            assert!(matches!(error, Error::NoDriver), "{error}");
-        }
-    }
-}
-
-#[test]
-fn a_device_is_refused_by_the_name_of_what_it_lacks() {
-    for lacks in Required::ALL {
-        let machine = Machine { lacks: Some(lacks), ..Machine::default() };
-        let error = refusal(machine.clone(), None);
-        assert!(matches!(error, Error::NoSuitableDevice { .. }), "{error}");
-        let expected = format!("lacks {}", lacks.name());
-        let text = error.to_string();
-        assert!(text.contains(&expected) && text.contains("llvmpipe"), "{text}");
-
-        let error = refusal(machine, Some("llvmpipe"));
-        assert!(matches!(error, Error::DeviceLacks { .. }), "{error}");
-        assert!(error.to_string().contains(&expected), "{error}");
-    }
-}
-
-#[test]
-fn a_device_that_lacks_something_is_not_opened_either() {
-    let machine = Machine { lacks: Some(Required::MultiDrawIndirect), ..Machine::default() };
-    let instance = instance_with(machine.entry());
-    let adapters = instance.adapters().unwrap();
-    let opened = Device::new(&instance, &adapters[0], &DeviceOptions::default());
-    let error = opened.err().expect("an error").to_string();
-    assert!(error.contains("lacks multiDrawIndirect"), "{error}");
-}
-
-#[test]
-fn draw_counts_are_taken_where_they_hold_all_draws() {
-    for (is_unconditional, best) in [(true, Predication::Counts), (false, Predication::Conditional)]
-    {
-        let machine = Machine { most_draws: Some(100), is_unconditional, ..Machine::default() };
-        let instance = instance_with(machine.entry());
-        let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
-        let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
-        let predicates = |predication, draws| {
-            Predicates::new(&device, predication, &vec![IndirectDraw::default(); draws], 1)
-        };
-        let chosen = |draws| predicates(None, draws).unwrap().predication();
-        let fallback = if is_unconditional { Predication::Instances } else { best };
-        assert_eq!((chosen(100), chosen(101)), (best, fallback));
-        assert!(predicates(Some(Predication::Counts), 100).is_ok());
-        let error = predicates(Some(Predication::Counts), 101).err().expect("an error").to_string();
-        assert!(error.contains("101") && error.contains("at most 100"), "{error}");
-        assert_eq!(instance.validation_log().drain(), []);
-    }
-}
-
-#[test]
-fn a_device_that_does_not_count_says_so_when_asked_to_count() {
-    let machine = Machine { is_imprecise: true, ..Machine::default() };
-    let instance = instance_with(machine.entry());
-    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
-    let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
-    let GeneratedScene { scene, routes } = city(50, 1).unwrap();
-    let path = CameraPath::new(PathKind::Street, &routes).unwrap();
-    let options = RendererOptions { methods: methods::all(), size: [32, 32], ..Default::default() };
-    let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
-    let mut view = renderer.new_view().unwrap();
-    for error in
-        [renderer.supports_counts().unwrap_err(), view.watch(&[cull::ObjectId(1)]).unwrap_err()]
-    {
-        let error = error.to_string();
-        assert!(error.contains("lacks occlusionQueryPrecise, which counting visible"), "{error}");
-    }
-    let options = RendererOptions { threshold_samples: 4, ..options };
-    let error = Renderer::new(&device, &scene, &options).err().unwrap().to_string();
-    assert!(error.contains("occlusionQueryPrecise, which a visibility threshold"), "{error}");
-    view.watch(&[]).unwrap();
-    renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
-    renderer.drain(&mut view).unwrap();
-    assert_eq!(view.visible_samples(), []);
-    drop((renderer, view, device));
-    assert_eq!(instance.validation_log().drain(), []);
-}
+use tests::machine::{CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, Fault, Machine, calls};
+use tests::{Driver, instance_with};
 
 #[test]
 fn a_driver_that_does_not_give_its_pipelines_away_leaves_the_file_as_it_is() {
@@ -151,16 +35,6 @@ fn a_driver_that_does_not_give_its_pipelines_away_leaves_the_file_as_it_is() {
     }
     std::fs::remove_dir_all(&folder).unwrap();
     assert_eq!(instance.validation_log().drain(), []);
-}
-
-#[test]
-fn an_instance_that_cannot_start_says_which_call_failed() {
-    let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
-    for &call in CALLS_THAT_START {
-        let faults = vec![Fault { call, fails: 0..1, code }];
-        let error = refusal(Machine { faults, ..Machine::default() }, None).to_string();
-        assert!(error.contains(call.to_str().unwrap()) && error.contains("memory"), "{error}");
-    }
 }
 
 /// The parts that the walks below need, made once.

@@ -10,6 +10,7 @@ mod compressed;
 mod containers;
 mod deviations;
 mod disk;
+mod left_out;
 mod motion;
 mod mutations;
 mod refused;
