@@ -4,8 +4,8 @@
 use std::error::Error;
 
 use antumbra_gpu::{
-    Blend, Counting, DepthMode, FrameRing, GraphicsPipeline, GraphicsPipelineInfo, Polygon,
-    QueryIndex, QueryRing, Readback, Spirv, StorageLayout, Target, VertexLayout, open, vk,
+    Blend, Counting, FrameRing, GraphicsPipeline, GraphicsPipelineInfo, QueryIndex, QueryRing,
+    Readback, Spirv, StorageLayout, Target, open,
 };
 
 const SIZE: [u32; 2] = [64, 64];
@@ -18,17 +18,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         Ok::<_, Box<dyn Error>>(Spirv::from_bytes(name, found.spirv)?)
     };
     // One triangle over everything, in the colour of its constants.
+    let [vertex, fragment] = [shader("sky.vert")?, shader("sky.frag")?];
     let pipeline = GraphicsPipelineInfo {
-        name: "triangle",
-        vertex: &shader("sky.vert")?,
-        fragment: Some(&shader("sky.frag")?),
-        vertices: VertexLayout::default(),
+        fragment: Some(&fragment),
         storage: StorageLayout { push_bytes: 16, ..Default::default() },
-        topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-        polygon: Polygon::Filled,
-        cull: vk::CullModeFlags::NONE,
-        depth: DepthMode::TestOnly,
         blend: Blend::Opaque,
+        ..GraphicsPipelineInfo::of("triangle", &vertex)
     };
     let pipeline = GraphicsPipeline::new(&device, &pipeline)?;
     let mut target = Target::new(&device, SIZE, "example")?;

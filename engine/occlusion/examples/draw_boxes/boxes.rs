@@ -3,8 +3,8 @@
 use antumbra_occlusion::{Error, LeafTable, ObjectPass, ObjectRenderer, Rendering, ShaderSet};
 use cull::View;
 use gpu::{
-    Blend, Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, Polygon, RenderTarget, StorageLayout, Target, VertexLayout, vk,
+    Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    RenderTarget, StorageLayout, Target, vk,
 };
 
 pub const INDICES: u32 = 18; // of the three faces of a box that can face the eye
@@ -19,16 +19,9 @@ pub struct Boxes {
 impl Boxes {
     pub fn new(device: &Device, shaders: &ShaderSet, leaves: &LeafTable) -> Result<Self, Error> {
         let info = GraphicsPipelineInfo {
-            name: "boxes",
-            vertex: shaders.find("proxy.vert")?,
-            fragment: None,
-            vertices: VertexLayout::default(),
             storage: StorageLayout { buffers: 1, push_bytes: 80, ..Default::default() },
-            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-            polygon: Polygon::Filled,
-            cull: vk::CullModeFlags::NONE,
             depth: DepthMode::TestAndWrite,
-            blend: Blend::NoColour,
+            ..GraphicsPipelineInfo::of("boxes", shaders.find("proxy.vert")?)
         };
         let indices: Vec<u32> = (0..INDICES).collect();
         let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;
