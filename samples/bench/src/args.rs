@@ -45,7 +45,7 @@ Examples:
   walkthrough --scene rooms.glb --path walk
       With the camera \"walk\" of a glTF file, all of whose clips play.
   walkthrough --list-devices
-      What --device can choose from.
+      Lists the devices that --device can choose from.
 
 Exit codes: 0 all went well; 2 the command line is wrong; 1 the machine cannot do it, pixels are \
 wrong, or a file cannot be written; 129, 130 or 143 a closed terminal, Ctrl-C or SIGTERM cut the \
@@ -54,12 +54,7 @@ walk short: the table and the report then have what was measured until then."
 pub struct Arguments {
     /// The scene: city (nearly all hidden at street level), field (objects side by side: from above
     /// nothing hides anything), or a glTF file, whose name has a dot or a slash
-    #[arg(
-        long,
-        value_name = "city|field|FILE",
-        default_value = "city",
-        help_heading = "GeneratorChoice"
-    )]
+    #[arg(long, value_name = "city|field|FILE", default_value = "city", help_heading = "Scene")]
     pub scene: SceneArgument,
     /// The numbers that city and field are made from.
     #[command(flatten)]
@@ -110,7 +105,7 @@ pub struct Arguments {
     /// coherent: above 0 they are not exact, and the most pixels that can be wrong are counted
     #[arg(long, value_name = "PIXELS", default_value = "0", help_heading = "Compare")]
     pub threshold: u32,
-    /// CostsChoice in the cost model. measured: on the device before the walk, corrected by the
+    /// Costs in the cost model. measured: on the device before the walk, corrected by the
     /// times of the frames; tests that cost more than they save are left out. ignored: everything
     /// is tested [default: measured]
     #[arg(long, value_name = "COSTS", help_heading = "Compare")]
@@ -150,11 +145,11 @@ pub struct Arguments {
 #[derive(Clone, Debug, Args)]
 pub struct MadeArguments {
     /// Approximate number of objects in city or field, 1 to 2000000 [default: 10000]
-    #[arg(long, value_name = "N", help_heading = "GeneratorChoice")]
+    #[arg(long, value_name = "N", help_heading = "Scene")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_OBJECTS)))]
     pub objects: Option<u32>,
     /// Seed of city or field: the same one builds the same scene [default: 1]
-    #[arg(long, value_name = "S", help_heading = "GeneratorChoice")]
+    #[arg(long, value_name = "S", help_heading = "Scene")]
     pub seed: Option<u64>,
 }
 
@@ -368,7 +363,7 @@ impl Arguments {
         }
     }
 
-    /// Returns the costs to use. CostsChoice that none of the strategies uses are not measured;
+    /// Returns the costs to use. Costs that none of the strategies uses are not measured;
     /// asking for them explicitly is an error.
     fn costs(&self, strategies: &[Strategy]) -> Result<CostsChoice, UsageError> {
         let Some(costs) = self.costs else {

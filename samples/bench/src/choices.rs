@@ -70,7 +70,7 @@ pub enum PredicatesChoice {
 pub enum CostsChoice {
     /// None: everything that may be hidden is tested.
     Ignored,
-    /// CostsChoice measured on the device at the start: tests that do not pay are left out.
+    /// Costs measured on the device at the start: tests that do not pay are left out.
     Measured,
 }
 

@@ -107,8 +107,8 @@ impl FrameTimeSeries {
         self.sent.push_back(side);
         let in_flight = self.conditions.map_or(0, |conditions| conditions.frames_in_flight);
         // Until then the passes are of frames under other conditions.
-        let home = if self.sent.len() > in_flight { self.sent.pop_front() } else { None };
-        let Some(side) = home.filter(|_| !passes.is_empty()) else { return };
+        let finished = if self.sent.len() > in_flight { self.sent.pop_front() } else { None };
+        let Some(side) = finished.filter(|_| !passes.is_empty()) else { return };
         let (overlay, engine): (Vec<_>, Vec<_>) = passes.iter().partition(is_overlay);
         let sum = |passes: Vec<&PassTime>| passes.iter().map(|pass| pass.gpu_ms).sum::<f64>();
         self.gpu[side as usize].push(sum(engine) as f32);
@@ -265,10 +265,10 @@ mod tests {
                 sides.reverse();
             }
             for side in sides {
-                let home: Option<Side> = slots[frame % 2].take();
+                let finished: Option<Side> = slots[frame % 2].take();
                 let ms = |side| if side == Side::Culled { 4.0 } else { 90.0 };
                 let passes: Vec<PassTime> =
-                    home.map(|side| pass("draw visible", ms(side))).into_iter().collect();
+                    finished.map(|side| pass("draw visible", ms(side))).into_iter().collect();
                 slots[frame % 2] = (frame % 8 == 0).then_some(side);
                 times.sent(side, &passes);
                 frame += 1;

@@ -26,7 +26,7 @@ pub struct ShowArguments {
     #[arg(long, value_name = "NAME", default_value = "antumbra", help_heading = "Frames")]
     #[arg(value_parser = parse_product)]
     pub strategy: Strategy,
-    /// CostsChoice in the cost model. measured: on the device at the start, corrected by the times
+    /// Costs in the cost model. measured: on the device at the start, corrected by the times
     /// of the frames; tests that cost more than they save are left out. ignored: everything is
     /// tested
     #[arg(long, value_name = "COSTS", default_value = "measured", help_heading = "Frames")]

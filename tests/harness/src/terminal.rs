@@ -23,14 +23,44 @@ pub fn in_terminal(
     String::from_utf8_lossy(&output.stdout).replace("\r\n", "\n")
 }
 
-/// Returns the help of a program. Checks that it fits the terminal and explains the exit codes.
+/// Words that the documentation avoids.
+const AVOIDED: [&str; 7] = ["told", "tells", "home", "bring", "brings", "brought", "anew"];
+/// Words that turn a description into a question.
+const QUESTIONS: [&str; 8] = ["What", "Who", "Whose", "Whether", "How", "Where", "When", "Whoever"];
+
+/// Returns the help of a program. Checks that it fits the terminal, explains the exit codes, and is
+/// in plain words.
 pub fn help_that_fits(scratch: &Scratch, program: &str, columns: u32) -> String {
     let help = in_terminal(scratch, columns, &[("NO_COLOR", "1")], &format!("{program} --help"));
     for line in help.lines() {
         assert!(line.chars().count() <= columns.min(100) as usize, "{program}, {columns}: {line}");
     }
     assert!(help.contains("Exit codes: 0"), "{help}");
+    assert_plain(program, &help);
     help
+}
+
+/// Checks that a help has no name of a type, no word that the documentation avoids, and no
+/// description that begins like a question.
+fn assert_plain(program: &str, help: &str) {
+    for word in help.split(|c: char| !c.is_alphanumeric() && c != '_') {
+        assert!(!is_camel_case(word) || word == "RenderDoc", "{program}: {word} in\n{help}");
+        assert!(!AVOIDED.contains(&word.to_lowercase().as_str()), "{program}: {word} in\n{help}");
+    }
+    for line in help.lines().map(str::trim_start) {
+        let description = match line.strip_prefix("- ") {
+            Some(value) => value.split_once(": ").map_or(value, |(_, description)| description),
+            None => line,
+        };
+        let first = description.split_whitespace().next().unwrap_or_default();
+        assert!(!QUESTIONS.contains(&first), "{program}: {line}");
+    }
+}
+
+/// Returns true for a word such as `TypeName`.
+fn is_camel_case(word: &str) -> bool {
+    let parts = word.split(|c: char| c.is_lowercase()).filter(|part| !part.is_empty()).count();
+    word.starts_with(char::is_uppercase) && parts > 1 && word.chars().all(char::is_alphabetic)
 }
 
 /// Checks that a reader of the help may go early, and that a full disk is an error.
