@@ -1,6 +1,6 @@
 //! The distances of nodes from their parents in any clip, and any mix of clips, for the whole rig
 //! in one walk over all keys. The bound is coarse, costs next to nothing, and shows which objects
-//! can be skipped whatever plays.
+//! can be skipped whichever of the clips play. Poses from elsewhere are not bounded.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -23,7 +23,7 @@ struct Extent {
     lengthens: f32,
 }
 
-/// The extents of nodes, whatever plays.
+/// The extents of nodes in all poses that some clips give, alone or mixed.
 #[derive(Clone, Debug)]
 pub struct Extents {
     nodes: Vec<Extent>,
@@ -146,11 +146,11 @@ impl Extents {
         farthest.map(|(distance, whose)| (whose, distance * ROUNDING))
     }
 
-    /// Returns a box that no vertex of a skeleton leaves, whatever plays: the sum of the lengths of
-    /// the chains above it. `boxes` holds for each joint, by its number in the skin, the box of the
-    /// vertices that follow it, in the space of the mesh. The box is around the origin of the
-    /// [skeleton's space](Skeleton::space); where vertices reach too far, it is infinite or larger
-    /// than any scene. Takes time in proportion to boxes and bones.
+    /// Returns a box that no vertex of a skeleton leaves while the clips play: the sum of the
+    /// lengths of the chains above it. `boxes` holds for each joint, by its number in the skin, the
+    /// box of the vertices that follow it, in the space of the mesh. The box is around the origin
+    /// of the [skeleton's space](Skeleton::space); where vertices reach too far, it is infinite or
+    /// larger than any scene. Takes time in proportion to boxes and bones.
     pub fn reach(&self, skeleton: &Skeleton, boxes: impl IntoIterator<Item = (u16, Aabb)>) -> Aabb {
         let mut hanging = vec![f32::NEG_INFINITY; skeleton.bones.len()];
         let mut farthest = 0.0_f32;

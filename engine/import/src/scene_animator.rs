@@ -179,8 +179,9 @@ impl SceneAnimator {
     }
 
     /// Returns the changes for a host that draws only these views before the next update. An object
-    /// that none of them can show, whatever clips play, moves but takes no pose until a view can
-    /// show it.
+    /// that none of them can show, whichever of the clips play and however they are mixed, moves
+    /// but takes no pose until a view can show it. The bound of this ([`animation::Extents`]) holds
+    /// for the clips of the file, and not for poses from elsewhere.
     pub fn changes_in(&mut self, seconds: f64, views: &[View]) -> &SceneUpdate {
         self.change(seconds, Some(views))
     }
@@ -212,9 +213,9 @@ impl SceneAnimator {
     }
 
     /// Resets the shown state.
-    fn begin_anew(&mut self, scene: &Scene) {
+    fn reset(&mut self, scene: &Scene) {
         self.rig.world(&Pose::new(&self.rig), &mut self.world);
-        self.parts.begin_anew(&self.world);
+        self.parts.reset(&self.world);
         let lights = scene.surfaces.iter().flat_map(|surfaces| &surfaces.lights);
         self.lights = lights.copied().collect();
         self.is_new = true;

@@ -2,7 +2,9 @@
 //! frames and passes as Antumbra's own, so that comparisons compare methods and nothing else.
 //!
 //! A renderer supports the methods that it is given ([`all`]). A new method is a file with a type
-//! that implements [`occlusion::Method`], and a line in [`all`].
+//! that implements [`occlusion::Method`], and a line in [`all`]. A method that waits for results
+//! has its decisions in the crate `cull`, as a [`cull::BlockingKind`]: there a simulated GPU tests
+//! them.
 //!
 //! ```
 //! # use antumbra_methods as methods;

@@ -118,7 +118,7 @@ impl Frames {
 
     /// Starts over with a new swapchain: no frame is queued but the one being recorded, and
     /// ordinals restart.
-    pub(crate) fn begin_anew(&mut self) {
+    pub(crate) fn restart(&mut self) {
         for record in &mut self.records {
             record.left |= !record.open();
             record.ordinal = None;

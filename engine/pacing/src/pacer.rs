@@ -1,7 +1,7 @@
 //! The pacer: a state machine that is asked for the next action and receives feedback.
 
 mod api;
-mod books;
+mod presented;
 mod trial;
 
 use std::time::Duration;
@@ -14,7 +14,7 @@ use crate::margin::Margin;
 use crate::options::{PacerOptions, PacingError, Presentation};
 use crate::refresh_clock::RefreshClock;
 use crate::time::{MILLISECOND_NS, SECOND_NS, Time};
-use books::{Ledger, Silence};
+use presented::{Silence, TimingCursor};
 use trial::Trial;
 
 /// The longest sleep, so that a caller can look after its window.
@@ -72,7 +72,7 @@ pub struct Pacer {
     late_in_a_row: u32,
     /// The least GPU time that is assumed: frames that relied on less were late.
     gpu_floor: f64,
-    ledger: Ledger,
+    timing_cursor: TimingCursor,
 }
 
 /// The state of the phase search, which fills the queue so that acquires wait: without reports,
@@ -140,7 +140,7 @@ impl Pacer {
             newest_report: None,
             late_in_a_row: 0,
             gpu_floor: 0.0,
-            ledger: Ledger::default(),
+            timing_cursor: TimingCursor::default(),
         })
     }
 
@@ -164,7 +164,7 @@ impl Pacer {
     /// A property that is out of range; then nothing changes.
     pub fn present_through(&mut self, presentation: Presentation) -> Result<(), PacingError> {
         presentation.check()?;
-        self.frames.begin_anew();
+        self.frames.restart();
         self.presented = 0;
         self.gpu_floor = 0.0;
         self.sees_acquires = false;
@@ -172,7 +172,7 @@ impl Pacer {
         self.dropped_in_a_row = 0;
         self.phase_search = PhaseSearch { active: true, frames: 0 };
         self.rate_search = RateSearch::new();
-        self.ledger.interrupt();
+        self.timing_cursor.interrupt();
         if presentation.refresh != self.presentation.refresh {
             self.clock.forget(presentation.hint_ns());
             self.trial = Trial::new(presentation.hint_ns());
@@ -303,7 +303,7 @@ impl Pacer {
             self.frames.forget_all();
             self.clock.forget(None);
             self.silence = Silence::default();
-            self.ledger.interrupt();
+            self.timing_cursor.interrupt();
             (self.last_start, self.slept_until, self.newest_report) = (None, None, None);
             (self.last_left, self.limit_due) = ((0, 0.0), 0.0);
             self.presented = 0;

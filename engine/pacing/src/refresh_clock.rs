@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn another_rate_is_learnt_anew_and_an_outlier_is_not() {
+    fn another_rate_is_learnt_and_an_outlier_is_not() {
         let mut clock = locked((0..50).map(|n| PERIOD * f64::from(n)));
         clock.observe(PERIOD * 50.4);
         clock.observe(PERIOD * 51.0);

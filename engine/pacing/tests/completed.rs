@@ -52,8 +52,8 @@ fn a_frame_of_unknown_time_did_show_unless_it_was_replaced() {
                 pacer.feedback(frame, Feedback::Shown { at: done });
             }
         }
-        let told = std::iter::from_fn(|| pacer.completed()).map(|(_, timing)| timing);
-        let intervals: Vec<_> = told.map(|timing| timing.present_interval).collect();
+        let timings = std::iter::from_fn(|| pacer.completed()).map(|(_, timing)| timing);
+        let intervals: Vec<_> = timings.map(|timing| timing.present_interval).collect();
         let across = (mode == PresentationMode::Mailbox).then_some(2 * STEP);
         assert_eq!(intervals, [None, None, across, Some(STEP)], "{mode:?}");
     }

@@ -130,7 +130,7 @@ fn the_gpu_may_be_faster_in_a_new_swapchain() {
 /// Checks that nothing is predicted for another display, or another rate of this one, until some of
 /// its refreshes were seen.
 #[test]
-fn nothing_is_foretold_of_a_display_that_was_never_seen() {
+fn nothing_is_predicted_of_a_display_that_was_never_seen() {
     let mut machine = Machine::new();
     machine.gpu = 2 * MILLISECOND;
     machine.latency_ms(100);
@@ -151,7 +151,7 @@ fn nothing_is_foretold_of_a_display_that_was_never_seen() {
 
 /// Checks that the early latch of a compositor is learnt per mode, by misses, and kept only there.
 #[test]
-fn the_margin_is_learnt_anew_for_another_mode() {
+fn the_margin_is_learnt_again_for_another_mode() {
     let mut machine = Machine::new();
     machine.gpu = 2 * MILLISECOND;
     machine.latch = 8 * MILLISECOND;

@@ -1,5 +1,8 @@
 //! The errors of the engine.
 
+/// The name of a view in [`Error::ForeignRenderer`].
+pub(crate) const FOREIGN_VIEW: &str = "a view (`ViewState`)";
+
 /// An error of the engine. Its text is a sentence for the user.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -189,9 +192,7 @@ impl From<occlusion::Error> for Error {
             occlusion::Error::CannotCount { strategy, threshold_samples } => {
                 Self::CannotCount { strategy, threshold_samples }
             }
-            occlusion::Error::ForeignView => {
-                Self::ForeignRenderer { thing: "a view (`VisibilityState`)" }
-            }
+            occlusion::Error::ForeignView => Self::ForeignRenderer { thing: FOREIGN_VIEW },
             occlusion::Error::NoShaderCompiler(folder) => Self::NoShaderCompiler(folder),
         }
     }

@@ -29,7 +29,7 @@
 //!     renderer.render(&mut view, &request)?;
 //! }
 //! renderer.drain(&mut view)?;
-//! println!("{} bytes of image", image.rgba8()?.len());
+//! println!("{} bytes of RGBA", image.rgba8()?.len());
 //! # Ok(()) }
 //! ```
 #![forbid(unsafe_code)]

@@ -28,8 +28,8 @@ pub struct ViewTarget<'a> {
     /// The objects that own a pixel, for strategies with [objects found
     /// beforehand](Strategy::needs_still_scene).
     pub visible: Option<&'a VisibleSet>,
-    /// The part of the image for its image: at least a pixel, within the image. Where areas
-    /// overlap, later views replace the image of earlier ones.
+    /// The part of the image that it is drawn to: at least a pixel, within the image. Where parts
+    /// overlap, later views replace earlier ones.
     pub rect: Rect,
 }
 

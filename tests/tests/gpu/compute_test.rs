@@ -113,7 +113,8 @@ fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)>
     let size_bytes = TESTS as u64 * 4;
     let results = Buffer::new(device, "results", size_bytes, storage, MemoryKind::Device).unwrap();
     let to = vk::BufferUsageFlags::TRANSFER_DST;
-    let home = Buffer::new(device, "results home", size_bytes, to, MemoryKind::ReadBack).unwrap();
+    let readback =
+        Buffer::new(device, "results readback", size_bytes, to, MemoryKind::ReadBack).unwrap();
     let mut said = Vec::new();
     for world in worlds {
         let bits = device.adapter().limits.sub_pixel_precision_bits;
@@ -147,14 +148,14 @@ fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)>
         }
         let between = MemoryBarrier::between;
         commands.barrier(between(&[Access::ComputeWrite], &[Access::CopyRead]));
-        commands.copy_buffer(results.whole(), home.whole());
+        commands.copy_buffer(results.whole(), readback.whole());
         commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
         queries.resolve(commands, 0..count);
         queries.read_back(commands);
         let tick = frame.submit(None).unwrap();
         queries.submitted(tick);
         device.drain().unwrap();
-        let answers = home.read::<u32>(0..tests.len());
+        let answers = readback.read::<u32>(0..tests.len());
         queries.collect(device.completed().unwrap(), |test, samples| {
             said.push((samples, answers[test]));
         });

@@ -169,18 +169,19 @@ fn upload_memory_holds_what_a_frame_writes() {
         let mut ring = FrameRing::new(device, 2).unwrap();
         let big = 300_000usize;
         for round in 0..5u32 {
-            let home =
-                Buffer::new(device, "home", 4 * big as u64, usage, MemoryKind::ReadBack).unwrap();
+            let readback =
+                Buffer::new(device, "readback", 4 * big as u64, usage, MemoryKind::ReadBack)
+                    .unwrap();
             let small = Buffer::new(device, "small", 16, usage, MemoryKind::ReadBack).unwrap();
             let mut frame = ring.begin().unwrap();
             let items = (0..big as u32).map(|i| i ^ round);
             let large = frame.uploads().push_iter(items.clone()).unwrap();
             let second = frame.uploads().push(&[round; 4]).unwrap();
-            frame.commands().copy_buffer(large, home.whole());
+            frame.commands().copy_buffer(large, readback.whole());
             frame.commands().copy_buffer(second, small.whole());
             frame.submit(None).unwrap();
             device.drain().unwrap();
-            assert!(home.read::<u32>(0..big).iter().copied().eq(items));
+            assert!(readback.read::<u32>(0..big).iter().copied().eq(items));
             assert_eq!(small.read::<u32>(0..4), [round; 4]);
         }
     });

@@ -270,8 +270,9 @@ fn every_level_is_the_farthest_of_the_one_below() {
             let all = pyramid.depths();
             let levels: Vec<PyramidLevel> = pyramid_levels(size).collect();
             let usage = vk::BufferUsageFlags::TRANSFER_DST;
-            let home =
-                Buffer::new(device, "home", all.size_bytes, usage, MemoryKind::ReadBack).unwrap();
+            let readback =
+                Buffer::new(device, "readback", all.size_bytes, usage, MemoryKind::ReadBack)
+                    .unwrap();
             let mut ring = FrameRing::new(device, 2).unwrap();
             // Without boxes in between: nothing of the frame before may stay.
             for count in [boxes.len() as u32, 0, boxes.len() as u32] {
@@ -283,11 +284,11 @@ fn every_level_is_the_farthest_of_the_one_below() {
                     (0..count).for_each(|index| boxes_pass.draw(commands, slice, &view, index));
                 });
                 pyramid.record(commands, &mut target, Rect { origin: [0, 0], size });
-                commands.copy_buffer(all, home.whole());
+                commands.copy_buffer(all, readback.whole());
                 commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
                 frame.submit(None).unwrap();
                 device.drain().unwrap();
-                let depths = home.read::<f32>(0..all.size_bytes as usize / 4);
+                let depths = readback.read::<f32>(0..all.size_bytes as usize / 4);
                 let level_texels = |number: usize| {
                     let level = levels[number];
                     let start = level.start as usize;

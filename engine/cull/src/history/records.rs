@@ -85,7 +85,7 @@ impl History {
     ) {
         // Long streaks make for long intervals, and this one makes the next test one of its own
         // draw.
-        let stable_queries = config.visible_box_streak.saturating_add(1).min(u8::MAX.into()) as u8;
+        let stable_queries = config.visible_box_tests.saturating_add(1).min(u8::MAX.into()) as u8;
         if let Some(record) = self.record_mut(leaf) {
             if record.state != NodeState::Hidden {
                 record.state = NodeState::Visible;

@@ -102,11 +102,11 @@ pub struct CullConfig {
     ///
     /// Halved: +27.3 % tests, `fly`; doubled: -10.5 % tests, `fly`.
     pub visible_box_frames: u32,
-    /// The number of them after which its own draw is tested: the box may show where the draw does
-    /// not.
+    /// The number of consecutive box tests after which its own draw is tested: the box may show
+    /// where the draw does not.
     ///
     /// Halved: -4.7 % tests, `fly`; doubled: +2.4 % tests, `fly`.
-    pub visible_box_streak: u32,
+    pub visible_box_tests: u32,
     /// The longest interval between tests of a leaf whose proxy shows soon after its own draw did
     /// not: it doubles each time that happens, since its proxy is too loose for the place. More
     /// tests would cost more than drawing it.
@@ -194,7 +194,7 @@ impl Default for CullConfig {
             retest_gate: 1,
             visible_box_angle: 0.15,
             visible_box_frames: 3,
-            visible_box_streak: 6,
+            visible_box_tests: 6,
             flicker_retest_max: 64,
             pull_up_backoff: 2,
             tests_per_pull_up: 4,

@@ -186,8 +186,9 @@ mod tests {
         };
         let (mut sharp, mut blunt) = (0, 0);
         for _ in 0..20_000 {
-            let home = 10.0_f32.powf(between(0.0, 5.0));
-            let eye = Vec3::new(home, between(-1.0, 1.0) * home, between(-1.0, 1.0) * home);
+            let distance = 10.0_f32.powf(between(0.0, 5.0));
+            let eye =
+                Vec3::new(distance, between(-1.0, 1.0) * distance, between(-1.0, 1.0) * distance);
             let forward = Vec3::new(between(-1.0, 1.0), between(-1.0, 1.0), between(-1.0, 1.0));
             let camera = Camera { eye, forward, up: Vec3::Y, fov_y: 1.0, near: 0.01 };
             let view = View::new(&camera, [1280, 720], 8);
@@ -207,7 +208,7 @@ mod tests {
             for point in outline.points() {
                 let away = corners.iter().map(|corner| corner.distance(point.as_dvec2()));
                 let away = away.fold(f64::INFINITY, f64::min);
-                assert!(away <= 1.0 / 16.0, "{away} pixels at {home} m from the origin");
+                assert!(away <= 1.0 / 16.0, "{away} pixels at {distance} m from the origin");
             }
         }
         assert!(sharp > 5_000 && blunt > 1_000, "{sharp} sharp, {blunt} blunt");
@@ -330,15 +331,19 @@ mod tests {
     #[test]
     fn blunt_outlines_answer_for_nobody() {
         let offsets = [(0.0, true), (3.0e6, false)];
-        for (home, may_share) in offsets {
-            let eye = Vec3::new(home, 0.0, 0.0);
+        for (distance, may_share) in offsets {
+            let eye = Vec3::new(distance, 0.0, 0.0);
             let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
             let view = View::new(&camera, [640, 360], 8);
             let at = |z: f32, half: f32| {
                 let centre = eye + Vec3::new(0.0, 0.0, z);
                 Aabb::new(centre - Vec3::splat(half), centre + Vec3::splat(half))
             };
-            assert_eq!(shares(at(-20.0, 4.0), at(-60.0, 2.0), &view), may_share, "{home} m away");
+            assert_eq!(
+                shares(at(-20.0, 4.0), at(-60.0, 2.0), &view),
+                may_share,
+                "{distance} m away"
+            );
         }
     }
 }

@@ -208,9 +208,8 @@ impl Walk<'_> {
             return self.can_flag;
         }
         let diagonal = 2.0 * visit.bounds.half_extent().length();
-        let is_turn_of_draw = u32::from(record.stable_queries)
-            % self.config.visible_box_streak.saturating_add(1)
-            == 1;
+        let is_turn_of_draw =
+            u32::from(record.stable_queries) % self.config.visible_box_tests.saturating_add(1) == 1;
         // Where the box promised too much before, it would again.
         record.flicker_count == 0
             && !is_turn_of_draw

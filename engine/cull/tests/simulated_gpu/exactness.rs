@@ -68,7 +68,7 @@ impl World {
         };
         let mut config = CullConfig { seed, tests_wished, ..CullConfig::default() };
         if self.is_extreme {
-            config = extreme_policy(&mut self.random, config);
+            config = extreme_config(&mut self.random, config);
         }
         let is_rough = self.random.chance(0.7);
         let table = self.random.chance(0.3).then(|| random_prices(&mut self.random));
@@ -120,8 +120,8 @@ impl World {
     }
 }
 
-/// Returns a policy in which each constant may be the least or the most there is.
-fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
+/// Returns a configuration in which each constant may be the least or the most there is.
+fn extreme_config(random: &mut Random, usual: CullConfig) -> CullConfig {
     let mut config = usual;
     let CullConfig {
         unknown_leaves,
@@ -144,7 +144,7 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         retest_gate,
         visible_box_angle,
         visible_box_frames,
-        visible_box_streak,
+        visible_box_tests,
         flicker_retest_max,
         pull_up_backoff,
         tests_per_pull_up,
@@ -178,7 +178,7 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
         retest_spread,
         retest_gate,
         visible_box_frames,
-        visible_box_streak,
+        visible_box_tests,
         flicker_retest_max,
         pull_up_backoff,
         tests_per_pull_up,

@@ -69,9 +69,9 @@ impl Talk {
         self.drawn.clear();
         self.tested.clear();
         self.under_way.clear();
-        let (mut batch, mut home) = (Batch::default(), Vec::new());
+        let (mut batch, mut answers) = (Batch::default(), Vec::new());
         for _ in 0..STEPS {
-            let step = conversation.next(&home, &mut batch);
+            let step = conversation.next(&answers, &mut batch);
             self.submits += 1;
             self.execute(&batch, view, hierarchy, solids);
             match step {
@@ -79,7 +79,7 @@ impl Talk {
                 NextAction::Submit => self.poll(),
                 NextAction::Wait(token) => self.wait(token),
             }
-            home = self.collect();
+            answers = self.collect();
         }
         panic!("the conversation does not end");
     }
@@ -136,12 +136,12 @@ impl Talk {
     /// Returns the available results, in random order.
     fn collect(&mut self) -> Vec<TestAnswer> {
         let is_home = |it: &UnderWay| it.polls == 0;
-        let mut home: Vec<_> =
+        let mut answers: Vec<_> =
             self.under_way.iter().filter(|it| is_home(it)).map(|it| it.answer).collect();
         self.under_way.retain(|it| !is_home(it));
-        for position in (1..home.len()).rev() {
-            home.swap(position, self.random.below(position + 1));
+        for position in (1..answers.len()).rev() {
+            answers.swap(position, self.random.below(position + 1));
         }
-        home
+        answers
     }
 }

@@ -215,11 +215,11 @@ impl Target {
                 &[region],
             );
         }
-        let home = crate::record::access::MemoryBarrier::between(
+        let to_host = crate::record::access::MemoryBarrier::between(
             &[Access::CopyWrite],
             &[Access::HostRead],
         );
-        commands.barrier(home);
+        commands.barrier(to_host);
     }
 }
 

@@ -47,10 +47,10 @@ pub(super) struct Assembly<'a> {
     pub(super) cut_above: Option<usize>,
     /// The share of the nodes that is done, 0 to 1.
     pub(super) done: f32,
-    /// The progress_fn, which may stop the loading.
+    /// The progress function, which may stop the loading.
     pub(super) progress_fn: &'a mut Telling<'a>,
     /// The number of things placed since the last report.
-    pub(super) untold: usize,
+    pub(super) unreported: usize,
     /// The view for which points and lines are sized.
     pub(super) sight: InitialView<'a>,
     /// The number of objects added by splitting transparent meshes into parts.
@@ -61,7 +61,7 @@ pub(super) struct Assembly<'a> {
 pub(super) type Telling<'a> = dyn FnMut(f32) -> Result<(), ImportError> + 'a;
 
 /// The number of things placed between two reports of progress.
-pub(super) const TOLD_PARTS: usize = 256;
+pub(super) const PARTS_PER_REPORT: usize = 256;
 
 impl<'a> Assembly<'a> {
     /// Reports progress now and then; to be called for each thing that is placed.
@@ -69,11 +69,11 @@ impl<'a> Assembly<'a> {
     /// # Errors
     /// The progress function stopped the loading.
     pub(super) fn tell(&mut self) -> Result<(), ImportError> {
-        self.untold += 1;
-        if self.untold < TOLD_PARTS {
+        self.unreported += 1;
+        if self.unreported < PARTS_PER_REPORT {
             return Ok(());
         }
-        self.untold = 0;
+        self.unreported = 0;
         (self.progress_fn)(self.done)
     }
 

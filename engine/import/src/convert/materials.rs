@@ -79,7 +79,7 @@ impl Materials {
         );
         notes.count(
             "textures by a third set of texture coordinates, shown by the first",
-            slots.homeless,
+            slots.unassigned,
             || format!("material {}", quoted(&material.name)),
         );
         let is_transparent = material.alpha == Alpha::Blend;
@@ -115,7 +115,7 @@ impl Materials {
 #[derive(Debug, Default)]
 struct Slots {
     sets: [Option<u32>; 2],
-    homeless: usize,
+    unassigned: usize,
 }
 
 impl Slots {
@@ -130,7 +130,7 @@ impl Slots {
                 return slot as u8;
             }
         }
-        self.homeless += 1;
+        self.unassigned += 1;
         0
     }
 }
@@ -219,11 +219,11 @@ mod tests {
     fn two_sets_of_coordinates_find_a_place_and_a_third_shares_one() {
         let mut slots = Slots::default();
         assert_eq!([1, 0, 1].map(|set| slots.slot_of(set)), [1, 0, 1]);
-        assert_eq!((slots.sets, slots.homeless), ([Some(0), Some(1)], 0));
-        assert_eq!((slots.slot_of(5), slots.homeless), (0, 1));
+        assert_eq!((slots.sets, slots.unassigned), ([Some(0), Some(1)], 0));
+        assert_eq!((slots.slot_of(5), slots.unassigned), (0, 1));
         let mut slots = Slots::default();
         assert_eq!([4, 2, 4].map(|set| slots.slot_of(set)), [0, 1, 0]);
-        assert_eq!((slots.sets, slots.homeless), ([Some(4), Some(2)], 0));
+        assert_eq!((slots.sets, slots.unassigned), ([Some(4), Some(2)], 0));
         let mut slots = Slots::default();
         assert_eq!([3, 0].map(|set| slots.slot_of(set)), [0, 1]);
     }

@@ -87,7 +87,7 @@ pub(crate) fn convert(
         cut_above: options.cut_above_triangles,
         done: 0.0,
         progress_fn: &mut |done| progress_sender.tell(Stage::Meshes, done),
-        untold: assembly::TOLD_PARTS,
+        unreported: assembly::PARTS_PER_REPORT,
         sight,
         transparent_parts: 0,
     };

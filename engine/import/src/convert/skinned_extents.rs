@@ -1,6 +1,6 @@
-//! The reach of skinned meshes, whatever plays. The renderer finds their exact boxes in a pose
-//! ([`PoseBounds`]). A loose box is enough here and costs next to nothing: it shows which meshes
-//! cannot be drawn at all, and which need no pose, being out of sight.
+//! The reach of skinned meshes, whichever clips play. The renderer finds their exact boxes in a
+//! pose ([`PoseBounds`]). A loose box is enough here and costs next to nothing: it shows which
+//! meshes cannot be drawn at all, and which need no pose, being out of sight.
 
 use std::collections::HashMap;
 

@@ -8,13 +8,13 @@ use super::SceneAnimator;
 use crate::gltf_scene::PlacedNode;
 
 /// The most samples of a clip from its beginning to its end.
-const MOST_LOOKS_A_CLIP: usize = 32;
+const MAX_SAMPLES_PER_CLIP: usize = 32;
 
 /// The most samples of all clips together.
-const MOST_LOOKS: usize = 256;
+const MAX_SAMPLES: usize = 256;
 
 /// The most places of nodes and moving parts that are sampled; but each clip is sampled once.
-const MOST_PLACES: usize = 1 << 22;
+const MAX_SAMPLED_PLACES: usize = 1 << 22;
 
 /// Returns the box of [`SceneAnimator::bounds_playing`].
 pub(super) fn bounds_playing(animator: &mut SceneAnimator, scene: &Scene) -> Aabb {
@@ -44,7 +44,7 @@ pub(super) fn bounds_playing(animator: &mut SceneAnimator, scene: &Scene) -> Aab
         Some(PoseBounds::of(scene.meshes.get(skinned_mesh.mesh.0 as usize)?, skinned_mesh))
     };
     let forms: Vec<Option<PoseBounds>> = parts.clone().map(form).collect();
-    for seconds in looks(animator) {
+    for seconds in sample_times(animator) {
         animator.changes(seconds);
         for (part, form) in parts.clone().zip(&forms) {
             let Some(place) = animator.parts.placed(part).and_then(place) else { continue };
@@ -56,20 +56,20 @@ pub(super) fn bounds_playing(animator: &mut SceneAnimator, scene: &Scene) -> Aab
             }
         }
     }
-    animator.begin_anew(scene);
+    animator.reset(scene);
     if all.is_usable() { all } else { Aabb::new(Vec3::ZERO, Vec3::ZERO) }
 }
 
 /// Returns the sampled times, in seconds.
-fn looks(animator: &SceneAnimator) -> Vec<f64> {
+fn sample_times(animator: &SceneAnimator) -> Vec<f64> {
     let durations: Vec<f32> =
         animator.playing.to().iter().filter_map(|clip| animator.duration_s(*clip)).collect();
     let places = (animator.moving.len() + animator.parts.len()).max(1);
-    let most = (MOST_PLACES / places).clamp(1, MOST_LOOKS);
-    let a_clip = (most / durations.len().max(1)).clamp(1, MOST_LOOKS_A_CLIP);
+    let most = (MAX_SAMPLED_PLACES / places).clamp(1, MAX_SAMPLES);
+    let per_clip = (most / durations.len().max(1)).clamp(1, MAX_SAMPLES_PER_CLIP);
     let all = durations.iter().flat_map(|seconds| {
-        (0..a_clip).map(move |look| f64::from(*seconds) * look as f64 / a_clip as f64)
+        (0..per_clip).map(move |sample| f64::from(*seconds) * sample as f64 / per_clip as f64)
     });
     // The beginning is sampled even where nothing plays.
-    std::iter::once(0.0).chain(all).take(most.max(durations.len()).min(MOST_LOOKS)).collect()
+    std::iter::once(0.0).chain(all).take(most.max(durations.len()).min(MAX_SAMPLES)).collect()
 }

@@ -176,7 +176,7 @@ impl Parts {
     }
 
     /// Resets the shown state; `world` holds the nodes at rest.
-    pub(super) fn begin_anew(&mut self, world: &[Affine3A]) {
+    pub(super) fn reset(&mut self, world: &[Affine3A]) {
         for part in &mut self.parts {
             part.shown = part.place(world);
             part.shown_version = None;
@@ -297,7 +297,7 @@ impl Part {
         node.map_or(self.placement.local, |node| *node * self.placement.local)
     }
 
-    /// Returns true if one of the views may show any of it, in any pose.
+    /// Returns true if one of the views may show any of it, in any pose of the clips.
     fn may_be_in(&self, views: &[View]) -> bool {
         let bounds = bounds_of_transformed(&self.placement.reach, &self.shown);
         let is_in =

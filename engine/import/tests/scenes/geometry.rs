@@ -206,7 +206,7 @@ fn positions_that_are_no_numbers_are_refused_by_name() {
 }
 
 #[test]
-fn other_attributes_that_are_no_numbers_are_repaired_and_told() {
+fn other_attributes_that_are_no_numbers_are_repaired_and_noted() {
     let mut scene = GltfFile::triangle();
     let inf = f32::INFINITY;
     let normal = scene.floats("VEC3", &[f32::NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 9.0]);

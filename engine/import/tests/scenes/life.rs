@@ -96,7 +96,7 @@ fn clips_with_keys_that_are_no_keys_are_left_out_by_name() {
 }
 
 #[test]
-fn channels_beyond_what_can_be_played_are_left_out_and_told() {
+fn channels_beyond_what_can_be_played_are_left_out_and_noted() {
     for (times, far) in [([0.0, 1.0], 2e9), ([0.0, 1e10], 1.0)] {
         let values = [0.0, 0.0, 0.0, far, 0.0, 0.0];
         let imported = load(&animated("translation", &times, "VEC3", &values, "LINEAR"));
@@ -107,7 +107,7 @@ fn channels_beyond_what_can_be_played_are_left_out_and_told() {
 }
 
 #[test]
-fn channels_that_cannot_be_are_left_out_and_told() {
+fn channels_that_cannot_be_are_left_out_and_noted() {
     let places = [0.0, 0.0, 0.0, 1.0, 2.0, 3.0];
     let mut scene = animated("translation", &[0.0, 1.0], "VEC3", &places, "LINEAR");
     let channel =
@@ -213,7 +213,7 @@ fn skinned_objects_are_where_their_joints_are() {
 }
 
 #[test]
-fn broken_weights_are_repaired_and_told() {
+fn broken_weights_are_repaired_and_noted() {
     let mut broken = WEIGHTS;
     broken[..4].copy_from_slice(&[f32::NAN, 0.0, -1.0, f32::INFINITY]);
     broken[4..8].copy_from_slice(&[0.0; 4]);

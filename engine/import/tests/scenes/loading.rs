@@ -55,19 +55,19 @@ fn a_file_with_everything_in_it_is_loaded() {
 #[test]
 fn progress_goes_on_and_can_be_broken_off() {
     let bytes = everything().glb();
-    let mut told: Vec<Progress> = Vec::new();
+    let mut reports: Vec<Progress> = Vec::new();
     let progress_fn = &mut |progress| {
-        told.push(progress);
+        reports.push(progress);
         ControlFlow::Continue(())
     };
     load_bytes(bytes.clone(), None, &LoadOptions::default(), progress_fn).expect("it is loaded");
-    assert_eq!(told[0], Progress { stage: Stage::Reading, fraction: 0.0 });
-    assert_eq!(told.last().map(|told| told.stage), Some(Stage::Meshes));
-    assert!(told.iter().all(|told| (0.0..=1.0).contains(&told.fraction)));
-    let reading = told.iter().filter(|told| told.stage == Stage::Reading);
-    let images: Vec<u32> = reading.map(|told| (told.fraction * 3.0).round() as u32).collect();
+    assert_eq!(reports[0], Progress { stage: Stage::Reading, fraction: 0.0 });
+    assert_eq!(reports.last().map(|report| report.stage), Some(Stage::Meshes));
+    assert!(reports.iter().all(|report| (0.0..=1.0).contains(&report.fraction)));
+    let reading = reports.iter().filter(|report| report.stage == Stage::Reading);
+    let images: Vec<u32> = reading.map(|report| (report.fraction * 3.0).round() as u32).collect();
     assert_eq!(images, [0, 1, 2, 3], "it goes on with the images");
-    for calls in 0..told.len() {
+    for calls in 0..reports.len() {
         let mut left = calls;
         let progress_fn = &mut |_| match left {
             0 => ControlFlow::Break(()),

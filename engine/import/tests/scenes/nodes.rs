@@ -71,7 +71,7 @@ fn a_hundred_thousand_nodes_deep_is_not_too_deep() {
 }
 
 #[test]
-fn places_that_are_none_are_left_out_and_told() {
+fn places_that_are_none_are_left_out_and_noted() {
     let mut scene = GltfFile::triangle();
     let huge = json!({ "scale": [1e30, 1e30, 1e30], "children": [2] });
     scene.set(

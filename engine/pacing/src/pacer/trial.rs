@@ -65,7 +65,7 @@ impl Trial {
     }
 
     /// Discards the evidence, which is too old.
-    pub(in crate::pacer) fn begin_anew(&mut self, hint: Option<f64>) {
+    pub(in crate::pacer) fn restart(&mut self, hint: Option<f64>) {
         if !self.is_won {
             (self.clock, self.agreed) = (RefreshClock::new(hint), 0);
             self.shaking = Shaking::Rests;
@@ -79,8 +79,8 @@ impl Trial {
         if matches!(self.shaking, Shaking::Done(frame) if shown < frame) {
             return None;
         }
-        let foretold = self.clock.period().zip(self.clock.at_or_after(at));
-        let agrees = foretold.is_some_and(|(period, next)| {
+        let predicted = self.clock.period().zip(self.clock.at_or_after(at));
+        let agrees = predicted.is_some_and(|(period, next)| {
             let early = next - at;
             early.min(period - early) < AGREES * period
         });

@@ -5,7 +5,7 @@ use antumbra_pacing::{PresentReports, PresentationMode};
 
 use crate::measure::{mean, quantile};
 use crate::run::{Run, run};
-use crate::scenario::{Policy, Scenario};
+use crate::scenario::{FrameLoop, Scenario};
 
 /// The number of frames that a pacer has for learning.
 const LEARNT: usize = 120;
@@ -145,7 +145,7 @@ fn starting_at_once_has_worse_latency_and_longer_queues() {
     let mut too_many = 0;
     for seed in 0..300 {
         let paced = Scenario::random(seed, PresentationMode::Fifo);
-        let at_once = Scenario { policy: Policy::AtOnce, ..paced.clone() };
+        let at_once = Scenario { frame_loop: FrameLoop::Unpaced, ..paced.clone() };
         let [paced, at_once] = [run(&paced), run(&at_once)];
         let excess = |run: &Run| mean(&run.latency_excess(LEARNT));
         worse += u32::from(excess(&at_once) > excess(&paced) + 0.5);

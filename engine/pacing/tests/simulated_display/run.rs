@@ -7,7 +7,7 @@ use antumbra_pacing::{Feedback, FrameTiming, PacedFrameId, Pacer, PresentReports
 
 use crate::display::{Display, Panel, Work};
 use crate::random::Random;
-use crate::scenario::{MILLISECOND, Policy, SECOND, Scenario, Stall, Ticks};
+use crate::scenario::{FrameLoop, MILLISECOND, SECOND, Scenario, Stall, Ticks};
 
 /// The timeout of an acquire.
 const ACQUIRE_TIMEOUT: f64 = 100.0 * MILLISECOND;
@@ -97,9 +97,9 @@ impl Simulation {
         self.steps += 1;
         assert!(self.steps < 200 * self.scenario.frames + 100_000, "the loop spins");
         self.deliver();
-        let step = match self.scenario.policy {
-            Policy::Paced => self.pacer.next(self.clock(self.now)),
-            Policy::AtOnce => {
+        let step = match self.scenario.frame_loop {
+            FrameLoop::Paced => self.pacer.next(self.clock(self.now)),
+            FrameLoop::Unpaced => {
                 self.frame(PacedFrameId(self.outcomes.len() as u64), None);
                 return;
             }

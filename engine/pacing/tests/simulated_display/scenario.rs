@@ -24,12 +24,12 @@ pub enum Ticks {
     Unknown,
 }
 
-/// The policy that starts frames.
+/// The loop that starts frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Policy {
+pub enum FrameLoop {
     Paced,
     /// A start as soon as the last was presented: a loop without pacing.
-    AtOnce,
+    Unpaced,
 }
 
 /// A stall of a frame.
@@ -51,7 +51,7 @@ pub struct Change {
 pub struct Scenario {
     pub seed: u64,
     pub frames: usize,
-    pub policy: Policy,
+    pub frame_loop: FrameLoop,
     pub options: PacerOptions,
     pub panel: Panel,
     pub mode: PresentationMode,
@@ -90,7 +90,7 @@ impl Scenario {
         Self {
             seed,
             frames: 300,
-            policy: Policy::Paced,
+            frame_loop: FrameLoop::Paced,
             options: PacerOptions::default(),
             panel: Panel::Fixed { period, phase: 3e6 },
             mode: PresentationMode::Fifo,

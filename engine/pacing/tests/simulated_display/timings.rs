@@ -13,9 +13,9 @@ fn exact(seed: u64) -> Scenario {
     scenario
 }
 
-fn near(told: Duration, truth: f64) -> bool {
+fn near(reported: Duration, truth: f64) -> bool {
     // Times are reported in whole nanoseconds.
-    (told.as_nanos() as f64 - truth).abs() < 3.0
+    (reported.as_nanos() as f64 - truth).abs() < 3.0
 }
 
 #[test]

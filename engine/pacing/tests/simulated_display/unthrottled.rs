@@ -48,8 +48,8 @@ fn waits_for_a_rasteriser_are_no_refreshes() {
     for seed in 0..1_000 {
         let run = run(&rasteriser(seed));
         waits += waited(&run);
-        let foretold = run.outcomes.iter().filter(|outcome| outcome.expected.is_some()).count();
-        assert_eq!(foretold, 0, "seed {seed}: {foretold} frames have a refresh to be shown at");
+        let predicted = run.outcomes.iter().filter(|outcome| outcome.expected.is_some()).count();
+        assert_eq!(predicted, 0, "seed {seed}: {predicted} frames have a refresh to be shown at");
         let mut statistics = FrameStatistics::new(2_000, HitchRule::default()).unwrap();
         run.timings.iter().for_each(|(_, timing)| statistics.record(*timing));
         let summary = statistics.summary();

@@ -11,7 +11,7 @@ use crate::debug::flat_overlay::FlatOverlay;
 use crate::debug::outline::record_outline;
 use crate::debug::sample_counts::count_samples;
 use crate::debug::visible_set::{VISIBLE_SET, VisibleSet};
-use crate::error::Error;
+use crate::error::{Error, FOREIGN_VIEW};
 use crate::frame_passes::FramePasses;
 use crate::renderer::Renderer;
 use crate::view_state::{RendererId, ViewState};
@@ -207,7 +207,7 @@ impl Renderer {
 
     /// Refuses a view of another renderer.
     pub(crate) fn check_view(&self, state: &ViewState) -> Result<(), Error> {
-        self.check_renderer(state.renderer, "a view (`ViewState`)")
+        self.check_renderer(state.renderer, FOREIGN_VIEW)
     }
 
     /// Refuses an object of another renderer.

@@ -95,7 +95,7 @@ pub(crate) struct SampleCounts {
     /// True if the frame being recorded counts.
     is_asking: bool,
     asked: CountRequests,
-    home: Vec<VisibleSamples>,
+    collected: Vec<VisibleSamples>,
 }
 
 /// The counts of a frame, kept to allocate nothing in the steady state.
@@ -148,13 +148,13 @@ impl SampleCounts {
     /// Reads the available results and forgets objects that are gone. `now` is the newest frame.
     /// Never waits.
     pub(crate) fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, now: FrameId) {
-        let mut home = std::mem::take(&mut self.home);
-        home.clear();
+        let mut collected = std::mem::take(&mut self.collected);
+        collected.clear();
         if let Some(queries) = &mut self.queries {
             queries.collect(completed, |tag, samples| {
                 if tag.kind == CountKind::Object {
-                    home.push(tag.answer(samples));
-                } else if let Some(of_object) = home.last_mut() {
+                    collected.push(tag.answer(samples));
+                } else if let Some(of_object) = collected.last_mut() {
                     let proxy = of_object.proxy.get_or_insert_default();
                     match tag.kind {
                         CountKind::ProxyVisible => proxy.visible = samples,
@@ -163,10 +163,10 @@ impl SampleCounts {
                 }
             });
         }
-        for known in home.drain(..) {
+        for known in collected.drain(..) {
             self.keep(known);
         }
-        self.home = home;
+        self.collected = collected;
         self.newest.retain(|known| hierarchy.is_same_object_since(known.object, known.generation));
         self.age(now);
     }

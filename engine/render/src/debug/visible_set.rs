@@ -71,14 +71,14 @@ impl SeenLeaves {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::TRANSFER_DST
             | vk::BufferUsageFlags::TRANSFER_SRC;
-        let home = vk::BufferUsageFlags::TRANSFER_DST;
+        let readback_usage = vk::BufferUsageFlags::TRANSFER_DST;
         Ok(Self {
             values: Buffer::new(device, "seen leaves", size_bytes, usage, MemoryKind::Device)?,
             readback: Buffer::new(
                 device,
                 "seen leaves read back",
                 size_bytes,
-                home,
+                readback_usage,
                 MemoryKind::ReadBack,
             )?,
             newest: Tick::default(),

@@ -177,7 +177,7 @@ impl SkinnedMeshes {
     }
 
     /// Records the upload of the newest poses of the skinned meshes that `is_seen` accepts, before
-    /// anything of `frame` reads vertices. All stay stale until the frame was
+    /// anything of `frame` reads vertices. They stay dirty until the frame was
     /// [submitted](SkinnedMeshes::submitted), which may never happen.
     ///
     /// # Errors

@@ -11,8 +11,8 @@ fn sevens(device: &Device) -> Buffer {
     device.upload("sevens", &[7u32; 1024], BOTH_WAYS).unwrap()
 }
 
-fn home(device: &Device) -> Buffer {
-    Buffer::new(device, "home", 4096, BOTH_WAYS, MemoryKind::ReadBack).unwrap()
+fn readback(device: &Device) -> Buffer {
+    Buffer::new(device, "readback", 4096, BOTH_WAYS, MemoryKind::ReadBack).unwrap()
 }
 
 #[test]
@@ -45,7 +45,7 @@ fn what_is_dropped_outlives_the_commands_being_recorded() {
     run_on_all(|device| {
         let (mut ring, mut other_ring) =
             (FrameRing::new(device, 2).unwrap(), FrameRing::new(device, 1).unwrap());
-        let (from, to) = (sevens(device), home(device));
+        let (from, to) = (sevens(device), readback(device));
         device.drain().unwrap();
         assert_eq!(device.retired(), 0);
         let frame = ring.begin().unwrap();
@@ -67,7 +67,7 @@ fn what_is_dropped_outlives_the_commands_being_recorded() {
 fn all_pieces_of_a_frame_keep_alive_what_is_dropped() {
     run_on_all(|device| {
         let mut ring = FrameRing::new(device, 1).unwrap();
-        let (from, [first, second]) = (sevens(device), [home(device), home(device)]);
+        let (from, [first, second]) = (sevens(device), [readback(device), readback(device)]);
         let mut frame = ring.begin().unwrap();
         let slice = from.whole();
         frame.commands().copy_buffer(slice, first.whole());
@@ -78,8 +78,8 @@ fn all_pieces_of_a_frame_keep_alive_what_is_dropped() {
         frame.commands().copy_buffer(slice, second.whole());
         frame.submit(None).unwrap();
         device.drain().unwrap();
-        for home in [&first, &second] {
-            assert_eq!(home.read::<u32>(0..1024), [7; 1024]);
+        for readback in [&first, &second] {
+            assert_eq!(readback.read::<u32>(0..1024), [7; 1024]);
         }
         assert_eq!(device.retired(), 0);
     });

@@ -42,20 +42,20 @@ fn commands_that_run_once_bind_what_they_read() {
     run_on_all(|device| {
         let (pipeline, lists) = (compute(device), Lists::new(device));
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
-        let home = Buffer::new(device, "home", 16, usage, MemoryKind::ReadBack).unwrap();
+        let readback = Buffer::new(device, "readback", 16, usage, MemoryKind::ReadBack).unwrap();
         let between = MemoryBarrier::between;
         let record = |commands: &Commands, threshold: u32| {
             commands.bind_compute(&pipeline, &lists.slices());
             commands.push_compute_constants(&pipeline, &[0, 2, threshold]);
             commands.dispatch([1, 1, 1]);
             commands.barrier(between(&[Access::ComputeWrite], &[Access::CopyRead]));
-            commands.copy_buffer(lists.counts.whole(), home.whole());
+            commands.copy_buffer(lists.counts.whole(), readback.whole());
             commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
         };
         for (threshold, shown) in [(0, [5, 1]), (8, [5, 1]), (9, [0, 0]), (u32::MAX, [0, 0])] {
             device.run_once("counts", |commands| record(commands, threshold)).unwrap();
             // Of the range, and of the command for its boxes.
-            assert_eq!(home.read::<u32>(0..4), [shown[0], shown[1], 0, 0], "{threshold}");
+            assert_eq!(readback.read::<u32>(0..4), [shown[0], shown[1], 0, 0], "{threshold}");
         }
     });
 }

@@ -111,7 +111,7 @@ fn more_decisions_than_a_dispatch_has_workgroups() {
         let results = device.upload("results", &results, usage).unwrap();
         let bytes = predicates.draws().size_bytes;
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
-        let home = Buffer::new(device, "home", bytes, usage, MemoryKind::ReadBack).unwrap();
+        let readback = Buffer::new(device, "readback", bytes, usage, MemoryKind::ReadBack).unwrap();
         let decided = (0..COUNT).map(|number| PredicatedRange {
             result: number,
             range: DrawRange { first: number, count: 1 },
@@ -124,11 +124,11 @@ fn more_decisions_than_a_dispatch_has_workgroups() {
         let commands = frame.commands();
         // Decisions that do not exist decide nothing.
         predicates.resolve(commands, &[(SOURCE, 1..COUNT + 9)]);
-        commands.copy_buffer(predicates.draws(), home.whole());
+        commands.copy_buffer(predicates.draws(), readback.whole());
         commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
         frame.submit(None).unwrap();
         device.drain().unwrap();
-        let found = home.read::<IndirectDraw>(0..COUNT as usize);
+        let found = readback.read::<IndirectDraw>(0..COUNT as usize);
         assert_eq!(found.len(), COUNT as usize);
         for (number, draw) in (0..).zip(found) {
             let expected = if number == 0 { 7 } else { u32::from(number % 3 != 0) };

@@ -203,8 +203,8 @@ impl Pacer {
         let generation = self.clock.generation();
         let newest_wins = self.presentation.mode == PresentationMode::Mailbox;
         let late = |period: f64| record.target.is_some_and(|target| at > target + 0.5 * period);
-        let foretold = record.generation == generation;
-        let was_late = foretold && self.clock.period().is_some_and(late);
+        let predicted = record.generation == generation;
+        let was_late = predicted && self.clock.period().is_some_and(late);
         self.clock.observe(at);
         self.late_in_a_row = if was_late { self.late_in_a_row.saturating_add(1) } else { 0 };
         if self.late_in_a_row >= DOUBTFUL {
@@ -228,7 +228,7 @@ impl Pacer {
             self.rate_search = RateSearch::new();
             return;
         }
-        for (frame, late) in [(replaced, true), (foretold.then_some(frame), was_late)] {
+        for (frame, late) in [(replaced, true), (predicted.then_some(frame), was_late)] {
             if let Some(frame) = frame {
                 self.learn_margin(frame, late);
             }

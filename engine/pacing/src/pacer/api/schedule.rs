@@ -148,7 +148,7 @@ impl Pacer {
         if toggle {
             self.phase_search = PhaseSearch { active: !search.active, frames: 0 };
             if self.phase_search.active {
-                self.trial.begin_anew(self.presentation.hint_ns());
+                self.trial.restart(self.presentation.hint_ns());
             }
         }
     }

@@ -16,14 +16,14 @@ impl Pacer {
     /// out. Call it until there is none, after delivering feedback: frames more than about sixty
     /// back are forgotten.
     pub fn completed(&mut self) -> Option<(PacedFrameId, FrameTiming)> {
-        self.ledger.next = self.ledger.next.max(self.frames.oldest());
+        self.timing_cursor.next = self.timing_cursor.next.max(self.frames.oldest());
         loop {
-            let frame = self.ledger.next;
+            let frame = self.timing_cursor.next;
             let record = *self.frames.record(frame)?;
             if !record.dropped && !self.is_settled(frame) {
                 return None;
             }
-            self.ledger.next += 1;
+            self.timing_cursor.next += 1;
             if !record.dropped {
                 return Some((PacedFrameId(frame), self.timing(record.start, record.shown)));
             }
@@ -51,7 +51,7 @@ impl Pacer {
         let period = self.period_ns();
         let in_refreshes = |ns: f64| period.map(|period| (ns / period).round() as u32);
         let present_interval =
-            shown.zip(self.ledger.last_shown).map(|(shown, last)| (shown - last).max(0.0));
+            shown.zip(self.timing_cursor.last_shown).map(|(shown, last)| (shown - last).max(0.0));
         let refreshes = present_interval.and_then(in_refreshes);
         let latency = shown.map(|shown| shown - start);
         let intended = self
@@ -59,18 +59,18 @@ impl Pacer {
             .frame_limit_hz
             .map_or(1, |hz| in_refreshes(1.45 * SECOND_NS / hz).unwrap_or(1).max(1));
         let timing = FrameTiming {
-            start_interval: self.ledger.last_start.map(|last| span(start - last)),
+            start_interval: self.timing_cursor.last_start.map(|last| span(start - last)),
             present_interval: present_interval.map(span),
             latency: latency.map(span),
             refreshes,
             latency_refreshes: latency.and_then(in_refreshes),
             missed: refreshes.map(|refreshes| refreshes.saturating_sub(intended)),
         };
-        self.ledger.last_start = Some(start);
+        self.timing_cursor.last_start = Some(start);
         // A frame that was replaced before it showed leaves the image as it was; for an unknown
         // one the duration of its showing is unknown.
         if shown.is_some() || self.presentation.in_order() {
-            self.ledger.last_shown = shown;
+            self.timing_cursor.last_shown = shown;
         }
         timing
     }

@@ -84,23 +84,25 @@ impl PagePlan {
         let most_texels = most_texels(&groups);
         let groups = joined(groups, max_layers, most_texels);
         let mut plan = Self::default();
-        let mut homes: HashMap<usize, usize> = HashMap::new();
+        let mut page_groups: HashMap<usize, usize> = HashMap::new();
         let mut layers: HashMap<(usize, ImageId), (usize, u32)> = HashMap::new();
-        for (home, group) in groups.iter().enumerate() {
+        for (page_group, group) in groups.iter().enumerate() {
             let first = plan.add(group, max_layers);
-            homes.extend(group.members.iter().map(|member| (*member, home)));
+            page_groups.extend(group.members.iter().map(|member| (*member, page_group)));
             let place = |place: u32| (first + (place / max_layers) as usize, place % max_layers);
-            layers.extend((0..).zip(&group.images).map(|(it, image)| ((home, *image), place(it))));
+            layers.extend(
+                (0..).zip(&group.images).map(|(it, image)| ((page_group, *image), place(it))),
+            );
         }
         plan.places = surfaces
             .textures
             .iter()
             .zip(numbers)
             .map(|(texture, number)| {
-                let home = *homes.get(&number?)?;
-                let is_others = groups.get(home)?.sampler != texture.sampler;
+                let page_group = *page_groups.get(&number?)?;
+                let is_others = groups.get(page_group)?.sampler != texture.sampler;
                 plan.resampled_by_others += usize::from(is_others);
-                layers.get(&(home, texture.image)).copied()
+                layers.get(&(page_group, texture.image)).copied()
             })
             .collect();
         plan.count_resampled(surfaces);

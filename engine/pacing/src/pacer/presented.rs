@@ -10,13 +10,13 @@ pub(in crate::pacer) struct Silence {
 
 /// The timings handed out, and the times with which the next frames are compared.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::pacer) struct Ledger {
+pub(in crate::pacer) struct TimingCursor {
     pub(in crate::pacer) next: u64,
     pub(in crate::pacer) last_start: Option<f64>,
     pub(in crate::pacer) last_shown: Option<f64>,
 }
 
-impl Ledger {
+impl TimingCursor {
     /// Notes that the next frame has no predecessor.
     pub(in crate::pacer) const fn interrupt(&mut self) {
         self.last_start = None;
