@@ -50,7 +50,7 @@ pub(crate) fn decode(
     store: &Store,
     (texture_images, folder): (&[Option<usize>], Option<&Path>),
     (budget, limits): (&mut Budget, &Limits),
-    (verdict, tell): (&mut Verdict, &mut ReadProgress<'_>),
+    (verdict, read_progress): (&mut Verdict, &mut ReadProgress<'_>),
 ) -> Result<Images, Fault> {
     let used: BTreeSet<usize> = texture_images.iter().flatten().copied().collect();
     let mut list = vec![None; root.images.len()];
@@ -72,7 +72,7 @@ pub(crate) fn decode(
         }
         jobs.push(job);
     }
-    for (job, pixels) in jobs.iter().zip(decode_all(&jobs, limits, tell)) {
+    for (job, pixels) in jobs.iter().zip(decode_all(&jobs, limits, read_progress)) {
         let element = Kind::Image.at(job.index);
         let rgba8 = verdict.judge(element, pixels.at(|| element.to_string()))?;
         let name = root.images.get(job.index).and_then(|image| image.name.clone());
@@ -247,7 +247,7 @@ fn undecodable(error: &image::ImageError) -> Reason {
 fn decode_all(
     jobs: &[Job],
     limits: &Limits,
-    tell: &mut ReadProgress<'_>,
+    read_progress: &mut ReadProgress<'_>,
 ) -> Vec<Result<Vec<u8>, Reason>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = cores.min(MAX_THREADS).min(jobs.len());
@@ -279,7 +279,7 @@ fn decode_all(
             _ => drop(finished),
         }
         for (count, ()) in (1..).zip(&arriving) {
-            if tell(count as f32 / jobs.len() as f32).is_break() {
+            if read_progress(count as f32 / jobs.len() as f32).is_break() {
                 // Jobs that have begun are finished; no other begins.
                 next.store(jobs.len(), Ordering::Relaxed);
                 break;

@@ -28,9 +28,9 @@ pub fn load(
     progress_fn: &mut ProgressFn<'_>,
 ) -> Result<GltfScene, ImportError> {
     let mut progress_sender = ProgressSender { file: path.display().to_string(), progress_fn };
-    progress_sender.tell(Stage::Reading, 0.0)?;
-    let mut tell = |fraction| progress_sender.go_on(Stage::Reading, fraction);
-    let source = source::open_and_tell(path, &options.limits, &mut tell)?;
+    progress_sender.report(Stage::Reading, 0.0)?;
+    let mut read_progress = |fraction| progress_sender.go_on(Stage::Reading, fraction);
+    let source = source::open_with_progress(path, &options.limits, &mut read_progress)?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     convert::convert(source, name.unwrap_or_default(), options, &mut progress_sender)
 }
@@ -47,8 +47,8 @@ pub fn load_bytes(
     progress_fn: &mut ProgressFn<'_>,
 ) -> Result<GltfScene, ImportError> {
     let mut progress_sender = ProgressSender { file: "memory".to_owned(), progress_fn };
-    progress_sender.tell(Stage::Reading, 0.0)?;
-    let mut tell = |fraction| progress_sender.go_on(Stage::Reading, fraction);
-    let source = source::read_and_tell(bytes, folder, &options.limits, &mut tell)?;
+    progress_sender.report(Stage::Reading, 0.0)?;
+    let mut read_progress = |fraction| progress_sender.go_on(Stage::Reading, fraction);
+    let source = source::read_with_progress(bytes, folder, &options.limits, &mut read_progress)?;
     convert::convert(source, "memory".to_owned(), options, &mut progress_sender)
 }

@@ -36,7 +36,7 @@ impl ProgressSender<'_> {
         (self.progress_fn)(Progress { stage, fraction })
     }
 
-    pub(crate) fn tell(&mut self, stage: Stage, fraction: f32) -> Result<(), ImportError> {
+    pub(crate) fn report(&mut self, stage: Stage, fraction: f32) -> Result<(), ImportError> {
         match self.go_on(stage, fraction) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(ImportError {

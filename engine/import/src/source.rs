@@ -150,20 +150,20 @@ impl Source {
 /// # Errors
 /// Parts that cannot be read, violate glTF 2.0, or are beyond the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Source, ImportError> {
-    open_and_tell(path, limits, &mut |_| ControlFlow::Continue(()))
+    open_with_progress(path, limits, &mut |_| ControlFlow::Continue(()))
 }
 
 /// Reads like [`open`], with reports of progress.
-pub(crate) fn open_and_tell(
+pub(crate) fn open_with_progress(
     path: &Path,
     limits: &Limits,
-    tell: &mut ReadProgress<'_>,
+    read_progress: &mut ReadProgress<'_>,
 ) -> Result<Source, ImportError> {
     let file = path.display().to_string();
     let bytes = uri::read_file(path, "it", Wanted::All, limits.file_bytes)
         .map_err(|reason| reason.of("file").in_file(&file))?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), limits, tell)
+    read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), limits, read_progress)
 }
 
 /// Reads a file whose bytes are here. Files that it refers to are read from `folder`; without a
@@ -172,17 +172,17 @@ pub(crate) fn open_and_tell(
 /// # Errors
 /// Those of [`open`].
 pub fn read(bytes: Vec<u8>, folder: Option<&Path>, limits: &Limits) -> Result<Source, ImportError> {
-    read_and_tell(bytes, folder, limits, &mut |_| ControlFlow::Continue(()))
+    read_with_progress(bytes, folder, limits, &mut |_| ControlFlow::Continue(()))
 }
 
 /// Reads like [`read`], with reports of progress.
-pub(crate) fn read_and_tell(
+pub(crate) fn read_with_progress(
     bytes: Vec<u8>,
     folder: Option<&Path>,
     limits: &Limits,
-    tell: &mut ReadProgress<'_>,
+    read_progress: &mut ReadProgress<'_>,
 ) -> Result<Source, ImportError> {
-    read_named("scene in memory".to_owned(), bytes, folder, limits, tell)
+    read_named("scene in memory".to_owned(), bytes, folder, limits, read_progress)
 }
 
 fn read_named(
@@ -190,9 +190,9 @@ fn read_named(
     bytes: Vec<u8>,
     folder: Option<&Path>,
     limits: &Limits,
-    tell: &mut ReadProgress<'_>,
+    read_progress: &mut ReadProgress<'_>,
 ) -> Result<Source, ImportError> {
-    match check_and_decode(bytes, folder, limits, tell) {
+    match check_and_decode(bytes, folder, limits, read_progress) {
         Ok(parts) => Ok(Source {
             file,
             document: gltf::Document::from_json_without_validation(parts.root),
@@ -232,7 +232,7 @@ fn check_and_decode(
     bytes: Vec<u8>,
     folder: Option<&Path>,
     limits: &Limits,
-    tell: &mut ReadProgress<'_>,
+    read_progress: &mut ReadProgress<'_>,
 ) -> Result<Parts, Fault> {
     let length = bytes.len() as u64;
     if length > limits.file_bytes {
@@ -274,7 +274,8 @@ fn check_and_decode(
 
     let texture_images = textures::images_of(&root, verdict);
     let used = (texture_images.as_slice(), folder);
-    let images = images::decode(&root, &store, used, (&mut budget, limits), (verdict, tell))?;
+    let images =
+        images::decode(&root, &store, used, (&mut budget, limits), (verdict, read_progress))?;
     prune::elements(&mut root, verdict);
     let notes = std::mem::take(&mut verdict.notes).finish();
     Ok(Parts { root, images, texture_images, instancing, store, notes })

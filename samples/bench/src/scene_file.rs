@@ -29,7 +29,7 @@ pub type LoadProgressFn<'a> = dyn FnMut(LoadProgress<'_>) -> ControlFlow<()> + '
 ///
 /// # Errors
 /// When it was given up.
-pub fn tell(
+pub fn report_progress(
     progress_fn: &mut LoadProgressFn<'_>,
     what: &str,
     fraction: Option<f32>,
@@ -49,7 +49,7 @@ pub fn load(
     exposure: Option<f32>,
     progress_fn: &mut LoadProgressFn<'_>,
 ) -> Result<GltfScene, RunError> {
-    tell(progress_fn, &format!("reading {}", shown(file)), None)?;
+    report_progress(progress_fn, &format!("reading {}", shown(file)), None)?;
     if file.is_dir() {
         let shown = shown(file);
         return Err(RunError::user(format!("cannot read the scene '{shown}': it is a folder")));
@@ -85,7 +85,7 @@ pub fn hierarchy(
     scene: &Scene,
     progress_fn: &mut LoadProgressFn<'_>,
 ) -> Result<Hierarchy, RunError> {
-    tell(progress_fn, "building the hierarchy", None)?;
+    report_progress(progress_fn, "building the hierarchy", None)?;
     Hierarchy::build(&object_bounds(scene)?).map_err(RunError::machine)
 }
 

@@ -91,11 +91,11 @@ impl LoadedScene {
     ) -> Result<Self, RunError> {
         let mut imported = scene_file::load(file, settings.exposure, progress_fn)?;
         if settings.detail_pixels.is_some() {
-            scene_file::tell(progress_fn, "making levels of detail", None)?;
+            scene_file::report_progress(progress_fn, "making levels of detail", None)?;
             imported.make_levels(&import::LevelOptions::default());
         }
         let hierarchy = scene_file::hierarchy(&imported.scene, progress_fn)?;
-        scene_file::tell(progress_fn, "uploading it to the device", None)?;
+        scene_file::report_progress(progress_fn, "uploading it to the device", None)?;
         let renderer_options = renderer_options(options, size)?;
         let renderer =
             Renderer::with_hierarchy(device, &imported.scene, hierarchy, &renderer_options)

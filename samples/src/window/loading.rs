@@ -52,7 +52,7 @@ impl Loading {
         let (device, options, own) = (device.clone(), options.clone(), source.clone());
         let theirs = Arc::clone(&shared);
         let load = move || {
-            let mut tell = |progress: LoadProgress<'_>| {
+            let mut progress_fn = |progress: LoadProgress<'_>| {
                 let progress =
                     LoadingStatus { what: progress.what.to_owned(), fraction: progress.fraction };
                 *theirs.progress.lock().unwrap_or_else(PoisonError::into_inner) = progress;
@@ -63,12 +63,16 @@ impl Loading {
             };
             match &own {
                 SceneSource::Made { made, path } => {
-                    scene_file::tell(&mut tell, "making the scene", None)?;
+                    scene_file::report_progress(&mut progress_fn, "making the scene", None)?;
                     LoadedScene::made(&device, made, path.as_ref(), &options, size)
                 }
-                SceneSource::File { file, settings } => {
-                    LoadedScene::of_file(&device, (file, settings), &options, size, &mut tell)
-                }
+                SceneSource::File { file, settings } => LoadedScene::of_file(
+                    &device,
+                    (file, settings),
+                    &options,
+                    size,
+                    &mut progress_fn,
+                ),
                 SceneSource::Nothing { .. } => LoadedScene::empty(&device, &options, size),
             }
         };

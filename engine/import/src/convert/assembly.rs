@@ -48,7 +48,7 @@ pub(super) struct Assembly<'a> {
     /// The share of the nodes that is done, 0 to 1.
     pub(super) done: f32,
     /// The progress function, which may stop the loading.
-    pub(super) progress_fn: &'a mut Telling<'a>,
+    pub(super) progress_fn: &'a mut ShareFn<'a>,
     /// The number of things placed since the last report.
     pub(super) unreported: usize,
     /// The view for which points and lines are sized.
@@ -58,7 +58,7 @@ pub(super) struct Assembly<'a> {
 }
 
 /// The function that receives the finished share.
-pub(super) type Telling<'a> = dyn FnMut(f32) -> Result<(), ImportError> + 'a;
+pub(super) type ShareFn<'a> = dyn FnMut(f32) -> Result<(), ImportError> + 'a;
 
 /// The number of things placed between two reports of progress.
 pub(super) const PARTS_PER_REPORT: usize = 256;
@@ -68,7 +68,7 @@ impl<'a> Assembly<'a> {
     ///
     /// # Errors
     /// The progress function stopped the loading.
-    pub(super) fn tell(&mut self) -> Result<(), ImportError> {
+    pub(super) fn report(&mut self) -> Result<(), ImportError> {
         self.unreported += 1;
         if self.unreported < PARTS_PER_REPORT {
             return Ok(());

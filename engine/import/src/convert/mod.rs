@@ -86,7 +86,7 @@ pub(crate) fn convert(
         budget: Budget::new(&options.limits),
         cut_above: options.cut_above_triangles,
         done: 0.0,
-        progress_fn: &mut |done| progress_sender.tell(Stage::Meshes, done),
+        progress_fn: &mut |done| progress_sender.report(Stage::Meshes, done),
         unreported: assembly::PARTS_PER_REPORT,
         sight,
         transparent_parts: 0,
@@ -145,7 +145,7 @@ fn place_nodes(assembly: &mut Assembly<'_>) -> Result<(), ImportError> {
     let count = assembly.tree.in_file.len();
     for (place, node) in (0..count).zip((0..).map(RigNodeId)) {
         assembly.done = place as f32 / count as f32;
-        assembly.tell()?;
+        assembly.report()?;
         assembly.place(&mut plan, node)?;
     }
     Ok(())

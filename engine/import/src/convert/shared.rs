@@ -143,7 +143,7 @@ pub(super) fn place_shared(
     locals: &[Affine3A],
 ) -> Result<(), ImportError> {
     for local in locals {
-        assembly.tell()?;
+        assembly.report()?;
         let transform = assembly.tree.world(node) * *local;
         if !assembly.can_be_seen(node, &transform) {
             continue;

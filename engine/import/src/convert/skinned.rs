@@ -39,7 +39,7 @@ pub(super) fn place_skinned(
     // Instances of a mesh share one pose.
     let mut known: Option<Option<SkinnedExtent>> = None;
     for local in locals {
-        assembly.tell()?;
+        assembly.report()?;
         let place = assembly.tree.world(node) * *local;
         let facing = match skin {
             Some(skin) => facing_of(assembly, skin, node),
