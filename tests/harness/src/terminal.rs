@@ -57,10 +57,12 @@ fn assert_plain(program: &str, help: &str) {
     }
 }
 
-/// Returns true for a word such as `TypeName`.
+/// Returns true for a word such as `TypeName`, but not for `WxH`.
 fn is_camel_case(word: &str) -> bool {
-    let parts = word.split(|c: char| c.is_lowercase()).filter(|part| !part.is_empty()).count();
-    word.starts_with(char::is_uppercase) && parts > 1 && word.chars().all(char::is_alphabetic)
+    let humps = word.split_inclusive(char::is_lowercase).filter(|part| {
+        part.len() > 1 && part.starts_with(char::is_uppercase) && part.ends_with(char::is_lowercase)
+    });
+    word.starts_with(char::is_uppercase) && humps.count() > 1
 }
 
 /// Checks that a reader of the help may go early, and that a full disk is an error.
