@@ -12,6 +12,10 @@ layout(std430, binding = 1) writeonly buffer Surfaces { uint surfaces[]; };
 layout(std430, binding = 2) readonly buffer MeshData { uint mesh_data[]; };
 // The pose: the joints, and the targets with weights.
 layout(std430, binding = 3) readonly buffer Poses { uint poses[]; };
+// Results of visibility tests: a mesh that stays hidden is not worked on.
+layout(std430, binding = 4) readonly buffer Results { uint results[]; };
+// A flag per mesh of this frame: its vertices were written.
+layout(std430, binding = 5) writeonly buffer Written { uint written[]; };
 
 // All but the counts are numbers of values.
 layout(push_constant) uniform Constants {
@@ -23,6 +27,9 @@ layout(push_constant) uniform Constants {
     uint joints;
     uint targets;
     uint target_count;
+    uint result; // of the test that decides, or NOTHING
+    uint threshold_samples; // which the result must exceed
+    uint flag; // the mesh's flag, or NOTHING
 };
 
 const uint REST_VALUES = 7;
@@ -62,6 +69,8 @@ vec3 unit(vec3 direction, vec3 otherwise) {
 }
 
 void main() {
+    if (result != NOTHING && results[result] <= threshold_samples) return;
+    if (flag != NOTHING && gl_GlobalInvocationID.x == 0) written[flag] = 1;
     uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
     for (uint vertex = gl_GlobalInvocationID.x; vertex < vertex_count; vertex += stride) {
         uint at = rest + REST_VALUES * vertex;

@@ -90,7 +90,7 @@ pub use crate::query::flag_ring::FlagRing;
 pub use crate::query::leaf_draw_ring::{EnabledDraws, LISTED_DRAWS, LeafDrawBuffers, LeafDrawRing};
 pub use crate::query::occlusion_pool::{Counting, QueryIndex};
 pub use crate::query::predicates::{
-    BOX_VERTICES, PredicatedRange, Predicates, Predication, ResultSource, Reveal,
+    BOX_VERTICES, Predicate, PredicatedRange, Predicates, Predication, ResultSource, Reveal,
 };
 pub use crate::query::query_ring::QueryRing;
 pub use crate::record::access::{Access, MemoryBarrier};

@@ -24,7 +24,8 @@ use gpu::{
 };
 use occlusion::{
     Error, LeafTable, Method, MethodConstructor, MethodRequest, MethodScene, MethodState,
-    MethodStats, MethodSupport, ObjectPass, ProxyBox, ProxyIo, Rendering, VisibilityState,
+    MethodStats, MethodSupport, ObjectPass, ProxyBox, ProxyIo, Rendering, UpcomingDraws,
+    VisibilityState,
 };
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
@@ -136,6 +137,7 @@ impl BlockingMethod {
         let BlockingState { cullers, queries } = kept;
         let mut decisions = culler_of(self.kind, cullers).begin(scene.hierarchy, request.view);
         queries.begin(frame.slot());
+        scene.objects.prepare_draws(frame.commands(), UpcomingDraws::All);
         let plan = state.plan_mut();
         let (mut batch, mut answers, mut under_way) =
             (Batch::default(), Vec::new(), VecDeque::new());

@@ -26,7 +26,8 @@ use gpu::{
 };
 use occlusion::{
     Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,
-    ObjectPass, ObjectRenderer, PlanExecutor, Rect, Rendering, ShaderSet, VisibilityState,
+    ObjectPass, ObjectRenderer, PlanExecutor, Rect, Rendering, ShaderSet, UpcomingDraws,
+    VisibilityState,
 };
 
 pub use build::{PyramidLevel, PyramidPass, pyramid_levels};
@@ -207,6 +208,7 @@ impl PyramidFrame {
         };
         kept.begin(device, hierarchy, state.plan().frame, frame.slot())?;
         let commands = frame.commands();
+        objects.prepare_draws(commands, UpcomingDraws::All);
         // The frames before, on this view or another, may still read what is written here.
         let earlier = [Access::ComputeWrite, Access::IndirectRead, Access::CopyRead];
         let between = MemoryBarrier::between;

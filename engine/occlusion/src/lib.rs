@@ -84,7 +84,7 @@ pub use method::{
     Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,
 };
 pub use method_state::MethodState;
-pub use object_renderer::{ObjectPass, ObjectRenderer, Rendering};
+pub use object_renderer::{ObjectPass, ObjectRenderer, Rendering, UpcomingDraws};
 pub use outcomes::{FrameOutcome, Outcomes};
 pub use passes::{
     ComputeTest, ComputeTestIo, LeafBoxIo, LeafBoxPass, OcclusionPasses, ProxyBox, ProxyIo,

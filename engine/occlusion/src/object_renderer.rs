@@ -1,7 +1,7 @@
 //! The seam between the executor and the owner of the objects.
 
-use cull::View;
-use gpu::{Commands, RenderTarget, Target};
+use cull::{FramePlan, View};
+use gpu::{Commands, Predicate, RenderTarget, Target};
 
 use crate::error::Error;
 use crate::executor::PlanExecutor;
@@ -28,6 +28,17 @@ pub enum Rendering {
     Next,
 }
 
+/// The draws that follow, for an owner with work to do before them: skinning, for example.
+#[derive(Clone, Copy, Debug)]
+pub enum UpcomingDraws<'a> {
+    /// Any: a method without a plan does not know them beforehand.
+    All,
+    /// The draws of a plan that are taken as visible.
+    Visible(&'a FramePlan),
+    /// The ranges of a round, each if its result is above the threshold.
+    Revealed(&'a [Predicate]),
+}
+
 /// The owner of the objects: binds pipelines and geometry, so that indexed indirect draws, each of
 /// one leaf, follow.
 pub trait ObjectRenderer {
@@ -51,6 +62,15 @@ pub trait ObjectRenderer {
     fn prepare(&mut self, _pass: ObjectPass, _shaders: &ShaderSet) -> Result<(), Error> {
         Ok(())
     }
+
+    /// Returns true while work for draws is [left](ObjectRenderer::prepare_draws).
+    fn has_draws_to_prepare(&self) -> bool {
+        false
+    }
+
+    /// Records work that the following draws depend on. Every method announces all of its draws of
+    /// a view, so that what stays hidden costs nothing. Outside of rendering.
+    fn prepare_draws(&mut self, _commands: &Commands, _draws: UpcomingDraws<'_>) {}
 
     /// Binds the objects that the draws of a pass need.
     fn bind(&self, commands: &Commands, view: &View, pass: ObjectPass);

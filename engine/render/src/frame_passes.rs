@@ -1,14 +1,18 @@
 //! The passes that draw a scene's objects, as the executor and the methods see them.
 
 use cull::{Aabb, Containment, Hierarchy, PlaneMask, Strategy, View};
-use gpu::{BufferSlice, Commands, Device, Frame, RenderTarget, Target};
-use occlusion::{Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering, ShaderSet};
+use glam::Affine3A;
+use gpu::{BufferSlice, Commands, Device, Frame, RenderTarget, Target, Tick};
+use occlusion::{
+    Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering, ShaderSet, UpcomingDraws,
+};
 use scene::{Light, Scene, TransparentId};
 
 use crate::passes::pipelines::{DepthFirst, PassNeeds, Pipelines};
 use crate::passes::{OpaqueIo, SurfaceIo};
 use crate::resources::geometry::{Geometry, bounds_in_world};
-use crate::resources::skinned_meshes::{Skinned, SkinnedMeshes, State};
+use crate::resources::skinned_mesh_state::SkinnedMeshState;
+use crate::resources::skinned_meshes::{PoseUploads, Skinned, SkinnedMeshes};
 use crate::shading::depth_first::{DARK, DepthPass, Shading};
 use crate::shading::surfaces::SurfaceResources;
 use crate::shading::transparent::{Transparent, TransparentObject};
@@ -62,6 +66,18 @@ impl ObjectRenderer for FramePasses {
         }
     }
 
+    fn has_draws_to_prepare(&self) -> bool {
+        self.skinned_meshes.as_ref().is_some_and(SkinnedMeshes::is_deferring)
+    }
+
+    fn prepare_draws(&mut self, commands: &Commands, draws: UpcomingDraws<'_>) {
+        if let (Some(skinned_meshes), Some(pass)) =
+            (&mut self.skinned_meshes, &self.pipelines.skinning)
+        {
+            skinned_meshes.prepare(commands, pass, draws);
+        }
+    }
+
     fn bind(&self, commands: &Commands, view: &View, pass: ObjectPass) {
         let pass = match (pass, self.pipelines.depth_first.get()) {
             (ObjectPass::Depth, Some(DepthFirst { depth, .. })) => depth,
@@ -97,10 +113,12 @@ impl FramePasses {
         shaders: &ShaderSet,
         (scene, hierarchy): (&Scene, &Hierarchy),
         target: Target,
+        frames_in_flight: usize,
     ) -> Result<Self, crate::Error> {
         let geometry = Geometry::upload(device, scene, hierarchy)?;
         let transparent = Transparent::new(device, scene)?;
-        let skinned_meshes = SkinnedMeshes::new(device, scene, |mesh| geometry.first_vertex(mesh))?;
+        let first_vertex = |mesh| geometry.first_vertex(mesh);
+        let skinned_meshes = SkinnedMeshes::new(device, scene, frames_in_flight, first_vertex)?;
         let needs = needs(&geometry, transparent.as_ref(), skinned_meshes.as_ref());
         let pipelines = Pipelines::compile(device, shaders, needs, None)?;
         let (device, light) = (device.clone(), scene.light);
@@ -296,52 +314,103 @@ impl FramePasses {
     }
 
     /// Records the upload of all changes since the last frame, before anything of `frame` reads
-    /// them. Poses that none of the `views` can show wait until one can; without views all are
-    /// uploaded.
+    /// them. Poses that none of the views can show wait until one can.
     ///
     /// A mesh waits only where the box of its pose **and** the box of the vertices on the GPU are
     /// outside of all views: its draw may be part of a range that shows, and then leaves no pixel.
     ///
     /// # Errors
-    /// No memory.
+    /// No memory, a lost device.
     pub(crate) fn upload_changes(
         &mut self,
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
         executor: &mut PlanExecutor,
-        views: Option<&[View]>,
-    ) -> Result<Skinned, crate::Error> {
+        uploads: PoseUploads<'_>,
+    ) -> Result<(), crate::Error> {
         self.geometry.relight(hierarchy, &mut executor.leaves);
         self.geometry.upload_changes(frame, hierarchy, executor)?;
-        let Self { geometry, pipelines, skinned_meshes, transparent, .. } = self;
+        let Self { device, geometry, pipelines, skinned_meshes, transparent, .. } = self;
         let (Some(skinned_meshes), Some(pass), Some(vertices)) =
             (skinned_meshes, &pipelines.skinning, geometry.skinned())
         else {
-            return Ok(Skinned::default());
+            return Ok(());
         };
-        let transform = |state: &State| match state.transparent {
+        let transform = |state: &SkinnedMeshState| match state.transparent {
             Some(id) => transparent.as_ref()?.transform(id),
             None => geometry.transform(geometry.owner(state.mesh)?),
         };
-        skinned_meshes.upload(frame, pass, vertices, |state| {
-            let Some(transform) = transform(state) else { return false };
-            let Some(views) = views else { return true };
-            let is_in = |bounds: &Aabb| match bounds_in_world(bounds, &transform) {
-                Some(bounds) => views.iter().any(|view| {
-                    view.frustum.classify(&bounds, PlaneMask::ALL).0 != Containment::Outside
-                }),
-                None => true,
-            };
-            is_in(&state.bounds) || is_in(&state.shown_bounds)
-        })
+        let is_in = |views: &[View], bounds: &Aabb, transform: &Affine3A| {
+            let Some(bounds) = bounds_in_world(bounds, transform) else { return true };
+            let is_outside = |(containment, _)| containment == Containment::Outside;
+            views.iter().any(|view| !is_outside(view.frustum.classify(&bounds, PlaneMask::ALL)))
+        };
+        let is_seen = |state: &SkinnedMeshState| match (transform(state), uploads) {
+            (None, _) => false,
+            (Some(_), PoseUploads::All) => true,
+            (Some(transform), PoseUploads::Seen(views)) => {
+                [state.bounds, state.shown_bounds].iter().any(|it| is_in(views, it, &transform))
+            }
+        };
+        let leaf_of = |state: &SkinnedMeshState| {
+            let PoseUploads::Seen(views) = uploads else { return None };
+            let can_be_tested =
+                state.transparent.is_none() && is_in(views, &state.bounds, &transform(state)?);
+            can_be_tested.then(|| hierarchy.leaf_of(geometry.owner(state.mesh)?)).flatten()
+        };
+        let completed = device.completed()?;
+        skinned_meshes.upload(frame, completed, (pass, vertices), is_seen, leaf_of)
+    }
+
+    /// Writes the vertices of meshes that the last frames left to a test: a draw of objects that
+    /// are hidden follows.
+    ///
+    /// # Errors
+    /// No memory, a lost device.
+    pub(crate) fn write_stale(&mut self, frame: &mut Frame<'_>) -> Result<(), crate::Error> {
+        let Self { device, geometry, pipelines, skinned_meshes, .. } = self;
+        let (Some(skinned_meshes), Some(pass), Some(vertices)) =
+            (skinned_meshes, &pipelines.skinning, geometry.skinned())
+        else {
+            return Ok(());
+        };
+        let completed = device.completed()?;
+        let is_stale = |state: &SkinnedMeshState| state.is_stale;
+        skinned_meshes.upload(frame, completed, (pass, vertices), is_stale, |_| None)
+    }
+
+    /// Notes that the frame of the last [`FramePasses::write_stale`] was submitted.
+    pub(crate) fn stale_submitted(&mut self, tick: Tick) {
+        if let Some(skinned_meshes) = &mut self.skinned_meshes {
+            skinned_meshes.submitted(tick);
+        }
+    }
+
+    /// Records the last commands of a frame that changes were uploaded in.
+    pub(crate) fn read_back(&self, commands: &Commands) {
+        if let Some(skinned_meshes) = &self.skinned_meshes {
+            skinned_meshes.read_back(commands);
+        }
+    }
+
+    /// Returns the work for skinned meshes in the frame that was recorded last.
+    pub(crate) fn skinned(&self) -> Skinned {
+        self.skinned_meshes.as_ref().map(SkinnedMeshes::skinned).unwrap_or_default()
+    }
+
+    /// Changes the number of frames in flight.
+    pub(crate) fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
+        if let Some(skinned_meshes) = &mut self.skinned_meshes {
+            skinned_meshes.set_frames_in_flight(&self.device, frames_in_flight);
+        }
     }
 
     /// Notes that the frame of the last [`FramePasses::upload_changes`] was submitted.
-    pub(crate) fn submitted(&mut self) {
+    pub(crate) fn submitted(&mut self, tick: Tick) {
         self.target.submitted();
         self.geometry.submitted();
         if let Some(skinned_meshes) = &mut self.skinned_meshes {
-            skinned_meshes.submitted();
+            skinned_meshes.submitted(tick);
         }
     }
 }

@@ -4,7 +4,7 @@ use cull::{
     Aabb, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, SceneCosts, Strategy,
     TesterSupport, View,
 };
-use gpu::{Device, FrameRing, Optional, PassTime, Predication, Target};
+use gpu::{Device, FrameRing, Optional, PassTime, Predication, Target, Tick};
 use occlusion::{
     Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor, MethodSupport,
     OcclusionPasses, PlanExecutor, PlannedMethod, Rect, ShaderSet, VisibilityState,
@@ -168,8 +168,8 @@ impl Renderer {
         let target = Target::new(device, options.size, "target")?;
         let occlusion_passes = OcclusionPasses::new(device, &shaders)?;
         check_hierarchy(scene, &hierarchy)?;
-        let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target)?;
         let slots = options.frames_in_flight.max(1);
+        let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, slots)?;
         let leaves = LeafTableInfo {
             mesh_draws: passes.geometry.mesh_draws().clone(),
             predication: options.predication,
@@ -321,8 +321,8 @@ impl Renderer {
     }
 
     /// Notes that the frame recorded last was submitted.
-    pub(crate) fn submitted(&mut self) {
-        self.passes.submitted();
+    pub(crate) fn submitted(&mut self, tick: Tick) {
+        self.passes.submitted(tick);
         self.executor.leaves.submitted();
         if let Some(overlay) = &mut self.flat_overlay {
             overlay.submitted();

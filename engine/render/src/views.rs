@@ -108,10 +108,16 @@ pub struct FrameReport {
     pub waits: u32,
     /// Transparent objects in the frustum.
     pub transparent: u32,
-    /// Poses that were uploaded: those that changed and that one of the views may show.
+    /// Poses that were uploaded: those that are not on the GPU yet and that one of the views may
+    /// show.
     pub poses: u32,
-    /// Vertices that the GPU computed from these poses.
+    /// Vertices that the GPU computes from these poses, since their objects are drawn.
     pub skinned_vertices: u64,
+    /// Vertices that the GPU computes only if the test of a proxy shows, once per such test.
+    pub predicated_vertices: u64,
+    /// Vertices of skinned meshes that the GPU did compute, in the frames that were read back for
+    /// this one.
+    pub revealed_vertices: u64,
     /// Ranges of draws under a predicate.
     pub predicated_draws: u32,
     /// Age in frames of the oldest answer that was read back for this frame; `None` if there was
@@ -127,9 +133,12 @@ pub struct FrameReport {
 }
 
 impl FrameReport {
-    /// Creates the report of a frame with these poses.
-    pub(crate) fn of(Skinned { poses, vertices }: Skinned) -> Self {
-        Self { poses, skinned_vertices: vertices, ..Self::default() }
+    /// Adds the work for skinned meshes.
+    pub(crate) fn add_skinned(&mut self, skinned: Skinned) {
+        self.poses = skinned.poses;
+        self.skinned_vertices = skinned.vertices;
+        self.predicated_vertices = skinned.predicated_vertices;
+        self.revealed_vertices = skinned.revealed_vertices;
     }
 
     /// Adds the counts of a view.

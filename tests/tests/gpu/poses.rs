@@ -73,7 +73,8 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
 /// Returns the work of a frame for poses, seen along `forward`.
 fn skinned(renderer: &mut Renderer, view: &mut ViewState, forward: Vec3) -> (u32, u64) {
     let camera = Camera { forward, ..camera() };
-    let report = renderer.render(view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
+    // Without a test, whatever is in the frustum is drawn for certain.
+    let report = renderer.render(view, &FrameRequest::new(Strategy::FRUSTUM, camera)).unwrap();
     (report.poses, report.skinned_vertices)
 }
 
@@ -106,6 +107,51 @@ fn poses_wait_until_a_view_may_show_them() {
         renderer.set_pose(SkinnedMeshId(0), &far(10.0), &weights).unwrap();
         assert_eq!(look(&mut renderer, away), (0, 0), "no object has it");
         renderer.drain(&mut view).unwrap();
+    });
+}
+
+#[test]
+fn what_stays_hidden_is_not_skinned() {
+    run_on_all(|device| {
+        let scene = scene();
+        let vertices = scene.meshes[1].vertices.len() as u64;
+        for strategy in [Strategy::ANTUMBRA, Strategy::ANTUMBRA_QUERIES] {
+            let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+            let mut reference = Renderer::new(device, &scene, &options(2)).unwrap();
+            let mut view = renderer.new_view().unwrap();
+            let mut frame = |turn: f32, offset: Vec3| {
+                let Pose { joints, weights } = pose(turn);
+                let joints = joints.map(|joint| Affine3A::from_translation(offset) * joint);
+                for renderer in [&mut renderer, &mut reference] {
+                    renderer.set_pose(SkinnedMeshId(1), &joints, &weights).unwrap();
+                }
+                let image = Readback::new(device, SIZE).unwrap();
+                let request =
+                    FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera()) };
+                let report = renderer.render(&mut view, &request).unwrap();
+                renderer.drain(&mut view).unwrap();
+                let expected = draw(&mut reference, Strategy::FRUSTUM);
+                let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &image.rgba8().unwrap());
+                assert_eq!(wrong, 0, "{strategy}, turn {turn}");
+                report
+            };
+            // Behind the wall, whose box was not known to be in front at first.
+            for number in 0..8 {
+                frame(0.02 * number as f32, Vec3::ZERO);
+            }
+            for number in 0..8 {
+                let report = frame(0.01 + 0.02 * number as f32, Vec3::ZERO);
+                assert_eq!((report.poses, report.skinned_vertices), (1, 0), "{strategy}");
+                assert!(report.predicated_vertices >= vertices, "{strategy}");
+                assert_eq!(report.revealed_vertices, 0, "{strategy}: it was skinned");
+            }
+            // It jumps above the wall: the test shows, and then it is taken as visible.
+            let above = |number| frame(0.1 * number as f32, vec3(0.0, 4.0, 0.0));
+            let reports: Vec<_> = (0..6).map(above).collect();
+            assert!(reports[0].predicated_vertices >= vertices, "{strategy}");
+            assert!(reports[1].revealed_vertices >= vertices, "{strategy}: nobody skinned it");
+            assert!(reports[2..].iter().any(|it| it.skinned_vertices == vertices), "{strategy}");
+        }
     });
 }
 

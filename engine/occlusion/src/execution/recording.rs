@@ -14,11 +14,11 @@
 //! ```
 
 use cull::View;
-use gpu::{Access, Commands, MemoryBarrier, QueryIndex, Reveal};
+use gpu::{Access, Commands, MemoryBarrier, Predicate, QueryIndex, Reveal};
 
 use super::io::{DRAW_BYTES, FrameIo};
 use crate::executor::PlanExecutor;
-use crate::object_renderer::{ObjectPass, ObjectRenderer, Rendering};
+use crate::object_renderer::{ObjectPass, ObjectRenderer, Rendering, UpcomingDraws};
 use crate::passes::{ComputeTestIo, LeafBoxIo};
 use crate::rect::Rect;
 use crate::test_layout::RoundLayout;
@@ -45,6 +45,9 @@ impl Recording<'_> {
             let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeWrite];
             commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
         }
+        if objects.has_draws_to_prepare() {
+            objects.prepare_draws(commands, UpcomingDraws::Visible(state.plan()));
+        }
         objects.target().prepare(commands);
         commands.pass("draw visible", |commands| {
             commands.rendering(objects.rendering(view, Rendering::First), |commands| {
@@ -68,6 +71,7 @@ impl Recording<'_> {
             }
             self.test_by_compute(commands, objects, known);
             commands.pass("resolve tests", |commands| self.resolve(commands, known, before));
+            self.prepare_revealed(commands, objects, known);
             objects.target().prepare(commands);
             commands.pass("draw revealed", |commands| {
                 commands.rendering(objects.rendering(view, Rendering::Next), |commands| {
@@ -168,6 +172,25 @@ impl Recording<'_> {
             self.state.rings().queries.resolve(commands, known.queries.clone());
             self.executor.leaves.predicates.resolve(commands, &self.state.layout.made(known));
         }
+    }
+
+    /// Lets the owner of the objects prepare the draws that a round may reveal: whole ranges, and
+    /// leaves that are tested next.
+    fn prepare_revealed(
+        &self,
+        commands: &Commands,
+        objects: &mut dyn ObjectRenderer,
+        known: Option<&RoundLayout>,
+    ) {
+        if !objects.has_draws_to_prepare() {
+            return;
+        }
+        let (layout, predicates) = (&self.state.layout, self.executor.leaves.predicates());
+        let revealing = |reveal| layout.revealing(known, reveal);
+        let decisions = revealing(Reveal::Whole).chain(revealing(Reveal::PerLeaf));
+        let revealed: Vec<Predicate> =
+            decisions.filter_map(|it| predicates.predicate(it.source, it.number)).collect();
+        objects.prepare_draws(commands, UpcomingDraws::Revealed(&revealed));
     }
 
     /// Draws the leaves of a round that were switched on one by one.

@@ -63,6 +63,7 @@ impl Renderer {
         self.frames = frames;
         self.pass_times.clear();
         self.executor.leaves.set_frames_in_flight(slots);
+        self.passes.set_frames_in_flight(slots);
         Ok(())
     }
 

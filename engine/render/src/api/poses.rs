@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::renderer::Renderer;
 use crate::resources::geometry::bounds_in_world;
-use crate::resources::skinned_meshes::State;
+use crate::resources::skinned_mesh_state::SkinnedMeshState;
 use crate::update::UpdateScratch;
 
 impl Renderer {
@@ -75,7 +75,7 @@ impl Renderer {
         let Some(bounds) = skinned_meshes.bounds_in(skinned_mesh, joints, weights)? else {
             return Ok(false);
         };
-        let State { mesh, transparent: id, .. } =
+        let SkinnedMeshState { mesh, transparent: id, .. } =
             *skinned_meshes.get(skinned_mesh).ok_or_else(none)?;
         let object = geometry.owner(mesh);
         let transform = match id {

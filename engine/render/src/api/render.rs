@@ -14,6 +14,7 @@ use crate::debug::visible_set::{VISIBLE_SET, VisibleSet};
 use crate::error::{Error, FOREIGN_VIEW};
 use crate::frame_passes::FramePasses;
 use crate::renderer::Renderer;
+use crate::resources::skinned_meshes::PoseUploads;
 use crate::view_state::{RendererId, ViewState};
 use crate::views::{FrameReport, FrameRequest, ViewTarget, ViewsRequest, finish_image, view_in};
 
@@ -65,17 +66,16 @@ impl Renderer {
         let is_timed = self.is_timed(request.strategy, targets);
         let outlined = self.outlined_bounds();
         let views = self.take_views(targets);
+        let uploads = self.pose_uploads(&views, targets);
         let Self { device, frames, hierarchy, passes, executor, methods, shaders, .. } = self;
 
         let mut frame = frames.begin()?;
         note_times(&frame, &mut self.pass_times, &mut self.frame_times);
-        // The debug overlay may draw the scene as seen from elsewhere.
-        let seen = Some(views.as_slice()).filter(|_| self.debug_overlay.is_empty());
-        let skinned = passes.upload_changes(&mut frame, hierarchy, executor, seen)?;
+        passes.upload_changes(&mut frame, hierarchy, executor, uploads)?;
         if is_timed {
             frame.begin_timing();
         }
-        let mut report = FrameReport::of(skinned);
+        let mut report = FrameReport::default();
         for (ViewTarget { state, visible, .. }, view) in targets.iter_mut().zip(&views) {
             state.collect(device.completed()?, hierarchy, &executor.leaves);
             report.transparent +=
@@ -103,11 +103,12 @@ impl Renderer {
         };
         let scene = (&mut *passes, &*executor, &*hierarchy);
         report.overlay_cpu = overlays.record(&mut frame, scene, targets.first(), request.image)?;
+        passes.read_back(frame.commands());
         let waited = frame.waited();
         report.waits = frame.waits();
         report.tick = frame.submit(request.after)?;
         self.views = views;
-        self.submitted();
+        self.submitted(report.tick);
         self.note_submitted(targets, is_timed, &mut report);
         report.cpu = began.elapsed().saturating_sub(waited + report.overlay_cpu);
         Ok(report)
@@ -168,6 +169,7 @@ impl Renderer {
         is_timed: bool,
         report: &mut FrameReport,
     ) {
+        report.add_skinned(self.passes.skinned());
         let timed_views = is_timed.then_some(targets.len());
         for ViewTarget { state, .. } in targets.iter_mut() {
             state.submitted(report.tick, &self.executor.leaves, timed_views);
@@ -175,6 +177,17 @@ impl Renderer {
         }
         // Their lessons are for the next frame.
         self.frame_times.teach(targets);
+    }
+
+    /// Returns the poses to upload for a frame of these views.
+    fn pose_uploads<'a>(&self, views: &'a [View], targets: &[ViewTarget<'_>]) -> PoseUploads<'a> {
+        // The debug overlay may draw the scene as seen from elsewhere, and watched objects are
+        // drawn even if they are hidden.
+        let draws_hidden = |target: &ViewTarget<'_>| target.state.counts.is_watching();
+        match !self.debug_overlay.is_empty() || targets.iter().any(draws_hidden) {
+            true => PoseUploads::All,
+            false => PoseUploads::Seen(views),
+        }
     }
 
     /// Refuses a set of another renderer, and an ideal frame without a set of the scene as it is

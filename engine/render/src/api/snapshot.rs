@@ -9,6 +9,7 @@ use crate::debug::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
 use crate::renderer::Renderer;
+use crate::resources::skinned_meshes::PoseUploads;
 use crate::view_state::ViewState;
 use crate::views::finish_image;
 
@@ -120,7 +121,7 @@ impl Renderer {
             Backdrop::Sky => (passes.sky(), self.debug_overlay),
         };
         let mut frame = frames.begin()?;
-        passes.upload_changes(&mut frame, hierarchy, executor, None)?;
+        passes.upload_changes(&mut frame, hierarchy, executor, PoseUploads::All)?;
         passes.gather_transparent(&mut frame, executor, &view, Strategy::FRUSTUM)?;
         let draws = snapshot.upload(&mut frame, &executor.leaves)?;
         let io = sketch.upload(&mut frame)?;
@@ -142,8 +143,9 @@ impl Renderer {
             record_outline(&mut frame, passes, bounds, &view)?;
         }
         finish_image(&mut frame, passes, flat_overlay.as_mut(), image)?;
+        passes.read_back(frame.commands());
         let tick = frame.submit(None)?;
-        self.submitted();
+        self.submitted(tick);
         Ok(tick)
     }
 

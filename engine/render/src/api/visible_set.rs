@@ -93,6 +93,7 @@ impl Renderer {
         };
         let seen = self.seen_leaves.insert(seen);
         let mut frame = self.frames.begin()?;
+        passes.write_stale(&mut frame)?;
         let draws = frame.uploads().push_iter(leaves.iter().map(|leaf| leaf_table.draw(*leaf)))?;
         let commands = frame.commands();
         let values = seen.values.whole();
@@ -118,7 +119,9 @@ impl Renderer {
             commands.copy_buffer(values, seen.readback.whole());
             commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
         });
+        passes.read_back(commands);
         seen.newest = frame.submit(None)?;
+        passes.stale_submitted(seen.newest);
         Ok(seen.newest)
     }
 }

@@ -17,6 +17,6 @@ pub use opaque::{OpaqueIo, OpaquePass};
 pub use overlay::OverlayVertex;
 pub(crate) use overlay::{OverlayIo, OverlayPass};
 pub(crate) use seen::{SeenIo, SeenPass};
-pub(crate) use skinning::{REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
+pub(crate) use skinning::{NOTHING, REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
 pub use sky::SkyPass;
 pub use surface::{SurfaceIo, SurfaceKind, SurfacePass};

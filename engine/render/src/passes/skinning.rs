@@ -1,5 +1,5 @@
-//! The skinning pass: computes the vertices of skinned meshes, before anything of the frame reads
-//! them.
+//! The skinning pass: computes the vertices of skinned meshes before their first draw in a frame,
+//! some of them only if a result on the GPU says that they are drawn.
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, StorageLayout};
@@ -23,6 +23,8 @@ pub(crate) struct SkinningIo {
     pub(crate) mesh_data: BufferSlice,
     /// The poses of this frame, as 32-bit values.
     pub(crate) poses: BufferSlice,
+    /// A flag per pose, which the shader sets; `None` if nobody reads them.
+    pub(crate) written: Option<BufferSlice>,
 }
 
 /// One mesh; mirrors `skinning.comp`. Places are numbers of values.
@@ -42,9 +44,17 @@ pub(crate) struct SkinningJob {
     /// In the poses: the targets with a weight.
     pub(crate) targets: u32,
     pub(crate) target_count: u32,
+    /// The number of the result that decides, or [`NOTHING`].
+    pub(crate) result: u32,
+    pub(crate) threshold_samples: u32,
+    /// The number of the flag, or [`NOTHING`].
+    pub(crate) flag: u32,
 }
 
-const _: () = assert!(size_of::<SkinningJob>() == 32);
+const _: () = assert!(size_of::<SkinningJob>() == 44);
+
+/// No list, no result, no flag; mirrors `skinning.comp`.
+pub(crate) const NOTHING: u32 = u32::MAX;
 
 /// Values of a vertex at rest.
 pub(crate) const REST_VALUES: u32 = 7;
@@ -60,31 +70,48 @@ impl SkinningPass {
     /// # Errors
     /// A failed call.
     pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        let storage = StorageLayout::new::<SkinningJob>(4);
+        let storage = StorageLayout::new::<SkinningJob>(6);
         let name = "skinning.comp";
         Ok(Self { pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)? })
     }
 
-    /// Skins meshes, each at most once. Commands that were recorded before, in this frame or an
-    /// earlier one, still read the old vertices: one queue runs them all.
+    /// Skins meshes, each at most once, where the given results say so: `None` for all jobs that no
+    /// result decides. Commands that were recorded before, in this frame or an earlier one, still
+    /// read the old vertices: one queue runs them all.
     pub(crate) fn record(
         &self,
         commands: &Commands,
         io: &SkinningIo,
-        jobs: impl Iterator<Item = SkinningJob>,
+        jobs: impl Iterator<Item = (Option<BufferSlice>, SkinningJob)>,
     ) {
         let between = MemoryBarrier::between;
         commands.pass("skin meshes", |commands| {
-            let before = [Access::AttributeRead, Access::ComputeWrite];
+            // The flags were just cleared.
+            let before = [Access::AttributeRead, Access::ComputeWrite, Access::CopyWrite];
             commands.barrier(between(&before, &[Access::ComputeWrite]));
-            let buffers = [io.vertices, io.surfaces, io.mesh_data, io.poses];
-            commands.bind_compute(&self.pipeline, &buffers);
-            for job in jobs {
+            let mut bound = None;
+            for (results, job) in jobs {
+                // What is not read or written still needs a buffer.
+                let results = results.unwrap_or(io.mesh_data);
+                if bound.replace(results) != Some(results) {
+                    let written = io.written.unwrap_or(io.vertices);
+                    let SkinningIo { vertices, surfaces, mesh_data, poses, .. } = *io;
+                    let buffers = [vertices, surfaces, mesh_data, poses, results, written];
+                    commands.bind_compute(&self.pipeline, &buffers);
+                }
                 commands.push_compute_constants(&self.pipeline, &job);
                 let groups = job.vertex_count.div_ceil(GROUP_THREADS);
                 commands.dispatch([groups.clamp(1, GROUPS_MAX), 1, 1]);
             }
-            commands.barrier(between(&[Access::ComputeWrite], &[Access::AttributeRead]));
+            // The next round writes other results of the buffers just read.
+            let next = [
+                Access::AttributeRead,
+                Access::CopyWrite,
+                Access::CopyRead,
+                Access::FragmentWrite,
+                Access::ComputeWrite,
+            ];
+            commands.barrier(between(&[Access::ComputeWrite, Access::ComputeRead], &next));
         });
     }
 }

@@ -5,5 +5,6 @@ pub(crate) mod instance;
 pub(crate) mod limits;
 pub(crate) mod lod;
 pub(crate) mod object_bounds;
+pub(crate) mod skinned_mesh_state;
 pub(crate) mod skinned_meshes;
 pub(crate) mod sprites;

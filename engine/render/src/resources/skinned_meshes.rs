@@ -1,65 +1,67 @@
 //! Skinned meshes: their data lies on the GPU since loading; only the pose changes, which the next
-//! frame uploads before anything reads the vertices.
+//! frame uploads. The vertices of a mesh are written before its first draw in that frame: at once
+//! if it is taken as visible, else if the test of its proxy shows, which the GPU decides.
 
 use std::collections::HashMap;
 
-use cull::Aabb;
+use cull::{Aabb, LeafIndex};
 use glam::Affine3A;
-use gpu::{Buffer, BufferSlice, Device, Frame, vk};
-use scene::{
-    Mesh, MeshId, MorphTarget, PoseBounds, Scene, SkinnedMesh, SkinnedMeshId, SurfaceVertex,
-    TransparentId,
+use gpu::{
+    Buffer, BufferSlice, Commands, Device, FlagRing, Frame, Predicate, ResultSource, Tick, vk,
 };
+use occlusion::UpcomingDraws;
+use scene::{MorphTarget, Scene, SkinnedMeshId, TransparentId};
 
 use crate::error::Error;
 use crate::passes::{REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
 use crate::resources::limits::check_storage;
+use crate::resources::skinned_mesh_state::SkinnedMeshState;
 
 /// All skinned meshes of a scene and their newest poses.
 pub(crate) struct SkinnedMeshes {
     mesh_data: Buffer,
-    all: Vec<State>,
+    all: Vec<SkinnedMeshState>,
     /// The skinned meshes whose pose is not on the GPU yet.
     dirty: Vec<usize>,
     /// The skinned meshes whose pose the frame being recorded uploads.
     uploaded: Vec<usize>,
+    /// Those of them that no recorded work writes for certain yet, in the order of their leaves.
+    deferred: Vec<(LeafIndex, usize)>,
+    /// The buffers of the frame being recorded.
+    io: Option<SkinningIo>,
+    /// A flag per uploaded pose, set where the GPU wrote the vertices.
+    written: FlagRing<WrittenTag>,
+    /// The work of the frame being recorded.
+    skinned: Skinned,
     /// The poses of a frame, kept to allocate nothing.
     values: Vec<u32>,
 }
 
-/// The CPU's data of a skinned mesh.
-pub(crate) struct State {
-    pub(crate) mesh: MeshId,
-    /// The transparent object of the mesh, if there is one.
-    pub(crate) transparent: Option<TransparentId>,
-    pose_bounds: PoseBounds,
-    /// The box of the newest pose, in the space of the mesh.
-    pub(crate) bounds: Aabb,
-    /// The box of the vertices on the GPU.
-    pub(crate) shown_bounds: Aabb,
-    /// The job without its pose.
-    rest: SkinningJob,
-    joint_count: usize,
-    targets: Vec<TargetPlaces>,
-    joints: Vec<Affine3A>,
-    weights: Vec<f32>,
-    is_dirty: bool,
-    /// The job with its place among this frame's poses.
-    pose: SkinningJob,
+/// The pose that a flag is about.
+#[derive(Clone, Copy)]
+struct WrittenTag {
+    number: usize,
+    /// The number of poses that the mesh had before it.
+    pose: u64,
+    vertices: u32,
 }
 
-/// The places of a target's lists in the mesh data, in values, or [`NOTHING`].
+/// The skinned meshes to upload in a frame.
 #[derive(Clone, Copy)]
-struct TargetPlaces([u32; 3]);
-
-/// The place of an empty list; mirrors `skinning.comp`.
-const NOTHING: u32 = u32::MAX;
+pub(crate) enum PoseUploads<'a> {
+    /// All with a new pose, written at once.
+    All,
+    /// Those that one of the views may show, written once their draws are known.
+    Seen(&'a [cull::View]),
+}
 
 /// The work of a frame for skinned meshes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Skinned {
     pub(crate) poses: u32,
     pub(crate) vertices: u64,
+    pub(crate) predicated_vertices: u64,
+    pub(crate) revealed_vertices: u64,
 }
 
 /// The vertices that the pass writes, from the first on.
@@ -78,6 +80,7 @@ impl SkinnedMeshes {
     pub(crate) fn new(
         device: &Device,
         scene: &Scene,
+        frames_in_flight: usize,
         first_vertices: impl Fn(usize) -> u32,
     ) -> Result<Option<Self>, Error> {
         let Some(surfaces) = scene.surfaces.as_ref().filter(|it| !it.skinned_meshes.is_empty())
@@ -102,9 +105,13 @@ impl SkinnedMeshes {
             };
             let transparent = transparent.get(&skinned_mesh.mesh).copied();
             let surface = &surface.vertices;
-            let state =
-                State::new(skinned_mesh, (at_rest, surface), first_vertices(mesh), &mut values);
-            all.push(State { transparent, ..state });
+            let state = SkinnedMeshState::new(
+                skinned_mesh,
+                (at_rest, surface),
+                first_vertices(mesh),
+                &mut values,
+            );
+            all.push(SkinnedMeshState { transparent, ..state });
         }
         debug_assert_eq!(values.len() as u64, mesh_data);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -113,12 +120,16 @@ impl SkinnedMeshes {
             all,
             dirty: Vec::new(),
             uploaded: Vec::new(),
+            deferred: Vec::new(),
+            io: None,
+            written: written_ring(device, frames_in_flight),
+            skinned: Skinned::default(),
             values: Vec::new(),
         }))
     }
 
     /// Returns a skinned mesh, if the scene has it.
-    pub(crate) fn get(&self, skinned_mesh: SkinnedMeshId) -> Option<&State> {
+    pub(crate) fn get(&self, skinned_mesh: SkinnedMeshId) -> Option<&SkinnedMeshState> {
         self.all.get(skinned_mesh.0 as usize)
     }
 
@@ -171,52 +182,188 @@ impl SkinnedMeshes {
         joints.clone_into(&mut state.joints);
         weights.clone_into(&mut state.weights);
         state.bounds = bounds;
+        state.pose_count += 1;
         if !std::mem::replace(&mut state.is_dirty, true) {
             self.dirty.push(number);
         }
     }
 
-    /// Records the upload of the newest poses of the skinned meshes that `is_seen` accepts, before
-    /// anything of `frame` reads vertices. They stay dirty until the frame was
+    /// Changes the number of frames in flight.
+    pub(crate) fn set_frames_in_flight(&mut self, device: &Device, frames_in_flight: usize) {
+        self.written = written_ring(device, frames_in_flight);
+    }
+
+    /// Reads back which poses are on the GPU, as far as frames are over.
+    fn collect(&mut self, completed: Tick) {
+        let Self { written, all, dirty, skinned, .. } = self;
+        written.collect(completed, |tags, flags| {
+            for (tag, _) in tags.iter().zip(flags).filter(|(_, flag)| **flag != 0) {
+                skinned.revealed_vertices += u64::from(tag.vertices);
+                if let Some(state) = all.get_mut(tag.number).filter(|it| it.pose_count == tag.pose)
+                {
+                    state.settle();
+                }
+            }
+        });
+        dirty.retain(|number| all.get(*number).is_some_and(|state| state.is_dirty));
+    }
+
+    /// Uploads the newest poses of the skinned meshes that `is_seen` accepts, before anything of
+    /// `frame` reads vertices. The vertices of a mesh with a leaf are written when the leaf's draw
+    /// is [announced](SkinnedMeshes::prepare), others at once. They stay dirty until the frame was
     /// [submitted](SkinnedMeshes::submitted), which may never happen.
     ///
     /// # Errors
-    /// No memory.
+    /// No memory, a lost device.
     pub(crate) fn upload(
         &mut self,
         frame: &mut Frame<'_>,
-        pass: &SkinningPass,
-        target: SkinnedVertices,
-        is_seen: impl Fn(&State) -> bool,
-    ) -> Result<Skinned, Error> {
+        completed: Tick,
+        (pass, target): (&SkinningPass, SkinnedVertices),
+        is_seen: impl Fn(&SkinnedMeshState) -> bool,
+        leaf_of: impl Fn(&SkinnedMeshState) -> Option<LeafIndex>,
+    ) -> Result<(), Error> {
+        self.skinned = Skinned::default();
+        self.collect(completed);
+        self.deferred.clear();
         self.uploaded.clear();
         let Self { all, dirty, uploaded, .. } = self;
         uploaded.extend(dirty.iter().filter(|number| all.get(**number).is_some_and(&is_seen)));
+        let tags = uploaded.iter().map(|number| {
+            let state = all.get(*number);
+            let [pose, vertices] =
+                state.map_or([0; 2], |it| [it.pose_count, u64::from(it.rest.vertex_count)]);
+            WrittenTag { number: *number, pose, vertices: vertices as u32 }
+        });
+        self.written.begin(frame, tags)?;
         if self.uploaded.is_empty() {
-            return Ok(Skinned::default());
+            return Ok(());
         }
         self.values.clear();
-        let mut skinned = Skinned::default();
-        for number in &self.uploaded {
+        for (flag, number) in (0..).zip(&self.uploaded) {
             if let Some(state) = self.all.get_mut(*number) {
                 state.write(&mut self.values);
-                skinned.poses += 1;
-                skinned.vertices += u64::from(state.rest.vertex_count);
+                (state.pose.flag, state.is_written) = (flag, false);
+                self.skinned.poses += 1;
             }
         }
         let poses = frame.uploads().push(&self.values)?;
         let SkinnedVertices { vertices, surfaces } = target;
-        let io = SkinningIo { vertices, surfaces, mesh_data: self.mesh_data.whole(), poses };
-        let poses = self.uploaded.iter().filter_map(|number| Some(self.all.get(*number)?.pose));
-        pass.record(frame.commands(), &io, poses);
-        Ok(skinned)
+        let (mesh_data, written) = (self.mesh_data.whole(), self.written.results());
+        let io = SkinningIo { vertices, surfaces, mesh_data, poses, written };
+        self.io = Some(io);
+        let mut at_once = Vec::new();
+        for number in &self.uploaded {
+            match self.all.get(*number).and_then(&leaf_of) {
+                Some(leaf) => self.deferred.push((leaf, *number)),
+                None => at_once.push(*number),
+            }
+        }
+        self.deferred.sort_unstable();
+        self.write_vertices(frame.commands(), pass, &at_once);
+        Ok(())
     }
 
-    /// Notes that the frame of the last [`SkinnedMeshes::upload`] was submitted.
-    pub(crate) fn submitted(&mut self) {
+    /// Returns true while the vertices of some mesh are not written for certain.
+    pub(crate) fn is_deferring(&self) -> bool {
+        !self.deferred.is_empty()
+    }
+
+    /// Writes the vertices of the deferred meshes that the announced draws may read.
+    pub(crate) fn prepare(
+        &mut self,
+        commands: &Commands,
+        pass: &SkinningPass,
+        draws: UpcomingDraws<'_>,
+    ) {
+        let deferred = std::mem::take(&mut self.deferred);
+        let at = |leaf: LeafIndex| deferred.binary_search_by_key(&leaf, |(leaf, _)| *leaf).ok();
+        let numbers: Vec<usize> = match draws {
+            UpcomingDraws::All => deferred.iter().map(|(_, number)| *number).collect(),
+            UpcomingDraws::Visible(plan) => {
+                let queried = plan.queried_draws.iter().map(|(leaf, _)| *leaf);
+                let visible = plan.draws.iter().copied().chain(queried);
+                visible.filter_map(|leaf| Some(deferred.get(at(leaf)?)?.1)).collect()
+            }
+            UpcomingDraws::Revealed(revealed) => {
+                self.write_revealed(commands, pass, &deferred, revealed);
+                Vec::new()
+            }
+        };
+        self.write_vertices(commands, pass, &numbers);
+        self.deferred = deferred;
+        let all = &self.all;
+        self.deferred.retain(|(_, number)| all.get(*number).is_some_and(|it| !it.is_written));
+    }
+
+    fn write_vertices(&mut self, commands: &Commands, pass: &SkinningPass, numbers: &[usize]) {
+        let Some(io) = self.io.filter(|_| !numbers.is_empty()) else { return };
+        let Self { all, skinned, .. } = self;
+        pass.record(
+            commands,
+            &io,
+            numbers.iter().filter_map(|number| {
+                let state = all.get_mut(*number).filter(|state| !state.is_written)?;
+                state.is_written = true;
+                skinned.vertices += u64::from(state.rest.vertex_count);
+                Some((None, state.pose))
+            }),
+        );
+    }
+
+    /// Writes the vertices of meshes whose draws depend on results, if these show.
+    fn write_revealed(
+        &mut self,
+        commands: &Commands,
+        pass: &SkinningPass,
+        deferred: &[(LeafIndex, usize)],
+        revealed: &[Predicate],
+    ) {
+        let first_at = |leaf: u32| deferred.partition_point(|(it, _)| it.0 < leaf);
+        let meshes_of =
+            |it: &Predicate| first_at(it.range.first)..first_at(it.range.first + it.range.count);
+        let Some(io) = self.io.filter(|_| revealed.iter().any(|it| !meshes_of(it).is_empty()))
+        else {
+            return;
+        };
+        let Self { all, skinned, .. } = self;
+        let jobs = revealed.iter().flat_map(|predicate| {
+            let meshes = deferred.get(meshes_of(predicate)).unwrap_or_default();
+            meshes.iter().map(move |(_, number)| (predicate, *number))
+        });
+        let jobs = jobs.filter_map(|(predicate, number)| {
+            let state = all.get(number)?;
+            skinned.predicated_vertices += u64::from(state.rest.vertex_count);
+            let Predicate { results, result, threshold_samples, .. } = *predicate;
+            Some((Some(results), SkinningJob { result, threshold_samples, ..state.pose }))
+        });
+        pass.record(commands, &io, jobs);
+    }
+
+    /// Copies the flags to the CPU. The last use in a frame.
+    pub(crate) fn read_back(&self, commands: &Commands) {
+        if !self.uploaded.is_empty() {
+            self.written.read_back(commands);
+        }
+    }
+
+    /// Returns the work of the frame that was recorded last.
+    pub(crate) fn skinned(&self) -> Skinned {
+        self.skinned
+    }
+
+    /// Notes that the frame of the last [`SkinnedMeshes::upload`] was submitted. Vertices that may
+    /// have been written, or not, count as being in both places.
+    pub(crate) fn submitted(&mut self, tick: Tick) {
+        self.written.submitted(tick);
+        self.deferred.clear();
         for number in self.uploaded.drain(..) {
-            if let Some(state) = self.all.get_mut(number) {
-                (state.is_dirty, state.shown_bounds) = (false, state.bounds);
+            let Some(state) = self.all.get_mut(number) else { continue };
+            if std::mem::take(&mut state.is_written) {
+                state.settle();
+            } else {
+                state.is_stale = true;
+                state.shown_bounds = state.shown_bounds.union(&state.bounds);
             }
         }
         let all = &self.all;
@@ -224,89 +371,8 @@ impl SkinnedMeshes {
     }
 }
 
-impl State {
-    /// Appends the data of a skinned mesh to the values of all.
-    fn new(
-        skinned_mesh: &SkinnedMesh,
-        (mesh, surface): (&Mesh, &[SurfaceVertex]),
-        first_vertex: u32,
-        values: &mut Vec<u32>,
-    ) -> Self {
-        let place = |values: &Vec<u32>| values.len() as u32;
-        let mut rest = SkinningJob {
-            vertex_count: mesh.vertices.len() as u32,
-            first_vertex,
-            rest: place(values),
-            ..SkinningJob::default()
-        };
-        for (vertex, surface) in mesh.vertices.iter().zip(surface) {
-            values.extend(vertex.position.map(f32::to_bits));
-            let [x, y, z, sides] = surface.normal;
-            let [tangent_x, tangent_y, tangent_z, sign] = surface.tangent;
-            let pairs = [[x, y], [z, sides], [tangent_x, tangent_y], [tangent_z, sign]];
-            values.extend(
-                pairs.map(|[low, high]| u32::from(low as u16) | u32::from(high as u16) << 16),
-            );
-        }
-        debug_assert_eq!(place(values), rest.rest + REST_VALUES * rest.vertex_count);
-        rest.skin = place(values);
-        if let Some(skin) = &skinned_mesh.skin {
-            rest.joint_sets = skin.sets;
-            for (joints, weights) in skin.joints.iter().zip(&skin.weights) {
-                let pair =
-                    |first: usize| u32::from(joints[first]) | u32::from(joints[first + 1]) << 16;
-                values.extend([pair(0), pair(2)]);
-                values.extend(weights.map(f32::to_bits));
-            }
-        }
-        let targets = skinned_mesh.targets.iter().map(|target| {
-            TargetPlaces([&target.positions, &target.normals, &target.tangents].map(|list| {
-                if list.is_empty() {
-                    return NOTHING;
-                }
-                let begins = place(values);
-                values.extend(list.as_flattened().iter().map(|part| part.to_bits()));
-                begins
-            }))
-        });
-        Self {
-            mesh: skinned_mesh.mesh,
-            transparent: None,
-            pose_bounds: PoseBounds::of(mesh, skinned_mesh),
-            bounds: mesh.bounds,
-            shown_bounds: mesh.bounds,
-            rest,
-            targets: targets.collect(),
-            joint_count: skinned_mesh.skin.as_ref().map_or(0, |skin| skin.joint_count as usize),
-            // At rest, as the vertices are: no pose was set yet.
-            joints: Vec::new(),
-            weights: Vec::new(),
-            is_dirty: false,
-            pose: rest,
-        }
-    }
-
-    /// Appends its pose to those of a frame.
-    fn write(&mut self, values: &mut Vec<u32>) {
-        let joints = values.len() as u32;
-        for joint in &self.joints {
-            for row in 0..3 {
-                let part = joint.matrix3.row(row);
-                let row = [part.x, part.y, part.z, joint.translation[row]];
-                values.extend(row.map(f32::to_bits));
-            }
-        }
-        let targets = values.len() as u32;
-        let mut target_count = 0;
-        for (weight, TargetPlaces(places)) in self.weights.iter().zip(&self.targets) {
-            if *weight != 0.0 {
-                values.push(weight.to_bits());
-                values.extend(places);
-                target_count += 1;
-            }
-        }
-        self.pose = SkinningJob { joints, targets, target_count, ..self.rest };
-    }
+fn written_ring(device: &Device, frames_in_flight: usize) -> FlagRing<WrittenTag> {
+    FlagRing::new(device, frames_in_flight, ResultSource::Compute, "written meshes")
 }
 
 /// Returns the number of values of the skinned meshes of a scene, and of the poses of all.

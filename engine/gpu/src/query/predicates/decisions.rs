@@ -2,6 +2,7 @@
 //! skip them.
 
 use crate::core::capabilities::{Capabilities, Optional};
+use crate::memory::buffer::BufferSlice;
 use crate::record::access::Access;
 use crate::record::indirect::DrawRange;
 
@@ -52,6 +53,20 @@ pub struct PredicatedRange {
     pub range: DrawRange,
     /// The way in which they are revealed.
     pub reveal: Reveal,
+}
+
+/// The result that decides a range of draws, for a compute shader that works for these draws alone:
+/// they are drawn if the result is above the threshold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Predicate {
+    /// The results of the source.
+    pub results: BufferSlice,
+    /// The number of the result among them.
+    pub result: u32,
+    /// The number of samples that a result must exceed.
+    pub threshold_samples: u32,
+    /// The draws that depend on it.
+    pub range: DrawRange,
 }
 
 /// The executor that keeps the GPU from drawing hidden objects.

@@ -31,7 +31,7 @@ use crate::record::indirect::{DRAW_BYTES, IndirectDraw};
 use crate::record::pipeline::{ComputePipeline, StorageLayout};
 use crate::record::shader::Spirv;
 use choice::choose;
-pub use decisions::{PredicatedRange, Predication, ResultSource, Reveal};
+pub use decisions::{Predicate, PredicatedRange, Predication, ResultSource, Reveal};
 pub use predicate_list::BOX_VERTICES;
 use predicate_list::PredicateList;
 
@@ -178,7 +178,7 @@ impl Predicates {
         let between = MemoryBarrier::between;
         let mut from: Vec<Access> = written.iter().map(|(source, _)| source.access()).collect();
         let Some(writer) = &self.writer else {
-            commands.barrier(between(&from, &[Access::PredicateRead]));
+            commands.barrier(between(&from, &[Access::PredicateRead, Access::ComputeRead]));
             return;
         };
         // Earlier rounds, and earlier frames of other slots, may still read the draws.
@@ -199,9 +199,7 @@ impl Predicates {
                 writer,
                 lists.get(..writer_buffers(self.predication)).unwrap_or(&lists),
             );
-            // Ranges without a result are drawn, and flags do not count samples.
-            let is_counted = *source == ResultSource::Queries && results != self.all.whole();
-            let threshold = if is_counted { self.threshold_samples } else { 0 };
+            let threshold = self.threshold_of(*source, results);
             let per_group = match self.predication {
                 Predication::Counts => 64, // a thread per decision
                 _ => 1,                    // a workgroup per decision
@@ -220,6 +218,24 @@ impl Predicates {
             &[Access::ComputeWrite, Access::ComputeRead],
             &[Access::IndirectRead, Access::CopyWrite, Access::CopyRead, Access::FragmentWrite],
         ));
+    }
+
+    /// Returns the result of a decision. Shaders may read it between
+    /// [`resolve`](Predicates::resolve) and the next writes of results, with a barrier before
+    /// those.
+    pub fn predicate(&self, source: ResultSource, decision: u32) -> Option<Predicate> {
+        let list = self.list(source);
+        let PredicatedRange { result, range, .. } = *list.decided.get(decision as usize)?;
+        let results = list.results?;
+        let threshold_samples = self.threshold_of(source, results);
+        Some(Predicate { results, result, threshold_samples, range })
+    }
+
+    /// Returns the threshold of results: flags do not count samples, and ranges without a result
+    /// are drawn.
+    fn threshold_of(&self, source: ResultSource, results: BufferSlice) -> u32 {
+        let is_counted = source == ResultSource::Queries && results != self.all.whole();
+        if is_counted { self.threshold_samples } else { 0 }
     }
 
     /// Draws all of `draws` unconditionally. Where some draws take a count, these do, too: lavapipe
