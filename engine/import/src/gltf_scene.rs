@@ -120,7 +120,7 @@ impl GltfScene {
     /// view of the whole scene, three quarters from the front and somewhat from above.
     pub fn default_camera(&self, size: [u32; 2]) -> cull::Camera {
         let Some(camera) = self.cameras.first() else {
-            return crate::convert::overview(&self.bounds());
+            return crate::convert::framing::overview(&self.bounds());
         };
         let mut worlds = Vec::new();
         self.rig.world(&Pose::new(&self.rig), &mut worlds);

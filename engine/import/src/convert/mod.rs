@@ -8,7 +8,7 @@ mod clips;
 mod components;
 mod distances;
 mod exposure;
-mod framing;
+pub(crate) mod framing;
 mod geometry;
 mod initial_view;
 mod instancing;
@@ -52,7 +52,6 @@ use crate::notes::Notes;
 use crate::progress::{ProgressSender, Stage};
 use crate::{ImportError, Source};
 
-pub(crate) use self::framing::overview;
 pub(crate) use self::skins::used_joints;
 
 /// Returns a scene made of a file.
