@@ -263,7 +263,7 @@ impl FramePasses {
         strategy: Strategy,
     ) -> Result<u32, crate::Error> {
         let Some(transparent) = &mut self.transparent else { return Ok(0) };
-        let tests = strategy != Strategy::FRUSTUM && executor.passes.leaf_boxes.is_some();
+        let tests = strategy.culls_occluded() && executor.passes.leaf_boxes.is_some();
         transparent.gather(frame, &self.geometry, (view, tests))
     }
 

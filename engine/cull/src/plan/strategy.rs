@@ -12,6 +12,7 @@ pub struct Strategy {
     name: &'static str,
     summary: &'static str,
     tests: Tests,
+    culls_occluded: bool,
     is_exact: bool,
     is_blocking: bool,
     has_sample_threshold: bool,
@@ -30,7 +31,8 @@ enum Tests {
 
 impl Strategy {
     /// View-frustum culling only: the baseline and the reference image.
-    pub const FRUSTUM: Self = Self::new("frustum", "the baseline: all that is in the view frustum");
+    pub const FRUSTUM: Self =
+        Self::new("frustum", "the baseline: all that is in the view frustum").drawing_occluded();
     /// Coherent hierarchical culling whose results come late, made exact by predicates.
     pub const ANTUMBRA: Self =
         Self::new("antumbra", "ours: late answers, made exact by predicates")
@@ -61,14 +63,15 @@ impl Strategy {
     ];
 
     /// Creates a strategy of this name on command lines and in reports, with a summary of about
-    /// fifty letters. It is exact, never waits, and works in scenes that change, unless the
-    /// following say otherwise.
+    /// fifty letters. It leaves out occluded objects, is exact, never waits, and works in scenes
+    /// that change, unless the following say otherwise.
     #[must_use]
     pub const fn new(name: &'static str, summary: &'static str) -> Self {
         Self {
             name,
             summary,
             tests: Tests::None,
+            culls_occluded: true,
             is_exact: true,
             is_blocking: false,
             has_sample_threshold: false,
@@ -79,6 +82,12 @@ impl Strategy {
 
     const fn testing(self, tests: Tests) -> Self {
         Self { tests, ..self }
+    }
+
+    /// Returns the same strategy, marked: it draws occluded objects, too.
+    #[must_use]
+    pub const fn drawing_occluded(self) -> Self {
+        Self { culls_occluded: false, ..self }
     }
 
     /// Returns the same strategy, marked: it may miss an object that owns a pixel.
@@ -131,6 +140,12 @@ impl Strategy {
     #[must_use]
     pub const fn is_exact(self) -> bool {
         self.is_exact
+    }
+
+    /// Returns true if it leaves out objects that others hide.
+    #[must_use]
+    pub const fn culls_occluded(self) -> bool {
+        self.culls_occluded
     }
 
     /// Returns true if it has a history, tests in its plans and a [cost
