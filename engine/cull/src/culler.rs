@@ -14,7 +14,7 @@ use crate::plan::candidates::Scratch;
 use crate::plan::config::CullConfig;
 use crate::plan::cost_filter::CostFilter;
 use crate::plan::explain::{self, LeafExplanation, NodeHistory};
-use crate::plan::frame_plan::{Answer, FramePlan, PlanStats, QueryKind, Tester, TesterSupport};
+use crate::plan::frame_plan::{Answer, FramePlan, PlanStats, Tester, TesterSupport};
 use crate::plan::next_frame::NextFrame;
 use crate::plan::plan_writer::PlanWriter;
 use crate::plan::rounds::{self, Grouping};
@@ -88,9 +88,9 @@ impl Culler {
 
     /// Takes a test with no more than `samples` samples as hidden from now on (GPU Gems 2, 6.5.4):
     /// the executor of the plans leaves the leaves of such tests out. Above 0 the image is not
-    /// exact, and a query must count. For plans whose tester is the query: flags that fragments set
-    /// count nothing, and show if they are not zero. [`Culler::plan_next_frame`] goes by a single
-    /// sample.
+    /// exact, a query must count, and all tests are queries: other testers count nothing. Each
+    /// [`Culler::plan`] passes it on ([`FramePlan::sample_threshold`]); tests on their way keep
+    /// theirs. [`Culler::plan_next_frame`] goes by a single sample.
     pub fn set_sample_threshold(&mut self, samples: u32) {
         self.sample_threshold = samples;
     }
@@ -168,11 +168,7 @@ impl Culler {
                 continue;
             };
             self.next_frame.take(hierarchy, &tag, samples);
-            let samples = match tag.kind {
-                // Set by fragments, which count no samples.
-                QueryKind::Leaf => samples,
-                _ => samples.saturating_sub(self.sample_threshold),
-            };
+            let samples = samples.saturating_sub(tag.sample_threshold);
             let record = self.history.record(tag.node.0);
             if let Some(cost_model) = self.cost_model.as_mut().filter(|_| record.answered < tested)
             {
@@ -203,10 +199,12 @@ impl Culler {
     ) {
         let now = self.begin(hierarchy, plan);
         self.watch(view, now);
-        let tester = self.tester(strategy);
+        plan.sample_threshold = self.sample_threshold;
+        let testers = self.testers();
+        let tester = tester(strategy, testers);
         let config = self.tune(strategy, &mut plan.stats);
-        let costs = CostFilter::new(self.cost_model.as_ref(), strategy, tester, self.testers);
-        let (scratch, has_leaf_tests) = (&mut self.scratch, self.testers.leaf_tests);
+        let costs = CostFilter::new(self.cost_model.as_ref(), strategy, tester, testers);
+        let (scratch, has_leaf_tests) = (&mut self.scratch, testers.leaf_tests);
         let mut walk = Walk {
             hierarchy,
             view,
@@ -231,7 +229,7 @@ impl Culler {
             occluders::draw_occluders(scratch, &walk, &mut plan.stats);
         }
         budget::fit(scratch, &walk, query_budget, &mut plan.stats);
-        let (history, rng, frame) = (&mut self.history, &mut self.rng, self.frame);
+        let (history, rng) = (&mut self.history, &mut self.rng);
         let costs = costs.as_ref();
         PlanWriter {
             hierarchy,
@@ -239,7 +237,6 @@ impl Culler {
             config: &config,
             history,
             rng,
-            frame,
             now,
             has_leaf_tests,
             tester,
@@ -336,14 +333,11 @@ impl Culler {
         self.tuned
     }
 
-    /// Returns the tester of proxies under a strategy.
-    fn tester(&self, strategy: Strategy) -> Tester {
-        match strategy.tester() {
-            Some(Tester::Query) => Tester::Query,
-            Some(Tester::Compute) if self.testers.compute => Tester::Compute,
-            _ if self.testers.flags => Tester::Flag,
-            _ => Tester::Query,
-        }
+    /// Returns the testers that the next plan may use: with a threshold, those that count samples.
+    fn testers(&self) -> TesterSupport {
+        let is_exact = self.sample_threshold == 0;
+        let TesterSupport { flags, compute, leaf_tests } = self.testers;
+        TesterSupport { flags: is_exact && flags, compute: is_exact && compute, leaf_tests }
     }
 
     /// Begins the next frame.
@@ -371,5 +365,15 @@ impl Culler {
                 self.turned = now;
             }
         }
+    }
+}
+
+/// Returns the tester of proxies under a strategy.
+fn tester(strategy: Strategy, testers: TesterSupport) -> Tester {
+    match strategy.tester() {
+        Some(Tester::Query) => Tester::Query,
+        Some(Tester::Compute) if testers.compute => Tester::Compute,
+        _ if testers.flags => Tester::Flag,
+        _ => Tester::Query,
     }
 }

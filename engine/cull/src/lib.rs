@@ -100,7 +100,7 @@ pub use hierarchy::{
     BUILD_BYTES_PER_OBJECT, Hierarchy, HierarchyError, HierarchyWork, MAX_OBJECTS,
 };
 pub use history::record::NodeState;
-pub use history::results::{LeafList, PendingTest, ResultReader, TestResult, shows};
+pub use history::results::{LeafList, PendingTest, ResultReader, TestResult};
 pub use ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId, ObjectId};
 pub use plan::config::CullConfig;
 pub use plan::explain::{Decision, LeafExplanation, NodeHistory, Outcome};

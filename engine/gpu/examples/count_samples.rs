@@ -29,7 +29,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut target = Target::new(&device, SIZE, "example")?;
     let image = Readback::new(&device, SIZE)?;
     let mut frames = FrameRing::new(&device, 2)?;
-    let mut queries = QueryRing::new(&device, 2, "example")?.counting(Counting::Samples);
+    let mut queries = QueryRing::new(&device, 2, "example")?;
+    queries.set_counting(Counting::Samples);
 
     let mut frame = frames.begin()?;
     queries.begin(&mut frame, &["left half"])?;

@@ -7,15 +7,8 @@ pub enum Error {
     #[error(transparent)]
     Gpu(#[from] gpu::Error),
     /// A strategy that does not count samples, and a threshold.
-    #[error(
-        "the strategy `{strategy}` does not count samples, which a threshold of {threshold_samples} needs: use `antumbra` or `antumbra_queries`, or set the threshold to 0"
-    )]
-    CannotCount {
-        /// The strategy that was asked for.
-        strategy: cull::Strategy,
-        /// The threshold in samples.
-        threshold_samples: u32,
-    },
+    #[error(transparent)]
+    CannotCount(#[from] CannotCount),
     /// A view and the leaves of another scene.
     #[error(
         "this view was made for another scene's leaves: each view goes with the `LeafTable` that it was made for"
@@ -26,4 +19,16 @@ pub enum Error {
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
     )]
     NoShaderCompiler(String),
+}
+
+/// A strategy that does not count samples, and a threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the strategy `{strategy}` does not count samples, which a threshold of {threshold_samples} needs: use `antumbra` or `antumbra_queries`, or set the threshold to 0"
+)]
+pub struct CannotCount {
+    /// The strategy that was asked for.
+    pub strategy: cull::Strategy,
+    /// The threshold in samples.
+    pub threshold_samples: u32,
 }

@@ -16,13 +16,11 @@ pub struct PlanExecutor {
 }
 
 impl PlanExecutor {
-    /// Returns the testers that plans may use on `device`, for views of up to `size` pixels. With a
-    /// threshold only queries suffice: other testers do not count samples.
+    /// Returns the testers that plans may use on `device`, for views of up to `size` pixels.
     pub fn testers(&self, device: &Device, size: [u32; 2]) -> TesterSupport {
-        let is_exact = self.leaves.threshold_samples() == 0;
         TesterSupport {
-            flags: is_exact && self.passes.proxies.can_flag(),
-            compute: is_exact && ComputeTest::check(device, size).is_ok(),
+            flags: self.passes.proxies.can_flag(),
+            compute: ComputeTest::check(device, size).is_ok(),
             leaf_tests: self.passes.leaf_boxes.is_some(),
         }
     }

@@ -44,8 +44,6 @@ pub struct LeafTableInfo {
     pub predication: Option<Predication>,
     /// Frames that may be in flight at once.
     pub frames_in_flight: usize,
-    /// The most samples of a test that still counts as hidden.
-    pub threshold_samples: u32,
 }
 
 /// The identity of a table: objects made for one fit no other.
@@ -66,7 +64,6 @@ pub struct LeafTable {
     /// One [`ProxyBox`] per leaf, not enlarged.
     boxes: Buffer,
     pub(crate) predicates: Predicates,
-    threshold_samples: u32,
     mesh_draws: Arc<[MeshDraw]>,
     leaf_draws: Vec<MeshDrawId>,
     counts: LeafCounts,
@@ -90,15 +87,15 @@ impl LeafTable {
     /// Uploads the leaves of `hierarchy`. `draw_of` returns the mesh of an object.
     ///
     /// # Errors
-    /// No memory, a failed call; a threshold where queries do not count or under conditional
-    /// rendering.
+    /// [`gpu::Error::Unsupported`] for a way to skip draws that the device lacks;
+    /// [`gpu::Error::TooLarge`] for more leaves than it takes; no memory; a failed call.
     pub fn new(
         device: &Device,
         hierarchy: &Hierarchy,
         info: LeafTableInfo,
         draw_of: impl Fn(ObjectId) -> MeshDrawId,
     ) -> Result<Self, Error> {
-        let LeafTableInfo { mesh_draws, predication, frames_in_flight, threshold_samples } = info;
+        let LeafTableInfo { mesh_draws, predication, frames_in_flight } = info;
         let objects = hierarchy.leaf_objects();
         let leaf_draws: Vec<MeshDrawId> = objects.iter().map(|object| draw_of(*object)).collect();
         let counts = || leaf_draws.iter().map(|id| count_of(&mesh_draws, *id));
@@ -109,18 +106,10 @@ impl LeafTable {
             .collect();
         let draws: Vec<IndirectDraw> =
             (0..).zip(&leaf_draws).map(|(leaf, id)| draw_of_leaf(&mesh_draws, *id, leaf)).collect();
-        let slots = frames_in_flight;
         Ok(Self {
             id: LeafTableId::new(),
             boxes: device.upload("leaf boxes", &boxes, vk::BufferUsageFlags::STORAGE_BUFFER)?,
-            predicates: Predicates::with_threshold(
-                device,
-                predication,
-                &draws,
-                slots,
-                threshold_samples,
-            )?,
-            threshold_samples,
+            predicates: Predicates::new(device, predication, &draws, frames_in_flight)?,
             counts: LeafCounts::new(counts()),
             changes: DrawChanges::new(objects.len()),
             dirty: Vec::new(),
@@ -152,12 +141,6 @@ impl LeafTable {
     /// Returns the predicates over the draws of all leaves.
     pub fn predicates(&self) -> &Predicates {
         &self.predicates
-    }
-
-    /// Returns the most samples of a test that still counts as hidden: the one that the GPU decides
-    /// by, and hence all views and methods.
-    pub fn threshold_samples(&self) -> u32 {
-        self.threshold_samples
     }
 
     /// Makes room for another number of frames in flight.

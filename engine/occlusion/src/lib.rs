@@ -33,7 +33,6 @@
 //!         mesh_draws: [draw].into(),
 //!         predication: None,
 //!         frames_in_flight: slots,
-//!         threshold_samples: 0,
 //!     };
 //!     let leaves = LeafTable::new(device, &hierarchy, info, |_object| MeshDrawId(0))?;
 //!     let passes = OcclusionPasses::new(device, &shaders)?;
@@ -75,7 +74,7 @@ mod test_layout;
 mod visibility_state;
 
 pub use calibration::{CalibrationScene, Costs, PATCH_TRIANGLES, cost_table, measure};
-pub use error::Error;
+pub use error::{CannotCount, Error};
 pub use execution::execute;
 pub use executor::PlanExecutor;
 pub use frame_times::{FrameTimes, is_timed_after};

@@ -89,6 +89,8 @@ pub struct MethodSupport<'a> {
     pub executor: &'a PlanExecutor,
     /// Size of the target in pixels.
     pub size: [u32; 2],
+    /// The most samples of a test that still counts as hidden in the plans of the scene's views.
+    pub threshold_samples: u32,
 }
 
 impl MethodSupport<'_> {

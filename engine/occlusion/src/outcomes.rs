@@ -61,11 +61,11 @@ impl Outcomes {
 
     /// Adds the draws of a result to the outcome of its frame, or the samples below the
     /// threshold.
-    pub(crate) fn add(&mut self, result: &TestResult<LeafCount>, threshold_samples: u32) {
+    pub(crate) fn add(&mut self, result: &TestResult<LeafCount>) {
         let Answer { tag, samples } = result.answer;
         let is_drawn = matches!(tag.kind, QueryKind::Proxy | QueryKind::Leaf);
         let Some(outcome) = self.of(tag.frame) else { return };
-        if !result.shows(threshold_samples) {
+        if !result.answer.shows() {
             let decides = is_drawn || tag.kind == QueryKind::PerLeaf;
             outcome.samples_below_threshold += u64::from(samples) * u64::from(decides);
         } else if is_drawn {

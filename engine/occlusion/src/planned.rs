@@ -4,7 +4,7 @@
 use cull::Strategy;
 use gpu::{Frame, Optional};
 
-use crate::error::Error;
+use crate::error::{CannotCount, Error};
 use crate::execution::execute;
 use crate::method::{Method, MethodRequest, MethodScene, MethodStats, MethodSupport};
 use crate::passes::ComputeTest;
@@ -20,12 +20,10 @@ impl Method for PlannedMethod {
     }
 
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
-        let MethodSupport { device, executor, size, .. } = *support;
-        let threshold_samples = executor.leaves.threshold_samples();
-        let counts_nothing =
-            [Strategy::ANTUMBRA_FLAGS, Strategy::ANTUMBRA_COMPUTE].contains(&strategy);
+        let MethodSupport { device, executor, size, threshold_samples, .. } = *support;
+        let counts_nothing = strategy.culls_occluded() && !strategy.has_sample_threshold();
         if counts_nothing && threshold_samples > 0 {
-            return Err(Error::CannotCount { strategy, threshold_samples });
+            return Err(CannotCount { strategy, threshold_samples }.into());
         }
         if strategy == Strategy::ANTUMBRA_COMPUTE {
             ComputeTest::check(device, size)?;

@@ -54,18 +54,12 @@ pub(crate) struct Rings {
 }
 
 impl Rings {
-    fn new(
-        device: &Device,
-        hierarchy: &Hierarchy,
-        frames_in_flight: usize,
-        threshold_samples: u32,
-    ) -> Result<Self, Error> {
+    fn new(device: &Device, hierarchy: &Hierarchy, frames_in_flight: usize) -> Result<Self, Error> {
         let leaves = hierarchy.leaf_objects().len() as u32;
-        let counting = if threshold_samples == 0 { Counting::Some } else { Counting::Samples };
         let queries = QueryRing::new(device, frames_in_flight, "occlusion queries")?;
         let flags = |source, name| FlagRing::new(device, frames_in_flight, source, name);
         Ok(Self {
-            queries: queries.counting(counting),
+            queries,
             flags: flags(ResultSource::Fragments, "proxy flags"),
             computed: flags(ResultSource::Compute, "box results"),
             leaf_draws: LeafDrawRing::new(device, frames_in_flight, leaves),
@@ -90,15 +84,13 @@ impl VisibilityState {
         hierarchy: &Hierarchy,
         leaves: &LeafTable,
         frames_in_flight: usize,
-        mut culler: Culler,
+        culler: Culler,
     ) -> Result<Self, Error> {
-        let threshold_samples = leaves.threshold_samples();
-        culler.set_sample_threshold(threshold_samples);
         Ok(Self {
             table: leaves.id,
             device: device.clone(),
             culler,
-            rings: Rings::new(device, hierarchy, frames_in_flight, threshold_samples)?,
+            rings: Rings::new(device, hierarchy, frames_in_flight)?,
             frames_in_flight,
             plan: FramePlan::default(),
             generation: hierarchy.generation(),
@@ -128,8 +120,7 @@ impl VisibilityState {
         if self.frames_in_flight == frames_in_flight {
             return Ok(());
         }
-        self.rings =
-            Rings::new(&self.device, hierarchy, frames_in_flight, leaves.threshold_samples())?;
+        self.rings = Rings::new(&self.device, hierarchy, frames_in_flight)?;
         self.method_states.clear();
         self.seen_changes = leaves.changes.count();
         self.outcomes.forget_pending();
@@ -192,6 +183,10 @@ impl VisibilityState {
     pub(crate) fn begin(&mut self, frame: &mut Frame<'_>, leaves: &LeafTable) -> Result<(), Error> {
         self.follow_draws(leaves);
         let Self { rings, layout, plan, generation, .. } = self;
+        rings.queries.set_counting(match plan.sample_threshold {
+            0 => Counting::Some,
+            _ => Counting::Samples,
+        });
         rings.queries.begin(frame, &layout.query_tags)?;
         rings.flags.begin(frame, layout.flag_tags.iter().copied())?;
         rings.computed.begin(frame, layout.compute_tags.iter().copied())?;
@@ -218,7 +213,7 @@ impl VisibilityState {
         self.read(completed, hierarchy, leaves);
         let Self { culler, method_states, reader, newest: kept, outcomes, sent, .. } = self;
         for result in reader.results().iter().filter(|it| it.answer.samples > 0) {
-            outcomes.add(result, culler.sample_threshold());
+            outcomes.add(result);
         }
         let answers = reader.results().iter().map(|result| result.answer);
         let mut newest = answers.clone().map(|answer| answer.tag.frame).max();
@@ -250,11 +245,6 @@ impl VisibilityState {
             reader.read_leaves(hierarchy, frame, list, |range| leaves.count(range));
         });
         reader.finish();
-    }
-
-    /// Returns true if the subject of an answer shows by more than the threshold.
-    pub fn shows(&self, answer: &Answer) -> bool {
-        cull::shows(answer, self.culler.sample_threshold())
     }
 
     /// Returns all answers about the newest frame that has any.

@@ -56,15 +56,8 @@ pub enum Error {
     )]
     NoMethod(cull::Strategy),
     /// A strategy that does not count samples, and a threshold.
-    #[error(
-        "the strategy `{strategy}` does not count samples, which a threshold of {threshold_samples} needs: use `antumbra` or `antumbra_queries`, or set the threshold to 0"
-    )]
-    CannotCount {
-        /// The strategy that was asked for.
-        strategy: cull::Strategy,
-        /// The threshold in samples.
-        threshold_samples: u32,
-    },
+    #[error(transparent)]
+    CannotCount(occlusion::CannotCount),
     /// More frames in flight than make sense.
     #[error(
         "{wanted} frames in flight are more than a renderer takes ({}): two or three keep a GPU busy, more only make answers older",
@@ -189,9 +182,7 @@ impl From<occlusion::Error> for Error {
     fn from(error: occlusion::Error) -> Self {
         match error {
             occlusion::Error::Gpu(error) => Self::Gpu(error),
-            occlusion::Error::CannotCount { strategy, threshold_samples } => {
-                Self::CannotCount { strategy, threshold_samples }
-            }
+            occlusion::Error::CannotCount(error) => Self::CannotCount(error),
             occlusion::Error::ForeignView => Self::ForeignRenderer { thing: FOREIGN_VIEW },
             occlusion::Error::NoShaderCompiler(folder) => Self::NoShaderCompiler(folder),
         }

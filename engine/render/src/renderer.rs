@@ -125,6 +125,8 @@ pub struct Renderer {
     /// True if cost models learn from the times of frames.
     pub(crate) learns: bool,
     cull_config: CullConfig,
+    /// The threshold of the cullers of all views.
+    threshold_samples: u32,
     pub(crate) query_budget: usize,
     costs: Option<CostTable>,
 }
@@ -170,11 +172,14 @@ impl Renderer {
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
         let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, slots)?;
+        let draws = hierarchy.leaf_objects().len() as u64;
+        let threshold_samples = options.threshold_samples;
+        let predication =
+            Predication::choose(device, options.predication, draws, threshold_samples)?;
         let leaves = LeafTableInfo {
             mesh_draws: passes.geometry.mesh_draws().clone(),
-            predication: options.predication,
+            predication: Some(predication),
             frames_in_flight: slots,
-            threshold_samples: options.threshold_samples,
         };
         let draw_of = |object| passes.geometry.draw_of(object);
         let leaves = LeafTable::new(device, &hierarchy, leaves, draw_of)?;
@@ -208,6 +213,7 @@ impl Renderer {
             frame_times: FrameTimes::default(),
             learns,
             cull_config: options.cull_config,
+            threshold_samples,
             query_budget: options.query_budget,
             costs,
         })
@@ -219,6 +225,7 @@ impl Renderer {
     /// A failed call.
     pub fn new_view(&self) -> Result<ViewState, Error> {
         let mut culler = Culler::with_testers(self.cull_config, self.testers());
+        culler.set_sample_threshold(self.threshold_samples);
         if let Some(Err(error)) =
             self.costs.map(|table| culler.set_costs(table, self.scene_costs()))
         {
@@ -267,6 +274,7 @@ impl Renderer {
             hierarchy: &self.hierarchy,
             executor: &self.executor,
             size: self.size(),
+            threshold_samples: self.threshold_samples,
         };
         self.methods[place].supports(strategy, &support)?;
         Ok(place)
@@ -274,7 +282,7 @@ impl Renderer {
 
     /// Returns true if every visible object is drawn, with the strategies named exact.
     pub(crate) fn is_exact(&self) -> bool {
-        self.executor.leaves.threshold_samples() == 0
+        self.threshold_samples == 0
     }
 
     /// Returns the device that it draws on.

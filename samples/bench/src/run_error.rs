@@ -78,7 +78,7 @@ impl From<render::Error> for RunError {
             | render::Error::Image { .. }
             | render::Error::FramesInFlight { .. }
             | render::Error::Cost(_)
-            | render::Error::CannotCount { .. } => Self::user(error),
+            | render::Error::CannotCount(_) => Self::user(error),
             render::Error::Hierarchy(_)
             | render::Error::NoMethod(_)
             | render::Error::NoMemory { .. }

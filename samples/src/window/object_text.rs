@@ -183,7 +183,7 @@ mod tests {
             answers.extend(tags.map(answer));
         }
         let explained = culler.explain(&hierarchy, &view, &plan, ObjectId(object)).unwrap();
-        let outcome = explained.outcome(&hierarchy, &answers, |answer| answer.samples > 0);
+        let outcome = explained.outcome(&hierarchy, &answers);
         let card = ObjectCard {
             explained: &explained,
             outcome: outcome.map(|outcome| (plan.frame, outcome)),

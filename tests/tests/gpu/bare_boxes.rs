@@ -107,7 +107,6 @@ impl Host {
             mesh_draws: Arc::new([MeshDraw { draw, triangles: BOX_INDICES / 3 }]),
             predication: None,
             frames_in_flight: 2,
-            threshold_samples: 0,
         };
         let leaves = LeafTable::new(device, &hierarchy, info, |_| MeshDrawId(0)).unwrap();
         let objects = Boxes::new(device, &shaders, &leaves);

@@ -112,7 +112,9 @@ impl<C: Copy> ResultReader<C> {
             // Where the leaf has another object since, its node is younger than the answer.
             let object = hierarchy.leaf_objects().get(*leaf as usize)?;
             let (node, kind) = (hierarchy.node_of(*object)?, QueryKind::Leaf);
-            let answer = Answer { tag: QueryTag { node, generation, frame, kind }, samples: 1 };
+            // Noted by fragments, which do not count.
+            let tag = QueryTag { node, generation, frame, kind, sample_threshold: 0 };
+            let answer = Answer { tag, samples: 1 };
             let leaf = LeafRange { first: LeafIndex(*leaf), count: 1 };
             Some(TestResult { answer, contents: contents(leaf) })
         }));
@@ -129,22 +131,6 @@ impl<C: Copy> ResultReader<C> {
     /// Returns the results of the newest reading.
     pub fn results(&self) -> &[TestResult<C>] {
         &self.results
-    }
-}
-
-impl<C> TestResult<C> {
-    /// Returns true if its subject shows by more samples than the threshold.
-    pub fn shows(&self, threshold_samples: u32) -> bool {
-        shows(&self.answer, threshold_samples)
-    }
-}
-
-/// Returns true if the subject of an answer shows by more samples than the threshold. Single leaves
-/// are noted by fragments, which do not count.
-pub fn shows(answer: &Answer, threshold_samples: u32) -> bool {
-    match answer.tag.kind {
-        QueryKind::Leaf => answer.samples > 0,
-        _ => answer.samples > threshold_samples,
     }
 }
 
@@ -166,7 +152,8 @@ mod tests {
     }
 
     fn test(node: NodeId, tester: Tester, kind: QueryKind) -> PendingTest<u32> {
-        let tag = QueryTag { node, generation: Generation(0), frame: FrameId(7), kind };
+        let generation = Generation(0);
+        let tag = QueryTag { node, generation, frame: FrameId(7), kind, sample_threshold: 0 };
         PendingTest { tag, tester, contents: 10 }
     }
 
@@ -226,9 +213,14 @@ mod tests {
     #[test]
     fn a_threshold_is_for_what_counts() {
         let hierarchy = hierarchy();
-        let root = hierarchy.root().unwrap();
-        let answer = |kind, samples| Answer { tag: test(root, Tester::Query, kind).tag, samples };
-        assert!(!shows(&answer(QueryKind::Proxy, 4), 4) && shows(&answer(QueryKind::Proxy, 5), 4));
-        assert!(shows(&answer(QueryKind::Leaf, 1), 4) && !shows(&answer(QueryKind::Leaf, 0), 0));
+        let mut node = test(hierarchy.root().unwrap(), Tester::Query, QueryKind::PerLeaf);
+        node.tag.sample_threshold = 4;
+        let mut reader = ResultReader::default();
+        reader.read_query(&node, 4);
+        reader.read_query(&node, 5);
+        let frame = (FrameId(7), Generation(0));
+        reader.read_leaves(&hierarchy, frame, LeafList::These(&[2]), |_| 1);
+        let shows: Vec<bool> = reader.results().iter().map(|it| it.answer.shows()).collect();
+        assert_eq!(shows, [false, true, true]);
     }
 }

@@ -141,12 +141,11 @@ fn decision(
 
 impl LeafExplanation {
     /// Returns the outcome for the object by `answers`, all those of one frame; `None` if it was
-    /// not tested in that frame. `shows` returns true if an answer counts as visible.
+    /// not tested in that frame.
     pub fn outcome<'a>(
         &self,
         hierarchy: &Hierarchy,
         answers: impl IntoIterator<Item = &'a Answer>,
-        shows: impl Fn(&Answer) -> bool,
     ) -> Option<Outcome> {
         let mut outcome = None;
         for answer in answers {
@@ -163,7 +162,7 @@ impl LeafExplanation {
                 continue;
             }
             // Below a node of parts that showed, the leaf itself must show.
-            let is_revealed = answer.tag.kind != QueryKind::PerLeaf && shows(answer);
+            let is_revealed = answer.tag.kind != QueryKind::PerLeaf && answer.shows();
             if is_revealed {
                 return Some(Outcome::Revealed);
             }

@@ -63,6 +63,9 @@ pub struct QueryTag {
     pub frame: FrameId,
     /// The purpose of the query.
     pub kind: QueryKind,
+    /// The most samples that count as none: the [threshold](FramePlan::sample_threshold) of the
+    /// plan. A result means the same when it comes back after a change of the threshold.
+    pub sample_threshold: u32,
 }
 
 /// The result of a query. It may come late, never, twice, and in any order.
@@ -72,6 +75,14 @@ pub struct Answer {
     pub tag: QueryTag,
     /// Samples that passed; where queries are not precise, any number but 0 for "some".
     pub samples: u32,
+}
+
+impl Answer {
+    /// Returns true if its subject showed by more samples than the threshold of its frame.
+    #[must_use]
+    pub fn shows(&self) -> bool {
+        self.samples > self.tag.sample_threshold
+    }
 }
 
 /// One node of the frontier.
@@ -96,9 +107,8 @@ pub struct ProxyTest {
 /// `queried_after` says; then for every range of `rounds`: test the proxies of the range against
 /// the depth so far, front faces only, without writing; draw the leaves of proxies that show. Where
 /// such a test is of [`QueryKind::PerLeaf`], test the [proxy](crate::Margin::proxy) of each leaf in
-/// the same way first, and draw the leaves that show. With a threshold
-/// ([`Culler::set_sample_threshold`](crate::Culler::set_sample_threshold)) a query shows if it
-/// counts more samples than that.
+/// the same way first, and draw the leaves that show. A query shows if it counts more samples than
+/// `sample_threshold`.
 ///
 /// Every leaf whose box meets the frustum is in exactly one place: in `draws`, in `queried_draws`
 /// or in the range of one test.
@@ -106,6 +116,10 @@ pub struct ProxyTest {
 pub struct FramePlan {
     /// The planned frame.
     pub frame: FrameId,
+    /// The most samples of a query that count as none
+    /// ([`Culler::set_sample_threshold`](crate::Culler::set_sample_threshold)). Above 0 queries
+    /// must count, and all tests are queries.
+    pub sample_threshold: u32,
     /// The leaves that are taken as visible, front to back.
     pub draws: Vec<LeafIndex>,
     /// The leaves that are taken as visible and tested on their own draw, front to back.
@@ -125,6 +139,7 @@ impl Default for FramePlan {
     fn default() -> Self {
         Self {
             frame: FrameId(0),
+            sample_threshold: 0,
             draws: Vec::new(),
             queried_draws: Vec::new(),
             queried_after: Vec::new(),
@@ -145,6 +160,7 @@ impl FramePlan {
 
     pub(crate) fn clear(&mut self, frame: FrameId) {
         self.frame = frame;
+        self.sample_threshold = 0;
         self.draws.clear();
         self.queried_draws.clear();
         self.queried_after.clear();

@@ -5,7 +5,7 @@ use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;
 use crate::history::record::FrameStamp;
 use crate::history::records::History;
-use crate::ids::{FrameId, NodeId};
+use crate::ids::NodeId;
 use crate::plan::candidates::{Candidate, Scratch};
 use crate::plan::config::CullConfig;
 use crate::plan::cost_filter::CostFilter;
@@ -19,7 +19,6 @@ pub(crate) struct PlanWriter<'a> {
     pub(crate) config: &'a CullConfig,
     pub(crate) history: &'a mut History,
     pub(crate) rng: &'a mut SplitMix64,
-    pub(crate) frame: FrameId,
     pub(crate) now: FrameStamp,
     /// True if leaves can be tested one by one below a node that shows.
     pub(crate) has_leaf_tests: bool,
@@ -35,7 +34,7 @@ impl PlanWriter<'_> {
         scratch.place_retests();
         for retest in &scratch.retests {
             plan.queried_after.push(retest.after);
-            let tag = self.tag(retest.node, QueryKind::VisibleDrawQuery);
+            let tag = self.tag(plan, retest.node, QueryKind::VisibleDrawQuery);
             plan.queried_draws.push((retest.leaf, tag));
             self.history.mark_for_retest(retest.node, self.containment(retest.node));
             self.history.note_visible_draw_query(retest.node, self.now, self.config, self.rng);
@@ -76,7 +75,7 @@ impl PlanWriter<'_> {
             }
         }
         ProxyTest {
-            tag: self.tag(test.node, kind),
+            tag: self.tag(plan, test.node, kind),
             bounds: test.proxy,
             leaves,
             level: self.hierarchy.level(node),
@@ -90,9 +89,10 @@ impl PlanWriter<'_> {
         }
     }
 
-    fn tag(&self, node: u32, kind: QueryKind) -> QueryTag {
+    fn tag(&self, plan: &FramePlan, node: u32, kind: QueryKind) -> QueryTag {
         let generation = self.hierarchy.generation();
-        QueryTag { node: NodeId(node), generation, frame: self.frame, kind }
+        let FramePlan { frame, sample_threshold, .. } = *plan;
+        QueryTag { node: NodeId(node), generation, frame, kind, sample_threshold }
     }
 
     fn containment(&self, node: u32) -> Containment {

@@ -229,6 +229,7 @@ mod tests {
                 generation: Generation(0),
                 frame: FrameId(1),
                 kind: QueryKind::Proxy,
+                sample_threshold: 0,
             },
             bounds,
             leaves,

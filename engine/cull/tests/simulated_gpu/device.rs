@@ -89,8 +89,8 @@ impl Written {
                 |it: &&Answer| it.tag.node == test.tag.node && it.tag.kind != QueryKind::Leaf;
             let answer = answers.iter().find(same).expect("each test has an answer");
             let is_right = match is_listed {
-                true => (answer.samples > 0) == *showed,
-                false => answer.samples > 0 || !showed,
+                true => answer.shows() == *showed,
+                false => answer.shows() || !showed,
             };
             assert!(is_right, "{test:?} has {answer:?}, and in truth {showed}");
         }
@@ -112,9 +112,8 @@ pub struct Device {
     pub image: Image,
     /// Objects drawn by the last frame, in order.
     pub drawn: Vec<u32>,
-    /// The number of samples up to which a test counts as hidden.
-    pub threshold_samples: u32,
-    /// The leaves that the last frame left out because of it, and the samples that showed.
+    /// The leaves that the last frame left out because of its threshold, and the samples that
+    /// showed.
     pub below_threshold: Vec<(LeafRange, u32)>,
     mishaps: Mishaps,
     random: Random,
@@ -130,7 +129,6 @@ impl Device {
         Self {
             image: Image::new(size),
             drawn: Vec::new(),
-            threshold_samples: 0,
             below_threshold: Vec::new(),
             mishaps,
             random: Random::new(seed),
@@ -213,8 +211,8 @@ impl Device {
                     Tester::SharedProxy(front) => written.values[front as usize],
                     _ => written.values[number],
                 };
-                if samples <= self.threshold_samples {
-                    written.showed.push(samples > 0);
+                if samples <= test.tag.sample_threshold {
+                    written.showed.push(false);
                     self.below_threshold.extend((samples > 0).then_some((test.leaves, samples)));
                     continue;
                 }

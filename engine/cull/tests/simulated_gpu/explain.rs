@@ -45,7 +45,7 @@ fn explain_walk(walk: &mut Walk) -> [usize; 6] {
         for object in 0..walk.scene.bounds.len() as u32 {
             let explained =
                 walk.culler.explain(&walk.hierarchy, &view, &walk.plan, ObjectId(object)).unwrap();
-            let outcome = explained.outcome(&walk.hierarchy, &answers, |it| it.samples > 0);
+            let outcome = explained.outcome(&walk.hierarchy, &answers);
             let (is_drawn, kind) = match (explained.decision, outcome) {
                 (Decision::Outside, None) => (false, 0),
                 (Decision::Drawn, None) => (true, 1),

@@ -107,8 +107,9 @@ fn answers_that_fit_nothing_are_ignored() {
     let before = states(&walk.culler, &walk.hierarchy);
     let frame = walk.culler.frame();
     let tags = |node, generation, frame| {
-        [QueryKind::Proxy, QueryKind::PullUpQuery, QueryKind::VisibleDrawQuery]
-            .map(|kind| QueryTag { node: NodeId(node), generation, frame, kind })
+        [QueryKind::Proxy, QueryKind::PullUpQuery, QueryKind::VisibleDrawQuery].map(|kind| {
+            QueryTag { node: NodeId(node), generation, frame, kind, sample_threshold: 0 }
+        })
     };
     let nodes = walk.hierarchy.node_count() as u32;
     for node in [0, 1, nodes / 2, nodes - 1, nodes, u32::MAX] {

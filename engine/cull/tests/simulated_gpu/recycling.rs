@@ -54,6 +54,7 @@ fn a_recycled_id_inherits_neither_history_nor_answers() {
             generation: walk.hierarchy.generation(),
             frame: walk.culler.frame(),
             kind: QueryKind::VisibleDrawQuery,
+            sample_threshold: 0,
         };
         let far_away = Aabb::new(Vec3::splat(300.0), Vec3::splat(301.0));
         walk.hierarchy.remove(old).unwrap();
@@ -84,6 +85,7 @@ fn answers_about_other_nodes_count_across_a_recycling() {
         generation: walk.hierarchy.generation(),
         frame: walk.culler.frame(),
         kind: QueryKind::VisibleDrawQuery,
+        sample_threshold: 0,
     };
     let bounds = walk.hierarchy.bounds(walk.hierarchy.node_of(gone).unwrap());
     walk.hierarchy.remove(gone).unwrap();

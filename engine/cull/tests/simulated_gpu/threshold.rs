@@ -2,8 +2,8 @@
 //! more pixels are wrong.
 
 use antumbra_cull::{
-    Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, NodeState, ObjectId, Strategy,
-    TesterSupport, View,
+    Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, NodeState, ObjectId, ProxyTest,
+    Strategy, Tester, TesterSupport, View,
 };
 use glam::Vec3;
 
@@ -17,6 +17,9 @@ const SCENES: u64 = 150;
 const FRAMES: u64 = 24;
 const SIZE: [u32; 2] = [40, 28];
 const SUB_PIXEL_BITS: u32 = 8;
+
+const CAMERA: Camera =
+    Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
 
 /// The findings of a walk.
 #[derive(Debug, Default)]
@@ -41,7 +44,8 @@ fn owned(view: &View, scene: &Scene, truth: &Image, objects: impl Iterator<Item 
     is_owned.iter().filter(|is_owned| **is_owned).count() as u32
 }
 
-fn walk(seed: u64, threshold_samples: u32) -> Found {
+/// Walks with one of `thresholds` in each frame.
+fn walk(seed: u64, thresholds: &[u32]) -> Found {
     let mut random = Random::new(seed);
     let scene = Scene::random(&mut random, SUB_PIXEL_BITS);
     let hierarchy = Hierarchy::build(&scene.bounds).unwrap();
@@ -50,11 +54,14 @@ fn walk(seed: u64, threshold_samples: u32) -> Found {
     let calm = Mishaps::none(1 + seed % 4);
     let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, ..calm };
     let mishaps = if random.chance(0.5) { rough } else { calm };
-    let testers = TesterSupport { leaf_tests: random.chance(0.5), ..TesterSupport::default() };
+    let other_testers = thresholds.len() > 1;
+    let testers = TesterSupport {
+        flags: other_testers,
+        compute: other_testers,
+        leaf_tests: random.chance(0.5),
+    };
     let mut culler = Culler::with_testers(CullConfig { seed, ..CullConfig::default() }, testers);
-    culler.set_sample_threshold(threshold_samples);
     let mut device = Device::new(SIZE, SUB_PIXEL_BITS, mishaps, seed);
-    device.threshold_samples = threshold_samples;
     let (mut plan, mut truth) = (FramePlan::default(), Image::new(SIZE));
     let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
     let mut found = Found::default();
@@ -67,8 +74,13 @@ fn walk(seed: u64, threshold_samples: u32) -> Found {
         }
         let answers = device.collect(culler.frame().0 + 1, &hierarchy);
         culler.ingest(&hierarchy, answers);
+        let threshold_samples = thresholds[(seed + frame / 2) as usize % thresholds.len()];
+        culler.set_sample_threshold(threshold_samples);
         culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, 10_000, &mut plan);
         device.execute(&view, &hierarchy, &solids, &plan);
+        assert_eq!(plan.sample_threshold, threshold_samples);
+        let counts = |test: &ProxyTest| test.tester == Tester::Query;
+        assert!(threshold_samples == 0 || plan.tests.iter().all(counts), "others do not count");
         let context = format!("seed {seed}, frame {frame}, threshold {threshold_samples}");
         for (leaves, samples) in &device.below_threshold {
             let objects = &hierarchy.leaf_objects()[leaves.indices()];
@@ -91,13 +103,26 @@ fn walk(seed: u64, threshold_samples: u32) -> Found {
     found
 }
 
+/// Returns a walk with an object that shows some pixels beside a wall. Answers take two frames.
+fn peeping_over_a_wall() -> Walk {
+    let wall = Aabb::new(Vec3::new(-4.0, -4.0, -6.0), Vec3::new(4.0, 0.0, -5.0));
+    let peeping = Aabb::new(Vec3::new(-0.6, -1.0, -7.0), Vec3::new(0.6, 0.3, -6.5));
+    Walk::new(vec![wall, peeping], 2)
+}
+
+fn state_of_peeping(walk: &Walk) -> NodeState {
+    walk.culler.state(walk.hierarchy.node_of(ObjectId(1)).unwrap())
+}
+
 #[test]
 fn what_is_missing_showed_no_more_than_the_threshold() {
     let [exact, few, many] = [0, 4, 40].map(|threshold| {
-        (0..SCENES).map(|seed| walk(seed, threshold)).fold(Found::default(), |sum, found| Found {
-            drawn: sum.drawn + found.drawn,
-            pixels_wrong: sum.pixels_wrong + found.pixels_wrong,
-            below_threshold: sum.below_threshold + found.below_threshold,
+        (0..SCENES).map(|seed| walk(seed, &[threshold])).fold(Found::default(), |sum, found| {
+            Found {
+                drawn: sum.drawn + found.drawn,
+                pixels_wrong: sum.pixels_wrong + found.pixels_wrong,
+                below_threshold: sum.below_threshold + found.below_threshold,
+            }
         })
     });
     println!("{exact:?} {few:?} {many:?}");
@@ -106,22 +131,40 @@ fn what_is_missing_showed_no_more_than_the_threshold() {
     assert!(many.drawn < few.drawn && few.drawn < exact.drawn, "{exact:?} {few:?} {many:?}");
 }
 
+/// Checks that a frame is as exact as the threshold of its own plan demands, and that results of
+/// earlier frames are read by theirs: the device compares them with what it drew.
+#[test]
+fn a_threshold_that_changes_counts_for_the_plans_made_with_it() {
+    let found: Vec<Found> = (0..SCENES).map(|seed| walk(seed, &[0, 40, 4])).collect();
+    assert!(found.iter().any(|found| found.pixels_wrong > 0));
+}
+
 /// Checks an object that shows some pixels beside a wall: with a threshold it comes to count as
 /// hidden and costs one test per frame, without one it stays visible.
 #[test]
 fn what_shows_little_comes_to_count_as_hidden() {
-    let wall = Aabb::new(Vec3::new(-4.0, -4.0, -6.0), Vec3::new(4.0, 0.0, -5.0));
-    let peeping = Aabb::new(Vec3::new(-0.6, -1.0, -7.0), Vec3::new(0.6, 0.3, -6.5));
-    let camera =
-        Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
     let state = |threshold_samples| {
-        let mut walk = Walk::new(vec![wall, peeping], 2);
+        let mut walk = peeping_over_a_wall();
         walk.culler.set_sample_threshold(threshold_samples);
-        walk.device.threshold_samples = threshold_samples;
-        walk.steps(&camera, 200);
-        let node = walk.hierarchy.node_of(ObjectId(1)).unwrap();
-        (walk.culler.state(node), walk.device.drawn.len())
+        walk.steps(&CAMERA, 200);
+        (state_of_peeping(&walk), walk.device.drawn.len())
     };
     assert_eq!(state(0), (NodeState::Visible, 2));
     assert_eq!(state(60), (NodeState::Hidden, 1));
+}
+
+/// Checks that results on their way are read by the threshold of their own frame, in which the
+/// object was left out, and that the frame after a change is exact all the same.
+#[test]
+fn a_result_on_its_way_keeps_its_threshold() {
+    let mut walk = peeping_over_a_wall();
+    walk.culler.set_sample_threshold(60);
+    walk.steps(&CAMERA, 200);
+    assert!(!walk.is_exact(&CAMERA));
+    walk.culler.set_sample_threshold(0);
+    for state in [NodeState::Hidden, NodeState::Hidden, NodeState::Visible] {
+        walk.step(&CAMERA);
+        assert_eq!(state_of_peeping(&walk), state);
+        assert!(walk.is_exact(&CAMERA));
+    }
 }

@@ -8,6 +8,7 @@
 
 use std::ops::Range;
 
+use crate::core::capabilities::Optional;
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::ownership::{OfDevice, OwnerId};
@@ -61,15 +62,14 @@ impl<T: Copy> QueryRing<T> {
         })
     }
 
-    /// Returns the ring with queries that use `counting`.
-    #[must_use]
-    pub fn counting(self, counting: Counting) -> Self {
-        Self { counting, ..self }
+    /// Sets the meaning of the results of queries that are begun from now on.
+    pub fn set_counting(&mut self, counting: Counting) {
+        self.counting = counting;
     }
 
     /// Gives `answer` every result that has arrived: the tag and the number of samples that passed
-    /// (only zero or not zero means something, unless the ring [counts](QueryRing::counting) them).
-    /// `completed` is [`Device::completed`]. Never waits.
+    /// (only zero or not zero means something, unless they were
+    /// [counted](QueryRing::set_counting)). `completed` is [`Device::completed`]. Never waits.
     pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(T, u32)) {
         self.ring.collect(self.device.proven(completed), |slot| {
             let Some(queries) = &slot.memory else { return };
@@ -83,9 +83,16 @@ impl<T: Copy> QueryRing<T> {
     /// Results of this slot that nobody collected are dropped.
     ///
     /// # Errors
-    /// [`Error::Foreign`] for a frame of another device, which fails; no memory, or a failed call.
+    /// [`Error::Foreign`] for a frame of another device, which fails; [`Error::Unsupported`] where
+    /// the queries of the device cannot count as they are to; no memory, or a failed call.
     pub fn begin(&mut self, frame: &mut Frame<'_>, tags: &[T]) -> Result<(), Error> {
         frame.commands().admit(self)?;
+        let lacking = Optional::PreciseQueries;
+        if self.counting == Counting::Samples && !self.device.capabilities().has(lacking) {
+            let device = self.device.adapter().name.clone();
+            let wanted = "queries that count samples";
+            return Err(Error::Unsupported { device, missing: lacking.name(), wanted });
+        }
         let (slot, _) = self.ring.turn_to(frame.slot());
         self.recorded.restart(0);
         slot.begin(frame.commands().recording(), tags.iter().copied());

@@ -31,8 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let hierarchy = Hierarchy::build(&bounds())?;
     let draw = IndirectDraw { index_count: INDICES, instance_count: 1, ..Default::default() };
     let mesh_draws = [MeshDraw { draw, triangles: INDICES / 3 }].into();
-    let info =
-        LeafTableInfo { mesh_draws, predication: None, frames_in_flight: 2, threshold_samples: 0 };
+    let info = LeafTableInfo { mesh_draws, predication: None, frames_in_flight: 2 };
     let leaves = LeafTable::new(&device, &hierarchy, info, |_object| MeshDrawId(0))?;
     let mut objects = Boxes::new(&device, &shaders, &leaves)?;
     let size = objects.target().size();

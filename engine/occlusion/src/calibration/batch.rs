@@ -210,7 +210,7 @@ impl<'a> Bench<'a> {
         let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeRead];
         commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
         if batch.thing == Thing::Predicates {
-            self.predicates.resolve(commands, &[(ResultSource::Fragments, 0..batch.count)]);
+            self.predicates.resolve(commands, &[(ResultSource::Fragments, 0..batch.count)], 0);
         }
         self.objects.target().prepare(commands);
         // As if something at the near plane hid everything; nothing to draw, so nothing to take

@@ -169,8 +169,10 @@ impl Recording<'_> {
             commands.barrier(enabled);
         }
         if let Some(known) = known {
-            self.state.rings().queries.resolve(commands, known.queries.clone());
-            self.executor.leaves.predicates.resolve(commands, &self.state.layout.made(known));
+            let state = self.state;
+            state.rings().queries.resolve(commands, known.queries.clone());
+            let (made, threshold) = (state.layout.made(known), state.plan().sample_threshold);
+            self.executor.leaves.predicates.resolve(commands, &made, threshold);
         }
     }
 
@@ -188,8 +190,10 @@ impl Recording<'_> {
         let (layout, predicates) = (&self.state.layout, self.executor.leaves.predicates());
         let revealing = |reveal| layout.revealing(known, reveal);
         let decisions = revealing(Reveal::Whole).chain(revealing(Reveal::PerLeaf));
-        let revealed: Vec<Predicate> =
-            decisions.filter_map(|it| predicates.predicate(it.source, it.number)).collect();
+        let threshold = self.state.plan().sample_threshold;
+        let revealed: Vec<Predicate> = decisions
+            .filter_map(|it| predicates.predicate(it.source, it.number, threshold))
+            .collect();
         objects.prepare_draws(commands, UpcomingDraws::Revealed(&revealed));
     }
 

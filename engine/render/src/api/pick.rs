@@ -84,8 +84,7 @@ impl Renderer {
         let plan = state.plan();
         let explained = state.visibility.culler().explain(&self.hierarchy, view, plan, object)?;
         let answers = state.visibility.newest_answers();
-        let outcome =
-            explained.outcome(&self.hierarchy, answers, |answer| state.visibility.shows(answer));
+        let outcome = explained.outcome(&self.hierarchy, answers);
         Some((explained, answers.first().map(|answer| answer.tag.frame).zip(outcome)))
     }
 

@@ -42,8 +42,7 @@ impl Renderer {
             renderer: self.id,
         };
         let mut showed = Vec::new();
-        let of_frame =
-            |answer: &&Answer| state.visibility.shows(answer) && answer.tag.frame == plan.frame;
+        let of_frame = |answer: &&Answer| answer.shows() && answer.tag.frame == plan.frame;
         for answer in state.visibility.newest_answers().iter().filter(of_frame) {
             let node = answer.tag.node;
             match answer.tag.kind {

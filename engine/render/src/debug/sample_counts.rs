@@ -248,10 +248,11 @@ pub(crate) fn count_samples(
         Some(queries) => queries,
         None => {
             let (device, slots) = (visibility.device(), visibility.frames_in_flight());
-            QueryRing::new(device, slots, "sample counts")?.counting(Counting::Samples)
+            QueryRing::new(device, slots, "sample counts")?
         }
     };
     let queries = counts.queries.insert(queries);
+    queries.set_counting(Counting::Samples);
     queries.begin(frame, &counts.asked.tags)?;
     let boxes = counts.asked.proxies.iter().map(|(_, proxy)| *proxy);
     let io = ProxyIo { boxes: frame.uploads().push_iter(boxes)?, flags: None };

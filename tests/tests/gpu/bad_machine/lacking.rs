@@ -3,7 +3,8 @@
 use ash::vk;
 use cull::Strategy;
 use gpu::{
-    Device, DeviceOptions, Error, IndirectDraw, Instance, Predicates, Predication, Required,
+    Counting, Device, DeviceOptions, Error, FrameRing, IndirectDraw, Instance, Predicates,
+    Predication, QueryRing, Required,
 };
 use render::{FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
@@ -115,11 +116,16 @@ fn a_device_that_does_not_count_says_so_when_asked_to_count() {
     let options = RendererOptions { threshold_samples: 4, ..options };
     let error = Renderer::new(&device, &scene, &options).err().unwrap().to_string();
     assert!(error.contains("occlusionQueryPrecise, which a visibility threshold"), "{error}");
+    let mut queries = QueryRing::<()>::new(&device, 1, "counted").unwrap();
+    queries.set_counting(Counting::Samples);
+    let mut frames = FrameRing::new(&device, 1).unwrap();
+    let error = queries.begin(&mut frames.begin().unwrap(), &[()]).unwrap_err().to_string();
+    assert!(error.contains("occlusionQueryPrecise, which queries that count"), "{error}");
     view.watch(&[]).unwrap();
     renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
     renderer.drain(&mut view).unwrap();
     assert_eq!(view.visible_samples(), []);
-    drop((renderer, view, device));
+    drop((queries, frames, renderer, view, device));
     assert_eq!(instance.validation_log().drain(), []);
 }
 

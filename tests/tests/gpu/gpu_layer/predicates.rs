@@ -59,7 +59,7 @@ fn drawn(device: &Device, predication: Predication) -> Vec<(bool, bool, bool)> {
         let commands = frame.commands();
         let cleared = MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]);
         commands.barrier(cleared);
-        predicates.resolve(commands, &[(SOURCE, 0..2)]);
+        predicates.resolve(commands, &[(SOURCE, 0..2)], 0);
         target.prepare(commands);
         commands.rendering(target.render_target(Some([0.0; 4])), |commands| {
             proxies.bind(commands, &ProxyIo { boxes, flags: None }, &view);
@@ -97,6 +97,22 @@ fn what_nobody_answers_is_drawn() {
 }
 
 #[test]
+fn a_threshold_is_refused_where_the_results_are_not_compared() {
+    run_on_all(|device| {
+        for predication in executors(device) {
+            let mut ring = FrameRing::new(device, 1).unwrap();
+            let predicates = Predicates::new(device, Some(predication), &[], 1).unwrap();
+            let frame = ring.begin().unwrap();
+            predicates.resolve(frame.commands(), &[], 3);
+            let refused = frame.submit(None).err().map(|error| error.to_string());
+            let says = refused.as_ref().is_some_and(|text| text.contains("cannot compare"));
+            let compares = predication != Predication::Conditional;
+            assert_eq!((refused.is_none(), says), (compares, !compares), "{refused:?}");
+        }
+    });
+}
+
+#[test]
 fn more_decisions_than_a_dispatch_has_workgroups() {
     const COUNT: u32 = 70_000;
     run_on_all(|device| {
@@ -123,7 +139,7 @@ fn more_decisions_than_a_dispatch_has_workgroups() {
         predicates.begin(&mut frame, SOURCE, results, decided.iter().copied()).unwrap();
         let commands = frame.commands();
         // Decisions that do not exist decide nothing.
-        predicates.resolve(commands, &[(SOURCE, 1..COUNT + 9)]);
+        predicates.resolve(commands, &[(SOURCE, 1..COUNT + 9)], 0);
         commands.copy_buffer(predicates.draws(), readback.whole());
         commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
         frame.submit(None).unwrap();

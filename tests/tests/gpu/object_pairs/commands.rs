@@ -181,7 +181,7 @@ fn predicates() -> Vec<Row> {
     vec![
         row("Predicates::resolve", PREDICATES, |ours, theirs| {
             recorded(&ours.device(), |commands| {
-                theirs.predicates.resolve(commands, &[(SOURCE, 0..1)]);
+                theirs.predicates.resolve(commands, &[(SOURCE, 0..1)], 0);
             })
         }),
         row("Predicates::draw", PREDICATES, |ours, theirs| {

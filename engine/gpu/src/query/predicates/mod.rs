@@ -10,7 +10,6 @@
 //!   the range. For devices that have neither (SwiftShader); its cost on the GPU grows with the
 //!   range, not only with the number of ranges.
 
-mod choice;
 mod decisions;
 mod predicate_list;
 
@@ -25,12 +24,11 @@ use crate::core::error::Error;
 use crate::core::ownership::of_device;
 use crate::memory::buffer::{Buffer, BufferSlice};
 use crate::record::access::{Access, MemoryBarrier};
-use crate::record::commands::Commands;
+use crate::record::commands::{Commands, Failure};
 use crate::record::frames::Frame;
 use crate::record::indirect::{DRAW_BYTES, IndirectDraw};
 use crate::record::pipeline::{ComputePipeline, StorageLayout};
 use crate::record::shader::Spirv;
-use choice::choose;
 pub use decisions::{Predicate, PredicatedRange, Predication, ResultSource, Reveal};
 pub use predicate_list::BOX_VERTICES;
 use predicate_list::PredicateList;
@@ -41,7 +39,6 @@ pub struct Predicates {
     predication: Predication,
     draws: Buffer,
     writer: Option<ComputePipeline>,
-    threshold_samples: u32,
     // A result that enables all draws: as a predicate, and as a draw count.
     all: Buffer,
     lists: [PredicateList; ResultSource::ALL.len()],
@@ -69,24 +66,7 @@ impl Predicates {
         draws: &[IndirectDraw],
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
-        Self::with_threshold(device, predication, draws, frames_in_flight, 0)
-    }
-
-    /// Creates predicates with a threshold: results of queries up to `threshold_samples` count as
-    /// zero, and those queries must [count](crate::Counting::Samples). The result is then no longer
-    /// exact.
-    ///
-    /// # Errors
-    /// As [`Predicates::new`]; above a threshold of 0 also [`Error::CannotCompare`], and
-    /// [`Error::Unsupported`] where queries do not count.
-    pub fn with_threshold(
-        device: &Device,
-        predication: Option<Predication>,
-        draws: &[IndirectDraw],
-        frames_in_flight: usize,
-        threshold_samples: u32,
-    ) -> Result<Self, Error> {
-        let predication = choose(device, predication, draws.len() as u64, threshold_samples)?;
+        let predication = Predication::choose(device, predication, draws.len() as u64, 0)?;
         let shader = match predication {
             Predication::Conditional => None,
             Predication::Counts => Some(shaders::PREDICATE_COUNTS),
@@ -118,7 +98,6 @@ impl Predicates {
                 usage | vk::BufferUsageFlags::TRANSFER_SRC,
             )?,
             writer,
-            threshold_samples,
             lists: std::array::from_fn(|_| PredicateList::new(frames_in_flight)),
         })
     }
@@ -171,13 +150,27 @@ impl Predicates {
     /// Resolves the results just written into predicates: for each source, a range of its
     /// decisions. Outside of rendering; after writing the results and before anything is drawn by
     /// them.
-    pub fn resolve(&self, commands: &Commands, written: &[(ResultSource, Range<u32>)]) {
+    ///
+    /// Results of queries up to `threshold_samples` count as zero. Above 0 the queries must
+    /// [count](crate::Counting::Samples); the recording fails under [`Predication::Conditional`],
+    /// which cannot compare.
+    pub fn resolve(
+        &self,
+        commands: &Commands,
+        written: &[(ResultSource, Range<u32>)],
+        threshold_samples: u32,
+    ) {
         if commands.admit(self).is_err() {
             return;
         }
         let between = MemoryBarrier::between;
         let mut from: Vec<Access> = written.iter().map(|(source, _)| source.access()).collect();
         let Some(writer) = &self.writer else {
+            if threshold_samples > 0 {
+                commands.fail(Failure::Wrong(
+                    "conditional rendering cannot compare samples with a threshold",
+                ));
+            }
             commands.barrier(between(&from, &[Access::PredicateRead, Access::ComputeRead]));
             return;
         };
@@ -199,7 +192,7 @@ impl Predicates {
                 writer,
                 lists.get(..writer_buffers(self.predication)).unwrap_or(&lists),
             );
-            let threshold = self.threshold_of(*source, results);
+            let threshold = self.threshold_of(*source, results, threshold_samples);
             let per_group = match self.predication {
                 Predication::Counts => 64, // a thread per decision
                 _ => 1,                    // a workgroup per decision
@@ -220,22 +213,32 @@ impl Predicates {
         ));
     }
 
-    /// Returns the result of a decision. Shaders may read it between
-    /// [`resolve`](Predicates::resolve) and the next writes of results, with a barrier before
-    /// those.
-    pub fn predicate(&self, source: ResultSource, decision: u32) -> Option<Predicate> {
+    /// Returns the result of a decision, with the threshold that it was resolved with. Shaders may
+    /// read it between [`resolve`](Predicates::resolve) and the next writes of results, with a
+    /// barrier before those.
+    pub fn predicate(
+        &self,
+        source: ResultSource,
+        decision: u32,
+        threshold_samples: u32,
+    ) -> Option<Predicate> {
         let list = self.list(source);
         let PredicatedRange { result, range, .. } = *list.decided.get(decision as usize)?;
         let results = list.results?;
-        let threshold_samples = self.threshold_of(source, results);
+        let threshold_samples = self.threshold_of(source, results, threshold_samples);
         Some(Predicate { results, result, threshold_samples, range })
     }
 
     /// Returns the threshold of results: flags do not count samples, and ranges without a result
     /// are drawn.
-    fn threshold_of(&self, source: ResultSource, results: BufferSlice) -> u32 {
+    fn threshold_of(
+        &self,
+        source: ResultSource,
+        results: BufferSlice,
+        threshold_samples: u32,
+    ) -> u32 {
         let is_counted = source == ResultSource::Queries && results != self.all.whole();
-        if is_counted { self.threshold_samples } else { 0 }
+        if is_counted { threshold_samples } else { 0 }
     }
 
     /// Draws all of `draws` unconditionally. Where some draws take a count, these do, too: lavapipe
