@@ -3,6 +3,7 @@
 use cull::TesterSupport;
 use gpu::Device;
 
+use crate::error::Error;
 use crate::leaf_table::LeafTable;
 use crate::passes::{ComputeTest, OcclusionPasses};
 
@@ -23,5 +24,23 @@ impl PlanExecutor {
             compute: ComputeTest::check(device, size).is_ok(),
             leaf_tests: self.passes.leaf_boxes.is_some(),
         }
+    }
+
+    /// Refuses a change of the target's size, from the first to the second, that takes away a
+    /// tester: views plan with those that there were when they were made.
+    ///
+    /// # Errors
+    /// A size that is too large for a test.
+    pub fn check_resize(&self, device: &Device, [from, to]: [[u32; 2]; 2]) -> Result<(), Error> {
+        match ComputeTest::check(device, from) {
+            Ok(()) => ComputeTest::check(device, to),
+            Err(_) => Ok(()),
+        }
+    }
+
+    /// Drops the passes that depend on the size of the target, after a change of it. The next
+    /// frame that needs one makes it again.
+    pub fn resized(&mut self) {
+        self.passes.compute_test = None;
     }
 }

@@ -2,7 +2,7 @@
 //! the shaders. The scene and the history of views stay, and nothing waits for the GPU.
 
 use gpu::{FrameRing, Target};
-use occlusion::{ComputeTest, Method, MethodScene, ShaderSet};
+use occlusion::{Method, MethodScene, ShaderSet};
 
 use crate::error::Error;
 use crate::renderer::{MAX_FRAMES_IN_FLIGHT, Renderer};
@@ -19,13 +19,10 @@ impl Renderer {
         if size == self.size() {
             return Ok(());
         }
-        // Views plan with what the device could do when they were made.
-        if ComputeTest::check(&self.device, self.size()).is_ok() {
-            ComputeTest::check(&self.device, size)?;
-        }
+        self.executor.check_resize(&self.device, [self.size(), size])?;
         self.passes.target = Target::new(&self.device, size, "target")?;
-        // These are made again by the next frame that needs them.
-        self.executor.passes.compute_test = None;
+        // These make again what the next frame needs.
+        self.executor.resized();
         self.methods.iter_mut().for_each(|method| method.resized());
         let area = self.debug_overlay.top_down;
         self.debug_overlay.top_down = area.filter(|area| area.fits(size));
