@@ -55,11 +55,10 @@
 //! ```
 #![forbid(unsafe_code)]
 
-mod calibration;
+mod costs;
 mod error;
 mod execution;
 mod executor;
-mod frame_times;
 mod leaf_table;
 mod method;
 mod method_state;
@@ -68,16 +67,15 @@ mod outcomes;
 mod passes;
 mod planned;
 mod rect;
-mod sent_frames;
 mod shader_set;
 mod test_layout;
 mod visibility_state;
 
-pub use calibration::{CalibrationScene, Costs, PATCH_TRIANGLES, cost_table, measure};
+pub use costs::calibration::{CalibrationScene, Costs, PATCH_TRIANGLES, cost_table, measure};
+pub use costs::frame_times::FrameTimes;
 pub use error::{CannotCount, Error};
 pub use execution::execute;
 pub use executor::PlanExecutor;
-pub use frame_times::{FrameTimes, is_timed_after};
 pub use leaf_table::{LeafCount, LeafElements, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId};
 pub use method::{
     Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,

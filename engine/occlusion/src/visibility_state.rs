@@ -12,11 +12,11 @@ use gpu::{
     LeafDrawRing, QueryRing, ResultSource, Tick,
 };
 
+use crate::costs::sent_frames::SentFrames;
 use crate::error::Error;
 use crate::leaf_table::{LeafCount, LeafTable, LeafTableId};
 use crate::method_state::MethodState;
 use crate::outcomes::{FrameOutcome, Outcomes};
-use crate::sent_frames::SentFrames;
 use crate::test_layout::{PendingTest, TestLayout};
 
 /// One view of a scene: its culler, its tests on their way, and the plan of its newest frame.

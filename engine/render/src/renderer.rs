@@ -4,7 +4,7 @@ use cull::{
     Aabb, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, SceneCosts, Strategy,
     TesterSupport, View,
 };
-use gpu::{Device, FrameRing, Optional, PassTime, Predication, Target, Tick};
+use gpu::{Device, FrameRing, PassTime, Predication, Target, Tick};
 use occlusion::{
     Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor, MethodSupport,
     OcclusionPasses, PlanExecutor, PlannedMethod, Rect, ShaderSet, VisibilityState,
@@ -122,8 +122,6 @@ pub struct Renderer {
     pub(crate) views: Vec<View>,
     pub(crate) pass_times: Vec<PassTime>,
     pub(crate) frame_times: FrameTimes,
-    /// True if cost models learn from the times of frames.
-    pub(crate) learns: bool,
     cull_config: CullConfig,
     /// The threshold of the cullers of all views.
     threshold_samples: u32,
@@ -189,10 +187,8 @@ impl Renderer {
             calibration_scene::measure(&mut passes, &executor, &shaders)
         });
         let mut frames = FrameRing::new(device, slots)?;
-        let learns = costs.is_some() && device.capabilities().has(Optional::Timestamps);
-        if learns {
-            frames.time_frames()?;
-        }
+        let frame_times = FrameTimes::new(device, costs.as_ref());
+        frame_times.enable(&mut frames)?;
         Ok(Self {
             id,
             device: device.clone(),
@@ -210,8 +206,7 @@ impl Renderer {
             update_scratch: UpdateScratch::default(),
             views: Vec::new(),
             pass_times: Vec::new(),
-            frame_times: FrameTimes::default(),
-            learns,
+            frame_times,
             cull_config: options.cull_config,
             threshold_samples,
             query_budget: options.query_budget,

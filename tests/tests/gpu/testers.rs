@@ -1,10 +1,10 @@
 //! The image is the same with every tester of the proxies: queries, fragments, a compute shader.
 
 use cull::Strategy;
-use gpu::{Device, Predication};
-use render::{Costs, RendererOptions};
-use scenes::PathKind;
-use tests::walk::{SceneKind, walk_with};
+use gpu::{Device, Predication, Readback};
+use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use scenes::{CameraPath, GeneratedScene, PathKind};
+use tests::walk::{SceneKind, pixels_that_differ, walk_with};
 use tests::{Driver, run, run_on_all};
 
 const TESTERS: [Strategy; 3] =
@@ -52,6 +52,39 @@ fn every_tester_is_exact_with_every_way_to_skip_draws() {
                 let what = format!("{strategy}, {}: {found:?}", predication.name());
                 assert_eq!(found.pixels_wrong, 0, "{what}");
                 assert!(found.draws[1] * 2 < found.draws[0], "{what}");
+            }
+        }
+    });
+}
+
+#[test]
+fn every_tester_is_exact_after_the_image_was_resized() {
+    run_on_all(|device| {
+        let GeneratedScene { scene, routes } = SceneKind::City.build(400);
+        let path = CameraPath::new(PathKind::Cut, &routes).unwrap();
+        for strategy in TESTERS {
+            let options =
+                RendererOptions { size: [64, 36], costs: Costs::Ignored, ..Default::default() };
+            let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+            let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
+            for (round, size) in [[64, 36], [240, 135], [97, 53], [240, 135]].iter().enumerate() {
+                renderer.resize(*size).unwrap();
+                let images = [0, 1].map(|_| Readback::new(device, *size).unwrap());
+                for frame in 0..12 {
+                    let camera = path.camera(frame);
+                    let strategies = [Strategy::FRUSTUM, strategy];
+                    for ((view, image), strategy) in views.iter_mut().zip(&images).zip(strategies) {
+                        let request = FrameRequest {
+                            image: Some(image),
+                            ..FrameRequest::new(strategy, camera)
+                        };
+                        renderer.render(view, &request).unwrap();
+                    }
+                    device.drain().unwrap();
+                    let [expected, found] = images.each_ref().map(|image| image.rgba8().unwrap());
+                    let wrong = pixels_that_differ(&expected, &found);
+                    assert_eq!(wrong, 0, "{strategy}, round {round}, {size:?}, frame {frame}");
+                }
             }
         }
     });

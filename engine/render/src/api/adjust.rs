@@ -54,9 +54,7 @@ impl Renderer {
         if let Some(interval) = self.frames.timed_interval() {
             frames.time_passes_of_one_in(interval)?;
         }
-        if self.learns {
-            frames.time_frames()?;
-        }
+        self.frame_times.enable(&mut frames)?;
         self.frames = frames;
         self.pass_times.clear();
         self.executor.leaves.set_frames_in_flight(slots);

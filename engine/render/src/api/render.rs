@@ -152,14 +152,8 @@ impl Renderer {
     /// Returns true if cost models learn from the time of the next frame. Draws of the debug
     /// overlay beside a plan falsify prices.
     fn is_timed(&self, strategy: Strategy, targets: &[ViewTarget<'_>]) -> bool {
-        let has_turn = |target: &ViewTarget<'_>| {
-            occlusion::is_timed_after(target.state.visibility.culler().frame())
-        };
-        strategy.uses_cost_model()
-            && self.learns
-            && self.debug_overlay.is_empty()
-            && targets.iter().all(|target| target.state.visibility.has_cost_model())
-            && targets.iter().any(has_turn)
+        let views = targets.iter().map(|target| &target.state.visibility);
+        self.debug_overlay.is_empty() && self.frame_times.is_due(strategy, views)
     }
 
     /// Notes in the views that their frame was submitted, and in the report their plans.

@@ -6,28 +6,56 @@
 
 use std::collections::VecDeque;
 
-use cull::{FrameContents, FrameId};
-use gpu::FrameTime;
+use cull::{CostTable, FrameContents, FrameId, Strategy};
+use gpu::{Device, FrameRing, FrameTime, Optional};
 
-use crate::sent_frames::TIMES_KEPT;
+use crate::costs::sent_frames::TIMES_KEPT;
+use crate::error::Error;
 use crate::visibility_state::VisibilityState;
 
 /// The interval of the timed frames of a view. Timestamps keep frames from overlapping: on a
 /// software driver a frame that has them takes a tenth longer.
 const TIMED_INTERVAL_FRAMES: u64 = 16;
 
-/// Returns true if the frame after `frame` is timed.
-pub fn is_timed_after(frame: FrameId) -> bool {
+fn is_timed_after(frame: FrameId) -> bool {
     frame.0.is_multiple_of(TIMED_INTERVAL_FRAMES)
 }
 
 /// The times that no cost model learnt from yet.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct FrameTimes {
     known: VecDeque<FrameTime>,
+    /// True if there are prices to correct, and a device that times frames.
+    learns: bool,
 }
 
 impl FrameTimes {
+    /// Creates the times of frames on a device, for cost models that have prices or have none.
+    pub fn new(device: &Device, prices: Option<&CostTable>) -> Self {
+        let learns = prices.is_some() && device.capabilities().has(Optional::Timestamps);
+        Self { known: VecDeque::new(), learns }
+    }
+
+    /// Lets the frames of a ring be timed, if anything is learned from them.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn enable(&self, frames: &mut FrameRing) -> Result<(), Error> {
+        if self.learns { Ok(frames.time_frames()?) } else { Ok(()) }
+    }
+
+    /// Returns true if the next frame, of all of these views together, is to be timed.
+    pub fn is_due<'a>(
+        &self,
+        strategy: Strategy,
+        mut views: impl Iterator<Item = &'a VisibilityState> + Clone,
+    ) -> bool {
+        strategy.uses_cost_model()
+            && self.learns
+            && views.clone().all(VisibilityState::has_cost_model)
+            && views.any(|view| is_timed_after(view.culler().frame()))
+    }
+
     /// Takes the time of a frame that is over.
     pub fn take(&mut self, time: FrameTime) {
         if self.known.len() == TIMES_KEPT {

@@ -1,0 +1,6 @@
+//! The costs of tests and draws on a device: prices measured when a renderer is created, and the
+//! times of frames, which correct them.
+
+pub(crate) mod calibration;
+pub(crate) mod frame_times;
+pub(crate) mod sent_frames;
