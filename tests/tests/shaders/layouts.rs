@@ -193,7 +193,7 @@ fn push_constants_fit_every_device() {
 #[test]
 fn the_skinning_pass_reads_and_writes_values() {
     let values = |binding| (binding, 4, vec![0]);
-    assert_eq!(interface("skinning.comp"), ([0, 1, 2, 3].map(values).to_vec(), 32));
+    assert_eq!(interface("skinning.comp"), ([0, 1, 2, 3, 4, 5].map(values).to_vec(), 44));
     // Its values: a vertex has five of them, a surface vertex ten.
     assert_eq!(size_of::<scene::Vertex>(), 5 * 4);
     assert_eq!(size_of::<scene::SurfaceVertex>(), 10 * 4);
