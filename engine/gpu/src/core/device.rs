@@ -184,7 +184,7 @@ impl Device {
         lock(&self.shared.deletion).len()
     }
 
-    /// Waits for the GPU, the only place where the CPU does; every wait is bounded and counted.
+    /// Waits for the GPU: here and in [`Device::wait_within`] alone, each time bounded and counted.
     pub(crate) fn wait(&self, tick: Tick, reason: WaitFor) -> Result<(), Error> {
         let (counter, what) = match reason {
             WaitFor::Slot => (&self.shared.slot_waits, "a frame"),
