@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, Camera, View};
 use glam::{Affine3A, Quat, Vec3};
 use gpu::{
-    BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, Spirv,
-    StorageLayout,
+    Attachments, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    Spirv, StorageLayout,
 };
 use occlusion::{ProxyPass, ShaderSet};
 use scene::{
@@ -50,7 +50,8 @@ impl DepthBoxes {
 
 /// Returns the engine's own proxy pass.
 pub fn proxy_pass(device: &Device) -> ProxyPass {
-    ProxyPass::new(device, &ShaderSet::embedded().expect("shaders")).expect("a pipeline")
+    let shaders = ShaderSet::embedded().expect("shaders");
+    ProxyPass::new(device, &shaders, Attachments::default()).expect("a pipeline")
 }
 
 /// Returns a camera at the origin that looks along -z and sees a right angle.

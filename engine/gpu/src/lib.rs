@@ -94,8 +94,12 @@ pub use crate::query::predicates::{
 };
 pub use crate::query::query_ring::QueryRing;
 pub use crate::record::access::{Access, MemoryBarrier};
+pub use crate::record::attachments::{
+    Attachments, COLOURS_MAX, ColourFormats, HostPass, NearDepth,
+};
 pub use crate::record::commands::Commands;
 pub use crate::record::frames::{Frame, FrameRing, SlotIndex};
+pub use crate::record::host_image::{HostImage, HostImages, ImageState};
 pub use crate::record::indirect::{DrawRange, IndirectDraw};
 pub use crate::record::pipeline::{
     Blend, ComputePipeline, DepthMode, GraphicsPipeline, GraphicsPipelineInfo, Polygon,
@@ -107,6 +111,7 @@ pub use crate::record::shader::Spirv;
 pub use crate::record::shader::compile;
 pub use crate::record::target::Target;
 pub use crate::record::timing::{FrameTime, PassTime};
+pub use crate::record::viewport::Viewport;
 pub use ash::{Entry, vk};
 #[cfg(feature = "window")]
 pub use raw_window_handle;

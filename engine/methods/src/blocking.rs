@@ -25,7 +25,7 @@ use gpu::{
 use occlusion::{
     Error, LeafTable, Method, MethodConstructor, MethodRequest, MethodScene, MethodState,
     MethodStats, MethodSupport, ObjectPass, ProxyBox, ProxyIo, Rendering, UpcomingDraws,
-    VisibilityState,
+    VisibilityState, render,
 };
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
@@ -191,7 +191,7 @@ impl BlockingMethod {
         let proxies = &executor.passes.proxies;
         objects.target().prepare(commands);
         commands.pass("draw and query", |commands| {
-            commands.rendering(objects.rendering(view, rendering), |commands| {
+            render(*objects, commands, (view, rendering), |commands, objects| {
                 if !batch.draws.is_empty() {
                     objects.bind(commands, view, pass);
                     draw(commands, &batch.draws, io.draws, queries, counting);

@@ -27,7 +27,7 @@ use gpu::{
 use occlusion::{
     Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,
     ObjectPass, ObjectRenderer, PlanExecutor, Rect, Rendering, ShaderSet, UpcomingDraws,
-    VisibilityState,
+    VisibilityState, render,
 };
 
 pub use build::{PyramidLevel, PyramidPass, pyramid_levels};
@@ -246,7 +246,7 @@ impl PyramidFrame {
         });
         objects.target().prepare(commands);
         commands.pass("draw visible", |commands| {
-            commands.rendering(objects.rendering(view, Rendering::First), |commands| {
+            render(objects, commands, (view, Rendering::First), |commands, objects| {
                 objects.bind(commands, view, ObjectPass::Visibility);
                 self.draw(commands, Phase::First);
             });
@@ -263,7 +263,7 @@ impl PyramidFrame {
         });
         objects.target().prepare(commands);
         commands.pass("draw revealed", |commands| {
-            commands.rendering(objects.rendering(view, Rendering::Next), |commands| {
+            render(objects, commands, (view, Rendering::Next), |commands, objects| {
                 objects.bind(commands, view, ObjectPass::Visibility);
                 self.draw(commands, Phase::Second);
             });

@@ -1,7 +1,7 @@
 //! The executor of plans over the leaves of one scene.
 
 use cull::TesterSupport;
-use gpu::Device;
+use gpu::{Device, Target};
 
 use crate::error::Error;
 use crate::leaf_table::LeafTable;
@@ -17,11 +17,11 @@ pub struct PlanExecutor {
 }
 
 impl PlanExecutor {
-    /// Returns the testers that plans may use on `device`, for views of up to `size` pixels.
-    pub fn testers(&self, device: &Device, size: [u32; 2]) -> TesterSupport {
+    /// Returns the testers that plans may use on `device`, for views that are drawn to `target`.
+    pub fn testers(&self, device: &Device, target: &Target) -> TesterSupport {
         TesterSupport {
             flags: self.passes.proxies.can_flag(),
-            compute: ComputeTest::check(device, size).is_ok(),
+            compute: target.can_copy_depth() && ComputeTest::check(device, target.size()).is_ok(),
             leaf_tests: self.passes.leaf_boxes.is_some(),
         }
     }

@@ -35,9 +35,10 @@
 //!         frames_in_flight: slots,
 //!     };
 //!     let leaves = LeafTable::new(device, &hierarchy, info, |_object| MeshDrawId(0))?;
-//!     let passes = OcclusionPasses::new(device, &shaders)?;
+//!     let passes = OcclusionPasses::new(device, &shaders, objects.target().attachments())?;
 //!     let mut executor = PlanExecutor { passes, leaves };
-//!     let culler = Culler::with_testers(CullConfig::default(), executor.testers(device, size));
+//!     let testers = executor.testers(device, objects.target());
+//!     let culler = Culler::with_testers(CullConfig::default(), testers);
 //!     let mut state = VisibilityState::new(device, &hierarchy, &executor.leaves, slots, culler)?;
 //!     let mut frames = gpu::FrameRing::new(device, slots)?;
 //!     for camera in cameras {
@@ -81,7 +82,7 @@ pub use method::{
     Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,
 };
 pub use method_state::MethodState;
-pub use object_renderer::{ObjectPass, ObjectRenderer, Rendering, UpcomingDraws};
+pub use object_renderer::{ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render};
 pub use outcomes::{FrameOutcome, Outcomes};
 pub use passes::{
     ComputeTest, ComputeTestIo, LeafBoxIo, LeafBoxPass, OcclusionPasses, ProxyBox, ProxyIo,

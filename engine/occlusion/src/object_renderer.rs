@@ -1,7 +1,7 @@
 //! The seam between the executor and the owner of the objects.
 
 use cull::{FramePlan, View};
-use gpu::{Commands, Predicate, RenderTarget, Target};
+use gpu::{Commands, Predicate, RenderTarget, Target, Viewport};
 
 use crate::error::Error;
 use crate::executor::PlanExecutor;
@@ -48,6 +48,23 @@ pub trait ObjectRenderer {
     /// Returns the attachments of a rendering of a view that decides what is visible.
     fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget;
 
+    /// Begins a rendering of a view that decides what is visible. An owner with a render pass of
+    /// its own begins that, with the depth that the last rendering of the view left. Returns false
+    /// if nothing can be drawn.
+    fn begin_rendering(&mut self, commands: &Commands, view: &View, rendering: Rendering) -> bool {
+        commands.begin_rendering(self.rendering(view, rendering))
+    }
+
+    /// Ends what [`ObjectRenderer::begin_rendering`] began.
+    fn end_rendering(&mut self, commands: &Commands) {
+        commands.end_rendering();
+    }
+
+    /// Returns the viewport of a view, the same in all its renderings.
+    fn viewport(&self, view: &View) -> Viewport {
+        Viewport::covering(view.origin, view.size)
+    }
+
     /// Returns the attachments of a rendering of a view that adds colour to the contents.
     fn colour_rendering(&self, view: &View) -> RenderTarget {
         self.rendering(view, Rendering::Next)
@@ -72,7 +89,8 @@ pub trait ObjectRenderer {
     /// a view, so that what stays hidden costs nothing. Outside of rendering.
     fn prepare_draws(&mut self, _commands: &Commands, _draws: UpcomingDraws<'_>) {}
 
-    /// Binds the objects that the draws of a pass need.
+    /// Binds the objects that the draws of a pass need. No query and no condition may be left open:
+    /// the draws that follow have their own.
     fn bind(&self, commands: &Commands, view: &View, pass: ObjectPass);
 
     /// Returns true if [`ObjectRenderer::shade`] adds the colours, so that the draws before it are
@@ -90,5 +108,18 @@ pub trait ObjectRenderer {
         _view: &View,
         _draw: &dyn Fn(&Commands),
     ) {
+    }
+}
+
+/// Records a rendering of a view: `record` draws, between the begin and the end of the owner.
+pub fn render(
+    objects: &mut dyn ObjectRenderer,
+    commands: &Commands,
+    (view, rendering): (&View, Rendering),
+    record: impl FnOnce(&Commands, &mut dyn ObjectRenderer),
+) {
+    if objects.begin_rendering(commands, view, rendering) {
+        record(commands, objects);
+        objects.end_rendering(commands);
     }
 }

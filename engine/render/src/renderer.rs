@@ -166,7 +166,7 @@ impl Renderer {
         let shaders = if has_sprites(scene) { shaders.with_sprites() } else { shaders };
         // First what fails on bad input, then what takes long.
         let target = Target::new(device, options.size, "target")?;
-        let occlusion_passes = OcclusionPasses::new(device, &shaders)?;
+        let occlusion_passes = OcclusionPasses::new(device, &shaders, target.attachments())?;
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
         let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, slots)?;
@@ -248,7 +248,7 @@ impl Renderer {
 
     /// Returns the testers that plans may use on this device.
     fn testers(&self) -> TesterSupport {
-        self.executor.testers(&self.device, self.size())
+        self.executor.testers(&self.device, &self.passes.target)
     }
 
     /// Refuses a strategy that the device lacks something for, with this scene and size.

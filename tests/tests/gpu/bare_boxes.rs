@@ -110,9 +110,9 @@ impl Host {
         };
         let leaves = LeafTable::new(device, &hierarchy, info, |_| MeshDrawId(0)).unwrap();
         let objects = Boxes::new(device, &shaders, &leaves);
-        let passes = OcclusionPasses::new(device, &shaders).unwrap();
+        let passes = OcclusionPasses::new(device, &shaders, objects.target.attachments()).unwrap();
         let executor = PlanExecutor { passes, leaves };
-        let testers = executor.testers(device, SIZE);
+        let testers = executor.testers(device, &objects.target);
         let culler = Culler::with_testers(CullConfig::default(), testers);
         let state = VisibilityState::new(device, &hierarchy, &executor.leaves, 2, culler).unwrap();
         Self {

@@ -19,11 +19,11 @@ pub(crate) fn copy_to_window(
         return;
     }
     let colour = vk::ImageAspectFlags::COLOR;
-    let ((image, drawn), read) = (target.colour(), Access::CopyRead);
+    let (Some((image, drawn)), read) = (target.colour(), Access::CopyRead) else { return };
     let is_drawn = drawn != read;
     let fresh = LayoutChange::forgetting(window, colour, &[Access::CopyWrite], Access::CopyWrite);
     match is_drawn {
-        true => commands.change_layouts([image.change(colour, drawn, read), fresh]),
+        true => commands.change_layouts([LayoutChange::new(image, colour, drawn, read), fresh]),
         false => commands.change_layouts([fresh]),
     }
     let [from, to] = fitted(target.size(), window_size);
@@ -47,7 +47,7 @@ pub(crate) fn copy_to_window(
     unsafe {
         commands.device().raw().cmd_blit_image(
             commands.raw(),
-            image.raw,
+            image,
             vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
             window,
             vk::ImageLayout::TRANSFER_DST_OPTIMAL,
@@ -57,7 +57,7 @@ pub(crate) fn copy_to_window(
     }
     let shown = LayoutChange::new(window, colour, Access::CopyWrite, Access::Present);
     match is_drawn {
-        true => commands.change_layouts([image.change(colour, read, drawn), shown]),
+        true => commands.change_layouts([LayoutChange::new(image, colour, read, drawn), shown]),
         false => commands.change_layouts([shown]),
     }
 }

@@ -12,10 +12,12 @@ use crate::core::ownership::OfDevice;
 use crate::core::tick::Tick;
 use crate::memory::buffer::BufferSlice;
 use crate::record::access::{Access, LayoutChange, MemoryBarrier};
+use crate::record::attachments::COLOURS_MAX;
 use crate::record::label::LabelName;
 use crate::record::render_target::{Load, RenderTarget};
 use crate::record::ticket::Ticket;
 use crate::record::timing::PassTimer;
+use crate::record::viewport::Viewport;
 
 /// The reason why a recording cannot be submitted.
 #[derive(Debug, Clone, Copy)]
@@ -62,7 +64,9 @@ impl Commands {
         Self::new(&self.device, raw, self.recording, descriptors, self.timer.clone())
     }
 
-    pub(crate) fn raw(&self) -> vk::CommandBuffer {
+    /// Returns the command buffer, for a host that records commands of its own: in
+    /// a callback between ours.
+    pub fn raw(&self) -> vk::CommandBuffer {
         self.raw
     }
 
@@ -171,10 +175,12 @@ impl Commands {
         unsafe { self.device.raw().cmd_pipeline_barrier2(self.raw, &info) };
     }
 
-    /// Records image barriers that change layouts.
-    pub(crate) fn change_layouts<const N: usize>(&self, changes: [LayoutChange; N]) {
-        let images = changes.map(|change| {
-            vk::ImageMemoryBarrier2::default()
+    /// Records image barriers that change layouts: at most those of one target.
+    pub(crate) fn change_layouts(&self, changes: impl IntoIterator<Item = LayoutChange>) {
+        let mut images = [vk::ImageMemoryBarrier2::default(); COLOURS_MAX + 1];
+        let mut count = 0;
+        for (image, change) in images.iter_mut().zip(changes) {
+            *image = vk::ImageMemoryBarrier2::default()
                 .image(change.image)
                 .src_stage_mask(change.barrier.from_stages)
                 .src_access_mask(change.barrier.from_access)
@@ -184,27 +190,44 @@ impl Commands {
                 .new_layout(change.new_layout)
                 .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
                 .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                .subresource_range(change.part)
-        });
-        let info = vk::DependencyInfo::default().image_memory_barriers(&images);
+                .subresource_range(change.part);
+            count += 1;
+        }
+        if count == 0 {
+            return;
+        }
+        let info = vk::DependencyInfo::default().image_memory_barriers(&images[..count]);
         // SAFETY: the images live at least until this frame is over.
         unsafe { self.device.raw().cmd_pipeline_barrier2(self.raw, &info) };
     }
 
-    /// Draws to a colour and a depth image; viewport and scissor cover all of the target's area. A
-    /// target of another device fails the recording, and `record` is not called.
+    /// Draws to the images of a target; viewport and scissor cover all of its area. A target of
+    /// another device fails the recording, and `record` is not called.
     pub fn rendering(&self, target: RenderTarget, record: impl FnOnce(&Self)) {
+        if self.begin_rendering(target) {
+            record(self);
+            self.end_rendering();
+        }
+    }
+
+    /// Begins to draw to the images of a target, until [`Commands::end_rendering`]. Returns false,
+    /// and the recording fails, for a target of another device.
+    pub fn begin_rendering(&self, target: RenderTarget) -> bool {
         if self.admit(&target).is_err() {
-            return;
+            return false;
         }
         let (colour_load, colour_store, colour_clear) = load_ops(target.colour_load);
         let (depth_load, depth_store, depth_clear) = load_ops(target.depth_load);
-        let colour = [vk::RenderingAttachmentInfo::default()
-            .image_view(target.colour)
-            .image_layout(Access::Colour.layout())
-            .load_op(colour_load)
-            .store_op(colour_store)
-            .clear_value(vk::ClearValue { color: vk::ClearColorValue { float32: colour_clear } })];
+        let colours = target.colours.map(|view| {
+            vk::RenderingAttachmentInfo::default()
+                .image_view(view)
+                .image_layout(Access::Colour.layout())
+                .load_op(colour_load)
+                .store_op(colour_store)
+                .clear_value(vk::ClearValue {
+                    color: vk::ClearColorValue { float32: colour_clear },
+                })
+        });
         let depth = vk::RenderingAttachmentInfo::default()
             .image_view(target.depth)
             .image_layout(Access::Depth.layout())
@@ -213,34 +236,35 @@ impl Commands {
             .clear_value(vk::ClearValue {
                 depth_stencil: vk::ClearDepthStencilValue { depth: depth_clear, stencil: 0 },
             });
-        let ([x, y], [width, height]) = (target.origin, target.size);
-        let area = vk::Rect2D {
-            offset: vk::Offset2D { x: x as i32, y: y as i32 },
-            extent: vk::Extent2D { width, height },
-        };
-        let info = vk::RenderingInfo::default()
-            .render_area(area)
+        let area = Viewport::covering(target.origin, target.size);
+        let mut info = vk::RenderingInfo::default()
+            .render_area(area.scissor())
             .layer_count(1)
-            .color_attachments(&colour)
+            .color_attachments(colours.get(..target.colour_count).unwrap_or(&colours))
             .depth_attachment(&depth);
-        let viewport = vk::Viewport {
-            x: x as f32,
-            y: y as f32,
-            width: width as f32,
-            height: height as f32,
-            max_depth: 1.0,
-            ..Default::default()
-        };
-        let raw = self.device.raw();
-        // SAFETY: the views live at least until this frame is over.
-        unsafe {
-            raw.cmd_begin_rendering(self.raw, &info);
-            raw.cmd_set_viewport(self.raw, 0, &[viewport]);
-            raw.cmd_set_scissor(self.raw, 0, &[area]);
+        if target.has_stencil {
+            info = info.stencil_attachment(&depth);
         }
-        record(self);
-        // SAFETY: closes the rendering opened above.
-        unsafe { raw.cmd_end_rendering(self.raw) };
+        // SAFETY: the views live at least until this frame is over.
+        unsafe { self.device.raw().cmd_begin_rendering(self.raw, &info) };
+        self.set_viewport(&area);
+        true
+    }
+
+    /// Ends what [`Commands::begin_rendering`] began.
+    pub fn end_rendering(&self) {
+        // SAFETY: closes the rendering that the caller opened.
+        unsafe { self.device.raw().cmd_end_rendering(self.raw) };
+    }
+
+    /// Sets viewport and scissor for the pipelines bound from now on.
+    pub fn set_viewport(&self, viewport: &Viewport) {
+        let raw = self.device.raw();
+        // SAFETY: the command buffer is being recorded; both are dynamic states of all pipelines.
+        unsafe {
+            raw.cmd_set_viewport(self.raw, 0, &[viewport.raw()]);
+            raw.cmd_set_scissor(self.raw, 0, &[viewport.scissor()]);
+        }
     }
 
     /// Clips drawing to `size` pixels from `origin` on, within the target, until the rendering ends

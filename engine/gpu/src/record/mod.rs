@@ -2,9 +2,12 @@
 
 pub(crate) mod access;
 pub(crate) mod api;
+pub(crate) mod attachments;
 pub(crate) mod commands;
 pub(crate) mod frame_slot;
 pub(crate) mod frames;
+pub(crate) mod graphics_state;
+pub(crate) mod host_image;
 pub(crate) mod indirect;
 pub(crate) mod label;
 pub(crate) mod pipeline;
@@ -12,5 +15,7 @@ pub(crate) mod pools;
 pub(crate) mod render_target;
 pub(crate) mod shader;
 pub(crate) mod target;
+pub(crate) mod target_image;
 pub(crate) mod ticket;
 pub(crate) mod timing;
+pub(crate) mod viewport;

@@ -7,10 +7,11 @@ use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::of_device;
+use crate::record::attachments::Attachments;
+use crate::record::graphics_state::create_graphics;
 use crate::record::shader::Spirv;
-use crate::record::target::{COLOUR_FORMAT, DEPTH_FORMAT};
 
-/// The use of depth by a pipeline. Depth is reversed: 1 at the near plane, 0 at infinity.
+/// The use of depth by a pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DepthMode {
     /// A test for nearer, with the depth stored.
@@ -101,6 +102,8 @@ pub struct GraphicsPipelineInfo<'a> {
     pub depth: DepthMode,
     /// The combination of the colour with the one that is there.
     pub blend: Blend,
+    /// The attachments that it draws to.
+    pub attachments: Attachments,
 }
 
 impl StorageLayout {
@@ -125,6 +128,7 @@ impl<'a> GraphicsPipelineInfo<'a> {
             cull: vk::CullModeFlags::NONE,
             depth: DepthMode::TestOnly,
             blend: Blend::NoColour,
+            attachments: Attachments::default(),
         }
     }
 }
@@ -275,126 +279,4 @@ fn create_set_layout(
     // SAFETY: plain bindings of storage buffers and textures.
     unsafe { device.raw().create_descriptor_set_layout(&info, None) }
         .called("vkCreateDescriptorSetLayout")
-}
-
-fn create_graphics(
-    device: &Device,
-    info: &GraphicsPipelineInfo<'_>,
-    layout: vk::PipelineLayout,
-    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
-) -> Result<vk::Pipeline, Error> {
-    let (bindings, attributes) = vertex_input(&info.vertices);
-    let mut vertices = vk::PipelineVertexInputStateCreateInfo::default();
-    if !attributes.is_empty() {
-        vertices = vertices
-            .vertex_binding_descriptions(&bindings)
-            .vertex_attribute_descriptions(&attributes);
-    }
-    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(info.topology);
-    let viewport =
-        vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-    let (mode, is_nearer) = match info.polygon {
-        Polygon::Filled => (vk::PolygonMode::FILL, false),
-        Polygon::Wireframe => (vk::PolygonMode::LINE, true),
-    };
-    let raster = vk::PipelineRasterizationStateCreateInfo::default()
-        .polygon_mode(mode)
-        .depth_bias_enable(is_nearer)
-        .depth_bias_constant_factor(16.0)
-        .depth_bias_slope_factor(1.0)
-        .cull_mode(info.cull)
-        .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
-        .line_width(1.0);
-    let samples = vk::PipelineMultisampleStateCreateInfo::default()
-        .rasterization_samples(vk::SampleCountFlags::TYPE_1);
-    let (write, compare) = match info.depth {
-        DepthMode::TestAndWrite => (true, vk::CompareOp::GREATER),
-        DepthMode::TestEqualAndWrite => (true, vk::CompareOp::GREATER_OR_EQUAL),
-        DepthMode::TestOnly => (false, vk::CompareOp::GREATER_OR_EQUAL),
-        DepthMode::Equal => (false, vk::CompareOp::EQUAL),
-        DepthMode::Ignored => (false, vk::CompareOp::ALWAYS),
-    };
-    let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-        .depth_test_enable(true)
-        .depth_write_enable(write)
-        .depth_compare_op(compare);
-    let blends = [blend_state(info.blend)];
-    let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
-    let dynamic = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
-    let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic);
-    let colours = [COLOUR_FORMAT];
-    let mut rendering = vk::PipelineRenderingCreateInfo::default()
-        .color_attachment_formats(&colours)
-        .depth_attachment_format(DEPTH_FORMAT);
-    let create = vk::GraphicsPipelineCreateInfo::default()
-        .stages(stages)
-        .vertex_input_state(&vertices)
-        .input_assembly_state(&assembly)
-        .viewport_state(&viewport)
-        .rasterization_state(&raster)
-        .multisample_state(&samples)
-        .depth_stencil_state(&depth)
-        .color_blend_state(&blend)
-        .dynamic_state(&dynamic)
-        .layout(layout)
-        .push_next(&mut rendering);
-    // SAFETY: modules and layout are alive, all states are given.
-    unsafe { device.raw().create_graphics_pipelines(device.pipeline_cache(), &[create], None) }
-        .map_err(|(_, code)| code)
-        .called("vkCreateGraphicsPipelines")
-        .map(|pipelines| pipelines.first().copied().unwrap_or_default())
-}
-
-/// Returns the vertex bindings and their attributes.
-fn vertex_input(
-    layout: &VertexLayout<'_>,
-) -> (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>) {
-    let (mut bindings, mut attributes) = (Vec::new(), Vec::new());
-    let mut next = Some(layout);
-    while let Some(layout) = next {
-        let binding = bindings.len() as u32;
-        bindings.push(vk::VertexInputBindingDescription {
-            binding,
-            stride: layout.stride_bytes,
-            input_rate: vk::VertexInputRate::VERTEX,
-        });
-        for &(format, offset) in layout.attributes {
-            let location = attributes.len() as u32;
-            attributes.push(vk::VertexInputAttributeDescription {
-                location,
-                binding,
-                format,
-                offset,
-            });
-        }
-        next = layout.beside;
-    }
-    (bindings, attributes)
-}
-
-fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
-    let all = vk::ColorComponentFlags::RGBA;
-    let state = vk::PipelineColorBlendAttachmentState::default();
-    match blend {
-        Blend::NoColour => state.color_write_mask(vk::ColorComponentFlags::empty()),
-        Blend::Opaque => state.color_write_mask(all),
-        Blend::Alpha => state
-            .color_write_mask(all)
-            .blend_enable(true)
-            .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
-            .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
-            .color_blend_op(vk::BlendOp::ADD)
-            .src_alpha_blend_factor(vk::BlendFactor::ZERO)
-            .dst_alpha_blend_factor(vk::BlendFactor::ONE)
-            .alpha_blend_op(vk::BlendOp::ADD),
-        // The factors have no part in it.
-        Blend::Max => state
-            .color_write_mask(all)
-            .blend_enable(true)
-            .color_blend_op(vk::BlendOp::MAX)
-            .alpha_blend_op(vk::BlendOp::MAX),
-        Blend::Premultiplied => {
-            blend_state(Blend::Alpha).src_color_blend_factor(vk::BlendFactor::ONE)
-        }
-    }
 }

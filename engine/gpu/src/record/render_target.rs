@@ -3,16 +3,19 @@
 use ash::vk;
 
 use crate::core::ownership::{OfDevice, OwnerId};
+use crate::record::attachments::COLOURS_MAX;
 
 /// The images that a render pass draws to.
 #[derive(Debug, Clone, Copy)]
 pub struct RenderTarget {
     pub(crate) device: OwnerId,
-    pub(crate) colour: vk::ImageView,
+    pub(crate) colours: [vk::ImageView; COLOURS_MAX],
+    pub(crate) colour_count: usize,
     pub(crate) depth: vk::ImageView,
+    pub(crate) has_stencil: bool,
     pub(crate) origin: [u32; 2],
     pub(crate) size: [u32; 2],
-    /// The colour to start from.
+    /// The colour to start from, the same for all colour images.
     pub colour_load: Load<[f32; 4]>,
     /// The depth to start from.
     pub depth_load: Load<f32>,

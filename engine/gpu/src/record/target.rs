@@ -1,4 +1,4 @@
-//! An offscreen target: colour and depth to draw to.
+//! A target: the depth and the colours to draw to, ours or a host's.
 
 use ash::vk;
 
@@ -7,31 +7,28 @@ use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::ownership::of_device;
 use crate::memory::buffer::BufferSlice;
-use crate::memory::image::Image;
 use crate::memory::readback::Readback;
-use crate::record::access::{Access, LayoutChange};
+use crate::record::access::Access;
+use crate::record::attachments::{
+    Attachments, COLOUR_BYTES, COLOUR_FORMAT, COLOURS_MAX, ColourFormats, DEPTH_FORMAT,
+};
 use crate::record::commands::{Commands, Failure};
+use crate::record::host_image::HostImages;
 use crate::record::render_target::{Load, RenderTarget};
+use crate::record::target_image::TargetImage;
 
-/// Colour: eight bits per channel, sRGB-encoded by the hardware.
-pub(crate) const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
-/// The format of the colour's memory: the same bytes without encoding, so that a window gets them
-/// unchanged in whichever order of channels it wants them.
-pub(crate) const COLOUR_BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
-/// Depth: 32-bit float, reversed, so that precision is even over all distances.
-pub(crate) const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
-
-/// A colour and a depth image of one size.
+/// A depth image and colour images of one size: one colour of ours, or what a host has.
 pub struct Target {
     device: Device,
-    colour: Image,
-    depth: Image,
+    colours: Vec<TargetImage>,
+    depth: TargetImage,
     size: [u32; 2],
+    attachments: Attachments,
+    /// True if the depth can be copied to a buffer of floats.
+    can_copy_depth: bool,
     // The recording that uses the images, and what it last used them for. What it recorded may
     // never be submitted, so the next one must not build on it.
     recording: Option<Recording>,
-    colour_access: Access,
-    depth_access: Access,
     is_submitted: bool,
 }
 
@@ -43,40 +40,70 @@ impl Target {
     /// # Errors
     /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits; no memory.
     pub fn new(device: &Device, size: [u32; 2], name: &str) -> Result<Self, Error> {
-        let limits = &device.adapter().limits;
-        let largest = limits
-            .max_image_dimension2_d
-            .min(limits.max_framebuffer_width)
-            .min(limits.max_framebuffer_height)
-            .min(limits.max_viewport_dimensions[0])
-            .min(limits.max_viewport_dimensions[1]);
-        for (side, what) in
-            size.into_iter().zip(["the width of the image", "the height of the image"])
-        {
-            if side == 0 || side > largest {
-                return Err(Error::TooLarge {
-                    what: what.to_owned(),
-                    wanted: side.into(),
-                    limit: largest.into(),
-                });
-            }
-        }
+        check_size(device, size)?;
         let colour_usage =
             vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let depth_usage =
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
         let image = |what, formats, usage, aspect| {
-            Image::new(device, &format!("{name} {what}"), size, formats, usage, aspect)
+            TargetImage::new(device, &format!("{name} {what}"), size, formats, usage, aspect)
         };
         Ok(Self {
             device: device.clone(),
-            colour: image("colour", [COLOUR_BYTES, COLOUR_FORMAT], colour_usage, colour)?,
+            colours: vec![image("colour", [COLOUR_BYTES, COLOUR_FORMAT], colour_usage, colour)?],
             depth: image("depth", [DEPTH_FORMAT; 2], depth_usage, depth)?,
             size,
+            attachments: Attachments::default(),
+            can_copy_depth: true,
             recording: None,
-            colour_access: Access::Nothing,
-            depth_access: Access::Nothing,
+            is_submitted: false,
+        })
+    }
+
+    /// Takes images of a host. Nothing is created on the device: make one target for each set of
+    /// images that the host goes through, or a new one per frame.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits, or for more colours than
+    /// [`COLOURS_MAX`].
+    ///
+    /// # Safety
+    /// The images and views are of `device`, as described, and live until the last frame that
+    /// uses the target is over. When the commands of a frame execute, each image is in its entry
+    /// state; nothing else uses it until they are over.
+    pub unsafe fn of_host(device: &Device, images: &HostImages<'_>) -> Result<Self, Error> {
+        check_size(device, images.size)?;
+        if images.colours.len() > COLOURS_MAX {
+            return Err(Error::TooLarge {
+                what: "the number of colour images of a target".to_owned(),
+                wanted: images.colours.len() as u64,
+                limit: COLOURS_MAX as u64,
+            });
+        }
+        let mut formats = [vk::Format::UNDEFINED; COLOURS_MAX];
+        for (format, image) in formats.iter_mut().zip(images.colours) {
+            *format = image.format;
+        }
+        let formats = formats.get(..images.colours.len()).unwrap_or_default();
+        let can_copy_depth = images.depth.format == DEPTH_FORMAT
+            && images.samples == vk::SampleCountFlags::TYPE_1
+            && images.depth.usage.contains(vk::ImageUsageFlags::TRANSFER_SRC);
+        let colour = |image| TargetImage::of_host(image, Access::Colour);
+        Ok(Self {
+            device: device.clone(),
+            colours: images.colours.iter().map(colour).collect(),
+            depth: TargetImage::of_host(&images.depth, Access::Depth),
+            size: images.size,
+            attachments: Attachments {
+                colours: ColourFormats::new(formats),
+                depth: images.depth.format,
+                samples: images.samples,
+                near_depth: images.near_depth,
+                pass: None,
+            },
+            can_copy_depth,
+            recording: None,
             is_submitted: false,
         })
     }
@@ -86,51 +113,69 @@ impl Target {
         self.size
     }
 
-    /// Returns the colour image and its last access.
-    pub(crate) fn colour(&self) -> (&Image, Access) {
-        (&self.colour, self.colour_access)
+    /// Returns the attachments that pipelines must be compiled for.
+    pub fn attachments(&self) -> Attachments {
+        self.attachments
     }
 
-    /// Prepares both images to be drawn to, after any earlier access. This is needed between two
-    /// renderings too: dynamic rendering orders nothing by itself. Their contents last for one
-    /// frame: the first rendering of each must clear. Commands of another device fail.
+    /// Returns true if [`Target::copy_depth_to`] copies: the depth is
+    /// [`vk::Format::D32_SFLOAT`], of one sample, and a source of transfers.
+    pub fn can_copy_depth(&self) -> bool {
+        self.can_copy_depth
+    }
+
+    /// Returns the first colour image and its last access.
+    pub(crate) fn colour(&self) -> Option<(vk::Image, Access)> {
+        self.colours.first().map(|colour| (colour.raw, colour.access))
+    }
+
+    /// Prepares all images to be drawn to, after any earlier access. This is needed between two
+    /// renderings too: dynamic rendering orders nothing by itself. The contents of our own images
+    /// last for one frame: the first rendering of each must clear. Commands of another device fail.
     pub fn prepare(&mut self, commands: &Commands) {
         if commands.admit(self).is_err() {
             return;
         }
-        let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
         self.is_submitted = false;
         let is_first = self.recording.replace(commands.recording()) != Some(commands.recording());
-        let changes = if is_first {
-            let colour_uses = [Access::Colour, Access::CopyRead];
-            let depth_uses = [Access::Depth, Access::CopyRead];
-            [
-                LayoutChange::forgetting(self.colour.raw, colour, &colour_uses, Access::Colour),
-                LayoutChange::forgetting(self.depth.raw, depth, &depth_uses, Access::Depth),
-            ]
-        } else {
-            [
-                self.colour.change(colour, self.colour_access, Access::Colour),
-                self.depth.change(depth, self.depth_access, Access::Depth),
-            ]
+        let change = |image: &mut TargetImage, to| match is_first {
+            true => image.first_change(&[to, Access::CopyRead], to),
+            false => image.change(to),
         };
-        commands.change_layouts(changes);
-        self.colour_access = Access::Colour;
-        self.depth_access = Access::Depth;
+        let depth = change(&mut self.depth, Access::Depth);
+        let colours = self.colours.iter_mut().map(|image| change(image, Access::Colour));
+        commands.change_layouts(std::iter::once(depth).chain(colours));
+    }
+
+    /// Gives the images of a host back in the states that it wants. The last use of the target in a
+    /// frame.
+    pub fn restore(&mut self, commands: &Commands) {
+        if self.recording != Some(commands.recording()) || commands.admit(self).is_err() {
+            return;
+        }
+        let images = std::iter::once(&mut self.depth).chain(&mut self.colours);
+        commands.change_layouts(images.filter_map(TargetImage::last_change));
+        self.recording = None;
     }
 
     /// Returns the images to draw to, starting from a colour and the far depth, or from their
     /// contents.
     pub fn render_target(&self, clear: Option<[f32; 4]>) -> RenderTarget {
-        const FAR: f32 = 0.0; // reversed depth
+        let far = self.attachments.near_depth.far();
+        let mut colours = [vk::ImageView::null(); COLOURS_MAX];
+        for (view, image) in colours.iter_mut().zip(&self.colours) {
+            *view = image.view;
+        }
         RenderTarget {
             device: self.device.id(),
-            colour: self.colour.view,
+            colours,
+            colour_count: self.colours.len(),
             depth: self.depth.view,
+            has_stencil: self.attachments.stencil() != vk::Format::UNDEFINED,
             origin: [0, 0],
             size: self.size,
             colour_load: clear.map_or(Load::Keep, Load::Clear),
-            depth_load: clear.map_or(Load::Keep, |_| Load::Clear(FAR)),
+            depth_load: clear.map_or(Load::Keep, |_| Load::Clear(far)),
         }
     }
 
@@ -151,20 +196,18 @@ impl Target {
             u64::from(origin[side]) + u64::from(size[side]) <= u64::from(self.size[side])
         };
         let bytes = u64::from(width) * u64::from(height) * 4;
-        if bytes == 0 || to.size_bytes < bytes || !fits(0) || !fits(1) {
+        let has_room = bytes > 0 && to.size_bytes >= bytes && fits(0) && fits(1);
+        if !has_room || !self.can_copy_depth {
             return;
         }
         if commands.admit(self).is_err() || commands.admit(&to).is_err() {
             return;
         }
-        let aspect = vk::ImageAspectFlags::DEPTH;
-        let change = self.depth.change(aspect, self.depth_access, Access::CopyRead);
-        commands.change_layouts([change]);
-        self.depth_access = Access::CopyRead;
+        commands.change_layouts([self.depth.change(Access::CopyRead)]);
         let region = vk::BufferImageCopy::default()
             .buffer_offset(to.offset_bytes)
             .image_subresource(vk::ImageSubresourceLayers {
-                aspect_mask: aspect,
+                aspect_mask: vk::ImageAspectFlags::DEPTH,
                 layer_count: 1,
                 ..Default::default()
             })
@@ -192,11 +235,13 @@ impl Target {
             commands.fail(Failure::Wrong("an image is copied to a `Readback` of another size"));
             return;
         }
+        let is_ours = self.attachments == Attachments::default();
+        let Some(colour) = self.colours.first_mut().filter(|_| is_ours) else {
+            commands.fail(Failure::Wrong("the image of a host is copied to a `Readback`"));
+            return;
+        };
         let Some(to) = readback.begin_copy(commands) else { return };
-        let change =
-            self.colour.change(vk::ImageAspectFlags::COLOR, self.colour_access, Access::CopyRead);
-        commands.change_layouts([change]);
-        self.colour_access = Access::CopyRead;
+        commands.change_layouts([colour.change(Access::CopyRead)]);
         let [width, height] = self.size;
         let region = vk::BufferImageCopy::default()
             .image_subresource(vk::ImageSubresourceLayers {
@@ -209,7 +254,7 @@ impl Target {
         unsafe {
             commands.device().raw().cmd_copy_image_to_buffer(
                 commands.raw(),
-                self.colour.raw,
+                colour.raw,
                 vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
                 to.raw,
                 &[region],
@@ -233,4 +278,26 @@ impl Target {
     pub(crate) fn has_frame(&self) -> bool {
         self.is_submitted
     }
+}
+
+/// Refuses sizes of 0 and beyond the limits of the device.
+fn check_size(device: &Device, size: [u32; 2]) -> Result<(), Error> {
+    let limits = &device.adapter().limits;
+    let largest = limits
+        .max_image_dimension2_d
+        .min(limits.max_framebuffer_width)
+        .min(limits.max_framebuffer_height)
+        .min(limits.max_viewport_dimensions[0])
+        .min(limits.max_viewport_dimensions[1]);
+    for (side, what) in size.into_iter().zip(["the width of the image", "the height of the image"])
+    {
+        if side == 0 || side > largest {
+            return Err(Error::TooLarge {
+                what: what.to_owned(),
+                wanted: side.into(),
+                limit: largest.into(),
+            });
+        }
+    }
+    Ok(())
 }

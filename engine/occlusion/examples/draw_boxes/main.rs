@@ -35,8 +35,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let leaves = LeafTable::new(&device, &hierarchy, info, |_object| MeshDrawId(0))?;
     let mut objects = Boxes::new(&device, &shaders, &leaves)?;
     let size = objects.target().size();
-    let mut executor = PlanExecutor { passes: OcclusionPasses::new(&device, &shaders)?, leaves };
-    let culler = Culler::with_testers(CullConfig::default(), executor.testers(&device, size));
+    let passes = OcclusionPasses::new(&device, &shaders, objects.target().attachments())?;
+    let mut executor = PlanExecutor { passes, leaves };
+    let testers = executor.testers(&device, objects.target());
+    let culler = Culler::with_testers(CullConfig::default(), testers);
     let mut state = VisibilityState::new(&device, &hierarchy, &executor.leaves, 2, culler)?;
     let mut frames = FrameRing::new(&device, 2)?;
     for step in 0..40_u8 {

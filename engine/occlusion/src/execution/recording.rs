@@ -18,7 +18,7 @@ use gpu::{Access, Commands, MemoryBarrier, Predicate, QueryIndex, Reveal};
 
 use super::io::{DRAW_BYTES, FrameIo};
 use crate::executor::PlanExecutor;
-use crate::object_renderer::{ObjectPass, ObjectRenderer, Rendering, UpcomingDraws};
+use crate::object_renderer::{ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render};
 use crate::passes::{ComputeTestIo, LeafBoxIo};
 use crate::rect::Rect;
 use crate::test_layout::RoundLayout;
@@ -50,10 +50,10 @@ impl Recording<'_> {
         }
         objects.target().prepare(commands);
         commands.pass("draw visible", |commands| {
-            commands.rendering(objects.rendering(view, Rendering::First), |commands| {
+            render(objects, commands, (view, Rendering::First), |commands, objects| {
                 objects.bind(commands, view, ObjectPass::Visibility);
                 self.draw_visible(commands);
-                self.draw_proxies(commands, rounds.first());
+                self.draw_proxies(commands, objects, rounds.first());
             });
         });
         let refined = rounds.last().is_some_and(|round| round.has_leaf_tests);
@@ -74,12 +74,12 @@ impl Recording<'_> {
             self.prepare_revealed(commands, objects, known);
             objects.target().prepare(commands);
             commands.pass("draw revealed", |commands| {
-                commands.rendering(objects.rendering(view, Rendering::Next), |commands| {
+                render(objects, commands, (view, Rendering::Next), |commands, objects| {
                     objects.bind(commands, view, ObjectPass::Visibility);
                     self.draw_enabled(commands, before);
                     self.draw_whole(commands, known);
-                    self.test_leaves(commands, known);
-                    self.draw_proxies(commands, next);
+                    self.test_leaves(commands, objects, known);
+                    self.draw_proxies(commands, objects, next);
                 });
             });
         }
@@ -116,9 +116,16 @@ impl Recording<'_> {
     }
 
     /// Tests the proxies of one round against the depth so far.
-    fn draw_proxies(&self, commands: &Commands, round: Option<&RoundLayout>) {
+    fn draw_proxies(
+        &self,
+        commands: &Commands,
+        objects: &dyn ObjectRenderer,
+        round: Option<&RoundLayout>,
+    ) {
         let Some(round) = round else { return };
         commands.label("proxies", |commands| {
+            // The owner may have drawn with another.
+            commands.set_viewport(&objects.viewport(self.view));
             if !round.flags.is_empty() {
                 self.executor.passes.proxies.bind_flags(commands, &self.io.proxies, self.view);
                 self.executor.passes.proxies.draw_all(commands, round.flags.clone());
@@ -235,7 +242,12 @@ impl Recording<'_> {
     }
 
     /// Tests the leaves of the nodes that showed, one by one.
-    fn test_leaves(&self, commands: &Commands, known: Option<&RoundLayout>) {
+    fn test_leaves(
+        &self,
+        commands: &Commands,
+        objects: &dyn ObjectRenderer,
+        known: Option<&RoundLayout>,
+    ) {
         let known = known.filter(|round| round.has_leaf_tests);
         let (Some(pass), Some(leaf_draws), Some(_)) =
             (&self.executor.passes.leaf_boxes, self.io.leaf_draws, known)
@@ -243,6 +255,7 @@ impl Recording<'_> {
             return;
         };
         commands.label("leaf boxes", |commands| {
+            commands.set_viewport(&objects.viewport(self.view));
             let boxes = self.executor.leaves.boxes();
             pass.bind(commands, &LeafBoxIo { boxes, leaf_draws }, self.view);
             for decision in self.state.layout.revealing(known, Reveal::PerLeaf) {

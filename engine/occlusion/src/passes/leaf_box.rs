@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, LeafDrawBuffers,
-    StorageLayout,
+    Attachments, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    LeafDrawBuffers, StorageLayout,
 };
 
 use crate::error::Error;
@@ -39,14 +39,20 @@ struct Constants {
 const _: () = assert!(size_of::<Constants>() == 96);
 
 impl LeafBoxPass {
-    /// Compiles the pass, for a device whose fragment shaders can write to buffers.
+    /// Compiles the pass for renderings to `attachments`, on a device whose fragment shaders can
+    /// write to buffers.
     ///
     /// # Errors
     /// A failed call.
-    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
         let info = GraphicsPipelineInfo {
             fragment: Some(shaders.find("leaf_box.frag")?),
             storage: StorageLayout::new::<Constants>(3),
+            attachments,
             ..GraphicsPipelineInfo::of("leaf boxes", shaders.find("leaf_box.vert")?)
         };
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })

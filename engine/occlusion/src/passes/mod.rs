@@ -6,7 +6,7 @@ mod leaf_box;
 mod proxy;
 mod scatter;
 
-use gpu::{Device, Optional};
+use gpu::{Attachments, Device, Optional};
 
 use crate::error::Error;
 use crate::shader_set::ShaderSet;
@@ -26,21 +26,28 @@ pub struct OcclusionPasses {
     pub compute_test: Option<ComputeTest>,
     /// The pass that uploads changed leaves.
     pub scatter: ScatterPass,
+    /// The attachments that boxes are tested against.
+    attachments: Attachments,
 }
 
 impl OcclusionPasses {
-    /// Compiles the passes.
+    /// Compiles the passes for renderings to `attachments`.
     ///
     /// # Errors
     /// A failed call.
-    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
         let can_store = device.capabilities().has(Optional::FragmentStores);
-        let leaf_boxes = can_store.then(|| LeafBoxPass::new(device, shaders));
+        let leaf_boxes = can_store.then(|| LeafBoxPass::new(device, shaders, attachments));
         Ok(Self {
-            proxies: ProxyPass::new(device, shaders)?,
+            proxies: ProxyPass::new(device, shaders, attachments)?,
             leaf_boxes: leaf_boxes.transpose()?,
             compute_test: None,
             scatter: ScatterPass::new(device, shaders)?,
+            attachments,
         })
     }
 
@@ -56,6 +63,12 @@ impl OcclusionPasses {
     ) -> Result<Self, Error> {
         let compute_test = self.compute_test.as_ref();
         let compute_test = compute_test.map(|_| ComputeTest::new(device, shaders, size));
-        Ok(Self { compute_test: compute_test.transpose()?, ..Self::new(device, shaders)? })
+        let fresh = Self::new(device, shaders, self.attachments)?;
+        Ok(Self { compute_test: compute_test.transpose()?, ..fresh })
+    }
+
+    /// Returns the attachments that boxes are tested against.
+    pub fn attachments(&self) -> Attachments {
+        self.attachments
     }
 }

@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, View};
 use gpu::{
-    BOX_VERTICES, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, Optional,
-    StorageLayout,
+    Attachments, BOX_VERTICES, BufferSlice, Commands, Device, GraphicsPipeline,
+    GraphicsPipelineInfo, Optional, StorageLayout,
 };
 
 use crate::error::Error;
@@ -63,15 +63,21 @@ struct Constants {
 const _: () = assert!(size_of::<Constants>() == 80);
 
 impl ProxyPass {
-    /// Compiles the pass; without flags on a device whose fragment shaders cannot write.
+    /// Compiles the pass for renderings to `attachments`; without flags on a device whose fragment
+    /// shaders cannot write.
     ///
     /// # Errors
     /// A failed call.
-    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
         let pipeline = |name, fragment, buffers| -> Result<GraphicsPipeline, Error> {
             let info = GraphicsPipelineInfo {
                 fragment,
                 storage: StorageLayout::new::<Constants>(buffers),
+                attachments,
                 ..GraphicsPipelineInfo::of(name, shaders.find("proxy.vert")?)
             };
             Ok(GraphicsPipeline::new(device, &info)?)

@@ -312,7 +312,7 @@ fn check_copies(
     state: &vk::SurfaceCapabilitiesKHR,
     format: vk::Format,
 ) -> Result<(), Error> {
-    use crate::record::target::COLOUR_BYTES;
+    use crate::record::attachments::COLOUR_BYTES;
     let can = |format, feature| device.has_format_feature(format, feature);
     let is_destination = state.supported_usage_flags.contains(vk::ImageUsageFlags::TRANSFER_DST)
         && can(format, vk::FormatFeatureFlags::BLIT_DST);

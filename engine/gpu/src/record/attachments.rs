@@ -1,0 +1,136 @@
+//! The attachments that a graphics pipeline draws to: formats, samples, and the direction of depth.
+
+use ash::vk;
+
+/// Colour: eight bits per channel, sRGB-encoded by the hardware.
+pub(crate) const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
+/// The format of the colour's memory: the same bytes without encoding, so that a window gets them
+/// unchanged in whichever order of channels it wants them.
+pub(crate) const COLOUR_BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
+/// Depth: 32-bit float, reversed, so that precision is even over all distances.
+pub(crate) const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
+
+/// The depth of the near plane. The far side of the range has the other one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NearDepth {
+    /// 1 at the near plane (reversed depth): greater is nearer. The engine's own.
+    #[default]
+    One,
+    /// 0 at the near plane: less is nearer.
+    Zero,
+}
+
+impl NearDepth {
+    /// Returns the depth of what is farthest, to clear to.
+    pub fn far(self) -> f32 {
+        match self {
+            NearDepth::One => 0.0,
+            NearDepth::Zero => 1.0,
+        }
+    }
+}
+
+/// The most colour attachments of a pipeline. Vulkan promises four, most devices have eight.
+pub const COLOURS_MAX: usize = 8;
+
+/// The formats of the colour attachments, in the order of their locations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ColourFormats {
+    formats: [vk::Format; COLOURS_MAX],
+    count: usize,
+}
+
+impl ColourFormats {
+    /// Returns the first [`COLOURS_MAX`] of `formats`; none at all for depth alone.
+    pub fn new(formats: &[vk::Format]) -> Self {
+        let mut all = [vk::Format::UNDEFINED; COLOURS_MAX];
+        let count = formats.len().min(COLOURS_MAX);
+        all[..count].copy_from_slice(&formats[..count]);
+        Self { formats: all, count }
+    }
+
+    /// Returns the formats.
+    pub fn as_slice(&self) -> &[vk::Format] {
+        &self.formats[..self.count]
+    }
+}
+
+/// A render pass object of a host.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct HostPass {
+    /// The render pass, or one that is compatible with it.
+    pub render_pass: vk::RenderPass,
+    /// The subpass that is drawn in.
+    pub subpass: u32,
+}
+
+/// The attachments that pipelines are compiled for: those of a [`Target`](crate::Target) of the
+/// engine unless a host says otherwise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Attachments {
+    /// The formats of the colours.
+    pub colours: ColourFormats,
+    /// The format of the depth, with or without stencil.
+    pub depth: vk::Format,
+    /// Samples per pixel, of all attachments.
+    pub samples: vk::SampleCountFlags,
+    /// The depth of the near plane.
+    pub near_depth: NearDepth,
+    /// The render pass of a host that opens its renderings itself and has no dynamic rendering.
+    pub pass: Option<HostPass>,
+}
+
+impl Default for Attachments {
+    fn default() -> Self {
+        Self {
+            colours: ColourFormats::new(&[COLOUR_FORMAT]),
+            depth: DEPTH_FORMAT,
+            samples: vk::SampleCountFlags::TYPE_1,
+            near_depth: NearDepth::One,
+            pass: None,
+        }
+    }
+}
+
+impl Attachments {
+    /// Returns the stencil format; [`vk::Format::UNDEFINED`] for depth alone.
+    pub(crate) fn stencil(&self) -> vk::Format {
+        match has_stencil(self.depth) {
+            true => self.depth,
+            false => vk::Format::UNDEFINED,
+        }
+    }
+
+    /// Returns true if depth is stored as integers, whose steps do not shrink with the distance.
+    pub(crate) fn has_integer_depth(&self) -> bool {
+        !matches!(self.depth, vk::Format::D32_SFLOAT | vk::Format::D32_SFLOAT_S8_UINT)
+    }
+}
+
+/// Returns true if a depth format has a stencil beside it.
+pub(crate) fn has_stencil(format: vk::Format) -> bool {
+    use vk::Format as F;
+    matches!(format, F::D16_UNORM_S8_UINT | F::D24_UNORM_S8_UINT | F::D32_SFLOAT_S8_UINT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_keep_their_order_and_are_cut() {
+        assert!(ColourFormats::new(&[]).as_slice().is_empty());
+        let two = [vk::Format::R8_UNORM, vk::Format::R32_SFLOAT];
+        assert_eq!(ColourFormats::new(&two).as_slice(), two);
+        assert_eq!(ColourFormats::new(&[two[0]; 9]).as_slice().len(), COLOURS_MAX);
+    }
+
+    #[test]
+    fn stencils_are_known() {
+        let of = |depth| Attachments { depth, ..Attachments::default() }.stencil();
+        assert_eq!(of(vk::Format::D24_UNORM_S8_UINT), vk::Format::D24_UNORM_S8_UINT);
+        for depth in [vk::Format::D16_UNORM, vk::Format::X8_D24_UNORM_PACK32, DEPTH_FORMAT] {
+            assert_eq!(of(depth), vk::Format::UNDEFINED);
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! The fixed states of a graphics pipeline, from its description.
+
+use ash::vk;
+
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+use crate::record::attachments::{Attachments, COLOURS_MAX, NearDepth};
+use crate::record::pipeline::{Blend, DepthMode, GraphicsPipelineInfo, Polygon, VertexLayout};
+
+/// Compiles a graphics pipeline with all its fixed states.
+pub(super) fn create_graphics(
+    device: &Device,
+    info: &GraphicsPipelineInfo<'_>,
+    layout: vk::PipelineLayout,
+    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+) -> Result<vk::Pipeline, Error> {
+    let (bindings, attributes) = vertex_input(&info.vertices);
+    let mut vertices = vk::PipelineVertexInputStateCreateInfo::default();
+    if !attributes.is_empty() {
+        vertices = vertices
+            .vertex_binding_descriptions(&bindings)
+            .vertex_attribute_descriptions(&attributes);
+    }
+    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(info.topology);
+    let viewport =
+        vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+    let mode = match info.polygon {
+        Polygon::Filled => vk::PolygonMode::FILL,
+        Polygon::Wireframe => vk::PolygonMode::LINE,
+    };
+    let Attachments { colours, depth: depth_format, near_depth, .. } = info.attachments;
+    let (constant, slope) = depth_bias(info);
+    let raster = vk::PipelineRasterizationStateCreateInfo::default()
+        .polygon_mode(mode)
+        .depth_bias_enable(constant != 0.0)
+        .depth_bias_constant_factor(constant)
+        .depth_bias_slope_factor(slope)
+        .cull_mode(info.cull)
+        .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+        .line_width(1.0);
+    let samples = vk::PipelineMultisampleStateCreateInfo::default()
+        .rasterization_samples(info.attachments.samples);
+    let (write, compare) = depth_test(info.depth, near_depth);
+    let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+        .depth_test_enable(true)
+        .depth_write_enable(write)
+        .depth_compare_op(compare);
+    let blends = [blend_state(info.blend); COLOURS_MAX];
+    let blends = blends.get(..colours.as_slice().len()).unwrap_or(&blends);
+    let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(blends);
+    let dynamic = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
+    let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic);
+    let mut rendering = vk::PipelineRenderingCreateInfo::default()
+        .color_attachment_formats(colours.as_slice())
+        .depth_attachment_format(depth_format)
+        .stencil_attachment_format(info.attachments.stencil());
+    let create = vk::GraphicsPipelineCreateInfo::default()
+        .stages(stages)
+        .vertex_input_state(&vertices)
+        .input_assembly_state(&assembly)
+        .viewport_state(&viewport)
+        .rasterization_state(&raster)
+        .multisample_state(&samples)
+        .depth_stencil_state(&depth)
+        .color_blend_state(&blend)
+        .dynamic_state(&dynamic)
+        .layout(layout);
+    let create = match info.attachments.pass {
+        Some(pass) => create.render_pass(pass.render_pass).subpass(pass.subpass),
+        None => create.push_next(&mut rendering),
+    };
+    // SAFETY: modules and layout are alive, all states are given.
+    unsafe { device.raw().create_graphics_pipelines(device.pipeline_cache(), &[create], None) }
+        .map_err(|(_, code)| code)
+        .called("vkCreateGraphicsPipelines")
+        .map(|pipelines| pipelines.first().copied().unwrap_or_default())
+}
+
+/// Returns the write of the depth and its comparison.
+fn depth_test(mode: DepthMode, near_depth: NearDepth) -> (bool, vk::CompareOp) {
+    let (nearer, as_near) = match near_depth {
+        NearDepth::One => (vk::CompareOp::GREATER, vk::CompareOp::GREATER_OR_EQUAL),
+        NearDepth::Zero => (vk::CompareOp::LESS, vk::CompareOp::LESS_OR_EQUAL),
+    };
+    match mode {
+        DepthMode::TestAndWrite => (true, nearer),
+        DepthMode::TestEqualAndWrite => (true, as_near),
+        DepthMode::TestOnly => (false, as_near),
+        DepthMode::Equal => (false, vk::CompareOp::EQUAL),
+        DepthMode::Ignored => (false, vk::CompareOp::ALWAYS),
+    }
+}
+
+/// Returns the steps by which a pipeline is drawn nearer, and how many more per slope: 0 for none.
+///
+/// Proxies are moved where depth is an integer: the margin of a proxy outweighs the rounding of a
+/// float, but far away it is less than a step of 16 bits. Two steps pay for the rounding of both
+/// depths, that of the proxy and that of the object in it.
+fn depth_bias(info: &GraphicsPipelineInfo<'_>) -> (f32, f32) {
+    let nearer = match info.attachments.near_depth {
+        NearDepth::One => 1.0,
+        NearDepth::Zero => -1.0,
+    };
+    let is_proxy = info.depth == DepthMode::TestOnly && info.blend == Blend::NoColour;
+    match info.polygon {
+        Polygon::Wireframe => (16.0 * nearer, nearer),
+        Polygon::Filled if is_proxy && info.attachments.has_integer_depth() => (2.0 * nearer, 0.0),
+        Polygon::Filled => (0.0, 0.0),
+    }
+}
+
+/// Returns the vertex bindings and their attributes.
+fn vertex_input(
+    layout: &VertexLayout<'_>,
+) -> (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>) {
+    let (mut bindings, mut attributes) = (Vec::new(), Vec::new());
+    let mut next = Some(layout);
+    while let Some(layout) = next {
+        let binding = bindings.len() as u32;
+        bindings.push(vk::VertexInputBindingDescription {
+            binding,
+            stride: layout.stride_bytes,
+            input_rate: vk::VertexInputRate::VERTEX,
+        });
+        for &(format, offset) in layout.attributes {
+            let location = attributes.len() as u32;
+            attributes.push(vk::VertexInputAttributeDescription {
+                location,
+                binding,
+                format,
+                offset,
+            });
+        }
+        next = layout.beside;
+    }
+    (bindings, attributes)
+}
+
+fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
+    let all = vk::ColorComponentFlags::RGBA;
+    let state = vk::PipelineColorBlendAttachmentState::default();
+    match blend {
+        Blend::NoColour => state.color_write_mask(vk::ColorComponentFlags::empty()),
+        Blend::Opaque => state.color_write_mask(all),
+        Blend::Alpha => state
+            .color_write_mask(all)
+            .blend_enable(true)
+            .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
+            .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+            .color_blend_op(vk::BlendOp::ADD)
+            .src_alpha_blend_factor(vk::BlendFactor::ZERO)
+            .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+            .alpha_blend_op(vk::BlendOp::ADD),
+        // The factors have no part in it.
+        Blend::Max => state
+            .color_write_mask(all)
+            .blend_enable(true)
+            .color_blend_op(vk::BlendOp::MAX)
+            .alpha_blend_op(vk::BlendOp::MAX),
+        Blend::Premultiplied => {
+            blend_state(Blend::Alpha).src_color_blend_factor(vk::BlendFactor::ONE)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::shader::Spirv;
+
+    #[test]
+    fn proxies_are_moved_towards_the_eye_where_depth_has_steps() {
+        let mut bytes = 0x0723_0203_u32.to_le_bytes().to_vec();
+        bytes.extend([0; 16]);
+        let shader = Spirv::from_bytes("x", &bytes).unwrap();
+        let bias = |depth, near_depth, mode| {
+            let mut info = GraphicsPipelineInfo::of("x", &shader);
+            info.attachments = Attachments { depth, near_depth, ..Attachments::default() };
+            info.depth = mode;
+            depth_bias(&info).0
+        };
+        let (float, steps) = (vk::Format::D32_SFLOAT, vk::Format::D16_UNORM);
+        assert_eq!(bias(float, NearDepth::One, DepthMode::TestOnly), 0.0);
+        assert_eq!(bias(steps, NearDepth::One, DepthMode::TestOnly), 2.0);
+        assert_eq!(bias(steps, NearDepth::Zero, DepthMode::TestOnly), -2.0);
+        assert_eq!(bias(steps, NearDepth::One, DepthMode::TestAndWrite), 0.0);
+    }
+}

@@ -1,0 +1,76 @@
+//! Images that a host owns, and the states in which we get them and give them back.
+
+use ash::vk;
+
+/// The state of an image between two users: the layout that it is in, and the accesses that come
+/// before or after.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ImageState {
+    /// The layout. [`vk::ImageLayout::UNDEFINED`] on entry drops the contents.
+    pub layout: vk::ImageLayout,
+    /// The stages of the other user that access the image.
+    pub stages: vk::PipelineStageFlags2,
+    /// The accesses of these stages.
+    pub access: vk::AccessFlags2,
+}
+
+impl ImageState {
+    /// Returns the state of an image with contents that nobody wants, after accesses that are over
+    /// before the commands begin.
+    pub fn fresh() -> Self {
+        Self::default()
+    }
+
+    /// Returns the state during renderings that write depth.
+    pub fn depth_attachment() -> Self {
+        use vk::{AccessFlags2 as A, PipelineStageFlags2 as S};
+        Self {
+            layout: vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+            stages: S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS,
+            access: A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE,
+        }
+    }
+
+    /// Returns the state during renderings that write colour.
+    pub fn colour_attachment() -> Self {
+        use vk::{AccessFlags2 as A, PipelineStageFlags2 as S};
+        Self {
+            layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+            stages: S::COLOR_ATTACHMENT_OUTPUT,
+            access: A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE,
+        }
+    }
+}
+
+/// An image of a host that is drawn to: its first level and layer, and a view of that.
+#[derive(Debug, Clone, Copy)]
+pub struct HostImage {
+    /// The image.
+    pub image: vk::Image,
+    /// A 2D view of it with all aspects of the format.
+    pub view: vk::ImageView,
+    /// The format of the view.
+    pub format: vk::Format,
+    /// The usage that it was created with. The tests of boxes by compute shaders need
+    /// [`vk::ImageUsageFlags::TRANSFER_SRC`] of a depth image.
+    pub usage: vk::ImageUsageFlags,
+    /// The state before our first command.
+    pub entry: ImageState,
+    /// The state after our last one; `None` leaves it as an attachment.
+    pub exit: Option<ImageState>,
+}
+
+/// The images of a host that a view is drawn to.
+#[derive(Debug, Clone, Copy)]
+pub struct HostImages<'a> {
+    /// The depth.
+    pub depth: HostImage,
+    /// The colours, if renderings are opened by us and have any.
+    pub colours: &'a [HostImage],
+    /// Samples per pixel, of all of them.
+    pub samples: vk::SampleCountFlags,
+    /// The depth of the near plane.
+    pub near_depth: crate::record::attachments::NearDepth,
+    /// Their size in pixels.
+    pub size: [u32; 2],
+}

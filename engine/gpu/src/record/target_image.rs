@@ -1,0 +1,92 @@
+//! One image of a target: ours or a host's, and its last access in the recording.
+
+use ash::vk;
+
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::memory::image::Image;
+use crate::record::access::{Access, LayoutChange, MemoryBarrier};
+use crate::record::attachments::has_stencil;
+use crate::record::host_image::{HostImage, ImageState};
+
+/// An image that is drawn to.
+pub(super) struct TargetImage {
+    pub(super) raw: vk::Image,
+    pub(super) view: vk::ImageView,
+    aspect: vk::ImageAspectFlags,
+    origin: Origin,
+    /// The last access in the recording that uses the image.
+    pub(super) access: Access,
+}
+
+/// The owner of an image.
+enum Origin {
+    /// The target. The image goes with it.
+    Ours { _image: Image },
+    /// A host, with the states in which we get it and give it back.
+    Host { entry: ImageState, exit: Option<ImageState> },
+}
+
+impl TargetImage {
+    /// Creates an image. The first format is for its memory and the second for its view.
+    pub(super) fn new(
+        device: &Device,
+        name: &str,
+        size: [u32; 2],
+        formats: [vk::Format; 2],
+        usage: vk::ImageUsageFlags,
+        aspect: vk::ImageAspectFlags,
+    ) -> Result<Self, Error> {
+        let image = Image::new(device, name, size, formats, usage, aspect)?;
+        let (raw, view, access) = (image.raw, image.view, Access::Nothing);
+        Ok(Self { raw, view, aspect, origin: Origin::Ours { _image: image }, access })
+    }
+
+    /// Takes the image of a host as an attachment for `attachment`.
+    pub(super) fn of_host(image: &HostImage, attachment: Access) -> Self {
+        let aspect = match attachment {
+            Access::Depth if has_stencil(image.format) => {
+                vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL
+            }
+            Access::Depth => vk::ImageAspectFlags::DEPTH,
+            _ => vk::ImageAspectFlags::COLOR,
+        };
+        let origin = Origin::Host { entry: image.entry, exit: image.exit };
+        let (raw, view, access) = (image.image, image.view, Access::Nothing);
+        Self { raw, view, aspect, origin, access }
+    }
+
+    /// Returns the change to `to` by the first command of a recording that uses the image. Ours
+    /// loses its contents, after whichever of `uses` came last.
+    pub(super) fn first_change(&mut self, uses: &[Access], to: Access) -> LayoutChange {
+        self.access = to;
+        match &self.origin {
+            Origin::Ours { .. } => LayoutChange::forgetting(self.raw, self.aspect, uses, to),
+            Origin::Host { entry, .. } => {
+                let after = MemoryBarrier::between(&[], &[to]);
+                let barrier =
+                    MemoryBarrier { from_stages: entry.stages, from_access: entry.access, ..after };
+                LayoutChange {
+                    barrier,
+                    old_layout: entry.layout,
+                    ..LayoutChange::new(self.raw, self.aspect, Access::Nothing, to)
+                }
+            }
+        }
+    }
+
+    /// Returns the change from the last access to `to`.
+    pub(super) fn change(&mut self, to: Access) -> LayoutChange {
+        let from = std::mem::replace(&mut self.access, to);
+        LayoutChange::new(self.raw, self.aspect, from, to)
+    }
+
+    /// Returns the change to the state in which the host wants the image back, if it named one.
+    pub(super) fn last_change(&mut self) -> Option<LayoutChange> {
+        let Origin::Host { exit: Some(exit), .. } = self.origin else { return None };
+        let change = self.change(Access::Nothing);
+        let barrier =
+            MemoryBarrier { to_stages: exit.stages, to_access: exit.access, ..change.barrier };
+        Some(LayoutChange { barrier, new_layout: exit.layout, ..change })
+    }
+}
