@@ -55,14 +55,18 @@ pub use crate::api::open::open;
 #[cfg(all(feature = "loaded", feature = "window"))]
 pub use crate::api::open::open_with_window;
 pub use crate::core::adapter::Adapter;
-pub use crate::core::capabilities::{Capabilities, Optional, Required};
+pub use crate::core::capabilities::{Capabilities, Optional, Purpose, Required};
 pub use crate::core::device::{Device, WaitCounts};
 pub use crate::core::error::Error;
+pub use crate::core::features::{FeatureStructures, Features};
+pub use crate::core::host_device::{HostDevice, HostQueue};
 #[cfg(feature = "loaded")]
 pub use crate::core::instance::load_entry;
 pub use crate::core::instance::{Instance, InstanceOptions, Validation};
 pub use crate::core::open_device::DeviceOptions;
 pub use crate::core::ownership::{OfDevice, OwnerId};
+pub use crate::core::queue_lock::HostQueueLock;
+pub use crate::core::requirements::Requirements;
 pub use crate::core::tick::Tick;
 pub use crate::core::timeline::Timeline;
 pub use crate::core::validation::{Message, ValidationLog};

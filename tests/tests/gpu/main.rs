@@ -23,6 +23,7 @@ mod flat;
 mod frame_loop;
 mod golden;
 mod gpu_layer;
+mod host_device;
 mod ideal;
 mod learning;
 mod misuse;

@@ -3,9 +3,9 @@
 use ash::vk;
 
 use crate::core::adapter::Adapter;
-use crate::core::capabilities::Capabilities;
 use crate::core::error::{Called, Error};
-use crate::core::instance::{Instance, version_text};
+use crate::core::instance::Instance;
+use crate::core::offer::Offer;
 #[cfg(feature = "window")]
 use crate::core::ownership;
 #[cfg(feature = "window")]
@@ -69,46 +69,12 @@ impl Instance {
     }
 
     fn read_adapter(&self, physical: vk::PhysicalDevice) -> Adapter {
-        let raw = &self.shared.raw;
-        // SAFETY: `physical` comes from this instance, here and below.
-        let properties = unsafe { raw.get_physical_device_properties(physical) };
+        let shared = &self.shared;
+        // SAFETY: `physical` comes from this instance.
+        let offer = unsafe { Offer::read(&shared.raw, physical, shared.windows.as_ref()) };
         // SAFETY: as above.
-        let families = unsafe { raw.get_physical_device_queue_family_properties(physical) };
-        let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
-        let queue_family = families.iter().position(|family| family.queue_flags.contains(needed));
-        let api = properties.api_version;
-        let family = queue_family.and_then(|index| families.get(index));
-        let capabilities = Capabilities::read(&self.shared, physical, api, family);
-        Adapter {
-            instance: self.shared.id,
-            physical,
-            queue_family: queue_family.map(|index| index as u32),
-            timestamp_bits: family.map_or(0, |family| family.timestamp_valid_bits),
-            name: text(properties.device_name_as_c_str()),
-            driver: self.driver_text(physical, api, properties.driver_version),
-            api: version_text(api),
-            kind: properties.device_type,
-            limits: properties.limits,
-            capabilities,
-        }
+        unsafe { Adapter::read(shared, physical, &offer) }
     }
-
-    fn driver_text(&self, physical: vk::PhysicalDevice, api: u32, version: u32) -> String {
-        if api < vk::API_VERSION_1_2 {
-            return version_text(version);
-        }
-        let mut driver = vk::PhysicalDeviceDriverProperties::default();
-        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
-        // SAFETY: driver properties are core since 1.2, checked above.
-        unsafe { self.shared.raw.get_physical_device_properties2(physical, &mut properties) };
-        let (name, info) =
-            (text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str()));
-        format!("{name} {info}").trim().to_owned()
-    }
-}
-
-fn text(name: Result<&std::ffi::CStr, std::ffi::FromBytesUntilNulError>) -> String {
-    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 fn list(adapters: &[Adapter]) -> String {
@@ -150,7 +116,7 @@ fn pick(mut adapters: Vec<Adapter>, wanted: Option<&str>) -> Result<Adapter, Err
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::capabilities::Required;
+    use crate::core::capabilities::{Capabilities, Required};
     use crate::core::ownership::OwnerId;
 
     fn adapter(name: &str, kind: vk::PhysicalDeviceType, missing: Vec<Required>) -> Adapter {

@@ -1,6 +1,7 @@
 //! The methods of lower rooms' types that need the upper rooms.
 
 pub(crate) mod adapters;
+pub(crate) mod adopt;
 pub(crate) mod clocks;
 #[cfg(feature = "loaded")]
 pub(crate) mod open;

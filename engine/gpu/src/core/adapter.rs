@@ -3,6 +3,8 @@
 use ash::vk;
 
 use crate::core::capabilities::{Capabilities, Optional};
+use crate::core::instance::{InstanceShared, version_text};
+use crate::core::offer::Offer;
 use crate::core::ownership::OwnerId;
 
 /// A physical device as the engine sees it.
@@ -27,6 +29,33 @@ pub struct Adapter {
 }
 
 impl Adapter {
+    /// Reads the properties of a physical device, and its capabilities off `offer`.
+    ///
+    /// # Safety
+    /// `physical` is of `instance`.
+    pub(crate) unsafe fn read(
+        instance: &InstanceShared,
+        physical: vk::PhysicalDevice,
+        offer: &Offer,
+    ) -> Self {
+        // SAFETY: the caller's promise.
+        let properties = unsafe { instance.raw.get_physical_device_properties(physical) };
+        let api = properties.api_version;
+        Self {
+            instance: instance.id,
+            physical,
+            queue_family: offer.queue_family,
+            timestamp_bits: offer.timestamp_bits,
+            name: text(properties.device_name_as_c_str()),
+            // SAFETY: the caller's promise.
+            driver: unsafe { driver_text(&instance.raw, physical, api, properties.driver_version) },
+            api: version_text(api),
+            kind: properties.device_type,
+            limits: properties.limits,
+            capabilities: Capabilities::of(offer),
+        }
+    }
+
     /// Returns the preference for it: a real GPU before a software one, then by capabilities.
     pub fn score(&self) -> u32 {
         let kind = match self.kind {
@@ -55,4 +84,29 @@ impl Adapter {
         let names: Vec<_> = self.capabilities.missing.iter().map(|m| m.name()).collect();
         if names.is_empty() { None } else { Some(names.join(", ")) }
     }
+}
+
+/// Returns the driver's name and version.
+///
+/// # Safety
+/// `physical` is of `instance` and speaks the version `api`.
+unsafe fn driver_text(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    api: u32,
+    version: u32,
+) -> String {
+    if api < vk::API_VERSION_1_2 {
+        return version_text(version);
+    }
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+    // SAFETY: driver properties are core since 1.2, checked above.
+    unsafe { instance.get_physical_device_properties2(physical, &mut properties) };
+    let (name, info) = (text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str()));
+    format!("{name} {info}").trim().to_owned()
+}
+
+fn text(name: Result<&std::ffi::CStr, std::ffi::FromBytesUntilNulError>) -> String {
+    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }

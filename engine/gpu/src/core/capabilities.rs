@@ -1,10 +1,12 @@
-//! The one table of capabilities: those that the engine requires of a device, and optional ones.
+//! The one table of capabilities: those that the engine requires of a device, and optional ones,
+//! each with the features and extensions that it needs.
 
-use std::ffi::{CStr, CString};
+use std::ffi::CStr;
 
 use ash::{ext, google, khr, vk};
 
-use crate::core::instance::InstanceShared;
+use crate::core::features::{Features, KHR_SWAPCHAIN_MAINTENANCE1};
+use crate::core::offer::Offer;
 
 /// A capability that a device must have. A device that lacks one is refused, and the refusal names
 /// it.
@@ -54,6 +56,48 @@ impl Required {
             Required::Depth32 => "D32_SFLOAT as a depth attachment that can be copied",
         }
     }
+
+    /// Returns true if `purpose` requires it.
+    pub fn is_for(self, purpose: Purpose) -> bool {
+        match self {
+            // An executor neither submits nor makes images.
+            Required::TimelineSemaphore | Required::Depth32 => purpose == Purpose::Renderer,
+            _ => true,
+        }
+    }
+
+    /// Returns the features that it needs.
+    pub(crate) fn features(self) -> Features {
+        let none = Features::default();
+        match self {
+            Required::DynamicRendering => Features { dynamic_rendering: true, ..none },
+            Required::Synchronization2 => Features { synchronization2: true, ..none },
+            Required::TimelineSemaphore => Features { timeline_semaphore: true, ..none },
+            Required::MultiDrawIndirect => Features { multi_draw_indirect: true, ..none },
+            Required::DrawIndirectFirstInstance => {
+                Features { draw_indirect_first_instance: true, ..none }
+            }
+            Required::Vulkan13 | Required::GraphicsQueue | Required::Depth32 => none,
+        }
+    }
+
+    fn is_in(self, offer: &Offer) -> bool {
+        match self {
+            Required::Vulkan13 => offer.api_version >= vk::API_VERSION_1_3,
+            Required::GraphicsQueue => offer.queue_family.is_some(),
+            Required::Depth32 => offer.has_depth_32,
+            feature => feature.features().without(offer.features).is_empty(),
+        }
+    }
+}
+
+/// A part of the engine that a device is for. They require different things of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// The executor of plans, which records into a host's command buffers.
+    Executor,
+    /// The renderer, with images and submits of its own, and all else.
+    Renderer,
 }
 
 /// A capability that a device may have; each has a fallback.
@@ -120,6 +164,65 @@ impl Optional {
             Optional::DisplayTiming => "VK_GOOGLE_display_timing",
         }
     }
+
+    /// Returns true if `purpose` has a use for it.
+    pub fn is_for(self, purpose: Purpose) -> bool {
+        match self {
+            Optional::ConditionalRendering
+            | Optional::DrawIndirectCount
+            | Optional::PreciseQueries
+            | Optional::Timestamps
+            | Optional::FragmentStores => true,
+            _ => purpose == Purpose::Renderer,
+        }
+    }
+
+    /// Returns the features that it needs.
+    pub(crate) fn features(self) -> Features {
+        let none = Features::default();
+        match self {
+            Optional::ConditionalRendering => Features { conditional_rendering: true, ..none },
+            Optional::DrawIndirectCount => Features { draw_indirect_count: true, ..none },
+            Optional::PreciseQueries => Features { occlusion_query_precise: true, ..none },
+            Optional::FragmentStores => Features { fragment_stores_and_atomics: true, ..none },
+            Optional::Wireframe => Features { fill_mode_non_solid: true, ..none },
+            Optional::Anisotropy => Features { sampler_anisotropy: true, ..none },
+            Optional::PresentFences => Features { swapchain_maintenance1: true, ..none },
+            Optional::PresentWait => Features { present_id: true, present_wait: true, ..none },
+            Optional::Timestamps
+            | Optional::CalibratedTimestamps
+            | Optional::Swapchain
+            | Optional::DisplayTiming => none,
+        }
+    }
+
+    /// Returns the extensions that it needs, each by all of its names: one of them is enough, the
+    /// first is preferred.
+    pub(crate) fn extensions(self) -> &'static [&'static [&'static CStr]] {
+        const SWAPCHAIN: &[&CStr] = &[khr::swapchain::NAME];
+        const MAINTENANCE: &[&CStr] =
+            &[KHR_SWAPCHAIN_MAINTENANCE1, ext::swapchain_maintenance1::NAME];
+        match self {
+            Optional::ConditionalRendering => &[&[ext::conditional_rendering::NAME]],
+            Optional::CalibratedTimestamps => &[&[ext::calibrated_timestamps::NAME]],
+            Optional::Swapchain => &[SWAPCHAIN],
+            Optional::PresentFences => &[SWAPCHAIN, MAINTENANCE],
+            Optional::PresentWait => {
+                &[SWAPCHAIN, &[khr::present_id::NAME], &[khr::present_wait::NAME]]
+            }
+            Optional::DisplayTiming => &[SWAPCHAIN, &[google::display_timing::NAME]],
+            _ => &[],
+        }
+    }
+
+    fn is_in(self, offer: &Offer) -> bool {
+        let needs_timestamps =
+            matches!(self, Optional::Timestamps | Optional::CalibratedTimestamps);
+        let has_any = |names: &&[&'static CStr]| names.iter().any(|name| offer.has(name));
+        (!needs_timestamps || offer.timestamp_bits > 0)
+            && self.features().without(offer.features).is_empty()
+            && self.extensions().iter().all(has_any)
+    }
 }
 
 /// The capabilities of one device.
@@ -137,145 +240,15 @@ impl Capabilities {
         self.optional.contains(&optional)
     }
 
-    /// Reads the table off a physical device; `queue_family` is its graphics family, if any.
-    pub(crate) fn read(
-        instance: &InstanceShared,
-        physical: vk::PhysicalDevice,
-        api_version: u32,
-        queue_family: Option<&vk::QueueFamilyProperties>,
-    ) -> Self {
-        let mut missing = Vec::new();
-        let mut require = |there: bool, what: Required| {
-            if !there {
-                missing.push(what);
-            }
+    /// Reads the table off an offer.
+    pub(crate) fn of(offer: &Offer) -> Self {
+        let missing = Required::ALL.into_iter().filter(|what| !what.is_in(offer));
+        let missing = match offer.api_version < vk::API_VERSION_1_3 {
+            // The features of such a device may not be asked for.
+            true => missing.filter(|what| what.features().is_empty()).collect(),
+            false => missing.collect(),
         };
-        require(api_version >= vk::API_VERSION_1_3, Required::Vulkan13);
-        require(queue_family.is_some(), Required::GraphicsQueue);
-        if api_version < vk::API_VERSION_1_3 {
-            // The feature chains below may not be asked of such a device.
-            return Self { missing, optional: Vec::new() };
-        }
-        let extensions = extension_names(instance, physical);
-        let has_extension = |name: &CStr| extensions.iter().any(|e| e.as_c_str() == name);
-
-        let shows = instance.windows.is_some() && has_extension(khr::swapchain::NAME);
-        let features = Features::read(instance, physical, &extensions, shows);
-        let Features { core, features_12, features_13, .. } = &features;
-        // SAFETY: a valid physical device and format.
-        let depth = unsafe {
-            instance.raw.get_physical_device_format_properties(physical, vk::Format::D32_SFLOAT)
-        };
-
-        require(yes(features_13.dynamic_rendering), Required::DynamicRendering);
-        require(yes(features_13.synchronization2), Required::Synchronization2);
-        require(yes(features_12.timeline_semaphore), Required::TimelineSemaphore);
-        require(yes(core.multi_draw_indirect), Required::MultiDrawIndirect);
-        require(yes(core.draw_indirect_first_instance), Required::DrawIndirectFirstInstance);
-        require(
-            depth.optimal_tiling_features.contains(
-                vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT
-                    | vk::FormatFeatureFlags::TRANSFER_SRC,
-            ),
-            Required::Depth32,
-        );
-        let timestamps = queue_family.is_some_and(|family| family.timestamp_valid_bits > 0);
-        let optional = [
-            (features.conditional_rendering, Optional::ConditionalRendering),
-            (yes(features_12.draw_indirect_count), Optional::DrawIndirectCount),
-            (yes(core.occlusion_query_precise), Optional::PreciseQueries),
-            (timestamps, Optional::Timestamps),
-            (yes(core.fragment_stores_and_atomics), Optional::FragmentStores),
-            (yes(core.fill_mode_non_solid), Optional::Wireframe),
-            (yes(core.sampler_anisotropy), Optional::Anisotropy),
-            (
-                timestamps && has_extension(ext::calibrated_timestamps::NAME),
-                Optional::CalibratedTimestamps,
-            ),
-            (shows, Optional::Swapchain),
-            (features.present_fences, Optional::PresentFences),
-            (features.present_wait, Optional::PresentWait),
-            (shows && has_extension(google::display_timing::NAME), Optional::DisplayTiming),
-        ];
-        let optional = optional.into_iter().filter(|(there, _)| *there).map(|(_, what)| what);
-        Self { missing, optional: optional.collect() }
+        let optional = Optional::ALL.into_iter().filter(|what| what.is_in(offer)).collect();
+        Self { missing, optional }
     }
-}
-
-fn yes(feature: vk::Bool32) -> bool {
-    feature == vk::TRUE
-}
-
-/// The features of a device, as far as they are used.
-struct Features {
-    core: vk::PhysicalDeviceFeatures,
-    features_12: vk::PhysicalDeviceVulkan12Features<'static>,
-    features_13: vk::PhysicalDeviceVulkan13Features<'static>,
-    conditional_rendering: bool,
-    present_fences: bool,
-    present_wait: bool,
-}
-
-impl Features {
-    /// Reads the features of a device with Vulkan 1.3; those of presenting if it `shows` images in
-    /// windows.
-    fn read(
-        instance: &InstanceShared,
-        physical: vk::PhysicalDevice,
-        extensions: &[CString],
-        shows: bool,
-    ) -> Self {
-        let has_extension = |name: &CStr| extensions.iter().any(|e| e.as_c_str() == name);
-        let mut conditional = vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default();
-        let mut features_12 = vk::PhysicalDeviceVulkan12Features::default();
-        let mut features_13 = vk::PhysicalDeviceVulkan13Features::default();
-        let mut all = vk::PhysicalDeviceFeatures2::default()
-            .push_next(&mut features_12)
-            .push_next(&mut features_13);
-        if has_extension(ext::conditional_rendering::NAME) {
-            all = all.push_next(&mut conditional);
-        }
-        let mut present_fences = vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT::default();
-        let mut present_id = vk::PhysicalDevicePresentIdFeaturesKHR::default();
-        let mut present_wait = vk::PhysicalDevicePresentWaitFeaturesKHR::default();
-        if shows && fences_extension(instance, extensions).is_some() {
-            all = all.push_next(&mut present_fences);
-        }
-        if shows && has_extension(khr::present_id::NAME) && has_extension(khr::present_wait::NAME) {
-            all = all.push_next(&mut present_id).push_next(&mut present_wait);
-        }
-        // SAFETY: the chain holds only structures this device's version and extensions know.
-        unsafe { instance.raw.get_physical_device_features2(physical, &mut all) };
-        let core = all.features;
-        Self {
-            core,
-            features_12,
-            features_13,
-            conditional_rendering: yes(conditional.conditional_rendering),
-            present_fences: yes(present_fences.swapchain_maintenance1),
-            present_wait: yes(present_id.present_id) && yes(present_wait.present_wait),
-        }
-    }
-}
-
-/// Returns the extension that gives a device present fences.
-pub(crate) fn fences_extension(
-    instance: &InstanceShared,
-    extensions: &[CString],
-) -> Option<&'static CStr> {
-    let mut names = instance.windows.iter().flat_map(|windows| &windows.present_fences);
-    names.find(|name| extensions.iter().any(|there| there.as_c_str() == **name)).copied()
-}
-
-pub(crate) fn extension_names(
-    instance: &InstanceShared,
-    physical: vk::PhysicalDevice,
-) -> Vec<CString> {
-    // SAFETY: a valid physical device of this instance.
-    let extensions = unsafe { instance.raw.enumerate_device_extension_properties(physical) };
-    extensions
-        .unwrap_or_default()
-        .iter()
-        .filter_map(|extension| extension.extension_name_as_c_str().ok().map(Into::into))
-        .collect()
 }

@@ -1,7 +1,7 @@
 //! The device: one queue, one timeline, one allocator, and everything that outlives a frame.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, MutexGuard};
 use std::time::Duration;
 
 use ash::{ext, vk};
@@ -9,12 +9,15 @@ use gpu_allocator::vulkan::Allocator;
 
 use crate::core::adapter::Adapter;
 use crate::core::capabilities::Capabilities;
-use crate::core::deletion::{DeletionQueue, Recording, Retired};
+use crate::core::clock::ClockSource;
+use crate::core::deletion::{Recording, Retired};
 use crate::core::device_shared::{DeviceShared, wait_bounded};
 use crate::core::error::{Called, Error};
+use crate::core::extensions::Extensions;
+use crate::core::host_callbacks::HostCallbacks;
 use crate::core::instance::{Instance, InstanceShared};
-use crate::core::open_device::{DeviceOptions, Extensions, create_raw, equip};
-use crate::core::ownership::{self, OfDevice, OwnerId};
+use crate::core::open_device::{DeviceOptions, RawDevice, create_raw, equip};
+use crate::core::ownership::{self, OfDevice, OwnerId, Ownership};
 use crate::core::queue_lock::{QueueLock, lock};
 use crate::core::tick::Tick;
 use crate::core::timeline::Timeline;
@@ -74,34 +77,33 @@ impl Device {
             });
         };
         let raw = create_raw(shared, adapter, queue_family)?;
-        let (timeline, allocator, pipeline_cache) = equip(shared, adapter, &raw, options)
-            // SAFETY: nothing made from the device is left.
-            .inspect_err(|_| unsafe { raw.destroy_device(None) })?;
         // SAFETY: the family and index were asked for when the device was created.
         let queue = unsafe { raw.get_device_queue(queue_family, 0) };
-        let device = Self {
-            shared: Arc::new(DeviceShared {
-                id: OwnerId::new(),
-                extensions: Extensions::load(shared, &raw, &adapter.capabilities),
-                instance: Arc::clone(shared),
-                adapter: adapter.clone(),
-                queue_family,
-                queue: QueueLock::new(queue),
-                allocator: Mutex::new(Some(allocator)),
-                deletion: Mutex::new(DeletionQueue::new()),
-                timeline,
-                submitted: AtomicU64::new(0),
-                completed: AtomicU64::new(0),
-                wait_bound: options.wait_bound,
-                slot_waits: AtomicU64::new(0),
-                other_waits: AtomicU64::new(0),
-                pipeline_cache,
-                raw,
-            }),
+        let device = RawDevice {
+            instance: Arc::clone(shared),
+            adapter: adapter.clone(),
+            raw: raw.clone(),
+            ownership: Ownership::Ours,
+            queue_family,
+            queue: Some(QueueLock::new(queue, None)),
+            callbacks: HostCallbacks::default(),
+            pipeline_cache: None,
         };
+        let shared = equip(device, options)
+            // SAFETY: nothing made from the device is left.
+            .inspect_err(|_| unsafe { raw.destroy_device(None) })?;
+        let device = Self::of(shared);
         device.name(queue, "queue");
-        device.name(timeline, "device timeline");
         Ok(device)
+    }
+
+    /// Returns the first handle of a device.
+    pub(crate) fn of(shared: DeviceShared) -> Self {
+        let device = Self { shared: Arc::new(shared) };
+        if let ClockSource::Timeline(timeline) = &device.shared.clock.source {
+            device.name(timeline.semaphore, "device timeline");
+        }
+        device
     }
 
     /// Returns the adapter this device was opened on.
@@ -127,17 +129,40 @@ impl Device {
     /// # Errors
     /// A failed call, a lost device among them.
     pub fn completed(&self) -> Result<Tick, Error> {
+        let clock = &self.shared.clock;
+        let ClockSource::Timeline(timeline) = &clock.source else { return Ok(clock.over()) };
         // SAFETY: the device's own timeline.
-        let completed = unsafe { self.raw().get_semaphore_counter_value(self.shared.timeline) }
+        let completed = unsafe { self.raw().get_semaphore_counter_value(timeline.semaphore) }
             .called("vkGetSemaphoreCounterValue")?;
-        self.shared.completed.fetch_max(completed, Ordering::AcqRel);
+        clock.completed(Tick(completed));
         Ok(Tick(completed))
+    }
+
+    /// Begins the frame `current` of a host, for whom all frames up to `safe` are over on the GPU
+    /// or will never be submitted. The former rises, the latter never falls.
+    #[expect(dead_code, reason = "the frames that call it come next")]
+    pub(crate) fn host_frame(&self, current: Tick, safe: Tick) -> Result<(), Error> {
+        self.shared.clock.begin_host_frame(current, safe)
+    }
+
+    /// Notes that all frames of the host are over, and frees what was kept for them. To be called
+    /// before the last handle of an adopted device without a queue is dropped: what a frame may
+    /// still use is not freed.
+    ///
+    /// # Safety
+    /// Every frame that was begun is over on the GPU, or will never be submitted.
+    ///
+    /// # Errors
+    /// [`Error::HasQueue`] on a device that submits by itself: it knows.
+    pub unsafe fn host_finished(&self) -> Result<(), Error> {
+        self.shared.clock.finish_host_frames()?;
+        self.free_retired()
     }
 
     /// Cuts `completed` to the newest tick that this device was seen to complete: it may be of
     /// another device.
     pub(crate) fn proven(&self, completed: Tick) -> Tick {
-        completed.min(Tick(self.shared.completed.load(Ordering::Acquire)))
+        completed.min(self.shared.clock.over())
     }
 
     /// Returns a tick of this device at or after the end of the frame just submitted as `tick`,
@@ -146,9 +171,9 @@ impl Device {
         tick.max(self.submitted())
     }
 
-    /// Returns the tick of the newest submit.
+    /// Returns the tick of the newest submit, or of the newest frame that a host began.
     pub fn submitted(&self) -> Tick {
-        Tick(self.shared.submitted.load(Ordering::Acquire))
+        self.shared.clock.newest()
     }
 
     /// Waits until everything submitted is over. For loading and shutting down, not for a frame
@@ -192,9 +217,10 @@ impl Device {
             WaitFor::Transfer => (&self.shared.other_waits, "a transfer"),
             WaitFor::Drain => (&self.shared.other_waits, "the work in flight"),
         };
+        let timeline = self.shared.clock.timeline("waiting for the GPU")?.semaphore;
         counter.fetch_add(1, Ordering::Relaxed);
         let bound = self.shared.wait_bound;
-        match wait_bounded(self.raw(), self.shared.timeline, tick, bound) {
+        match wait_bounded(self.raw(), timeline, tick, bound) {
             Err(vk::Result::TIMEOUT) => Err(Error::Timeout { what, seconds: bound.as_secs_f64() }),
             other => other.called("vkWaitSemaphores"),
         }
@@ -205,8 +231,9 @@ impl Device {
         if self.completed()? >= tick {
             return Ok(true);
         }
+        let timeline = self.shared.clock.timeline("waiting for the GPU")?.semaphore;
         self.shared.slot_waits.fetch_add(1, Ordering::Relaxed);
-        match wait_bounded(self.raw(), self.shared.timeline, tick, bound) {
+        match wait_bounded(self.raw(), timeline, tick, bound) {
             Err(vk::Result::TIMEOUT) => Ok(false),
             other => other.called("vkWaitSemaphores").map(|()| true),
         }
@@ -220,7 +247,8 @@ impl Device {
     ) -> Result<Tick, Error> {
         order.after.map_or(Ok(()), |(timeline, _)| self.check(timeline, "a submit"))?;
         let bound = self.shared.wait_bound;
-        let Some(queue) = self.shared.queue.take(bound) else {
+        let timeline = self.shared.clock.timeline("a submit")?;
+        let Some(queue) = timeline.queue.take(bound) else {
             let what = "the frame before, which a hidden window holds back";
             return Err(Error::Timeout { what, seconds: bound.as_secs_f64() });
         };
@@ -237,7 +265,7 @@ impl Device {
         let acquired = order.acquired.map(|raw| semaphore(raw, 0, copies));
         let (waits, waiting) = both(after, acquired);
         let presents = order.presents.map(|raw| semaphore(raw, 0, all));
-        let own = semaphore(self.shared.timeline, tick.0, all);
+        let own = semaphore(timeline.semaphore, tick.0, all);
         let (signals, signalling) = both(Some(own), presents);
         let info = vk::SubmitInfo2::default()
             .command_buffer_infos(commands.as_slice())
@@ -246,14 +274,15 @@ impl Device {
         // SAFETY: the queue is ours while the turn lasts; the command buffer is complete.
         unsafe { self.raw().queue_submit2(queue.value, &[info], vk::Fence::null()) }
             .called("vkQueueSubmit2")?;
-        self.shared.submitted.store(tick.0, Ordering::Release);
+        self.shared.clock.submitted(tick);
         Ok(tick)
     }
 
     /// Calls `present` with the queue, which nobody else uses meanwhile. Returns `None` if others
     /// hold it for longer than the bound of every wait.
     pub(crate) fn with_queue<R>(&self, present: impl FnOnce(vk::Queue) -> R) -> Option<R> {
-        Some(present(self.shared.queue.take(self.shared.wait_bound)?.value))
+        let timeline = self.shared.clock.timeline("presenting").ok()?;
+        Some(present(timeline.queue.take(self.shared.wait_bound)?.value))
     }
 
     /// Takes the payload of a dropped object. Commands being recorded may still use it, so it is
@@ -318,6 +347,11 @@ impl Device {
 
     pub(crate) fn conditional(&self) -> Option<&ext::conditional_rendering::Device> {
         self.shared.extensions.conditional.as_ref()
+    }
+
+    /// Returns the allocation callbacks, for all that is made from the device.
+    pub(crate) fn callbacks(&self) -> &HostCallbacks {
+        &self.shared.callbacks
     }
 
     pub(crate) fn pipeline_cache(&self) -> vk::PipelineCache {

@@ -1,6 +1,6 @@
 //! All that clones of a device share, from its opening to its end.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -8,30 +8,30 @@ use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
 use crate::core::adapter::Adapter;
+use crate::core::clock::{Clock, ClockSource};
 use crate::core::deletion::{DeletionQueue, Retired};
+use crate::core::extensions::Extensions;
+use crate::core::host_callbacks::HostCallbacks;
 use crate::core::instance::InstanceShared;
-use crate::core::open_device::Extensions;
-use crate::core::ownership::OwnerId;
+use crate::core::ownership::{OwnerId, Ownership};
 use crate::core::pipeline_cache::PipelineCache;
-use crate::core::queue_lock::{QueueLock, lock};
+use crate::core::queue_lock::lock;
 use crate::core::tick::Tick;
 
 /// The Vulkan device and all that lives as long as it does.
-pub(super) struct DeviceShared {
+pub(crate) struct DeviceShared {
     pub(super) id: OwnerId,
     pub(super) instance: Arc<InstanceShared>,
     pub(super) raw: ash::Device,
+    pub(super) ownership: Ownership,
+    pub(super) callbacks: HostCallbacks,
     pub(super) extensions: Extensions,
     pub(super) adapter: Adapter,
     pub(super) queue_family: u32,
-    pub(super) queue: QueueLock<vk::Queue>,
     // None only while dropping.
     pub(super) allocator: Mutex<Option<Allocator>>,
     pub(super) deletion: Mutex<DeletionQueue<Retired>>,
-    pub(super) timeline: vk::Semaphore,
-    pub(super) submitted: AtomicU64,
-    /// The newest tick seen to be over.
-    pub(super) completed: AtomicU64,
+    pub(super) clock: Clock,
     pub(super) wait_bound: Duration,
     pub(super) slot_waits: AtomicU64,
     pub(super) other_waits: AtomicU64,
@@ -55,58 +55,87 @@ impl DeviceShared {
                 tracing::error!("memory could not be given back: {error}");
             }
         };
+        let callbacks = self.callbacks.get();
         // SAFETY: the deletion queue hands a payload out once, after the last submit that could
         // use it is over; it was made from this device.
         unsafe {
             match retired {
                 Retired::Buffer(buffer, allocation) => {
-                    self.raw.destroy_buffer(buffer, None);
+                    self.raw.destroy_buffer(buffer, callbacks);
                     free(allocation);
                 }
                 Retired::Image(image, view, allocation) => {
-                    self.raw.destroy_image_view(view, None);
-                    self.raw.destroy_image(image, None);
+                    self.raw.destroy_image_view(view, callbacks);
+                    self.raw.destroy_image(image, callbacks);
                     free(allocation);
                 }
-                Retired::Pipeline(pipeline) => self.raw.destroy_pipeline(pipeline, None),
-                Retired::PipelineLayout(layout) => self.raw.destroy_pipeline_layout(layout, None),
-                Retired::SetLayout(layout) => self.raw.destroy_descriptor_set_layout(layout, None),
-                Retired::DescriptorPool(pool) => self.raw.destroy_descriptor_pool(pool, None),
-                Retired::CommandPool(pool) => self.raw.destroy_command_pool(pool, None),
-                Retired::QueryPool(pool) => self.raw.destroy_query_pool(pool, None),
-                Retired::Sampler(sampler) => self.raw.destroy_sampler(sampler, None),
-                Retired::Semaphore(semaphore) => self.raw.destroy_semaphore(semaphore, None),
+                Retired::Pipeline(pipeline) => self.raw.destroy_pipeline(pipeline, callbacks),
+                Retired::PipelineLayout(layout) => {
+                    self.raw.destroy_pipeline_layout(layout, callbacks)
+                }
+                Retired::SetLayout(layout) => {
+                    self.raw.destroy_descriptor_set_layout(layout, callbacks)
+                }
+                Retired::DescriptorPool(pool) => self.raw.destroy_descriptor_pool(pool, callbacks),
+                Retired::CommandPool(pool) => self.raw.destroy_command_pool(pool, callbacks),
+                Retired::QueryPool(pool) => self.raw.destroy_query_pool(pool, callbacks),
+                Retired::Sampler(sampler) => self.raw.destroy_sampler(sampler, callbacks),
+                Retired::Semaphore(semaphore) => self.raw.destroy_semaphore(semaphore, callbacks),
                 Retired::Other(retired) => retired.destroy(&self.raw),
             }
         }
     }
-}
 
-impl Drop for DeviceShared {
-    fn drop(&mut self) {
+    /// Waits until the GPU no longer uses what was made from the device; false if it still may.
+    fn finish(&self) -> bool {
+        let newest = self.clock.newest();
+        let ClockSource::Timeline(timeline) = &self.clock.source else {
+            let is_over = self.clock.over() >= newest;
+            if !is_over {
+                tracing::error!(
+                    "frame {} of the host may still be in use, so what was made for it is left as \
+                     it is; call `Device::host_finished` when the GPU is idle, before the device \
+                     is dropped",
+                    newest.0
+                );
+            }
+            return is_over;
+        };
         // vkDeviceWaitIdle knows no bound, so the timeline is waited for first.
-        let newest = Tick(self.submitted.load(Ordering::Acquire));
-        match wait_bounded(&self.raw, self.timeline, newest, self.wait_bound) {
+        match wait_bounded(&self.raw, timeline.semaphore, newest, self.wait_bound) {
             Ok(()) => {}
             // All work of a lost device is over (Vulkan specification, "Lost Device").
             Err(vk::Result::ERROR_DEVICE_LOST) => tracing::error!("the device was lost"),
             Err(code) => {
                 tracing::error!("the GPU did not finish ({code:?}); the device is left as it is");
-                self.abandon();
-                return;
+                return false;
             }
         }
-        // SAFETY: nobody else holds the device.
-        if let Err(code) = unsafe { self.raw.device_wait_idle() } {
+        // Other queues of a host are not ours to wait for.
+        if self.ownership == Ownership::Ours
+            // SAFETY: nobody else holds the device.
+            && let Err(code) = unsafe { self.raw.device_wait_idle() }
+        {
             tracing::error!("vkDeviceWaitIdle failed with {code:?} while closing the device");
+        }
+        true
+    }
+}
+
+impl Drop for DeviceShared {
+    fn drop(&mut self) {
+        if !self.finish() {
+            self.abandon();
+            return;
         }
         loop {
             // No recording is open: each holds the device.
-            let popped = lock(&self.deletion).pop_over(newest);
+            let popped = lock(&self.deletion).pop_over(self.clock.newest());
             let Some(retired) = popped else { break };
             self.destroy(retired);
         }
-        self.pipeline_cache.save_and_destroy(&self.raw);
+        self.pipeline_cache.save(&self.raw);
+        self.pipeline_cache.destroy(&self.raw, &self.callbacks);
         if let Some(allocator) = lock(&self.allocator).take() {
             // The allocator frees leaked blocks as it goes, so no layer would ever see a leak.
             let leaked = allocator.generate_report().allocations;
@@ -121,8 +150,12 @@ impl Drop for DeviceShared {
         }
         // SAFETY: everything made from the device is gone.
         unsafe {
-            self.raw.destroy_semaphore(self.timeline, None);
-            self.raw.destroy_device(None);
+            if let ClockSource::Timeline(timeline) = &self.clock.source {
+                self.raw.destroy_semaphore(timeline.semaphore, self.callbacks.get());
+            }
+            if self.ownership == Ownership::Ours {
+                self.raw.destroy_device(None);
+            }
         }
         tracing::debug!(
             "device closed; instance users left: {}",

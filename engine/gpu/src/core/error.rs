@@ -120,6 +120,33 @@ pub enum Error {
         /// The type that both have to be made from.
         owner: &'static str,
     },
+    /// Work was to be submitted, or waited for, on a device that has no queue of its own.
+    #[error(
+        "{what} needs a queue, and this device was adopted without one: record it into a frame of the host, or adopt the device with `HostDevice::queue`"
+    )]
+    NoQueue {
+        /// The work that needs a queue.
+        what: &'static str,
+    },
+    /// A frame of a host was begun on a device that submits by itself.
+    #[error(
+        "this device counts its own submits, not the frames of a host: adopt it without `HostDevice::queue`"
+    )]
+    HasQueue,
+    /// The numbers of a host's frame do not follow those before.
+    #[error(
+        "frame {current} cannot begin with all up to {safe} over: the last frame begun was {newest}, with all up to {over} over; numbers of frames must rise, and no frame is over before it begins"
+    )]
+    FrameNumbers {
+        /// The number of the frame.
+        current: u64,
+        /// The newest frame that is said to be over.
+        safe: u64,
+        /// The newest frame that was begun before.
+        newest: u64,
+        /// The newest frame that was said to be over before.
+        over: u64,
+    },
     /// An image was read that is not there: its frame is not over, was never submitted, or there
     /// was none yet.
     #[error(

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use ash::{ext, khr, vk};
 
 use crate::core::error::{Called, Error};
-use crate::core::ownership::OwnerId;
+use crate::core::ownership::{OwnerId, Ownership};
 use crate::core::validation::ValidationLog;
 use crate::core::window_system::{WindowFunctions, WindowSystem};
 
@@ -42,18 +42,40 @@ pub struct Instance {
     pub(crate) shared: Arc<InstanceShared>,
 }
 
+type Messenger = (ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT);
+
 pub(crate) struct InstanceShared {
     pub(crate) id: OwnerId,
     // Kept alive for its function table: the loader library is unloaded with the last entry.
     pub(crate) entry: ash::Entry,
     pub(crate) raw: ash::Instance,
-    messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
+    messenger: Option<Messenger>,
     pub(crate) has_debug_utils: bool,
     /// The functions that create surfaces and ask about them, if the instance is for windows.
     pub(crate) windows: Option<WindowFunctions>,
     // Boxed: the messenger holds its address.
     log: Box<ValidationLog>,
     validation: Validation,
+    ownership: Ownership,
+}
+
+impl InstanceShared {
+    /// Wraps the instance of a host, who also destroys it.
+    pub(crate) fn of_host(entry: ash::Entry, raw: ash::Instance, extensions: &[CString]) -> Self {
+        let has_debug_utils =
+            extensions.iter().any(|name| name.as_c_str() == ext::debug_utils::NAME);
+        Self {
+            id: OwnerId::new(),
+            entry,
+            raw,
+            messenger: None,
+            has_debug_utils,
+            windows: None,
+            log: Box::default(),
+            validation: Validation::Off,
+            ownership: Ownership::Host,
+        }
+    }
 }
 
 /// Finds and opens the Vulkan loader of this machine.
@@ -112,22 +134,10 @@ impl Instance {
         // SAFETY: every pointer in `info` lives until the call returns.
         let made = unsafe { entry.create_instance(&info, None) };
         let raw = made.map_err(|code| refusal("vkCreateInstance", code))?;
-        let messenger = if has_debug_utils {
-            let debug = ext::debug_utils::Instance::new(&entry, &raw);
-            let info = ValidationLog::messenger_info(&log);
-            // SAFETY: the log is boxed and dropped after the messenger.
-            let made = unsafe { debug.create_debug_utils_messenger(&info, None) };
-            match made {
-                Ok(messenger) => Some((debug, messenger)),
-                Err(code) => {
-                    // SAFETY: nothing was made from the instance yet.
-                    unsafe { raw.destroy_instance(None) };
-                    return Err(Error::Vulkan { call: "vkCreateDebugUtilsMessengerEXT", code });
-                }
-            }
-        } else {
-            None
-        };
+        let messenger = has_debug_utils.then(|| create_messenger(&entry, &raw, &log)).transpose();
+        let messenger = messenger
+            // SAFETY: nothing was made from the instance yet.
+            .inspect_err(|_| unsafe { raw.destroy_instance(None) })?;
         let validation = options.validation;
         let id = OwnerId::new();
         let windows = options.windows.map(|system| WindowFunctions {
@@ -135,8 +145,18 @@ impl Instance {
             surface: khr::surface::Instance::new(&entry, &raw),
             present_fences,
         });
-        let shared =
-            InstanceShared { id, entry, raw, messenger, has_debug_utils, windows, log, validation };
+        let ownership = Ownership::Ours;
+        let shared = InstanceShared {
+            id,
+            entry,
+            raw,
+            messenger,
+            has_debug_utils,
+            windows,
+            log,
+            validation,
+            ownership,
+        };
         Ok(Self { shared: Arc::new(shared) })
     }
 
@@ -157,9 +177,25 @@ impl Drop for InstanceShared {
             // SAFETY: made from this instance, used by nobody else.
             unsafe { debug.destroy_debug_utils_messenger(messenger, None) };
         }
-        // SAFETY: every device holds this Arc, so all are gone.
-        unsafe { self.raw.destroy_instance(None) };
+        if self.ownership == Ownership::Ours {
+            // SAFETY: every device holds this Arc, so all are gone.
+            unsafe { self.raw.destroy_instance(None) };
+        }
     }
+}
+
+/// Creates the messenger that fills `log`, whose box outlives it.
+fn create_messenger(
+    entry: &ash::Entry,
+    raw: &ash::Instance,
+    log: &ValidationLog,
+) -> Result<Messenger, Error> {
+    let debug = ext::debug_utils::Instance::new(entry, raw);
+    let info = ValidationLog::messenger_info(log);
+    // SAFETY: the log is boxed and dropped after the messenger.
+    let made = unsafe { debug.create_debug_utils_messenger(&info, None) };
+    let messenger = made.called("vkCreateDebugUtilsMessengerEXT")?;
+    Ok((debug, messenger))
 }
 
 fn require_1_3(entry: &ash::Entry) -> Result<(), Error> {

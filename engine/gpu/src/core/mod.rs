@@ -3,15 +3,22 @@
 
 pub(crate) mod adapter;
 pub(crate) mod capabilities;
+pub(crate) mod clock;
 pub(crate) mod deletion;
 pub(crate) mod device;
 pub(crate) mod device_shared;
 pub(crate) mod error;
+pub(crate) mod extensions;
+pub(crate) mod features;
+pub(crate) mod host_callbacks;
+pub(crate) mod host_device;
 pub(crate) mod instance;
+pub(crate) mod offer;
 pub(crate) mod open_device;
 pub(crate) mod ownership;
 pub(crate) mod pipeline_cache;
 pub(crate) mod queue_lock;
+pub(crate) mod requirements;
 pub(crate) mod tick;
 pub(crate) mod timeline;
 pub(crate) mod validation;

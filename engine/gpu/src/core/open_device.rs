@@ -2,16 +2,27 @@
 //! needs.
 
 use std::path::PathBuf;
+use std::sync::atomic::AtomicU64;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use ash::{ext, google, khr, vk};
+use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use crate::core::adapter::Adapter;
-use crate::core::capabilities::{Capabilities, Optional, extension_names, fences_extension};
+use crate::core::capabilities::Purpose;
+use crate::core::clock::{Clock, ClockSource, OwnTimeline};
+use crate::core::deletion::DeletionQueue;
+use crate::core::device_shared::DeviceShared;
 use crate::core::error::{Called, Error};
+use crate::core::extensions::Extensions;
+use crate::core::host_callbacks::HostCallbacks;
 use crate::core::instance::InstanceShared;
+use crate::core::offer::Offer;
+use crate::core::ownership::{OwnerId, Ownership};
 use crate::core::pipeline_cache::PipelineCache;
+use crate::core::queue_lock::QueueLock;
+use crate::core::requirements::Requirements;
 use crate::core::tick::create_semaphore;
 
 /// The options of a [`Device`](crate::Device).
@@ -31,46 +42,25 @@ impl Default for DeviceOptions {
     }
 }
 
-/// The functions of the extensions that are on.
-pub(crate) struct Extensions {
-    pub(crate) debug: Option<ext::debug_utils::Device>,
-    pub(crate) conditional: Option<ext::conditional_rendering::Device>,
-    pub(crate) calibrated: Option<ext::calibrated_timestamps::Device>,
-    pub(crate) swapchain: Option<khr::swapchain::Device>,
-    pub(crate) present_wait: Option<khr::present_wait::Device>,
-    pub(crate) display_timing: Option<google::display_timing::Device>,
+/// A raw device, ours or a host's, and what is needed to work with it.
+pub(crate) struct RawDevice {
+    pub(crate) instance: Arc<InstanceShared>,
+    pub(crate) adapter: Adapter,
+    pub(crate) raw: ash::Device,
+    pub(crate) ownership: Ownership,
+    pub(crate) queue_family: u32,
+    /// The queue to submit to; none of an executor in a host's command buffers.
+    pub(crate) queue: Option<QueueLock<vk::Queue>>,
+    pub(crate) callbacks: HostCallbacks,
+    /// The pipeline cache of a host.
+    pub(crate) pipeline_cache: Option<vk::PipelineCache>,
 }
 
-impl Extensions {
-    pub(crate) fn load(
-        instance: &InstanceShared,
-        device: &ash::Device,
-        capabilities: &Capabilities,
-    ) -> Self {
-        let (from, has) = (&instance.raw, |optional| capabilities.has(optional));
-        Self {
-            debug: instance.has_debug_utils.then(|| ext::debug_utils::Device::new(from, device)),
-            conditional: has(Optional::ConditionalRendering)
-                .then(|| ext::conditional_rendering::Device::new(from, device)),
-            calibrated: has(Optional::CalibratedTimestamps)
-                .then(|| ext::calibrated_timestamps::Device::new(from, device)),
-            swapchain: has(Optional::Swapchain).then(|| khr::swapchain::Device::new(from, device)),
-            present_wait: has(Optional::PresentWait)
-                .then(|| khr::present_wait::Device::new(from, device)),
-            display_timing: has(Optional::DisplayTiming)
-                .then(|| google::display_timing::Device::new(from, device)),
-        }
-    }
-}
-
-/// Creates the timeline, the allocator and the pipeline cache, without which there is no device. A
-/// failure leaves nothing behind.
-pub(crate) fn equip(
-    instance: &InstanceShared,
-    adapter: &Adapter,
-    raw: &ash::Device,
-    options: &DeviceOptions,
-) -> Result<(vk::Semaphore, Allocator, PipelineCache), Error> {
+/// Makes the objects that every device needs: timeline, allocator, pipeline cache. A failure leaves
+/// nothing of them behind.
+pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<DeviceShared, Error> {
+    let RawDevice { instance, adapter, raw, ownership, queue_family, queue, callbacks, .. } =
+        device;
     // Owns nothing of the device until memory is asked for.
     let allocator = Allocator::new(&AllocatorCreateDesc {
         instance: instance.raw.clone(),
@@ -81,70 +71,53 @@ pub(crate) fn equip(
         allocation_sizes: gpu_allocator::AllocationSizes::default(),
     })
     .map_err(Error::Allocator)?;
-    let timeline = create_semaphore(raw)?;
-    match PipelineCache::open(instance, adapter, raw, options.pipeline_cache.clone()) {
-        Ok(pipeline_cache) => Ok((timeline, allocator, pipeline_cache)),
-        Err(error) => {
-            // SAFETY: just made, used by nobody.
-            unsafe { raw.destroy_semaphore(timeline, None) };
-            Err(error)
+    let pipeline_cache = match device.pipeline_cache {
+        Some(cache) => PipelineCache::of_host(cache),
+        None => {
+            let path = options.pipeline_cache.clone();
+            PipelineCache::open(&instance, &adapter, &raw, &callbacks, path)?
         }
-    }
+    };
+    let source = match queue {
+        None => ClockSource::HostFrames,
+        Some(queue) => {
+            let semaphore = create_semaphore(&raw, &callbacks)
+                .inspect_err(|_| pipeline_cache.destroy(&raw, &callbacks))?;
+            ClockSource::Timeline(OwnTimeline { queue, semaphore })
+        }
+    };
+    Ok(DeviceShared {
+        id: OwnerId::new(),
+        extensions: Extensions::load(&instance, &raw, &adapter.capabilities),
+        instance,
+        adapter,
+        ownership,
+        queue_family,
+        callbacks,
+        allocator: Mutex::new(Some(allocator)),
+        deletion: Mutex::new(DeletionQueue::new()),
+        clock: Clock::new(source),
+        wait_bound: options.wait_bound,
+        slot_waits: AtomicU64::new(0),
+        other_waits: AtomicU64::new(0),
+        pipeline_cache,
+        raw,
+    })
 }
 
-pub(crate) fn create_raw(
+/// Creates a device of our own, by the same requirements that hosts are told.
+pub(super) fn create_raw(
     instance: &InstanceShared,
     adapter: &Adapter,
     queue_family: u32,
 ) -> Result<ash::Device, Error> {
-    let has = |optional| adapter.capabilities.has(optional);
-    let mut conditional =
-        vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default().conditional_rendering(true);
-    let mut features_12 = vk::PhysicalDeviceVulkan12Features::default()
-        .timeline_semaphore(true)
-        .draw_indirect_count(has(Optional::DrawIndirectCount));
-    let mut features_13 = vk::PhysicalDeviceVulkan13Features::default()
-        .dynamic_rendering(true)
-        .synchronization2(true);
-    let core = vk::PhysicalDeviceFeatures::default()
-        .multi_draw_indirect(true)
-        .draw_indirect_first_instance(true)
-        .occlusion_query_precise(has(Optional::PreciseQueries))
-        .fragment_stores_and_atomics(has(Optional::FragmentStores))
-        .fill_mode_non_solid(has(Optional::Wireframe))
-        .sampler_anisotropy(has(Optional::Anisotropy));
-    let mut features = vk::PhysicalDeviceFeatures2::default()
-        .features(core)
-        .push_next(&mut features_12)
-        .push_next(&mut features_13);
-    let mut extensions = Vec::new();
-    if has(Optional::ConditionalRendering) {
-        extensions.push(ext::conditional_rendering::NAME.as_ptr());
-        features = features.push_next(&mut conditional);
-    }
-    let mut present_fences =
-        vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT::default().swapchain_maintenance1(true);
-    let mut present_id = vk::PhysicalDevicePresentIdFeaturesKHR::default().present_id(true);
-    let mut present_wait = vk::PhysicalDevicePresentWaitFeaturesKHR::default().present_wait(true);
-    if has(Optional::CalibratedTimestamps) {
-        extensions.push(ext::calibrated_timestamps::NAME.as_ptr());
-    }
-    if has(Optional::Swapchain) {
-        extensions.push(khr::swapchain::NAME.as_ptr());
-    }
-    if has(Optional::PresentFences)
-        && let Some(name) = fences_extension(instance, &extension_names(instance, adapter.physical))
-    {
-        extensions.push(name.as_ptr());
-        features = features.push_next(&mut present_fences);
-    }
-    if has(Optional::PresentWait) {
-        extensions.extend([khr::present_id::NAME.as_ptr(), khr::present_wait::NAME.as_ptr()]);
-        features = features.push_next(&mut present_id).push_next(&mut present_wait);
-    }
-    if has(Optional::DisplayTiming) {
-        extensions.push(google::display_timing::NAME.as_ptr());
-    }
+    // SAFETY: the adapter is of this instance.
+    let offer = unsafe { Offer::read(&instance.raw, adapter.physical, instance.windows.as_ref()) };
+    let needs = Requirements::new(&adapter.name, &offer, &adapter.capabilities, Purpose::Renderer);
+    let names = needs.extensions();
+    let mut structures = needs.features().structures();
+    let mut features = structures.link(&names);
+    let extensions: Vec<_> = names.iter().map(|name| name.as_ptr()).collect();
     let queues = [vk::DeviceQueueCreateInfo::default()
         .queue_family_index(queue_family)
         .queue_priorities(&[1.0])];

@@ -22,6 +22,15 @@ impl OwnerId {
     }
 }
 
+/// The owner of a Vulkan handle, who destroys it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ownership {
+    /// The engine made it.
+    Ours,
+    /// A host lent it.
+    Host,
+}
+
 /// A thing made from a [`Device`](crate::Device), of use to no other.
 pub trait OfDevice {
     /// Its kind with an article, for error messages.

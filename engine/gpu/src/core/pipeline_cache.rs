@@ -12,13 +12,16 @@ use ash::vk;
 
 use crate::core::adapter::Adapter;
 use crate::core::error::{Called, Error};
+use crate::core::host_callbacks::HostCallbacks;
 use crate::core::instance::InstanceShared;
+use crate::core::ownership::Ownership;
 
 /// A driver's cache and the file it lives in.
 pub(crate) struct PipelineCache {
     pub(crate) raw: vk::PipelineCache,
     path: Option<PathBuf>,
     identity: Identity,
+    ownership: Ownership,
 }
 
 /// The identity of the device and of the exact build of its driver.
@@ -55,11 +58,18 @@ impl Identity {
 }
 
 impl PipelineCache {
+    /// Wraps the cache of a host, who also saves and destroys it.
+    pub(crate) fn of_host(raw: vk::PipelineCache) -> Self {
+        let identity = Identity([0; IDENTITY_BYTES]);
+        Self { raw, path: None, identity, ownership: Ownership::Host }
+    }
+
     /// Opens the cache with what `path` holds, if this device and driver wrote it.
     pub(crate) fn open(
         instance: &InstanceShared,
         adapter: &Adapter,
         device: &ash::Device,
+        callbacks: &HostCallbacks,
         path: Option<PathBuf>,
     ) -> Result<Self, Error> {
         let identity = Identity::read(instance, adapter);
@@ -71,34 +81,39 @@ impl PipelineCache {
         }
         let info = vk::PipelineCacheCreateInfo::default().initial_data(stored.unwrap_or_default());
         // SAFETY: the data, if any, is what this driver gave away for this device, unharmed.
-        let raw = match unsafe { device.create_pipeline_cache(&info, None) } {
+        let raw = match unsafe { device.create_pipeline_cache(&info, callbacks.get()) } {
             Ok(raw) => raw,
             Err(code) => {
                 tracing::warn!("the stored pipeline cache was refused ({code:?}), starting afresh");
                 let empty = vk::PipelineCacheCreateInfo::default();
                 // SAFETY: as above, without data.
-                unsafe { device.create_pipeline_cache(&empty, None) }
+                unsafe { device.create_pipeline_cache(&empty, callbacks.get()) }
                     .called("vkCreatePipelineCache")?
             }
         };
-        Ok(Self { raw, path, identity })
+        Ok(Self { raw, path, identity, ownership: Ownership::Ours })
     }
 
-    /// Writes the cache back and destroys it. A disk that refuses costs time, not correctness.
-    pub(crate) fn save_and_destroy(&self, device: &ash::Device) {
-        if let Some(path) = &self.path {
-            // SAFETY: the cache is ours.
-            match unsafe { device.get_pipeline_cache_data(self.raw) } {
-                Ok(data) if data.is_empty() => {}
-                Ok(data) => self.save(path, &data),
-                Err(code) => tracing::warn!("the driver kept its pipeline cache ({code:?})"),
-            }
+    /// Writes the cache back to its file. A disk that refuses costs time, not correctness.
+    pub(crate) fn save(&self, device: &ash::Device) {
+        let Some(path) = &self.path else { return };
+        // SAFETY: the cache is ours.
+        match unsafe { device.get_pipeline_cache_data(self.raw) } {
+            Ok(data) if data.is_empty() => {}
+            Ok(data) => self.write(path, &data),
+            Err(code) => tracing::warn!("the driver kept its pipeline cache ({code:?})"),
         }
-        // SAFETY: called once, when the device goes.
-        unsafe { device.destroy_pipeline_cache(self.raw, None) };
     }
 
-    fn save(&self, path: &Path, data: &[u8]) {
+    /// Destroys the cache, unless it is a host's.
+    pub(crate) fn destroy(&self, device: &ash::Device, callbacks: &HostCallbacks) {
+        if self.ownership == Ownership::Ours {
+            // SAFETY: called once, when the device goes.
+            unsafe { device.destroy_pipeline_cache(self.raw, callbacks.get()) };
+        }
+    }
+
+    fn write(&self, path: &Path, data: &[u8]) {
         let file = seal(self.identity, data);
         let unchanged = read_file(path, file.len() as u64).is_ok_and(|stored| stored == file);
         if !unchanged && let Err(error) = replace_file(path, &file) {

@@ -21,7 +21,7 @@ impl Timeline {
     /// # Errors
     /// A failed call.
     pub fn new(device: &Device, name: &str) -> Result<Self, Error> {
-        let raw = create_semaphore(device.raw())?;
+        let raw = create_semaphore(device.raw(), device.callbacks())?;
         device.name(raw, name);
         Ok(Self { device: device.clone(), raw })
     }

@@ -1,0 +1,71 @@
+//! Adopting the device of a host.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use crate::core::adapter::Adapter;
+use crate::core::capabilities::Purpose;
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::core::host_callbacks::HostCallbacks;
+use crate::core::host_device::HostDevice;
+use crate::core::instance::InstanceShared;
+use crate::core::offer::Offer;
+use crate::core::open_device::{RawDevice, equip};
+use crate::core::ownership::Ownership;
+use crate::core::queue_lock::QueueLock;
+use crate::core::requirements::Requirements;
+
+impl Device {
+    /// Adopts the device of a host, who made it with what [`Requirements`] ask for.
+    ///
+    /// Without [`HostDevice::queue`] the device never submits: it is for an executor that records
+    /// into the host's command buffers. Its [ticks](crate::Tick) are then the numbers of the host's
+    /// frames, and before its last handle is dropped, [`Device::host_finished`] is to be called.
+    /// With a queue it works as a device of [`Device::new`] does. An optional capability is there
+    /// if its features and extensions are on.
+    ///
+    /// Nothing of the host is ever destroyed, and frames are not shown in windows: the host does
+    /// that. A device may be adopted more than once; what is made from one handle is of no use to
+    /// the other.
+    ///
+    /// # Safety
+    /// - The handles are alive, belong together as the fields say, and outlive this device, all of
+    ///   its clones, and all that is made from them.
+    /// - `api_version`, `extensions` and `features` name nothing that is not on.
+    /// - `allocation_callbacks` may be called on any thread, with their user data, for as long.
+    /// - `pipeline_cache` is not `EXTERNALLY_SYNCHRONIZED`.
+    /// - While the lock of `queue` is held, nobody else uses that queue.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLacks`] with the names of what is required and not on; a failed call.
+    pub unsafe fn adopt(host: HostDevice) -> Result<Self, Error> {
+        let purpose = match host.queue {
+            Some(_) => Purpose::Renderer,
+            None => Purpose::Executor,
+        };
+        let instance =
+            Arc::new(InstanceShared::of_host(host.entry, host.instance, &host.extensions));
+        let (physical, family) = (host.physical_device, host.queue_family);
+        // SAFETY: the caller promises that the handles belong together, here and below.
+        let mut offer = unsafe { Offer::of_family(&instance.raw, physical, family) };
+        offer.api_version = offer.api_version.min(host.api_version);
+        offer.turn_on(host.extensions, host.features);
+        // SAFETY: as above.
+        let adapter = unsafe { Adapter::read(&instance, physical, &offer) };
+        Requirements::new(&adapter.name, &offer, &adapter.capabilities, purpose).check()?;
+        let queue = host.queue.map(|queue| QueueLock::new(queue.raw, Some(queue.lock)));
+        let device = RawDevice {
+            instance,
+            adapter,
+            raw: host.device,
+            ownership: Ownership::Host,
+            queue_family: family,
+            queue,
+            callbacks: HostCallbacks::new(host.allocation_callbacks),
+            pipeline_cache: host.pipeline_cache.filter(|cache| *cache != vk::PipelineCache::null()),
+        };
+        equip(device, &host.options).map(Self::of)
+    }
+}

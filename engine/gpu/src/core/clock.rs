@@ -1,0 +1,116 @@
+//! The clock of a device: the numbers by which it knows what is in flight and what is over.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use ash::vk;
+
+use crate::core::error::Error;
+use crate::core::queue_lock::QueueLock;
+use crate::core::tick::Tick;
+
+/// The numbers of work in flight, as [`Tick`]s.
+pub(super) struct Clock {
+    pub(super) source: ClockSource,
+    /// The newest tick that was given out.
+    newest: AtomicU64,
+    /// The newest tick that was seen to be over.
+    over: AtomicU64,
+}
+
+/// The origin of a clock's numbers.
+pub(super) enum ClockSource {
+    /// The device's own submits to a queue, counted by a timeline semaphore.
+    Timeline(OwnTimeline),
+    /// The frames of a host, who submits them and says which are over.
+    HostFrames,
+}
+
+/// A queue and the semaphore that counts the submits to it.
+pub(super) struct OwnTimeline {
+    pub(super) queue: QueueLock<vk::Queue>,
+    pub(super) semaphore: vk::Semaphore,
+}
+
+impl Clock {
+    pub(super) fn new(source: ClockSource) -> Self {
+        Self { source, newest: AtomicU64::new(0), over: AtomicU64::new(0) }
+    }
+
+    /// Returns the queue and its timeline, which `what` needs.
+    pub(super) fn timeline(&self, what: &'static str) -> Result<&OwnTimeline, Error> {
+        match &self.source {
+            ClockSource::Timeline(timeline) => Ok(timeline),
+            ClockSource::HostFrames => Err(Error::NoQueue { what }),
+        }
+    }
+
+    pub(super) fn newest(&self) -> Tick {
+        Tick(self.newest.load(Ordering::Acquire))
+    }
+
+    pub(super) fn over(&self) -> Tick {
+        Tick(self.over.load(Ordering::Acquire))
+    }
+
+    /// Notes a submit. The caller holds the queue.
+    pub(super) fn submitted(&self, tick: Tick) {
+        self.newest.store(tick.0, Ordering::Release);
+    }
+
+    /// Notes that everything up to `tick` was seen to be over.
+    pub(super) fn completed(&self, tick: Tick) {
+        self.over.fetch_max(tick.0, Ordering::AcqRel);
+    }
+
+    /// Begins the frame `current` of a host, for whom all frames up to `safe` are over.
+    pub(super) fn begin_host_frame(&self, current: Tick, safe: Tick) -> Result<(), Error> {
+        if !matches!(self.source, ClockSource::HostFrames) {
+            return Err(Error::HasQueue);
+        }
+        let (newest, over) = (self.newest(), self.over());
+        if current <= newest || safe < over || safe >= current {
+            return Err(Error::FrameNumbers {
+                current: current.0,
+                safe: safe.0,
+                newest: newest.0,
+                over: over.0,
+            });
+        }
+        self.completed(safe);
+        self.submitted(current);
+        Ok(())
+    }
+
+    /// Notes that all frames of a host are over.
+    pub(super) fn finish_host_frames(&self) -> Result<(), Error> {
+        if !matches!(self.source, ClockSource::HostFrames) {
+            return Err(Error::HasQueue);
+        }
+        self.completed(self.newest());
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_frames_rise_and_none_is_over_before_it_begins() {
+        let clock = Clock::new(ClockSource::HostFrames);
+        // The engine may join late, and need not see every frame.
+        clock.begin_host_frame(Tick(7), Tick(5)).unwrap();
+        clock.begin_host_frame(Tick(10), Tick(9)).unwrap();
+        assert_eq!((clock.newest(), clock.over()), (Tick(10), Tick(9)));
+        for (current, safe) in [(10, 9), (3, 9), (11, 8), (11, 11), (11, 12)] {
+            let error = clock.begin_host_frame(Tick(current), Tick(safe)).unwrap_err();
+            assert!(matches!(error, Error::FrameNumbers { .. }), "{error}");
+            assert!(error.to_string().contains(&format!("frame {current}")), "{error}");
+        }
+        // A refused frame leaves no trace.
+        assert_eq!((clock.newest(), clock.over()), (Tick(10), Tick(9)));
+        assert!(matches!(clock.timeline("a drain"), Err(Error::NoQueue { what: "a drain" })));
+        clock.finish_host_frames().unwrap();
+        assert_eq!(clock.over(), Tick(10));
+    }
+}

@@ -1,0 +1,38 @@
+//! The functions of the extensions of a device.
+
+use ash::{ext, google, khr};
+
+use crate::core::capabilities::{Capabilities, Optional};
+use crate::core::instance::InstanceShared;
+
+/// The functions of the extensions that are on.
+pub(crate) struct Extensions {
+    pub(crate) debug: Option<ext::debug_utils::Device>,
+    pub(crate) conditional: Option<ext::conditional_rendering::Device>,
+    pub(crate) calibrated: Option<ext::calibrated_timestamps::Device>,
+    pub(crate) swapchain: Option<khr::swapchain::Device>,
+    pub(crate) present_wait: Option<khr::present_wait::Device>,
+    pub(crate) display_timing: Option<google::display_timing::Device>,
+}
+
+impl Extensions {
+    pub(crate) fn load(
+        instance: &InstanceShared,
+        device: &ash::Device,
+        capabilities: &Capabilities,
+    ) -> Self {
+        let (from, has) = (&instance.raw, |optional| capabilities.has(optional));
+        Self {
+            debug: instance.has_debug_utils.then(|| ext::debug_utils::Device::new(from, device)),
+            conditional: has(Optional::ConditionalRendering)
+                .then(|| ext::conditional_rendering::Device::new(from, device)),
+            calibrated: has(Optional::CalibratedTimestamps)
+                .then(|| ext::calibrated_timestamps::Device::new(from, device)),
+            swapchain: has(Optional::Swapchain).then(|| khr::swapchain::Device::new(from, device)),
+            present_wait: has(Optional::PresentWait)
+                .then(|| khr::present_wait::Device::new(from, device)),
+            display_timing: has(Optional::DisplayTiming)
+                .then(|| google::display_timing::Device::new(from, device)),
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! The features of Vulkan that the engine uses, and the structures that they lie in.
+
+use std::ffi::CStr;
+
+use ash::{ext, khr, vk};
+
+/// Declares [`Features`] and its way to and from the structures of Vulkan: a structure, and the
+/// features that lie in it.
+macro_rules! features {
+    ($($structure:ident { $($field:ident $name:literal)+ })+) => {
+        /// Features of a device that the engine uses, each by its name in Vulkan: those that are
+        /// true.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+        pub struct Features {
+            $($(#[doc = concat!("`", $name, "`.")] pub $field: bool,)+)+
+        }
+
+        impl Features {
+            /// Returns the Vulkan names of those that are true.
+            pub fn names(self) -> impl Iterator<Item = &'static str> {
+                let all = [$($((self.$field, $name),)+)+];
+                all.into_iter().filter_map(|(is_on, name)| is_on.then_some(name))
+            }
+
+            /// Returns those that are true in either.
+            pub fn union(self, other: Self) -> Self {
+                Self { $($($field: self.$field || other.$field,)+)+ }
+            }
+
+            /// Returns those that are true here and not in `other`.
+            pub fn without(self, other: Self) -> Self {
+                Self { $($($field: self.$field && !other.$field,)+)+ }
+            }
+
+            /// Returns the structures of Vulkan with these features on and all others off.
+            pub fn structures(self) -> FeatureStructures {
+                let mut structures = FeatureStructures::default();
+                $($(structures.$structure.$field = self.$field.into();)+)+
+                structures
+            }
+        }
+
+        impl From<&FeatureStructures> for Features {
+            fn from(structures: &FeatureStructures) -> Self {
+                Self { $($($field: structures.$structure.$field == vk::TRUE,)+)+ }
+            }
+        }
+    };
+}
+
+features! {
+    core {
+        multi_draw_indirect "multiDrawIndirect"
+        draw_indirect_first_instance "drawIndirectFirstInstance"
+        occlusion_query_precise "occlusionQueryPrecise"
+        fragment_stores_and_atomics "fragmentStoresAndAtomics"
+        fill_mode_non_solid "fillModeNonSolid"
+        sampler_anisotropy "samplerAnisotropy"
+    }
+    vulkan_12 {
+        timeline_semaphore "timelineSemaphore"
+        draw_indirect_count "drawIndirectCount"
+    }
+    vulkan_13 {
+        dynamic_rendering "dynamicRendering"
+        synchronization2 "synchronization2"
+    }
+    conditional {
+        conditional_rendering "conditionalRendering"
+    }
+    present_fences {
+        swapchain_maintenance1 "swapchainMaintenance1"
+    }
+    ids {
+        present_id "presentId"
+    }
+    waits {
+        present_wait "presentWait"
+    }
+}
+
+impl Features {
+    /// Returns true if none is.
+    pub fn is_empty(self) -> bool {
+        self == Self::default()
+    }
+}
+
+/// The structures of Vulkan that [`Features`] lie in, for the creation of a device.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FeatureStructures {
+    /// The features of Vulkan 1.0.
+    pub core: vk::PhysicalDeviceFeatures,
+    /// Those of Vulkan 1.2.
+    pub vulkan_12: vk::PhysicalDeviceVulkan12Features<'static>,
+    /// Those of Vulkan 1.3.
+    pub vulkan_13: vk::PhysicalDeviceVulkan13Features<'static>,
+    /// That of `VK_EXT_conditional_rendering`.
+    pub conditional: vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'static>,
+    present_fences: vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT<'static>,
+    ids: vk::PhysicalDevicePresentIdFeaturesKHR<'static>,
+    waits: vk::PhysicalDevicePresentWaitFeaturesKHR<'static>,
+}
+
+/// The younger name of `VK_EXT_swapchain_maintenance1`, with the same structures.
+pub(crate) const KHR_SWAPCHAIN_MAINTENANCE1: &CStr = c"VK_KHR_swapchain_maintenance1";
+
+impl FeatureStructures {
+    /// Links them into one chain, without the structures of extensions that are not among
+    /// `extensions`: Vulkan refuses what it does not know.
+    pub fn link(&mut self, extensions: &[&CStr]) -> vk::PhysicalDeviceFeatures2<'_> {
+        let has = |name: &CStr| extensions.contains(&name);
+        let mut chain = vk::PhysicalDeviceFeatures2::default()
+            .features(self.core)
+            .push_next(&mut self.vulkan_12)
+            .push_next(&mut self.vulkan_13);
+        if has(ext::conditional_rendering::NAME) {
+            chain = chain.push_next(&mut self.conditional);
+        }
+        if has(KHR_SWAPCHAIN_MAINTENANCE1) || has(ext::swapchain_maintenance1::NAME) {
+            chain = chain.push_next(&mut self.present_fences);
+        }
+        if has(khr::present_id::NAME) {
+            chain = chain.push_next(&mut self.ids);
+        }
+        if has(khr::present_wait::NAME) {
+            chain = chain.push_next(&mut self.waits);
+        }
+        chain
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn features_go_through_the_structures_and_back() {
+        let some = Features {
+            multi_draw_indirect: true,
+            draw_indirect_count: true,
+            conditional_rendering: true,
+            ..Features::default()
+        };
+        let mut structures = some.structures();
+        assert_eq!(Features::from(&structures), some);
+        let names: Vec<_> = some.names().collect();
+        assert_eq!(names, ["multiDrawIndirect", "drawIndirectCount", "conditionalRendering"]);
+        assert_eq!(structures.link(&[]).features.multi_draw_indirect, vk::TRUE);
+        assert_eq!(structures.vulkan_12.draw_indirect_count, vk::TRUE);
+        let other = Features { draw_indirect_count: true, ..Features::default() };
+        assert_eq!(some.without(other).union(other), some);
+        assert!(!some.is_empty() && some.without(some).is_empty());
+    }
+
+    #[test]
+    fn structures_of_unknown_extensions_are_not_linked() {
+        let mut structures = FeatureStructures::default();
+        // Vulkan 1.3's structure was pushed last, so the chain begins with it.
+        let chain = structures.link(&[khr::swapchain::NAME]);
+        let first = chain.p_next.cast::<vk::BaseOutStructure<'_>>();
+        // SAFETY: the chain points to the structures above, which are alive.
+        let kind = unsafe { (*first).s_type };
+        assert_eq!(kind, vk::StructureType::PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
+        let mut structures = FeatureStructures::default();
+        let chain = structures.link(&[ext::conditional_rendering::NAME]);
+        let first = chain.p_next.cast::<vk::BaseOutStructure<'_>>();
+        // SAFETY: as above.
+        let kind = unsafe { (*first).s_type };
+        assert_eq!(kind, vk::StructureType::PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT);
+    }
+}

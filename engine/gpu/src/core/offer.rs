@@ -1,0 +1,115 @@
+//! The offer of an adapter, or of a host: the table of capabilities is read off it.
+
+use std::ffi::{CStr, CString};
+
+use ash::{ext, khr, vk};
+
+use crate::core::features::{FeatureStructures, Features, KHR_SWAPCHAIN_MAINTENANCE1};
+use crate::core::window_system::WindowFunctions;
+
+/// The version, queue, extensions and features that a device may use.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Offer {
+    pub(crate) api_version: u32,
+    /// The index of a queue family with graphics and compute.
+    pub(crate) queue_family: Option<u32>,
+    /// The number of bits of that family's timestamps.
+    pub(crate) timestamp_bits: u32,
+    pub(crate) extensions: Vec<CString>,
+    pub(crate) features: Features,
+    pub(crate) has_depth_32: bool,
+}
+
+/// The flags of a queue family that the engine can use.
+pub(crate) const QUEUE_FLAGS: vk::QueueFlags =
+    vk::QueueFlags::from_raw(vk::QueueFlags::GRAPHICS.as_raw() | vk::QueueFlags::COMPUTE.as_raw());
+
+impl Offer {
+    /// Reads all that an adapter offers. Frames in windows are part of it if the instance is for
+    /// `windows`.
+    ///
+    /// # Safety
+    /// `physical` is of `instance`.
+    pub(crate) unsafe fn read(
+        instance: &ash::Instance,
+        physical: vk::PhysicalDevice,
+        windows: Option<&WindowFunctions>,
+    ) -> Self {
+        // SAFETY: the caller's promise, here and below.
+        let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
+        let family = families.iter().position(|family| family.queue_flags.contains(QUEUE_FLAGS));
+        let family = family.map_or(u32::MAX, |index| index as u32);
+        // SAFETY: as above.
+        let mut offer = unsafe { Self::of_family(instance, physical, family) };
+        if offer.api_version < vk::API_VERSION_1_3 {
+            // The structures of the features may not be asked of such a device.
+            return offer;
+        }
+        // SAFETY: as above.
+        let there = unsafe { instance.enumerate_device_extension_properties(physical) };
+        let there = there.unwrap_or_default();
+        let names = there.iter().filter_map(|there| there.extension_name_as_c_str().ok());
+        let names: Vec<_> = names.filter(|name| is_usable(name, windows)).collect();
+        let mut structures = FeatureStructures::default();
+        let mut chain = structures.link(&names);
+        // SAFETY: the chain holds only structures that this device's version and extensions know.
+        unsafe { instance.get_physical_device_features2(physical, &mut chain) };
+        structures.core = chain.features;
+        offer.features = Features::from(&structures);
+        offer.extensions = names.into_iter().map(CString::from).collect();
+        offer
+    }
+
+    /// Reads what a physical device offers to those who turned no extension and no feature on.
+    ///
+    /// # Safety
+    /// `physical` is of `instance`.
+    pub(crate) unsafe fn of_family(
+        instance: &ash::Instance,
+        physical: vk::PhysicalDevice,
+        family: u32,
+    ) -> Self {
+        // SAFETY: the caller's promise, here and below.
+        let properties = unsafe { instance.get_physical_device_properties(physical) };
+        // SAFETY: as above.
+        let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
+        let format = vk::Format::D32_SFLOAT;
+        // SAFETY: as above; a format of the core.
+        let depth = unsafe { instance.get_physical_device_format_properties(physical, format) };
+        let needed =
+            vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT | vk::FormatFeatureFlags::TRANSFER_SRC;
+        let of_family = families.get(family as usize);
+        let of_family = of_family.filter(|family| family.queue_flags.contains(QUEUE_FLAGS));
+        Self {
+            api_version: properties.api_version,
+            queue_family: of_family.map(|_| family),
+            timestamp_bits: of_family.map_or(0, |family| family.timestamp_valid_bits),
+            has_depth_32: depth.optimal_tiling_features.contains(needed),
+            ..Self::default()
+        }
+    }
+
+    /// Adds what a host turned on, who shows frames in windows himself.
+    pub(crate) fn turn_on(&mut self, extensions: Vec<CString>, features: Features) {
+        self.extensions = extensions;
+        self.extensions.retain(|name| is_usable(name, None));
+        self.features = features;
+    }
+
+    /// Returns true if the extension may be used.
+    pub(crate) fn has(&self, extension: &CStr) -> bool {
+        self.extensions.iter().any(|there| there.as_c_str() == extension)
+    }
+}
+
+/// Returns true if the instance has its half of a device extension.
+fn is_usable(extension: &CStr, windows: Option<&WindowFunctions>) -> bool {
+    let maintenance = [KHR_SWAPCHAIN_MAINTENANCE1, ext::swapchain_maintenance1::NAME];
+    match windows {
+        Some(windows) if maintenance.contains(&extension) => {
+            windows.present_fences.contains(&extension)
+        }
+        None => extension != khr::swapchain::NAME && !maintenance.contains(&extension),
+        Some(_) => true,
+    }
+}

@@ -1,0 +1,212 @@
+//! A host: a program with an instance and a device of its own, made by plain Vulkan with what the
+//! engine's requirements say and nothing else, under the validation layers.
+
+use std::ffi::{CStr, CString, c_void};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use ash::{ext, vk};
+use gpu::{Device, DeviceOptions, Features, HostDevice, HostQueue, Purpose, Requirements};
+
+use crate::{Driver, take_turn};
+
+/// A host's instance and device. Destroyed by [`Host::finish`].
+pub struct Host {
+    /// The loader's entry.
+    pub entry: ash::Entry,
+    /// The host's own instance.
+    pub instance: ash::Instance,
+    /// The physical device.
+    pub physical: vk::PhysicalDevice,
+    /// The host's own device.
+    pub device: ash::Device,
+    /// Its one queue.
+    pub queue: vk::Queue,
+    /// The requirements that the device was made from.
+    pub needs: Requirements,
+    debug: ext::debug_utils::Instance,
+    messenger: vk::DebugUtilsMessengerEXT,
+    // Boxed: the messenger holds its address.
+    messages: Box<Messages>,
+}
+
+type Messages = Mutex<Vec<String>>;
+
+const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
+
+impl Host {
+    /// Creates a device of `driver` with exactly what `purpose` requires and can use.
+    pub fn new(driver: Driver, purpose: Purpose) -> Self {
+        Self::without(driver, purpose, &[], Features::default())
+    }
+
+    /// Creates a device without some of the extensions and features that it should have.
+    pub fn without(
+        driver: Driver,
+        purpose: Purpose,
+        extensions: &[&CStr],
+        features: Features,
+    ) -> Self {
+        take_turn();
+        let entry = gpu::load_entry().unwrap_or_else(|error| panic!("{error}"));
+        let messages = Box::new(Messages::default());
+        let instance = create_instance(&entry, &messages);
+        let debug = ext::debug_utils::Instance::new(&entry, &instance);
+        let info = messenger_info(&messages);
+        // SAFETY: the messages are boxed and outlive the messenger.
+        let messenger = unsafe { debug.create_debug_utils_messenger(&info, None) }.unwrap();
+        // SAFETY: a valid instance.
+        let devices = unsafe { instance.enumerate_physical_devices() }.unwrap();
+        let is_wanted = |physical: &vk::PhysicalDevice| {
+            // SAFETY: a physical device of this instance.
+            let properties = unsafe { instance.get_physical_device_properties(*physical) };
+            let name = properties.device_name_as_c_str().unwrap().to_string_lossy();
+            name.contains(driver.device_name())
+        };
+        let physical = devices.into_iter().find(is_wanted).unwrap_or_else(|| {
+            panic!("Run `ci/setup --tests` and `. ci/env` first: these tests need {driver:?}.")
+        });
+        // SAFETY: made through this entry, and a physical device of this instance.
+        let needs = unsafe { Requirements::of(&entry, &instance, physical, purpose) };
+        needs.check().unwrap();
+        let kept = needs.extensions().into_iter().filter(|name| !extensions.contains(name));
+        let device = create_device(
+            &instance,
+            physical,
+            needs.queue_family.unwrap(),
+            &kept.collect::<Vec<_>>(),
+            needs.features().without(features),
+        );
+        // SAFETY: the family and index were asked for when the device was created.
+        let queue = unsafe { device.get_device_queue(needs.queue_family.unwrap(), 0) };
+        Self { entry, instance, physical, device, queue, needs, debug, messenger, messages }
+    }
+
+    /// Returns the description of the device for its adoption without a queue.
+    pub fn describe(&self) -> HostDevice {
+        let extensions = self.needs.extensions();
+        let extensions = extensions.into_iter().chain([ext::debug_utils::NAME]);
+        HostDevice {
+            entry: self.entry.clone(),
+            instance: self.instance.clone(),
+            physical_device: self.physical,
+            device: self.device.clone(),
+            queue_family: self.needs.queue_family.unwrap(),
+            api_version: vk::API_VERSION_1_3,
+            extensions: extensions.map(CString::from).collect(),
+            features: self.needs.features(),
+            allocation_callbacks: None,
+            pipeline_cache: None,
+            queue: None,
+            options: DeviceOptions { wait_bound: Duration::from_secs(60), ..Default::default() },
+        }
+    }
+
+    /// Hands the device to the engine as `description` says, which [`Host::describe`] began.
+    pub fn try_adopt(&self, description: HostDevice) -> Result<Device, gpu::Error> {
+        // SAFETY: the description is of this host's device, which lives until `finish`.
+        unsafe { Device::adopt(description) }
+    }
+
+    /// Hands the device to the engine: with a queue, or for an executor.
+    pub fn adopt(&self, queue: Option<HostQueue>) -> Device {
+        self.try_adopt(HostDevice { queue, ..self.describe() }).unwrap()
+    }
+
+    /// Says that every frame is over: the host records none, or has waited for all.
+    pub fn say_all_is_over(&self, device: &Device) {
+        // SAFETY: the wait below.
+        unsafe {
+            self.device.device_wait_idle().unwrap();
+            device.host_finished().unwrap();
+        }
+    }
+
+    /// Takes the messages of the validation layers so far.
+    pub fn messages(&self) -> Vec<String> {
+        std::mem::take(&mut *lock(&self.messages))
+    }
+
+    /// Destroys device and instance, and fails if a layer said anything: leaks are among it.
+    pub fn finish(self) {
+        // SAFETY: the engine's devices were dropped before, or this says so.
+        unsafe {
+            self.device.device_wait_idle().unwrap();
+            self.device.destroy_device(None);
+            self.debug.destroy_debug_utils_messenger(self.messenger, None);
+            self.instance.destroy_instance(None);
+        }
+        let messages = self.messages();
+        assert!(messages.is_empty(), "the validation layer said: {messages:#?}");
+    }
+}
+
+fn create_instance(entry: &ash::Entry, messages: &Messages) -> ash::Instance {
+    let application =
+        vk::ApplicationInfo::default().application_name(c"a host").api_version(vk::API_VERSION_1_3);
+    let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
+    let mut checks = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+    let mut messenger = messenger_info(messages);
+    let (layers, extensions) = (
+        [LAYER.as_ptr()],
+        [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()],
+    );
+    let info = vk::InstanceCreateInfo::default()
+        .application_info(&application)
+        .enabled_layer_names(&layers)
+        .enabled_extension_names(&extensions)
+        .push_next(&mut checks)
+        .push_next(&mut messenger);
+    // SAFETY: every pointer in `info` lives until the call returns.
+    unsafe { entry.create_instance(&info, None) }
+        .unwrap_or_else(|code| panic!("{code}: run `ci/setup --tests` first, for the layer"))
+}
+
+fn create_device(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    family: u32,
+    extensions: &[&CStr],
+    features: Features,
+) -> ash::Device {
+    let mut structures = features.structures();
+    let mut chain = structures.link(extensions);
+    let queues =
+        [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
+    let names: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
+    let info = vk::DeviceCreateInfo::default()
+        .queue_create_infos(&queues)
+        .enabled_extension_names(&names)
+        .push_next(&mut chain);
+    // SAFETY: the requirements name only what the device has.
+    unsafe { instance.create_device(physical, &info, None) }.unwrap()
+}
+
+fn messenger_info(messages: &Messages) -> vk::DebugUtilsMessengerCreateInfoEXT<'_> {
+    use vk::{
+        DebugUtilsMessageSeverityFlagsEXT as Severity, DebugUtilsMessageTypeFlagsEXT as Type,
+    };
+    vk::DebugUtilsMessengerCreateInfoEXT::default()
+        .message_severity(Severity::WARNING | Severity::ERROR)
+        .message_type(Type::VALIDATION | Type::PERFORMANCE)
+        .pfn_user_callback(Some(on_message))
+        .user_data(std::ptr::from_ref(messages).cast_mut().cast())
+}
+
+unsafe extern "system" fn on_message(
+    _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
+    _kind: vk::DebugUtilsMessageTypeFlagsEXT,
+    data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
+    user_data: *mut c_void,
+) -> vk::Bool32 {
+    // SAFETY: the loader passes valid data, and the boxed messages of a host that lives.
+    let (data, messages) = unsafe { (&*data, &*user_data.cast::<Messages>()) };
+    // SAFETY: the text is null-terminated.
+    let text = unsafe { data.message_as_c_str() }.unwrap_or_default();
+    lock(messages).push(text.to_string_lossy().into_owned());
+    vk::FALSE
+}
+
+fn lock(messages: &Messages) -> MutexGuard<'_, Vec<String>> {
+    messages.lock().unwrap_or_else(PoisonError::into_inner)
+}
