@@ -1,9 +1,9 @@
 //! A thin Vulkan 1.3 executor: it knows devices, memory, frames, passes, queries and predicates,
 //! and no scene.
 //!
-//! All the `unsafe` of the engine lives here. The types are thin on purpose: they own one Vulkan
-//! thing each, give it a debug name, free it when the GPU is done with it, and leave deciding to
-//! the caller. What is worth reading first:
+//! All the `unsafe` of the engine lives here, but for the boundary to C. The types are thin on
+//! purpose: they own one Vulkan thing each, give it a debug name, free it when the GPU is done with
+//! it, and leave deciding to the caller. What is worth reading first:
 //!
 //! - [`FrameRing`]: N frames in flight, the waits of a frame loop.
 //! - [`QueryRing`]: occlusion queries whose results are read back through mapped memory without a

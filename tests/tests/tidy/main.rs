@@ -126,7 +126,7 @@ fn crates_without_unsafe_code_forbid_it() {
 }
 
 #[test]
-fn unsafe_code_lives_in_gpu_alone() {
+fn unsafe_code_lives_in_gpu_and_at_the_boundary_to_c() {
     assert_obeyed(rules::unsafe_code);
     assert_catches(
         rules::unsafe_code,

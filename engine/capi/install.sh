@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Builds the C interface and installs it: `engine/capi/install.sh PREFIX [CARGO OPTION..]`.
+#
+# Below PREFIX lie then include/antumbra.h, the shared and the static library, a pkg-config file and a
+# CMake package. What follows PREFIX goes to `cargo build`, `--release` if there is nothing:
+# `install.sh /usr/local`, `install.sh out --profile dev`. Linux only.
+set -euo pipefail
+
+[ "$#" -ge 1 ] || { echo "usage: install.sh PREFIX [CARGO OPTION..]" >&2; exit 2; }
+mkdir -p "$1"
+prefix=$(cd "$1" && pwd)
+shift
+[ "$#" -gt 0 ] || set -- --release
+cd "$(dirname "${BASH_SOURCE[0]}")"
+
+# Cargo says where the files are: profiles and target folders are the caller's choice.
+built=$(cargo build -p antumbra-capi --message-format json-render-diagnostics "$@" |
+    grep -o '"[^"]*libantumbra_capi\.\(so\|a\)"' | tr -d '"' | sort -u)
+library=$(grep '/libantumbra_capi\.so$' <<<"$built")
+archive=$(grep '/libantumbra_capi\.a$' <<<"$built")
+version=$(cargo pkgid -p antumbra-capi | sed 's/.*[#@]//')
+
+install -d "$prefix"/include "$prefix"/lib/pkgconfig "$prefix"/lib/cmake/antumbra
+install -m 644 include/antumbra.h "$prefix/include/"
+install -m 755 "$library" "$prefix/lib/libantumbra.so.1"
+ln -sf libantumbra.so.1 "$prefix/lib/libantumbra.so"
+install -m 644 "$archive" "$prefix/lib/libantumbra.a"
+sed "s/@VERSION@/$version/" package/antumbra.pc.in >"$prefix/lib/pkgconfig/antumbra.pc"
+cmake=$prefix/lib/cmake/antumbra
+install -m 644 package/antumbra-config.cmake "$cmake/"
+sed "s/@VERSION@/$version/" package/antumbra-config-version.cmake.in >"$cmake/antumbra-config-version.cmake"

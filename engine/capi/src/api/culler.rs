@@ -1,0 +1,121 @@
+//! Functions of cullers.
+
+use crate::context::{AntumbraContext, entry};
+use crate::decisions::culler::{
+    AntumbraCuller, AntumbraCullerDesc, AntumbraPlanDesc, ViewCuller, strategy,
+};
+use crate::decisions::hierarchy::AntumbraHierarchy;
+use crate::decisions::plan::{AntumbraAnswer, AntumbraFramePlan};
+use crate::error::{AntumbraError, AntumbraResult};
+use crate::pointers::{Output, check_output, read, slice};
+
+/// Creates a culler that knows nothing yet.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_culler_create(
+    context: *const AntumbraContext,
+    desc: *const AntumbraCullerDesc,
+    culler: *mut AntumbraCuller,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            check_output("culler", culler)?;
+            let desc = read("desc", desc)?;
+            *culler = context.cullers.insert(ViewCuller::new(&desc)?)?;
+            Ok(())
+        })
+    }
+}
+
+/// Destroys a culler. A handle of 0 is no error.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_culler_destroy(
+    context: *const AntumbraContext,
+    culler: AntumbraCuller,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe { entry(context, error, |context| context.cullers.destroy(culler)) }
+}
+
+/// Forgets all that is known, after a change that makes it worthless.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_culler_reset(
+    context: *const AntumbraContext,
+    culler: AntumbraCuller,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            context.cullers.find(culler)?.write()?.reset();
+            Ok(())
+        })
+    }
+}
+
+/// Takes answers to queries of earlier plans: in any order, late, twice, or never. Those that fit
+/// nothing any more are ignored. If one is none at all, nothing is taken.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_culler_ingest(
+    context: *const AntumbraContext,
+    culler: AntumbraCuller,
+    hierarchy: AntumbraHierarchy,
+    answers: *const AntumbraAnswer,
+    count: usize,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let answers = slice("answers", answers, count)?;
+            let (culler, hierarchy) =
+                (context.cullers.find(culler)?, context.hierarchies.find(hierarchy)?);
+            let hierarchy = hierarchy.read()?;
+            culler.write()?.ingest(&hierarchy.hierarchy, answers)
+        })
+    }
+}
+
+/// Plans the next frame.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_culler_plan(
+    context: *const AntumbraContext,
+    culler: AntumbraCuller,
+    hierarchy: AntumbraHierarchy,
+    desc: *const AntumbraPlanDesc,
+    plan: *mut AntumbraFramePlan,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let output = Output::new("plan", plan)?;
+            let desc = read("desc", desc)?;
+            let view = read("desc.view", desc.view)?.view()?;
+            let strategy = strategy(desc.strategy)?;
+            let (culler, hierarchy) =
+                (context.cullers.find(culler)?, context.hierarchies.find(hierarchy)?);
+            let (mut culler, hierarchy) = (culler.write()?, hierarchy.read()?);
+            let plan = culler.plan(&hierarchy.hierarchy, strategy, &view, desc.query_budget);
+            output.write(&plan);
+            Ok(())
+        })
+    }
+}

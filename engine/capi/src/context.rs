@@ -1,0 +1,180 @@
+//! The context: what a program creates first. It keeps all objects and the log.
+
+use std::ffi::c_void;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr;
+
+use tracing::Dispatch;
+
+use crate::decisions::culler::{AntumbraCuller, ViewCuller};
+use crate::decisions::hierarchy::{AntumbraHierarchy, BoxHierarchy};
+use crate::error::{AntumbraError, AntumbraResult, Failure};
+use crate::layout::{Versioned, layout};
+use crate::log::{ANTUMBRA_LOG_DEBUG, AntumbraLogCallback, CallbackLog};
+use crate::table::Table;
+use crate::version::ANTUMBRA_ABI_VERSION;
+
+/// The first bytes of a context, to find out pointers to something else.
+const MAGIC: u64 = 0x616e_7475_6d62_7261;
+
+/// All objects of one user of the library. Several can live at the same time.
+pub struct AntumbraContext {
+    magic: u64,
+    log: Option<Dispatch>,
+    pub(crate) hierarchies: Table<BoxHierarchy, AntumbraHierarchy>,
+    pub(crate) cullers: Table<ViewCuller, AntumbraCuller>,
+}
+
+/// The options of a context.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraContextDesc {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// `ANTUMBRA_ABI_VERSION`, as the caller was compiled.
+    pub abi_version: u32,
+    /// The function that takes messages; null for none. Default: null.
+    pub log: AntumbraLogCallback,
+    /// The first argument of `log`. Default: null.
+    pub log_user: *mut c_void,
+    /// The last level that is passed on, `ANTUMBRA_LOG_ERROR` to `ANTUMBRA_LOG_DEBUG`. Default:
+    /// `ANTUMBRA_LOG_WARN`.
+    pub log_level: u32,
+    /// Must be 0.
+    pub reserved: u32,
+}
+layout!(AntumbraContextDesc: struct_size, abi_version, log, log_user, log_level, reserved);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraContextDesc {
+    const REQUIRED_FIELDS: usize = 2;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        abi_version: ANTUMBRA_ABI_VERSION,
+        log: None,
+        log_user: ptr::null_mut(),
+        log_level: crate::log::ANTUMBRA_LOG_WARN,
+        reserved: 0,
+    };
+}
+
+impl AntumbraContext {
+    pub(crate) fn new(desc: &AntumbraContextDesc) -> Result<Box<Self>, Failure> {
+        if desc.abi_version != ANTUMBRA_ABI_VERSION {
+            let message = format!(
+                "the program was compiled with version {} of antumbra.h, this library has version \
+                 {ANTUMBRA_ABI_VERSION}: compile and link files of one release",
+                desc.abi_version
+            );
+            return Err(Failure::new(AntumbraResult::AbiVersion, message));
+        }
+        if !(1..=ANTUMBRA_LOG_DEBUG).contains(&desc.log_level) || desc.reserved != 0 {
+            return Err(Failure::argument("log_level is an ANTUMBRA_LOG_.., and reserved is 0"));
+        }
+        let (user, max_level) = (desc.log_user, desc.log_level);
+        let log = desc.log.map(|callback| CallbackLog { callback, user, max_level });
+        let mut context = Box::<Self>::new_uninit();
+        // Contexts that live at the same time have different addresses.
+        let salt = context.as_mut_ptr() as u64;
+        Ok(Box::write(
+            context,
+            Self {
+                magic: MAGIC,
+                log: log.map(Dispatch::new),
+                hierarchies: Table::new(salt),
+                cullers: Table::new(salt),
+            },
+        ))
+    }
+
+    /// Destroys a context.
+    ///
+    /// # Safety
+    /// It is memory that can be read; if it is a context, nobody else uses it.
+    pub(crate) unsafe fn destroy(context: *mut Self) -> Result<(), Failure> {
+        // SAFETY: the caller's promises.
+        unsafe {
+            checked(context)?;
+            (*context).magic = 0;
+            let context = Box::from_raw(context);
+            let log = context.log.clone();
+            logged(log.as_ref(), || drop(context));
+        }
+        Ok(())
+    }
+}
+
+/// Runs a call that uses a context.
+///
+/// # Safety
+/// `context` and `error` are as the rules of the interface say.
+pub(crate) unsafe fn entry(
+    context: *const AntumbraContext,
+    error: *mut AntumbraError,
+    call: impl FnOnce(&AntumbraContext) -> Result<(), Failure>,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        guarded(error, || {
+            let context = checked(context)?;
+            logged(context.log.as_ref(), || call(context))
+        })
+    }
+}
+
+/// Runs a call, turns its panic into an error, and reports its outcome.
+///
+/// # Safety
+/// `error` is as the rules of the interface say.
+pub(crate) unsafe fn guarded(
+    error: *mut AntumbraError,
+    call: impl FnOnce() -> Result<(), Failure>,
+) -> AntumbraResult {
+    // Objects that were being changed are poisoned by their locks.
+    let outcome = catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<&str>().copied();
+        let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+        let text = text.unwrap_or("no message");
+        let failure = Failure::new(
+            AntumbraResult::Panic,
+            format_args!("a defect of the library, please report it: {text}"),
+        );
+        // The payload's own drop could panic again.
+        std::mem::forget(panic);
+        Err(failure)
+    });
+    let (result, message) = match &outcome {
+        Ok(()) => (AntumbraResult::Ok, ""),
+        Err(failure) => (failure.result, failure.message.as_str()),
+    };
+    // SAFETY: the caller's promise.
+    unsafe { AntumbraError::write(error, result, message) };
+    result
+}
+
+/// Calls a function whose messages go to a log, on this thread and no other.
+fn logged<R>(log: Option<&Dispatch>, call: impl FnOnce() -> R) -> R {
+    match log {
+        Some(log) => tracing::dispatcher::with_default(log, call),
+        None => call(),
+    }
+}
+
+/// Returns the context behind a pointer.
+///
+/// # Safety
+/// `context` is null, or memory that can be read. It is a context for as long as it is used.
+unsafe fn checked<'a>(context: *const AntumbraContext) -> Result<&'a AntumbraContext, Failure> {
+    if context.is_null() {
+        return Err(Failure::new(AntumbraResult::BadPointer, "context is null"));
+    }
+    // SAFETY: the caller's promise. The magic number finds some of those who break it.
+    let is_context =
+        context.is_aligned() && unsafe { (&raw const (*context).magic).read() } == MAGIC;
+    if !is_context {
+        let message = "context is none, or was destroyed";
+        return Err(Failure::new(AntumbraResult::UnknownHandle, message));
+    }
+    // SAFETY: as above.
+    Ok(unsafe { &*context })
+}

@@ -1,0 +1,224 @@
+//! The hierarchy over the boxes of objects.
+
+use cull::{Aabb, Hierarchy, HierarchyError, LeafRange, ObjectId};
+use glam::Vec3;
+
+use crate::error::Failure;
+use crate::layout::{Versioned, layout};
+use crate::table::handle;
+
+/// The object of a leaf that has none.
+pub const ANTUMBRA_NO_OBJECT: u32 = u32::MAX;
+
+/// A hierarchy of bounding volumes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AntumbraHierarchy {
+    /// The number of the handle; 0 for none.
+    pub id: u64,
+}
+handle!(AntumbraHierarchy = "hierarchy");
+
+/// An axis-aligned box in world space (metres). Coordinates are finite and at most 1e15, and no
+/// minimum is above its maximum.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AntumbraAabb {
+    /// The corner with the smallest coordinates.
+    pub min: [f32; 3],
+    /// The corner with the largest coordinates.
+    pub max: [f32; 3],
+}
+layout!(AntumbraAabb: min, max);
+
+impl From<AntumbraAabb> for Aabb {
+    fn from(bounds: AntumbraAabb) -> Self {
+        Self::new(Vec3::from(bounds.min), Vec3::from(bounds.max))
+    }
+}
+
+impl From<Aabb> for AntumbraAabb {
+    fn from(bounds: Aabb) -> Self {
+        Self { min: bounds.min.to_array(), max: bounds.max.to_array() }
+    }
+}
+
+/// The objects of a new hierarchy.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraHierarchyDesc {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// Must be 0.
+    pub reserved: u32,
+    /// The boxes of the objects; the position of a box is its object's id. They are copied.
+    pub boxes: *const AntumbraAabb,
+    /// The number of boxes.
+    pub box_count: usize,
+    /// The number of objects for which there is room before everything must be built again; less
+    /// than `box_count` counts as `box_count`. Default: 0.
+    pub capacity: usize,
+}
+layout!(AntumbraHierarchyDesc: struct_size, reserved, boxes, box_count, capacity);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraHierarchyDesc {
+    const REQUIRED_FIELDS: usize = 4;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        reserved: 0,
+        boxes: std::ptr::null(),
+        box_count: 0,
+        capacity: 0,
+    };
+}
+
+/// The leaves of a hierarchy in the order of plans: objects near each other in space are so here,
+/// and what one test decides about is one range of leaves.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraLeaves {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// Must be 0.
+    pub reserved: u32,
+    /// The object of each leaf; `ANTUMBRA_NO_OBJECT` where there is none. Valid until the hierarchy
+    /// changes.
+    pub objects: *const u32,
+    /// The number of leaves.
+    pub count: usize,
+    /// A number that changes with any entry of `objects`.
+    pub revision: u64,
+}
+layout!(AntumbraLeaves: struct_size, reserved, objects, count, revision);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraLeaves {
+    const REQUIRED_FIELDS: usize = 5;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        reserved: 0,
+        objects: std::ptr::null(),
+        count: 0,
+        revision: 0,
+    };
+}
+
+/// A hierarchy that makes room by itself, and the objects of its leaves as C reads them.
+pub(crate) struct BoxHierarchy {
+    pub hierarchy: Hierarchy,
+    leaf_objects: Vec<u32>,
+    revision: u64,
+    /// Kept to allocate nothing.
+    reordered: Vec<LeafRange>,
+}
+
+impl BoxHierarchy {
+    pub fn new(boxes: &[AntumbraAabb], capacity: usize) -> Result<Self, Failure> {
+        let count = boxes.len().max(capacity);
+        if count > cull::MAX_OBJECTS {
+            return Err(HierarchyError::TooMany { count }.into());
+        }
+        let mut all = Vec::with_capacity(count);
+        for (number, bounds) in boxes.iter().enumerate() {
+            all.push(usable(number, *bounds)?);
+        }
+        all.resize(count, Aabb::EMPTY);
+        let boxes = all;
+        let hierarchy = Hierarchy::build(&boxes)?;
+        let mut new =
+            Self { hierarchy, leaf_objects: Vec::new(), revision: 0, reordered: Vec::new() };
+        new.list_all_leaves();
+        Ok(new)
+    }
+
+    /// Returns the objects of the leaves, as pointers into this.
+    pub fn leaves(&self) -> AntumbraLeaves {
+        AntumbraLeaves {
+            objects: self.leaf_objects.as_ptr(),
+            count: self.leaf_objects.len(),
+            revision: self.revision,
+            ..AntumbraLeaves::DEFAULT
+        }
+    }
+
+    /// Notes the objects of all leaves.
+    fn list_all_leaves(&mut self) {
+        self.leaf_objects.clear();
+        self.leaf_objects.resize(self.hierarchy.leaf_objects().len(), ANTUMBRA_NO_OBJECT);
+        self.list_leaves(0..self.hierarchy.leaf_objects().len());
+    }
+
+    /// Notes the objects of a range of leaves.
+    fn list_leaves(&mut self, range: std::ops::Range<usize>) {
+        for leaf in range {
+            let object = self.hierarchy.leaf_objects()[leaf];
+            let is_there = self.hierarchy.contains(object);
+            self.leaf_objects[leaf] = if is_there { object.0 } else { ANTUMBRA_NO_OBJECT };
+        }
+        self.revision += 1;
+    }
+
+    /// Notes the object of one object's leaf.
+    fn list_leaf_of(&mut self, object: ObjectId) {
+        if let Some(leaf) = self.hierarchy.leaf_of(object) {
+            self.list_leaves(leaf.0 as usize..leaf.0 as usize + 1);
+        }
+    }
+
+    pub fn move_objects(&mut self, objects: &[u32], boxes: &[AntumbraAabb]) -> Result<(), Failure> {
+        let boxes = boxes.iter().map(|bounds| Aabb::from(*bounds));
+        Ok(self.hierarchy.refit(objects.iter().map(|object| ObjectId(*object)).zip(boxes))?)
+    }
+
+    pub fn insert(&mut self, bounds: Aabb) -> Result<u32, Failure> {
+        if self.hierarchy.free_leaves() == 0 {
+            self.grow()?;
+        }
+        let object = self.hierarchy.insert(bounds)?;
+        self.list_leaf_of(object);
+        Ok(object.0)
+    }
+
+    /// Builds everything again with twice the room.
+    fn grow(&mut self) -> Result<(), Failure> {
+        let count = self.hierarchy.leaf_objects().len();
+        let room = (count * 2).clamp(8, cull::MAX_OBJECTS.max(count + 1));
+        let object = |number: usize| ObjectId(u32::try_from(number).unwrap_or(u32::MAX));
+        let node = |number| self.hierarchy.node_of(object(number));
+        let bounds = |number| node(number).map_or(Aabb::EMPTY, |node| self.hierarchy.bounds(node));
+        let boxes: Vec<Aabb> = (0..room).map(bounds).collect();
+        self.hierarchy.rebuild(&boxes)?;
+        self.list_all_leaves();
+        Ok(())
+    }
+
+    pub fn remove(&mut self, objects: &[u32]) -> Result<(), Failure> {
+        for object in objects.iter().map(|object| ObjectId(*object)) {
+            self.hierarchy.remove(object)?;
+            self.list_leaf_of(object);
+        }
+        Ok(())
+    }
+
+    pub fn update(&mut self) {
+        let mut reordered = std::mem::take(&mut self.reordered);
+        self.hierarchy.restructure(&mut reordered);
+        for range in reordered.drain(..) {
+            self.list_leaves(range.indices());
+        }
+        self.reordered = reordered;
+    }
+}
+
+/// Returns a box that an object can have.
+pub(crate) fn usable(number: usize, bounds: AntumbraAabb) -> Result<Aabb, Failure> {
+    let usable = Some(Aabb::from(bounds)).filter(Aabb::is_usable);
+    usable.ok_or_else(|| {
+        Failure::argument(format_args!(
+            "boxes[{number}] is no box, from {:?} to {:?}: coordinates must be finite, at most \
+             1e15, and none of min above that of max",
+            bounds.min, bounds.max
+        ))
+    })
+}

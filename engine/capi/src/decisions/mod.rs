@@ -1,0 +1,6 @@
+//! Decisions alone: boxes in, plan out, answers in. No Vulkan.
+
+pub mod culler;
+pub mod hierarchy;
+pub mod plan;
+pub mod view;

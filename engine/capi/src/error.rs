@@ -1,0 +1,108 @@
+//! Results and messages of calls.
+
+use std::ffi::c_char;
+use std::fmt::Display;
+
+use cull::HierarchyError;
+
+use crate::layout::layout;
+
+/// The result of a call.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AntumbraResult {
+    /// It did what it says.
+    Ok = 0,
+    /// A pointer is null that must not be, or is not aligned.
+    BadPointer = -1,
+    /// A `struct_size` is the size of no version of the struct, or a field that this version of
+    /// the library does not know is not 0.
+    BadStructSize = -2,
+    /// A value is outside of its range, or does not fit the others.
+    BadArgument = -3,
+    /// A handle that is 0, was destroyed, or belongs to another context or kind of object.
+    UnknownHandle = -4,
+    /// Another call is using the object.
+    Busy = -5,
+    /// The object was being changed when a panic happened: destroy it.
+    Poisoned = -6,
+    /// A defect of the library: please report the message.
+    Panic = -7,
+    /// There is not enough memory.
+    NoMemory = -8,
+    /// The program was compiled with another version of the interface.
+    AbiVersion = -9,
+    /// The device lacks something that is needed.
+    Unsupported = -10,
+    /// The Vulkan device is lost: destroy it and all that was made on it.
+    DeviceLost = -11,
+    /// A call of Vulkan failed; the message names it.
+    Vulkan = -12,
+}
+
+/// The message of a call that failed, in memory of the caller.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraError {
+    /// Size of this struct in bytes, set by the caller. A caller who wants less text may have a
+    /// smaller struct.
+    pub struct_size: u32,
+    /// The result of the call, an `AntumbraResult`.
+    pub result: i32,
+    /// The reason and what to do, in UTF-8 with a 0 at the end; empty after a success.
+    pub message: [c_char; 504],
+}
+layout!(AntumbraError: struct_size, result, message);
+
+impl AntumbraError {
+    /// Bytes before the text.
+    const HEADER: usize = 8;
+
+    /// Writes the outcome of a call.
+    ///
+    /// # Safety
+    /// `error` is null or points to a struct as [`AntumbraError::struct_size`] says.
+    pub(crate) unsafe fn write(error: *mut Self, result: AntumbraResult, message: &str) {
+        if error.is_null() || !error.is_aligned() {
+            return;
+        }
+        // SAFETY: as above; nothing beyond the size given by the caller is written.
+        unsafe {
+            let size = ((*error).struct_size as usize).min(size_of::<Self>());
+            let Some(room) = size.checked_sub(Self::HEADER + 1) else { return };
+            (*error).result = result as i32;
+            let end = (0..=room.min(message.len())).rev().find(|at| message.is_char_boundary(*at));
+            let text = &message.as_bytes()[..end.unwrap_or(0)];
+            let target = (&raw mut (*error).message).cast::<u8>();
+            target.copy_from_nonoverlapping(text.as_ptr(), text.len());
+            target.add(text.len()).write(0);
+        }
+    }
+}
+
+/// A call that failed.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    pub result: AntumbraResult,
+    pub message: String,
+}
+
+impl Failure {
+    pub fn new(result: AntumbraResult, message: impl Display) -> Self {
+        Self { result, message: message.to_string() }
+    }
+
+    pub fn argument(message: impl Display) -> Self {
+        Self::new(AntumbraResult::BadArgument, message)
+    }
+}
+
+impl From<HierarchyError> for Failure {
+    fn from(error: HierarchyError) -> Self {
+        let result = match error {
+            HierarchyError::NoMemory { .. } => AntumbraResult::NoMemory,
+            _ => AntumbraResult::BadArgument,
+        };
+        Self::new(result, error)
+    }
+}

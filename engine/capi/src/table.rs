@@ -1,0 +1,155 @@
+//! The objects of one kind in a context: handles are numbers that a destroyed object gives back for
+//! good.
+
+use std::marker::PhantomData;
+use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
+
+use crate::error::{AntumbraResult, Failure};
+
+/// A handle in C: 64 bits, of which 0 is none.
+pub(crate) trait Handle: Copy {
+    /// The name of its kind of object in messages.
+    const KIND: &'static str;
+
+    fn from_id(id: u64) -> Self;
+
+    fn id(self) -> u64;
+}
+
+/// An object that calls of several threads may ask for.
+pub(crate) struct Shared<T>(Arc<RwLock<T>>);
+
+impl<T> Shared<T> {
+    /// Locks the object for a call that reads it.
+    pub fn read(&self) -> Result<RwLockReadGuard<'_, T>, Failure> {
+        self.0.try_read().map_err(|error| unavailable(&error))
+    }
+
+    /// Locks the object for a call that changes it.
+    pub fn write(&self) -> Result<RwLockWriteGuard<'_, T>, Failure> {
+        self.0.try_write().map_err(|error| unavailable(&error))
+    }
+}
+
+fn unavailable<T>(error: &TryLockError<T>) -> Failure {
+    match error {
+        TryLockError::WouldBlock => Failure::new(
+            AntumbraResult::Busy,
+            "another call is using this object: order the calls of your threads",
+        ),
+        TryLockError::Poisoned(_) => Failure::new(
+            AntumbraResult::Poisoned,
+            "the object was being changed when an earlier call failed by a panic: destroy it and \
+             create it again",
+        ),
+    }
+}
+
+/// A place for an object, and the number that is its handle's upper half while it is there.
+struct Slot<T> {
+    generation: u32,
+    object: Option<Arc<RwLock<T>>>,
+}
+
+/// All objects of one kind.
+pub(crate) struct Table<T, H> {
+    slots: Mutex<Vec<Slot<T>>>,
+    /// The generation that slots begin with: another in each table, so that handles of other
+    /// contexts and kinds are found out.
+    first_generation: u32,
+    handle: PhantomData<H>,
+}
+
+impl<T, H: Handle> Table<T, H> {
+    /// Creates a table; `salt` is another number for each context that lives at the same time.
+    pub fn new(salt: u64) -> Self {
+        let kind = H::KIND.bytes().fold(0_u64, |sum, byte| sum * 31 + u64::from(byte));
+        // The finalizer of SplitMix64: near salts become far generations.
+        let mut mixed = salt.wrapping_add(kind).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let first_generation = (mixed >> 32) as u32;
+        Self { slots: Mutex::new(Vec::new()), first_generation, handle: PhantomData }
+    }
+
+    /// Adds an object and returns its handle.
+    pub fn insert(&self, object: T) -> Result<H, Failure> {
+        let object = Some(Arc::new(RwLock::new(object)));
+        let mut slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
+        let index = match slots.iter().position(|slot| slot.object.is_none()) {
+            Some(free) => free,
+            None => {
+                slots.push(Slot { generation: self.first_generation, object: None });
+                slots.len() - 1
+            }
+        };
+        let number = u32::try_from(index)
+            .ok()
+            .and_then(|index| index.checked_add(1))
+            .ok_or_else(|| Failure::argument(format_args!("too many objects: {}", H::KIND)))?;
+        slots[index].object = object;
+        Ok(H::from_id(u64::from(slots[index].generation) << 32 | u64::from(number)))
+    }
+
+    /// Returns an object.
+    pub fn find(&self, handle: H) -> Result<Shared<T>, Failure> {
+        let slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
+        let slot = index_of(&slots, handle).and_then(|index| slots[index].object.as_ref());
+        slot.cloned().map(Shared).ok_or_else(|| unknown(handle))
+    }
+
+    /// Takes an object out. It lives on until calls that use it have returned.
+    pub fn remove(&self, handle: H) -> Result<Shared<T>, Failure> {
+        let mut slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
+        let index = index_of(&slots, handle).ok_or_else(|| unknown(handle))?;
+        slots[index].generation = slots[index].generation.wrapping_add(1);
+        let object = slots[index].object.take();
+        object.map(Shared).ok_or_else(|| unknown(handle))
+    }
+
+    /// Destroys an object, if the handle is not 0.
+    pub fn destroy(&self, handle: H) -> Result<(), Failure> {
+        if handle.id() != 0 {
+            drop(self.remove(handle)?);
+        }
+        Ok(())
+    }
+}
+
+/// Returns the place of a handle's object, if it is still that object's.
+fn index_of<T, H: Handle>(slots: &[Slot<T>], handle: H) -> Option<usize> {
+    let index = (handle.id() as u32).checked_sub(1)? as usize;
+    let generation = (handle.id() >> 32) as u32;
+    slots.get(index).is_some_and(|slot| slot.generation == generation).then_some(index)
+}
+
+fn unknown<H: Handle>(handle: H) -> Failure {
+    let (kind, id) = (H::KIND, handle.id());
+    let reason = match id {
+        0 => format!("the handle of a {kind} is 0: create one first"),
+        _ => format!(
+            "there is no {kind} {id:#x} in this context: it was destroyed, or belongs to another \
+             context"
+        ),
+    };
+    Failure::new(AntumbraResult::UnknownHandle, reason)
+}
+
+/// Implements [`Handle`] for a struct in C.
+macro_rules! handle {
+    ($name:ident = $kind:literal) => {
+        impl $crate::table::Handle for $name {
+            const KIND: &'static str = $kind;
+
+            fn from_id(id: u64) -> Self {
+                Self { id }
+            }
+
+            fn id(self) -> u64 {
+                self.id
+            }
+        }
+        $crate::layout::layout!($name: id);
+    };
+}
+pub(crate) use handle;

@@ -1,0 +1,184 @@
+//! Every function with what a program in C may get wrong: null, sizes, handles, values.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod handles;
+mod values;
+mod versions;
+
+use std::ffi::CStr;
+use std::ptr::null_mut;
+
+use antumbra_capi::api::context::*;
+use antumbra_capi::api::culler::*;
+use antumbra_capi::api::hierarchy::*;
+use antumbra_capi::context::*;
+use antumbra_capi::decisions::culler::*;
+use antumbra_capi::decisions::hierarchy::*;
+use antumbra_capi::decisions::plan::*;
+use antumbra_capi::decisions::view::*;
+use antumbra_capi::error::AntumbraError;
+use antumbra_capi::error::AntumbraResult::{self, BadArgument, Ok};
+use antumbra_capi::layout::Versioned;
+
+/// Returns the last message.
+fn text(error: &AntumbraError) -> &str {
+    // SAFETY: every call ends the message.
+    unsafe { CStr::from_ptr(error.message.as_ptr()) }.to_str().unwrap()
+}
+
+fn no_error() -> AntumbraError {
+    let struct_size = size_of::<AntumbraError>() as u32;
+    AntumbraError { struct_size, result: 0, message: [0; 504] }
+}
+
+const VIEW: AntumbraViewDesc = AntumbraViewDesc {
+    width: 64,
+    height: 64,
+    #[rustfmt::skip]
+    clip_from_world: [
+        1.0, 0.0, 0.0, 0.0,
+        0.0, -1.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, -1.0,
+        0.0, 0.0, 0.1, 0.0,
+    ],
+    ..AntumbraViewDesc::DEFAULT
+};
+
+fn cube(x: f32, z: f32) -> AntumbraAabb {
+    AntumbraAabb { min: [x, -0.5, z], max: [x + 0.5, 0.5, z + 0.5] }
+}
+
+/// A context with a hierarchy of two objects and a culler.
+struct Host {
+    context: *mut AntumbraContext,
+    hierarchy: AntumbraHierarchy,
+    culler: AntumbraCuller,
+    error: AntumbraError,
+}
+
+impl Host {
+    fn new() -> Self {
+        let mut new = Self {
+            context: null_mut(),
+            hierarchy: AntumbraHierarchy { id: 0 },
+            culler: AntumbraCuller { id: 0 },
+            error: no_error(),
+        };
+        let boxes = [cube(-1.0, -5.0), cube(1.0, -5.0)];
+        let hierarchy = AntumbraHierarchyDesc {
+            boxes: boxes.as_ptr(),
+            box_count: boxes.len(),
+            ..Versioned::DEFAULT
+        };
+        let Self { context, hierarchy: made, culler, error } = &mut new;
+        // SAFETY: all pointers are to values that live as long as the calls.
+        unsafe {
+            assert_eq!(antumbra_context_create(&Versioned::DEFAULT, context, error), Ok);
+            let created = antumbra_hierarchy_create(*context, &hierarchy, made, error);
+            assert_eq!(created, Ok, "{}", text(error));
+            let created = antumbra_culler_create(*context, &Versioned::DEFAULT, culler, error);
+            assert_eq!(created, Ok, "{}", text(error));
+        }
+        new
+    }
+
+    fn plan(&mut self, view: &AntumbraViewDesc, plan: &mut AntumbraFramePlan) -> AntumbraResult {
+        let desc = AntumbraPlanDesc { view, ..Versioned::DEFAULT };
+        let Self { context, hierarchy, culler, error } = self;
+        // SAFETY: all pointers are to values that live as long as the call.
+        unsafe { antumbra_culler_plan(*context, *culler, *hierarchy, &desc, plan, error) }
+    }
+
+    /// Returns the objects of a plan, drawn at once or tested.
+    fn planned(&mut self) -> Vec<u32> {
+        let mut plan = AntumbraFramePlan::DEFAULT;
+        assert_eq!(self.plan(&VIEW, &mut plan), Ok, "{}", text(&self.error));
+        let leaves = self.leaves().0;
+        // SAFETY: the arrays of a plan that was just made.
+        let (draws, tests) = unsafe {
+            let draws = std::slice::from_raw_parts(plan.draws, plan.draw_count);
+            (draws, std::slice::from_raw_parts(plan.tests, plan.test_count))
+        };
+        let tested = tests.iter().flat_map(|test| {
+            let first = test.first_leaf as usize;
+            leaves[first..first + test.leaf_count as usize].to_vec()
+        });
+        let drawn = draws.iter().map(|draw| draw.object);
+        let all = drawn.chain(tested).filter(|object| *object != ANTUMBRA_NO_OBJECT);
+        let mut objects: Vec<u32> = all.collect();
+        objects.sort_unstable();
+        objects
+    }
+
+    fn leaves(&mut self) -> (Vec<u32>, u64) {
+        let mut leaves = AntumbraLeaves::DEFAULT;
+        // SAFETY: as in `plan`.
+        unsafe {
+            let listed = antumbra_hierarchy_leaves(
+                self.context,
+                self.hierarchy,
+                &mut leaves,
+                &mut self.error,
+            );
+            assert_eq!(listed, Ok);
+            let objects = std::slice::from_raw_parts(leaves.objects, leaves.count);
+            (objects.to_vec(), leaves.revision)
+        }
+    }
+}
+
+impl Drop for Host {
+    fn drop(&mut self) {
+        // SAFETY: nobody uses it any more.
+        unsafe { antumbra_context_destroy(self.context, null_mut()) };
+    }
+}
+
+#[test]
+fn objects_come_move_and_go() {
+    let mut host = Host::new();
+    assert_eq!(host.planned(), [0, 1]);
+    let (context, hierarchy) = (host.context, host.hierarchy);
+    let boxes: Vec<AntumbraAabb> = (0..20).map(|n| cube(n as f32 * 0.1 - 1.0, -4.0)).collect();
+    let mut ids = [0; 20];
+    let revision = host.leaves().1;
+    // SAFETY: pointers to values on this stack.
+    unsafe {
+        let (boxes, ids_at) = (boxes.as_ptr(), ids.as_mut_ptr());
+        let (count, error) = (ids.len(), &mut host.error);
+        let inserted =
+            antumbra_hierarchy_insert(context, hierarchy, boxes, count, ids_at, null_mut(), error);
+        assert_eq!(inserted, Ok, "{}", text(error));
+    }
+    let mut expected: Vec<u32> = [0, 1].into_iter().chain(ids).collect();
+    expected.sort_unstable();
+    assert_eq!(host.planned(), expected);
+    let (leaves, grown) = host.leaves();
+    assert!(grown > revision);
+    let there = leaves.iter().filter(|object| **object != ANTUMBRA_NO_OBJECT).count();
+    assert_eq!((there, leaves.len()), (22, 32), "room doubles");
+
+    // Behind the eye, or gone.
+    let behind = [cube(0.0, 5.0); 10];
+    // SAFETY: as above.
+    unsafe {
+        let error = &mut host.error;
+        let (ids, boxes) = (ids.as_ptr(), behind.as_ptr());
+        assert_eq!(antumbra_hierarchy_move(context, hierarchy, ids, boxes, 10, error), Ok);
+        assert_eq!(antumbra_hierarchy_remove(context, hierarchy, ids.add(10), 9, error), Ok);
+        let again = antumbra_hierarchy_remove(context, hierarchy, ids.add(10), 1, error);
+        assert_eq!(again, BadArgument);
+        assert_eq!(antumbra_hierarchy_update(context, hierarchy, error), Ok);
+    }
+    let mut left = vec![0, 1, ids[19]];
+    left.sort_unstable();
+    assert_eq!(host.planned(), left);
+    let leaves = host.leaves().0;
+    let mut there: Vec<u32> =
+        leaves.into_iter().filter(|object| *object != ANTUMBRA_NO_OBJECT).collect();
+    there.sort_unstable();
+    left.extend_from_slice(&ids[..10]);
+    left.sort_unstable();
+    assert_eq!(there, left);
+}

@@ -1,0 +1,107 @@
+//! Pointers and values that are refused, each by its name.
+
+use std::ptr::{from_ref, null, null_mut};
+
+use antumbra_capi::api::culler::*;
+use antumbra_capi::api::hierarchy::*;
+use antumbra_capi::decisions::culler::*;
+use antumbra_capi::decisions::hierarchy::*;
+use antumbra_capi::decisions::plan::*;
+use antumbra_capi::decisions::view::*;
+use antumbra_capi::error::AntumbraError;
+use antumbra_capi::error::AntumbraResult::{self, BadArgument, BadPointer};
+use antumbra_capi::layout::Versioned;
+
+use crate::{Host, VIEW, cube, text};
+
+#[test]
+fn bad_pointers_and_values_are_named() {
+    let mut host = Host::new();
+    let (context, hierarchy, culler) = (host.context, host.hierarchy, host.culler);
+    let error = &mut host.error;
+    let bad = AntumbraAabb { min: [1.0; 3], max: [0.0; 3] };
+    let infinite = AntumbraAabb { max: [f32::INFINITY; 3], ..bad };
+    let odd = from_ref(&bad).wrapping_byte_add(1);
+    let mut added = 7;
+    let mut ids = [9; 2];
+    let mut none = AntumbraHierarchy { id: 3 };
+    let expect = |result, expected: (AntumbraResult, &str), error: &AntumbraError| {
+        let (wanted, words) = expected;
+        assert_eq!(result, wanted, "{}", text(error));
+        assert!(text(error).contains(words), "\"{}\" does not say \"{words}\"", text(error));
+    };
+    // SAFETY: pointers are null or misaligned, which is refused, or to values on this stack.
+    unsafe {
+        for (boxes, box_count, expected) in [
+            (null(), 1, (BadPointer, "desc.boxes is null")),
+            (odd, 1, (BadPointer, "desc.boxes is not aligned to 4")),
+            (from_ref(&bad), usize::MAX, (BadArgument, "more than memory")),
+            (from_ref(&bad), 1, (BadArgument, "boxes[0] is no box")),
+            (from_ref(&infinite), 1, (BadArgument, "boxes[0] is no box")),
+        ] {
+            let desc = AntumbraHierarchyDesc { boxes, box_count, ..Versioned::DEFAULT };
+            let result = antumbra_hierarchy_create(context, &desc, &mut none, error);
+            expect(result, expected, error);
+        }
+        let huge = AntumbraHierarchyDesc { capacity: usize::MAX, ..Versioned::DEFAULT };
+        let result = antumbra_hierarchy_create(context, &huge, &mut none, error);
+        expect(result, (BadArgument, "more than one hierarchy holds"), error);
+        let reserved = AntumbraHierarchyDesc { reserved: 1, ..Versioned::DEFAULT };
+        let result = antumbra_hierarchy_create(context, &reserved, &mut none, error);
+        expect(result, (BadArgument, "reserved"), error);
+        let result = antumbra_hierarchy_create(context, &Versioned::DEFAULT, null_mut(), error);
+        expect(result, (BadPointer, "hierarchy is null"), error);
+        assert_eq!(none.id, 3, "nothing is written after an error");
+
+        let result = antumbra_hierarchy_move(context, hierarchy, &5, &cube(0.0, 0.0), 1, error);
+        expect(result, (BadArgument, "object 5 is not"), error);
+        let result = antumbra_hierarchy_move(context, hierarchy, &0, &bad, 1, error);
+        expect(result, (BadArgument, "object 0 has no usable"), error);
+        let result = antumbra_hierarchy_move(context, hierarchy, null(), &bad, 1, error);
+        expect(result, (BadPointer, "objects is null"), error);
+        let result = antumbra_hierarchy_remove(context, hierarchy, &5, 1, error);
+        expect(result, (BadArgument, "object 5 is not"), error);
+
+        let boxes = [cube(0.0, -5.0), bad];
+        let (boxes, ids_at) = (boxes.as_ptr(), ids.as_mut_ptr());
+        let result =
+            antumbra_hierarchy_insert(context, hierarchy, boxes, 2, ids_at, &mut added, error);
+        expect(result, (BadArgument, "boxes[1] is no box"), error);
+        assert_eq!((added, ids[1]), (1, 9));
+        let result =
+            antumbra_hierarchy_insert(context, hierarchy, boxes, 2, null_mut(), &mut added, error);
+        expect(result, (BadPointer, "objects is null"), error);
+        assert_eq!(added, 0);
+
+        let testers = AntumbraCullerDesc { testers: 4, ..Versioned::DEFAULT };
+        let mut new = culler;
+        let result = antumbra_culler_create(context, &testers, &mut new, error);
+        expect(result, (BadArgument, "ANTUMBRA_HAS_"), error);
+        let tag =
+            AntumbraQueryTag { frame: 1, node: 0, generation: 0, kind: 9, sample_threshold: 0 };
+        let answer = AntumbraAnswer { tag, samples: 1, reserved: 0 };
+        let result = antumbra_culler_ingest(context, culler, hierarchy, &answer, 1, error);
+        expect(result, (BadArgument, "answers[0] has a tag of kind 9"), error);
+
+        let mut plan = AntumbraFramePlan::DEFAULT;
+        for (strategy, view, expected) in [
+            (7, from_ref(&VIEW), (BadArgument, "STRATEGY_.. 7")),
+            (1, null(), (BadPointer, "desc.view is null")),
+            (1, &AntumbraViewDesc { width: 0, ..VIEW }, (BadArgument, "width")),
+            (
+                1,
+                &AntumbraViewDesc { clip_from_world: [0.0; 16], ..VIEW },
+                (BadArgument, "clip_from_world"),
+            ),
+            (1, &AntumbraViewDesc { depth: 7, ..VIEW }, (BadArgument, "ANTUMBRA_DEPTH_")),
+            (1, &AntumbraViewDesc { clip_y: 7, ..VIEW }, (BadArgument, "ANTUMBRA_CLIP_Y_")),
+        ] {
+            let desc = AntumbraPlanDesc { strategy, view, ..Versioned::DEFAULT };
+            let result = antumbra_culler_plan(context, culler, hierarchy, &desc, &mut plan, error);
+            expect(result, expected, error);
+        }
+        let desc = AntumbraPlanDesc { view: &VIEW, ..Versioned::DEFAULT };
+        let result = antumbra_culler_plan(context, culler, hierarchy, &desc, null_mut(), error);
+        expect(result, (BadPointer, "plan is null"), error);
+    }
+}
