@@ -102,7 +102,7 @@ pub use crate::record::attachments::{
     Attachments, COLOURS_MAX, ColourFormats, HostPass, NearDepth,
 };
 pub use crate::record::commands::Commands;
-pub use crate::record::frames::{Frame, FrameRing, SlotIndex};
+pub use crate::record::frames::{Frame, FrameNumbers, FrameRing, SlotIndex};
 pub use crate::record::host_image::{HostImage, HostImages, ImageState};
 pub use crate::record::indirect::{DrawRange, IndirectDraw};
 pub use crate::record::pipeline::{

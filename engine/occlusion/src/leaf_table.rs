@@ -4,18 +4,20 @@
 
 mod changes;
 mod counts;
+mod dirty_list;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId};
-use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, Predication, vk};
+use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, Predication, Tick, vk};
 
 use crate::error::Error;
 use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
 use changes::DrawChanges;
 pub use counts::LeafCount;
 use counts::LeafCounts;
+use dirty_list::DirtyList;
 
 /// A mesh that leaves can draw: its indexed draw and its triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,6 +63,7 @@ impl LeafTableId {
 /// The leaves of one scene. Changed leaves are marked; the next frame uploads them.
 pub struct LeafTable {
     pub(crate) id: LeafTableId,
+    device: Device,
     /// One [`ProxyBox`] per leaf, not enlarged.
     boxes: Buffer,
     pub(crate) predicates: Predicates,
@@ -68,8 +71,9 @@ pub struct LeafTable {
     leaf_draws: Vec<MeshDrawId>,
     counts: LeafCounts,
     pub(crate) changes: DrawChanges,
-    dirty: Vec<LeafIndex>,
-    is_dirty: Vec<bool>,
+    dirty: DirtyList<LeafIndex>,
+    /// The disorders of frames that were seen.
+    disorders: u64,
 }
 
 /// Elements that the owner of the objects keeps per leaf, and uploads with those of the table.
@@ -108,12 +112,13 @@ impl LeafTable {
             (0..).zip(&leaf_draws).map(|(leaf, id)| draw_of_leaf(&mesh_draws, *id, leaf)).collect();
         Ok(Self {
             id: LeafTableId::new(),
+            device: device.clone(),
             boxes: device.upload("leaf boxes", &boxes, vk::BufferUsageFlags::STORAGE_BUFFER)?,
             predicates: Predicates::new(device, predication, &draws, frames_in_flight)?,
             counts: LeafCounts::new(counts()),
             changes: DrawChanges::new(objects.len()),
-            dirty: Vec::new(),
-            is_dirty: vec![false; objects.len()],
+            dirty: DirtyList::new(objects.len(), |leaf| leaf.0),
+            disorders: device.disorders(),
             mesh_draws,
             leaf_draws,
         })
@@ -152,29 +157,34 @@ impl LeafTable {
     /// uploads it.
     pub fn mark_dirty(&mut self, leaf: LeafIndex, now: MeshDrawId) {
         let place = leaf.0 as usize;
-        let (Some(id), Some(is_dirty)) =
-            (self.leaf_draws.get_mut(place), self.is_dirty.get_mut(place))
-        else {
-            return;
-        };
+        let Some(id) = self.leaf_draws.get_mut(place) else { return };
         let before = std::mem::replace(id, now);
         if before != now {
             let [before, now] = [before, now].map(|id| count_of(&self.mesh_draws, id));
             self.counts.replace(place, before, now);
             self.changes.push(leaf);
         }
-        if !std::mem::replace(is_dirty, true) {
-            self.dirty.push(leaf);
-        }
+        self.dirty.push(leaf);
     }
 
-    /// Returns the leaves that the next frame uploads.
+    /// Returns the leaves that the next frame uploads, once it is [begun](LeafTable::begin).
     pub fn dirty(&self) -> &[LeafIndex] {
-        &self.dirty
+        self.dirty.items()
+    }
+
+    /// Forgets the changes that are known to be in GPU memory: those of frames that ran in their
+    /// order. After frames in another order, which a host may cause, every leaf is uploaded again.
+    pub fn begin(&mut self) {
+        let disorders = self.device.disorders();
+        if std::mem::replace(&mut self.disorders, disorders) != disorders {
+            self.dirty.push_all((0..self.leaf_draws.len() as u32).map(LeafIndex));
+            self.changes.forget();
+        }
+        self.dirty.forget(self.device.confirmed());
     }
 
     /// Records the upload of the stale leaves, before anything of `frame` reads them. They stay
-    /// stale until the frame was [submitted](LeafTable::submitted), which may never happen.
+    /// stale until a frame that was [submitted](LeafTable::submitted) is known to have run.
     ///
     /// # Errors
     /// No memory.
@@ -185,7 +195,7 @@ impl LeafTable {
         scatter: &ScatterPass,
         beside: LeafElements,
     ) -> Result<(), Error> {
-        if self.dirty.is_empty() {
+        if self.dirty().is_empty() {
             return Ok(());
         }
         let bounds = |leaf: &LeafIndex| {
@@ -194,26 +204,23 @@ impl LeafTable {
             leaf_box(hierarchy, object, self.count(LeafRange { first: *leaf, count: 1 }))
         };
         let uploads = frame.uploads();
-        let leaves = uploads.push_iter(self.dirty.iter().map(|leaf| leaf.0))?;
-        let draws = uploads.push_iter(self.dirty.iter().map(|leaf| self.draw(*leaf)))?;
-        let boxes = uploads.push_iter(self.dirty.iter().map(bounds))?;
+        let leaves = uploads.push_iter(self.dirty().iter().map(|leaf| leaf.0))?;
+        let draws = uploads.push_iter(self.dirty().iter().map(|leaf| self.draw(*leaf)))?;
+        let boxes = uploads.push_iter(self.dirty().iter().map(bounds))?;
         let io = |elements, array| ScatterIo { leaves, elements, array };
         let arrays = [
             (io(beside.elements, beside.array), beside.element_bytes),
             (io(draws, self.predicates.draws()), size_of::<IndirectDraw>()),
             (io(boxes, self.boxes()), size_of::<ProxyBox>()),
         ];
-        scatter.record(frame.commands(), self.dirty.len() as u32, &arrays);
+        scatter.record(frame.commands(), self.dirty().len() as u32, &arrays);
         Ok(())
     }
 
     /// Notes that the frame of the last [`LeafTable::upload`] was submitted.
-    pub fn submitted(&mut self) {
-        for leaf in self.dirty.drain(..) {
-            if let Some(is_dirty) = self.is_dirty.get_mut(leaf.0 as usize) {
-                *is_dirty = false;
-            }
-        }
+    pub fn submitted(&mut self, tick: Tick) {
+        self.dirty.sent(tick);
+        self.dirty.forget(self.device.confirmed());
     }
 }
 

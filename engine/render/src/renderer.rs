@@ -326,7 +326,7 @@ impl Renderer {
     /// Notes that the frame recorded last was submitted.
     pub(crate) fn submitted(&mut self, tick: Tick) {
         self.passes.submitted(tick);
-        self.executor.leaves.submitted();
+        self.executor.leaves.submitted(tick);
         if let Some(overlay) = &mut self.flat_overlay {
             overlay.submitted();
         }

@@ -24,6 +24,8 @@ mod frame_loop;
 mod golden;
 mod gpu_layer;
 mod host_device;
+#[cfg(feature = "shader-compiler")]
+mod host_frames;
 mod ideal;
 mod learning;
 mod misuse;

@@ -19,7 +19,8 @@ const STAGING_BYTES: usize = 32 << 20;
 
 impl Device {
     /// Returns a buffer in GPU memory that holds `items`. Waits for the copy: for loading, not for
-    /// frames.
+    /// frames. On a device without a queue the next frame of the host copies first, and nothing
+    /// waits.
     ///
     /// # Errors
     /// No memory, or a failed call.
@@ -31,11 +32,14 @@ impl Device {
     ) -> Result<Buffer, Error> {
         let bytes: &[u8] = bytemuck::cast_slice(items);
         let usage = usage | vk::BufferUsageFlags::TRANSFER_DST;
-        let buffer = Buffer::new(self, name, bytes.len() as u64, usage, MemoryKind::Device)?;
+        let mut buffer = Buffer::new(self, name, bytes.len() as u64, usage, MemoryKind::Device)?;
         if bytes.is_empty() {
             return Ok(buffer);
         }
-        let piece_bytes = STAGING_BYTES.min(bytes.len());
+        let piece_bytes = match self.has_queue() {
+            true => STAGING_BYTES.min(bytes.len()),
+            false => bytes.len(),
+        };
         let mut staging = Buffer::new(
             self,
             "staging",
@@ -43,6 +47,13 @@ impl Device {
             vk::BufferUsageFlags::TRANSFER_SRC,
             MemoryKind::Upload,
         )?;
+        if !self.has_queue() {
+            if let Some(place) = staging.bytes_mut().get_mut(..bytes.len()) {
+                place.copy_from_slice(bytes);
+            }
+            buffer.upload_later(staging);
+            return Ok(buffer);
+        }
         for (piece, data) in bytes.chunks(piece_bytes).enumerate() {
             if let Some(place) = staging.bytes_mut().get_mut(..data.len()) {
                 place.copy_from_slice(data);

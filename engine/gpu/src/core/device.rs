@@ -13,6 +13,7 @@ use crate::core::clock::ClockSource;
 use crate::core::deletion::{Recording, Retired};
 use crate::core::device_shared::{DeviceShared, wait_bounded};
 use crate::core::error::{Called, Error};
+use crate::core::executions::Executions;
 use crate::core::extensions::Extensions;
 use crate::core::host_callbacks::HostCallbacks;
 use crate::core::instance::{Instance, InstanceShared};
@@ -21,6 +22,7 @@ use crate::core::ownership::{self, OfDevice, OwnerId, Ownership};
 use crate::core::queue_lock::{QueueLock, lock};
 use crate::core::tick::Tick;
 use crate::core::timeline::Timeline;
+use crate::memory::pending_uploads::PendingUploads;
 
 /// The number of times the CPU waited for the GPU since the device was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -140,7 +142,6 @@ impl Device {
 
     /// Begins the frame `current` of a host, for whom all frames up to `safe` are over on the GPU
     /// or will never be submitted. The former rises, the latter never falls.
-    #[expect(dead_code, reason = "the frames that call it come next")]
     pub(crate) fn host_frame(&self, current: Tick, safe: Tick) -> Result<(), Error> {
         self.shared.clock.begin_host_frame(current, safe)
     }
@@ -305,6 +306,21 @@ impl Device {
             self.shared.destroy(retired);
         }
         Ok(())
+    }
+
+    /// Returns true if the device submits by itself, and false if it was adopted without a queue:
+    /// then it records into command buffers of the host
+    /// ([`FrameRing::begin_in`](crate::FrameRing::begin_in)).
+    pub fn has_queue(&self) -> bool {
+        matches!(self.shared.clock.source, ClockSource::Timeline(_))
+    }
+
+    pub(crate) fn executions(&self) -> MutexGuard<'_, Executions> {
+        lock(&self.shared.executions)
+    }
+
+    pub(crate) fn pending_uploads(&self) -> MutexGuard<'_, PendingUploads> {
+        lock(&self.shared.pending_uploads)
     }
 
     pub(crate) fn raw(&self) -> &ash::Device {

@@ -10,6 +10,7 @@ use gpu_allocator::vulkan::Allocator;
 use crate::core::adapter::Adapter;
 use crate::core::clock::{Clock, ClockSource};
 use crate::core::deletion::{DeletionQueue, Retired};
+use crate::core::executions::Executions;
 use crate::core::extensions::Extensions;
 use crate::core::host_callbacks::HostCallbacks;
 use crate::core::instance::InstanceShared;
@@ -17,6 +18,7 @@ use crate::core::ownership::{OwnerId, Ownership};
 use crate::core::pipeline_cache::PipelineCache;
 use crate::core::queue_lock::lock;
 use crate::core::tick::Tick;
+use crate::memory::pending_uploads::PendingUploads;
 
 /// The Vulkan device and all that lives as long as it does.
 pub(crate) struct DeviceShared {
@@ -32,6 +34,10 @@ pub(crate) struct DeviceShared {
     pub(super) allocator: Mutex<Option<Allocator>>,
     pub(super) deletion: Mutex<DeletionQueue<Retired>>,
     pub(super) clock: Clock,
+    /// The frames of a host that ran or did not.
+    pub(super) executions: Mutex<Executions>,
+    /// Uploads that wait for a frame of a host.
+    pub(super) pending_uploads: Mutex<PendingUploads>,
     pub(super) wait_bound: Duration,
     pub(super) slot_waits: AtomicU64,
     pub(super) other_waits: AtomicU64,
@@ -134,6 +140,7 @@ impl Drop for DeviceShared {
             let Some(retired) = popped else { break };
             self.destroy(retired);
         }
+        lock(&self.pending_uploads).drain().for_each(|retired| self.destroy(retired));
         self.pipeline_cache.save(&self.raw);
         self.pipeline_cache.destroy(&self.raw, &self.callbacks);
         if let Some(allocator) = lock(&self.allocator).take() {

@@ -147,6 +147,18 @@ pub enum Error {
         /// The newest frame that was said to be over before.
         over: u64,
     },
+    /// More frames of a host are in flight than its ring has slots.
+    #[error(
+        "frame {current} needs the memory of frame {used}, which is not over yet: the ring has {slots} slots; make one with a slot more than the host has frames in flight, and say in `FrameNumbers::safe` which frames are over"
+    )]
+    TooManyFrames {
+        /// The number of the frame.
+        current: u64,
+        /// The frame that uses the next slot.
+        used: u64,
+        /// The number of slots.
+        slots: usize,
+    },
     /// An image was read that is not there: its frame is not over, was never submitted, or there
     /// was none yet.
     #[error(

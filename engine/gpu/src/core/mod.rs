@@ -8,6 +8,7 @@ pub(crate) mod deletion;
 pub(crate) mod device;
 pub(crate) mod device_shared;
 pub(crate) mod error;
+pub(crate) mod executions;
 pub(crate) mod extensions;
 pub(crate) mod features;
 pub(crate) mod host_callbacks;

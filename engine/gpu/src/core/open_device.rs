@@ -97,6 +97,8 @@ pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<Device
         allocator: Mutex::new(Some(allocator)),
         deletion: Mutex::new(DeletionQueue::new()),
         clock: Clock::new(source),
+        executions: Mutex::default(),
+        pending_uploads: Mutex::default(),
         wait_bound: options.wait_bound,
         slot_waits: AtomicU64::new(0),
         other_waits: AtomicU64::new(0),

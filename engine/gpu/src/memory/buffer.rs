@@ -11,6 +11,7 @@ use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::{OfDevice, OwnerId};
+use crate::memory::pending_uploads::UploadToken;
 
 /// The memory that a buffer lives in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,6 +31,8 @@ pub struct Buffer {
     // None only while dropping.
     allocation: Option<Allocation>,
     size_bytes: u64,
+    /// Kept while the first contents may still be on their way.
+    upload: Option<UploadToken>,
 }
 
 /// A part of a buffer. Valid for the frame being recorded even if the buffer is dropped meanwhile.
@@ -108,7 +111,18 @@ impl Buffer {
                 return Err(error);
             }
         };
-        Ok(Self { device: device.clone(), raw, allocation, size_bytes })
+        Ok(Self { device: device.clone(), raw, allocation, size_bytes, upload: None })
+    }
+
+    /// Lets the next frame of a host copy `staging` here, whole.
+    pub(crate) fn upload_later(&mut self, mut staging: Self) {
+        if let Some(allocation) = staging.allocation.take() {
+            let (from, size_bytes) = ((staging.raw, allocation), staging.size_bytes);
+            let mut pending = self.device.pending_uploads();
+            let token = pending.push(from, self.raw, size_bytes.min(self.size_bytes));
+            drop(pending);
+            self.upload = Some(token);
+        }
     }
 
     /// Returns its size.

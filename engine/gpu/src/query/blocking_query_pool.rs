@@ -52,7 +52,7 @@ impl BlockingQueryPool {
 
     /// Begins a frame in `slot`: its queries are numbered from 0.
     pub fn begin(&mut self, slot: SlotIndex) {
-        self.ring.turn_to(slot);
+        self.ring.turn_to(slot, |_| false);
         self.recorded.restart(0);
     }
 

@@ -42,11 +42,16 @@ impl<T: Copy> FlagRing<T> {
     /// Gives `answer` the tags and results of every frame that is over, oldest first. `completed`
     /// is [`Device::completed`]. Never waits.
     pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(&[T], &[u32])) {
-        self.ring.collect(self.device.proven(completed), |slot| {
-            if let Some(results) = &slot.memory {
-                answer(&slot.tags, results.read(slot.tags.len()));
-            }
-        });
+        let device = &self.device;
+        self.ring.collect(
+            device.proven(completed),
+            |tick| device.is_lost(tick),
+            |slot| {
+                if let Some(results) = &slot.memory {
+                    answer(&slot.tags, results.read(slot.tags.len()));
+                }
+            },
+        );
     }
 
     /// Starts the flags of `frame`, one per tag, all zero; the index of a flag is the index of its
@@ -61,7 +66,7 @@ impl<T: Copy> FlagRing<T> {
         tags: impl ExactSizeIterator<Item = T>,
     ) -> Result<(), Error> {
         frame.commands().admit(self)?;
-        let (slot, _) = self.ring.turn_to(frame.slot());
+        let (slot, _) = self.ring.turn_to(frame.slot(), |tick| self.device.is_lost(tick));
         slot.begin(frame.commands().recording(), tags);
         let wanted = slot.tags.len();
         if wanted == 0 {

@@ -79,11 +79,16 @@ impl<T: Copy> LeafDrawRing<T> {
 
     /// Gives `listed` the list of every frame that is over, oldest first. Never waits.
     pub fn collect(&mut self, completed: Tick, mut listed: impl FnMut(T, EnabledDraws<'_>)) {
-        self.ring.collect(self.device.proven(completed), |slot| {
-            if let (Some(tag), Some(memory)) = (slot.tags.first(), &slot.memory) {
-                listed(*tag, memory.enabled());
-            }
-        });
+        let device = &self.device;
+        self.ring.collect(
+            device.proven(completed),
+            |tick| device.is_lost(tick),
+            |slot| {
+                if let (Some(tag), Some(memory)) = (slot.tags.first(), &slot.memory) {
+                    listed(*tag, memory.enabled());
+                }
+            },
+        );
     }
 
     /// Starts a frame in which fragments may switch on draws of the ranges `tested`; without
@@ -100,7 +105,8 @@ impl<T: Copy> LeafDrawRing<T> {
         draw: impl Fn(u32) -> IndirectDraw,
     ) -> Result<(), Error> {
         frame.commands().admit(self)?;
-        let (slot, was_given_up) = self.ring.turn_to(frame.slot());
+        let (slot, was_given_up) =
+            self.ring.turn_to(frame.slot(), |tick| self.device.is_lost(tick));
         if was_given_up {
             slot.memory = None;
         }

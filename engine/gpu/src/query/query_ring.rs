@@ -71,12 +71,17 @@ impl<T: Copy> QueryRing<T> {
     /// (only zero or not zero means something, unless they were
     /// [counted](QueryRing::set_counting)). `completed` is [`Device::completed`]. Never waits.
     pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(T, u32)) {
-        self.ring.collect(self.device.proven(completed), |slot| {
-            let Some(queries) = &slot.memory else { return };
-            for (tag, samples) in slot.tags.iter().zip(queries.results.read(slot.tags.len())) {
-                answer(*tag, *samples);
-            }
-        });
+        let device = &self.device;
+        self.ring.collect(
+            device.proven(completed),
+            |tick| device.is_lost(tick),
+            |slot| {
+                let Some(queries) = &slot.memory else { return };
+                for (tag, samples) in slot.tags.iter().zip(queries.results.read(slot.tags.len())) {
+                    answer(*tag, *samples);
+                }
+            },
+        );
     }
 
     /// Starts the queries of `frame`, one per tag; the index of a query is the index of its tag.
@@ -93,7 +98,7 @@ impl<T: Copy> QueryRing<T> {
             let wanted = "queries that count samples";
             return Err(Error::Unsupported { device, missing: lacking.name(), wanted });
         }
-        let (slot, _) = self.ring.turn_to(frame.slot());
+        let (slot, _) = self.ring.turn_to(frame.slot(), |tick| self.device.is_lost(tick));
         self.recorded.restart(0);
         slot.begin(frame.commands().recording(), tags.iter().copied());
         if slot.memory.as_ref().is_none_or(|queries| !queries.results.holds(tags.len())) {

@@ -27,6 +27,8 @@ pub(crate) struct Slot<T, M> {
     is_recording: bool,
     /// The frame whose answers this slot holds; none while recording and once they are collected.
     in_flight: Option<Tick>,
+    /// True if the last frame of the slot never ran.
+    is_undefined: bool,
 }
 
 impl<T, M: Default> Ring<T, M> {
@@ -38,6 +40,7 @@ impl<T, M: Default> Ring<T, M> {
             recording: Recording::default(),
             is_recording: false,
             in_flight: None,
+            is_undefined: false,
         };
         Self { slots: (0..frames_in_flight.max(1)).map(slot).collect(), current: 0 }
     }
@@ -47,26 +50,39 @@ impl<T, M: Default> Ring<T, M> {
     }
 
     /// Gives `answer` every slot whose frame is over, once, oldest first: a history should see
-    /// answers in the order of their frames.
-    pub(crate) fn collect(&mut self, completed: Tick, mut answer: impl FnMut(&Slot<T, M>)) {
+    /// answers in the order of their frames. Frames that `is_lost` never ran: there is no answer.
+    pub(crate) fn collect(
+        &mut self,
+        completed: Tick,
+        is_lost: impl Fn(Tick) -> bool,
+        mut answer: impl FnMut(&Slot<T, M>),
+    ) {
         loop {
             let is_over = |slot: &&mut Slot<T, M>| slot.in_flight.is_some_and(|it| it <= completed);
             let over = self.slots.iter_mut().filter(is_over);
             let Some(slot) = over.min_by_key(|slot| slot.in_flight) else {
                 return;
             };
-            slot.in_flight = None;
-            answer(slot);
+            match slot.in_flight.take() {
+                Some(tick) if is_lost(tick) => slot.is_undefined = true,
+                _ => answer(slot),
+            }
         }
     }
 
     /// Goes to the slot of the frame that is recorded next. Also returns true if the last frame
-    /// begun there was never submitted, so that its memory is undefined.
-    pub(crate) fn turn_to(&mut self, slot: SlotIndex) -> (&mut Slot<T, M>, bool) {
+    /// begun there was never submitted, or `is_lost`, so that its memory is undefined.
+    pub(crate) fn turn_to(
+        &mut self,
+        slot: SlotIndex,
+        is_lost: impl Fn(Tick) -> bool,
+    ) -> (&mut Slot<T, M>, bool) {
         self.current = slot.0 % self.slots.len();
         let slot = &mut self.slots[self.current];
         let was_given_up = std::mem::take(&mut slot.is_recording);
-        (slot, was_given_up)
+        let was_lost =
+            std::mem::take(&mut slot.is_undefined) || slot.in_flight.is_some_and(is_lost);
+        (slot, was_given_up || was_lost)
     }
 
     /// Returns the slot that was turned to last.
@@ -112,14 +128,14 @@ mod tests {
 
     /// Records a frame in a slot and submits it as the tick.
     fn frame(ring: &mut Ring<char, ()>, slot: usize, tag: char, tick: u64) {
-        let (slot, _) = ring.turn_to(SlotIndex(slot));
+        let (slot, _) = ring.turn_to(SlotIndex(slot), |_| false);
         slot.begin(Recording::default(), [tag].into_iter());
         ring.submitted(Tick(tick));
     }
 
     fn collected(ring: &mut Ring<char, ()>, completed: u64) -> String {
         let mut tags = String::new();
-        ring.collect(Tick(completed), |slot| tags.extend(&slot.tags));
+        ring.collect(Tick(completed), |_| false, |slot| tags.extend(&slot.tags));
         tags
     }
 
@@ -139,7 +155,7 @@ mod tests {
     fn a_slot_that_is_used_again_forgets_what_nobody_collected() {
         let mut ring = Ring::new(1);
         frame(&mut ring, 0, 'a', 1);
-        let (slot, was_given_up) = ring.turn_to(SlotIndex(0));
+        let (slot, was_given_up) = ring.turn_to(SlotIndex(0), |_| false);
         assert!(!was_given_up);
         slot.begin(Recording::default(), ['b'].into_iter());
         assert!(ring.current().is_recording());
@@ -149,14 +165,31 @@ mod tests {
     #[test]
     fn a_frame_that_is_given_up_is_known_and_never_answers() {
         let mut ring = Ring::new(2);
-        let (slot, _) = ring.turn_to(SlotIndex(0));
+        let (slot, _) = ring.turn_to(SlotIndex(0), |_| false);
         slot.begin(Recording::default(), ['a'].into_iter());
         frame(&mut ring, 1, 'b', 1);
-        assert!(ring.turn_to(SlotIndex(0)).1);
+        assert!(ring.turn_to(SlotIndex(0), |_| false).1);
         assert_eq!(collected(&mut ring, 9), "b");
         // A frame without tags is submitted as well.
-        assert!(!ring.turn_to(SlotIndex(1)).1);
+        assert!(!ring.turn_to(SlotIndex(1), |_| false).1);
         ring.submitted(Tick(2));
         assert_eq!(collected(&mut ring, 9), "");
+    }
+
+    #[test]
+    fn a_frame_that_never_ran_does_not_answer_and_leaves_undefined_memory() {
+        for is_collected in [true, false] {
+            let mut ring = Ring::new(2);
+            frame(&mut ring, 0, 'a', 1);
+            frame(&mut ring, 1, 'b', 2);
+            let is_lost = |tick| tick == Tick(1);
+            let mut tags = String::new();
+            if is_collected {
+                ring.collect(Tick(2), is_lost, |slot| tags.extend(&slot.tags));
+                assert_eq!(tags, "b");
+            }
+            assert!(ring.turn_to(SlotIndex(0), is_lost).1);
+            assert!(!ring.turn_to(SlotIndex(1), is_lost).1);
+        }
     }
 }

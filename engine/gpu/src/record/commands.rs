@@ -4,6 +4,7 @@ use std::cell::{Cell, OnceCell};
 use std::sync::Arc;
 
 use ash::vk;
+use bytemuck::Pod;
 
 use crate::core::deletion::Recording;
 use crate::core::device::Device;
@@ -11,6 +12,7 @@ use crate::core::error::{Called, Error};
 use crate::core::ownership::OfDevice;
 use crate::core::tick::Tick;
 use crate::memory::buffer::BufferSlice;
+use crate::memory::pending_uploads::PendingUpload;
 use crate::record::access::{Access, LayoutChange, MemoryBarrier};
 use crate::record::attachments::COLOURS_MAX;
 use crate::record::label::LabelName;
@@ -298,6 +300,31 @@ impl Commands {
                     value,
                 );
             }
+        }
+    }
+
+    /// Writes a value into the beginning of `slice`: an [`crate::Access::CopyWrite`]. Nothing is
+    /// written to a slice that is too small.
+    pub(crate) fn write<T: Pod>(&self, slice: BufferSlice, value: &T) {
+        let bytes = bytemuck::bytes_of(value);
+        let fits = bytes.len() as u64 <= slice.size_bytes && bytes.len().is_multiple_of(4);
+        if fits && self.admit(&slice).is_ok() {
+            // SAFETY: the bytes lie in the buffer, a destination of transfers; there are few, and
+            // slices begin at multiples of 4.
+            unsafe {
+                let raw = self.device.raw();
+                raw.cmd_update_buffer(self.raw, slice.raw, slice.offset_bytes, bytes);
+            }
+        }
+    }
+
+    /// Copies the first contents of a buffer.
+    pub(crate) fn copy_pending(&self, upload: &PendingUpload) {
+        let region = vk::BufferCopy { size: upload.size_bytes, ..Default::default() };
+        // SAFETY: both buffers are of this device and hold so many bytes; the source is retired
+        // once this is done, and the destination lives, as its token does.
+        unsafe {
+            self.device.raw().cmd_copy_buffer(self.raw, upload.from, upload.to, &[region]);
         }
     }
 

@@ -26,10 +26,8 @@ pub(super) enum SlotTiming {
 pub(super) struct Slot {
     pub(super) device: Device,
     pub(super) name: String,
-    pub(super) pool: vk::CommandPool,
-    /// One command buffer per piece of the frame; most frames are one piece.
-    pub(super) pieces: Vec<vk::CommandBuffer>,
-    pub(super) piece: usize,
+    /// The command buffers; `None` where a host brings its own.
+    pub(super) own: Option<OwnCommands>,
     pub(super) descriptors: Vec<vk::DescriptorPool>,
     pub(super) commands: Commands,
     pub(super) uploads: Uploads,
@@ -42,22 +40,46 @@ pub(super) struct Slot {
     pub(super) tick: Tick,
 }
 
+/// The command buffers of a slot: one per piece of the frame; most frames are one piece.
+pub(super) struct OwnCommands {
+    pool: vk::CommandPool,
+    pieces: Vec<vk::CommandBuffer>,
+    piece: usize,
+}
+
+impl OwnCommands {
+    fn new(device: &Device, name: &str) -> Result<Self, Error> {
+        let pool = create_command_pool(device, name)?;
+        match allocate_commands(device, pool, name) {
+            Ok(buffer) => Ok(Self { pool, pieces: vec![buffer], piece: 0 }),
+            Err(error) => {
+                device.retire(Retired::CommandPool(pool));
+                Err(error)
+            }
+        }
+    }
+}
+
+/// The error of a frame in the command buffer of a host that is submitted or waited for.
+pub(super) const NO_QUEUE: Error = Error::NoQueue { what: "the submit of a frame" };
+
 /// The number of pieces of a frame that share a descriptor pool; the next ones get another.
 const PIECES_PER_DESCRIPTOR_POOL: usize = 32;
 
 impl Slot {
     pub(super) fn new(device: &Device, index: usize) -> Result<Self, Error> {
         let name = format!("frame {index}");
-        let pool = create_command_pool(device, &name)?;
-        let buffer = allocate_commands(device, pool, &name);
-        let made = buffer.and_then(|buffer| Ok((buffer, create_descriptor_pool(device, &name)?)));
-        let (buffer, descriptors) =
-            made.inspect_err(|_| device.retire(Retired::CommandPool(pool)))?;
+        let own = match device.has_queue() {
+            true => Some(OwnCommands::new(device, &name)?),
+            false => None,
+        };
+        let descriptors = create_descriptor_pool(device, &name).inspect_err(|_| {
+            own.iter().for_each(|own| device.retire(Retired::CommandPool(own.pool)));
+        })?;
+        let buffer = vk::CommandBuffer::null();
         Ok(Self {
             device: device.clone(),
-            pool,
-            pieces: vec![buffer],
-            piece: 0,
+            own,
             descriptors: vec![descriptors],
             commands: Commands::new(device, buffer, Recording::default(), descriptors, None),
             uploads: Uploads::new(device, &name),
@@ -71,21 +93,25 @@ impl Slot {
         })
     }
 
-    /// Restarts the slot for a recording; its tick is over.
+    /// Restarts the slot for a recording, in the command buffer of a host if there is one; the
+    /// slot's tick is over.
     pub(super) fn restart(
         &mut self,
         recording: Recording,
         timing: SlotTiming,
+        hosts: Option<vk::CommandBuffer>,
     ) -> Result<(), Error> {
         let raw = self.device.raw();
-        // SAFETY: the slot's tick is over, so nothing of it is in use.
-        unsafe {
-            raw.reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty())
+        if let Some(own) = &mut self.own {
+            own.piece = 0;
+            // SAFETY: the slot's tick is over, so nothing of it is in use, here and below.
+            unsafe { raw.reset_command_pool(own.pool, vk::CommandPoolResetFlags::empty()) }
                 .called("vkResetCommandPool")?;
-            for pool in &self.descriptors {
-                raw.reset_descriptor_pool(*pool, vk::DescriptorPoolResetFlags::empty())
-                    .called("vkResetDescriptorPool")?;
-            }
+        }
+        for pool in &self.descriptors {
+            // SAFETY: as above.
+            unsafe { raw.reset_descriptor_pool(*pool, vk::DescriptorPoolResetFlags::empty()) }
+                .called("vkResetDescriptorPool")?;
         }
         if let Some(timer) = &self.timer
             && std::mem::take(&mut self.is_timed)
@@ -97,8 +123,10 @@ impl Slot {
         self.timing = timing;
         self.whole.read(self.tick);
         self.uploads.reset()?;
-        self.piece = 0;
-        let (buffer, descriptors) = self.begin_piece()?;
+        let (buffer, descriptors) = match (hosts, self.descriptors.first()) {
+            (Some(buffer), Some(descriptors)) => (buffer, *descriptors),
+            _ => self.begin_piece()?,
+        };
         let timer = self.timer.clone().filter(|_| self.timing == SlotTiming::Timed);
         self.commands = Commands::new(&self.device, buffer, recording, descriptors, timer.clone());
         if let Some(timer) = &timer {
@@ -108,24 +136,38 @@ impl Slot {
     }
 
     /// Begins the command buffer of the next piece, which is created when it is first needed.
-    pub(super) fn begin_piece(&mut self) -> Result<(vk::CommandBuffer, vk::DescriptorPool), Error> {
-        if self.piece == self.pieces.len() {
-            let name = format!("{}, piece {}", self.name, self.piece);
-            self.pieces.push(allocate_commands(&self.device, self.pool, &name)?);
+    fn begin_piece(&mut self) -> Result<(vk::CommandBuffer, vk::DescriptorPool), Error> {
+        let Some(own) = &mut self.own else { return Err(NO_QUEUE) };
+        if own.piece == own.pieces.len() {
+            let name = format!("{}, piece {}", self.name, own.piece);
+            own.pieces.push(allocate_commands(&self.device, own.pool, &name)?);
         }
-        let pool = self.piece / PIECES_PER_DESCRIPTOR_POOL;
+        let pool = own.piece / PIECES_PER_DESCRIPTOR_POOL;
         if pool == self.descriptors.len() {
             let name = format!("{}, descriptors {pool}", self.name);
             self.descriptors.push(create_descriptor_pool(&self.device, &name)?);
         }
-        let (buffer, descriptors) = (self.pieces[self.piece], self.descriptors[pool]);
+        let (buffer, descriptors) = (own.pieces[own.piece], self.descriptors[pool]);
         begin_commands(&self.device, buffer)?;
         Ok((buffer, descriptors))
+    }
+
+    /// Goes on with the recording in another piece, after a submit.
+    pub(super) fn next_piece(&mut self) -> Result<(), Error> {
+        if let Some(own) = &mut self.own {
+            own.piece += 1;
+        }
+        let (buffer, descriptors) = self.begin_piece()?;
+        self.commands = self.commands.next_piece(buffer, descriptors);
+        Ok(())
     }
 
     /// Submits the commands recorded so far.
     pub(super) fn submit(&mut self, order: &Order<'_>) -> Result<Tick, Error> {
         self.commands.check()?;
+        if self.own.is_none() {
+            return Err(NO_QUEUE);
+        }
         end_commands(&self.device, self.commands.raw())?;
         self.tick = self.device.submit(Some(self.commands.raw()), order)?;
         self.commands.submitted(self.tick);
@@ -138,6 +180,8 @@ impl Drop for Slot {
         for pool in &self.descriptors {
             self.device.retire(Retired::DescriptorPool(*pool));
         }
-        self.device.retire(Retired::CommandPool(self.pool));
+        if let Some(own) = &self.own {
+            self.device.retire(Retired::CommandPool(own.pool));
+        }
     }
 }

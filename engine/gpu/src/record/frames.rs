@@ -1,17 +1,24 @@
 //! The frame ring: N frames in flight, each with its slot; the waits of a frame loop are here.
+//!
+//! On a device that was adopted without a queue, frames are those of a host: they are recorded into
+//! its command buffers ([`FrameRing::begin_in`]), and nothing here waits.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+use ash::vk;
 
 use crate::core::capabilities::Optional;
 use crate::core::device::{Device, OpenRecording, Order, WaitFor};
 use crate::core::error::Error;
 use crate::core::tick::Tick;
 use crate::core::timeline::Timeline;
+use crate::memory::pending_uploads::PendingUpload;
 use crate::memory::upload::Uploads;
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;
-use crate::record::frame_slot::{Slot, SlotTiming};
+use crate::record::frame_slot::{NO_QUEUE, Slot, SlotTiming};
+use crate::record::frame_stamps::FrameStamps;
 use crate::record::timing::{FrameTime, FrameTimer, PASSES, PassTime, PassTimer};
 
 /// The index of a slot of the ring, which holds the resources of one frame in flight.
@@ -26,12 +33,26 @@ pub struct FrameRing {
     /// The interval of timing: the passes of one in so many frames are timed.
     timed_interval: u64,
     begun: u64,
+    /// The stamps of a host's frames.
+    stamps: Option<FrameStamps>,
 }
 
-/// A frame being recorded. Dropped without [`Frame::submit`], it never happened.
+/// The numbers that a host gives a frame. They rise from frame to frame, not necessarily by one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FrameNumbers {
+    /// The number of the frame, above 0.
+    pub current: Tick,
+    /// The newest frame of which it is known that it is over on the GPU, with all before it. Frames
+    /// that will never be submitted count as over.
+    pub safe: Tick,
+}
+
+/// A frame being recorded. Dropped without [`Frame::submit`] or [`Frame::end`], it never happened.
 pub struct Frame<'ring> {
     ring: &'ring mut FrameRing,
     slot: SlotIndex,
+    /// The number of a host's frame.
+    current: Option<Tick>,
     waited: Duration,
     waits: u32,
     /// The recording, open over all pieces of the frame.
@@ -45,8 +66,13 @@ impl FrameRing {
     /// A failed call.
     pub fn new(device: &Device, frames_in_flight: usize) -> Result<Self, Error> {
         let slots = (0..frames_in_flight.max(1)).map(|slot| Slot::new(device, slot));
-        let slots = slots.collect::<Result<_, _>>()?;
-        Ok(Self { device: device.clone(), slots, next: 0, timed_interval: 1, begun: 0 })
+        let slots: Vec<Slot> = slots.collect::<Result<_, _>>()?;
+        let stamps = match device.has_queue() {
+            true => None,
+            false => Some(FrameStamps::new(device, slots.len())?),
+        };
+        let device = device.clone();
+        Ok(Self { device, slots, next: 0, timed_interval: 1, begun: 0, stamps })
     }
 
     /// Measures the GPU time of every pass from now on.
@@ -136,19 +162,78 @@ impl FrameRing {
     /// # Errors
     /// [`Error::Timeout`], a failed call.
     pub fn begin(&mut self) -> Result<Frame<'_>, Error> {
-        let index = self.next;
-        let Some(slot) = self.slots.get_mut(index) else {
-            return Err(Error::TooLarge {
-                what: "the frame slot".to_owned(),
-                wanted: index as u64,
-                limit: 0,
-            });
-        };
-        let began = Instant::now();
-        if slot.tick > Tick::ZERO {
-            self.device.wait(slot.tick, WaitFor::Slot)?;
+        if !self.device.has_queue() {
+            return Err(NO_QUEUE);
         }
-        let waited = began.elapsed();
+        let began = Instant::now();
+        let tick = self.slots.get(self.next).map_or(Tick::ZERO, |slot| slot.tick);
+        if tick > Tick::ZERO {
+            self.device.wait(tick, WaitFor::Slot)?;
+        }
+        self.restart(None, began.elapsed())
+    }
+
+    /// Starts a frame in a command buffer of a host. Never waits. What was retired before the frame
+    /// `safe` is freed.
+    ///
+    /// The host submits the command buffer, at most once, in the order of the numbers. If it does
+    /// not, what it draws is undefined, and nothing else: answers of frames that never ran are
+    /// ignored, and after frames that ran in another order everything that frames share is
+    /// uploaded again.
+    ///
+    /// # Errors
+    /// [`Error::HasQueue`] for a device with submits of its own; [`Error::FrameNumbers`] for
+    /// numbers that do not rise; [`Error::TooManyFrames`] if the frame that used the next slot is
+    /// not safe; a failed call.
+    ///
+    /// # Safety
+    /// `commands` is a primary command buffer of the device that was adopted, for a queue of the
+    /// family that was named. It is being recorded, outside of renderings, queries and conditions,
+    /// and stays so until the frame is dropped. All frames up to `safe` are over, or will never be
+    /// submitted; command buffers of such frames are not submitted again.
+    pub unsafe fn begin_in(
+        &mut self,
+        commands: vk::CommandBuffer,
+        numbers: FrameNumbers,
+    ) -> Result<Frame<'_>, Error> {
+        let FrameNumbers { current, safe } = numbers;
+        let used = self.slots.get(self.next).map_or(Tick::ZERO, |slot| slot.tick);
+        if used > safe {
+            let slots = self.slots.len();
+            return Err(Error::TooManyFrames { current: current.0, used: used.0, slots });
+        }
+        let over = self.device.completed()?;
+        self.device.host_frame(current, safe)?;
+        self.note_executions(over, safe);
+        let mut frame = self.restart(Some(commands), Duration::ZERO)?;
+        frame.current = Some(current);
+        frame.record_pending_uploads(current);
+        Ok(frame)
+    }
+
+    /// Reads the stamps of the frames after `over`, up to `safe`.
+    fn note_executions(&mut self, over: Tick, safe: Tick) {
+        let Some(stamps) = &self.stamps else { return };
+        // The ring goes through its slots in the order of frames: the next slot is the oldest.
+        for step in 0..self.slots.len() {
+            let place = (self.next + step) % self.slots.len();
+            let slot = &mut self.slots[place];
+            if slot.tick > over && slot.tick <= safe {
+                self.device.note_execution(slot.tick, stamps.read(place));
+                if self.device.is_lost(slot.tick) {
+                    slot.is_timed = false;
+                    slot.whole.forget();
+                }
+            }
+        }
+    }
+
+    fn restart(
+        &mut self,
+        hosts: Option<vk::CommandBuffer>,
+        waited: Duration,
+    ) -> Result<Frame<'_>, Error> {
+        let index = self.next;
         self.device.free_retired()?;
         let recording = self.device.open_recording();
         let timing = match self.begun.is_multiple_of(self.timed_interval) {
@@ -156,8 +241,9 @@ impl FrameRing {
             false => SlotTiming::Untimed,
         };
         self.begun += 1;
-        slot.restart(recording.number, timing)?;
-        Ok(Frame { ring: self, slot: SlotIndex(index), waited, waits: 0, _recording: recording })
+        self.slots[index].restart(recording.number, timing, hosts)?;
+        let slot = SlotIndex(index);
+        Ok(Frame { ring: self, slot, current: None, waited, waits: 0, _recording: recording })
     }
 }
 
@@ -215,9 +301,7 @@ impl Frame<'_> {
     pub fn flush(&mut self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
         let slot = &mut self.ring.slots[self.slot.0];
         let tick = slot.submit(&Order { after, ..Order::default() })?;
-        slot.piece += 1;
-        let (buffer, descriptors) = slot.begin_piece()?;
-        slot.commands = slot.commands.next_piece(buffer, descriptors);
+        slot.next_piece()?;
         Ok(tick)
     }
 
@@ -249,7 +333,54 @@ impl Frame<'_> {
         self.submit_in_order(&Order { after, ..Order::default() })
     }
 
-    pub(crate) fn submit_in_order(self, order: &Order<'_>) -> Result<Tick, Error> {
+    pub(crate) fn submit_in_order(mut self, order: &Order<'_>) -> Result<Tick, Error> {
+        let is_timed = self.end_timing();
+        let tick = self.ring.slots[self.slot.0].submit(order)?;
+        self.note_sent(is_timed);
+        Ok(tick)
+    }
+
+    /// Ends the frame of a host, who then goes on with its command buffer, or submits it. Returns
+    /// the frame's number.
+    ///
+    /// # Errors
+    /// [`Error::HasQueue`] for a frame of our own; a failure while recording: the command buffer
+    /// must not be submitted then.
+    pub fn end(mut self) -> Result<Tick, Error> {
+        let Some(current) = self.current else { return Err(Error::HasQueue) };
+        let is_timed = self.end_timing();
+        let slot = &mut self.ring.slots[self.slot.0];
+        slot.commands.check()?;
+        if let Some(stamps) = &self.ring.stamps {
+            stamps.record(&slot.commands, self.slot.0, current);
+        }
+        slot.commands.submitted(current);
+        slot.tick = current;
+        self.note_sent(is_timed);
+        Ok(current)
+    }
+
+    /// Records the uploads that no earlier frame is known to have done.
+    fn record_pending_uploads(&self, current: Tick) {
+        let (device, commands) = (&self.ring.device, self.commands());
+        let confirmed = device.confirmed();
+        let mut copies = 0;
+        let copy = |upload: &PendingUpload| {
+            if copies == 0 {
+                // Frames before this one may have done the same, and read it.
+                commands.barrier(MemoryBarrier::between(&[Access::Any], &[Access::CopyWrite]));
+            }
+            copies += 1;
+            commands.copy_pending(upload);
+        };
+        device.pending_uploads().record([current, confirmed], copy, |it| device.retire(it));
+        if copies > 0 {
+            commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
+        }
+    }
+
+    /// Ends the timing of the frame. Returns true if its passes were timed.
+    fn end_timing(&mut self) -> bool {
         let slot = &mut self.ring.slots[self.slot.0];
         let mut has_stamps = slot.whole.end(slot.commands.raw());
         let timer = slot.timer.as_ref().filter(|_| slot.timing == SlotTiming::Timed);
@@ -261,11 +392,14 @@ impl Frame<'_> {
             let visible = MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
             slot.commands.barrier(visible);
         }
-        let is_timed = timer.is_some();
-        let tick = slot.submit(order)?;
+        timer.is_some()
+    }
+
+    /// Notes that the frame is on its way, and turns to the next slot.
+    fn note_sent(&mut self, is_timed: bool) {
+        let slot = &mut self.ring.slots[self.slot.0];
         slot.is_timed = is_timed;
         slot.whole.submitted();
         self.ring.next = (self.slot.0 + 1) % self.ring.slots.len();
-        Ok(tick)
     }
 }

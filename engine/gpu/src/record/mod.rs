@@ -5,6 +5,7 @@ pub(crate) mod api;
 pub(crate) mod attachments;
 pub(crate) mod commands;
 pub(crate) mod frame_slot;
+pub(crate) mod frame_stamps;
 pub(crate) mod frames;
 pub(crate) mod graphics_state;
 pub(crate) mod host_image;

@@ -221,6 +221,11 @@ impl FrameTimer {
         };
     }
 
+    /// Forgets the slot's frame, which never ran.
+    pub(crate) fn forget(&mut self) {
+        self.stage = Stage::Idle;
+    }
+
     pub(crate) fn begin(&mut self, commands: vk::CommandBuffer) {
         if let (Some(timer), Stage::Idle) = (&self.timer, self.stage) {
             timer.reset(commands);

@@ -31,6 +31,12 @@ impl DrawChanges {
         self.leaves.push_back(leaf);
     }
 
+    /// Makes every reader copy all draws again.
+    pub fn forget(&mut self) {
+        self.dropped = self.count() + 1;
+        self.leaves.clear();
+    }
+
     /// Returns the number of changes so far.
     pub fn count(&self) -> u64 {
         self.dropped + self.leaves.len() as u64
@@ -60,5 +66,8 @@ mod tests {
         assert_eq!((changes.count(), since(&changes, 1026)), (1026, Some(vec![])));
         assert_eq!(since(&changes, 2).map(|leaves| leaves[0]), Some(2));
         assert_eq!(since(&changes, 1), None, "leaf 1 was dropped");
+        changes.forget();
+        assert_eq!(since(&changes, 1026), None, "all were forgotten");
+        assert_eq!(since(&changes, changes.count()), Some(vec![]));
     }
 }

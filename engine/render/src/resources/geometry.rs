@@ -297,8 +297,9 @@ impl Geometry {
         &self,
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
-        executor: &PlanExecutor,
+        executor: &mut PlanExecutor,
     ) -> Result<(), Error> {
+        executor.leaves.begin();
         let (leaves, scatter) = (&executor.leaves, &executor.passes.scatter);
         if let Some(surfaces) = &self.surfaces {
             surfaces.upload_changes(frame, scatter)?;

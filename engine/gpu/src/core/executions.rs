@@ -1,0 +1,113 @@
+//! The execution of a host's frames: which of them ran, and in which order, as far as it is known.
+//!
+//! A host submits the command buffers that we recorded into, or does not. Each frame writes its
+//! number into mapped memory when it runs, and beside it the number of the frame that ran before.
+//! Answers of frames that did not run are ignored. Memory that frames share is only right if they
+//! ran in the order of their numbers.
+
+use std::collections::VecDeque;
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::core::tick::Tick;
+
+/// The stamp of a frame as the GPU writes it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
+pub(crate) struct FrameStamp {
+    /// The number of the frame.
+    pub(crate) frame: u64,
+    /// The number of the frame that ran before it; 0 for none.
+    pub(crate) predecessor: u64,
+}
+
+/// The most frames that are remembered as lost; all before them count as lost then.
+const LOST_KEPT: usize = 256;
+
+/// The frames that are over, so far as they ran or did not.
+#[derive(Debug, Default)]
+pub(crate) struct Executions {
+    /// The newest frame that ran after those before it.
+    confirmed: Tick,
+    /// Frames that never ran, in their order.
+    lost: VecDeque<Tick>,
+    /// Frames up to this one count as lost.
+    forgotten: Tick,
+    /// The number of times that a frame ran after a later one, or twice.
+    disorders: u64,
+}
+
+impl Executions {
+    /// Notes that `frame` is over, with the `stamp` in its memory. Frames are noted in their order.
+    pub(crate) fn note(&mut self, frame: Tick, stamp: FrameStamp) {
+        if stamp.frame != frame.0 {
+            if self.lost.len() == LOST_KEPT {
+                self.forgotten = self.lost.pop_front().unwrap_or(self.forgotten);
+            }
+            self.lost.push_back(frame);
+        } else if stamp.predecessor < frame.0 {
+            self.confirmed = frame;
+        } else {
+            self.disorders += 1;
+        }
+    }
+
+    /// Returns the newest frame that ran after those before it.
+    pub(crate) fn confirmed(&self) -> Tick {
+        self.confirmed
+    }
+
+    /// Returns true for a frame that is over and never ran.
+    pub(crate) fn is_lost(&self, frame: Tick) -> bool {
+        frame <= self.forgotten || self.lost.contains(&frame)
+    }
+
+    /// Returns the number of times that frames ran in another order than they were recorded.
+    pub(crate) fn disorders(&self) -> u64 {
+        self.disorders
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noted(frames: &[(u64, u64, u64)]) -> Executions {
+        let mut executions = Executions::default();
+        for (number, frame, predecessor) in frames.iter().copied() {
+            executions.note(Tick(number), FrameStamp { frame, predecessor });
+        }
+        executions
+    }
+
+    #[test]
+    fn frames_in_their_order_are_confirmed() {
+        let executions = noted(&[(3, 3, 0), (4, 4, 3), (7, 7, 4)]);
+        assert_eq!((executions.confirmed(), executions.disorders()), (Tick(7), 0));
+        assert!(!executions.is_lost(Tick(4)));
+    }
+
+    #[test]
+    fn a_frame_that_never_ran_is_lost_and_the_next_one_is_not() {
+        let executions = noted(&[(3, 3, 0), (4, 1, 0), (5, 5, 3)]);
+        assert!(executions.is_lost(Tick(4)) && !executions.is_lost(Tick(5)));
+        assert_eq!((executions.confirmed(), executions.disorders()), (Tick(5), 0));
+    }
+
+    #[test]
+    fn a_frame_that_ran_late_or_twice_is_a_disorder() {
+        // 4 ran before 3; then 5 ran twice.
+        let executions = noted(&[(3, 3, 4), (4, 4, 0), (5, 5, 5)]);
+        assert_eq!((executions.confirmed(), executions.disorders()), (Tick(4), 2));
+    }
+
+    #[test]
+    fn what_is_forgotten_counts_as_lost() {
+        let mut executions = Executions::default();
+        for number in 1..=300 {
+            executions.note(Tick(number), FrameStamp::default());
+        }
+        assert!((1..=300).all(|number| executions.is_lost(Tick(number))));
+        assert!(!executions.is_lost(Tick(301)) && executions.lost.len() == LOST_KEPT);
+    }
+}

@@ -1,0 +1,61 @@
+//! The stamps of a host's frames: each frame writes its number where the CPU reads it later, and
+//! the number of the frame that ran before.
+
+use ash::vk;
+
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::core::executions::FrameStamp;
+use crate::core::tick::Tick;
+use crate::memory::buffer::{Buffer, MemoryKind};
+use crate::record::access::{Access, MemoryBarrier};
+use crate::record::commands::Commands;
+
+/// The memory of the stamps of a ring.
+pub(super) struct FrameStamps {
+    /// The number of the frame that ran last.
+    newest: Buffer,
+    /// One [`FrameStamp`] per slot.
+    slots: Vec<Buffer>,
+}
+
+impl FrameStamps {
+    /// Creates the stamps of so many slots.
+    pub(super) fn new(device: &Device, slots: usize) -> Result<Self, Error> {
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
+        let newest_bytes = size_of::<u64>() as u64;
+        let mut newest =
+            Buffer::new(device, "newest frame", newest_bytes, usage, MemoryKind::Upload)?;
+        // Before the first submit, which makes it visible to the GPU.
+        newest.bytes_mut().fill(0);
+        let slot = |slot| {
+            let (name, bytes) = (format!("frame stamp {slot}"), size_of::<FrameStamp>() as u64);
+            let mut stamp = Buffer::new(device, &name, bytes, usage, MemoryKind::ReadBack)?;
+            stamp.bytes_mut().fill(0);
+            Ok(stamp)
+        };
+        Ok(Self { newest, slots: (0..slots).map(slot).collect::<Result<_, _>>()? })
+    }
+
+    /// Writes the stamp of `frame`, the last commands of a frame.
+    pub(super) fn record(&self, commands: &Commands, slot: usize, frame: Tick) {
+        let Some(stamp) = self.slots.get(slot) else { return };
+        let number_bytes = size_of::<u64>() as u64;
+        let [number, predecessor] =
+            [0, number_bytes].map(|offset| stamp.whole().part(offset, number_bytes));
+        let copies = [Access::CopyRead, Access::CopyWrite];
+        // The stamps of the frame that runs before this one.
+        commands.barrier(MemoryBarrier::between(&copies, &copies));
+        commands.copy_buffer(self.newest.whole(), predecessor);
+        commands.barrier(MemoryBarrier::between(&[Access::CopyRead], &[Access::CopyWrite]));
+        commands.write(self.newest.whole(), &frame.0);
+        commands.write(number, &frame.0);
+        commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
+    }
+
+    /// Returns the stamp of the slot's last frame, which is over or never ran.
+    pub(super) fn read(&self, slot: usize) -> FrameStamp {
+        let stamp = self.slots.get(slot).map_or(&[][..], |stamp| stamp.read(0..1));
+        stamp.first().copied().unwrap_or_default()
+    }
+}

@@ -1,0 +1,105 @@
+//! Things that changed: each is uploaded again with every frame until one that holds its newest
+//! change is known to have run.
+
+use gpu::Tick;
+
+/// The things to upload, each once. A thing has a number below the count of all.
+#[derive(Debug)]
+pub(super) struct DirtyList<T> {
+    items: Vec<T>,
+    /// The first frame that holds the newest change of each thing, by its number.
+    uploaded_in: Vec<UploadFrame>,
+    number: fn(&T) -> u32,
+}
+
+/// The first frame that holds the newest change of a thing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum UploadFrame {
+    /// One that is known to have run.
+    Past,
+    /// The next one.
+    Next,
+    /// One that may not have run yet.
+    Sent(Tick),
+}
+
+impl<T> DirtyList<T> {
+    /// Creates the list of `count` things, none of which changed.
+    pub(super) fn new(count: usize, number: fn(&T) -> u32) -> Self {
+        Self { items: Vec::new(), uploaded_in: vec![UploadFrame::Past; count], number }
+    }
+
+    /// Returns the things to upload.
+    pub(super) fn items(&self) -> &[T] {
+        &self.items
+    }
+
+    /// Notes that a thing changed, if it is one of them.
+    pub(super) fn push(&mut self, item: T) {
+        let Some(uploaded_in) = self.uploaded_in.get_mut((self.number)(&item) as usize) else {
+            return;
+        };
+        if std::mem::replace(uploaded_in, UploadFrame::Next) == UploadFrame::Past {
+            self.items.push(item);
+        }
+    }
+
+    /// Notes that all things changed, which are `all`.
+    pub(super) fn push_all(&mut self, all: impl Iterator<Item = T>) {
+        self.uploaded_in.fill(UploadFrame::Next);
+        self.items.clear();
+        self.items.extend(all);
+    }
+
+    /// Notes that a frame that uploads all of them was submitted as `tick`.
+    pub(super) fn sent(&mut self, tick: Tick) {
+        for item in &self.items {
+            if let Some(uploaded_in) = self.uploaded_in.get_mut((self.number)(item) as usize)
+                && *uploaded_in == UploadFrame::Next
+            {
+                *uploaded_in = UploadFrame::Sent(tick);
+            }
+        }
+    }
+
+    /// Drops those whose newest change is in a frame up to `confirmed`.
+    pub(super) fn forget(&mut self, confirmed: Tick) {
+        let Self { items, uploaded_in, number } = self;
+        items.retain(|item| match uploaded_in.get_mut(number(item) as usize) {
+            Some(UploadFrame::Sent(tick)) if *tick > confirmed => true,
+            Some(UploadFrame::Next) => true,
+            Some(over) => {
+                *over = UploadFrame::Past;
+                false
+            }
+            None => false,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_stays_until_a_frame_that_holds_it_ran() {
+        let mut list = DirtyList::new(4, |item: &u32| *item);
+        [2, 0, 2, 9].into_iter().for_each(|item| list.push(item));
+        assert_eq!(list.items(), [2, 0]);
+        list.forget(Tick(7));
+        assert_eq!(list.items(), [2, 0], "no frame has them yet");
+        list.sent(Tick(8));
+        list.forget(Tick(7));
+        list.push(0);
+        list.sent(Tick(9));
+        list.forget(Tick(8));
+        assert_eq!(list.items(), [0], "it changed again after frame 8");
+        list.forget(Tick(9));
+        assert!(list.items().is_empty());
+        list.push(2);
+        assert_eq!(list.items(), [2]);
+        list.push_all(0..4);
+        list.forget(Tick(100));
+        assert_eq!(list.items(), [0, 1, 2, 3]);
+    }
+}

@@ -1,0 +1,142 @@
+//! The images, buffers and command buffers of a host, made by plain Vulkan.
+
+use ash::vk;
+
+use crate::host_device::Host;
+
+/// An image with its view and memory. Destroyed by [`OwnImage::destroy`].
+pub struct OwnImage {
+    /// The image.
+    pub image: vk::Image,
+    /// A view of all of it.
+    pub view: vk::ImageView,
+    /// The format.
+    pub format: vk::Format,
+    /// The usage that it was created with.
+    pub usage: vk::ImageUsageFlags,
+    memory: vk::DeviceMemory,
+}
+
+/// A buffer in memory that the CPU reads. Destroyed by [`OwnBuffer::destroy`].
+pub struct OwnBuffer {
+    /// The buffer.
+    pub buffer: vk::Buffer,
+    memory: vk::DeviceMemory,
+    size_bytes: u64,
+}
+
+impl OwnImage {
+    /// Creates an image of one level and layer.
+    pub fn new(
+        host: &Host,
+        [width, height]: [u32; 2],
+        format: vk::Format,
+        samples: vk::SampleCountFlags,
+        usage: vk::ImageUsageFlags,
+    ) -> Self {
+        let info = vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(format)
+            .extent(vk::Extent3D { width, height, depth: 1 })
+            .mip_levels(1)
+            .array_layers(1)
+            .samples(samples)
+            .usage(usage);
+        let aspect_mask = match format {
+            vk::Format::D16_UNORM | vk::Format::X8_D24_UNORM_PACK32 | vk::Format::D32_SFLOAT => {
+                vk::ImageAspectFlags::DEPTH
+            }
+            vk::Format::D24_UNORM_S8_UINT | vk::Format::D32_SFLOAT_S8_UINT => {
+                vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL
+            }
+            _ => vk::ImageAspectFlags::COLOR,
+        };
+        let part = vk::ImageSubresourceRange {
+            aspect_mask,
+            level_count: 1,
+            layer_count: 1,
+            ..Default::default()
+        };
+        // SAFETY: plain objects of the host's own device, bound before the view is made.
+        unsafe {
+            let image = host.device.create_image(&info, None).unwrap();
+            let needs = host.device.get_image_memory_requirements(image);
+            let memory = allocate(host, needs, vk::MemoryPropertyFlags::empty());
+            host.device.bind_image_memory(image, memory, 0).unwrap();
+            let view = vk::ImageViewCreateInfo::default()
+                .image(image)
+                .view_type(vk::ImageViewType::TYPE_2D)
+                .format(format)
+                .subresource_range(part);
+            let view = host.device.create_image_view(&view, None).unwrap();
+            Self { image, view, format, usage, memory }
+        }
+    }
+
+    /// Destroys it. The GPU is done with it.
+    pub fn destroy(self, host: &Host) {
+        // SAFETY: made by this host, which says that it is no longer used.
+        unsafe {
+            host.device.destroy_image_view(self.view, None);
+            host.device.destroy_image(self.image, None);
+            host.device.free_memory(self.memory, None);
+        }
+    }
+}
+
+impl OwnBuffer {
+    /// Creates a buffer that images are copied to.
+    pub fn new(host: &Host, size_bytes: u64) -> Self {
+        let info = vk::BufferCreateInfo::default()
+            .size(size_bytes)
+            .usage(vk::BufferUsageFlags::TRANSFER_DST);
+        let mapped = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
+        // SAFETY: plain objects of the host's own device.
+        unsafe {
+            let buffer = host.device.create_buffer(&info, None).unwrap();
+            let needs = host.device.get_buffer_memory_requirements(buffer);
+            let memory = allocate(host, needs, mapped);
+            host.device.bind_buffer_memory(buffer, memory, 0).unwrap();
+            Self { buffer, memory, size_bytes }
+        }
+    }
+
+    /// Returns the bytes. The GPU is done with the buffer.
+    pub fn bytes(&self, host: &Host) -> Vec<u8> {
+        let flags = vk::MemoryMapFlags::empty();
+        // SAFETY: mapped, read, and unmapped again, while nobody writes.
+        unsafe {
+            let bytes = host.device.map_memory(self.memory, 0, self.size_bytes, flags).unwrap();
+            let copy = std::slice::from_raw_parts(bytes.cast(), self.size_bytes as usize).to_vec();
+            host.device.unmap_memory(self.memory);
+            copy
+        }
+    }
+
+    /// Destroys it. The GPU is done with it.
+    pub fn destroy(self, host: &Host) {
+        // SAFETY: made by this host, which says that it is no longer used.
+        unsafe {
+            host.device.destroy_buffer(self.buffer, None);
+            host.device.free_memory(self.memory, None);
+        }
+    }
+}
+
+fn allocate(
+    host: &Host,
+    needs: vk::MemoryRequirements,
+    wanted: vk::MemoryPropertyFlags,
+) -> vk::DeviceMemory {
+    // SAFETY: the host's own physical device.
+    let there = unsafe { host.instance.get_physical_device_memory_properties(host.physical) };
+    let kinds = (0..there.memory_type_count).find(|kind| {
+        let flags = there.memory_types[*kind as usize].property_flags;
+        needs.memory_type_bits & 1 << kind != 0 && flags.contains(wanted)
+    });
+    let info = vk::MemoryAllocateInfo::default()
+        .allocation_size(needs.size)
+        .memory_type_index(kinds.unwrap());
+    // SAFETY: a memory type that fits.
+    unsafe { host.device.allocate_memory(&info, None) }.unwrap()
+}

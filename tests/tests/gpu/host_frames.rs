@@ -1,0 +1,18 @@
+//! The executor in the command buffers of a host, which owns device, queue, images and submits.
+
+mod boxes;
+mod disorder;
+mod formats;
+mod host;
+
+use tests::Driver;
+
+use host::{HostOptions, Submits, compare};
+
+#[test]
+fn a_host_that_submits_by_itself_gets_the_same_image_and_draws_less() {
+    for driver in Driver::ALL {
+        let few = compare(driver, &HostOptions::default(), |_| Submits::Once);
+        assert!(few.culled > 1 && few.culled < few.plain / 2, "{driver:?}: {few:?}");
+    }
+}

@@ -1,0 +1,355 @@
+//! A host with boxes: its images, its command buffers, its submits, and our answers in between.
+#![allow(unsafe_code, reason = "a host calls Vulkan itself")]
+
+use std::sync::Arc;
+
+use ash::vk;
+use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Strategy, View};
+use glam::{Vec3, vec3};
+use gpu::{Device, FrameNumbers, FrameRing, IndirectDraw, Purpose, Tick};
+use occlusion::{
+    LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, OcclusionPasses, PlanExecutor, ShaderSet,
+    VisibilityState, execute,
+};
+use tests::Driver;
+use tests::host_device::Host;
+use tests::host_images::{OwnBuffer, OwnImage};
+use tests::walk::pixels_that_differ;
+
+use super::boxes::{BOX_INDICES, Boxes, boxes_of};
+
+pub const SIZE: [u32; 2] = [160, 90];
+pub const FRAMES: u64 = 24;
+const IN_FLIGHT: u64 = 2;
+const COLOUR: vk::Format = vk::Format::R8G8B8A8_UNORM;
+
+/// The choices of a host.
+#[derive(Clone, Copy, Debug)]
+pub struct HostOptions {
+    pub depth: vk::Format,
+    pub samples: vk::SampleCountFlags,
+    pub passes: Passes,
+    /// The number of the first frame.
+    pub first: u64,
+}
+
+/// The owner of the render passes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Passes {
+    /// Dynamic rendering, opened by the engine.
+    Engine,
+    /// A render pass object of the host.
+    Host,
+}
+
+impl Default for HostOptions {
+    fn default() -> Self {
+        let (depth, samples) = (vk::Format::D32_SFLOAT, vk::SampleCountFlags::TYPE_1);
+        Self { depth, samples, passes: Passes::Engine, first: 1 }
+    }
+}
+
+/// The submits of the command buffer of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Submits {
+    Once,
+    Never,
+    Twice,
+    /// Behind the next frame.
+    Late,
+}
+
+/// The draws of the last frames with and without culling.
+#[derive(Clone, Copy, Debug)]
+pub struct Draws {
+    pub plain: u64,
+    pub culled: u64,
+}
+
+/// A host, and what it keeps for the engine.
+pub struct HostLoop<'a> {
+    pub host: &'a Host,
+    pub device: Device,
+    pool: vk::CommandPool,
+    fences: Vec<vk::Fence>,
+    pub frames: FrameRing,
+    pub hierarchy: Hierarchy,
+    pub executor: PlanExecutor,
+    objects: Boxes,
+    pub state: VisibilityState,
+    shaders: ShaderSet,
+    colour: OwnImage,
+    depth: OwnImage,
+    resolved: Option<OwnImage>,
+    images: Vec<OwnBuffer>,
+    next: u64,
+    first: u64,
+    /// A frame that is submitted behind the next one.
+    late: Option<(vk::CommandBuffer, vk::Fence)>,
+}
+
+/// Returns a wall, and a thousand boxes behind it of which those at its edge show.
+pub fn boxes() -> Vec<Aabb> {
+    let wall = Aabb::new(vec3(-4.0, -3.0, -6.0), vec3(4.0, 3.0, -5.5));
+    let small = (0..1_000).map(|number| {
+        let [x, y, z] = [number % 20, number / 20 % 10, number / 200].map(|part| part as f32);
+        let low = vec3(x * 0.7 - 7.0, y * 0.7 - 3.5, -12.0 - z * 1.3 - 0.01 * x);
+        Aabb::new(low, low + Vec3::splat(0.45))
+    });
+    std::iter::once(wall).chain(small).collect()
+}
+
+/// Returns the camera of a frame: it moves, and jumps to another side of the wall at times.
+pub fn camera(frame: u64) -> Camera {
+    let side = (frame / 6 % 3) as f32 - 1.0;
+    let eye = vec3(side * 9.0 + frame as f32 * 0.08, 0.0, 3.0);
+    Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 }
+}
+
+/// Draws the walk with and without culling, and compares the image of every frame that ran.
+pub fn compare(driver: Driver, options: &HostOptions, submits: impl Fn(u64) -> Submits) -> Draws {
+    let host = Host::new(driver, Purpose::Executor);
+    let draws = {
+        let [mut plain, mut culled] = [(); 2].map(|()| HostLoop::new(&host, options));
+        for frame in 0..FRAMES {
+            plain.draw(Strategy::FRUSTUM, &camera(frame), Submits::Once);
+            culled.draw(Strategy::ANTUMBRA, &camera(frame), submits(frame));
+        }
+        let [all, few] = [&mut plain, &mut culled].map(HostLoop::finish_draws);
+        let ran = |frame: &u64| submits(*frame) != Submits::Never;
+        for frame in (0..FRAMES).filter(ran) {
+            let [plain, culled] = [&plain, &culled].map(|it| it.image(frame));
+            let wrong = pixels_that_differ(&plain, &culled);
+            assert_eq!(wrong, 0, "{driver:?}, {options:?}, frame {frame}");
+        }
+        plain.destroy();
+        culled.destroy();
+        Draws { plain: all, culled: few }
+    };
+    host.finish();
+    draws
+}
+
+impl<'a> HostLoop<'a> {
+    pub fn new(host: &'a Host, options: &HostOptions) -> Self {
+        let device = host.adopt(None);
+        let shaders = ShaderSet::embedded().unwrap();
+        let hierarchy = Hierarchy::build(&boxes()).unwrap();
+        let draw =
+            IndirectDraw { index_count: BOX_INDICES, instance_count: 1, ..Default::default() };
+        let info = LeafTableInfo {
+            mesh_draws: Arc::new([MeshDraw { draw, triangles: BOX_INDICES / 3 }]),
+            predication: None,
+            frames_in_flight: IN_FLIGHT as usize,
+        };
+        let leaves = LeafTable::new(&device, &hierarchy, info, |_| MeshDrawId(0)).unwrap();
+        use vk::ImageUsageFlags as U;
+        let HostOptions { depth, samples, passes, first } = *options;
+        let transfers = U::TRANSFER_SRC | U::TRANSFER_DST;
+        let colour = OwnImage::new(host, SIZE, COLOUR, samples, U::COLOR_ATTACHMENT | transfers);
+        let usage = match samples {
+            vk::SampleCountFlags::TYPE_1 => U::DEPTH_STENCIL_ATTACHMENT | U::TRANSFER_SRC,
+            _ => U::DEPTH_STENCIL_ATTACHMENT,
+        };
+        let depth = OwnImage::new(host, SIZE, depth, samples, usage);
+        let is_resolved = samples != vk::SampleCountFlags::TYPE_1;
+        let one = vk::SampleCountFlags::TYPE_1;
+        let resolved = is_resolved
+            .then(|| OwnImage::new(host, SIZE, COLOUR, one, U::COLOR_ATTACHMENT | transfers));
+        let mut objects = boxes_of(host, &device, (&colour, &depth, samples), &shaders, &leaves);
+        if passes == Passes::Host {
+            objects.take_passes(host, &device, &shaders, [&colour, &depth]);
+        }
+        let attachments = objects.attachments();
+        let passes = OcclusionPasses::new(&device, &shaders, attachments).unwrap();
+        let executor = PlanExecutor { passes, leaves };
+        let testers = executor.testers(&device, &objects.target);
+        let culler = Culler::with_testers(CullConfig::default(), testers);
+        let slots = IN_FLIGHT as usize;
+        let state =
+            VisibilityState::new(&device, &hierarchy, &executor.leaves, slots, culler).unwrap();
+        let pool = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(host.needs.queue_family.unwrap());
+        // SAFETY: the family of the host's queue.
+        let pool = unsafe { host.device.create_command_pool(&pool, None) }.unwrap();
+        let frames = FrameRing::new(&device, slots).unwrap();
+        let (fences, images, late) = (Vec::new(), Vec::new(), None);
+        Self {
+            host,
+            device,
+            pool,
+            fences,
+            frames,
+            hierarchy,
+            executor,
+            objects,
+            state,
+            shaders,
+            colour,
+            depth,
+            resolved,
+            images,
+            next: first,
+            first,
+            late,
+        }
+    }
+
+    /// Draws a frame into a command buffer of the host.
+    pub fn draw(&mut self, strategy: Strategy, camera: &Camera, submits: Submits) {
+        let Self { host, device, frames, hierarchy, executor, objects, state, shaders, .. } = self;
+        let current = self.next;
+        self.next += 1;
+        let info = vk::CommandBufferAllocateInfo::default()
+            .command_pool(self.pool)
+            .command_buffer_count(1);
+        // SAFETY: fresh objects of the host; the frame before the last is waited for.
+        let (raw, fence) = unsafe {
+            let raw = host.device.allocate_command_buffers(&info).unwrap()[0];
+            let twice = vk::CommandBufferUsageFlags::SIMULTANEOUS_USE;
+            let info = vk::CommandBufferBeginInfo::default().flags(twice);
+            host.device.begin_command_buffer(raw, &info).unwrap();
+            let fence = host.device.create_fence(&vk::FenceCreateInfo::default(), None).unwrap();
+            (raw, fence)
+        };
+        let safe = current.saturating_sub(IN_FLIGHT).max(self.first - 1);
+        if let Some(fence) =
+            (safe.checked_sub(self.first)).and_then(|place| self.fences.get(place as usize))
+        {
+            // SAFETY: fences of this device.
+            unsafe { host.device.wait_for_fences(&[*fence], true, 60_000_000_000) }.unwrap();
+        }
+        let numbers = FrameNumbers { current: Tick(current), safe: Tick(safe) };
+        // SAFETY: the command buffer is being recorded; frames up to `safe` were waited for.
+        let mut frame = unsafe { frames.begin_in(raw, numbers) }.unwrap();
+        let bits = device.adapter().limits.sub_pixel_precision_bits;
+        let view = View::new(camera, SIZE, bits);
+        executor.leaves.begin();
+        state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
+        state.plan_frame(hierarchy, &executor.leaves, strategy, (&view, 4096));
+        execute(&mut frame, executor, state, objects, (shaders, &view)).unwrap();
+        objects.target.restore(frame.commands());
+        let tick = frame.end().unwrap();
+        state.submitted(tick, &executor.leaves, None);
+        executor.leaves.submitted(tick);
+        self.copy_image(raw);
+        // SAFETY: the command buffer is complete.
+        unsafe { self.host.device.end_command_buffer(raw) }.unwrap();
+        self.fences.push(fence);
+        self.submit(raw, fence, submits);
+    }
+
+    fn submit(&mut self, raw: vk::CommandBuffer, fence: vk::Fence, submits: Submits) {
+        let buffers = [raw];
+        let submit = |buffers: &[vk::CommandBuffer], fence| {
+            let info = vk::SubmitInfo::default().command_buffers(buffers);
+            // SAFETY: complete command buffers, and the host's own queue.
+            unsafe { self.host.device.queue_submit(self.host.queue, &[info], fence) }.unwrap();
+        };
+        match submits {
+            Submits::Once => submit(&buffers, fence),
+            Submits::Twice => {
+                submit(&buffers, vk::Fence::null());
+                submit(&buffers, fence);
+            }
+            Submits::Never => submit(&[], fence),
+            Submits::Late => {
+                self.late = Some((raw, fence));
+                return;
+            }
+        }
+        if let Some((raw, fence)) = self.late.take() {
+            submit(&[raw], fence);
+        }
+    }
+
+    /// Copies the finished image to a buffer of its own, by the host's commands.
+    fn copy_image(&mut self, raw: vk::CommandBuffer) {
+        let [width, height] = SIZE;
+        let buffer = OwnBuffer::new(self.host, u64::from(width * height * 4));
+        let layers = vk::ImageSubresourceLayers {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            layer_count: 1,
+            ..Default::default()
+        };
+        let extent = vk::Extent3D { width, height, depth: 1 };
+        let device = &self.host.device;
+        let (from, to) =
+            (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
+        let whole = vk::ImageSubresourceRange {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            level_count: 1,
+            layer_count: 1,
+            ..Default::default()
+        };
+        let change = |image, old, new, access: [vk::AccessFlags; 2]| {
+            vk::ImageMemoryBarrier::default()
+                .image(image)
+                .old_layout(old)
+                .new_layout(new)
+                .src_access_mask(access[0])
+                .dst_access_mask(access[1])
+                .subresource_range(whole)
+        };
+        let transfer = vk::PipelineStageFlags::TRANSFER;
+        let none = vk::DependencyFlags::empty();
+        use vk::AccessFlags as A;
+        // SAFETY: the images are in the states that the engine was told to leave them in.
+        unsafe {
+            let mut image = self.colour.image;
+            if let Some(resolved) = &self.resolved {
+                let undefined = vk::ImageLayout::UNDEFINED;
+                let accesses = [A::TRANSFER_READ, A::TRANSFER_WRITE];
+                let fresh = change(resolved.image, undefined, to, accesses);
+                device.cmd_pipeline_barrier(raw, transfer, transfer, none, &[], &[], &[fresh]);
+                let region = vk::ImageResolve::default()
+                    .src_subresource(layers)
+                    .dst_subresource(layers)
+                    .extent(extent);
+                device.cmd_resolve_image(raw, image, from, resolved.image, to, &[region]);
+                let accesses = [A::TRANSFER_WRITE, A::TRANSFER_READ];
+                let read = change(resolved.image, to, from, accesses);
+                device.cmd_pipeline_barrier(raw, transfer, transfer, none, &[], &[], &[read]);
+                image = resolved.image;
+            }
+            let region =
+                vk::BufferImageCopy::default().image_subresource(layers).image_extent(extent);
+            device.cmd_copy_image_to_buffer(raw, image, from, buffer.buffer, &[region]);
+            let visible = vk::MemoryBarrier::default()
+                .src_access_mask(A::TRANSFER_WRITE)
+                .dst_access_mask(A::HOST_READ | A::TRANSFER_WRITE);
+            let host = vk::PipelineStageFlags::HOST | transfer;
+            device.cmd_pipeline_barrier(raw, transfer, host, none, &[visible], &[], &[]);
+        }
+        self.images.push(buffer);
+    }
+
+    /// Waits for all frames and returns the draws of the last one that is known.
+    pub fn finish_draws(&mut self) -> u64 {
+        self.host.say_all_is_over(&self.device);
+        let completed = self.device.completed().unwrap();
+        self.state.collect(completed, &self.hierarchy, &self.executor.leaves);
+        self.state.take_outcomes().next_back().map_or(0, |outcome| outcome.draws)
+    }
+
+    /// Returns the image of a frame, counted from 0. All frames are over.
+    pub fn image(&self, frame: u64) -> Vec<u8> {
+        self.images[frame as usize].bytes(self.host)
+    }
+
+    /// Destroys what the host owns. All frames are over.
+    pub fn destroy(self) {
+        let Self { host, pool, fences, objects, colour, depth, resolved, images, .. } = self;
+        // SAFETY: the GPU is idle, and nothing is used any more.
+        unsafe {
+            host.device.destroy_command_pool(pool, None);
+            fences.iter().for_each(|fence| host.device.destroy_fence(*fence, None));
+            host.device.destroy_framebuffer(objects.framebuffer, None);
+            for pass in objects.passes.iter().flatten() {
+                host.device.destroy_render_pass(*pass, None);
+            }
+        }
+        [colour, depth].into_iter().chain(resolved).for_each(|image| image.destroy(host));
+        images.into_iter().for_each(|image| image.destroy(host));
+    }
+}
