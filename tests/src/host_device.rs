@@ -2,11 +2,14 @@
 //! engine's requirements say and nothing else, under the validation layers.
 
 use std::ffi::{CStr, CString, c_void};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use ash::{ext, vk};
-use gpu::{Device, DeviceOptions, Features, HostDevice, HostQueue, Purpose, Requirements};
+use gpu::{
+    Device, DeviceOptions, Features, HostDevice, HostQueue, HostQueueLock, Purpose, Requirements,
+    Timeline,
+};
 
 use crate::{Driver, take_turn};
 
@@ -32,6 +35,9 @@ pub struct Host {
 
 type Messages = Mutex<Vec<String>>;
 
+/// The bound of every wait.
+const BOUND: Duration = Duration::from_secs(60);
+
 const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 impl Host {
@@ -47,8 +53,19 @@ impl Host {
         extensions: &[&CStr],
         features: Features,
     ) -> Self {
-        take_turn();
         let entry = gpu::load_entry().unwrap_or_else(|error| panic!("{error}"));
+        Self::through(entry, driver, purpose, extensions, features)
+    }
+
+    /// Creates such a device through a loader of the test.
+    pub fn through(
+        entry: ash::Entry,
+        driver: Driver,
+        purpose: Purpose,
+        extensions: &[&CStr],
+        features: Features,
+    ) -> Self {
+        take_turn();
         let messages = Box::new(Messages::default());
         let instance = create_instance(&entry, &messages);
         let debug = ext::debug_utils::Instance::new(&entry, &instance);
@@ -98,7 +115,7 @@ impl Host {
             allocation_callbacks: None,
             pipeline_cache: None,
             queue: None,
-            options: DeviceOptions { wait_bound: Duration::from_secs(60), ..Default::default() },
+            options: DeviceOptions { wait_bound: BOUND, ..Default::default() },
         }
     }
 
@@ -115,11 +132,100 @@ impl Host {
 
     /// Says that every frame is over: the host records none, or has waited for all.
     pub fn say_all_is_over(&self, device: &Device) {
-        // SAFETY: the wait below.
+        self.say_finished(device).unwrap();
+    }
+
+    /// Says the same to a device that may know better.
+    pub fn say_finished(&self, device: &Device) -> Result<(), gpu::Error> {
+        self.wait_idle();
+        // SAFETY: the wait before.
+        unsafe { device.host_finished() }
+    }
+
+    /// Returns its queue, to be shared with an engine that takes this lock.
+    pub fn share_queue(&self, lock: Arc<dyn HostQueueLock>) -> HostQueue {
+        HostQueue { raw: self.queue, lock }
+    }
+
+    /// Submits work of its own that runs once, and waits until it is over. `record` gets the
+    /// command buffer; the queue is held by `lock` for the submit.
+    pub fn run_once(&self, lock: &dyn HostQueueLock, record: impl FnOnce(vk::CommandBuffer)) {
+        let pool_info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(self.needs.queue_family.unwrap());
+        let begin = vk::CommandBufferBeginInfo::default()
+            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: plain Vulkan with objects that live until the fence is signalled.
         unsafe {
-            self.device.device_wait_idle().unwrap();
-            device.host_finished().unwrap();
+            let pool = self.device.create_command_pool(&pool_info, None).unwrap();
+            let info =
+                vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+            let commands = self.device.allocate_command_buffers(&info).unwrap()[0];
+            self.device.begin_command_buffer(commands, &begin).unwrap();
+            record(commands);
+            self.device.end_command_buffer(commands).unwrap();
+            let fence = self.device.create_fence(&vk::FenceCreateInfo::default(), None).unwrap();
+            let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
+            let info = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
+            lock.locked(BOUND, &mut || {
+                self.device.queue_submit2(self.queue, &info, fence).unwrap();
+            });
+            self.device.wait_for_fences(&[fence], true, BOUND.as_nanos() as u64).unwrap();
+            self.device.destroy_fence(fence, None);
+            self.device.destroy_command_pool(pool, None);
         }
+    }
+
+    /// Creates a pipeline cache of the host's own.
+    pub fn create_pipeline_cache(&self) -> vk::PipelineCache {
+        // SAFETY: an empty cache.
+        unsafe { self.device.create_pipeline_cache(&vk::PipelineCacheCreateInfo::default(), None) }
+            .unwrap()
+    }
+
+    /// Destroys a pipeline cache that nobody uses any more.
+    pub fn destroy_pipeline_cache(&self, cache: vk::PipelineCache) {
+        // SAFETY: a cache of this device; the engine that used it is gone.
+        unsafe { self.device.destroy_pipeline_cache(cache, None) };
+    }
+
+    /// Waits until the GPU is idle.
+    pub fn wait_idle(&self) {
+        // SAFETY: nobody submits meanwhile.
+        unsafe { self.device.device_wait_idle() }.unwrap();
+    }
+
+    /// Creates a timeline semaphore of the host's own, at 0.
+    pub fn create_timeline(&self) -> vk::Semaphore {
+        let mut kind =
+            vk::SemaphoreTypeCreateInfo::default().semaphore_type(vk::SemaphoreType::TIMELINE);
+        let info = vk::SemaphoreCreateInfo::default().push_next(&mut kind);
+        // SAFETY: the feature is on.
+        unsafe { self.device.create_semaphore(&info, None) }.unwrap()
+    }
+
+    /// Wraps a timeline for frames of the engine, which are over before it is destroyed.
+    pub fn lend_timeline(&self, device: &Device, timeline: vk::Semaphore) -> Timeline {
+        // SAFETY: a timeline of this device.
+        unsafe { Timeline::from_raw(device, timeline) }.unwrap()
+    }
+
+    /// Signals a timeline from the CPU.
+    pub fn signal(&self, timeline: vk::Semaphore, value: u64) {
+        let info = vk::SemaphoreSignalInfo::default().semaphore(timeline).value(value);
+        // SAFETY: a live timeline of this device.
+        unsafe { self.device.signal_semaphore(&info) }.unwrap();
+    }
+
+    /// Returns the value of a timeline.
+    pub fn value_of(&self, timeline: vk::Semaphore) -> u64 {
+        // SAFETY: a live timeline of this device.
+        unsafe { self.device.get_semaphore_counter_value(timeline) }.unwrap()
+    }
+
+    /// Destroys a timeline that nobody uses any more.
+    pub fn destroy_timeline(&self, timeline: vk::Semaphore) {
+        // SAFETY: all frames that waited for it are over.
+        unsafe { self.device.destroy_semaphore(timeline, None) };
     }
 
     /// Takes the messages of the validation layers so far.
@@ -129,9 +235,9 @@ impl Host {
 
     /// Destroys device and instance, and fails if a layer said anything: leaks are among it.
     pub fn finish(self) {
-        // SAFETY: the engine's devices were dropped before, or this says so.
+        self.wait_idle();
+        // SAFETY: the engine's devices were dropped before, or the layer says so.
         unsafe {
-            self.device.device_wait_idle().unwrap();
             self.device.destroy_device(None);
             self.debug.destroy_debug_utils_messenger(self.messenger, None);
             self.instance.destroy_instance(None);

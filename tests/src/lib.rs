@@ -7,6 +7,7 @@
 pub mod counting;
 pub mod host_device;
 pub mod host_images;
+pub mod host_memory;
 pub mod machine;
 pub mod reference;
 pub mod shapes;

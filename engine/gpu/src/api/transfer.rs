@@ -4,8 +4,9 @@ use ash::vk;
 use bytemuck::Pod;
 
 use crate::core::deletion::{Recording, Retired};
-use crate::core::device::{Device, Order, WaitFor};
+use crate::core::device::{Device, WaitFor};
 use crate::core::error::Error;
+use crate::core::order::Order;
 use crate::memory::buffer::{Buffer, MemoryKind};
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;

@@ -67,7 +67,7 @@ impl Required {
     }
 
     /// Returns the features that it needs.
-    pub(crate) fn features(self) -> Features {
+    pub fn features(self) -> Features {
         let none = Features::default();
         match self {
             Required::DynamicRendering => Features { dynamic_rendering: true, ..none },
@@ -178,7 +178,7 @@ impl Optional {
     }
 
     /// Returns the features that it needs.
-    pub(crate) fn features(self) -> Features {
+    pub fn features(self) -> Features {
         let none = Features::default();
         match self {
             Optional::ConditionalRendering => Features { conditional_rendering: true, ..none },
@@ -198,7 +198,7 @@ impl Optional {
 
     /// Returns the extensions that it needs, each by all of its names: one of them is enough, the
     /// first is preferred.
-    pub(crate) fn extensions(self) -> &'static [&'static [&'static CStr]] {
+    pub fn extensions(self) -> &'static [&'static [&'static CStr]] {
         const SWAPCHAIN: &[&CStr] = &[khr::swapchain::NAME];
         const MAINTENANCE: &[&CStr] =
             &[KHR_SWAPCHAIN_MAINTENANCE1, ext::swapchain_maintenance1::NAME];

@@ -18,10 +18,10 @@ use crate::core::extensions::Extensions;
 use crate::core::host_callbacks::HostCallbacks;
 use crate::core::instance::{Instance, InstanceShared};
 use crate::core::open_device::{DeviceOptions, RawDevice, create_raw, equip};
+use crate::core::order::Order;
 use crate::core::ownership::{self, OfDevice, OwnerId, Ownership};
 use crate::core::queue_lock::{QueueLock, lock};
 use crate::core::tick::Tick;
-use crate::core::timeline::Timeline;
 use crate::memory::pending_uploads::PendingUploads;
 
 /// The number of times the CPU waited for the GPU since the device was made.
@@ -32,15 +32,6 @@ pub struct WaitCounts {
     /// All others: loading, draining, [`crate::Frame::wait`]. In a frame loop, each of them is a
     /// stall.
     pub other: u64,
-}
-
-/// The semaphores of a submit beside its tick: to wait for, and to signal. Binary semaphores belong
-/// to a window.
-#[derive(Default)]
-pub(crate) struct Order<'a> {
-    pub(crate) after: Option<(&'a Timeline, Tick)>,
-    pub(crate) acquired: Option<vk::Semaphore>,
-    pub(crate) presents: Option<vk::Semaphore>,
 }
 
 /// The reason for which the CPU waits.
@@ -138,6 +129,20 @@ impl Device {
             .called("vkGetSemaphoreCounterValue")?;
         clock.completed(Tick(completed));
         Ok(Tick(completed))
+    }
+
+    /// Returns the semaphore that counts the submits of this device, for a host that waits for a
+    /// [`Tick`] on its own: for the value of that tick. The semaphore lives as long as the device.
+    ///
+    /// # Errors
+    /// [`Error::NoQueue`] on a device that submits nothing.
+    pub fn timeline_semaphore(&self) -> Result<vk::Semaphore, Error> {
+        Ok(self.shared.clock.timeline("a timeline")?.semaphore)
+    }
+
+    /// Refuses a device that submits nothing; `what` needs one that does.
+    pub(crate) fn check_queue(&self, what: &'static str) -> Result<(), Error> {
+        self.shared.clock.timeline(what).map(|_| ())
     }
 
     /// Begins the frame `current` of a host, for whom all frames up to `safe` are over on the GPU
@@ -249,41 +254,24 @@ impl Device {
         order.after.map_or(Ok(()), |(timeline, _)| self.check(timeline, "a submit"))?;
         let bound = self.shared.wait_bound;
         let timeline = self.shared.clock.timeline("a submit")?;
-        let Some(queue) = timeline.queue.take(bound) else {
-            let what = "the frame before, which a hidden window holds back";
-            return Err(Error::Timeout { what, seconds: bound.as_secs_f64() });
+        let submit = |queue| {
+            let tick = self.submitted().next();
+            // SAFETY: the queue is ours while it is locked; the commands are complete.
+            unsafe { order.submit(self.raw(), queue, commands, timeline.semaphore, tick) }?;
+            self.shared.clock.submitted(tick);
+            Ok(tick)
         };
-        let tick = self.submitted().next();
-        let commands =
-            commands.map(|raw| vk::CommandBufferSubmitInfo::default().command_buffer(raw));
-        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
-        let semaphore = |raw, value, stages| {
-            vk::SemaphoreSubmitInfo::default().semaphore(raw).value(value).stage_mask(stages)
-        };
-        let after = order.after.map(|(timeline, tick)| semaphore(timeline.raw, tick.0, all));
-        // Only copies touch the image of a window: whatever comes before them need not wait.
-        let copies = vk::PipelineStageFlags2::ALL_TRANSFER;
-        let acquired = order.acquired.map(|raw| semaphore(raw, 0, copies));
-        let (waits, waiting) = both(after, acquired);
-        let presents = order.presents.map(|raw| semaphore(raw, 0, all));
-        let own = semaphore(timeline.semaphore, tick.0, all);
-        let (signals, signalling) = both(Some(own), presents);
-        let info = vk::SubmitInfo2::default()
-            .command_buffer_infos(commands.as_slice())
-            .wait_semaphore_infos(&waits[..waiting])
-            .signal_semaphore_infos(&signals[..signalling]);
-        // SAFETY: the queue is ours while the turn lasts; the command buffer is complete.
-        unsafe { self.raw().queue_submit2(queue.value, &[info], vk::Fence::null()) }
-            .called("vkQueueSubmit2")?;
-        self.shared.clock.submitted(tick);
-        Ok(tick)
+        timeline.queue.locked(bound, submit).unwrap_or_else(|| {
+            let what = "the frame before, which a hidden window or another user holds back";
+            Err(Error::Timeout { what, seconds: bound.as_secs_f64() })
+        })
     }
 
     /// Calls `present` with the queue, which nobody else uses meanwhile. Returns `None` if others
     /// hold it for longer than the bound of every wait.
     pub(crate) fn with_queue<R>(&self, present: impl FnOnce(vk::Queue) -> R) -> Option<R> {
         let timeline = self.shared.clock.timeline("presenting").ok()?;
-        Some(present(timeline.queue.take(self.shared.wait_bound)?.value))
+        timeline.queue.locked(self.shared.wait_bound, present)
     }
 
     /// Takes the payload of a dropped object. Commands being recorded may still use it, so it is
@@ -366,8 +354,8 @@ impl Device {
     }
 
     /// Returns the allocation callbacks, for all that is made from the device.
-    pub(crate) fn callbacks(&self) -> &HostCallbacks {
-        &self.shared.callbacks
+    pub(crate) fn callbacks(&self) -> Option<&vk::AllocationCallbacks<'static>> {
+        self.shared.callbacks.get()
     }
 
     pub(crate) fn pipeline_cache(&self) -> vk::PipelineCache {
@@ -400,16 +388,5 @@ impl Drop for OpenRecording {
     fn drop(&mut self) {
         let mut deletion = lock(&self.device.shared.deletion);
         deletion.close(self.number, self.device.submitted());
-    }
-}
-
-/// Returns those of the two that are there, in front, and their number.
-fn both<T: Copy + Default>(first: Option<T>, second: Option<T>) -> ([T; 2], usize) {
-    match (first, second) {
-        (Some(first), Some(second)) => ([first, second], 2),
-        (first, second) => {
-            let only = first.or(second);
-            ([only.unwrap_or_default(), T::default()], usize::from(only.is_some()))
-        }
     }
 }

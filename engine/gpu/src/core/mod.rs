@@ -16,6 +16,7 @@ pub(crate) mod host_device;
 pub(crate) mod instance;
 pub(crate) mod offer;
 pub(crate) mod open_device;
+pub(crate) mod order;
 pub(crate) mod ownership;
 pub(crate) mod pipeline_cache;
 pub(crate) mod queue_lock;

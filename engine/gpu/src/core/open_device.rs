@@ -81,7 +81,7 @@ pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<Device
     let source = match queue {
         None => ClockSource::HostFrames,
         Some(queue) => {
-            let semaphore = create_semaphore(&raw, &callbacks)
+            let semaphore = create_semaphore(&raw, callbacks.get())
                 .inspect_err(|_| pipeline_cache.destroy(&raw, &callbacks))?;
             ClockSource::Timeline(OwnTimeline { queue, semaphore })
         }

@@ -3,17 +3,21 @@
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The lock of a host around a queue that it shares with the engine.
+/// The lock of a host around a queue that it shares with the engine. Every [`Mutex`] is one.
 ///
 /// Vulkan leaves it to the program that no two threads use one queue at once. The engine holds the
 /// lock around each of its submits and nowhere else.
 pub trait HostQueueLock: Send + Sync {
-    /// Locks the queue for the calling thread. Returns false if others hold it for longer than
-    /// `bound`, after which the engine does not use it.
-    fn lock(&self, bound: Duration) -> bool;
+    /// Calls `submit` once, while nobody else uses the queue. A lock that can wait for a limited
+    /// time returns without having called it if others hold the queue for longer than `bound`.
+    fn locked(&self, bound: Duration, submit: &mut dyn FnMut());
+}
 
-    /// Unlocks the queue, on the thread that locked it.
-    fn unlock(&self);
+impl<T: Send> HostQueueLock for Mutex<T> {
+    fn locked(&self, _bound: Duration, submit: &mut dyn FnMut()) {
+        let _held = lock(self);
+        submit();
+    }
 }
 
 pub(crate) struct QueueLock<T> {
@@ -23,57 +27,47 @@ pub(crate) struct QueueLock<T> {
     host: Option<Arc<dyn HostQueueLock>>,
 }
 
-/// The guard of a turn, which ends when the guard is dropped.
-pub(crate) struct QueueGuard<'a, T> {
-    turns: &'a QueueLock<T>,
-    pub(crate) value: T,
+/// The guard of a turn among the engine's own threads, which ends when the guard is dropped.
+struct Turn<'a> {
+    is_taken: &'a Mutex<bool>,
+    is_free: &'a Condvar,
 }
 
 impl<T: Copy> QueueLock<T> {
-    /// Returns a lock that the lock of a host, if any, is part of.
+    /// Returns a lock that takes the lock of a host too, if there is one.
     pub(crate) fn new(value: T, host: Option<Arc<dyn HostQueueLock>>) -> Self {
         Self { value, is_taken: Mutex::new(false), is_free: Condvar::new(), host }
     }
 
-    /// Returns the next turn, or `None` if the others do not end theirs within `bound`.
-    pub(crate) fn take(&self, bound: Duration) -> Option<QueueGuard<'_, T>> {
+    /// Calls `user` with the value, which nobody else uses meanwhile. Returns `None` if the others
+    /// do not end their turns within `bound`.
+    pub(crate) fn locked<R>(&self, bound: Duration, user: impl FnOnce(T) -> R) -> Option<R> {
         let began = Instant::now();
-        self.take_own(bound)?;
+        let _turn = self.take_turn(bound)?;
+        let Some(host) = &self.host else { return Some(user(self.value)) };
         let left = bound.saturating_sub(began.elapsed());
-        if self.host.as_ref().is_some_and(|host| !host.lock(left)) {
-            self.release();
-            return None;
-        }
-        Some(QueueGuard { turns: self, value: self.value })
+        let (mut user, mut result) = (Some(user), None);
+        host.locked(left, &mut || result = user.take().map(|user| user(self.value)));
+        result
     }
-}
 
-impl<T> QueueLock<T> {
-    /// Takes the turn among the threads of the engine.
-    fn take_own(&self, bound: Duration) -> Option<()> {
-        let waited =
-            self.is_free.wait_timeout_while(lock(&self.is_taken), bound, |is_taken| *is_taken);
+    fn take_turn(&self, bound: Duration) -> Option<Turn<'_>> {
+        let Self { is_taken, is_free, .. } = self;
+        let waited = is_free.wait_timeout_while(lock(is_taken), bound, |is_taken| *is_taken);
         // A poisoned lock means that a thread panicked; a flag stays whole.
-        let (mut is_taken, timeout) = waited.unwrap_or_else(|error| error.into_inner());
-        if timeout.timed_out() && *is_taken {
+        let (mut now_taken, timeout) = waited.unwrap_or_else(|error| error.into_inner());
+        if timeout.timed_out() && *now_taken {
             return None;
         }
-        *is_taken = true;
-        Some(())
-    }
-
-    fn release(&self) {
-        *lock(&self.is_taken) = false;
-        self.is_free.notify_one();
+        *now_taken = true;
+        Some(Turn { is_taken, is_free })
     }
 }
 
-impl<T> Drop for QueueGuard<'_, T> {
+impl Drop for Turn<'_> {
     fn drop(&mut self) {
-        if let Some(host) = &self.turns.host {
-            host.unlock();
-        }
-        self.turns.release();
+        *lock(self.is_taken) = false;
+        self.is_free.notify_one();
     }
 }
 
@@ -85,59 +79,54 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+    use std::sync::mpsc::channel;
 
     use super::*;
 
     #[test]
     fn a_turn_is_waited_for_and_the_wait_has_a_bound() {
-        let turns = QueueLock::new(7, None);
-        let turn = turns.take(Duration::ZERO).unwrap();
-        assert_eq!(turn.value, 7);
-        assert!(turns.take(Duration::from_millis(5)).is_none());
+        let queue = QueueLock::new(7, None);
         std::thread::scope(|scope| {
-            let other = scope.spawn(|| turns.take(Duration::from_secs(60)).is_some());
-            drop(turn);
-            assert!(other.join().unwrap());
+            let (began, has_begun) = channel();
+            let (end, ends) = channel();
+            let queue = &queue;
+            scope.spawn(move || {
+                queue.locked(Duration::ZERO, |_| {
+                    began.send(()).unwrap();
+                    ends.recv().unwrap();
+                })
+            });
+            has_begun.recv().unwrap();
+            assert_eq!(queue.locked(Duration::from_millis(5), |value| value), None);
+            let other = scope.spawn(|| queue.locked(Duration::from_secs(60), |value| value));
+            end.send(()).unwrap();
+            assert_eq!(other.join().unwrap(), Some(7));
         });
-        assert!(turns.take(Duration::ZERO).is_some());
-    }
-
-    /// A host that holds its queue for as long as `is_held`, and counts.
-    #[derive(Default)]
-    struct Host {
-        is_held: AtomicBool,
-        locked: AtomicU32,
-        unlocked: AtomicU32,
-    }
-
-    impl HostQueueLock for Host {
-        fn lock(&self, _bound: Duration) -> bool {
-            let is_free = !self.is_held.load(Ordering::Relaxed);
-            self.locked.fetch_add(u32::from(is_free), Ordering::Relaxed);
-            is_free
-        }
-
-        fn unlock(&self) {
-            self.unlocked.fetch_add(1, Ordering::Relaxed);
-        }
+        assert_eq!(queue.locked(Duration::ZERO, |value| value), Some(7));
     }
 
     #[test]
-    fn a_turn_holds_the_lock_of_the_host() {
-        let host = Arc::new(Host::default());
-        let counts =
-            || (host.locked.load(Ordering::Relaxed), host.unlocked.load(Ordering::Relaxed));
-        let turns = QueueLock::new(7, Some(Arc::clone(&host) as Arc<dyn HostQueueLock>));
-        let turn = turns.take(Duration::ZERO).unwrap();
-        assert_eq!(counts(), (1, 0));
-        drop(turn);
-        assert_eq!(counts(), (1, 1));
-        host.is_held.store(true, Ordering::Relaxed);
-        assert!(turns.take(Duration::ZERO).is_none());
-        // The turn among our own threads was given back.
-        host.is_held.store(false, Ordering::Relaxed);
-        drop(turns.take(Duration::ZERO).unwrap());
-        assert_eq!(counts(), (2, 2));
+    fn the_lock_of_a_host_is_held_too() {
+        let host = Arc::new(Mutex::new(()));
+        let queue = QueueLock::new(7, Some(Arc::clone(&host) as Arc<dyn HostQueueLock>));
+        let seen = queue.locked(Duration::ZERO, |value| (value, host.try_lock().is_err()));
+        assert_eq!(seen, Some((7, true)));
+        assert!(host.try_lock().is_ok());
+    }
+
+    /// A host that never gives its queue away.
+    struct Busy;
+
+    impl HostQueueLock for Busy {
+        fn locked(&self, _bound: Duration, _submit: &mut dyn FnMut()) {}
+    }
+
+    #[test]
+    fn a_host_that_keeps_its_queue_is_not_waited_for_in_vain() {
+        let queue = QueueLock::new(7, Some(Arc::new(Busy)));
+        // The turn among our own threads is given back each time.
+        for _ in 0..2 {
+            assert_eq!(queue.locked(Duration::ZERO, |value| value), None);
+        }
     }
 }

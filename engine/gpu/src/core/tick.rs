@@ -3,7 +3,6 @@
 use ash::vk;
 
 use crate::core::error::{Called, Error};
-use crate::core::host_callbacks::HostCallbacks;
 
 /// A value of a timeline. Ticks of one device are numbered from 1 in the order of its submits; on a
 /// device that records into a host's command buffers, they are the numbers of the host's frames.
@@ -22,11 +21,11 @@ impl Tick {
 
 pub(crate) fn create_semaphore(
     device: &ash::Device,
-    callbacks: &HostCallbacks,
+    callbacks: Option<&vk::AllocationCallbacks<'_>>,
 ) -> Result<vk::Semaphore, Error> {
     let mut kind =
         vk::SemaphoreTypeCreateInfo::default().semaphore_type(vk::SemaphoreType::TIMELINE);
     let info = vk::SemaphoreCreateInfo::default().push_next(&mut kind);
     // SAFETY: timelineSemaphore is a required feature.
-    unsafe { device.create_semaphore(&info, callbacks.get()) }.called("vkCreateSemaphore")
+    unsafe { device.create_semaphore(&info, callbacks) }.called("vkCreateSemaphore")
 }

@@ -5,25 +5,40 @@ use ash::vk;
 use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
-use crate::core::ownership::of_device;
+use crate::core::ownership::{Ownership, of_device};
 use crate::core::tick::{Tick, create_semaphore};
 
-/// A timeline of a host's own, for frames that must wait for something: hand it to
-/// [`crate::Frame::submit`], signal it from the CPU or from a queue of the host.
+/// A timeline for frames that must wait for something: hand it to [`crate::Frame::submit`], signal
+/// it from the CPU or from a queue of the host.
 pub struct Timeline {
     device: Device,
     pub(crate) raw: vk::Semaphore,
+    ownership: Ownership,
 }
 
 impl Timeline {
     /// Creates a timeline at tick 0.
     ///
     /// # Errors
-    /// A failed call.
+    /// [`Error::NoQueue`] on a device that submits nothing; a failed call.
     pub fn new(device: &Device, name: &str) -> Result<Self, Error> {
+        device.check_queue("a timeline")?;
         let raw = create_semaphore(device.raw(), device.callbacks())?;
         device.name(raw, name);
-        Ok(Self { device: device.clone(), raw })
+        Ok(Self { device: device.clone(), raw, ownership: Ownership::Ours })
+    }
+
+    /// Wraps a timeline semaphore that a host made and goes on to own.
+    ///
+    /// # Safety
+    /// `raw` is a timeline semaphore of this device. It lives until every frame that waits for it
+    /// is over.
+    ///
+    /// # Errors
+    /// [`Error::NoQueue`] on a device that submits nothing.
+    pub unsafe fn from_raw(device: &Device, raw: vk::Semaphore) -> Result<Self, Error> {
+        device.check_queue("a timeline")?;
+        Ok(Self { device: device.clone(), raw, ownership: Ownership::Host })
     }
 
     /// Signals `tick` from the CPU. Ticks must rise.
@@ -41,6 +56,8 @@ of_device!(Timeline: "a timeline (`Timeline`)");
 
 impl Drop for Timeline {
     fn drop(&mut self) {
-        self.device.retire(Retired::Semaphore(self.raw));
+        if self.ownership == Ownership::Ours {
+            self.device.retire(Retired::Semaphore(self.raw));
+        }
     }
 }

@@ -82,7 +82,8 @@ impl Buffer {
         let size_bytes = size_bytes.max(4);
         let info = vk::BufferCreateInfo::default().size(size_bytes).usage(usage);
         // SAFETY: a plain buffer; the size is not zero.
-        let raw = unsafe { device.raw().create_buffer(&info, None) }.called("vkCreateBuffer")?;
+        let raw = unsafe { device.raw().create_buffer(&info, device.callbacks()) }
+            .called("vkCreateBuffer")?;
         device.name(raw, name);
         // SAFETY: just made.
         let requirements = unsafe { device.raw().get_buffer_memory_requirements(raw) };
@@ -107,7 +108,7 @@ impl Buffer {
             Ok(allocation) => Some(allocation),
             Err(error) => {
                 // SAFETY: never used.
-                unsafe { device.raw().destroy_buffer(raw, None) };
+                unsafe { device.raw().destroy_buffer(raw, device.callbacks()) };
                 return Err(error);
             }
         };

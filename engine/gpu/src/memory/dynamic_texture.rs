@@ -61,8 +61,8 @@ impl DynamicTexture {
             .address_mode_v(vk::SamplerAddressMode::CLAMP_TO_EDGE)
             .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE);
         // SAFETY: a plain sampler.
-        let sampler =
-            unsafe { device.raw().create_sampler(&info, None) }.called("vkCreateSampler")?;
+        let sampler = unsafe { device.raw().create_sampler(&info, device.callbacks()) }
+            .called("vkCreateSampler")?;
         device.name(sampler, name);
         Ok(Self { device: device.clone(), image, sampler, size, state: State::Fresh })
     }

@@ -61,7 +61,8 @@ impl Image {
         view: vk::ImageViewCreateInfo<'_>,
     ) -> Result<Self, Error> {
         // SAFETY: the size is within the limits, checked by the caller.
-        let raw = unsafe { device.raw().create_image(info, None) }.called("vkCreateImage")?;
+        let raw = unsafe { device.raw().create_image(info, device.callbacks()) }
+            .called("vkCreateImage")?;
         device.name(raw, name);
         // SAFETY: just made.
         let requirements = unsafe { device.raw().get_image_memory_requirements(raw) };
@@ -81,7 +82,7 @@ impl Image {
             }
             Err(error) => {
                 // SAFETY: never used.
-                unsafe { device.raw().destroy_image(raw, None) };
+                unsafe { device.raw().destroy_image(raw, device.callbacks()) };
                 Err(error)
             }
         }
@@ -135,7 +136,7 @@ fn bind_and_view(
             .raw()
             .bind_image_memory(view.image, memory.memory(), memory.offset())
             .called("vkBindImageMemory")?;
-        device.raw().create_image_view(&view, None).called("vkCreateImageView")
+        device.raw().create_image_view(&view, device.callbacks()).called("vkCreateImageView")
     }
 }
 

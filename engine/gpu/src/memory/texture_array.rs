@@ -262,8 +262,8 @@ fn create_sampler(device: &Device, info: &TextureArrayInfo<'_>) -> Result<vk::Sa
         .anisotropy_enable(anisotropy > 1.0)
         .max_anisotropy(anisotropy);
     // SAFETY: anisotropy is asked for only where the feature is on, and within the limit.
-    let sampler =
-        unsafe { device.raw().create_sampler(&create, None) }.called("vkCreateSampler")?;
+    let sampler = unsafe { device.raw().create_sampler(&create, device.callbacks()) }
+        .called("vkCreateSampler")?;
     device.name(sampler, info.name);
     Ok(sampler)
 }

@@ -39,8 +39,8 @@ impl OcclusionPool {
             .query_type(vk::QueryType::OCCLUSION)
             .query_count(capacity);
         // SAFETY: a plain query pool; capacity is not zero.
-        let raw =
-            unsafe { device.raw().create_query_pool(&info, None) }.called("vkCreateQueryPool")?;
+        let raw = unsafe { device.raw().create_query_pool(&info, device.callbacks()) }
+            .called("vkCreateQueryPool")?;
         device.name(raw, name);
         Ok(Self { device: device.clone(), raw, capacity })
     }

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use ash::vk;
 
 use crate::core::deletion::{Recording, Retired};
-use crate::core::device::{Device, Order};
+use crate::core::device::Device;
 use crate::core::error::{Called, Error};
+use crate::core::order::Order;
 use crate::core::tick::Tick;
 use crate::memory::upload::Uploads;
 use crate::record::commands::Commands;

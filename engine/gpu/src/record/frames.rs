@@ -9,8 +9,9 @@ use std::time::{Duration, Instant};
 use ash::vk;
 
 use crate::core::capabilities::Optional;
-use crate::core::device::{Device, OpenRecording, Order, WaitFor};
+use crate::core::device::{Device, OpenRecording, WaitFor};
 use crate::core::error::Error;
+use crate::core::order::Order;
 use crate::core::tick::Tick;
 use crate::core::timeline::Timeline;
 use crate::memory::pending_uploads::PendingUpload;

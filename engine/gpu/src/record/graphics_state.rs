@@ -69,8 +69,9 @@ pub(super) fn create_graphics(
         Some(pass) => create.render_pass(pass.render_pass).subpass(pass.subpass),
         None => create.push_next(&mut rendering),
     };
+    let (cache, callbacks) = (device.pipeline_cache(), device.callbacks());
     // SAFETY: modules and layout are alive, all states are given.
-    unsafe { device.raw().create_graphics_pipelines(device.pipeline_cache(), &[create], None) }
+    unsafe { device.raw().create_graphics_pipelines(cache, &[create], callbacks) }
         .map_err(|(_, code)| code)
         .called("vkCreateGraphicsPipelines")
         .map(|pipelines| pipelines.first().copied().unwrap_or_default())

@@ -199,7 +199,7 @@ impl ComputePipeline {
                 let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
                 let cache = device.pipeline_cache();
                 // SAFETY: module and layout are alive.
-                unsafe { device.raw().create_compute_pipelines(cache, &[info], None) }
+                unsafe { device.raw().create_compute_pipelines(cache, &[info], device.callbacks()) }
                     .map_err(|(_, code)| code)
                     .called("vkCreateComputePipelines")
                     .map(|pipelines| pipelines.first().copied().unwrap_or_default())
@@ -238,7 +238,7 @@ impl PipelineKind {
             info = info.push_constant_ranges(&constants);
         }
         // SAFETY: the set layout is alive.
-        kind.layout = unsafe { device.raw().create_pipeline_layout(&info, None) }
+        kind.layout = unsafe { device.raw().create_pipeline_layout(&info, device.callbacks()) }
             .called("vkCreatePipelineLayout")?;
         kind.raw = make(kind.layout)?;
         device.name(kind.storage, name);
@@ -277,6 +277,6 @@ fn create_set_layout(
     let bindings: Vec<_> = (0..count).map(binding).collect();
     let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
     // SAFETY: plain bindings of storage buffers and textures.
-    unsafe { device.raw().create_descriptor_set_layout(&info, None) }
+    unsafe { device.raw().create_descriptor_set_layout(&info, device.callbacks()) }
         .called("vkCreateDescriptorSetLayout")
 }

@@ -17,8 +17,8 @@ pub(crate) fn create_command_pool(device: &Device, name: &str) -> Result<vk::Com
         .queue_family_index(device.queue_family())
         .flags(vk::CommandPoolCreateFlags::TRANSIENT);
     // SAFETY: the family of the device's own queue.
-    let pool =
-        unsafe { device.raw().create_command_pool(&info, None) }.called("vkCreateCommandPool")?;
+    let pool = unsafe { device.raw().create_command_pool(&info, device.callbacks()) }
+        .called("vkCreateCommandPool")?;
     device.name(pool, name);
     Ok(pool)
 }
@@ -63,7 +63,7 @@ pub(crate) fn create_descriptor_pool(
     ];
     let info = vk::DescriptorPoolCreateInfo::default().max_sets(DESCRIPTOR_SETS).pool_sizes(&sizes);
     // SAFETY: a plain descriptor pool.
-    let pool = unsafe { device.raw().create_descriptor_pool(&info, None) }
+    let pool = unsafe { device.raw().create_descriptor_pool(&info, device.callbacks()) }
         .called("vkCreateDescriptorPool")?;
     device.name(pool, name);
     Ok(pool)

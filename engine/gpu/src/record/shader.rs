@@ -67,7 +67,7 @@ impl Spirv {
             .data(bytemuck::cast_slice(&values));
         let info = vk::ShaderModuleCreateInfo::default().code(&self.code);
         // SAFETY: the code starts like SPIR-V; the validation layer checks the rest.
-        let module = unsafe { device.raw().create_shader_module(&info, None) }
+        let module = unsafe { device.raw().create_shader_module(&info, device.callbacks()) }
             .called("vkCreateShaderModule")?;
         device.name(module, &self.name);
         let info = vk::PipelineShaderStageCreateInfo::default()
@@ -77,7 +77,7 @@ impl Spirv {
             .specialization_info(&constants);
         let made = make(info);
         // SAFETY: no pipeline refers to the module after its creation.
-        unsafe { device.raw().destroy_shader_module(module, None) };
+        unsafe { device.raw().destroy_shader_module(module, device.callbacks()) };
         made
     }
 }

@@ -61,8 +61,8 @@ impl PassTimer {
             .query_type(vk::QueryType::TIMESTAMP)
             .query_count(2 * passes);
         // SAFETY: a plain query pool.
-        let pool =
-            unsafe { device.raw().create_query_pool(&info, None) }.called("vkCreateQueryPool")?;
+        let pool = unsafe { device.raw().create_query_pool(&info, device.callbacks()) }
+            .called("vkCreateQueryPool")?;
         device.name(pool, name);
         let adapter = device.adapter();
         Ok(Self {

@@ -15,8 +15,9 @@ use std::collections::VecDeque;
 
 use super::images::RetiredImages;
 use crate::core::deletion::Retired;
-use crate::core::device::{Device, Order};
+use crate::core::device::Device;
 use crate::core::error::Error;
+use crate::core::order::Order;
 
 /// The number of chains kept for proof of their end. A window dragged by its corner makes one per
 /// frame.

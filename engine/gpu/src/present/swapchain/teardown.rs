@@ -5,8 +5,9 @@ use ash::vk;
 use super::images::{ImageIndex, SwapchainImages};
 use super::retired::RetiredSwapchains;
 use crate::core::deletion::Retired;
-use crate::core::device::{Device, Order};
+use crate::core::device::Device;
 use crate::core::error::Error;
+use crate::core::order::Order;
 
 /// An image that was acquired and is not yet presented, and the semaphore of its acquire.
 #[derive(Clone, Copy)]
