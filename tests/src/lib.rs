@@ -10,6 +10,7 @@ pub mod host_images;
 pub mod host_memory;
 pub mod machine;
 pub mod reference;
+pub mod reported;
 pub mod shapes;
 pub mod show;
 pub mod stage;

@@ -16,7 +16,8 @@ use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewState};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run};
 
-const SIZE: [u32; 2] = [256, 144];
+/// The size of a golden image in pixels.
+pub(crate) const SIZE: [u32; 2] = [256, 144];
 
 /// The files, and their cameras; where there is none, all is framed.
 const SCENES: [(&str, &[Option<&str>]); 5] = [
@@ -130,17 +131,19 @@ fn scenes_look_as_they_did() {
             let stem = file.file_stem().unwrap().to_str().unwrap();
             let name = format!("{stem}_{}_{number}.png", camera.unwrap_or("whole"));
             let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden").join(&name);
-            if std::env::var("ANTUMBRA_GOLDEN").is_ok_and(|what| what == "write") {
-                write(&golden, &image.rgba8().unwrap());
-                continue;
-            }
-            let (far, mean) = difference(&read(&golden), &image.rgba8().unwrap());
-            assert!(
-                far <= 0.002 && mean <= 0.25,
-                "{name}: {far} of the pixels are far, mean {mean}"
-            );
+            check(&golden, &image.rgba8().unwrap());
         }
     });
+}
+
+/// Checks that an image of [`SIZE`] looks as in its file; writes it with ANTUMBRA_GOLDEN=write.
+pub(crate) fn check(golden: &Path, found: &[u8]) {
+    if std::env::var("ANTUMBRA_GOLDEN").is_ok_and(|what| what == "write") {
+        return write(golden, found);
+    }
+    let (far, mean) = difference(&read(golden), found);
+    let name = golden.display();
+    assert!(far <= 0.002 && mean <= 0.25, "{name}: {far} of the pixels are far, mean {mean}");
 }
 
 /// Returns the share of pixels of which a channel is off by more than 8 of 255, and the mean

@@ -31,6 +31,7 @@ mod learning;
 mod misuse;
 mod moving;
 mod object_pairs;
+mod other_engines;
 mod pick;
 mod poses;
 mod pyramid;
