@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use ash::{ext, vk};
 use gpu::{
-    Device, DeviceOptions, Features, HostDevice, HostQueue, HostQueueLock, Purpose, Requirements,
-    Timeline,
+    Device, DeviceOptions, Features, FrameNumbers, FrameRing, HostDevice, HostQueue, HostQueueLock,
+    Purpose, Requirements, Tick, Timeline,
 };
 
 use crate::{Driver, take_turn};
@@ -173,6 +173,16 @@ impl Host {
             self.device.destroy_fence(fence, None);
             self.device.destroy_command_pool(pool, None);
         }
+    }
+
+    /// Submits an empty frame of a ring on an executor's device, and waits until it is over.
+    pub fn run_frame(&self, lock: &dyn HostQueueLock, ring: &mut FrameRing, current: u64) {
+        self.run_once(lock, |commands| {
+            let numbers = FrameNumbers { current: Tick(current), safe: Tick(current - 1) };
+            // SAFETY: a command buffer of this device; the frames before are over.
+            let frame = unsafe { ring.begin_in(commands, numbers) }.unwrap();
+            frame.end().unwrap();
+        });
     }
 
     /// Creates a pipeline cache of the host's own.

@@ -5,6 +5,7 @@
 #![allow(clippy::panic, clippy::expect_used, clippy::unwrap_used)]
 
 pub mod counting;
+pub mod host_copy;
 pub mod host_device;
 pub mod host_images;
 pub mod host_memory;

@@ -14,6 +14,13 @@
 //! - [`Swapchain`]: frames in a window, whatever becomes of the window.
 //! - [`Access`]: named accesses, from which every barrier of the engine is computed.
 //!
+//! A host that has a device already makes it from [`Requirements`] and lends it
+//! ([`Device::adopt`]).
+//!
+//! [`Device`] and what it makes can be sent to other threads; `Device`, [`Buffer`]s, [`Timeline`]s,
+//! [`Readback`]s, pipelines and [`TextureUploads`] can be used by several at once. Frames are
+//! recorded by one thread each.
+//!
 //! ```no_run
 //! # use antumbra_gpu as gpu;
 //! # fn main() -> Result<(), gpu::Error> {
@@ -102,6 +109,7 @@ pub use crate::record::attachments::{
     Attachments, COLOURS_MAX, ColourFormats, HostPass, NearDepth,
 };
 pub use crate::record::commands::Commands;
+pub use crate::record::finished_image::FinishedImage;
 pub use crate::record::frames::{Frame, FrameNumbers, FrameRing, SlotIndex};
 pub use crate::record::host_image::{HostImage, HostImages, ImageState};
 pub use crate::record::indirect::{DrawRange, IndirectDraw};

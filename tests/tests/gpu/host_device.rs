@@ -1,14 +1,15 @@
 //! The engine on the device of a host, which is made from the engine's requirements alone.
 
-use std::ffi::CString;
+mod requirements;
+
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use cull::Strategy;
 use gpu::{
-    Buffer, Capabilities, Device, Error, Features, FrameRing, HostDevice, HostQueueLock,
-    MemoryKind, Optional, Purpose, Readback, Required, Timeline, vk,
+    Buffer, Device, DynamicTexture, Error, Features, FrameRing, HostDevice, HostQueueLock,
+    MemoryKind, MipMaking, Purpose, Readback, TextureArray, TextureArrayInfo, Timeline, vk,
 };
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
@@ -20,8 +21,8 @@ use tests::{Driver, open};
 
 const FRAMES: u32 = 6;
 
-/// Draws frames of a city with several strategies, and returns their images.
-fn images(device: &Device) -> Result<Vec<Vec<u8>>, render::Error> {
+/// Returns a renderer of a city, and a path through it.
+fn city(device: &Device) -> Result<(Renderer, CameraPath), render::Error> {
     let GeneratedScene { scene, routes } = SceneKind::City.build(400);
     let path = CameraPath::new(PathKind::Street, &routes).unwrap();
     let options = RendererOptions {
@@ -30,7 +31,12 @@ fn images(device: &Device) -> Result<Vec<Vec<u8>>, render::Error> {
         costs: Costs::Ignored,
         ..Default::default()
     };
-    let mut renderer = Renderer::new(device, &scene, &options)?;
+    Ok((Renderer::new(device, &scene, &options)?, path))
+}
+
+/// Draws frames of a city with several strategies, and returns their images.
+fn images(device: &Device) -> Result<Vec<Vec<u8>>, render::Error> {
+    let (mut renderer, path) = city(device)?;
     let image = Readback::new(device, renderer.size())?;
     let mut images = Vec::new();
     for strategy in [Strategy::ANTUMBRA, methods::PYRAMID, Strategy::FRUSTUM] {
@@ -112,6 +118,19 @@ fn the_queue_of_a_host_is_used_by_one_at_a_time() {
     }
 }
 
+const ARRAY: TextureArrayInfo<'_> = TextureArrayInfo {
+    name: "array",
+    size: [4; 2],
+    layers: 2,
+    format: vk::Format::R8G8B8A8_UNORM,
+    wrap: [vk::SamplerAddressMode::REPEAT; 2],
+    magnified: vk::Filter::LINEAR,
+    minified: vk::Filter::LINEAR,
+    between_levels: None,
+    anisotropy: 1.0,
+    mip_making: MipMaking::Cpu,
+};
+
 #[test]
 fn all_memory_of_the_cpu_comes_from_the_host_and_goes_back() {
     for driver in Driver::ALL {
@@ -122,8 +141,11 @@ fn all_memory_of_the_cpu_comes_from_the_host_and_goes_back() {
         let description = HostDevice { allocation_callbacks, queue, ..host.describe() };
         let device = host.try_adopt(description).unwrap();
         images(&device).unwrap();
+        let texture = DynamicTexture::new(&device, [4; 2], "texture").unwrap();
+        let array = TextureArray::new(&device, &ARRAY).unwrap();
+        let timeline = Timeline::new(&device, "timeline").unwrap();
         assert!(memory.made() > 100, "{memory:?}");
-        drop(device);
+        drop((texture, array, timeline, device));
         assert_eq!(memory.live(), 0, "of {} blocks", memory.made());
         host.finish();
     }
@@ -140,79 +162,6 @@ fn the_pipeline_cache_of_a_host_is_used_and_left_to_it() {
     assert_eq!(calls(c"vkCreatePipelineCache"), 1, "the engine made one of its own");
     // The layer would tell if it was gone already.
     host.destroy_pipeline_cache(cache);
-    host.finish();
-}
-
-#[test]
-fn what_is_required_and_not_on_is_refused_by_its_name() {
-    let host = Host::new(Driver::Lavapipe, Purpose::Renderer);
-    for purpose in [Purpose::Executor, Purpose::Renderer] {
-        let refusal = |change: &dyn Fn(&mut HostDevice)| {
-            let mut description = host.describe();
-            if purpose == Purpose::Renderer {
-                description.queue = Some(host.share_queue(Arc::new(Mutex::new(()))));
-            }
-            change(&mut description);
-            host.try_adopt(description).err().map(|error| error.to_string())
-        };
-        assert_eq!(refusal(&|_| {}), None);
-        let mut named = 0;
-        for required in Required::ALL {
-            let said = refusal(&|description| match required {
-                Required::Vulkan13 => description.api_version = vk::API_VERSION_1_2,
-                Required::GraphicsQueue => description.queue_family = u32::MAX,
-                feature => {
-                    description.features = description.features.without(feature.features());
-                }
-            });
-            let is_feature = required != Required::Depth32;
-            let expected = required.is_for(purpose) && is_feature;
-            assert_eq!(said.is_some(), expected, "{required:?} for {purpose:?}: {said:?}");
-            if let Some(said) = said {
-                assert!(said.contains(&format!("lacks {}", required.name())), "{said}");
-                named += 1;
-            }
-        }
-        assert_eq!(named, if purpose == Purpose::Renderer { 7 } else { 6 });
-    }
-    host.finish();
-}
-
-#[test]
-fn what_is_optional_and_not_on_is_done_without() {
-    for driver in Driver::ALL {
-        let expected = images(&open(driver).1).unwrap();
-        let all = Optional::ALL.map(Optional::features);
-        let features = all.into_iter().fold(Features::default(), Features::union);
-        let names: Vec<_> = Optional::ALL.map(Optional::extensions).concat().concat();
-        let host = Host::without(driver, Purpose::Renderer, &names, features);
-        let queue = Some(host.share_queue(Arc::new(Mutex::new(()))));
-        let features = host.needs.features().without(features);
-        let extensions = Vec::<CString>::new();
-        let description = HostDevice { queue, features, extensions, ..host.describe() };
-        let device = host.try_adopt(description).unwrap();
-        assert_eq!(device.capabilities().optional, [Optional::Timestamps]);
-        assert!(images(&device).unwrap() == expected, "other images on {driver:?}");
-        drop(device);
-        host.finish();
-    }
-}
-
-#[test]
-fn an_executor_asks_for_less() {
-    let host = Host::new(Driver::Lavapipe, Purpose::Executor);
-    let (features, names) = (host.needs.features(), host.needs.extensions());
-    assert!(!features.timeline_semaphore && !features.sampler_anisotropy);
-    assert_eq!(names, [c"VK_EXT_conditional_rendering"]);
-    let device = host.adopt(None);
-    let Capabilities { optional, .. } = device.capabilities();
-    assert!(optional.iter().all(|what| what.is_for(Purpose::Executor)), "{optional:?}");
-    drop(device);
-    // A renderer would need more.
-    let queue = Some(host.share_queue(Arc::new(Mutex::new(()))));
-    let refused = host.try_adopt(HostDevice { queue, ..host.describe() });
-    let refused = refused.err().expect("an error").to_string();
-    assert!(refused.contains("lacks timelineSemaphore"), "{refused}");
     host.finish();
 }
 
@@ -240,6 +189,34 @@ fn a_device_without_a_queue_submits_nothing_and_frees_what_frames_are_over() {
         assert_eq!(device.retired(), 0);
         drop(device);
         host.finish();
+    }
+}
+
+#[test]
+fn what_a_frame_of_the_host_may_use_is_not_freed_with_the_device() {
+    let lock = Mutex::new(());
+    for driver in Driver::ALL {
+        for is_finished in [true, false] {
+            let memory: &'static HostMemory = Box::leak(Box::default());
+            let host = Host::new(driver, Purpose::Executor);
+            let allocation_callbacks = Some(memory.callbacks());
+            let description = HostDevice { allocation_callbacks, ..host.describe() };
+            let device = host.try_adopt(description).unwrap();
+            let mut ring = FrameRing::new(&device, 2).unwrap();
+            host.run_frame(&lock, &mut ring, 5);
+            host.run_frame(&lock, &mut ring, 6);
+            drop(ring);
+            if is_finished {
+                host.say_all_is_over(&device);
+            }
+            drop(device);
+            assert_eq!(memory.live() == 0, is_finished, "{memory:?} on {driver:?}");
+            match is_finished {
+                true => host.finish(),
+                // What is left of the engine would outlive its device.
+                false => std::mem::forget(host),
+            }
+        }
     }
 }
 
@@ -320,3 +297,57 @@ fn the_loss_of_a_hosts_device_is_an_error_with_its_name() {
         assert!(error.to_string().contains(call.to_str().unwrap()), "{error}");
     }
 }
+
+#[test]
+fn a_host_reads_the_finished_image_by_commands_of_its_own() {
+    for driver in Driver::ALL {
+        let host = Host::new(driver, Purpose::Renderer);
+        let lock = Arc::new(Mutex::new(()));
+        let device = host.adopt(Some(host.share_queue(Arc::clone(&lock) as _)));
+        let (mut renderer, path) = city(&device).unwrap();
+        let early = renderer.finished_image().expect_err("an error");
+        assert!(matches!(early, render::Error::Gpu(Error::NoImage)), "{early}");
+        let mut view = renderer.new_view().unwrap();
+        let image = Readback::new(&device, renderer.size()).unwrap();
+        let mut states = Vec::new();
+        for frame in 0..FRAMES {
+            // With a copy of the engine's own, the frame leaves the image in another state.
+            let is_copied = frame % 2 == 0;
+            let request = FrameRequest {
+                image: is_copied.then_some(&image),
+                ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(frame / 2))
+            };
+            let report = renderer.render(&mut view, &request).unwrap();
+            let finished = renderer.finished_image().unwrap();
+            assert_eq!((finished.tick, finished.size), (report.tick, renderer.size()));
+            states.push(finished.state);
+            let copied = host.copy(&*lock, &finished);
+            // The copy came after the frame on the same queue, so the frame is over.
+            assert!(host.value_of(finished.timeline) >= finished.tick.0);
+            assert!(copied == *image.rgba8().unwrap(), "frame {frame} on {driver:?}");
+        }
+        assert!(states[0] != states[1] && states[0] == states[2]);
+        drop((renderer, view, image, device));
+        host.finish();
+    }
+}
+
+/// A check that what is documented to be used from several threads is.
+const _: () = {
+    const fn is_send_and_sync<T: Send + Sync>() {}
+    const fn is_send<T: Send>() {}
+    is_send_and_sync::<Device>();
+    is_send_and_sync::<gpu::Instance>();
+    is_send_and_sync::<gpu::Adapter>();
+    is_send_and_sync::<gpu::Requirements>();
+    is_send_and_sync::<Timeline>();
+    is_send_and_sync::<Buffer>();
+    is_send_and_sync::<Readback>();
+    is_send_and_sync::<gpu::TextureUploads>();
+    is_send_and_sync::<gpu::GraphicsPipeline>();
+    is_send::<FrameRing>();
+    is_send::<gpu::Target>();
+    is_send::<gpu::Predicates>();
+    is_send::<Renderer>();
+    is_send::<render::ViewState>();
+};

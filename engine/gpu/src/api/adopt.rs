@@ -30,6 +30,46 @@ impl Device {
     /// that. A device may be adopted more than once; what is made from one handle is of no use to
     /// the other.
     ///
+    /// ```no_run
+    /// # use antumbra_gpu as gpu;
+    /// # use gpu::{Features, Purpose, Requirements, Tick, vk};
+    /// # use std::ffi::CString;
+    /// # struct Host { entry: ash::Entry, instance: ash::Instance, physical: vk::PhysicalDevice,
+    /// #     device: ash::Device, family: u32, extensions: Vec<CString>, features: Features }
+    /// # fn draw(host: &Host, commands: vk::CommandBuffer) -> Result<(), gpu::Error> {
+    /// // The host has made its device with what `Requirements` say, and has kept the names and
+    /// // features that it turned on. Then, once:
+    /// let description = gpu::HostDevice {
+    ///     entry: host.entry.clone(),
+    ///     instance: host.instance.clone(),
+    ///     physical_device: host.physical,
+    ///     device: host.device.clone(),
+    ///     queue_family: host.family,
+    ///     api_version: vk::API_VERSION_1_3,
+    ///     extensions: host.extensions.clone(),
+    ///     features: host.features,
+    ///     allocation_callbacks: None,
+    ///     pipeline_cache: None,
+    ///     queue: None,
+    ///     options: gpu::DeviceOptions::default(),
+    /// };
+    /// // SAFETY: the handles belong together, and are destroyed after `device`.
+    /// let device = unsafe { gpu::Device::adopt(description) }?;
+    /// let mut ring = gpu::FrameRing::new(&device, 3)?;
+    ///
+    /// // In each frame, while the host records `commands`; frame 16 is the last that is over.
+    /// let numbers = gpu::FrameNumbers { current: Tick(18), safe: Tick(16) };
+    /// // SAFETY: the commands are being recorded, and the frames up to 16 are over.
+    /// let frame = unsafe { ring.begin_in(commands, numbers) }?;
+    /// frame.end()?;
+    ///
+    /// // At the end, after the host has waited for its queue.
+    /// drop(ring);
+    /// // SAFETY: the queue is idle.
+    /// unsafe { device.host_finished() }?;
+    /// # Ok(()) }
+    /// ```
+    ///
     /// # Safety
     /// - The handles are alive, belong together as the fields say, and outlive this device, all of
     ///   its clones, and all that is made from them.

@@ -2,6 +2,8 @@
 
 use ash::vk;
 
+use crate::record::access::{Access, MemoryBarrier};
+
 /// The state of an image between two users: the layout that it is in, and the accesses that come
 /// before or after.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -21,24 +23,20 @@ impl ImageState {
         Self::default()
     }
 
+    /// Returns the state during an access.
+    pub(crate) fn during(access: Access) -> Self {
+        let MemoryBarrier { to_stages, to_access, .. } = MemoryBarrier::between(&[], &[access]);
+        Self { layout: access.layout(), stages: to_stages, access: to_access }
+    }
+
     /// Returns the state during renderings that write depth.
     pub fn depth_attachment() -> Self {
-        use vk::{AccessFlags2 as A, PipelineStageFlags2 as S};
-        Self {
-            layout: vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
-            stages: S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS,
-            access: A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE,
-        }
+        Self::during(Access::Depth)
     }
 
     /// Returns the state during renderings that write colour.
     pub fn colour_attachment() -> Self {
-        use vk::{AccessFlags2 as A, PipelineStageFlags2 as S};
-        Self {
-            layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
-            stages: S::COLOR_ATTACHMENT_OUTPUT,
-            access: A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE,
-        }
+        Self::during(Access::Colour)
     }
 }
 

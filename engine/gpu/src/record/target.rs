@@ -6,6 +6,7 @@ use crate::core::deletion::Recording;
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::ownership::of_device;
+use crate::core::tick::Tick;
 use crate::memory::buffer::BufferSlice;
 use crate::memory::readback::Readback;
 use crate::record::access::Access;
@@ -13,7 +14,8 @@ use crate::record::attachments::{
     Attachments, COLOUR_BYTES, COLOUR_FORMAT, COLOURS_MAX, ColourFormats, DEPTH_FORMAT,
 };
 use crate::record::commands::{Commands, Failure};
-use crate::record::host_image::HostImages;
+use crate::record::finished_image::FinishedImage;
+use crate::record::host_image::{HostImages, ImageState};
 use crate::record::render_target::{Load, RenderTarget};
 use crate::record::target_image::TargetImage;
 
@@ -29,7 +31,7 @@ pub struct Target {
     // The recording that uses the images, and what it last used them for. What it recorded may
     // never be submitted, so the next one must not build on it.
     recording: Option<Recording>,
-    is_submitted: bool,
+    submitted: Option<Tick>,
 }
 
 of_device!(Target: "a target (`Target`)");
@@ -41,8 +43,10 @@ impl Target {
     /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits; no memory.
     pub fn new(device: &Device, size: [u32; 2], name: &str) -> Result<Self, Error> {
         check_size(device, size)?;
-        let colour_usage =
-            vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
+        // A host samples what was drawn.
+        let colour_usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
+            | vk::ImageUsageFlags::TRANSFER_SRC
+            | vk::ImageUsageFlags::SAMPLED;
         let depth_usage =
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
@@ -57,7 +61,7 @@ impl Target {
             attachments: Attachments::default(),
             can_copy_depth: true,
             recording: None,
-            is_submitted: false,
+            submitted: None,
         })
     }
 
@@ -104,7 +108,7 @@ impl Target {
             },
             can_copy_depth,
             recording: None,
-            is_submitted: false,
+            submitted: None,
         })
     }
 
@@ -136,7 +140,7 @@ impl Target {
         if commands.admit(self).is_err() {
             return;
         }
-        self.is_submitted = false;
+        self.submitted = None;
         let is_first = self.recording.replace(commands.recording()) != Some(commands.recording());
         let change = |image: &mut TargetImage, to| match is_first {
             true => image.first_change(&[to, Access::CopyRead], to),
@@ -271,12 +275,36 @@ impl Target {
 impl Target {
     /// Notes that the frame that drew last was submitted: only then is there an image to show.
     pub fn submitted(&mut self) {
-        self.is_submitted = self.recording.is_some();
+        self.submitted = self.recording.map(|_| self.device.submitted());
     }
 
     /// Returns true if the GPU has, or will have, an image here.
     pub(crate) fn has_frame(&self) -> bool {
-        self.is_submitted
+        self.submitted.is_some()
+    }
+
+    /// Returns the colour image of the newest frame, for a host that reads it by commands of its
+    /// own.
+    ///
+    /// # Errors
+    /// [`Error::NoImage`] if there is none, or none since a frame failed; [`Error::NoQueue`] on a
+    /// device that submits nothing.
+    pub fn finished(&self) -> Result<FinishedImage, Error> {
+        let timeline = self.device.timeline_semaphore()?;
+        let formats = self.attachments.colours.as_slice();
+        let (Some(tick), [colour, ..], [format, ..]) = (self.submitted, &self.colours[..], formats)
+        else {
+            return Err(Error::NoImage);
+        };
+        Ok(FinishedImage {
+            image: colour.raw,
+            view: colour.view,
+            format: *format,
+            size: self.size,
+            state: ImageState::during(colour.access),
+            timeline,
+            tick,
+        })
     }
 }
 
