@@ -1,4 +1,5 @@
-// Finds the farthest depth in every cell of 8x8 pixels. Depth is reversed, so it is the smallest.
+// Finds the farthest depth in every cell of 8x8 pixels: the smallest, of depths that are turned
+// around where they are not reversed.
 #version 460
 
 layout(local_size_x = 64) in;
@@ -10,6 +11,7 @@ layout(std430, binding = 1) writeonly buffer Grid { float grid[]; };
 
 layout(push_constant) uniform Constants {
     uvec2 size;
+    float sign; // 1 where depth is reversed, else -1
 };
 
 void main() {
@@ -25,7 +27,7 @@ void main() {
     for (uint y = 0; y < CELL; ++y) {
         uint row = min(first.y + y, size.y - 1) * size.x;
         for (uint x = 0; x < CELL; ++x) {
-            farthest = min(farthest, depths[row + min(first.x + x, size.x - 1)]);
+            farthest = min(farthest, sign * depths[row + min(first.x + x, size.x - 1)]);
         }
     }
     grid[cell] = farthest;

@@ -8,8 +8,9 @@ layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
 
 layout(push_constant) uniform Constants {
     mat4 view_proj;
-    vec4 eye;     // w: how far a proxy reaches beyond its box, in metres at view depth 1
-    vec4 forward; // w: the near plane
+    vec4 eye;    // in homogeneous coordinates
+    vec4 row_w;  // the clip coordinate w of a point relative to the eye
+    vec2 margin; // how far a proxy reaches beyond its box where w is 1, and anywhere, in metres
 };
 
 layout(location = 0) flat out uint leaf;
@@ -27,12 +28,12 @@ void main() {
     }
     vec3 centre = 0.5 * (box.low.xyz + box.high.xyz);
     vec3 half_extent = 0.5 * (box.high.xyz - box.low.xyz);
-    float depth = dot(forward.xyz, centre - eye.xyz);
-    float reach = dot(abs(forward.xyz), half_extent);
-    vec3 largest = max(max(abs(box.low.xyz), abs(box.high.xyz)), abs(eye.xyz));
+    // At the farthest corner.
+    float w = dot(row_w.xyz, centre - eye.xyz) + row_w.w + dot(abs(row_w.xyz), half_extent);
+    vec3 largest = max(abs(box.low.xyz), abs(box.high.xyz));
     // 16 times the rounding of a coordinate, as on the CPU.
-    float slack = 1.9073486e-6 * max(largest.x, max(largest.y, largest.z));
-    float distance = CAUTION * (eye.w * max(depth + reach, forward.w) + slack);
-    gl_Position = box_vertex(box.low.xyz - distance, box.high.xyz + distance, eye.xyz, view_proj,
+    float slack = max(1.9073486e-6 * max(largest.x, max(largest.y, largest.z)), margin.y);
+    float distance = CAUTION * (margin.x * w + slack);
+    gl_Position = box_vertex(box.low.xyz - distance, box.high.xyz + distance, eye, view_proj,
                              gl_VertexIndex);
 }

@@ -8,7 +8,7 @@ layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
 
 layout(push_constant) uniform Constants {
     mat4 view_proj;
-    vec4 eye;
+    vec4 eye; // in homogeneous coordinates
 };
 
 layout(location = 0) flat out uint test;
@@ -16,5 +16,5 @@ layout(location = 0) flat out uint test;
 void main() {
     Box box = boxes[gl_InstanceIndex];
     test = gl_InstanceIndex;
-    gl_Position = box_vertex(box.low.xyz, box.high.xyz, eye.xyz, view_proj, gl_VertexIndex);
+    gl_Position = box_vertex(box.low.xyz, box.high.xyz, eye, view_proj, gl_VertexIndex);
 }

@@ -33,16 +33,24 @@ layout(std430, binding = 3) writeonly buffer List { IndirectDraw list[]; };
 layout(std430, binding = 4) buffer Counts { Counters counters[]; };
 
 layout(push_constant) uniform Constants {
-    // Clip x, y and w of a point relative to the eye.
-    vec4 row_x; // w: distance of the near plane (metres)
-    vec4 row_y; // w: how much a box grows per metre of its largest view depth
-    vec4 row_w; // w: bound on rounding, relative to the largest coordinate
-    vec3 eye;
+    // Clip x, y and w, and view depth, of a point relative to the origin of the rays.
+    vec4 row_x;     // w: how much a box grows where w is 1 (metres)
+    vec4 row_y;     // w: the coordinate that bounds the rounding of the view
+    vec4 row_w;
+    vec4 row_depth; // w: the least view depth of a box that is tested
+    vec3 origin;
     uint leaf_count;
+    vec2 depth_terms; // of depth: the first, and the second over the view depth or, where w is 1
+                      // throughout, times it
+    float near;
+    uint phase;
     uvec2 size;
     uint is_compact; // the list holds draws alone, or an entry for every leaf
-    uint phase;
 };
+
+// A bound on rounding, relative to the largest coordinate: more than `cull::Margin` takes, so that
+// no rounding here can make it less conservative.
+const float ROUNDING = 24.0 / 8388608.0;
 
 struct Coverage {
     bool in_sight;
@@ -57,13 +65,13 @@ float largest(vec3 v) {
 }
 
 // True if some of a box may lie beyond none of the planes left, right, top, bottom and near.
-bool is_in_sight(vec3 centre, vec3 extent, float near) {
+bool is_in_sight(vec3 centre, vec3 extent) {
     vec3 planes[4] = vec3[](row_w.xyz + row_x.xyz, row_w.xyz - row_x.xyz,
                             row_w.xyz + row_y.xyz, row_w.xyz - row_y.xyz);
-    bool in_sight = !(dot(row_w.xyz, centre) + dot(abs(row_w.xyz), extent) < near);
+    bool in_sight = !(dot(row_depth.xyz, centre) + dot(abs(row_depth.xyz), extent) < near);
     for (int plane = 0; plane < 4; ++plane) {
         vec3 normal = planes[plane];
-        in_sight = in_sight && !(dot(normal, centre) + dot(abs(normal), extent) < 0.0);
+        in_sight = in_sight && !(dot(normal, centre) + row_w.w + dot(abs(normal), extent) < 0.0);
     }
     return in_sight;
 }
@@ -73,25 +81,26 @@ bool is_in_sight(vec3 centre, vec3 extent, float near) {
 // away. Rounding here is far below what the box has grown by; on top, the rectangle grows by half a
 // pixel and to whole pixels, the nearest depth by some units in its last place.
 Coverage coverage(Box box) {
-    const float NEAR_SLACK = 1.0 / 1024.0;
     const float DEPTH_SLACK = 1.0 / 1048576.0;
-    float near = row_x.w;
-    vec3 centre = (box.low * 0.5 + box.high * 0.5) - eye;
+    // Where depth is affine in the view depth; relative to the constant.
+    const float CONSTANT_SLACK = 1.0 / 262144.0;
+    vec3 centre = (box.low * 0.5 + box.high * 0.5) - origin;
     vec3 extent = box.high * 0.5 - box.low * 0.5;
-    float coordinate = max(largest(max(abs(box.low), abs(box.high))), largest(abs(eye)));
-    float slack = row_w.w * coordinate;
+    float slack = ROUNDING * max(largest(max(abs(box.low), abs(box.high))), row_y.w);
     Coverage covers;
     // A leaf without an object has a box turned inside out.
     bool is_empty = box.low.x > box.high.x;
-    covers.in_sight = !is_empty && is_in_sight(centre, extent + slack, near);
+    covers.in_sight = !is_empty && is_in_sight(centre, extent + slack);
 
-    float depth = dot(row_w.xyz, centre);
-    float farthest = max(depth + dot(abs(row_w.xyz), extent), near);
-    extent += row_y.w * farthest + slack;
-    float reach = dot(abs(row_w.xyz), extent);
+    float w = dot(row_w.xyz, centre) + row_w.w;
+    float farthest = w + dot(abs(row_w.xyz), extent);
+    extent += max(row_x.w * farthest, 0.0) + slack;
+    float nearest = dot(row_depth.xyz, centre) - dot(abs(row_depth.xyz), extent);
     // Written so that NaN counts as too near.
-    covers.too_near = !(depth - reach - slack > near * (1.0 + NEAR_SLACK));
-    covers.nearest = near / (depth - reach) * (1.0 + DEPTH_SLACK);
+    covers.too_near = !(nearest - slack > row_depth.w);
+    bool has_eye = row_w.w == 0.0;
+    float scaled = has_eye ? depth_terms.y / nearest : depth_terms.y * nearest;
+    covers.nearest = depth_terms.x + scaled + abs(scaled) * DEPTH_SLACK + abs(depth_terms.x) * CONSTANT_SLACK;
     vec2 middle = vec2(dot(row_x.xyz, centre), dot(row_y.xyz, centre));
     vec3 step_x = row_x.xyz * extent;
     vec3 step_y = row_y.xyz * extent;
@@ -101,7 +110,7 @@ Coverage coverage(Box box) {
     for (int corner = 0; corner < 8; ++corner) {
         vec3 side = vec3((corner & 1) * 2 - 1, (corner & 2) - 1, (corner & 4) / 2 - 1);
         vec2 at = middle + vec2(dot(step_x, side), dot(step_y, side));
-        at /= depth + dot(step_w, side);
+        at /= w + dot(step_w, side);
         low = min(low, at);
         high = max(high, at);
     }

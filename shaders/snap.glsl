@@ -8,6 +8,7 @@
 
 // `steps` are those from the middle of the image to its edges.
 vec4 snapped(vec4 clip, vec2 steps) {
-    // Vertices outside of the near plane are cut off later, and have no place on the screen yet.
-    return clip.w > 0.0 && clip.w >= clip.z ? vec4(round(clip.xy / clip.w * steps) / steps * clip.w, clip.zw) : clip;
+    // Vertices outside of the near or far plane are cut off later; before the near plane they have
+    // no place on the screen yet.
+    return clip.w > 0.0 && clip.z >= 0.0 && clip.w >= clip.z ? vec4(round(clip.xy / clip.w * steps) / steps * clip.w, clip.zw) : clip;
 }

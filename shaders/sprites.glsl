@@ -34,8 +34,10 @@ vec3 sprite_to_world(Instance instance, vec3 corner, mat4 view_proj) {
     vec4 head = sprite_vector(head_place);
     vec3 from = to_world(instance, sprite_vector(sprite_end(head_place, head, corner, 0.0)).xyz);
     vec3 to = to_world(instance, sprite_vector(sprite_end(head_place, head, corner, 1.0)).xyz);
-    vec3 forward = normalize(vec3(view_proj[0].w, view_proj[1].w, view_proj[2].w));
-    vec3 up = normalize(cross(vec3(view_proj[0].x, view_proj[1].x, view_proj[2].x), forward));
+    vec3 across = vec3(view_proj[0].x, view_proj[1].x, view_proj[2].x);
+    vec3 down = vec3(view_proj[0].y, view_proj[1].y, view_proj[2].y);
+    vec3 forward = normalize(cross(across, down));
+    vec3 up = normalize(cross(across, forward));
     vec3 right = cross(forward, up);
     // Along the line as it is seen; to the right for points and for lines seen from their end.
     vec2 along = vec2(dot(to - from, right), dot(to - from, up));

@@ -80,10 +80,10 @@ void main() {
         if (EMISSION_PAGES != 0u) emission *= texel(EMISSION_PAGES, material_emission.w, uvs).rgb;
     }
     vec3 n = shading_normal();
-    vec3 v = unit_or(eye.xyz - world_position, n);
+    vec3 v = unit_or(eye.xyz - world_position * eye.w, n);
     Brdf brdf = brdf_of(base.rgb, roughness_metallic.y, roughness_metallic.x, n, v);
     vec3 light = ambient(brdf, roughness_metallic.x) * occlusion + direct(brdf) + emission;
-    colour = vec4(tone_mapped(min(light * eye.w, vec3(65504.0))), alpha);
+    colour = vec4(tone_mapped(min(light * exposure, vec3(65504.0))), alpha);
     // An unlit surface is its base colour: neither lit nor exposed, so not mapped either.
     if (UNLIT && (material_factors.w & UNLIT_FLAG) != 0u) colour.rgb = base.rgb;
 }

@@ -1,11 +1,12 @@
-// The constants of all draws of one surface pass: the view and the ambient light in 112 bytes of
+// The constants of all draws of one surface pass: the view and the ambient light in 116 bytes of
 // push constants, and the features that the scene uses, for which pipelines are compiled.
 
 layout(push_constant) uniform Constants {
     mat4 view_proj;
-    vec4 eye;           // w: exposure
+    vec4 eye;           // in homogeneous coordinates
     vec4 ambient_above; // w: steps of the sub-pixel grid from the middle of the image to its side
     vec4 ambient_below; // w: the same to its top
+    float exposure;
 };
 
 layout(constant_id = 0) const bool MASKED = false;

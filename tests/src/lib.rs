@@ -9,6 +9,7 @@ pub mod host_copy;
 pub mod host_device;
 pub mod host_images;
 pub mod host_memory;
+pub mod lens;
 pub mod machine;
 pub mod reference;
 pub mod reported;

@@ -1,7 +1,7 @@
 //! Small scenes from public reports, in which other engines leave out objects that show
 //! (`docs/other_engines.md`), each with the cameras that provoke it.
 
-use cull::Camera;
+use cull::{Camera, Projection};
 use glam::{Affine3A, Quat, Vec2, Vec3, vec3};
 use scene::{Light, Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal};
 use scene::{pack_unorm, unpack_normal};
@@ -210,7 +210,7 @@ fn joined(name: &str, parts: &[(&Mesh, Vec3, Vec3)]) -> Mesh {
 
 /// Returns a camera as games have: 75 degrees, the near plane at 5 cm.
 fn camera(eye: Vec3, forward: Vec3) -> Camera {
-    Camera { eye, forward, up: Vec3::Y, fov_y: 1.309, near: 0.05 }
+    Camera { eye, forward, up: Vec3::Y, projection: Projection::perspective(1.309), near: 0.05 }
 }
 
 /// Returns the direction that is turned to the left of -z and up by angles in degrees.
@@ -275,7 +275,10 @@ fn opening() -> Provocation {
     blocks.crowd(vec3(-12.0, 0.0, -5.0), vec3(12.0, 6.0, -1.0), [10, 2, 2]);
     let eye = vec3(0.3, 1.8, 3.0);
     // So narrow that the wall fills the image.
-    let look = |left_deg, up_deg| Camera { fov_y: 0.6, ..camera(eye, turned(left_deg, up_deg)) };
+    let look = |left_deg, up_deg| Camera {
+        projection: Projection::perspective(0.6),
+        ..camera(eye, turned(left_deg, up_deg))
+    };
     let mut walk = steps(32, |part| look(39.8 - 2.0 * part, 0.0));
     walk.extend(steps(8, |part| look(37.0 - 15.0 * part, 0.0)));
     walk.extend(steps(24, |part| look(34.0 - 4.0 * part, 39.0 - 10.0 * part)));
@@ -320,11 +323,10 @@ fn tiles() -> Provocation {
         }
     }
     let subject = 24;
-    // Half a degree from afar stands for parallel sight: `height_m` spans the image.
-    let parallel = |middle: Vec3, forward: Vec3, height_m: f32| {
-        let fov_y = 0.5_f32.to_radians();
-        let eye = middle - forward.normalize() * (height_m * 0.5 / (fov_y * 0.5).tan());
-        Camera { eye, forward, up: Vec3::Y, fov_y, near: 1.0 }
+    let parallel = |middle: Vec3, forward: Vec3, height: f32| {
+        let projection = Projection::Orthographic { height, far: 200.0 };
+        let eye = middle - forward.normalize() * 100.0;
+        Camera { eye, forward, up: Vec3::Y, projection, near: 1.0 }
     };
     let mut walk = steps(24, |part| {
         let middle = vec3(24.0 * part - 12.0, 0.0, 8.0 - 8.0 * part);

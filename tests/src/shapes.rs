@@ -1,7 +1,7 @@
 //! The simplest things to draw: boxes, as occluders, as tests, and as whole scenes.
 
 use bytemuck::{Pod, Zeroable};
-use cull::{Aabb, Camera, View};
+use cull::{Aabb, Camera, Projection, View};
 use glam::{Affine3A, Quat, Vec3};
 use gpu::{
     Attachments, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
@@ -41,7 +41,7 @@ impl DepthBoxes {
 
     /// Draws box `index` of `boxes`.
     pub fn draw(&self, commands: &Commands, boxes: BufferSlice, view: &View, index: u32) {
-        let (view_proj, eye) = (view.view_proj.to_cols_array(), view.eye.extend(1.0).to_array());
+        let (view_proj, eye) = (view.view_proj.to_cols_array(), view.rays.eye().to_array());
         commands.bind(&self.pipeline, &[boxes]);
         commands.push_constants(&self.pipeline, &Constants { view_proj, eye });
         commands.draw(18, index);
@@ -60,7 +60,7 @@ pub fn square_camera() -> Camera {
         eye: Vec3::ZERO,
         forward: Vec3::NEG_Z,
         up: Vec3::Y,
-        fov_y: std::f32::consts::FRAC_PI_2,
+        projection: Projection::perspective(std::f32::consts::FRAC_PI_2),
         near: 0.1,
     }
 }

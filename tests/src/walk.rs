@@ -4,7 +4,7 @@ use cull::{Camera, Strategy};
 use gpu::{Device, Pixels, Readback};
 use render::{
     Error, FrameOutcome, FrameReport, FrameRequest, Renderer, RendererOptions, UpdateReport,
-    ViewState,
+    ViewState, Viewpoint,
 };
 use scene::Scene;
 use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind};
@@ -88,21 +88,21 @@ pub fn walk_with(
     walk_cameras_with(device, scene, &cameras, options, strategy)
 }
 
-/// Walks over any cameras with `antumbra`.
+/// Walks over any cameras or matrices with `antumbra`.
 pub fn walk_cameras(
     device: &Device,
     scene: &Scene,
-    cameras: &[Camera],
+    cameras: &[impl Copy + Into<Viewpoint>],
     options: &RendererOptions,
 ) -> Found {
     walk_cameras_with(device, scene, cameras, options, Strategy::ANTUMBRA)
 }
 
-/// Walks over any cameras with any strategy.
+/// Walks over any cameras or matrices with any strategy.
 pub fn walk_cameras_with(
     device: &Device,
     scene: &Scene,
-    cameras: &[Camera],
+    cameras: &[impl Copy + Into<Viewpoint>],
     options: &RendererOptions,
     strategy: Strategy,
 ) -> Found {
@@ -142,7 +142,7 @@ pub fn frame_loop(
     renderer: &mut Renderer,
     view: &mut ViewState,
     strategy: Strategy,
-    cameras: &[Camera],
+    cameras: &[impl Copy + Into<Viewpoint>],
 ) -> Loop {
     let new_image = || Readback::new(renderer.device(), renderer.size()).expect("memory");
     let images: Vec<Readback> = cameras.iter().map(|_| new_image()).collect();

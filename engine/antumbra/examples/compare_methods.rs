@@ -6,7 +6,7 @@ use std::error::Error;
 use antumbra::glam::{Affine3A, Vec3, vec3};
 use antumbra::render::{Costs, Rect};
 use antumbra::scene::{Mesh, MeshId, Object};
-use antumbra::{Camera, FrameRequest, Renderer, RendererOptions, Scene};
+use antumbra::{Camera, FrameRequest, Projection, Renderer, RendererOptions, Scene};
 
 const SIZE: [u32; 2] = [640, 360];
 
@@ -40,7 +40,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (mut tests, mut waits) = (0, 0);
         for step in 0..20_u8 {
             let eye = vec3(f32::from(step) * 0.02, 0.0, 3.0);
-            let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
+            let camera = Camera {
+                eye,
+                forward: Vec3::NEG_Z,
+                up: Vec3::Y,
+                projection: Projection::perspective(0.9),
+                near: 0.1,
+            };
             // For the bound of all methods, which draws what is known to be visible.
             let known = renderer.visible_set(&mut beforehand, &camera, Rect::whole(SIZE))?;
             let request = FrameRequest::new(strategy, camera);

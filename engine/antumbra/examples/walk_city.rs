@@ -5,7 +5,7 @@ use std::error::Error;
 use antumbra::glam::{Affine3A, Quat, Vec3, vec3};
 use antumbra::render::Costs;
 use antumbra::scene::{Mesh, Object};
-use antumbra::{Camera, FrameRequest, Renderer, RendererOptions, Scene, Strategy};
+use antumbra::{Camera, FrameRequest, Projection, Renderer, RendererOptions, Scene, Strategy};
 
 /// Houses along each side of the city.
 const SIDE: u16 = 50;
@@ -38,7 +38,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut view = renderer.new_view()?;
     for frame in 0..100_u8 {
         let eye = vec3(300.0, 1.7, -f32::from(frame));
-        let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
+        let camera = Camera {
+            eye,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            projection: Projection::perspective(0.9),
+            near: 0.1,
+        };
         renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera))?;
         // The outcomes of earlier frames, which are known by now.
         for outcome in view.take_outcomes().filter(|outcome| outcome.frame.0 % 10 == 0) {

@@ -6,7 +6,7 @@
 //!
 //! ```no_run
 //! use antumbra::scene::{Mesh, Scene};
-//! use antumbra::{Camera, FrameRequest, Readback, Renderer, Strategy, glam::Vec3};
+//! use antumbra::{Camera, FrameRequest, Projection, Readback, Renderer, Strategy, glam::Vec3};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let device = antumbra::open()?;
@@ -18,7 +18,7 @@
 //! let image = Readback::new(&device, renderer.size())?;
 //!
 //! let [eye, forward, up] = [Vec3::Z * 3.0, Vec3::NEG_Z, Vec3::Y];
-//! let camera = Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
+//! let camera = Camera { eye, forward, up, projection: Projection::perspective(0.9), near: 0.1 };
 //! let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
 //! renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request })?;
 //! renderer.drain(&mut view)?;
@@ -53,7 +53,7 @@ pub use pacing;
 pub use render;
 pub use scene;
 
-pub use cull::{Camera, ObjectId, Strategy};
+pub use cull::{Camera, ObjectId, Projection, Strategy};
 #[cfg(feature = "window")]
 pub use gpu::Swapchain;
 #[cfg(feature = "loaded")]

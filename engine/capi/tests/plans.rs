@@ -17,7 +17,8 @@ use antumbra_capi::decisions::view::AntumbraViewDesc;
 use antumbra_capi::error::AntumbraResult::Ok;
 use antumbra_capi::layout::Versioned;
 use cull::{
-    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, Strategy, TesterSupport, View,
+    Aabb, Answer, ClipY, CullConfig, Culler, DepthConvention, FramePlan, Hierarchy, Strategy,
+    TesterSupport, View, ViewProjection,
 };
 use glam::{Mat4, Vec3, vec3};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
@@ -102,9 +103,9 @@ fn view(frame: u32) -> (AntumbraViewDesc, View) {
     ]);
     let clip_from_world = (projection * Mat4::from_translation(-eye)).to_cols_array();
     let desc = AntumbraViewDesc { clip_from_world, width: 160, height: 80, ..Versioned::DEFAULT };
-    let camera =
-        Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 2.0 * 0.5_f32.atan(), near: 0.1 };
-    (desc, View::new(&camera, [160, 80], 8))
+    let matrix = Mat4::from_cols_array(&clip_from_world);
+    let projection = ViewProjection { matrix, depth: DepthConvention::Reversed, y: ClipY::Down };
+    (desc, View::from_matrix(&projection, [160, 80], 8).unwrap())
 }
 
 /// Answers the queries of a plan: those at the wall and far to the right show.

@@ -8,7 +8,8 @@
 use std::cell::RefCell;
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Strategy, View,
+    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Projection, Strategy,
+    View,
 };
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -87,7 +88,7 @@ impl Walk {
                 eye: Vec3::new(middle - 0.5, 1.7, -20.0),
                 forward: Vec3::Z,
                 up: Vec3::Y,
-                fov_y: 1.0,
+                projection: Projection::perspective(1.0),
                 near: 0.1,
             },
             answers: Vec::new(),

@@ -4,7 +4,7 @@
 use std::error::Error;
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, Strategy, View,
+    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, Projection, Strategy, View,
 };
 use glam::{Vec3, vec3};
 
@@ -29,7 +29,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         culler.ingest(&hierarchy, answers.drain(..));
 
         let eye = vec3(f32::from(frame) * 0.001, 0.0, 0.0);
-        let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+        let camera = Camera {
+            eye,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            projection: Projection::perspective(1.0),
+            near: 0.1,
+        };
         let view = View::new(&camera, [1280, 720], 8);
         culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, 4096, &mut plan);
 

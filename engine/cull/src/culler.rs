@@ -359,9 +359,9 @@ impl Culler {
 
     /// Notes if the view turns.
     fn watch(&mut self, view: &View, now: FrameStamp) {
-        if let Some(before) = self.forward.replace(view.forward) {
-            let sine = before.cross(view.forward).length();
-            if sine > self.config.turning_sine || before.dot(view.forward) < 0.0 {
+        if let Some(before) = self.forward.replace(view.rays.forward) {
+            let sine = before.cross(view.rays.forward).length();
+            if sine > self.config.turning_sine || before.dot(view.rays.forward) < 0.0 {
                 self.turned = now;
             }
         }

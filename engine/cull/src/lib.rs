@@ -28,7 +28,7 @@
 //!
 //! ```
 //! use antumbra_cull::{
-//!     Aabb, Answer, Camera, Culler, FramePlan, Hierarchy, CullConfig, Strategy, View,
+//!     Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, Projection, Strategy, View,
 //! };
 //! use glam::Vec3;
 //!
@@ -43,7 +43,7 @@
 //!     eye: Vec3::ZERO,
 //!     forward: Vec3::NEG_Z,
 //!     up: Vec3::Y,
-//!     fov_y: 1.0,
+//!     projection: Projection::perspective(1.0),
 //!     near: 0.1,
 //! };
 //! let view = View::new(&camera, [1280, 720], 8);
@@ -91,10 +91,12 @@ pub use cost::cost_model::CostModel;
 pub use cost::table::{BadCost, CostTable, SceneCosts};
 pub use culler::Culler;
 pub use geom::bounds::{Aabb, MAX_COORDINATE};
-pub use geom::camera::Camera;
+pub use geom::camera::{Camera, Projection};
 pub use geom::detail::{DetailLevel, DetailPolicy};
 pub use geom::frustum::{Containment, Frustum, PlaneMask};
 pub use geom::margin::Margin;
+pub use geom::projection::{ClipY, DepthConvention, ViewError, ViewProjection};
+pub use geom::rays::{ProjectionKind, Rays};
 pub use geom::view::View;
 pub use hierarchy::{
     BUILD_BYTES_PER_OBJECT, Hierarchy, HierarchyError, HierarchyWork, MAX_OBJECTS,

@@ -9,7 +9,8 @@
 use std::alloc::System;
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Strategy, View,
+    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Projection, Strategy,
+    View,
 };
 use glam::Vec3;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
@@ -34,7 +35,7 @@ fn steady_frames_do_not_allocate() {
         eye: Vec3::new(75.0, 1.0, 10.0),
         forward: Vec3::NEG_Z,
         up: Vec3::Y,
-        fov_y: 1.0,
+        projection: Projection::perspective(1.0),
         near: 0.1,
     };
     let mut frame = || {

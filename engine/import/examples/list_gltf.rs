@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use antumbra_import::{LoadOptions, SceneAnimator, load, load_bytes};
+use cull::Projection;
 
 /// A file of one triangle, "sail", on a node that a clip moves up within a second.
 const TRIANGLE: &[u8] = br#"{
@@ -46,7 +47,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("clip {number}, {}: {:.2} s", clip.name, clip.duration_s());
     }
     for camera in &cameras {
-        println!("camera {}: {:.2} rad high", camera.name, camera.fov_y_rad);
+        match camera.projection {
+            Projection::Perspective { fov_y } => {
+                println!("camera {}: {fov_y:.2} rad high", camera.name);
+            }
+            Projection::Orthographic { height, .. } => {
+                println!("camera {}: orthographic, {height:.2} m high", camera.name);
+            }
+        }
     }
     for note in &notes {
         println!("note: {note}");

@@ -1,7 +1,7 @@
 //! The result of loading a file: a scene, its rig, and the clips that play on it.
 
 use animation::{Clip, Pose, Rig, RigNodeId, Skin};
-use cull::{Aabb, ObjectId};
+use cull::{Aabb, ObjectId, Projection};
 use glam::{Affine3A, Vec3};
 use scene::{LightId, Scene, SkinnedMeshId, TransparentId};
 
@@ -15,32 +15,32 @@ pub struct SceneCamera {
     pub name: String,
     /// The node that carries it.
     pub node: RigNodeId,
-    /// The full vertical field of view, in radians, in images that are no narrower than
-    /// [`SceneCamera::aspect_ratio`].
-    pub fov_y_rad: f32,
+    /// The projection, in images that are no narrower than [`SceneCamera::aspect_ratio`].
+    pub projection: Projection,
     /// The aspect ratio of its image; `None` if the file leaves it to the viewer.
     pub aspect_ratio: Option<f32>,
     /// The distance of the near plane, in metres.
     pub near_m: f32,
-    /// The distance of the eye behind its node, in metres: 0 unless it replaces an orthographic
-    /// camera.
-    pub behind_m: f32,
 }
 
 impl SceneCamera {
     /// The widest field of view, in radians.
     const WIDEST_RAD: f32 = std::f32::consts::PI - 0.1;
 
-    /// Returns the full vertical field of view, in radians, for images of `size` pixels: wider in
-    /// images that are narrower than the camera's own, so that nothing is cut off at the sides.
-    pub fn fov_y_rad_in(&self, size: [u32; 2]) -> f32 {
+    /// Returns the projection for images of `size` pixels: higher in images that are narrower than
+    /// the camera's own, so that nothing is cut off at the sides.
+    pub fn projection_in(&self, size: [u32; 2]) -> Projection {
         let [width, height] = size.map(|side| side.max(1) as f32);
-        let narrower = self.aspect_ratio.unwrap_or_default() * height / width;
-        if narrower > 1.0 {
-            let tangent = (self.fov_y_rad * 0.5).tan() * narrower;
-            (2.0 * tangent.atan()).clamp(self.fov_y_rad, Self::WIDEST_RAD.max(self.fov_y_rad))
-        } else {
-            self.fov_y_rad
+        let narrower = (self.aspect_ratio.unwrap_or_default() * height / width).max(1.0);
+        match self.projection {
+            Projection::Perspective { fov_y } if narrower > 1.0 => {
+                let wider = 2.0 * ((fov_y * 0.5).tan() * narrower).atan();
+                Projection::perspective(wider.clamp(fov_y, Self::WIDEST_RAD.max(fov_y)))
+            }
+            Projection::Orthographic { height, far } => {
+                Projection::Orthographic { height: height * narrower, far }
+            }
+            as_it_is => as_it_is,
         }
     }
 
@@ -50,10 +50,10 @@ impl SceneCamera {
         // A camera's image is upright under any transform of its node.
         let up = Vec3::from(world.matrix3.y_axis).reject_from_normalized(forward).try_normalize();
         cull::Camera {
-            eye: Vec3::from(world.translation) - forward * self.behind_m,
+            eye: world.translation.into(),
             forward,
             up: up.unwrap_or_else(|| forward.any_orthonormal_vector()),
-            fov_y: self.fov_y_rad_in(size),
+            projection: self.projection_in(size),
             near: self.near_m,
         }
     }
@@ -170,22 +170,31 @@ mod tests {
         let camera = SceneCamera {
             name: String::new(),
             node: RigNodeId(0),
-            fov_y_rad: 0.8,
+            projection: Projection::perspective(0.8),
             aspect_ratio: Some(1.5),
             near_m: 0.1,
-            behind_m: 0.0,
         };
         let across = |camera: &SceneCamera, size: [u32; 2]| {
-            (camera.fov_y_rad_in(size) * 0.5).tan() * size[0] as f32 / size[1] as f32
+            camera.projection_in(size).height_at(1.0) * size[0] as f32 / size[1] as f32
         };
-        assert_eq!(camera.fov_y_rad_in([300, 200]), 0.8);
-        assert_eq!(camera.fov_y_rad_in([900, 200]), 0.8, "wider images show more at the sides");
-        let own = (0.4_f32).tan() * 1.5;
+        let as_given = Projection::perspective(0.8);
+        assert_eq!(camera.projection_in([300, 200]), as_given);
+        assert_eq!(
+            camera.projection_in([900, 200]),
+            as_given,
+            "wider images show more at the sides"
+        );
+        let own = 2.0 * (0.4_f32).tan() * 1.5;
         for size in [[200, 200], [200, 900]] {
             assert!((across(&camera, size) / own - 1.0).abs() < 1e-5, "{size:?}");
         }
-        assert!(camera.fov_y_rad_in([1, 16_384]) < std::f32::consts::PI);
-        let any = SceneCamera { aspect_ratio: None, ..camera };
-        assert_eq!(any.fov_y_rad_in([200, 900]), 0.8);
+        assert!(camera.projection_in([1, 16_384]).height_at(1.0) > 0.0, "less than 180 degrees");
+        let any = SceneCamera { aspect_ratio: None, ..camera.clone() };
+        assert_eq!(any.projection_in([200, 900]), as_given);
+        let projection = Projection::Orthographic { height: 4.0, far: 9.0 };
+        let plan = SceneCamera { projection, ..camera };
+        assert_eq!(plan.projection_in([900, 200]), projection);
+        let higher = Projection::Orthographic { height: 12.0, far: 9.0 };
+        assert_eq!(plan.projection_in([200, 400]), higher, "6 m wide");
     }
 }

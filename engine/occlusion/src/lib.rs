@@ -85,8 +85,8 @@ pub use method_state::MethodState;
 pub use object_renderer::{ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render};
 pub use outcomes::{FrameOutcome, Outcomes};
 pub use passes::{
-    ComputeTest, ComputeTestIo, LeafBoxIo, LeafBoxPass, OcclusionPasses, ProxyBox, ProxyIo,
-    ProxyPass, ScatterIo, ScatterPass,
+    ComputeTest, ComputeTestIo, LeafBoxIo, LeafBoxPass, OcclusionPasses, ProxyBox, ProxyConstants,
+    ProxyIo, ProxyPass, ScatterIo, ScatterPass,
 };
 pub use planned::PlannedMethod;
 pub use rect::Rect;

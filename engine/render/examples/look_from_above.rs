@@ -4,7 +4,7 @@
 use std::error::Error;
 
 use antumbra_render::{Costs, FrameRequest, Renderer, RendererOptions};
-use cull::{Camera, Decision, ObjectId, Strategy};
+use cull::{Camera, Decision, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Vec3, vec3};
 use scene::{Mesh, MeshId, Object, ObjectChange, Scene, SceneUpdate};
 
@@ -29,8 +29,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options = RendererOptions { size, costs, ..Default::default() };
     let mut renderer = Renderer::new(&device, &scene, &options)?;
     let mut view = renderer.new_view()?;
-    let camera =
-        Camera { eye: Vec3::Z * 3.0, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
+    let camera = Camera {
+        eye: Vec3::Z * 3.0,
+        forward: Vec3::NEG_Z,
+        up: Vec3::Y,
+        projection: Projection::perspective(0.9),
+        near: 0.1,
+    };
     for aside in [0.0, 1.2] {
         let transform = Affine3A::from_translation(Vec3::X * aside);
         let moved = ObjectChange::Move { object: ObjectId(0), transform };

@@ -12,6 +12,14 @@ pub enum Error {
     /// The hierarchy could not be built.
     #[error("the scene cannot be culled: {0}")]
     Hierarchy(#[from] cull::HierarchyError),
+    /// A matrix that is no projection.
+    #[error(transparent)]
+    View(#[from] cull::ViewError),
+    /// A matrix whose depth is not reversed.
+    #[error(
+        "the renderer draws with reversed depth: give it a matrix whose depth is 1 at the near plane"
+    )]
+    StandardDepth,
     /// The scene cannot be drawn.
     #[error(transparent)]
     Scene(#[from] scene::SceneError),

@@ -21,7 +21,8 @@
 //! let image = gpu::Readback::new(&device, renderer.size())?;
 //! for frame in 0..100 {
 //!     let eye = glam::Vec3::Z * (3.0 + frame as f32 * 0.1);
-//!     let camera = cull::Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
+//!     let projection = cull::Projection::perspective(0.9);
+//!     let camera = cull::Camera { eye, forward, up, projection, near: 0.1 };
 //!     let request = render::FrameRequest {
 //!         image: (frame == 99).then_some(&image),
 //!         ..render::FrameRequest::new(cull::Strategy::ANTUMBRA, camera)
@@ -63,4 +64,4 @@ pub use shading::scene_degradations::SceneDegradations;
 pub use shading::surfaces;
 pub use update::UpdateReport;
 pub use view_state::ViewState;
-pub use views::{FrameReport, FrameRequest, ViewTarget, ViewsRequest};
+pub use views::{FrameReport, FrameRequest, ViewTarget, Viewpoint, ViewsRequest};

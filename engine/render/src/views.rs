@@ -8,7 +8,7 @@
 
 use std::time::Duration;
 
-use cull::{Camera, Corrections, Strategy, View};
+use cull::{Camera, Corrections, DepthConvention, Strategy, View, ViewProjection};
 use gpu::{Device, Frame, Readback, Tick, Timeline};
 use occlusion::{Rect, VisibilityState};
 
@@ -19,12 +19,49 @@ use crate::frame_passes::FramePasses;
 use crate::resources::skinned_meshes::Skinned;
 use crate::view_state::ViewState;
 
+/// The place that a view is seen from, and its projection.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Viewpoint {
+    /// A camera.
+    Camera(Camera),
+    /// A host's matrix, with the jitter of the frame. Depth is reversed, as the renderer draws it.
+    Matrix(ViewProjection),
+}
+
+impl From<Camera> for Viewpoint {
+    fn from(camera: Camera) -> Self {
+        Self::Camera(camera)
+    }
+}
+
+impl From<ViewProjection> for Viewpoint {
+    fn from(projection: ViewProjection) -> Self {
+        Self::Matrix(projection)
+    }
+}
+
+impl Viewpoint {
+    /// Returns the view on a part of the image.
+    fn view(&self, device: &Device, area: Rect) -> Result<View, Error> {
+        let projection = match self {
+            Self::Camera(camera) => return Ok(view_in(device, camera, area)),
+            Self::Matrix(projection) => projection,
+        };
+        if projection.depth != DepthConvention::Reversed {
+            return Err(Error::StandardDepth);
+        }
+        let bits = device.adapter().limits.sub_pixel_precision_bits;
+        let view = View::from_matrix(projection, area.size, bits)?;
+        Ok(View { origin: area.origin, ..view })
+    }
+}
+
 /// One view of a frame.
 pub struct ViewTarget<'a> {
     /// The state of the view. Every view needs one of its own, the same in each frame.
     pub state: &'a mut ViewState,
-    /// The camera. Its angle of sight spans the height of `rect`.
-    pub camera: Camera,
+    /// The camera, whose image is as high as `rect`, or a matrix for an image of this size.
+    pub viewpoint: Viewpoint,
     /// The objects that own a pixel, for strategies with [objects found
     /// beforehand](Strategy::needs_still_scene).
     pub visible: Option<&'a VisibleSet>,
@@ -35,8 +72,8 @@ pub struct ViewTarget<'a> {
 
 impl ViewTarget<'_> {
     /// Returns its view of the scene.
-    pub(crate) fn view(&self, device: &Device) -> View {
-        view_in(device, &self.camera, self.rect)
+    pub(crate) fn view(&self, device: &Device) -> Result<View, Error> {
+        self.viewpoint.view(device, self.rect)
     }
 }
 
@@ -69,8 +106,8 @@ pub struct ViewsRequest<'a> {
 pub struct FrameRequest<'a> {
     /// The strategy that decides what to draw.
     pub strategy: Strategy,
-    /// The camera that the view is seen from.
-    pub camera: Camera,
+    /// The camera or the matrix that the view is seen from.
+    pub viewpoint: Viewpoint,
     /// The objects that own a pixel, for strategies with [objects found
     /// beforehand](Strategy::needs_still_scene).
     pub visible: Option<&'a VisibleSet>,
@@ -85,8 +122,9 @@ pub struct FrameRequest<'a> {
 
 impl FrameRequest<'_> {
     /// Creates a request for a frame and nothing else.
-    pub fn new(strategy: Strategy, camera: Camera) -> Self {
-        Self { strategy, camera, visible: None, image: None, scene_image: None, after: None }
+    pub fn new(strategy: Strategy, viewpoint: impl Into<Viewpoint>) -> Self {
+        let viewpoint = viewpoint.into();
+        Self { strategy, viewpoint, visible: None, image: None, scene_image: None, after: None }
     }
 }
 

@@ -5,7 +5,9 @@ use std::error::Error;
 
 use antumbra::glam::{Affine3A, Vec3, vec3};
 use antumbra::scene::{Mesh, MeshId, Object};
-use antumbra::{Camera, FrameRequest, Readback, Renderer, RendererOptions, Scene, Strategy};
+use antumbra::{
+    Camera, FrameRequest, Projection, Readback, Renderer, RendererOptions, Scene, Strategy,
+};
 
 const SIZE: [u32; 2] = [320, 180];
 
@@ -41,7 +43,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let image = Readback::new(&device, renderer.size())?;
     for frame in 0..30_u8 {
         let eye = vec3(f32::from(frame) * 0.01, 0.0, 3.0);
-        let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
+        let projection = Projection::perspective(0.9);
+        let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 };
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
         renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request })?;
     }

@@ -43,7 +43,7 @@ impl Eyes {
         let areas = Rect::side_by_side(renderer.size(), views);
         let eye = |((number, history), area)| ViewTarget {
             state: history,
-            camera: camera_of(camera, number, views),
+            viewpoint: camera_of(camera, number, views).into(),
             visible: visible.get(number as usize),
             rect: area,
         };

@@ -3,7 +3,7 @@
 use std::f32::consts::TAU;
 use std::fmt::Display;
 
-use antumbra::cull::{Aabb, Camera};
+use antumbra::cull::{Aabb, Camera, Projection};
 use antumbra::glam::{Vec2, Vec3};
 use antumbra::import;
 use antumbra::import::SceneAnimator;
@@ -213,7 +213,7 @@ impl Orbit {
             eye: self.centre + outward * self.away_m,
             forward: -outward,
             up: Vec3::Y,
-            fov_y: FOV_Y_RAD,
+            projection: Projection::perspective(FOV_Y_RAD),
             near: self.away_m * 1e-3,
         }
     }
@@ -247,7 +247,7 @@ pub fn portrait(bounds: &Aabb, size: [u32; 2], covered: f32) -> Camera {
         eye: centre + (outward - right * aside_tangent) * away_m,
         forward: -outward,
         up: Vec3::Y,
-        fov_y: FOV_Y_RAD,
+        projection: Projection::perspective(FOV_Y_RAD),
         near: away_m * 1e-3,
     }
 }
@@ -273,7 +273,7 @@ mod tests {
     fn filled(camera: &Camera, bounds: &Aabb, size: [u32; 2]) -> f32 {
         let right = camera.forward.cross(Vec3::Y).normalize();
         let up = right.cross(camera.forward);
-        let tangent = (camera.fov_y * 0.5).tan();
+        let tangent = camera.projection.height_at(0.5);
         let aspect = size[0] as f32 / size[1] as f32;
         let mut most: f32 = 0.0;
         for corner in bounds.corners() {
@@ -311,7 +311,7 @@ mod tests {
                 let camera = portrait(&bounds, size, covered);
                 filled(&camera, &bounds, size);
                 let right = camera.forward.cross(Vec3::Y).normalize();
-                let tangent = (camera.fov_y * 0.5).tan() * size[0] as f32 / size[1] as f32;
+                let tangent = camera.projection.height_at(0.5) * size[0] as f32 / size[1] as f32;
                 let across = bounds.corners().map(|corner| {
                     let to = corner - camera.eye;
                     to.dot(right) / (to.dot(camera.forward) * tangent)
@@ -341,10 +341,9 @@ mod tests {
         let camera = |name: &str| import::SceneCamera {
             name: name.to_owned(),
             node: animation::RigNodeId(0),
-            fov_y_rad: 1.0,
+            projection: Projection::perspective(1.0),
             aspect_ratio: None,
             near_m: 0.1,
-            behind_m: 0.0,
         };
         let cameras = [camera("walk"), camera("fly")];
         let find = |wanted| find_camera(&cameras, wanted, &"a.glb");

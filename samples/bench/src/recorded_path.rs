@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! antumbra path 1
-//! # seconds, eye, forward, up, field of view, near plane
+//! # seconds, eye, forward, up, field of view or (if a far plane follows) height, near plane
 //! 0 1.5 1.7 -20 0 0 1 0 1 0 1.0471976 0.2
 //! ```
 //!
@@ -13,7 +13,7 @@ use std::fmt::Write;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use antumbra::cull::Camera;
+use antumbra::cull::{Camera, Projection};
 use antumbra::glam::Vec3;
 
 use crate::input_file;
@@ -22,7 +22,9 @@ use crate::outputs::{WriteError, write_new};
 use crate::terminal::shown;
 
 const HEADER: &str = "antumbra path 1";
-const COLUMNS: &str = "# seconds, eye, forward, up, field of view, near plane";
+const COLUMNS: &str =
+    "# seconds, eye, forward, up, field of view or (if a far plane follows) height, near plane";
+/// The numbers of a frame in perspective. An orthographic one has its far plane in addition.
 const NUMBERS: usize = 12;
 /// The most frames of a path: ten hours at 60 per second. A file with more was not recorded by us.
 const MOST_FRAMES: usize = 2_000_000;
@@ -77,10 +79,15 @@ impl RecordedPath {
     pub fn write(&self, path: &Path) -> Result<PathBuf, WriteError> {
         let mut text = format!("{HEADER}\n{COLUMNS}\n");
         for frame in &self.frames {
-            let PathFrame { seconds, camera: Camera { eye, forward, up, fov_y, near } } = frame;
+            let PathFrame { seconds, camera: Camera { eye, forward, up, projection, near } } =
+                frame;
+            let (height, far) = match *projection {
+                Projection::Perspective { fov_y } => (fov_y, None),
+                Projection::Orthographic { height, far } => (height, Some(far)),
+            };
             let numbers = [eye, forward, up].into_iter().flat_map(|vector| vector.to_array());
             let _text_takes_all = write!(text, "{seconds}");
-            for number in numbers.chain([*fov_y, *near]) {
+            for number in numbers.chain([height, *near]).chain(far) {
                 let _text_takes_all = write!(text, " {number}");
             }
             text.push('\n');
@@ -147,11 +154,12 @@ fn check_header(line: &str) -> Result<bool, String> {
 }
 
 fn parse_frame(line: &str) -> Result<PathFrame, String> {
-    let mut numbers = [0.0_f64; NUMBERS];
+    let mut numbers = [0.0_f64; NUMBERS + 1];
     let words = line.split_ascii_whitespace();
     let count = words.clone().count();
-    if count != NUMBERS {
-        return Err(format!("a frame has {NUMBERS} numbers, not {count}"));
+    let is_orthographic = count == NUMBERS + 1;
+    if count != NUMBERS && !is_orthographic {
+        return Err(format!("a frame has {NUMBERS} or {} numbers, not {count}", NUMBERS + 1));
     }
     for (number, word) in numbers.iter_mut().zip(words) {
         // Read as what it will be: rounding twice could change a bit.
@@ -164,18 +172,32 @@ fn parse_frame(line: &str) -> Result<PathFrame, String> {
         eye: vector(1),
         forward: vector(4),
         up: vector(7),
-        fov_y: numbers[10] as f32,
+        projection: match is_orthographic {
+            false => Projection::perspective(numbers[10] as f32),
+            true => {
+                Projection::Orthographic { height: numbers[10] as f32, far: numbers[12] as f32 }
+            }
+        },
         near: numbers[11] as f32,
     };
     if camera.forward.cross(camera.up).length_squared() < 1e-12 {
         return Err("forward and up are parallel, or one is zero".to_owned());
     }
-    if !(camera.fov_y > 0.0 && camera.fov_y < std::f32::consts::PI) {
-        return Err(format!("a field of view is between 0 and pi, not {}", camera.fov_y));
-    }
-    if camera.near <= 0.0 {
-        return Err(format!("the near plane is before the eye, not at {}", camera.near));
-    }
+    match camera.projection {
+        Projection::Perspective { fov_y } if !(fov_y > 0.0 && fov_y < std::f32::consts::PI) => {
+            Err(format!("a field of view is between 0 and pi, not {fov_y}"))
+        }
+        Projection::Perspective { .. } if camera.near <= 0.0 => {
+            Err(format!("the near plane is before the eye, not at {}", camera.near))
+        }
+        Projection::Orthographic { height, .. } if height <= 0.0 => {
+            Err(format!("an image is higher than {height} m"))
+        }
+        Projection::Orthographic { far, .. } if far <= camera.near => {
+            Err(format!("the far plane is beyond the near plane, not at {far}"))
+        }
+        _ => Ok(()),
+    }?;
     Ok(PathFrame { seconds: seconds.unwrap_or(numbers[0]), camera })
 }
 
@@ -184,13 +206,18 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// Returns a camera in perspective, or, to the left of the origin, an orthographic one.
     fn camera(numbers: [f32; 3]) -> Camera {
         let [x, y, z] = numbers;
+        let projection = match x < 0.0 {
+            false => Projection::perspective(1.1),
+            true => Projection::Orthographic { height: z.abs() + 0.5, far: 900.0 - z },
+        };
         Camera {
             eye: Vec3::new(x, y, z),
             forward: Vec3::new(1.0, 0.1 * y.signum(), 0.3),
             up: Vec3::Y,
-            fov_y: 1.1,
+            projection,
             near: 0.2,
         }
     }
@@ -237,12 +264,14 @@ mod tests {
             ("hello\n".to_owned(), 1, "begins with 'antumbra path 1'"),
             ("antumbra path 2\n".to_owned(), 1, "version '2'"),
             (format!("{HEADER}\n"), 1, "no frame"),
-            (format!("{HEADER}\n{frame}\n1 2 3\n"), 3, "12 numbers, not 3"),
+            (format!("{HEADER}\n{frame}\n1 2 3\n"), 3, "12 or 13 numbers, not 3"),
             (format!("{HEADER}\n\n{}\n", frame.replace("0.2", "near")), 3, "'near' is no number"),
             (format!("{HEADER}\n{}\n", frame.replace("0.2", "NaN")), 2, "'NaN' is no number"),
             (format!("{HEADER}\n{}\n", frame.replace("0.2", "-1")), 2, "near plane"),
             (format!("{HEADER}\n0 1 2 3 0 1 0 0 1 0 1 0.2\n"), 2, "are parallel"),
             (format!("{HEADER}\n0 1 2 3 0 0 1 0 1 0 4 0.2\n"), 2, "between 0 and pi"),
+            (format!("{HEADER}\n{frame} 0.1\n"), 2, "far plane"),
+            (format!("{HEADER}\n0 1 2 3 0 0 1 0 1 0 -4 0.2 9\n"), 2, "higher than"),
             (format!("{HEADER}\n1{frame}\n{frame}\n"), 3, "time goes back"),
         ] {
             let (at, why) = RecordedPath::parse(text.as_bytes()).unwrap_err();

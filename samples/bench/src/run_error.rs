@@ -85,6 +85,8 @@ impl From<render::Error> for RunError {
             | render::Error::NoVisibleSet(_)
             | render::Error::OldVisibleSet
             | render::Error::NoView
+            | render::Error::View(_)
+            | render::Error::StandardDepth
             | render::Error::ForeignRenderer { .. }
             | render::Error::ForeignHierarchy { .. }
             | render::Error::ImageSize { .. }

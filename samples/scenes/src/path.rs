@@ -6,7 +6,7 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt;
 use std::str::FromStr;
 
-use cull::Camera;
+use cull::{Camera, Projection};
 use glam::{Vec2, Vec3, vec2};
 use scene::{FOV_Y_RAD, NEAR_M};
 
@@ -145,7 +145,7 @@ fn camera(eye: Vec3, heading: f32, up_rad: f32) -> Camera {
         eye,
         forward: Vec3::new(level.x, sin, level.y),
         up: Vec3::Y,
-        fov_y: FOV_Y_RAD,
+        projection: Projection::perspective(FOV_Y_RAD),
         near: NEAR_M,
     }
 }

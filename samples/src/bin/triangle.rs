@@ -6,7 +6,9 @@ use std::{error::Error, io::Write, process::ExitCode, sync::Arc};
 
 use antumbra::glam::Vec3;
 use antumbra::scene::{Mesh, Scene};
-use antumbra::{Camera, Device, FrameRequest, Readback, Renderer, Strategy, Swapchain, ViewState};
+use antumbra::{
+    Camera, Device, FrameRequest, Projection, Readback, Renderer, Strategy, Swapchain, ViewState,
+};
 use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::window::{Window, WindowId};
 use winit::{application::ApplicationHandler, event::WindowEvent};
@@ -28,7 +30,8 @@ impl Triangle {
 
     fn frame(&mut self, image: Option<&Readback>) -> Result<(), Box<dyn Error>> {
         let [eye, forward, up] = [Vec3::Z * 3.0, Vec3::NEG_Z, Vec3::Y];
-        let camera = Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
+        let camera =
+            Camera { eye, forward, up, projection: Projection::perspective(0.9), near: 0.1 };
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
         self.0.render(&mut self.1, &FrameRequest { image, ..request })?;
         Ok(())

@@ -1,6 +1,6 @@
 //! The clearance of a view: the free distance before it.
 
-use antumbra::cull::{Aabb, Camera};
+use antumbra::cull::{Aabb, Camera, Projection};
 use antumbra::glam::{Affine3A, Vec3};
 use antumbra::scene::{Mesh, Scene};
 
@@ -12,13 +12,17 @@ const RAYS: usize = 5;
 pub fn clearance_m(scene: &Scene, camera: &Camera) -> f32 {
     let right = camera.forward.cross(camera.up).normalize_or(Vec3::X);
     let up = right.cross(camera.forward).normalize_or(Vec3::Y);
-    let reach = (camera.fov_y * 0.5).tan() * 0.5;
+    let reach = camera.projection.height_at(1.0) * 0.25;
     let part = |place: usize| (place as f32 / (RAYS - 1) as f32 * 2.0 - 1.0) * reach;
+    let forward = camera.forward.normalize_or(Vec3::NEG_Z);
     let rays = (0..RAYS * RAYS).map(|ray| {
         let across = right * part(ray % RAYS) + up * part(ray / RAYS);
-        (camera.forward.normalize_or(Vec3::NEG_Z) + across).normalize()
+        match camera.projection {
+            Projection::Perspective { .. } => (camera.eye, (forward + across).normalize()),
+            Projection::Orthographic { .. } => (camera.eye + across, forward),
+        }
     });
-    let mut distances_m: Vec<f32> = rays.map(|ray| nearest_m(scene, camera.eye, ray)).collect();
+    let mut distances_m: Vec<f32> = rays.map(|(eye, ray)| nearest_m(scene, eye, ray)).collect();
     distances_m.sort_by(f32::total_cmp);
     distances_m.get(RAYS * RAYS / 2).copied().unwrap_or(f32::INFINITY)
 }
@@ -72,8 +76,13 @@ mod tests {
             let [c, d] = [corner(x[1], y[1]), corner(x[0], y[1])];
             [a, b, c, a, c, d]
         };
-        let camera =
-            |eye: Vec3| Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+        let camera = |eye: Vec3| Camera {
+            eye,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            projection: Projection::perspective(1.0),
+            near: 0.1,
+        };
         let wall = Scene::single(Mesh::of_triangles("wall", &quad([-9.0, 9.0], [-9.0, 9.0])));
         let near_m = clearance_m(&wall, &camera(Vec3::Z * 1.5));
         assert!((1.5..1.6).contains(&near_m), "{near_m}");

@@ -1,6 +1,6 @@
 //! A camera that flies as it is steered: the same way in the same time, in any number of frames.
 
-use antumbra::cull::Camera;
+use antumbra::cull::{Camera, Projection};
 use antumbra::glam::Vec3;
 
 /// The factor of the speed in a hurry.
@@ -48,7 +48,7 @@ pub struct FlyCamera {
     eye: Vec3,
     heading_rad: f32,
     rise_rad: f32,
-    fov_y: f32,
+    projection: Projection,
     near: f32,
     /// The speed in metres per second at first.
     speed_m: f32,
@@ -64,7 +64,7 @@ impl FlyCamera {
             eye: camera.eye,
             heading_rad: forward.z.atan2(forward.x),
             rise_rad: forward.y.clamp(-1.0, 1.0).asin().clamp(-STEEPEST_RAD, STEEPEST_RAD),
-            fov_y: camera.fov_y,
+            projection: camera.projection,
             near: camera.near,
             speed_m,
             times: 1.0,
@@ -95,7 +95,7 @@ impl FlyCamera {
             eye: self.eye,
             forward: self.forward(),
             up: Vec3::Y,
-            fov_y: self.fov_y,
+            projection: self.projection,
             near: self.near,
         }
     }
@@ -128,7 +128,11 @@ impl FlyCamera {
         }
         let around = std::f32::consts::TAU;
         // Through a narrow lens the image moves by as many pixels.
-        let turn_rad = TURN_RAD * self.fov_y.min(1.0);
+        let narrow = match self.projection {
+            Projection::Perspective { fov_y } => fov_y.min(1.0),
+            Projection::Orthographic { .. } => 1.0,
+        };
+        let turn_rad = TURN_RAD * narrow;
         self.heading_rad = (self.heading_rad + right as f32 * turn_rad) % around;
         self.rise_rad = (self.rise_rad - down as f32 * turn_rad).clamp(-STEEPEST_RAD, STEEPEST_RAD);
     }
@@ -143,7 +147,13 @@ mod tests {
 
     fn level() -> FlyCamera {
         let eye = Vec3::new(1.0, 2.0, 3.0);
-        let camera = Camera { eye, forward: Vec3::X, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+        let camera = Camera {
+            eye,
+            forward: Vec3::X,
+            up: Vec3::Y,
+            projection: Projection::perspective(1.0),
+            near: 0.1,
+        };
         FlyCamera::new(camera, SPEED_M)
     }
 

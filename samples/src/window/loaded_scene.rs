@@ -43,7 +43,7 @@ impl LoadedScene {
             eye: Vec3::ZERO,
             forward: Vec3::NEG_Z,
             up: Vec3::Y,
-            fov_y: scene::FOV_Y_RAD,
+            projection: cull::Projection::perspective(scene::FOV_Y_RAD),
             near: scene::NEAR_M,
         };
         Ok(Self { renderer, scene_view: SceneView::still("nothing", camera) })

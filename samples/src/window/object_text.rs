@@ -1,9 +1,8 @@
 //! The description of an object, in words, with the reason why it is drawn or not.
 
 use antumbra::cull::{
-    Decision, FrameId, LeafExplanation, NodeHistory, NodeState, Outcome, QueryKind, Tester,
+    Decision, FrameId, LeafExplanation, NodeHistory, NodeState, Outcome, QueryKind, Rays, Tester,
 };
-use antumbra::glam::Vec3;
 
 use super::page_text::{Facts, fact};
 use bench::strategy::Strategy;
@@ -19,8 +18,8 @@ pub struct ObjectCard<'a> {
     pub mesh: Option<&'a str>,
     /// The number of its triangles, at its level of detail.
     pub triangles: u64,
-    /// The eye of the explained frame, in metres.
-    pub eye: Vec3,
+    /// The rays of the explained frame.
+    pub rays: Rays,
     /// The strategy that decided.
     pub strategy: Strategy,
 }
@@ -30,7 +29,7 @@ impl ObjectCard<'_> {
     pub fn facts(&self) -> Facts {
         let explained = self.explained;
         let size = explained.bounds.max - explained.bounds.min;
-        let distance_m = explained.bounds.distance_squared(self.eye).sqrt();
+        let distance_m = self.rays.distance(&explained.bounds);
         let name = match self.mesh.filter(|name| !name.is_empty()) {
             Some(mesh) => format!("{}, {mesh}", explained.object.0),
             None => explained.object.0.to_string(),
@@ -149,13 +148,21 @@ fn in_frames(frames: u64) -> String {
 #[cfg(test)]
 mod tests {
     use antumbra::cull::{
-        self, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, QueryTag, View,
+        self, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Projection, QueryTag,
+        View,
     };
+
+    use antumbra::glam::Vec3;
 
     use super::*;
 
-    const CAMERA: Camera =
-        Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+    const CAMERA: Camera = Camera {
+        eye: Vec3::ZERO,
+        forward: Vec3::NEG_Z,
+        up: Vec3::Y,
+        projection: Projection::perspective(1.0),
+        near: 0.1,
+    };
 
     /// Returns the facts about an object after some frames, in which the wall alone shows: of a
     /// wall, a cube behind it, and a cube behind the eye.
@@ -189,7 +196,7 @@ mod tests {
             outcome: outcome.map(|outcome| (plan.frame, outcome)),
             mesh: Some("wall"),
             triangles: 12,
-            eye: CAMERA.eye,
+            rays: view.rays,
             strategy,
         };
         let rows = card.facts().into_iter().map(|(name, value)| format!("{name}: {value}"));

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Strategy, View};
+use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Projection, Strategy, View};
 use glam::{Vec3, vec3};
 use gpu::{
     Blend, Buffer, BufferSlice, Commands, DepthMode, Device, FrameRing, GraphicsPipeline,
@@ -80,7 +80,7 @@ impl ObjectRenderer for Boxes {
         commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
         let mut constants = [0.0; 20];
         constants[..16].copy_from_slice(&view.view_proj.to_cols_array());
-        constants[16..].copy_from_slice(&view.eye.extend(1.0).to_array());
+        constants[16..].copy_from_slice(&view.rays.eye().to_array());
         commands.push_constants(&self.pipeline, &constants);
     }
 }
@@ -166,7 +166,13 @@ fn an_owner_of_bare_boxes_gets_the_same_image_and_draws_less() {
         for frame in 0..FRAMES {
             let side = (frame / 6 % 3) as f32 - 1.0;
             let eye = vec3(side * 9.0 + frame as f32 * 0.08, 0.0, 3.0);
-            let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
+            let camera = Camera {
+                eye,
+                forward: Vec3::NEG_Z,
+                up: Vec3::Y,
+                projection: Projection::perspective(0.9),
+                near: 0.1,
+            };
             plain.draw(Strategy::FRUSTUM, &camera);
             culled.draw(Strategy::ANTUMBRA, &camera);
         }

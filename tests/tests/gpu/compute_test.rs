@@ -1,8 +1,8 @@
 //! The compute tester against the rasteriser: it never hides a box that a query on the proxy shows,
 //! and hides most of those hidden for the query.
 
-use cull::{Aabb, Camera, View};
-use glam::Vec3;
+use cull::{Aabb, Camera, Projection, ProjectionKind, Rays, View};
+use glam::{Vec2, Vec3};
 use gpu::{
     Access, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, QueryIndex, QueryRing, Target, vk,
 };
@@ -48,20 +48,23 @@ impl World {
     /// Creates a world around `origin`: small numbers round differently from large ones.
     fn new(numbers: &mut Numbers, origin: Vec3) -> Self {
         let eye = origin + numbers.vector(-1.0, 1.0);
+        let projection = match numbers.next() < 0.5 {
+            true => Projection::perspective(numbers.between(0.3, 2.0)),
+            false => Projection::Orthographic { height: numbers.scale(4.0, 60.0), far: 300.0 },
+        };
         let camera = Camera {
             eye,
             forward: numbers.vector(-1.0, 1.0) + Vec3::new(0.0, 0.0, 0.01),
             up: numbers.vector(-1.0, 1.0),
-            fov_y: numbers.between(0.3, 2.0),
+            projection,
             near: numbers.scale(0.01, 0.3),
         };
-        let seen = View::new(&camera, [64, 64], 8);
+        let seen = View::new(&camera, [64, 64], 8).rays;
         let place = |numbers: &mut Numbers, nearest: f32, farthest: f32| {
             let distance = numbers.scale(nearest, farthest);
-            let aside = numbers.between(-0.9, 0.9) * seen.tan_half[0];
-            let above = numbers.between(-0.9, 0.9) * seen.tan_half[1];
-            let size = Vec3::new(1.0, 1.0, 1.0) * distance * seen.tan_half[1];
-            (eye + (seen.forward + seen.right * aside + seen.up * above) * distance, size)
+            let ndc = Vec2::new(numbers.between(-0.9, 0.9), numbers.between(-0.9, 0.9));
+            let size = Vec3::splat(seen.down.length() * seen.kind.w(distance));
+            (seen.point(ndc, distance), size)
         };
         let occluders = (0..30).map(|_| {
             let (centre, size) = place(numbers, 3.0, 30.0);
@@ -90,10 +93,20 @@ impl World {
         let (mut occluders, mut kept) = (Vec::new(), Vec::new());
         for bounds in tested {
             let Some(proxy) = view.margin.proxy(&bounds) else { continue };
-            let towards = |point: Vec3| view.eye + (point - view.eye) * 0.7;
-            let copy = Aabb::new(towards(proxy.min), towards(proxy.max));
-            let distance = (copy.centre() - view.eye).dot(view.forward);
-            let pixel = 2.0 * view.tan_half[1] / size[1] as f32 * distance;
+            let Rays { kind, origin, forward, down, .. } = view.rays;
+            // Nearer: along the rays, and smaller where they meet.
+            let copy = match kind {
+                ProjectionKind::Perspective => {
+                    let towards = |point: Vec3| origin + (point - origin) * 0.7;
+                    Aabb::new(towards(proxy.min), towards(proxy.max))
+                }
+                ProjectionKind::Orthographic => {
+                    let nearer = forward * (view.rays.distance(&proxy) * 0.3);
+                    Aabb::new(proxy.min - nearer, proxy.max - nearer)
+                }
+            };
+            let distance = view.rays.depth_m(copy.centre());
+            let pixel = 2.0 * down.length() / size[1] as f32 * kind.w(distance);
             occluders.push(copy.enlarged(numbers.between(-0.15, 0.15) * pixel));
             kept.push(bounds);
         }
@@ -139,7 +152,7 @@ fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)>
                 queries.scope(commands, QueryIndex(test), |c| proxies.draw(c, test));
             }
         });
-        tester.record_grid(commands, &mut target, Rect::of(&view));
+        tester.record_grid(commands, &mut target, Rect::of(&view), view.depth);
         // In two parts, as two rounds would.
         let half = count / 2;
         for (first, count) in [(0, half), (half, count - half)] {

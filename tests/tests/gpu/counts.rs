@@ -183,7 +183,7 @@ fn each_view_counts_what_it_sees() {
                 let mut eyes: Vec<ViewTarget<'_>> = eyes
                     .map(|((history, camera), area)| ViewTarget {
                         state: history,
-                        camera,
+                        viewpoint: camera.into(),
                         visible: None,
                         rect: area,
                     })

@@ -1,6 +1,6 @@
 //! An image with culling equals the image without it, at every frame, on every available device.
 
-use cull::{Camera, Strategy};
+use cull::{Camera, Projection, Strategy};
 use glam::Vec3;
 use gpu::{Device, Predication, Readback};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
@@ -116,7 +116,13 @@ fn eyes_in_walls_and_on_the_ground_are_exact() {
             .map(|(number, eye)| {
                 let angle = number as f32 * 2.4;
                 let forward = Vec3::new(angle.cos(), (number % 5) as f32 * 0.3 - 0.6, angle.sin());
-                Camera { eye, forward, up: Vec3::Y, fov_y: 1.2, near: 0.05 }
+                Camera {
+                    eye,
+                    forward,
+                    up: Vec3::Y,
+                    projection: Projection::perspective(1.2),
+                    near: 0.05,
+                }
             })
             .collect();
         let found = walk_cameras(device, &scene, &cameras, &options([160, 90], 2));
@@ -133,7 +139,7 @@ fn scenes_of_one_object_and_of_none_in_sight_are_exact() {
             eye: Vec3::new(1.0, 30.0, 2.0),
             forward,
             up: Vec3::X,
-            fov_y: 1.0,
+            projection: Projection::perspective(1.0),
             near: 0.1,
         });
         let found = walk_cameras(device, &scene, &cameras, &options([64, 64], 2));

@@ -1,7 +1,7 @@
 //! The yardstick is right: the ideal's image equals the whole one, and nothing in it could be
 //! left out.
 
-use cull::{Aabb, Camera, CullConfig, ObjectId, Strategy};
+use cull::{Aabb, Camera, CullConfig, ObjectId, Projection, Strategy};
 use glam::Vec3;
 use gpu::Readback;
 use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions};
@@ -92,7 +92,7 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
                 box_at(centre, Vec3::new(0.2, 0.2, 0.1))
             })
             .collect();
-        let camera = Camera { fov_y: 1.0, ..square_camera() };
+        let camera = Camera { projection: Projection::perspective(1.0), ..square_camera() };
         let wall = box_at(camera.eye - 5.0 * camera.forward, Vec3::new(50.0, 50.0, 0.1));
         let hiding = Camera { eye: camera.eye - 10.0 * camera.forward, ..camera };
         let scene = box_scene(&[boxes, vec![wall]].concat());

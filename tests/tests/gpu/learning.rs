@@ -81,7 +81,7 @@ fn views_that_are_drawn_together_learn_the_same() {
                 .zip(areas)
                 .map(|(history, area)| ViewTarget {
                     state: history,
-                    camera,
+                    viewpoint: camera.into(),
                     visible: None,
                     rect: area,
                 })

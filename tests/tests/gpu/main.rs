@@ -34,6 +34,7 @@ mod object_pairs;
 mod other_engines;
 mod pick;
 mod poses;
+mod projections;
 mod pyramid;
 mod relight;
 #[cfg(feature = "shader-compiler")]

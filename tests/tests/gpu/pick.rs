@@ -1,8 +1,8 @@
 //! The object that owns a pixel, why it is drawn or not, its outline, and the image of the scene
 //! alone.
 
-use cull::{Camera, Decision, ObjectId, Outcome, Strategy};
-use glam::{Affine3A, Vec3};
+use cull::{Camera, Decision, ObjectId, Outcome, Projection, Strategy};
+use glam::{Affine3A, Vec2, Vec3};
 use gpu::Readback;
 use render::{Costs, DebugOverlay, FrameRequest, Renderer, RendererOptions, ViewState};
 use scene::{Mesh, MeshId, Object, Scene};
@@ -56,7 +56,7 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
         camera.forward.y = -0.1;
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let mut view = renderer.new_view().unwrap();
-        let seen = renderer.view_of(&camera);
+        let rays = renderer.view_of(&camera).rays;
         let (mut right, mut objects, mut empty) = (0, std::collections::BTreeSet::new(), 0);
         let pixels =
             (0..SIZE[1]).step_by(15).flat_map(|y| (0..SIZE[0]).step_by(16).map(move |x| [x, y]));
@@ -68,11 +68,10 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
             renderer.render(&mut view, &request).unwrap();
             device.drain().unwrap();
             let found = renderer.picked(&pick).unwrap().expect("it is over");
-            let [x, y] = [0, 1].map(|side| {
-                let middle = (pixel[side] as f32 + 0.5) / SIZE[side] as f32;
-                (2.0 * middle - 1.0) * seen.tan_half[side]
-            });
-            let expected = hit(&scene, seen.eye, seen.forward + seen.right * x - seen.up * y);
+            let [x, y] = [0, 1].map(|side| (pixel[side] as f32 + 0.5) / SIZE[side] as f32);
+            let ndc = Vec2::new(x, y) * 2.0 - 1.0;
+            let eye = rays.point(ndc, 0.0);
+            let expected = hit(&scene, eye, rays.point(ndc, 1.0) - eye);
             right += usize::from(found.map(|object| object.0) == expected);
             empty += usize::from(found.is_none());
             objects.extend(found);
@@ -111,7 +110,7 @@ fn behind_frames(frames: u32, half: f32) -> Scene {
 fn what_is_behind_thousands_of_boxes_is_found() {
     const FRAMES: u32 = 5_200;
     run_on_all(|device| {
-        let camera = Camera { fov_y: 0.9, ..square_camera() };
+        let camera = Camera { projection: Projection::perspective(0.9), ..square_camera() };
         for (half, expected) in [(1.0, Some(ObjectId(FRAMES))), (0.0, None)] {
             let scene = behind_frames(FRAMES, half);
             let mut renderer = Renderer::new(device, &scene, &options()).unwrap();

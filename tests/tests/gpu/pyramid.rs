@@ -1,7 +1,7 @@
 //! The pyramid strategy: exact on every device, culls, never waits; the pyramid holds the farthest
 //! depths.
 
-use cull::{Camera, Strategy};
+use cull::{Camera, Projection, Strategy};
 use glam::Vec3;
 use gpu::{Access, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, Target, vk};
 use methods::{PyramidLevel, PyramidPass, pyramid_levels};
@@ -78,7 +78,13 @@ fn eyes_in_walls_and_on_the_ground_are_exact() {
             .map(|(number, eye)| {
                 let angle = number as f32 * 2.4;
                 let forward = Vec3::new(angle.cos(), (number % 5) as f32 * 0.3 - 0.6, angle.sin());
-                Camera { eye, forward, up: Vec3::Y, fov_y: 1.2, near: 0.05 }
+                Camera {
+                    eye,
+                    forward,
+                    up: Vec3::Y,
+                    projection: Projection::perspective(1.2),
+                    near: 0.05,
+                }
             })
             .collect();
         let options = options([160, 90], 2);
@@ -142,7 +148,7 @@ fn scenes_of_one_object_and_of_none_in_sight_are_exact() {
             eye: Vec3::new(1.0, 30.0, 2.0),
             forward,
             up: Vec3::X,
-            fov_y: 1.0,
+            projection: Projection::perspective(1.0),
             near: 0.1,
         });
         let options = options([64, 64], 2);

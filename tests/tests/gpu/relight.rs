@@ -1,7 +1,7 @@
 //! Changing lights, and objects that move under them: frames look as if the scene had always been
 //! so.
 
-use cull::{Camera, ObjectId, Strategy};
+use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{Error, FrameRequest, Renderer, RendererOptions, ViewState};
@@ -64,7 +64,7 @@ fn image(renderer: &mut Renderer, view: &mut ViewState) -> Vec<u8> {
         eye: vec3(8.0, 6.0, 8.0),
         forward: vec3(0.0, -0.5, -1.0),
         up: Vec3::Y,
-        fov_y: 1.0,
+        projection: Projection::perspective(1.0),
         near: 0.1,
     };
     let image = Readback::new(renderer.device(), SIZE).unwrap();

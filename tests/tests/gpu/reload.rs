@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use ash::vk;
-use cull::{Camera, CoherentOptions, FirstPass, ObjectId, Strategy};
+use cull::{Camera, CoherentOptions, FirstPass, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, DeviceOptions, Instance, Optional, Readback};
 use render::{
@@ -24,7 +24,7 @@ const FORM: MeshId = MeshId(2);
 
 fn camera() -> Camera {
     let (eye, up) = (vec3(0.0, 0.5, 6.0), Vec3::Y);
-    Camera { eye, forward: Vec3::NEG_Z, up, fov_y: 0.9, near: 0.1 }
+    Camera { eye, forward: Vec3::NEG_Z, up, projection: Projection::perspective(0.9), near: 0.1 }
 }
 
 /// Returns coloured cubes; with surfaces also a transparent one, and one that takes another form.

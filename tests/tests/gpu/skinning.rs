@@ -1,7 +1,7 @@
 //! Skinned and morphed meshes on the GPU: their vertices are those of the formulas of glTF 2.0 on
 //! the CPU, and images are exact while they hide and are hidden.
 
-use cull::{Camera, Strategy};
+use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
@@ -152,7 +152,13 @@ pub fn scene() -> Scene {
 
 pub fn camera() -> Camera {
     let (forward, up) = (vec3(0.1, 0.0, -1.0), Vec3::Y);
-    Camera { eye: vec3(0.0, 1.4, 0.0), forward, up, fov_y: 1.2, near: 0.05 }
+    Camera {
+        eye: vec3(0.0, 1.4, 0.0),
+        forward,
+        up,
+        projection: Projection::perspective(1.2),
+        near: 0.05,
+    }
 }
 
 pub fn options(frames_in_flight: usize) -> RendererOptions {

@@ -1,7 +1,7 @@
 //! The literature's methods on real drivers: exact if they promise it, counted if not, and each
 //! with its known waits.
 
-use cull::{Camera, CoherentOptions, FirstPass, LeafTest, Strategy};
+use cull::{Camera, CoherentOptions, FirstPass, LeafTest, Projection, Strategy};
 use glam::Vec3;
 use gpu::{Device, FrameRing, Readback, Tick, Timeline};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
@@ -146,7 +146,13 @@ fn eyes_in_walls_and_on_the_ground_are_exact() {
         let camera = |(number, eye): (usize, Vec3)| {
             let angle = number as f32 * 2.4;
             let forward = Vec3::new(angle.cos(), (number % 5) as f32 * 0.3 - 0.6, angle.sin());
-            Camera { eye, forward, up: Vec3::Y, fov_y: 1.2, near: 0.05 }
+            Camera {
+                eye,
+                forward,
+                up: Vec3::Y,
+                projection: Projection::perspective(1.2),
+                near: 0.05,
+            }
         };
         let cameras: Vec<Camera> = eyes.enumerate().map(camera).collect();
         for strategy in [methods::BATCHED, methods::COHERENT] {
@@ -255,7 +261,7 @@ fn nothing_in_sight_is_an_empty_image() {
             eye: Vec3::new(1.0, 30.0, 2.0),
             forward,
             up: Vec3::X,
-            fov_y: 1.0,
+            projection: Projection::perspective(1.0),
             near: 0.1,
         });
         for strategy in DIALOGUES.into_iter().chain([methods::NEXT_FRAME]) {

@@ -2,7 +2,7 @@
 //! in the other, cutting each other. With surfaces they are drawn depth first, and no order of
 //! draws shows.
 
-use cull::{Camera, ObjectId, Strategy};
+use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Predication, Readback};
 use render::{
@@ -79,7 +79,7 @@ fn cameras(frames: u32) -> Vec<Camera> {
             ),
             forward: vec3(turn.cos(), -0.15, turn.sin()),
             up: Vec3::Y,
-            fov_y: 1.1,
+            projection: Projection::perspective(1.1),
             near: 0.05,
         }
     };
@@ -288,7 +288,7 @@ fn all_else_goes_on_with_surfaces() {
             let mut halves = Rect::side_by_side(SIZE, 2);
             let mut eye = |history| ViewTarget {
                 state: history,
-                camera: *camera,
+                viewpoint: (*camera).into(),
                 visible: None,
                 rect: halves.next().unwrap(),
             };

@@ -1,7 +1,7 @@
 //! All features that a scene can have at once: moving lamps, holes, panes, a skinned mesh, an
 //! opening door. The images are the same with every strategy.
 
-use cull::{Camera, ObjectId, Strategy};
+use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions};
@@ -105,7 +105,7 @@ fn camera(frame: u32) -> Camera {
         eye: vec3(2.0 * time.sin(), 0.3, -0.4 * frame as f32),
         forward: vec3(0.4 * (time * 1.3).sin(), -0.05, -1.0),
         up: Vec3::Y,
-        fov_y: 1.0,
+        projection: Projection::perspective(1.0),
         near: 0.05,
     }
 }

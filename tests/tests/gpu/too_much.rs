@@ -1,7 +1,7 @@
 //! Scenes with more than a renderer takes are refused by name, with the limit and the remedy;
 //! scenes with more than it shows are shown, and the report lists the rest.
 
-use cull::{Camera, ObjectId, Strategy};
+use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Affine2, Affine3A, Vec2, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{Error, FrameRequest, Renderer, RendererOptions, SceneDegradations, ViewState};
@@ -96,7 +96,13 @@ fn what_is_too_much_is_refused_by_name() {
 
 fn draw(renderer: &mut Renderer, view: &mut ViewState, eye: Vec3) -> Readback {
     let image = Readback::new(renderer.device(), SIZE).unwrap();
-    let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.3, near: 0.05 };
+    let camera = Camera {
+        eye,
+        forward: Vec3::NEG_Z,
+        up: Vec3::Y,
+        projection: Projection::perspective(0.3),
+        near: 0.05,
+    };
     let request =
         FrameRequest { image: Some(&image), ..FrameRequest::new(Strategy::ANTUMBRA, camera) };
     renderer.render(view, &request).unwrap();

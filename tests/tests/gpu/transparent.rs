@@ -1,6 +1,6 @@
 //! Transparent objects: back to front over the finished image, the same with any culling.
 
-use cull::{Camera, Strategy};
+use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Predication, Readback};
 use render::{Costs, Error, FrameReport, FrameRequest, Renderer, RendererOptions};
@@ -67,7 +67,7 @@ fn camera(frame: u32) -> Camera {
         eye: vec3(3.0 * time.sin(), 0.3, 0.0 - 0.4 * frame as f32),
         forward: vec3(0.4 * (time * 1.3).sin(), -0.05, -1.0),
         up: Vec3::Y,
-        fov_y: 1.0,
+        projection: Projection::perspective(1.0),
         near: 0.05,
     }
 }

@@ -45,7 +45,7 @@ fn render(
         .zip(areas)
         .map(|((history, camera), area)| ViewTarget {
             state: history,
-            camera: *camera,
+            viewpoint: (*camera).into(),
             visible: None,
             rect: *area,
         })
@@ -166,7 +166,7 @@ fn each_eye_has_an_ideal_of_its_own() {
                 .enumerate()
                 .map(|(eye, history)| ViewTarget {
                     state: history,
-                    camera: cameras[eye],
+                    viewpoint: cameras[eye].into(),
                     visible: Some(&sets[eye]),
                     rect: areas[eye],
                 })
@@ -289,7 +289,12 @@ fn areas_outside_of_the_image_are_refused() {
         ] {
             let area = Rect { origin, size };
             let camera = path.camera(0);
-            let mut eyes = [ViewTarget { state: &mut view, camera, visible: None, rect: area }];
+            let mut eyes = [ViewTarget {
+                state: &mut view,
+                viewpoint: camera.into(),
+                visible: None,
+                rect: area,
+            }];
             let request = ViewsRequest { strategy: Strategy::ANTUMBRA, image: None, after: None };
             let error = renderer.render_views(&mut eyes, &request).unwrap_err().to_string();
             assert!(error.contains("not within the image of 320x100"), "{error}");

@@ -91,7 +91,7 @@ fn the_seen_pass_reads_instances_and_writes_a_value_per_leaf() {
 #[test]
 fn flags_are_values_and_leaf_boxes_enable_draws() {
     assert_eq!(interface("proxy.frag"), (vec![(1, 4, vec![0])], 0));
-    assert_eq!(interface("leaf_box.vert"), (vec![(0, 32, vec![0, 16])], 96));
+    assert_eq!(interface("leaf_box.vert"), (vec![(0, 32, vec![0, 16])], 104));
     let draws = (1, size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
     assert_eq!(interface("leaf_box.frag"), (vec![draws, (2, 4, vec![0])], 0));
     let source = std::fs::read_to_string(crate::folder().join("leaf_box.frag")).unwrap();
@@ -141,17 +141,17 @@ fn the_pyramid_reads_boxes_and_draws_and_counts_them() {
         (3, draw.0, draw.1),
         (4, 16, vec![0, 4, 8, 12]),
     ];
-    assert_eq!(interface("pyramid_first.comp"), (first.clone(), 80));
+    assert_eq!(interface("pyramid_first.comp"), (first.clone(), 108));
     let second = [first, vec![(5, 4, vec![0])]].concat();
-    assert_eq!(interface("pyramid_second.comp"), (second, 80));
+    assert_eq!(interface("pyramid_second.comp"), (second, 108));
 }
 
 #[test]
 fn the_compute_tester_reads_boxes_and_depths_and_writes_results() {
     let floats = |binding| (binding, 4, vec![0]);
-    assert_eq!(interface("depth_grid.comp"), (vec![floats(0), floats(1)], 8));
+    assert_eq!(interface("depth_grid.comp"), (vec![floats(0), floats(1)], 12));
     let buffers = vec![(0, 32, vec![0, 16]), floats(1), floats(2), floats(3)];
-    assert_eq!(interface("compute_test.comp"), (buffers, 72));
+    assert_eq!(interface("compute_test.comp"), (buffers, 88));
 }
 
 #[test]
@@ -164,11 +164,11 @@ fn scattering_knows_only_values() {
 fn surfaces_have_materials_transforms_lights_and_lists() {
     // Rows and tail; then four vectors of a material.
     let objects = vec![(0, 64, vec![0, 48]), (1, 64, vec![0, 16, 32, 48])];
-    assert_eq!(interface("surface.vert"), (objects.clone(), 112));
-    assert_eq!(interface("surface_depth.vert"), (objects, 112));
+    assert_eq!(interface("surface.vert"), (objects.clone(), 116));
+    assert_eq!(interface("surface_depth.vert"), (objects, 116));
     let transforms = (2, 32, vec![0, 16]);
     let lights = (3, 48, vec![0, 16, 32]);
-    assert_eq!(interface("surface.frag"), (vec![transforms.clone(), lights, (4, 4, vec![0])], 112));
+    assert_eq!(interface("surface.frag"), (vec![transforms.clone(), lights, (4, 4, vec![0])], 116));
     assert_eq!(interface("surface_depth.frag").0, vec![transforms]);
     let source = std::fs::read_to_string(crate::folder().join("lights.glsl")).unwrap();
     let list_values = scene::limits::MAX_LIGHTS_PER_OBJECT / 2;

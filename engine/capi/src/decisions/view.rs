@@ -1,7 +1,7 @@
 //! Views from the matrices of a host.
 
-use cull::{Camera, View};
-use glam::{Mat3, Mat4, Vec3};
+use cull::{ClipY, DepthConvention, View, ViewProjection};
+use glam::Mat4;
 
 use crate::error::Failure;
 use crate::layout::{Versioned, layout};
@@ -61,34 +61,19 @@ impl AntumbraViewDesc {
         if self.width == 0 || self.height == 0 {
             return Err(Failure::argument("view.width and view.height must be above 0"));
         }
-        if self.depth != ANTUMBRA_DEPTH_REVERSED || self.clip_y != ANTUMBRA_CLIP_Y_DOWN {
-            let message = "this version takes ANTUMBRA_DEPTH_REVERSED and ANTUMBRA_CLIP_Y_DOWN";
-            return Err(Failure::argument(message));
-        }
-        let camera = camera(&Mat4::from_cols_array(&self.clip_from_world))?;
-        Ok(View::new(&camera, [self.width, self.height], self.sub_pixel_bits))
+        let depth = match self.depth {
+            ANTUMBRA_DEPTH_REVERSED => DepthConvention::Reversed,
+            ANTUMBRA_DEPTH_STANDARD => DepthConvention::Standard,
+            _ => return Err(Failure::argument("view.depth is no ANTUMBRA_DEPTH_..")),
+        };
+        let y = match self.clip_y {
+            ANTUMBRA_CLIP_Y_DOWN => ClipY::Down,
+            ANTUMBRA_CLIP_Y_UP => ClipY::Up,
+            _ => return Err(Failure::argument("view.clip_y is no ANTUMBRA_CLIP_Y_..")),
+        };
+        let matrix = Mat4::from_cols_array(&self.clip_from_world);
+        let projection = ViewProjection { matrix, depth, y };
+        View::from_matrix(&projection, [self.width, self.height], self.sub_pixel_bits)
+            .map_err(|error| Failure::argument(error.to_string()))
     }
-}
-
-/// Returns the camera of a matrix: in perspective, with an infinite far plane.
-fn camera(matrix: &Mat4) -> Result<Camera, Failure> {
-    let [x, y, z, w] = [0, 1, 2, 3].map(|row| matrix.row(row));
-    let rows = Mat3::from_cols(x.truncate(), y.truncate(), w.truncate());
-    let eye = rows.transpose().inverse() * -Vec3::new(x.w, y.w, w.w);
-    let is_centred = x.truncate().dot(w.truncate()).abs() + y.truncate().dot(w.truncate()).abs()
-        <= 1.0e-4 * y.truncate().length();
-    if !(eye.is_finite() && is_centred && z.truncate().length() <= 1.0e-6 && z.w > 0.0) {
-        return Err(Failure::argument(
-            "view.clip_from_world is no symmetric perspective projection with an infinite far \
-             plane and reversed depth",
-        ));
-    }
-    let scale = w.truncate().length();
-    Ok(Camera {
-        eye,
-        forward: w.truncate(),
-        up: -y.truncate(),
-        fov_y: 2.0 * (scale / y.truncate().length()).atan(),
-        near: z.w / scale,
-    })
 }

@@ -61,7 +61,8 @@ impl Batched {
         let viewed = recorder.viewed;
         self.leaves.retain(|leaf| {
             let diagonal = 2.0 * viewed.hierarchy.bounds(leaf.node).half_extent().length();
-            let is_drawn = diagonal >= self.options.occluder_angle * leaf.distance()
+            let metres_per_radian = viewed.view.rays.metres_per_radian(leaf.distance());
+            let is_drawn = diagonal >= self.options.occluder_angle * metres_per_radian
                 || recorder.proxy(leaf.node).is_none();
             if is_drawn {
                 recorder.draw(leaf.node);

@@ -49,7 +49,7 @@ mod tests {
 
     use super::*;
     use crate::geom::bounds::Aabb;
-    use crate::geom::camera::Camera;
+    use crate::geom::camera::{Camera, Projection};
     use crate::geom::view::View;
 
     const ERRORS_M: [f32; 4] = [0.0, 0.01, 0.02, 0.08];
@@ -103,7 +103,7 @@ mod tests {
             eye: Vec3::ZERO,
             forward: Vec3::NEG_Z,
             up: Vec3::Y,
-            fov_y: std::f32::consts::FRAC_PI_2,
+            projection: Projection::perspective(std::f32::consts::FRAC_PI_2),
             near: 0.1,
         };
         let view = View::new(&camera, [400, 200], 8);

@@ -1,10 +1,12 @@
 //! Boxes against the view frustum: the bounding sphere first, then the box. A mask per plane saves
 //! tests below a node that lies wholly inside of it.
 
-use glam::Vec3;
+use glam::{DVec4, Mat4, Vec3};
 
 use crate::geom::bounds::Aabb;
 use crate::geom::margin::rounding;
+use crate::geom::projection::{DEPTH_ROUNDING, DepthConvention, Rows};
+use crate::geom::rays::Rays;
 
 /// The position of a box with respect to the frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,8 +24,8 @@ pub enum Containment {
 pub struct PlaneMask(u8);
 
 impl PlaneMask {
-    /// All five planes.
-    pub const ALL: Self = Self(0b1_1111);
+    /// All six planes.
+    pub const ALL: Self = Self(0b11_1111);
 
     /// Returns true if the box that this mask came from is inside of every plane.
     #[must_use]
@@ -32,40 +34,44 @@ impl PlaneMask {
     }
 }
 
-/// The infinite pyramid that a camera sees: near, left, right, bottom and top plane, no far plane.
+/// The volume that a view sees: near, left, right, top, bottom and, if there is one, far plane.
 ///
-/// The side planes go through the eye, so everything is computed relative to the eye; a box is
-/// only called outside when it is so by more than the rounding errors of this test.
+/// The planes are those of the matrix that draws, so an off-centre or jittered projection has its
+/// own. Everything is computed relative to the eye; a box is only called outside when it is so by
+/// more than the rounding errors of this test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
-    eye: Vec3,
-    /// Inward normals, and the distance of the plane from the eye along them.
-    planes: [(Vec3, f32); 5],
+    origin: Vec3,
+    coordinate: f32,
+    /// Inward normals, and the distance of the plane from the origin along them.
+    planes: [(Vec3, f32); PLANES],
 }
 
+/// The number of planes.
+const PLANES: usize = 6;
+
+/// The plane that cuts off nothing.
+const NO_PLANE: (Vec3, f32) = (Vec3::ZERO, f32::NEG_INFINITY);
+
 impl Frustum {
-    /// Creates a frustum from an orthonormal basis at the eye and the tangents of the half angles.
+    /// Creates the frustum of a matrix (to clip space with y down) from the depth that it gives and
+    /// the rays in it.
     #[must_use]
-    pub fn new(
-        eye: Vec3,
-        [right, up, forward]: [Vec3; 3],
-        [tan_half_x, tan_half_y]: [f32; 2],
-        near: f32,
-    ) -> Self {
-        let side = |across: Vec3, tangent: f32| {
-            let normal = (across + forward * tangent).normalize_or(forward);
-            (normal, 0.0)
+    pub fn new(view_proj: &Mat4, depth: DepthConvention, rays: &Rays) -> Self {
+        let Rows { x, y, z, w } = Rows::of(view_proj);
+        let origin = rays.origin.as_dvec3().extend(1.0);
+        let plane = |row: DVec4| {
+            let length = row.truncate().length();
+            let offset = -row.dot(origin) / length;
+            ((row.truncate() / length).as_vec3(), offset as f32)
         };
-        Self {
-            eye,
-            planes: [
-                (forward, near),
-                side(right, tan_half_x),
-                side(-right, tan_half_x),
-                side(up, tan_half_y),
-                side(-up, tan_half_y),
-            ],
-        }
+        let (near, far, far_terms) = match depth {
+            DepthConvention::Reversed => (w - z, z, 0.0),
+            DepthConvention::Standard => (z, w - z, 1.0),
+        };
+        let far = far_plane(far, w, far_terms, rays).map_or(NO_PLANE, plane);
+        let planes = [plane(near), plane(w + x), plane(w - x), plane(w + y), plane(w - y), far];
+        Self { origin: rays.origin, coordinate: rays.coordinate, planes }
     }
 
     /// Tests a box against the planes in `mask`; also returns the planes that its parts have to be
@@ -78,10 +84,10 @@ impl Frustum {
         if mask.is_inside() {
             return (Containment::Inside, mask);
         }
-        let centre = bounds.centre() - self.eye;
+        let centre = bounds.centre() - self.origin;
         let half = bounds.half_extent();
         let radius = half.length();
-        let slack = rounding(bounds, self.eye);
+        let slack = rounding(bounds, self.coordinate);
         let mut remaining = 0;
         for (number, (normal, offset)) in self.planes.iter().enumerate() {
             let bit = 1 << number;
@@ -110,12 +116,33 @@ impl Frustum {
     }
 }
 
+/// Returns the row of the far plane, moved away by a bound on the rounding with which a rasteriser
+/// computes its sides; `None` if it is infinitely far away, or lost in that rounding. The far plane
+/// of a depth that is not reversed is a small difference of `w` and z: `terms` of `w` are in it.
+fn far_plane(row: DVec4, w: DVec4, terms: f64, rays: &Rays) -> Option<DVec4> {
+    let [constant, scaled] = rays.depth.map(|it| f64::from(it.abs()));
+    let coordinate = f64::from(rays.coordinate);
+    let terms = terms + constant;
+    let fixed = terms * coordinate + scaled * (1.0 + coordinate);
+    let row = row + (w * terms + DVec4::W * fixed) * f64::from(DEPTH_ROUNDING);
+    (row.truncate().dot(rays.forward.as_dvec3()) < 0.0).then_some(row)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::camera::{Camera, Projection};
+    use crate::geom::view::View;
 
     fn looking_down_z() -> Frustum {
-        Frustum::new(Vec3::ZERO, [Vec3::X, Vec3::Y, Vec3::NEG_Z], [1.0, 1.0], 0.1)
+        let camera = Camera {
+            eye: Vec3::ZERO,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            projection: Projection::perspective(std::f32::consts::FRAC_PI_2),
+            near: 0.1,
+        };
+        View::new(&camera, [64, 64], 8).frustum
     }
 
     fn cube(centre: Vec3, half: f32) -> Aabb {

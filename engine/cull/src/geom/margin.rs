@@ -7,24 +7,39 @@
 //! since some rasterisers take depth from the positions of the vertices before the snapping
 //! ([`View::snap_steps`](crate::View::snap_steps)). In the same way the fragment of the proxy at
 //! `s` stands for the point `q` of the proxy's front that the true ray up to `e` away from `s`
-//! meets: that ray passes `p` in a distance of at most `2e` pixels. A shift by one pixel at view
-//! depth `w` is a shift by `footprint(w) = w * 2 tan(fov_y / 2) / height` in the plane through `p`
-//! parallel to the image. So when the proxy holds a ball of `2e` footprints around `p`, the ray
-//! goes through a point of the proxy that is as deep as `p`, hence enters the proxy, at `q`, no
-//! deeper than `p`: the proxy covers `s` and passes the depth test wherever the object does. The
-//! box grown by `d` holds that ball around every point of the object, with the footprint taken at
-//! the farthest corner.
+//! meets: that ray passes `p` in a distance of at most `2e` pixels.
 //!
-//! A quarter of a pixel on top pays for the rounding of the depth itself: `q` is nearer than `p` by
-//! about that much of a footprint, some ten thousandths of `w`. A 32-bit depth resolves ten
-//! millionths. The last term pays for coordinates far from the origin.
+//! A shift by one pixel is a shift in the plane through `p` parallel to the image, by at most
+//! `footprint(w) = w * pixel`: `pixel` is the longest such shift where the clip coordinate `w` is 1
+//! (metres). In perspective `w` is the view depth, in an orthographic view it is 1 throughout. A
+//! centre that is not in the middle, as under a jitter, leaves shifts in this plane as they are. So
+//! when the proxy holds a ball of `2e` footprints around `p`, the ray goes through a point of the
+//! proxy that is as deep as `p`, hence enters the proxy, at `q`, no deeper than `p`: the proxy
+//! covers `s` and passes the depth test wherever the object does. The box grown by `d` holds that
+//! ball around every point of the object, with the footprint taken at the farthest corner.
 //!
+//! # Rounding
+//! A quarter of a pixel on top pays for the rounding of a depth that is reversed and infinite: `q`
+//! is nearer than `p` by about that much of a footprint, some ten thousandths of `w`, and a 32-bit
+//! depth resolves ten millionths. The last term pays for coordinates far from the origin.
+//!
+//! Other depths are a sum `a + b / w`, or `a + b * view depth` without perspective, and lose digits
+//! to the constant `a`. No distance in the world pays for that. So proxies are moved towards the
+//! eye by a bound on this rounding, by the matrix that they are drawn with
+//! ([`View::proxy_view_proj`](crate::View::proxy_view_proj)): `|a| * 2^-19`, and `2^-19` of what
+//! `a` times a coordinate of the eye adds to the clip coordinate z. Rounding to a depth buffer with
+//! fewer bits keeps the order of depths.
+//!
+//! # The near plane
 //! Only front faces of proxies are drawn. A proxy that reaches before the near plane would lose
-//! front faces to clipping, so such a box has no proxy: it counts as visible.
+//! front faces to clipping, so such a box has no proxy: it counts as visible. Clipping at a far
+//! plane takes the same from an object and from its proxy.
 
 use glam::Vec3;
 
 use crate::geom::bounds::Aabb;
+use crate::geom::projection::DEPTH_ROUNDING;
+use crate::geom::rays::{ProjectionKind, Rays};
 
 /// Pixels added to the need of the sub-pixel grid, against rounding of depths.
 const SLACK_PIXELS: f32 = 0.25;
@@ -35,27 +50,40 @@ const NEAR_SLACK: f32 = 1.0 / 1024.0;
 /// The computation of proxies for one view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
-    eye: Vec3,
+    kind: ProjectionKind,
+    origin: Vec3,
     forward: Vec3,
     near: f32,
-    /// Size of a pixel at view depth 1 (metres).
-    footprint: f32,
+    /// The least view depth of a proxy (metres).
+    nearest: f32,
+    /// The shortest and the longest shift by one pixel where w is 1 (metres).
+    pixel: [f32; 2],
+    /// The coordinate by which the rounding of the view's own numbers is bounded (metres).
+    coordinate: f32,
     /// The distance by which a proxy reaches beyond its box on the screen (pixels).
     pixels: f32,
 }
 
 impl Margin {
-    /// Creates the margin of a view at `eye` along `forward` (unit length) with pixels of
-    /// `footprint` metres at view depth 1, on a device that snaps vertices to `2^-sub_pixel_bits`
-    /// pixels.
+    /// Creates the margin of a view with these rays through an image of `size` pixels, on a device
+    /// that snaps vertices to `2^-sub_pixel_bits` pixels.
     #[must_use]
-    pub fn new(eye: Vec3, forward: Vec3, near: f32, footprint: f32, sub_pixel_bits: u32) -> Self {
+    pub fn new(rays: &Rays, size: [u32; 2], sub_pixel_bits: u32) -> Self {
         let grid = 0.5_f32.powi(sub_pixel_bits.min(24) as i32);
+        // The bias of depths must not move a proxy before the near plane.
+        let [constant, slope] = rays.depth;
+        let nearest = match rays.kind {
+            ProjectionKind::Perspective => rays.near * (1.0 + NEAR_SLACK),
+            ProjectionKind::Orthographic => 2.0 * DEPTH_ROUNDING * (constant / slope).abs(),
+        };
         Self {
-            eye,
-            forward,
-            near,
-            footprint,
+            kind: rays.kind,
+            origin: rays.origin,
+            forward: rays.forward,
+            near: rays.near,
+            nearest,
+            pixel: rays.pixel_m(size),
+            coordinate: rays.coordinate,
             pixels: SLACK_PIXELS + 2.0 * std::f32::consts::SQRT_2 * grid,
         }
     }
@@ -66,11 +94,22 @@ impl Margin {
         self.pixels
     }
 
-    /// Returns the distance by which a proxy reaches beyond a box at view depth 1 (metres),
-    /// rounding apart.
+    /// Returns the distance by which a proxy reaches beyond a box where the clip coordinate w is 1,
+    /// and the least distance anywhere (metres).
     #[must_use]
-    pub fn metres_at_depth_1(&self) -> f32 {
-        self.pixels * self.footprint
+    pub fn metres(&self) -> [f32; 2] {
+        [self.pixels * self.pixel[1], ROUNDING * self.coordinate]
+    }
+
+    /// Returns the shortest shift by one pixel at a view depth (metres).
+    pub(crate) fn pixel_m(&self, depth_m: f32) -> f32 {
+        self.pixel[0] * self.kind.w(depth_m)
+    }
+
+    /// Returns the least view depth of a proxy (metres).
+    #[must_use]
+    pub fn nearest_m(&self) -> f32 {
+        self.nearest
     }
 
     /// Returns the box to test in place of `bounds`, or `None` if it must count as visible, because
@@ -78,20 +117,23 @@ impl Margin {
     /// [empty](Aabb::is_empty) box is never tested: it is in no frustum.
     #[must_use]
     pub fn proxy(&self, bounds: &Aabb) -> Option<Aabb> {
-        let depth = self.forward.dot(bounds.centre() - self.eye);
+        let depth = self.forward.dot(bounds.centre() - self.origin);
         let forward = self.forward.abs();
         let reach = forward.dot(bounds.half_extent());
         let farthest = (depth + reach).max(self.near);
-        let slack = rounding(bounds, self.eye);
-        let distance = self.pixels * self.footprint * farthest + slack;
+        let slack = rounding(bounds, self.coordinate);
+        let distance = self.pixels * self.pixel[1] * self.kind.w(farthest) + slack;
         let nearest = depth - reach - distance * forward.element_sum() - slack;
         // A NaN fails the comparison and makes the box visible.
-        (nearest > self.near * (1.0 + NEAR_SLACK)).then(|| bounds.enlarged(distance))
+        (nearest > self.nearest).then(|| bounds.enlarged(distance))
     }
 }
 
-/// Returns a bound on the rounding error of single precision where `bounds` is seen from `eye`
-/// (metres).
-pub(crate) fn rounding(bounds: &Aabb, eye: Vec3) -> f32 {
-    16.0 * f32::EPSILON * bounds.largest_coordinate().max(eye.abs().max_element())
+/// A bound on the rounding error of single precision, relative to the largest coordinate.
+const ROUNDING: f32 = 16.0 * f32::EPSILON;
+
+/// Returns a bound on the rounding error of single precision where `bounds` is seen by a view whose
+/// own numbers are as exact as those up to `coordinate` (metres).
+pub(crate) fn rounding(bounds: &Aabb, coordinate: f32) -> f32 {
+    ROUNDING * bounds.largest_coordinate().max(coordinate)
 }

@@ -6,4 +6,6 @@ pub(crate) mod detail;
 pub(crate) mod frustum;
 pub(crate) mod margin;
 pub(crate) mod outline;
+pub(crate) mod projection;
+pub(crate) mod rays;
 pub(crate) mod view;

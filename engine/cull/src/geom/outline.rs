@@ -4,6 +4,7 @@ use glam::Vec2;
 
 use crate::geom::bounds::Aabb;
 use crate::geom::margin::rounding;
+use crate::geom::rays::Rays;
 use crate::geom::view::View;
 
 /// The outline of a box on the screen, in pixels, counter-clockwise or clockwise throughout.
@@ -18,9 +19,9 @@ impl Outline {
     /// one.
     const MOST: usize = 12;
 
-    /// Returns the outline of a box that is in front of the eye, and its nearest depth (metres
-    /// along the line of sight). `None` where it is not, or where numbers fail.
-    pub(crate) fn of(bounds: &Aabb, view: &View) -> Option<(Self, f32)> {
+    /// Returns the outline of a box that is in front of the eye. `None` where it is not, or where
+    /// numbers fail.
+    pub(crate) fn of(bounds: &Aabb, view: &View) -> Option<Self> {
         let scale = Vec2::new(view.size[0] as f32, view.size[1] as f32) * 0.5;
         let mut points = [Vec2::ZERO; 8];
         let mut nearest = f32::INFINITY;
@@ -30,7 +31,7 @@ impl Outline {
             *point = (Vec2::new(clip.x, clip.y) / clip.w + 1.0) * scale;
         }
         let is_sound = nearest > 0.0 && points.iter().all(|point| point.is_finite());
-        is_sound.then(|| (Self::around(points), nearest))
+        is_sound.then(|| Self::around(points))
     }
 
     /// Returns the convex hull, by Andrew's monotone chain.
@@ -56,14 +57,15 @@ impl Outline {
     }
 
     /// Returns true if rounding moves the outline by little, both where it is computed and where it
-    /// is drawn; `nearest` is the depth of the nearest corner.
-    pub(crate) fn is_sharp(&self, bounds: &Aabb, nearest: f32, view: &View) -> bool {
+    /// is drawn.
+    pub(crate) fn is_sharp(&self, bounds: &Aabb, view: &View) -> bool {
         const MOST_PIXELS: f32 = 1.0 / 16.0;
         // Beyond, a pixel's fractions are lost, and a product of two such no longer separates the
         // sides.
         const FARTHEST_PIXELS: f32 = 32_768.0;
-        let pixels_per_metre = view.size[1] as f32 / (2.0 * view.tan_half[1] * nearest);
-        rounding(bounds, view.eye) * pixels_per_metre <= MOST_PIXELS
+        let reach = view.rays.forward.abs().dot(bounds.half_extent());
+        let nearest = view.rays.depth_m(bounds.centre()) - reach;
+        rounding(bounds, view.rays.coordinate) <= MOST_PIXELS * view.pixel_m(nearest)
             && self.points().all(|point| point.abs().max_element() <= FARTHEST_PIXELS)
     }
 
@@ -120,21 +122,22 @@ impl Outline {
     }
 }
 
-/// Returns about how many pixels of `view` a box covers, at most all: its silhouette from the eye,
-/// as if all of it were as far away as its centre.
+/// Returns about how many pixels of `view` a box covers, at most all: its silhouette as its centre
+/// is seen, as if all of it were as far away as that.
 pub(crate) fn covered_pixels(view: &View, bounds: &Aabb) -> f32 {
     let [width, height] = view.size.map(|pixels| pixels as f32);
-    if bounds.distance_squared(view.eye) == 0.0 {
+    let Rays { origin, near, .. } = view.rays;
+    if view.rays.distance_squared(bounds) == 0.0 {
         return width * height;
     }
     let sides = 2.0 * bounds.half_extent();
-    let towards = bounds.centre() - view.eye;
-    let distance = towards.length().max(view.near);
-    let along = towards.abs() / distance;
+    let towards = view.rays.towards(bounds.centre());
+    let distance = towards.dot(bounds.centre() - origin).max(near);
+    let along = towards.abs();
     let area =
         along.x * sides.y * sides.z + along.y * sides.z * sides.x + along.z * sides.x * sides.y;
-    let pixels_per_metre = height / (2.0 * view.tan_half[1] * distance);
-    let pixels = area * pixels_per_metre * pixels_per_metre;
+    let pixel_m = view.pixel_m(distance);
+    let pixels = area / (pixel_m * pixel_m);
     if pixels.is_nan() { width * height } else { pixels.min(width * height) }
 }
 
@@ -143,7 +146,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::geom::camera::Camera;
+    use crate::geom::camera::{Camera, Projection};
 
     #[test]
     fn a_box_before_the_eye_covers_its_face() {
@@ -151,7 +154,7 @@ mod tests {
             eye: Vec3::ZERO,
             forward: Vec3::NEG_Z,
             up: Vec3::Y,
-            fov_y: std::f32::consts::FRAC_PI_2,
+            projection: Projection::perspective(std::f32::consts::FRAC_PI_2),
             near: 0.1,
         };
         let view = View::new(&camera, [200, 100], 8);

@@ -1,29 +1,23 @@
-//! The view of one frame, derived from a camera and the size of its image.
+//! The view of one frame, derived from a camera or a host's matrix and the size of its image.
 
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec3, Vec4};
 
 use crate::geom::bounds::Aabb;
-use crate::geom::camera::Camera;
+use crate::geom::camera::{Camera, Projection};
 use crate::geom::frustum::Frustum;
 use crate::geom::margin::Margin;
+use crate::geom::projection::{DEPTH_ROUNDING, DepthConvention, ViewError, ViewProjection};
+use crate::geom::rays::{ProjectionKind, Rays};
 
 /// One frame's view: the matrix that draws and the volumes that cull, from the same numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// World to Vulkan clip space: y down, depth reversed (1 at the near plane, 0 at infinity).
+    /// World to Vulkan clip space: y down, depth from 0 to 1. All shaders use it as it is.
     pub view_proj: Mat4,
-    /// Position of the eye (metres).
-    pub eye: Vec3,
-    /// Direction of sight, unit length.
-    pub forward: Vec3,
-    /// The direction to the right of the image, unit length.
-    pub right: Vec3,
-    /// The direction to the top of the image, unit length.
-    pub up: Vec3,
-    /// Distance of the near plane (metres).
-    pub near: f32,
-    /// Tangents of half the horizontal and half the vertical angle of sight.
-    pub tan_half: [f32; 2],
+    /// The direction in which depths grow.
+    pub depth: DepthConvention,
+    /// The rays through the image.
+    pub rays: Rays,
     /// Size of the image (pixels).
     pub size: [u32; 2],
     /// The place of the image in a larger image: its upper left corner (pixels). No decision
@@ -40,48 +34,122 @@ pub struct View {
 
 impl View {
     /// Derives a view for an image of `size` pixels on a device that snaps vertices to
-    /// `2^-sub_pixel_bits` pixels (Vulkan's `subPixelPrecisionBits`).
+    /// `2^-sub_pixel_bits` pixels (Vulkan's `subPixelPrecisionBits`). Depth is reversed; the far
+    /// plane of a perspective camera is infinitely far away.
     ///
     /// Never fails: a size of 0 counts as 1; an eye that is not finite is moved to the origin; a
     /// missing `forward` becomes -z and an `up` that does not fit the axis farthest from it; the
-    /// angle is kept between 0.001 and 3.1 radians and the near plane between 1e-6 and 1e6 m.
+    /// angle is kept between 0.001 and 3.1 radians, the near plane of a perspective camera between
+    /// 1e-6 and 1e6 m, and the sides of an orthographic one's volume between 1e-6 and 1e9 m.
     #[must_use]
     pub fn new(camera: &Camera, size: [u32; 2], sub_pixel_bits: u32) -> Self {
         let [width, height] = size.map(|pixels| pixels.max(1));
+        let aspect = width as f32 / height as f32;
         let eye = if camera.eye.is_finite() { camera.eye } else { Vec3::ZERO };
         let forward = camera.forward.try_normalize().unwrap_or(Vec3::NEG_Z);
         let right = sideways(forward, camera.up);
         let up = right.cross(forward);
-        let near = clamp_or(camera.near, 1.0e-6, 1.0e6, 0.1);
-        let fov_y = clamp_or(camera.fov_y, 1.0e-3, 3.1, 1.0);
-        let tan_y = (fov_y * 0.5).tan();
-        let aspect = width as f32 / height as f32;
-        let tan_half = [tan_y * aspect, tan_y];
-        let footprint = 2.0 * tan_y / height as f32;
+        let (kind, half_height, near, depth, origin) = match camera.projection {
+            Projection::Perspective { fov_y } => {
+                let near = clamp_or(camera.near, 1.0e-6, 1.0e6, 0.1);
+                let half_height = (clamp_or(fov_y, 1.0e-3, 3.1, 1.0) * 0.5).tan();
+                (ProjectionKind::Perspective, half_height, near, [0.0, near], eye)
+            }
+            Projection::Orthographic { height, far } => {
+                let near = clamp_or(camera.near, -1.0e9, 1.0e9, 0.0);
+                let length = clamp_or(far - near, 1.0e-6, 1.0e9, 1.0e3);
+                let half_height = clamp_or(height, 1.0e-6, 1.0e9, 1.0) * 0.5;
+                let depth = [1.0, -length.recip()];
+                (ProjectionKind::Orthographic, half_height, 0.0, depth, eye + forward * near)
+            }
+        };
+        let rays = Rays {
+            kind,
+            origin,
+            forward,
+            middle: forward,
+            right: right * (half_height * aspect),
+            down: up * -half_height,
+            near,
+            depth,
+            coordinate: origin.abs().max_element(),
+        };
+        let view_proj = projection(&rays, [half_height * aspect, half_height])
+            * world_to_eye(origin, right, up, forward);
+        Self::of(view_proj, DepthConvention::Reversed, rays, [width, height], sub_pixel_bits)
+    }
+
+    /// Derives the view of a host's matrix for an image of `size` pixels (at least 1) on a device
+    /// that snaps vertices to `2^-sub_pixel_bits` pixels.
+    ///
+    /// Everything follows from the one matrix: the eye, the frustum and its far plane if there is
+    /// one, the size of pixels, the depth of points. So a jitter is in all of them. Shaders use the
+    /// matrix bit for bit, but for the sign of y where that is up.
+    ///
+    /// # Errors
+    /// A matrix that is no projection, or not by the conventions that come with it.
+    pub fn from_matrix(
+        projection: &ViewProjection,
+        size: [u32; 2],
+        sub_pixel_bits: u32,
+    ) -> Result<Self, ViewError> {
+        let size = size.map(|pixels| pixels.max(1));
+        let rays = projection.rays()?;
+        Ok(Self::of(projection.downwards(), projection.depth, rays, size, sub_pixel_bits))
+    }
+
+    fn of(
+        view_proj: Mat4,
+        depth: DepthConvention,
+        rays: Rays,
+        size: [u32; 2],
+        sub_pixel_bits: u32,
+    ) -> Self {
         let steps_per_pixel = 2.0_f32.powi(sub_pixel_bits.min(24) as i32);
         Self {
-            view_proj: projection(tan_half, near) * world_to_eye(eye, right, up, forward),
-            eye,
-            forward,
-            right,
-            up,
-            near,
-            tan_half,
-            size: [width, height],
+            view_proj,
+            depth,
+            rays,
+            size,
             origin: [0, 0],
-            snap_steps: [width, height].map(|side| side as f32 * 0.5 * steps_per_pixel),
-            frustum: Frustum::new(eye, [right, up, forward], tan_half, near),
-            margin: Margin::new(eye, forward, near, footprint, sub_pixel_bits),
+            snap_steps: size.map(|side| side as f32 * 0.5 * steps_per_pixel),
+            frustum: Frustum::new(&view_proj, depth, &rays),
+            margin: Margin::new(&rays, size, sub_pixel_bits),
         }
+    }
+
+    /// Returns the matrix that proxies are drawn with: [`View::view_proj`], but for depths that are
+    /// nearer by a bound on their rounding ([`Margin`] says why).
+    ///
+    /// It is the same where depth is reversed and the far plane infinitely far away: depths have as
+    /// many significant digits as distances then.
+    #[must_use]
+    pub fn proxy_view_proj(&self) -> Mat4 {
+        let [constant, _] = self.rays.depth;
+        let towards_eye = self.depth.sign() * DEPTH_ROUNDING * constant.abs();
+        let w = self.view_proj.row(3);
+        let coordinate = match self.rays.kind {
+            ProjectionKind::Perspective => w.truncate().length() * self.rays.coordinate,
+            ProjectionKind::Orthographic => 0.0,
+        };
+        let nearer = (w + Vec4::W * coordinate) * towards_eye;
+        let mut columns = self.view_proj.to_cols_array_2d();
+        for (column, nearer) in columns.iter_mut().zip(nearer.to_array()) {
+            column[2] += nearer;
+        }
+        Mat4::from_cols_array_2d(&columns)
+    }
+
+    /// Returns the size of a pixel at a distance (metres).
+    pub(crate) fn pixel_m(&self, distance_m: f32) -> f32 {
+        self.margin.pixel_m(distance_m)
     }
 
     /// Returns how many pixels a metre covers at the nearest point of `bounds`, in the middle of
     /// the image; at the near plane where the box is nearer.
     #[must_use]
     pub fn pixels_per_metre(&self, bounds: &Aabb) -> f32 {
-        let distance = bounds.distance_squared(self.eye).sqrt().max(self.near);
-        let [_, tan_y] = self.tan_half;
-        self.size[1] as f32 * 0.5 / (tan_y * distance)
+        self.pixel_m(self.rays.distance(bounds).max(self.rays.near)).recip()
     }
 }
 
@@ -104,57 +172,25 @@ fn sideways(forward: Vec3, up: Vec3) -> Vec3 {
 fn world_to_eye(eye: Vec3, right: Vec3, up: Vec3, forward: Vec3) -> Mat4 {
     let back = -forward;
     let rotation =
-        Mat4::from_cols(right.extend(0.0), up.extend(0.0), back.extend(0.0), glam::Vec4::W)
-            .transpose();
+        Mat4::from_cols(right.extend(0.0), up.extend(0.0), back.extend(0.0), Vec4::W).transpose();
     rotation * Mat4::from_translation(-eye)
 }
 
-/// Returns the projection with infinite far plane, reversed depth, y down.
-fn projection([tan_x, tan_y]: [f32; 2], near: f32) -> Mat4 {
-    use glam::Vec4;
-    Mat4::from_cols(
-        Vec4::new(1.0 / tan_x, 0.0, 0.0, 0.0),
-        Vec4::new(0.0, -1.0 / tan_y, 0.0, 0.0),
-        Vec4::new(0.0, 0.0, 0.0, -1.0),
-        Vec4::new(0.0, 0.0, near, 0.0),
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const CAMERA: Camera = Camera {
-        eye: Vec3::new(1.0, 2.0, 3.0),
-        forward: Vec3::NEG_Z,
-        up: Vec3::Y,
-        fov_y: std::f32::consts::FRAC_PI_2,
-        near: 0.5,
+/// Returns the projection of a camera's rays, y down.
+fn projection(rays: &Rays, [half_width, half_height]: [f32; 2]) -> Mat4 {
+    let [constant, scaled] = rays.depth;
+    let (z_column, w_column) = match rays.kind {
+        ProjectionKind::Perspective => {
+            (Vec4::new(0.0, 0.0, -constant, -1.0), Vec4::new(0.0, 0.0, scaled, 0.0))
+        }
+        ProjectionKind::Orthographic => {
+            (Vec4::new(0.0, 0.0, -scaled, 0.0), Vec4::new(0.0, 0.0, constant, 1.0))
+        }
     };
-
-    #[test]
-    fn clip_space_is_vulkans_with_reversed_depth() {
-        let view = View::new(&CAMERA, [200, 100], 8);
-        let ndc = |offset: Vec3| view.view_proj.project_point3(view.eye + offset);
-        assert!(ndc(Vec3::new(0.0, 0.0, -0.5)).abs_diff_eq(Vec3::new(0.0, 0.0, 1.0), 1e-5));
-        assert!(ndc(Vec3::new(0.0, 0.0, -5.0e6)).z < 1e-6);
-        assert!(ndc(Vec3::new(0.0, 4.0, -4.0)).abs_diff_eq(Vec3::new(0.0, -1.0, 0.125), 1e-5));
-        assert!(ndc(Vec3::new(8.0, 0.0, -4.0)).abs_diff_eq(Vec3::new(1.0, 0.0, 0.125), 1e-5));
-    }
-
-    #[test]
-    fn what_is_no_camera_is_repaired() {
-        let nothing = Camera {
-            eye: Vec3::NAN,
-            forward: Vec3::ZERO,
-            up: Vec3::ZERO,
-            fov_y: f32::NAN,
-            near: -1.0,
-        };
-        let view = View::new(&nothing, [0, 0], 400);
-        assert!(view.view_proj.is_finite());
-        assert!(view.right.is_normalized() && view.up.is_normalized());
-        let along = Camera { up: CAMERA.forward, ..CAMERA };
-        assert!(View::new(&along, [64, 64], 8).view_proj.is_finite());
-    }
+    Mat4::from_cols(
+        Vec4::new(1.0 / half_width, 0.0, 0.0, 0.0),
+        Vec4::new(0.0, -1.0 / half_height, 0.0, 0.0),
+        z_column,
+        w_column,
+    )
 }

@@ -5,6 +5,8 @@ use std::collections::BinaryHeap;
 
 use crate::geom::bounds::Aabb;
 use crate::geom::frustum::{Containment, PlaneMask};
+#[cfg(doc)]
+use crate::geom::rays::Rays;
 use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;
 use crate::ids::{LeafIndex, NodeId};
@@ -26,7 +28,7 @@ pub(crate) struct InSight {
 }
 
 impl InSight {
-    /// Returns the distance from the eye to the node's box (metres).
+    /// Returns the distance from the eye to the node's box, as [`Rays::distance`] does (metres).
     pub(crate) fn distance(&self) -> f32 {
         f32::from_bits(self.distance_bits).sqrt()
     }
@@ -37,7 +39,7 @@ impl<'a> ViewedHierarchy<'a> {
     pub(crate) fn look(&self, node: NodeId, mask: PlaneMask) -> Option<InSight> {
         let bounds = self.hierarchy.bounds(node);
         let (containment, mask) = self.view.frustum.classify(&bounds, mask);
-        let distance_bits = bounds.distance_squared(self.view.eye).to_bits();
+        let distance_bits = self.view.rays.distance_squared(&bounds).to_bits();
         (containment != Containment::Outside).then_some(InSight { distance_bits, node, mask })
     }
 

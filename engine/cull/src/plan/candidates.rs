@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 
 use crate::geom::bounds::Aabb;
 use crate::geom::frustum::PlaneMask;
+use crate::geom::rays::Rays;
 use crate::history::record::FrameStamp;
 use crate::ids::LeafIndex;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
@@ -14,8 +15,8 @@ use crate::plan::frame_plan::{PlanStats, QueryKind};
 pub(crate) struct Nearness(u32);
 
 impl Nearness {
-    pub(crate) fn of(bounds: &Aabb, eye: glam::Vec3) -> Self {
-        Self(bounds.distance_squared(eye).to_bits())
+    pub(crate) fn of(bounds: &Aabb, rays: &Rays) -> Self {
+        Self(rays.distance_squared(bounds).to_bits())
     }
 
     pub(crate) fn distance(self) -> f32 {

@@ -17,7 +17,7 @@
 //! nearer it is the more pixels that is. So only boxes where it is at most a sixteenth of a pixel
 //! serve as fronts.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec4};
 
 use crate::geom::bounds::Aabb;
 use crate::geom::outline::Outline;
@@ -92,14 +92,14 @@ fn share_in_order(
         if test.tester != Tester::Flag || test.leaves.count == 0 {
             continue;
         }
-        let Some((outline, nearest)) = Outline::of(&test.bounds, view) else {
+        let Some(outline) = Outline::of(&test.bounds, view) else {
             continue;
         };
         let seen = outline.clipped([width, height]);
         let leaves = test.leaves.count;
         let in_front = fronts.iter_mut().find(|front| {
             front.leaves_behind.saturating_add(leaves) <= front.most_behind
-                && front.is_before(&test.bounds, view.eye)
+                && front.is_before(&test.bounds, view.rays.eye())
                 && front.holds(&seen)
         });
         if let Some(front) = in_front {
@@ -112,7 +112,7 @@ fn share_in_order(
         let known = hidden_frames.unwrap_or(0).saturating_mul(limits.leaves_behind_per_frame);
         let most_behind = known.min(limits.leaves_behind);
         let area = seen.area();
-        if most_behind > 0 && area >= least_area && outline.is_sharp(&test.bounds, nearest, view) {
+        if most_behind > 0 && area >= least_area && outline.is_sharp(&test.bounds, view) {
             let front = SharedProxy {
                 test: number,
                 outline,
@@ -142,11 +142,12 @@ fn keep_largest(fronts: &mut Vec<SharedProxy>, front: SharedProxy, most: usize) 
 }
 
 impl SharedProxy {
-    /// Returns true if all of a box is on the inner side of the faces that are seen from `eye`.
-    fn is_before(&self, behind: &Aabb, eye: Vec3) -> bool {
+    /// Returns true if all of a box is on the inner side of the faces that are seen from `eye`, in
+    /// homogeneous coordinates.
+    fn is_before(&self, behind: &Aabb, eye: Vec4) -> bool {
         let (low, high) = (self.bounds.min, self.bounds.max);
-        let beyond_low = eye.cmpge(low) | behind.min.cmpge(low);
-        let beyond_high = eye.cmple(high) | behind.max.cmple(high);
+        let beyond_low = eye.truncate().cmpge(low * eye.w) | behind.min.cmpge(low);
+        let beyond_high = eye.truncate().cmple(high * eye.w) | behind.max.cmple(high);
         (beyond_low & beyond_high).all()
     }
 
@@ -159,23 +160,19 @@ impl SharedProxy {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec2, DVec3};
+    use glam::{DVec2, DVec3, Vec3};
 
     use super::*;
-    use crate::geom::camera::Camera;
+    use crate::geom::camera::{Camera, Projection};
     use crate::ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId};
     use crate::plan::frame_plan::QueryTag;
     use crate::rng::SplitMix64;
 
     /// Returns the position of a point on the screen, in pixels, in 64 bits.
     fn exactly(point: Vec3, view: &View) -> DVec2 {
-        let offset = point.as_dvec3() - view.eye.as_dvec3();
-        let along = |axis: Vec3| offset.dot(axis.as_dvec3());
-        let [x, y] = [along(view.right), -along(view.up)];
-        let [tan_x, tan_y] = view.tan_half.map(f64::from);
+        let clip = view.view_proj.as_dmat4() * point.as_dvec3().extend(1.0);
         let [width, height] = view.size.map(f64::from);
-        let at = DVec2::new(x / tan_x, y / tan_y) / along(view.forward);
-        (at + 1.0) * 0.5 * DVec2::new(width, height)
+        (clip.truncate().truncate() / clip.w + 1.0) * 0.5 * DVec2::new(width, height)
     }
 
     #[test]
@@ -190,16 +187,22 @@ mod tests {
             let eye =
                 Vec3::new(distance, between(-1.0, 1.0) * distance, between(-1.0, 1.0) * distance);
             let forward = Vec3::new(between(-1.0, 1.0), between(-1.0, 1.0), between(-1.0, 1.0));
-            let camera = Camera { eye, forward, up: Vec3::Y, fov_y: 1.0, near: 0.01 };
-            let view = View::new(&camera, [1280, 720], 8);
             let size = 10.0_f32.powf(between(-1.0, 2.0));
-            let aside = view.right * between(-1.0, 1.0) + view.up * between(-1.0, 1.0);
+            let projection = match between(0.0, 1.0) < 0.5 {
+                true => Projection::perspective(1.0),
+                false => Projection::Orthographic { height: size * 8.0, far: size * 20.0 },
+            };
+            let camera = Camera { eye, forward, up: Vec3::Y, projection, near: 0.01 };
+            let view = View::new(&camera, [1280, 720], 8);
+            let aside = Vec2::new(between(-1.0, 1.0), between(-1.0, 1.0));
             let distance = size * between(0.5, 8.0);
-            let centre = eye + (view.forward + aside) * distance;
+            let centre = view.rays.point(aside, distance);
             let half = Vec3::new(between(0.1, 1.0), between(0.1, 1.0), between(0.1, 1.0)) * size;
             let bounds = Aabb::new(centre - half, centre + half);
-            let Some((outline, nearest)) = Outline::of(&bounds, &view) else { continue };
-            if nearest < view.near || !outline.is_sharp(&bounds, nearest, &view) {
+            let Some(outline) = Outline::of(&bounds, &view) else { continue };
+            let nearest = bounds.corners().map(|corner| view.rays.depth_m(corner));
+            let is_near = nearest.into_iter().any(|depth_m| depth_m < view.rays.near);
+            if is_near || !outline.is_sharp(&bounds, &view) {
                 blunt += 1;
                 continue;
             }
@@ -252,7 +255,13 @@ mod tests {
     #[test]
     fn what_is_unknown_or_was_just_hidden_answers_for_nothing_else() {
         let forward = Vec3::NEG_Z;
-        let camera = Camera { eye: Vec3::ZERO, forward, up: Vec3::Y, fov_y: 1.2, near: 0.05 };
+        let camera = Camera {
+            eye: Vec3::ZERO,
+            forward,
+            up: Vec3::Y,
+            projection: Projection::perspective(1.2),
+            near: 0.05,
+        };
         let view = View::new(&camera, [640, 360], 8);
         let at = |z: f32| Aabb::new(Vec3::new(-1.0, -1.0, z - 1.0), Vec3::new(1.0, 1.0, z));
         let after =
@@ -294,13 +303,18 @@ mod tests {
                 Vec3::new(between(least, most), between(least, most), between(least, most))
             };
             let (forward, eye) = (sides(-1.0, 1.0), sides(-20.0, 20.0));
-            let camera = Camera { eye, forward, up: Vec3::Y, fov_y: 1.2, near: 0.05 };
+            let is_orthographic = shared % 2 == 0;
+            let projection = match is_orthographic {
+                false => Projection::perspective(1.2),
+                true => Projection::Orthographic { height: 14.0, far: 200.0 },
+            };
+            let camera = Camera { eye, forward, up: Vec3::Y, projection, near: 0.05 };
             let view = View::new(&camera, [640, 360], 8);
             let front = (sides(-4.0, 4.0), sides(0.2, 6.0));
             let behind = (sides(-9.0, 9.0), sides(0.1, 2.0));
             let (near, far) = (between(4.0, 20.0), between(0.0, 40.0));
             let at = |(aside, half): (Vec3, Vec3), distance: f32| {
-                let centre = eye + view.forward * distance + aside;
+                let centre = eye + view.rays.forward * distance + aside;
                 Aabb::new(centre - half, centre + half)
             };
             let (front, behind) = (at(front, near), at(behind, near + far));
@@ -310,8 +324,8 @@ mod tests {
             }
             shared += 1;
             // What the margin of the proxy behind pays for is no object's: a quarter of a pixel.
-            let depth = (behind.centre() - eye).dot(view.forward).max(view.near);
-            let paid = 0.25 * depth * 2.0 * view.tan_half[1] / 360.0;
+            let depth = view.rays.depth_m(behind.centre()).max(view.rays.near);
+            let paid = 0.25 * view.pixel_m(depth);
             let (low, high) = (behind.min + paid, behind.max - paid);
             for _ in 0..12 {
                 // A corner, or a point of an edge or a side.
@@ -321,7 +335,12 @@ mod tests {
                 if at.min_element() < 0.0 || at.x > 640.0 || at.y > 360.0 {
                     continue;
                 }
-                let entered = entry(&front, eye.as_dvec3(), point.as_dvec3());
+                let point = point.as_dvec3();
+                let eye = match is_orthographic {
+                    false => eye.as_dvec3(),
+                    true => point - view.rays.forward.as_dvec3() * 1_000.0,
+                };
+                let entered = entry(&front, eye, point);
                 let is_beyond = entered.is_some_and(|at| at <= 1.0 + 1.0e-6);
                 assert!(is_beyond, "{front:?} {behind:?} {entered:?}");
             }
@@ -334,7 +353,13 @@ mod tests {
         let offsets = [(0.0, true), (3.0e6, false)];
         for (distance, may_share) in offsets {
             let eye = Vec3::new(distance, 0.0, 0.0);
-            let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+            let camera = Camera {
+                eye,
+                forward: Vec3::NEG_Z,
+                up: Vec3::Y,
+                projection: Projection::perspective(1.0),
+                near: 0.1,
+            };
             let view = View::new(&camera, [640, 360], 8);
             let at = |z: f32, half: f32| {
                 let centre = eye + Vec3::new(0.0, 0.0, z);

@@ -213,7 +213,7 @@ impl Walk<'_> {
         // Where the box promised too much before, it would again.
         record.flicker_count == 0
             && !is_turn_of_draw
-            && diagonal < self.config.visible_box_angle * visit.nearness.distance()
+            && diagonal < self.config.visible_box_angle * self.metres_per_radian(visit)
     }
 
     fn is_visible_draw_due(&self, visit: &Visit) -> bool {
@@ -310,7 +310,7 @@ impl Walk<'_> {
         let bounds = self.hierarchy.bounds(NodeId(node));
         let (containment, mask) = self.view.frustum.classify(&bounds, above.mask);
         if containment != Containment::Outside {
-            let nearness = Nearness::of(&bounds, self.view.eye);
+            let nearness = Nearness::of(&bounds, &self.view.rays);
             scratch.queue.push(Reverse((nearness, node, Above { mask, ..above })));
         }
     }
@@ -345,7 +345,12 @@ impl Walk<'_> {
         let diagonal = 2.0 * visit.bounds.half_extent().length();
         let angle = self.config.unknown_angle * (1 << self.coarseness) as f32;
         leaves <= self.coarse(self.config.unknown_leaves_far.into())
-            && diagonal < angle * visit.nearness.distance()
+            && diagonal < angle * self.metres_per_radian(visit)
+    }
+
+    /// Returns how large an angle of 1 radian is where a node is (metres).
+    fn metres_per_radian(&self, visit: &Visit) -> f32 {
+        self.view.rays.metres_per_radian(visit.nearness.distance())
     }
 
     fn coarse(&self, leaves: u64) -> u64 {
@@ -383,7 +388,7 @@ impl Walk<'_> {
                     stack.extend(children.map(|child| (child.0, mask)));
                 }
                 None => each(Retest {
-                    nearness: Nearness::of(&bounds, self.view.eye),
+                    nearness: Nearness::of(&bounds, &self.view.rays),
                     leaf: self.leaf(node),
                     node,
                     after: 0,

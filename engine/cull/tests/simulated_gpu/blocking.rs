@@ -3,7 +3,7 @@
 
 use antumbra_cull::{
     BatchedOptions, BlockingCuller, BlockingKind, BlockingStats, Camera, CoherentOptions,
-    FirstPass, Hierarchy, LeafTest, ObjectId, Strategy, View,
+    FirstPass, Hierarchy, LeafTest, ObjectId, Projection, Strategy, View,
 };
 use glam::Vec3;
 
@@ -125,7 +125,7 @@ const CAMERA: Camera = Camera {
     eye: Vec3::new(-1.0, 1.7, 30.0),
     forward: Vec3::NEG_Z,
     up: Vec3::Y,
-    fov_y: 1.0,
+    projection: Projection::perspective(1.0),
     near: 0.1,
 };
 

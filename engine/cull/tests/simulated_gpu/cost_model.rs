@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use antumbra_cull::{
-    Aabb, Camera, CostTable, CullConfig, Culler, FramePlan, ObjectId, ProxyTest, SceneCosts,
-    Strategy, Tester, TesterSupport, View,
+    Aabb, Camera, CostTable, CullConfig, Culler, FramePlan, ObjectId, Projection, ProxyTest,
+    SceneCosts, Strategy, Tester, TesterSupport, View,
 };
 use glam::Vec3;
 
@@ -12,8 +12,13 @@ use crate::random::Random;
 use crate::scene::city;
 use crate::walk::{BUDGET, SIZE, Walk};
 
-const CAMERA: Camera =
-    Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.2, near: 0.1 };
+const CAMERA: Camera = Camera {
+    eye: Vec3::ZERO,
+    forward: Vec3::NEG_Z,
+    up: Vec3::Y,
+    projection: Projection::perspective(1.2),
+    near: 0.1,
+};
 
 /// Prices at which tests cost nothing.
 const FREE_TESTS: CostTable = CostTable { draw_ns: 1_000.0, ..CostTable::uniform(0.0) };

@@ -9,7 +9,7 @@ use crate::device::{Device, Mishaps, Solids};
 use crate::image::Image;
 use crate::invariants;
 use crate::random::Random;
-use crate::scene::{PATHS, Path, Scene};
+use crate::scene::{Lens, PATHS, Path, Scene};
 
 const SCENES: u64 = 1_500;
 const FRAMES: u64 = 24;
@@ -31,6 +31,7 @@ struct World {
     scene: Scene,
     hierarchy: Hierarchy,
     camera: Camera,
+    lens: Lens,
     path: Path,
     sub_pixel_bits: u32,
     budget: usize,
@@ -45,9 +46,11 @@ impl World {
         let mut random = Random::new(seed);
         let sub_pixel_bits = [4, 8][random.below(2)];
         let scene = Scene::random(&mut random, sub_pixel_bits);
+        let mut camera = Path::start(&mut random);
         Self {
             hierarchy: Hierarchy::build(&scene.bounds).unwrap(),
-            camera: Path::start(&mut random),
+            lens: Lens::random(&mut random, &mut camera),
+            camera,
             path: PATHS[random.below(PATHS.len())],
             sub_pixel_bits,
             budget: [0, 3, 12, 10_000, 10_000, 10_000][random.below(6)],
@@ -112,7 +115,7 @@ impl World {
         if self.rebuilding && frame % 6 == 5 {
             self.hierarchy.rebuild(&self.scene.bounds).unwrap();
         }
-        View::new(&self.camera, SIZE, self.sub_pixel_bits)
+        self.lens.view(&self.camera, frame, SIZE, self.sub_pixel_bits)
     }
 
     fn solids(&self) -> Solids<'_> {

@@ -1,8 +1,8 @@
 //! Tests that explanations agree with the draws.
 
 use antumbra_cull::{
-    Camera, CullConfig, Culler, Decision, FrameId, NodeState, ObjectId, Outcome, QueryKind,
-    Strategy, TesterSupport, View,
+    Camera, CullConfig, Culler, Decision, FrameId, NodeState, ObjectId, Outcome, Projection,
+    QueryKind, Strategy, TesterSupport, View,
 };
 use glam::Vec3;
 
@@ -16,7 +16,7 @@ fn camera(frame: usize) -> Camera {
         eye: Vec3::new(-1.0, 1.7, 30.0 - frame as f32 * 0.1),
         forward: Vec3::new(angle.sin(), 0.0, -angle.cos()),
         up: Vec3::Y,
-        fov_y: 1.0,
+        projection: Projection::perspective(1.0),
         near: 0.1,
     }
 }

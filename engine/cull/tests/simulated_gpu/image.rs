@@ -1,15 +1,26 @@
 //! A depth buffer that boxes are drawn into by casting the ray of each pixel.
 //!
-//! Rays are 64-bit, depths are 32-bit and reversed as on the device. Snapping to the sub-pixel grid
-//! is simulated by shifting the rays of a box by up to one step of the grid.
+//! All of it follows from the view's matrix alone: rays are those of its inverse, in 64 bits, and
+//! depths are its own. Snapping to the sub-pixel grid is simulated by shifting the rays of a box by
+//! up to one step of the grid; the rounding of depths by an error of some units in the last place
+//! of their terms, another one for each box and pixel.
 
-use antumbra_cull::{Aabb, View};
-use glam::DVec3;
+use antumbra_cull::{Aabb, DepthConvention, ProjectionKind, View};
+use glam::{DMat4, DVec3, DVec4, Mat4};
 
-/// A ray and what it may hit: the depths along `forward` where it enters and leaves a box.
+/// The points where a ray enters and leaves a box.
 struct Span {
-    enters: f64,
-    leaves: f64,
+    enters: Hit,
+    leaves: Hit,
+}
+
+/// A point on a ray.
+#[derive(Clone, Copy)]
+struct Hit {
+    /// The way from the near plane, of any scale; negative before it.
+    way: f64,
+    /// The depth, nearer ones larger. Beyond the far plane it is below that of the far plane.
+    depth: f32,
 }
 
 /// The shift of the rays of a box (pixels), to the right and down.
@@ -17,30 +28,30 @@ pub type Shift = [f64; 2];
 
 pub struct Image {
     size: [u32; 2],
-    /// The depth of each pixel: 0 is infinitely far; larger is nearer.
+    /// The depth of each pixel; larger is nearer, also where depth is not reversed: it has the
+    /// other sign then.
     pub depths: Vec<f32>,
 }
 
 impl Image {
     pub fn new(size: [u32; 2]) -> Self {
-        Self { size, depths: vec![0.0; (size[0] * size[1]) as usize] }
+        Self { size, depths: vec![f32::NEG_INFINITY; (size[0] * size[1]) as usize] }
     }
 
     pub fn clear(&mut self) {
-        self.depths.fill(0.0);
+        self.depths.fill(f32::NEG_INFINITY);
     }
 
     /// Draws a solid box and returns the number of samples that passed. From inside its far faces
     /// are seen.
     pub fn draw(&mut self, view: &View, bounds: &Aabb, shift: Shift) -> u32 {
-        let near = f64::from(view.near);
+        let farthest = signed(view, view.depth.farthest());
         let mut passed = 0;
-        cast(self.size, view, bounds, shift, |pixel, span| {
-            let depth = if span.enters >= near { span.enters } else { span.leaves };
+        cast(self.size, view, bounds, (shift, &view.view_proj), |pixel, span| {
+            let hit = if span.enters.way >= 0.0 { span.enters } else { span.leaves };
             let stored = &mut self.depths[pixel];
-            let depth = (near / depth) as f32;
-            if depth >= *stored {
-                *stored = depth;
+            if hit.depth >= *stored && hit.depth >= farthest {
+                *stored = hit.depth;
                 passed += 1;
             }
         });
@@ -50,45 +61,89 @@ impl Image {
     /// Counts samples of the front faces of a box that pass, without writing; faces before the
     /// near plane are clipped away.
     pub fn test(&self, view: &View, bounds: &Aabb, shift: Shift) -> u32 {
-        let near = f64::from(view.near);
+        let nearest = signed(view, view.depth.nearest());
+        let farthest = signed(view, view.depth.farthest());
         let mut passed = 0;
-        cast(self.size, view, bounds, shift, |pixel, span| {
-            let is_clipped = span.enters < near;
-            passed += u32::from(!is_clipped && (near / span.enters) as f32 >= self.depths[pixel]);
+        let matrix = view.proxy_view_proj();
+        cast(self.size, view, bounds, (shift, &matrix), |pixel, Span { enters, .. }| {
+            let is_clipped = enters.way < 0.0 || !(farthest..=nearest).contains(&enters.depth);
+            passed += u32::from(!is_clipped && enters.depth >= self.depths[pixel]);
         });
         passed
     }
 }
 
-/// Calls `hit` for each pixel whose ray meets the box beyond the near plane.
+/// Returns a depth as it is stored, nearer ones larger.
+fn signed(view: &View, depth: f32) -> f32 {
+    match view.depth {
+        DepthConvention::Reversed => depth,
+        DepthConvention::Standard => -depth,
+    }
+}
+
+/// Calls `hit` for each pixel whose ray meets the box beyond the near plane, with the depths of
+/// another matrix.
 fn cast(
     size: [u32; 2],
     view: &View,
     bounds: &Aabb,
-    shift: Shift,
+    (shift, drawn): (Shift, &Mat4),
     mut hit: impl FnMut(usize, Span),
 ) {
-    let eye = view.eye.as_dvec3();
-    let (min, max) = (bounds.min.as_dvec3() - eye, bounds.max.as_dvec3() - eye);
-    let [right, up, forward] = [view.right, view.up, view.forward].map(|axis| axis.as_dvec3());
-    let tangents = view.tan_half.map(f64::from);
-    let Some([columns, rows]) = rectangle(size, view, bounds) else {
+    let matrix = view.view_proj.as_dmat4();
+    let inverse = matrix.inverse();
+    let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+    let Some([columns, rows]) = rectangle(size, &matrix, bounds) else {
         return;
+    };
+    let [nearest, farthest] = [view.depth.nearest(), view.depth.farthest()].map(f64::from);
+    // An infinite far plane is where an unproject would divide by zero.
+    let middle = 0.5 * (nearest + farthest);
+    let at = |x: f64, y: f64, depth: f64| {
+        let point = inverse * DVec4::new(x, y, depth, 1.0);
+        point.truncate() / point.w
     };
     for row in rows {
         let down = (f64::from(row) + 0.5 + shift[1]) / f64::from(size[1]) * 2.0 - 1.0;
-        let start = forward - up * (down * tangents[1]);
         for column in columns.clone() {
             let across = (f64::from(column) + 0.5 + shift[0]) / f64::from(size[0]) * 2.0 - 1.0;
-            // The component along `forward` is 1, so the parameter of the ray is the view depth.
-            let inverse = (start + right * (across * tangents[0])).recip();
-            let (a, b) = (min * inverse, max * inverse);
-            let span = Span { enters: lowest(a, b), leaves: highest(a, b) };
-            if span.enters <= span.leaves && span.leaves >= f64::from(view.near) {
-                hit((row * size[0] + column) as usize, span);
+            let start = at(across, down, nearest);
+            let ray = at(across, down, middle) - start;
+            let recip = ray.recip();
+            let (a, b) = ((min - start) * recip, (max - start) * recip);
+            let ways = [lowest(a, b), highest(a, b)];
+            if !(ways[0] <= ways[1] && ways[1] >= 0.0) {
+                continue;
             }
+            let pixel = (row * size[0] + column) as usize;
+            let hits = ways.map(|way| {
+                let clip = matrix * (start + ray * way).extend(1.0);
+                let noise = noise(bounds, pixel) * terms(view, clip);
+                let z = drawn.row(2).as_dvec4().dot((start + ray * way).extend(1.0)) + noise;
+                Hit { way, depth: signed(view, (z / clip.w) as f32) }
+            });
+            hit(pixel, Span { enters: hits[0], leaves: hits[1] });
         }
     }
+}
+
+/// Returns the size of what clip z is the sum of: its constant share of w, and the rest.
+fn terms(view: &View, clip: DVec4) -> f64 {
+    let constant = match view.rays.kind {
+        ProjectionKind::Perspective => f64::from(view.rays.depth[0]) * clip.w,
+        ProjectionKind::Orthographic => f64::from(view.rays.depth[0]),
+    };
+    constant.abs() + (clip.z - constant).abs()
+}
+
+/// Returns an error of rounding, up to four units in the last place, that a box has at a pixel.
+fn noise(bounds: &Aabb, pixel: usize) -> f64 {
+    let seed = bounds.min.to_array().into_iter().chain(bounds.max.to_array());
+    let hash = seed.fold(pixel as u64, |hash, coordinate| {
+        (hash ^ u64::from(coordinate.to_bits())).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29)
+    });
+    let share = (hash >> 40) as f64 / (1_u64 << 24) as f64;
+    (share * 2.0 - 1.0) * 4.0 * f64::from(f32::EPSILON)
 }
 
 fn lowest(a: DVec3, b: DVec3) -> f64 {
@@ -100,21 +155,18 @@ fn highest(a: DVec3, b: DVec3) -> f64 {
 }
 
 /// Returns the pixels that a box can touch, with some to spare; `None` if it is behind the eye.
-fn rectangle(size: [u32; 2], view: &View, bounds: &Aabb) -> Option<[std::ops::Range<u32>; 2]> {
+fn rectangle(size: [u32; 2], matrix: &DMat4, bounds: &Aabb) -> Option<[std::ops::Range<u32>; 2]> {
     let whole = size.map(|pixels| 0..pixels);
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
     let mut behind = 0;
     for corner in bounds.corners() {
-        let offset = (corner - view.eye).as_dvec3();
-        let depth = offset.dot(view.forward.as_dvec3());
-        if depth < f64::from(view.near) {
+        let clip = *matrix * corner.as_dvec3().extend(1.0);
+        if clip.w <= 0.0 {
             behind += 1;
             continue;
         }
-        let across = offset.dot(view.right.as_dvec3()) / depth / f64::from(view.tan_half[0]);
-        let down = -offset.dot(view.up.as_dvec3()) / depth / f64::from(view.tan_half[1]);
-        for (axis, position) in [across, down].into_iter().enumerate() {
+        for (axis, position) in [clip.x / clip.w, clip.y / clip.w].into_iter().enumerate() {
             let pixel = (position + 1.0) * 0.5 * f64::from(size[axis]);
             low[axis] = low[axis].min(pixel);
             high[axis] = high[axis].max(pixel);

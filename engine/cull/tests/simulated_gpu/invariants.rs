@@ -1,6 +1,7 @@
 //! The invariants of every plan, checked from the plan alone.
 
 use antumbra_cull::{FramePlan, Hierarchy, LeafIndex, QueryKind, Strategy, Tester, View};
+use glam::DVec4;
 
 /// Checks a plan: each leaf in the frustum in one place, order, rounds, budget, counts.
 pub fn check(
@@ -52,9 +53,9 @@ fn is_front_to_back(hierarchy: &Hierarchy, view: &View, plan: &FramePlan) -> Res
     let leaf_distance = |leaf: &LeafIndex| {
         let object = hierarchy.leaf_objects()[leaf.0 as usize];
         let node = hierarchy.node_of(object).unwrap();
-        hierarchy.bounds(node).distance_squared(view.eye)
+        view.rays.distance_squared(&hierarchy.bounds(node))
     };
-    let test_distance = |node| hierarchy.bounds(node).distance_squared(view.eye);
+    let test_distance = |node| view.rays.distance_squared(&hierarchy.bounds(node));
     let queried = plan.queried_after.iter().zip(&plan.queried_draws);
     let queried = queried.map(|(after, (leaf, _))| (*after, leaf_distance(leaf)));
     let is_sorted = plan.draws.iter().map(leaf_distance).is_sorted()
@@ -113,15 +114,15 @@ fn meets_frustum(hierarchy: &Hierarchy, view: &View, leaf: usize) -> bool {
     if bounds.is_empty() {
         return false;
     }
-    let corners = bounds.corners().map(|corner| corner.as_dvec3() - view.eye.as_dvec3());
-    let [right, up, forward] = [view.right, view.up, view.forward].map(|axis| axis.as_dvec3());
-    let [tan_x, tan_y] = view.tan_half.map(f64::from);
-    let reaches = |normal: glam::DVec3, offset: f64| {
-        corners.iter().any(|corner| corner.dot(normal) > offset + 1e-9)
+    let matrix = view.view_proj.as_dmat4();
+    let corners = bounds.corners().map(|corner| matrix * corner.as_dvec3().extend(1.0));
+    let reaches = |plane: fn(DVec4) -> f64| {
+        corners.iter().any(|corner| plane(*corner) > 1e-9 * corner.abs().max_element())
     };
-    reaches(forward, f64::from(view.near))
-        && reaches(right + forward * tan_x, 0.0)
-        && reaches(-right + forward * tan_x, 0.0)
-        && reaches(up + forward * tan_y, 0.0)
-        && reaches(-up + forward * tan_y, 0.0)
+    reaches(|clip| clip.w + clip.x)
+        && reaches(|clip| clip.w - clip.x)
+        && reaches(|clip| clip.w + clip.y)
+        && reaches(|clip| clip.w - clip.y)
+        && reaches(|clip| clip.w - clip.z)
+        && reaches(|clip| clip.z)
 }

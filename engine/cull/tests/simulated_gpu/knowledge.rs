@@ -2,7 +2,7 @@
 
 use antumbra_cull::{
     Aabb, Answer, Camera, CullConfig, Culler, FrameId, FramePlan, Generation, Hierarchy, NodeId,
-    NodeState, ObjectId, QueryKind, QueryTag, Strategy, View,
+    NodeState, ObjectId, Projection, QueryKind, QueryTag, Strategy, View,
 };
 use glam::Vec3;
 
@@ -14,7 +14,7 @@ const STREET: Camera = Camera {
     eye: Vec3::new(-1.0, 1.7, 30.0),
     forward: Vec3::NEG_Z,
     up: Vec3::Y,
-    fov_y: 1.0,
+    projection: Projection::perspective(1.0),
     near: 0.1,
 };
 

@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use antumbra_cull::{Camera, Corrections, CostTable, FrameContents, FramePlan, Tester};
+use antumbra_cull::{Camera, Corrections, CostTable, FrameContents, FramePlan, Projection, Tester};
 use glam::Vec3;
 
 use crate::random::Random;
@@ -65,7 +65,7 @@ impl Clocked {
                 eye: Vec3::new(-1.0, 1.7, 0.0),
                 forward: Vec3::NEG_Z,
                 up: Vec3::Y,
-                fov_y: 1.2,
+                projection: Projection::perspective(1.2),
                 near: 0.1,
             },
             frame: 0,

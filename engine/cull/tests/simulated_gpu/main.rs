@@ -19,6 +19,8 @@ mod knowledge;
 mod learning;
 mod moving;
 mod next_frame;
+mod optics;
+mod projections;
 mod random;
 mod recycling;
 mod rest;

@@ -1,7 +1,7 @@
 //! Scenes in which everything moves, comes and goes: exact at every frame, in every view.
 
 use antumbra_cull::{
-    Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Strategy, View,
+    Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Projection, Strategy, View,
 };
 use glam::Vec3;
 
@@ -227,7 +227,7 @@ fn things_that_move_behind_a_wall_stay_hidden() {
         eye: Vec3::new(0.0, 0.0, 12.0),
         forward: Vec3::NEG_Z,
         up: Vec3::Y,
-        fov_y: 1.0,
+        projection: Projection::perspective(1.0),
         near: 0.1,
     };
     let mut queries = Vec::new();

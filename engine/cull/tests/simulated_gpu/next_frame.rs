@@ -1,6 +1,6 @@
 //! Tests of the strategy by the last frame's answers: cheap, exact at rest, and wrong in between.
 
-use antumbra_cull::{Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, View};
+use antumbra_cull::{Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, Projection, View};
 use glam::{Quat, Vec3};
 
 use crate::device::{Device, Mishaps, Solids};
@@ -13,7 +13,7 @@ const CAMERA: Camera = Camera {
     eye: Vec3::new(-1.0, 1.7, 30.0),
     forward: Vec3::NEG_Z,
     up: Vec3::Y,
-    fov_y: 1.0,
+    projection: Projection::perspective(1.0),
     near: 0.1,
 };
 

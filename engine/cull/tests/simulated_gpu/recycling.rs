@@ -3,8 +3,8 @@
 
 use antumbra_cull::{
     Aabb, Answer, Batch, BlockingCuller, BlockingKind, Camera, CoherentOptions, CullConfig, Culler,
-    FramePlan, Hierarchy, LeafRange, NextAction, NodeId, NodeState, ObjectId, QueryKind, QueryTag,
-    Strategy, TestAnswer, View,
+    FramePlan, Hierarchy, LeafRange, NextAction, NodeId, NodeState, ObjectId, Projection,
+    QueryKind, QueryTag, Strategy, TestAnswer, View,
 };
 use glam::Vec3;
 
@@ -16,7 +16,7 @@ const STREET: Camera = Camera {
     eye: Vec3::new(-1.0, 1.7, 30.0),
     forward: Vec3::NEG_Z,
     up: Vec3::Y,
-    fov_y: 1.0,
+    projection: Projection::perspective(1.0),
     near: 0.1,
 };
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use antumbra_cull::{Camera, QueryKind};
+use antumbra_cull::{Camera, Projection, QueryKind};
 use glam::Vec3;
 
 use crate::random::Random;
@@ -13,7 +13,7 @@ const STREET: Camera = Camera {
     eye: Vec3::new(-1.0, 1.7, 70.0),
     forward: Vec3::new(0.05, 0.0, -1.0),
     up: Vec3::Y,
-    fov_y: 1.0,
+    projection: Projection::perspective(1.0),
     near: 0.1,
 };
 

@@ -1,9 +1,10 @@
 //! Seeded scenes and camera paths, the awkward ones included.
 
-use antumbra_cull::{Aabb, Camera};
-use glam::Vec3;
+use antumbra_cull::{Aabb, Camera, ClipY, DepthConvention, Projection, View};
+use glam::{Vec2, Vec3};
 
 use crate::image::Shift;
+use crate::optics::Optics;
 use crate::random::Random;
 
 /// A scene: the objects' bounding boxes, the solids in them, and their shifts by the device.
@@ -133,7 +134,7 @@ impl Path {
             eye: random.point(-14.0, 14.0).with_y(1.7),
             forward: looking(random),
             up: Vec3::Y,
-            fov_y: random.between(0.5, 1.6),
+            projection: Projection::perspective(random.between(0.5, 1.6)),
             near: [0.01, 0.1, 1.0][random.below(3)],
         }
     }
@@ -156,6 +157,43 @@ impl Path {
                 camera.eye += random.point(-0.8, 0.8);
                 camera.forward += random.point(-0.1, 0.1);
             }
+        }
+    }
+}
+
+/// The way to a view: the camera's own, or the matrix of a host.
+#[derive(Clone, Copy, Debug)]
+pub enum Lens {
+    Camera,
+    Matrix(Optics),
+}
+
+impl Lens {
+    /// Draws any kind of projection. In every other case the camera becomes orthographic.
+    pub fn random(random: &mut Random, camera: &mut Camera) -> Self {
+        if random.chance(0.5) {
+            let height = random.between(4.0, 40.0);
+            camera.projection =
+                Projection::Orthographic { height, far: random.between(30.0, 80.0) };
+        }
+        if random.chance(0.3) {
+            return Self::Camera;
+        }
+        let far = random.between(10.0, 60.0);
+        Self::Matrix(Optics {
+            depth: [DepthConvention::Reversed, DepthConvention::Standard][random.below(2)],
+            y: [ClipY::Down, ClipY::Up][random.below(2)],
+            far: [None, Some(far)][random.below(2)],
+            off_centre: [Vec2::ZERO, random.point(-0.8, 0.8).truncate()][random.below(2)],
+            jitter: [0.0, 0.7][random.below(2)],
+            scale: [1.0, random.between(0.1, 10.0)][random.below(2)],
+        })
+    }
+
+    pub fn view(&self, camera: &Camera, frame: u64, size: [u32; 2], bits: u32) -> View {
+        match self {
+            Self::Camera => View::new(camera, size, bits),
+            Self::Matrix(optics) => optics.view(camera, frame, size, bits),
         }
     }
 }

@@ -2,8 +2,8 @@
 //! more pixels are wrong.
 
 use antumbra_cull::{
-    Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, NodeState, ObjectId, ProxyTest,
-    Strategy, Tester, TesterSupport, View,
+    Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, NodeState, ObjectId, Projection,
+    ProxyTest, Strategy, Tester, TesterSupport, View,
 };
 use glam::Vec3;
 
@@ -18,8 +18,13 @@ const FRAMES: u64 = 24;
 const SIZE: [u32; 2] = [40, 28];
 const SUB_PIXEL_BITS: u32 = 8;
 
-const CAMERA: Camera =
-    Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+const CAMERA: Camera = Camera {
+    eye: Vec3::ZERO,
+    forward: Vec3::NEG_Z,
+    up: Vec3::Y,
+    projection: Projection::perspective(1.0),
+    near: 0.1,
+};
 
 /// The findings of a walk.
 #[derive(Debug, Default)]

@@ -1,6 +1,6 @@
 //! Tests that the work of a frame grows with the visible and the frontier, not with the hidden.
 
-use antumbra_cull::{Aabb, Camera, CullConfig, PlanStats};
+use antumbra_cull::{Aabb, Camera, CullConfig, PlanStats, Projection};
 use glam::Vec3;
 
 use crate::random::Random;
@@ -11,7 +11,7 @@ const CAMERA: Camera = Camera {
     eye: Vec3::new(0.0, 0.0, 12.0),
     forward: Vec3::NEG_Z,
     up: Vec3::Y,
-    fov_y: 1.0,
+    projection: Projection::perspective(1.0),
     near: 0.1,
 };
 

@@ -1,6 +1,6 @@
 //! Framing: the views that show a whole scene.
 
-use cull::{Aabb, Camera};
+use cull::{Aabb, Camera, Projection};
 use glam::{Vec3, vec3};
 use scene::FOV_Y_RAD;
 
@@ -27,7 +27,7 @@ pub(crate) fn overview(bounds: &Aabb) -> Camera {
         eye: bounds.centre() - forward * distance,
         forward,
         up: Vec3::Y,
-        fov_y: FOV_Y_RAD,
+        projection: Projection::perspective(FOV_Y_RAD),
         near: (distance * 1e-3).max(1e-6),
     }
 }

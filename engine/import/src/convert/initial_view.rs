@@ -8,12 +8,11 @@ use std::cell::OnceCell;
 use std::collections::HashMap;
 
 use animation::RigNodeId;
-use cull::Aabb;
+use cull::{Aabb, Projection};
 use glam::{Affine3A, Vec3};
 use gltf::json::validation::Checked;
 use gltf::mesh::Semantic;
 
-use super::cameras::Lens;
 use super::framing::overview;
 use super::nodes::Tree;
 use crate::Source;
@@ -26,8 +25,8 @@ const MOST_TIMES: f32 = 2.0;
 pub(super) struct InitialView<'a> {
     source: &'a Source,
     tree: &'a Tree,
-    /// The node of the first camera, with its lens.
-    camera: Option<(RigNodeId, Lens)>,
+    /// The node of the first camera, with its projection.
+    camera: Option<(RigNodeId, Projection)>,
     place: OnceCell<Place>,
 }
 
@@ -35,9 +34,7 @@ pub(super) struct InitialView<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
     eye: Vec3,
-    /// The height of the image per metre of distance, and the height that does not depend on
-    /// distance.
-    heights_m: [f32; 2],
+    projection: Projection,
     most_height_m: f32,
 }
 
@@ -46,7 +43,7 @@ impl<'a> InitialView<'a> {
     pub(super) fn of(
         source: &'a Source,
         tree: &'a Tree,
-        camera: Option<(RigNodeId, Lens)>,
+        camera: Option<(RigNodeId, Projection)>,
     ) -> Self {
         Self { source, tree, camera, place: OnceCell::new() }
     }
@@ -55,7 +52,7 @@ impl<'a> InitialView<'a> {
     pub(super) fn height_at(&self, bounds: &Aabb, to_world: &Affine3A) -> f32 {
         let place = self.place.get_or_init(|| self.look());
         let distance = to_world.transform_point3(bounds.centre()).distance(place.eye);
-        let height_m = place.heights_m[0] * distance + place.heights_m[1];
+        let height_m = place.projection.height_at(distance);
         let scale = to_world.matrix3.determinant().abs().cbrt();
         let height = height_m.min(place.most_height_m) / scale;
         if height.is_finite() && height > 0.0 { height } else { place.most_height_m }
@@ -64,20 +61,12 @@ impl<'a> InitialView<'a> {
     fn look(&self) -> Place {
         let all = rough_bounds(self.source, self.tree);
         let around = overview(&all);
-        let of_angle = |angle_rad: f32| 2.0 * (angle_rad * 0.5).tan();
-        let distance = around.eye.distance(all.centre());
-        let height_m = of_angle(around.fov_y) * distance;
-        let (eye, heights_m) = match self.camera {
-            None => (around.eye, [of_angle(around.fov_y), 0.0]),
-            Some((node, lens)) => {
-                let heights_m = match lens {
-                    Lens::Perspective { angle_rad } => [of_angle(angle_rad), 0.0],
-                    Lens::Parallel { half_height_m, .. } => [0.0, 2.0 * half_height_m],
-                };
-                (self.tree.world(node).translation.into(), heights_m)
-            }
+        let height_m = around.projection.height_at(around.eye.distance(all.centre()));
+        let (eye, projection) = match self.camera {
+            None => (around.eye, around.projection),
+            Some((node, projection)) => (self.tree.world(node).translation.into(), projection),
         };
-        Place { eye, heights_m, most_height_m: height_m * MOST_TIMES }
+        Place { eye, projection, most_height_m: height_m * MOST_TIMES }
     }
 }
 

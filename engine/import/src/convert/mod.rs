@@ -64,8 +64,8 @@ pub(crate) fn convert(
     let mut notes = Notes::after(std::mem::take(&mut source.notes));
     let tree = Tree::of(&mut source, &mut notes)?;
     let mut clips = clips::clips(&source, &tree, &mut notes);
-    let (mut cameras, lenses) = cameras::cameras(&source, &tree, &mut notes);
-    let first = cameras.first().map(|camera| camera.node).zip(lenses.first().copied());
+    let cameras = cameras::cameras(&source, &tree, &mut notes);
+    let first = cameras.first().map(|camera| (camera.node, camera.projection));
     let sight = InitialView::of(&source, &tree, first);
     let lights = lights::lights(&source, &tree, &mut notes);
     renderable::check_lights(&source, &tree, &lights, &options.limits)?;
@@ -121,7 +121,7 @@ pub(crate) fn convert(
     let mut imported =
         GltfScene { scene, rig: tree.rig, clips, skins, placements, cameras: list, notes: none };
     let bounds = imported.bounds();
-    cameras::settle(&mut cameras, &lenses, &places, &bounds, &mut notes);
+    cameras::check(&cameras, &places, &bounds, &mut notes);
     (imported.cameras, imported.notes) = (cameras, notes.finish());
     Ok(imported)
 }

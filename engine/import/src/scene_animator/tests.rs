@@ -132,10 +132,9 @@ fn imported() -> GltfScene {
         cameras: vec![SceneCamera {
             name: "camera".to_owned(),
             node: RigNodeId(2),
-            fov_y_rad: 1.0,
+            projection: cull::Projection::perspective(1.0),
             aspect_ratio: None,
             near_m: 0.1,
-            behind_m: 0.0,
         }],
         notes: vec![crate::Note::new("scene", "a note")],
     }
@@ -225,8 +224,13 @@ fn the_way_of_a_topmost_joint_is_in_the_transform_and_its_form_below_it() {
 
 /// Returns the view along x from x = `eye`.
 fn view_from(eye: f32) -> View {
-    let camera =
-        cull::Camera { eye: Vec3::X * eye, forward: Vec3::X, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+    let camera = cull::Camera {
+        eye: Vec3::X * eye,
+        forward: Vec3::X,
+        up: Vec3::Y,
+        projection: cull::Projection::perspective(1.0),
+        near: 0.1,
+    };
     View::new(&camera, [4, 3], 8)
 }
 

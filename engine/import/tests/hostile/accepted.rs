@@ -79,6 +79,15 @@ const VALID: &[(&str, Change)] = &[
         scene.set("/cameras", json!([{ "type": "orthographic", "orthographic": camera }]));
         scene.set("/nodes/0/camera", json!(0));
     }),
+    ("a camera of the other type's values, too", |scene| {
+        let camera = json!({ "xmag": 1.0, "ymag": 1.0, "znear": 0.0, "zfar": 10.0 });
+        let unused = json!({ "yfov": 99, "znear": -1, "aspectRatio": -1 });
+        scene.set(
+            "/cameras",
+            json!([{ "type": "orthographic", "orthographic": camera, "perspective": unused }]),
+        );
+        scene.set("/nodes/0/camera", json!(0));
+    }),
     ("an infinite perspective camera", |scene| {
         scene.set(
             "/cameras",

@@ -14,13 +14,6 @@ fn camera(scene: &mut GltfFile, key: &str, value: serde_json::Value) {
     scene.set(&format!("/cameras/0/perspective/{key}"), value);
 }
 
-fn orthographic(scene: &mut GltfFile, size: [f32; 2]) {
-    let [xmag, ymag] = size;
-    let values = json!({ "xmag": xmag, "ymag": ymag, "znear": 0, "zfar": 9 });
-    scene.set("/cameras/0", json!({ "type": "orthographic", "orthographic": values }));
-    scene.set("/nodes/3/translation", json!([0, 0, 5]));
-}
-
 /// Sets the first mesh to another mode, without indices.
 fn mode(scene: &mut GltfFile, mode: u32) {
     scene.remove("/meshes/0/primitives/0/indices");
@@ -86,15 +79,6 @@ pub const REPLACED: &[Row] = &[
             s.remove("/animations")
         },
         Noted(&["there is nothing to see"]),
-    ),
-    (
-        "a camera of the other type's values, too",
-        |s| {
-            orthographic(s, [2.0, 2.0]);
-            let values = json!({ "yfov": 99, "znear": -1, "aspectRatio": -1 });
-            s.set("/cameras/0/perspective", values)
-        },
-        Noted(&["orthographic cameras, shown by a narrow view"]),
     ),
     (
         "a material that swallows light",

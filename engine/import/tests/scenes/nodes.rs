@@ -3,6 +3,7 @@
 use std::f32::consts::FRAC_PI_2;
 
 use antumbra_import::GltfScene;
+use cull::Projection;
 use glam::{Vec3, vec3};
 use serde_json::json;
 
@@ -186,12 +187,14 @@ fn cameras_have_the_names_of_their_nodes() {
     let names: Vec<_> = imported.cameras.iter().map(|camera| camera.name.as_str()).collect();
     assert_eq!(names, ["walk", "lens", "camera 1"]);
     let camera = &imported.cameras[0];
-    assert_eq!((camera.node.0, camera.fov_y_rad, camera.near_m), (1, 0.8, 0.25));
-    assert!(imported.cameras[2].fov_y_rad < std::f32::consts::PI);
+    let given = Projection::perspective(0.8);
+    assert_eq!((camera.node.0, camera.projection, camera.near_m), (1, given, 0.25));
+    let lens = imported.cameras[2].projection;
+    assert!(matches!(lens, Projection::Perspective { fov_y } if fov_y < std::f32::consts::PI));
     assert!(imported.cameras[2].near_m > 0.0);
     let seen = imported.default_camera([400, 300]);
     assert!(seen.eye == vec3(0.0, 0.0, 5.0) && seen.forward.distance(Vec3::NEG_X) < 1e-6);
-    assert_eq!((seen.fov_y, seen.near), (0.8, 0.25));
+    assert_eq!((seen.projection, seen.near), (given, 0.25));
 }
 
 #[test]
@@ -240,7 +243,9 @@ fn cameras_are_in_the_order_of_the_file_and_called_by_their_numbers_there() {
     let imported = load(&scene);
     let names: Vec<_> = imported.cameras.iter().map(|camera| camera.name.as_str()).collect();
     assert_eq!(names, ["camera 0", "camera 1", "camera 2"]);
-    assert!(imported.cameras[1].fov_y_rad > 0.5, "an angle of 0 shows nothing");
+    let shown = imported.cameras[1].projection;
+    let is_seen = matches!(shown, Projection::Perspective { fov_y } if fov_y > 0.5);
+    assert!(is_seen, "an angle of 0 shows nothing");
     assert!(notes(&imported, "cameras whose yfov"), "{:?}", imported.notes);
 }
 

@@ -9,10 +9,6 @@ use occlusion::{Error, ShaderSet};
 /// The threads of a workgroup, `local_size_x` of the shaders.
 const GROUP: u32 = 64;
 
-/// The allowance for rounding relative to the largest coordinate: more than `cull::Margin` takes,
-/// so that no rounding of the shader's own can make it less conservative.
-const ROUNDING: f32 = 24.0 * f32::EPSILON;
-
 /// The same for the growth of boxes.
 const GROWTH_SLACK: f32 = 1.0 + 1.0 / 1024.0;
 
@@ -88,14 +84,17 @@ struct Constants {
     row_x: [f32; 4],
     row_y: [f32; 4],
     row_w: [f32; 4],
-    eye: [f32; 3],
+    row_depth: [f32; 4],
+    origin: [f32; 3],
     leaf_count: u32,
+    depth_terms: [f32; 2],
+    near: f32,
+    phase: u32,
     size: [u32; 2],
     is_compact: u32,
-    phase: u32,
 }
 
-const _: () = assert!(size_of::<Constants>() == 80);
+const _: () = assert!(size_of::<Constants>() == 108);
 
 impl PyramidCullPass {
     /// Compiles both phases.
@@ -140,17 +139,21 @@ impl PyramidCullPass {
 
 impl Constants {
     fn new(io: &PyramidCullIo, view: &View, phase: Phase) -> Self {
-        // Rows of the matrix without the translation: the shader puts the eye at the origin first.
-        let row = |number: usize, more: f32| view.view_proj.row(number).truncate().extend(more);
+        let rays = &view.rays;
+        let [growth_m, _] = view.margin.metres();
+        let [row_x, row_y] = rays.rows_xy();
         Self {
-            row_x: row(0, view.near).to_array(),
-            row_y: row(1, view.margin.metres_at_depth_1() * GROWTH_SLACK).to_array(),
-            row_w: row(3, ROUNDING).to_array(),
-            eye: view.eye.to_array(),
+            row_x: row_x.extend(growth_m * GROWTH_SLACK).to_array(),
+            row_y: row_y.extend(rays.coordinate).to_array(),
+            row_w: rays.row_w().to_array(),
+            row_depth: rays.forward.extend(view.margin.nearest_m()).to_array(),
+            origin: rays.origin.to_array(),
             leaf_count: io.leaf_count,
+            depth_terms: rays.depth,
+            near: rays.near,
+            phase: u32::from(phase == Phase::Second),
             size: view.size,
             is_compact: u32::from(io.list_kind == ListKind::Compact),
-            phase: u32::from(phase == Phase::Second),
         }
     }
 }

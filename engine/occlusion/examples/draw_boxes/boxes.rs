@@ -48,6 +48,6 @@ impl ObjectRenderer for Boxes {
         commands.bind(&self.pipeline, &[self.boxes]);
         // The shader makes its vertices of the boxes: any buffer does.
         commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
-        commands.push_constants(&self.pipeline, &[x, y, z, w, view.eye.extend(1.0).to_array()]);
+        commands.push_constants(&self.pipeline, &[x, y, z, w, view.rays.eye().to_array()]);
     }
 }

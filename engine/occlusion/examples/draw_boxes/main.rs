@@ -10,7 +10,7 @@ use antumbra_occlusion::{
     ShaderSet, VisibilityState, execute,
 };
 use boxes::{Boxes, INDICES};
-use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Strategy, View};
+use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Projection, Strategy, View};
 use glam::{Vec3, vec3};
 use gpu::{FrameRing, IndirectDraw};
 
@@ -43,7 +43,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut frames = FrameRing::new(&device, 2)?;
     for step in 0..40_u8 {
         let eye = vec3(f32::from(step) * 0.1, 0.0, 3.0);
-        let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
+        let camera = Camera {
+            eye,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            projection: Projection::perspective(0.9),
+            near: 0.1,
+        };
         let view = View::new(&camera, size, device.adapter().limits.sub_pixel_precision_bits);
         let mut frame = frames.begin()?;
         state.collect(device.completed()?, &hierarchy, &executor.leaves);

@@ -154,7 +154,7 @@ impl Recording<'_> {
             return;
         };
         commands.pass("test boxes", |commands| {
-            pass.record_grid(commands, objects.target(), Rect::of(self.view));
+            pass.record_grid(commands, objects.target(), Rect::of(self.view), self.view.depth);
             let io = ComputeTestIo { first: tests.start, count: tests.end - tests.start, ..io };
             pass.record_tests(commands, &io, self.view);
         });

@@ -8,7 +8,7 @@
 //! proof is in `compute_test.comp`.
 
 use bytemuck::{Pod, Zeroable};
-use cull::View;
+use cull::{DepthConvention, ProjectionKind, View};
 use gpu::{
     Access, Buffer, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, MemoryKind,
     StorageLayout, Target, vk,
@@ -55,24 +55,28 @@ pub struct ComputeTestIo {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct GridConstants {
     size: [u32; 2],
+    sign: f32,
 }
 
 /// The push constants of `compute_test.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct TestConstants {
-    eye: [f32; 3],
+    origin: [f32; 3],
     near: f32,
     forward: [f32; 3],
     first: u32,
     right: [f32; 3],
     reach_pixels: f32,
     down: [f32; 3],
-    unused: u32,
+    sign: f32,
+    depth_terms: [f32; 2],
+    has_eye: u32,
+    coordinate: f32,
     size: [u32; 2],
 }
 
-const _: () = assert!(size_of::<GridConstants>() == 8 && size_of::<TestConstants>() == 72);
+const _: () = assert!(size_of::<GridConstants>() == 12 && size_of::<TestConstants>() == 88);
 
 impl ComputeTest {
     /// Compiles the passes for areas of up to `size` pixels.
@@ -117,7 +121,13 @@ impl ComputeTest {
     /// Copies the depth of `target` as it is now in `area`, for all tests until the next call.
     /// `area` is no larger in either direction than the size given to [`ComputeTest::new`]. Outside
     /// of rendering; the caller prepares the target again to draw on.
-    pub fn record_grid(&self, commands: &Commands, target: &mut Target, area: Rect) {
+    pub fn record_grid(
+        &self,
+        commands: &Commands,
+        target: &mut Target,
+        area: Rect,
+        depth: DepthConvention,
+    ) {
         let between = MemoryBarrier::between;
         // The tests before, of this frame or another, have read what is written here.
         commands
@@ -125,7 +135,8 @@ impl ComputeTest {
         target.copy_depth_to(commands, area.origin, area.size, self.depths.whole());
         commands.barrier(between(&[Access::CopyWrite], &[Access::ComputeRead]));
         commands.bind_compute(&self.grid_pipeline, &[self.depths.whole(), self.grid.whole()]);
-        commands.push_compute_constants(&self.grid_pipeline, &GridConstants { size: area.size });
+        let constants = GridConstants { size: area.size, sign: depth.sign() };
+        commands.push_compute_constants(&self.grid_pipeline, &constants);
         // No more than one dispatch takes: that was checked for the largest area.
         commands.dispatch([grid_groups(area.size) as u32, 1, 1]);
         commands.barrier(between(&[Access::ComputeWrite], &[Access::ComputeRead]));
@@ -147,16 +158,21 @@ impl ComputeTest {
     }
 
     fn constants(&self, view: &View) -> TestConstants {
-        let pixel = |axis: usize| 2.0 * view.tan_half[axis] / view.size[axis] as f32;
+        let rays = &view.rays;
+        let pixel = |axis: usize| 2.0 / view.size[axis] as f32;
+        let sign = view.depth.sign();
         TestConstants {
-            eye: view.eye.to_array(),
-            near: view.near,
-            forward: view.forward.to_array(),
+            origin: rays.origin.to_array(),
+            near: rays.near,
+            forward: rays.middle.to_array(),
             first: 0,
-            right: (view.right * pixel(0)).to_array(),
+            right: (rays.right * pixel(0)).to_array(),
             reach_pixels: self.reach_pixels,
-            down: (view.up * -pixel(1)).to_array(),
-            unused: 0,
+            down: (rays.down * pixel(1)).to_array(),
+            sign,
+            depth_terms: rays.depth.map(|term| sign * term),
+            has_eye: u32::from(rays.kind == ProjectionKind::Perspective),
+            coordinate: rays.coordinate,
             size: view.size,
         }
     }

@@ -30,13 +30,12 @@ pub struct LeafBoxIo {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Constants {
     view_proj: [f32; 16],
-    eye: [f32; 3],
-    metres_at_depth_1: f32,
-    forward: [f32; 3],
-    near: f32,
+    eye: [f32; 4],
+    row_w: [f32; 4],
+    margin_m: [f32; 2],
 }
 
-const _: () = assert!(size_of::<Constants>() == 96);
+const _: () = assert!(size_of::<Constants>() == 104);
 
 impl LeafBoxPass {
     /// Compiles the pass for renderings to `attachments`, on a device whose fragment shaders can
@@ -64,11 +63,10 @@ impl LeafBoxPass {
         commands.push_constants(
             &self.pipeline,
             &Constants {
-                view_proj: view.view_proj.to_cols_array(),
-                eye: view.eye.to_array(),
-                metres_at_depth_1: view.margin.metres_at_depth_1(),
-                forward: view.forward.to_array(),
-                near: view.near,
+                view_proj: view.proxy_view_proj().to_cols_array(),
+                eye: view.rays.eye().to_array(),
+                row_w: view.rays.row_w().to_array(),
+                margin_m: view.margin.metres(),
             },
         );
     }

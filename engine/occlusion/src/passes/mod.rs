@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::shader_set::ShaderSet;
 pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use leaf_box::{LeafBoxIo, LeafBoxPass};
-pub use proxy::{ProxyBox, ProxyIo, ProxyPass};
+pub use proxy::{ProxyBox, ProxyConstants, ProxyIo, ProxyPass};
 pub use scatter::{ScatterIo, ScatterPass};
 
 /// The passes that all views of a scene share.

@@ -53,14 +53,22 @@ impl ProxyBox {
     }
 }
 
+/// The push constants by which `proxy.vert` finds positions.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct Constants {
+pub struct ProxyConstants {
     view_proj: [f32; 16],
     eye: [f32; 4],
 }
 
-const _: () = assert!(size_of::<Constants>() == 80);
+const _: () = assert!(size_of::<ProxyConstants>() == 80);
+
+impl ProxyConstants {
+    /// Creates the constants for the proxies of a view.
+    pub fn of(view: &View) -> Self {
+        Self { view_proj: view.proxy_view_proj().to_cols_array(), eye: view.rays.eye().to_array() }
+    }
+}
 
 impl ProxyPass {
     /// Compiles the pass for renderings to `attachments`; without flags on a device whose fragment
@@ -76,7 +84,7 @@ impl ProxyPass {
         let pipeline = |name, fragment, buffers| -> Result<GraphicsPipeline, Error> {
             let info = GraphicsPipelineInfo {
                 fragment,
-                storage: StorageLayout::new::<Constants>(buffers),
+                storage: StorageLayout::new::<ProxyConstants>(buffers),
                 attachments,
                 ..GraphicsPipelineInfo::of(name, shaders.find("proxy.vert")?)
             };
@@ -96,14 +104,14 @@ impl ProxyPass {
     /// Binds everything for tests by queries; the caller then records [`ProxyPass::draw`] for each.
     pub fn bind(&self, commands: &Commands, io: &ProxyIo, view: &View) {
         commands.bind(&self.queried, &[io.boxes]);
-        commands.push_constants(&self.queried, &constants(view));
+        commands.push_constants(&self.queried, &ProxyConstants::of(view));
     }
 
     /// Binds everything for tests by flags; the caller then records [`ProxyPass::draw_all`].
     pub fn bind_flags(&self, commands: &Commands, io: &ProxyIo, view: &View) {
         if let (Some(pipeline), Some(flags)) = (&self.flagged, io.flags) {
             commands.bind(pipeline, &[io.boxes, flags]);
-            commands.push_constants(pipeline, &constants(view));
+            commands.push_constants(pipeline, &ProxyConstants::of(view));
         }
     }
 
@@ -116,8 +124,4 @@ impl ProxyPass {
     pub fn draw_all(&self, commands: &Commands, tests: std::ops::Range<u32>) {
         commands.draw_instances(BOX_VERTICES, tests);
     }
-}
-
-fn constants(view: &View) -> Constants {
-    Constants { view_proj: view.view_proj.to_cols_array(), eye: view.eye.extend(1.0).to_array() }
 }

@@ -1,7 +1,11 @@
 //! Finds the object that owns a pixel, without a wait: a frame of that one pixel is drawn, and read
 //! when it is over.
 
-use cull::{Camera, FrameId, LeafExplanation, LeafIndex, LeafRange, ObjectId, Outcome, View};
+use cull::{
+    Camera, ClipY, FrameId, LeafExplanation, LeafIndex, LeafRange, ObjectId, Outcome, View,
+    ViewProjection,
+};
+use glam::{Mat4, Vec2, Vec3};
 use gpu::{Optional, Tick};
 
 use crate::debug::pick::Pick;
@@ -23,14 +27,16 @@ impl Renderer {
     /// No memory; a failed call.
     pub fn pick(&mut self, camera: &Camera, pixel: [u32; 2]) -> Result<Pick, Error> {
         let view = self.view_of(camera);
-        let ray = ray_through(&view, pixel);
+        let ndc = middle_of(pixel, view.size);
+        let origin = view.rays.point(ndc, 0.0);
+        let ray = view.rays.point(ndc, 1.0) - origin;
         let objects = self.hierarchy.leaf_objects();
-        let met = self.hierarchy.leaves_along(view.eye, ray).into_iter();
+        let met = self.hierarchy.leaves_along(origin, ray).into_iter();
         let met = met.filter_map(|(_, leaf)| Some((leaf, *objects.get(leaf.0 as usize)?)));
         let candidates: Vec<(LeafIndex, ObjectId)> = met.collect();
         let can_test = self.device.capabilities().has(Optional::FragmentStores);
         let tick = match can_test && !candidates.is_empty() {
-            true => Some(self.submit_pick(camera, &view, ray, &candidates)?),
+            true => self.submit_pick(&view, ndc, &candidates)?,
             false => None,
         };
         Ok(Pick { tick, candidates, renderer: self.id })
@@ -38,18 +44,20 @@ impl Renderer {
 
     fn submit_pick(
         &mut self,
-        camera: &Camera,
         view: &View,
-        ray: glam::Vec3,
+        ndc: Vec2,
         candidates: &[(LeafIndex, ObjectId)],
-    ) -> Result<Tick, Error> {
-        let pixel_height = 2.0 * view.tan_half[1] / self.size()[1] as f32;
-        let fov_y = 2.0 * (0.5 * pixel_height / ray.length_squared()).atan();
-        let along = Camera { forward: ray.normalize_or(view.forward), fov_y, ..*camera };
+    ) -> Result<Option<Tick>, Error> {
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        let one_pixel = View::new(&along, [1, 1], bits);
+        let [width, height] = view.size.map(|side| side as f32);
+        // An image of the pixel alone is an off-centre part of the whole.
+        let enlarged = Mat4::from_scale(Vec3::new(width, height, 1.0))
+            * Mat4::from_translation((-ndc).extend(0.0));
+        let matrix = enlarged * view.view_proj;
+        let of_pixel = ViewProjection { matrix, depth: view.depth, y: ClipY::Down };
+        let Ok(one_pixel) = View::from_matrix(&of_pixel, [1, 1], bits) else { return Ok(None) };
         let leaves: Vec<LeafIndex> = candidates.iter().map(|(leaf, _)| *leaf).collect();
-        self.submit_seen(&one_pixel, &leaves)
+        self.submit_seen(&one_pixel, &leaves).map(Some)
     }
 
     /// Returns the object that was found; `Some(None)` if there is none, `None` while that is not
@@ -107,12 +115,8 @@ impl Renderer {
     }
 }
 
-/// Returns the direction from the eye through the middle of a pixel, as long as it goes one unit
-/// forward.
-fn ray_through(view: &View, pixel: [u32; 2]) -> glam::Vec3 {
-    let side = |axis: usize| {
-        let middle = (pixel[axis] as f32 + 0.5) / view.size[axis].max(1) as f32;
-        (2.0 * middle - 1.0) * view.tan_half[axis]
-    };
-    view.forward + view.right * side(0) - view.up * side(1)
+/// Returns the middle of a pixel in normalised device coordinates.
+fn middle_of(pixel: [u32; 2], size: [u32; 2]) -> Vec2 {
+    let [x, y] = [0, 1].map(|axis| (pixel[axis] as f32 + 0.5) / size[axis].max(1) as f32);
+    Vec2::new(x, y) * 2.0 - 1.0
 }

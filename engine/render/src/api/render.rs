@@ -30,8 +30,8 @@ impl Renderer {
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
         let rect = Rect::whole(self.size());
-        let FrameRequest { strategy, camera, visible, image, scene_image, after } = *request;
-        let target = ViewTarget { state, camera, visible, rect };
+        let FrameRequest { strategy, viewpoint, visible, image, scene_image, after } = *request;
+        let target = ViewTarget { state, viewpoint, visible, rect };
         let request = ViewsRequest { strategy, image, after };
         self.render_targets(&mut [target], &request, scene_image)
     }
@@ -43,6 +43,7 @@ impl Renderer {
     /// [`Error::NoView`] without a view: such a frame would leave its image as it is. A strategy
     /// that the device does not support; an area that is not in the image; an image of another
     /// size; a view or visible set of another renderer, an image or timeline of another device;
+    /// [`Error::View`] and [`Error::StandardDepth`] for a matrix;
     /// [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device, a frame that
     /// takes too long.
     pub fn render_views(
@@ -65,7 +66,7 @@ impl Renderer {
         self.prepare(method, targets)?;
         let is_timed = self.is_timed(request.strategy, targets);
         let outlined = self.outlined_bounds();
-        let views = self.take_views(targets);
+        let views = self.take_views(targets)?;
         let uploads = self.pose_uploads(&views, targets);
         let Self { device, frames, hierarchy, passes, executor, methods, shaders, .. } = self;
 
@@ -115,11 +116,13 @@ impl Renderer {
     }
 
     /// Returns the views of a frame, in memory that is kept from frame to frame.
-    fn take_views(&mut self, targets: &[ViewTarget<'_>]) -> Vec<View> {
+    fn take_views(&mut self, targets: &[ViewTarget<'_>]) -> Result<Vec<View>, Error> {
         let mut views = std::mem::take(&mut self.views);
         views.clear();
-        views.extend(targets.iter().map(|target| target.view(&self.device)));
-        views
+        for target in targets {
+            views.push(target.view(&self.device)?);
+        }
+        Ok(views)
     }
 
     /// Refuses a frame that cannot be drawn. Returns the number of the method that draws it.
@@ -259,7 +262,7 @@ impl Overlays<'_> {
     ) -> Result<Duration, Error> {
         let began = Instant::now();
         if let Some(target) = target {
-            let view = target.view(&passes.device);
+            let view = target.view(&passes.device)?;
             let scene = (&mut *passes, executor, hierarchy);
             self.debug_overlay.record(frame, scene, (target.state, &view))?;
             if let Some(bounds) = self.outlined {

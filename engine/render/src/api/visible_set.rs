@@ -2,8 +2,7 @@
 //! the exact strategy, its objects are drawn once more against the finished depth, and the CPU
 //! waits for the result.
 
-use cull::{Camera, LeafIndex, Strategy};
-use glam::Vec3;
+use cull::{Camera, LeafIndex, Rays, Strategy};
 use gpu::{Access, MemoryBarrier, Tick};
 use occlusion::{ObjectPass, ObjectRenderer, Rect, Rendering};
 
@@ -29,7 +28,12 @@ impl Renderer {
         area: Rect,
     ) -> Result<VisibleSet, Error> {
         self.check_view(state)?;
-        let target = ViewTarget { state: &mut *state, camera: *camera, visible: None, rect: area };
+        let target = ViewTarget {
+            state: &mut *state,
+            viewpoint: (*camera).into(),
+            visible: None,
+            rect: area,
+        };
         // With a threshold ours leaves out what this is to find.
         let strategy = if self.is_exact() { Strategy::ANTUMBRA } else { Strategy::FRUSTUM };
         let request = ViewsRequest { strategy, image: None, after: None };
@@ -48,9 +52,9 @@ impl Renderer {
         };
         let mut leaves: Vec<LeafIndex> =
             drawn.into_iter().filter(|leaf| seen.is_seen(*leaf)).collect();
-        let eye = camera.eye;
+        let rays = &snapshot.view.rays;
         leaves.sort_by(|a, b| {
-            let (near, far) = (self.distance_squared(*a, eye), self.distance_squared(*b, eye));
+            let (near, far) = (self.distance_squared(*a, rays), self.distance_squared(*b, rays));
             near.total_cmp(&far).then(a.cmp(b))
         });
         let all = self.hierarchy.leaf_objects();
@@ -72,11 +76,11 @@ impl Renderer {
         Ok(())
     }
 
-    /// Returns the squared distance from `eye` to the box of a leaf.
-    fn distance_squared(&self, leaf: LeafIndex, eye: Vec3) -> f32 {
+    /// Returns the squared distance from the eye to the box of a leaf.
+    fn distance_squared(&self, leaf: LeafIndex, rays: &Rays) -> f32 {
         let object = self.hierarchy.leaf_objects().get(leaf.0 as usize);
         let node = object.and_then(|object| self.hierarchy.node_of(*object));
-        node.map_or(0.0, |node| self.hierarchy.bounds(node).distance_squared(eye))
+        node.map_or(0.0, |node| rays.distance_squared(&self.hierarchy.bounds(node)))
     }
 
     /// Submits a frame that notes those of `leaves` with a pixel of `view`.

@@ -1,8 +1,8 @@
 //! The view from above of a moment: the drawn objects, the hidden ones as boxes, and the frustum
 //! (after the figure of a city walkthrough in GPU Gems 2, chapter 6).
 
-use cull::{Aabb, Camera, Hierarchy, View};
-use glam::Vec3;
+use cull::{Aabb, Camera, Hierarchy, Projection, Rays, View};
+use glam::{Vec2, Vec3};
 use gpu::Frame;
 use scene::pack_unorm;
 
@@ -24,7 +24,7 @@ pub(crate) fn reach(hierarchy: &Hierarchy, snapshot: &VisibilitySnapshot) -> f32
     let distance = |range: &cull::LeafRange| {
         let object = hierarchy.leaf_objects().get(range.first.0 as usize)?;
         let bounds = hierarchy.bounds(hierarchy.node_of(*object)?);
-        Some((bounds.centre() - snapshot.view.eye).length())
+        Some((bounds.centre() - snapshot.view.rays.origin).length())
     };
     let mut distances: Vec<f32> = snapshot.drawn.iter().filter_map(distance).collect();
     distances.sort_unstable_by(f32::total_cmp);
@@ -35,11 +35,18 @@ pub(crate) fn reach(hierarchy: &Hierarchy, snapshot: &VisibilitySnapshot) -> f32
 /// Returns a camera behind and above the moment's, looking down at its scene.
 pub(crate) fn above(snapshot: &VisibilitySnapshot, reach: f32) -> Camera {
     let reach = reach * FRUSTUM_REACH;
-    let flat = Vec3::new(snapshot.view.forward.x, 0.0, snapshot.view.forward.z);
+    let Rays { origin, forward, .. } = snapshot.view.rays;
+    let flat = Vec3::new(forward.x, 0.0, forward.z);
     let along = flat.try_normalize().unwrap_or(Vec3::X);
-    let eye = snapshot.view.eye - along * reach * 0.55 + Vec3::Y * reach * 1.5;
-    let target = snapshot.view.eye + along * reach * 0.75;
-    Camera { eye, forward: target - eye, up: Vec3::Y, fov_y: 0.9, near: 0.5 }
+    let eye = origin - along * reach * 0.55 + Vec3::Y * reach * 1.5;
+    let target = origin + along * reach * 0.75;
+    Camera {
+        eye,
+        forward: target - eye,
+        up: Vec3::Y,
+        projection: Projection::perspective(0.9),
+        near: 0.5,
+    }
 }
 
 /// The shapes beside the objects: the boxes' faces, and all edges, of the boxes and of the frustum.
@@ -116,9 +123,8 @@ fn corners_of(bounds: &Aabb) -> [Vec3; 8] {
 fn frustum_corners(view: &View, reach: f32) -> [Vec3; 8] {
     std::array::from_fn(|corner| {
         let side = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        let depth = if corner >> 2 & 1 == 1 { reach } else { view.near };
-        let across = view.right * view.tan_half[0] * side(0) + view.up * view.tan_half[1] * side(1);
-        view.eye + (view.forward + across) * depth
+        let depth_m = if corner >> 2 & 1 == 1 { reach } else { view.rays.near };
+        view.rays.point(Vec2::new(side(0), side(1)), depth_m)
     })
 }
 

@@ -1,7 +1,6 @@
 //! The count pass: counts the samples of single objects, and of their proxies, in a finished
 //! image.
 
-use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
     BOX_VERTICES, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
@@ -9,7 +8,7 @@ use gpu::{
 };
 
 use crate::passes::seen::SeenConstants;
-use occlusion::ProxyIo;
+use occlusion::{ProxyConstants, ProxyIo};
 
 use crate::passes::OpaqueIo;
 use crate::passes::opaque::POSITIONS;
@@ -22,15 +21,6 @@ pub struct CountPass {
     objects: GraphicsPipeline,
     proxies: GraphicsPipeline,
 }
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct ProxyConstants {
-    view_proj: [f32; 16],
-    eye: [f32; 4],
-}
-
-const _: () = assert!(size_of::<ProxyConstants>() == 80);
 
 impl CountPass {
     /// Compiles the pass.
@@ -72,8 +62,7 @@ impl CountPass {
     /// [`CountPass::draw_proxy`] for each.
     pub fn bind_proxies(&self, commands: &Commands, io: &ProxyIo, view: &View) {
         commands.bind(&self.proxies, &[io.boxes]);
-        let (view_proj, eye) = (view.view_proj.to_cols_array(), view.eye.extend(1.0).to_array());
-        commands.push_constants(&self.proxies, &ProxyConstants { view_proj, eye });
+        commands.push_constants(&self.proxies, &ProxyConstants::of(view));
     }
 
     /// Draws the front faces of a proxy.

@@ -57,9 +57,10 @@ struct Constants {
     eye: [f32; 4],
     ambient_above: [f32; 4],
     ambient_below: [f32; 4],
+    exposure: f32,
 }
 
-const _: () = assert!(size_of::<Constants>() == 112);
+const _: () = assert!(size_of::<Constants>() == 116);
 
 /// The attributes of a [`SurfaceVertex`]: normal, tangent, both sets of texture coordinates,
 /// colour.
@@ -132,9 +133,10 @@ impl SurfacePass {
             &self.pipeline,
             &Constants {
                 view_proj: view.view_proj.to_cols_array(),
-                eye: view.eye.extend(io.surfaces.exposure()).to_array(),
+                eye: view.rays.eye().to_array(),
                 ambient_above: with(light.ambient_above, steps_across),
                 ambient_below: with(light.ambient_below, steps_up),
+                exposure: io.surfaces.exposure(),
             },
         );
     }

@@ -13,8 +13,8 @@
 
 use std::collections::HashMap;
 
-use cull::{Aabb, Containment, PlaneMask, View};
-use glam::{Affine3A, Vec3};
+use cull::{Aabb, Containment, PlaneMask, Rays, View};
+use glam::Affine3A;
 use gpu::{
     Access, BOX_VERTICES, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw,
     LeafDrawBuffers, MemoryBarrier, MemoryKind, vk,
@@ -82,10 +82,10 @@ impl Faces {
 
 /// Returns the sorting distance of something: the contents of a glass come after its far side and
 /// before its near one.
-fn depth_m(bounds: &Aabb, eye: Vec3, faces: Faces) -> f32 {
-    let towards = bounds.centre() - eye;
-    let distance_m = towards.length();
-    let reach_m = towards.normalize_or_zero().abs().dot(bounds.half_extent());
+fn depth_m(bounds: &Aabb, rays: &Rays, faces: Faces) -> f32 {
+    let towards = rays.towards(bounds.centre());
+    let distance_m = towards.dot(bounds.centre() - rays.origin);
+    let reach_m = towards.abs().dot(bounds.half_extent());
     match faces {
         Faces::Out => distance_m - reach_m,
         Faces::In => distance_m + reach_m,
@@ -166,7 +166,7 @@ impl Transparent {
             if view.frustum.classify(bounds, PlaneMask::ALL).0 == Containment::Outside {
                 continue;
             }
-            let depth_m = depth_m(bounds, view.eye, object.faces.under(&object.object.transform));
+            let depth_m = depth_m(bounds, &view.rays, object.faces.under(&object.object.transform));
             let can_be_tested = test == Test::Box && view.margin.proxy(bounds).is_some();
             let test = if can_be_tested { Test::Box } else { Test::None };
             self.sorted.push(SortedObject { number, depth_m, test });
@@ -312,17 +312,26 @@ impl Transparent {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     #[test]
     fn a_glass_in_a_glass_is_drawn_between_its_sides() {
         let (outer, inner) = (Vec3::splat(2.0), Vec3::splat(0.5));
-        let eye = Vec3::new(9.0, 3.0, -4.0);
+        let camera = cull::Camera {
+            eye: Vec3::new(9.0, 3.0, -4.0),
+            forward: Vec3::NEG_X,
+            up: Vec3::Y,
+            projection: cull::Projection::perspective(1.0),
+            near: 0.1,
+        };
+        let rays = View::new(&camera, [64, 64], 8).rays;
         for middle in [Vec3::ZERO, Vec3::new(1.2, -0.7, 0.9)] {
             let around = |half: Vec3| {
                 Aabb::new(middle * half.y.min(1.0) - half, middle * half.y.min(1.0) + half)
             };
-            let depth = |half, faces| depth_m(&around(half), eye, faces);
+            let depth = |half, faces| depth_m(&around(half), &rays, faces);
             let order = [
                 depth(outer, Faces::In),
                 depth(inner, Faces::In),

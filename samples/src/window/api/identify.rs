@@ -66,7 +66,7 @@ impl Session {
             outcome,
             mesh: self.scene_view.mesh_name(explained.object),
             triangles: self.renderer.triangles_of(explained.object),
-            eye: view.eye,
+            rays: view.rays,
             strategy: self.strategy,
         };
         card.facts()

@@ -83,7 +83,7 @@ impl ObjectRenderer for Boxes {
         commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
         let mut constants = [0.0; 20];
         constants[..16].copy_from_slice(&view.view_proj.to_cols_array());
-        constants[16..].copy_from_slice(&view.eye.extend(1.0).to_array());
+        constants[16..].copy_from_slice(&view.rays.eye().to_array());
         commands.push_constants(&self.pipeline, &constants);
     }
 }
@@ -164,7 +164,7 @@ fn pipeline_of(device: &Device, shaders: &ShaderSet, attachments: Attachments) -
 pub fn boxes_of(
     host: &Host,
     device: &Device,
-    (colour, depth, samples): (&OwnImage, &OwnImage, vk::SampleCountFlags),
+    (colour, depth, samples, near_depth): (&OwnImage, &OwnImage, vk::SampleCountFlags, NearDepth),
     shaders: &ShaderSet,
     leaves: &LeafTable,
 ) -> Boxes {
@@ -192,7 +192,7 @@ pub fn boxes_of(
             ..fresh(colour, drawn, A::COLOR_ATTACHMENT_WRITE)
         }],
         samples,
-        near_depth: NearDepth::One,
+        near_depth,
         size: SIZE,
     };
     // SAFETY: the images live until all frames are over, and nothing else uses them in between.

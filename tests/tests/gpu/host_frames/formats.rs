@@ -1,7 +1,10 @@
-//! The formats, samples and render passes of hosts.
+//! The formats, samples, render passes and projections of hosts.
 
 use ash::vk;
+use cull::{ClipY, DepthConvention, Projection};
+use glam::Vec2;
 use tests::Driver;
+use tests::lens::Lens;
 
 use super::host::{HostOptions, Passes, Submits, compare};
 
@@ -39,5 +42,32 @@ fn render_pass_objects_of_the_host_are_exact() {
         let options = HostOptions { passes: Passes::Host, ..HostOptions::default() };
         let draws = compare(driver, &options, |_| Submits::Once);
         assert!(draws.culled < draws.plain / 2, "{driver:?}: {draws:?}");
+    }
+}
+
+#[test]
+fn every_projection_and_direction_of_depth_is_exact() {
+    let jittered = Lens { jitter_pixels: 0.6, ..Lens::PLAIN };
+    let standard = Lens { depth: DepthConvention::Standard, ..jittered };
+    let far = Lens { far: Some(30.0), off_centre: Vec2::new(-0.3, 0.5), ..jittered };
+    let standard_far = Lens { depth: DepthConvention::Standard, y: ClipY::Up, ..far };
+    let perspective = Projection::perspective(0.9);
+    let orthographic = Projection::Orthographic { height: 9.0, far: 40.0 };
+    let (float, integer) = (vk::Format::D32_SFLOAT, vk::Format::D16_UNORM);
+    for driver in Driver::ALL {
+        for (projection, lens, depth) in [
+            (perspective, jittered, float),
+            (perspective, standard, float),
+            (perspective, standard, integer),
+            (perspective, far, float),
+            (perspective, standard_far, float),
+            (orthographic, jittered, float),
+            (orthographic, jittered, integer),
+            (orthographic, standard, float),
+        ] {
+            let options = HostOptions { projection, lens, depth, ..HostOptions::default() };
+            let draws = compare(driver, &options, |_| Submits::Once);
+            assert!(draws.culled < draws.plain, "{driver:?}, {options:?}: {draws:?}");
+        }
     }
 }

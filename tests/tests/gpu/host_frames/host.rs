@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use ash::vk;
-use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Strategy, View};
+use cull::{Aabb, Camera, CullConfig, Culler, DepthConvention, Hierarchy, Projection, Strategy};
 use glam::{Vec3, vec3};
-use gpu::{Device, FrameNumbers, FrameRing, IndirectDraw, Purpose, Tick};
+use gpu::{Device, FrameNumbers, FrameRing, IndirectDraw, NearDepth, Purpose, Tick};
 use occlusion::{
     LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, OcclusionPasses, PlanExecutor, ShaderSet,
     VisibilityState, execute,
@@ -14,6 +14,7 @@ use occlusion::{
 use tests::Driver;
 use tests::host_device::Host;
 use tests::host_images::{OwnBuffer, OwnImage};
+use tests::lens::Lens;
 use tests::walk::pixels_that_differ;
 
 use super::boxes::{BOX_INDICES, Boxes, boxes_of};
@@ -29,6 +30,8 @@ pub struct HostOptions {
     pub depth: vk::Format,
     pub samples: vk::SampleCountFlags,
     pub passes: Passes,
+    pub lens: Lens,
+    pub projection: Projection,
     /// The number of the first frame.
     pub first: u64,
 }
@@ -45,7 +48,8 @@ pub enum Passes {
 impl Default for HostOptions {
     fn default() -> Self {
         let (depth, samples) = (vk::Format::D32_SFLOAT, vk::SampleCountFlags::TYPE_1);
-        Self { depth, samples, passes: Passes::Engine, first: 1 }
+        let projection = Projection::perspective(0.9);
+        Self { depth, samples, passes: Passes::Engine, lens: Lens::PLAIN, projection, first: 1 }
     }
 }
 
@@ -82,6 +86,7 @@ pub struct HostLoop<'a> {
     depth: OwnImage,
     resolved: Option<OwnImage>,
     images: Vec<OwnBuffer>,
+    lens: Lens,
     next: u64,
     first: u64,
     /// A frame that is submitted behind the next one.
@@ -103,7 +108,13 @@ pub fn boxes() -> Vec<Aabb> {
 pub fn camera(frame: u64) -> Camera {
     let side = (frame / 6 % 3) as f32 - 1.0;
     let eye = vec3(side * 9.0 + frame as f32 * 0.08, 0.0, 3.0);
-    Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 }
+    Camera {
+        eye,
+        forward: Vec3::NEG_Z,
+        up: Vec3::Y,
+        projection: Projection::perspective(0.9),
+        near: 0.1,
+    }
 }
 
 /// Draws the walk with and without culling, and compares the image of every frame that ran.
@@ -112,8 +123,9 @@ pub fn compare(driver: Driver, options: &HostOptions, submits: impl Fn(u64) -> S
     let draws = {
         let [mut plain, mut culled] = [(); 2].map(|()| HostLoop::new(&host, options));
         for frame in 0..FRAMES {
-            plain.draw(Strategy::FRUSTUM, &camera(frame), Submits::Once);
-            culled.draw(Strategy::ANTUMBRA, &camera(frame), submits(frame));
+            let camera = Camera { projection: options.projection, ..camera(frame) };
+            plain.draw(Strategy::FRUSTUM, &camera, Submits::Once);
+            culled.draw(Strategy::ANTUMBRA, &camera, submits(frame));
         }
         let [all, few] = [&mut plain, &mut culled].map(HostLoop::finish_draws);
         let ran = |frame: &u64| submits(*frame) != Submits::Never;
@@ -144,7 +156,7 @@ impl<'a> HostLoop<'a> {
         };
         let leaves = LeafTable::new(&device, &hierarchy, info, |_| MeshDrawId(0)).unwrap();
         use vk::ImageUsageFlags as U;
-        let HostOptions { depth, samples, passes, first } = *options;
+        let HostOptions { depth, samples, passes, lens, first, .. } = *options;
         let transfers = U::TRANSFER_SRC | U::TRANSFER_DST;
         let colour = OwnImage::new(host, SIZE, COLOUR, samples, U::COLOR_ATTACHMENT | transfers);
         let usage = match samples {
@@ -156,7 +168,12 @@ impl<'a> HostLoop<'a> {
         let one = vk::SampleCountFlags::TYPE_1;
         let resolved = is_resolved
             .then(|| OwnImage::new(host, SIZE, COLOUR, one, U::COLOR_ATTACHMENT | transfers));
-        let mut objects = boxes_of(host, &device, (&colour, &depth, samples), &shaders, &leaves);
+        let near_depth = match lens.depth {
+            DepthConvention::Reversed => NearDepth::One,
+            DepthConvention::Standard => NearDepth::Zero,
+        };
+        let images = (&colour, &depth, samples, near_depth);
+        let mut objects = boxes_of(host, &device, images, &shaders, &leaves);
         if passes == Passes::Host {
             objects.take_passes(host, &device, &shaders, [&colour, &depth]);
         }
@@ -189,6 +206,7 @@ impl<'a> HostLoop<'a> {
             depth,
             resolved,
             images,
+            lens,
             next: first,
             first,
             late,
@@ -223,7 +241,7 @@ impl<'a> HostLoop<'a> {
         // SAFETY: the command buffer is being recorded; frames up to `safe` were waited for.
         let mut frame = unsafe { frames.begin_in(raw, numbers) }.unwrap();
         let bits = device.adapter().limits.sub_pixel_precision_bits;
-        let view = View::new(camera, SIZE, bits);
+        let view = self.lens.view(camera, current, SIZE, bits);
         executor.leaves.begin();
         state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
         state.plan_frame(hierarchy, &executor.leaves, strategy, (&view, 4096));

@@ -31,7 +31,7 @@ fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> Str
     let (camera, area) = (ours.camera, Rect::whole(SIZE));
     let history = if what == VIEW { &mut theirs.view } else { &mut ours.view };
     let visible = (what == VISIBLE_SET).then_some(&theirs.visible);
-    let eye = ViewTarget { state: history, camera, visible, rect: area };
+    let eye = ViewTarget { state: history, viewpoint: camera.into(), visible, rect: area };
     let request = ViewsRequest {
         strategy: methods::IDEAL,
         image: (what == IMAGE).then_some(&theirs.image),

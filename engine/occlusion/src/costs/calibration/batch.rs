@@ -1,6 +1,6 @@
 //! The batches that are timed: many of one thing and little else.
 
-use cull::{Aabb, Camera, View};
+use cull::{Aabb, Camera, Projection, View};
 use glam::Vec3;
 use gpu::{
     Access, Buffer, BufferSlice, Commands, DrawRange, FlagRing, Frame, IndirectDraw, Load,
@@ -128,8 +128,13 @@ impl<'a> Bench<'a> {
     pub(super) fn new(scene: CalibrationScene<'a>) -> Result<Self, Error> {
         let CalibrationScene { device, shaders, passes, predication, objects, draws } = scene;
         let size = objects.target().size();
-        let camera =
-            Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+        let camera = Camera {
+            eye: Vec3::ZERO,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            projection: Projection::perspective(1.0),
+            near: 0.1,
+        };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         Ok(Self {
             predicates: Predicates::new(
@@ -187,9 +192,9 @@ impl<'a> Bench<'a> {
         self.predicates.begin(frame, ResultSource::Fragments, results, decided)?;
         let [single, patch] = self.draws;
         let draw = if batch.thing == Thing::Patches { patch } else { single };
-        let tan = self.view.tan_half;
+        let rays = &self.view.rays;
         let face = |share_x: f32, share_y: f32| {
-            let half = Vec3::new(tan[0] * share_x, tan[1] * share_y, 0.0) * DISTANCE_M;
+            let half = (rays.right * share_x - rays.down * share_y) * DISTANCE_M;
             let front = Vec3::new(0.0, 0.0, -DISTANCE_M);
             ProxyBox::from(Aabb::new(front - half - Vec3::Z, front + half))
         };
@@ -310,7 +315,7 @@ impl<'a> Bench<'a> {
                 };
                 for _ in 0..grids {
                     let area = Rect::whole(self.objects.target().size());
-                    compute.record_grid(commands, self.objects.target(), area);
+                    compute.record_grid(commands, self.objects.target(), area, self.view.depth);
                     let results = self.results.whole();
                     let tests = ComputeTestIo { boxes: io.small, results, first: 0, count };
                     let again = [Access::ComputeWrite];

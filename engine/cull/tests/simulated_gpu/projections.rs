@@ -1,0 +1,216 @@
+//! Properties of the frustum test and the margin, over random projections.
+
+use antumbra_cull::{
+    Aabb, Camera, ClipY, Containment, DepthConvention, PlaneMask, Projection, View,
+};
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use proptest::prelude::*;
+
+use crate::optics::Optics;
+
+/// Returns a view of any kind, and a direction of sight that is none of the axes.
+fn view() -> impl Strategy<Value = View> {
+    (camera(), optics(), [16_u32..2000, 16..2000], prop_oneof![Just(4_u32), Just(8)])
+        .prop_map(|(camera, optics, size, bits)| optics.view(&camera, 3, size, bits))
+}
+
+fn camera() -> impl Strategy<Value = Camera> {
+    let projection = prop_oneof![
+        (0.2_f32..2.2).prop_map(Projection::perspective),
+        (0.5_f32..90.0, 100.0_f32..300.0)
+            .prop_map(|(height, far)| Projection::Orthographic { height, far }),
+    ];
+    (
+        [-20.0_f32..20.0, -20.0..20.0, -20.0..20.0],
+        [-1.0_f32..1.0, -0.8..0.8, -1.0..1.0],
+        projection,
+        0.01_f32..1.0,
+    )
+        .prop_map(|(eye, forward, projection, near)| Camera {
+            eye: Vec3::from_array(eye),
+            forward: Vec3::from_array(forward),
+            up: Vec3::Y,
+            projection,
+            near,
+        })
+}
+
+fn optics() -> impl Strategy<Value = Optics> {
+    (
+        prop_oneof![Just(DepthConvention::Reversed), Just(DepthConvention::Standard)],
+        prop_oneof![Just(ClipY::Down), Just(ClipY::Up)],
+        prop_oneof![Just(None), (100.0_f32..500.0).prop_map(Some)],
+        [-0.9_f32..0.9, -0.9..0.9],
+        prop_oneof![Just(0.0_f32), Just(0.5)],
+        prop_oneof![Just(1.0_f32), 0.01_f32..100.0],
+    )
+        .prop_map(|(depth, y, far, off_centre, jitter, scale)| Optics {
+            depth,
+            y,
+            far,
+            off_centre: off_centre.into(),
+            jitter,
+            scale,
+        })
+}
+
+fn small_box() -> impl Strategy<Value = Aabb> {
+    ([-60.0_f32..60.0, -60.0..60.0, -60.0..60.0], [0.0_f32..9.0, 0.0..9.0, 0.0..9.0]).prop_map(
+        |(min, size)| {
+            let min = Vec3::from_array(min);
+            Aabb::new(min, min + Vec3::from_array(size))
+        },
+    )
+}
+
+/// Returns the position of a point on the screen (pixels), in 64 bits.
+fn project(view: &View, point: DVec3) -> DVec2 {
+    let clip = view.view_proj.as_dmat4() * point.extend(1.0);
+    let half = DVec2::new(view.size[0].into(), view.size[1].into()) * 0.5;
+    (clip.truncate().truncate() / clip.w + 1.0) * half
+}
+
+/// Returns the depth of a point as a rasteriser stores it, larger ones nearer.
+fn depth(view: &View, point: DVec3) -> f64 {
+    let clip = view.view_proj.as_dmat4() * point.extend(1.0);
+    clip.z / clip.w * f64::from(view.depth.sign())
+}
+
+/// Returns the depth at the near plane, larger ones nearer.
+fn near_depth(view: &View) -> f64 {
+    f64::from(view.depth.nearest() * view.depth.sign())
+}
+
+/// Returns the point where the ray of a screen position enters a box, if it does.
+fn enters(view: &View, bounds: &Aabb, position: DVec2) -> Option<DVec3> {
+    let half = DVec2::new(view.size[0].into(), view.size[1].into()) * 0.5;
+    let inverse = view.view_proj.as_dmat4().inverse();
+    let at = |depth: f32| inverse.project_point3((position / half - 1.0).extend(depth.into()));
+    let start = at(view.depth.nearest());
+    let ray = at(0.5) - start;
+    let (a, b) = ((bounds.min.as_dvec3() - start) / ray, (bounds.max.as_dvec3() - start) / ray);
+    let (first, last) = (a.min(b).max_element(), a.max(b).min_element());
+    (first <= last).then_some(start + ray * first)
+}
+
+/// Returns a point on the screen: its position (0 to 1 from the upper left) and its view depth
+/// (metres).
+fn on_screen() -> impl Strategy<Value = [f32; 3]> {
+    [0.0_f32..1.0, 0.0..1.0, 1.01..90.0]
+}
+
+/// Returns the world position of a point on the screen.
+fn unproject(view: &View, [x, y, depth]: [f32; 3]) -> Vec3 {
+    view.rays.point(Vec2::new(x, y) * 2.0 - 1.0, depth)
+}
+
+/// Returns two corners that lie this far from a point.
+fn reach() -> impl Strategy<Value = [[f32; 3]; 2]> {
+    let axis = || prop_oneof![Just(0.0_f32), 0.0_f32..9.0];
+    [[axis(), axis(), axis()], [axis(), axis(), axis()]]
+}
+
+fn around(point: Vec3, [low, high]: [[f32; 3]; 2], scale: f32) -> Aabb {
+    let [low, high] = [low, high].map(|reach| Vec3::from_array(reach) * scale);
+    Aabb::new(point - low, point + high)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 1_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    /// Checks that a box with a point on the screen is never outside, also with the masks of a
+    /// parent.
+    #[test]
+    fn nothing_on_the_screen_is_rejected(
+        view in view(),
+        at in on_screen(),
+        reach in reach(),
+        parent in small_box(),
+    ) {
+        let bounds = around(unproject(&view, at), reach, 1.0);
+        let (above, mask) = view.frustum.classify(&parent.union(&bounds), PlaneMask::ALL);
+        prop_assert_ne!(above, Containment::Outside);
+        prop_assert_ne!(view.frustum.classify(&bounds, mask).0, Containment::Outside);
+        prop_assert_ne!(view.frustum.classify(&bounds, PlaneMask::ALL).0, Containment::Outside);
+    }
+
+    /// Checks that a box inside of all planes is on the screen with every corner.
+    #[test]
+    fn what_is_inside_is_on_the_screen(view in view(), at in on_screen(), reach in reach()) {
+        let bounds = around(unproject(&view, at), reach, 0.1);
+        let (containment, _) = view.frustum.classify(&bounds, PlaneMask::ALL);
+        if containment != Containment::Inside {
+            return Ok(());
+        }
+        let size = DVec2::new(view.size[0].into(), view.size[1].into());
+        for corner in bounds.corners() {
+            let pixel = project(&view, corner.as_dvec3());
+            prop_assert!(depth(&view, corner.as_dvec3()) < near_depth(&view) + 1.0e-3);
+            prop_assert!(pixel.cmpge(DVec2::splat(-0.01)).all());
+            prop_assert!(pixel.cmple(size + 0.01).all());
+        }
+    }
+
+    /// Checks the claim of the margin: where a point of the object moves on the screen by a step of
+    /// the grid, and the ray by another, the proxy still covers it and is nearer, also if depths
+    /// are rounded as in 32 bits.
+    #[test]
+    fn snapping_loses_no_sample(
+        (camera, optics, size) in (camera(), optics(), [16_u32..2000, 16..2000]),
+        (seen, reach) in (on_screen(), reach()),
+        bits in prop_oneof![Just(4_i32), Just(8)],
+        at in [0.0_f32..=1.0, 0.0..=1.0, 0.0..=1.0],
+        onto in 0_usize..3,
+        angles in [0.0_f64..6.3, 0.0..6.3],
+    ) {
+        let view = optics.view(&camera, 5, size, bits as u32);
+        let bounds = around(unproject(&view, seen), reach, 0.5);
+        let Some(proxy) = view.margin.proxy(&bounds) else {
+            return Ok(());
+        };
+        // On the surface, where it is tightest.
+        let mut at = Vec3::from_array(at);
+        at[onto] = at[onto].round();
+        let point = bounds.min + (bounds.max - bounds.min) * at;
+        let point = point.clamp(bounds.min, bounds.max);
+        let pixel = project(&view, point.as_dvec3());
+        let step = std::f64::consts::SQRT_2 * 0.5_f64.powi(bits);
+        let sample = angles
+            .iter()
+            .fold(pixel, |position, angle| position + DVec2::from_angle(*angle) * step);
+        let entry = enters(&view, &proxy, sample);
+        prop_assert!(entry.is_some(), "{:?} at {} missed by {:?}", point, sample, proxy);
+        let entry = entry.unwrap();
+        let drawn = View { view_proj: view.proxy_view_proj(), ..view };
+        let nearer = depth(&drawn, entry);
+        prop_assert!(nearer <= near_depth(&view), "the near plane cuts the proxy");
+        // Four units in the last place, of both.
+        let constant = f64::from(view.rays.depth[0]);
+        let own = depth(&view, point.as_dvec3());
+        let terms = constant.abs() + (own * f64::from(view.depth.sign()) - constant).abs();
+        let rounding = 8.0 * f64::from(f32::EPSILON) * terms;
+        prop_assert!(nearer >= own + rounding, "{nearer} {own} {rounding}");
+    }
+
+    /// Checks that boxes with a proxy are wholly ahead, and that those too near have none.
+    #[test]
+    fn proxies_are_beyond_the_near_plane(view in view(), bounds in small_box()) {
+        let ahead = |bounds: &Aabb| {
+            bounds.corners().iter().all(|corner| view.rays.depth_m(*corner) > view.rays.near)
+        };
+        match view.margin.proxy(&bounds) {
+            Some(proxy) => prop_assert!(ahead(&proxy) && proxy.contains(&bounds)),
+            None => {
+                let behind = bounds.enlarged(0.5 + 1.0e-4 * bounds.largest_coordinate());
+                let [margin, _] = view.margin.metres();
+                if margin < 0.001 {
+                    prop_assert!(!ahead(&behind));
+                }
+            }
+        }
+    }
+}
