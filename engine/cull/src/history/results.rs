@@ -56,9 +56,14 @@ impl<C: Copy> ResultReader<C> {
         self.shared.clear();
     }
 
-    /// Reads the result of a query.
+    /// Reads the result of a query. The samples of queries with equal tags, which follow each
+    /// other, are added: a visible leaf has one for each part of its draws.
     pub fn read_query(&mut self, test: &PendingTest<C>, samples: u32) {
-        self.results.push(result(test, samples));
+        let last = self.results.last_mut().map(|last| &mut last.answer);
+        match last.filter(|last| last.tag == test.tag) {
+            Some(last) => last.samples = last.samples.saturating_add(samples),
+            None => self.results.push(result(test, samples)),
+        }
     }
 
     /// Reads the flags of one frame, a value per test of its plan.
@@ -211,12 +216,31 @@ mod tests {
     }
 
     #[test]
+    fn the_queries_on_the_draws_of_one_leaf_count_together() {
+        let hierarchy = hierarchy();
+        let of = |node| PendingTest {
+            tag: QueryTag { sample_threshold: 4, ..test(node, Tester::Query, QueryKind::Leaf).tag },
+            ..test(node, Tester::Query, QueryKind::VisibleDrawQuery)
+        };
+        let [first, second] = [0, 1]
+            .map(|leaf: usize| of(hierarchy.node_of(hierarchy.leaf_objects()[leaf]).unwrap()));
+        let mut reader = ResultReader::default();
+        for (test, samples) in [(first, 3), (first, 0), (first, 2), (second, 4), (first, 1)] {
+            reader.read_query(&test, samples);
+        }
+        let samples: Vec<u32> = reader.results().iter().map(|it| it.answer.samples).collect();
+        assert_eq!(samples, [5, 4, 1]);
+        assert!(reader.results()[0].answer.shows(), "none of its draws shows by itself");
+    }
+
+    #[test]
     fn a_threshold_is_for_what_counts() {
         let hierarchy = hierarchy();
         let mut node = test(hierarchy.root().unwrap(), Tester::Query, QueryKind::PerLeaf);
         node.tag.sample_threshold = 4;
         let mut reader = ResultReader::default();
         reader.read_query(&node, 4);
+        node.tag.frame = FrameId(8);
         reader.read_query(&node, 5);
         let frame = (FrameId(7), Generation(0));
         reader.read_leaves(&hierarchy, frame, LeafList::These(&[2]), |_| 1);
