@@ -1,6 +1,8 @@
-// The leaf-box pass: a fragment that passes the depth test switches on the draw of its leaf; the
-// first one also adds it to the list that is read back.
+// The leaf-box pass: a fragment that passes the depth test switches on the draws of its leaf; the
+// first one also adds the leaf to the list that is read back.
 #version 460
+#extension GL_GOOGLE_include_directive : require
+#include "draw_link.glsl"
 
 layout(early_fragment_tests) in;
 
@@ -19,15 +21,32 @@ layout(std430, binding = 1) buffer Draws { IndirectDraw draws[]; };
 // The number of entries, then the entries.
 layout(std430, binding = 2) buffer List { uint list[]; };
 
-const uint LISTED_DRAWS = 4095;
+// The first draw of each leaf, or NO_DRAW; and the next ones.
+layout(std430, binding = 3) readonly buffer Firsts { uint firsts[]; };
+layout(std430, binding = 4) readonly buffer Links { DrawLink links[]; };
+
+const uint LISTED_LEAVES = 4095;
 
 // Other fragments may set the same draw: one that reads an old zero exchanges once more.
 void main() {
-    if (draws[leaf].instance_count != 0 || atomicExchange(draws[leaf].instance_count, 1) != 0) {
+    uint first = LINKED ? firsts[leaf] : leaf;
+    if (LINKED && first == NO_DRAW) {
         return;
     }
+    uint instances = LINKED ? links[first].instance_count : 1;
+    if (draws[first].instance_count != 0
+        || atomicExchange(draws[first].instance_count, instances) != 0) {
+        return;
+    }
+    if (LINKED) {
+        // Atomic for the validation of synchronization alone, which takes a plain store for one to
+        // the draws of other leaves that are read in the same rendering.
+        for (uint next = links[first].next; next != NO_DRAW; next = links[next].next) {
+            atomicExchange(draws[next].instance_count, links[next].instance_count);
+        }
+    }
     uint place = atomicAdd(list[0], 1);
-    if (place < LISTED_DRAWS) {
+    if (place < LISTED_LEAVES) {
         list[1 + place] = leaf;
     }
 }

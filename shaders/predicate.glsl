@@ -1,9 +1,13 @@
-// The draws that depend on a predicate, and the draws of boxes that precede a decision per draw.
+// The draws that depend on a result, and the draws of boxes that precede a decision per leaf.
+
+const uint REVEAL_DRAWS = 0;   // the draws of the range
+const uint REVEAL_BOXES = 1;   // boxes, an instance each
+const uint REVEAL_ENABLED = 2; // those draws of the range that fragments of boxes enabled
 
 struct Decided {
     uint first;
     uint count;
-    uint per_leaf; // 1: the boxes of the range are drawn first, and decide draw by draw
+    uint reveal;
     uint result;
 };
 

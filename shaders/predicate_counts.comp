@@ -1,5 +1,5 @@
-// Turns the result of each decision into two draw counts: 0 if no more showed than the threshold,
-// else the whole range and the one command that draws its boxes.
+// Turns the result of each decision into a draw count: 0 if no more showed than the threshold, else
+// the whole range, or the one command that draws its boxes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "predicate.glsl"
@@ -22,7 +22,6 @@ void main() {
     }
     uint decision = first + gl_GlobalInvocationID.x;
     Decided range = decided[decision];
-    uint shown = results[range.result] > threshold ? range.count : 0;
-    counts[2 * decision] = shown;
-    counts[2 * decision + 1] = min(shown, 1);
+    uint commands = range.reveal == REVEAL_BOXES ? 1 : range.count;
+    counts[decision] = results[range.result] > threshold ? commands : 0;
 }

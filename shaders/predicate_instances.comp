@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "predicate.glsl"
+#include "draw_link.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -18,6 +19,7 @@ layout(std430, binding = 0) readonly buffer Results { uint results[]; };
 layout(std430, binding = 1) readonly buffer AllDecided { Decided decided[]; };
 layout(std430, binding = 2) buffer Draws { IndirectDraw draws[]; };
 layout(std430, binding = 3) buffer BoxDraws { BoxDraw box_draws[]; };
+layout(std430, binding = 4) readonly buffer Links { DrawLink links[]; };
 
 layout(push_constant) uniform Constants {
     uint first;
@@ -28,14 +30,16 @@ layout(push_constant) uniform Constants {
 void main() {
     uint decision = first + gl_WorkGroupID.x;
     Decided range = decided[decision];
-    uint shown = results[range.result] > threshold ? 1 : 0;
-    if (range.per_leaf != 0) {
-        if (gl_LocalInvocationID.x == 0) {
-            box_draws[decision].instance_count = shown * range.count;
-        }
+    bool shows = results[range.result] > threshold;
+    if (range.reveal == REVEAL_BOXES && gl_LocalInvocationID.x == 0) {
+        box_draws[decision].instance_count = shows ? range.count : 0;
+    }
+    if (range.reveal != REVEAL_DRAWS) {
         return;
     }
     for (uint draw = gl_LocalInvocationID.x; draw < range.count; draw += gl_WorkGroupSize.x) {
-        draws[range.first + draw].instance_count = shown;
+        uint number = range.first + draw;
+        uint instances = LINKED ? links[number].instance_count : 1;
+        draws[number].instance_count = shows ? instances : 0;
     }
 }

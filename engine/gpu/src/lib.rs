@@ -98,10 +98,12 @@ pub use crate::present::swapchain::{
 };
 pub use crate::query::blocking_query_pool::BlockingQueryPool;
 pub use crate::query::flag_ring::FlagRing;
-pub use crate::query::leaf_draw_ring::{EnabledDraws, LISTED_DRAWS, LeafDrawBuffers, LeafDrawRing};
+pub use crate::query::leaf_draw_ring::{
+    EnabledLeaves, LISTED_LEAVES, LeafDrawBuffers, LeafDrawRing, LeafDraws,
+};
 pub use crate::query::occlusion_pool::{Counting, QueryIndex};
 pub use crate::query::predicates::{
-    BOX_VERTICES, Predicate, PredicatedRange, Predicates, Predication, ResultSource, Reveal,
+    BOX_VERTICES, LINKED, Predicate, PredicatedRange, Predicates, Predication, ResultSource, Reveal,
 };
 pub use crate::query::query_ring::QueryRing;
 pub use crate::record::access::{Access, MemoryBarrier};
@@ -112,7 +114,7 @@ pub use crate::record::commands::Commands;
 pub use crate::record::finished_image::FinishedImage;
 pub use crate::record::frames::{Frame, FrameNumbers, FrameRing, SlotIndex};
 pub use crate::record::host_image::{HostImage, HostImages, ImageState};
-pub use crate::record::indirect::{DrawRange, IndirectDraw};
+pub use crate::record::indirect::{DrawLink, DrawRange, IndirectDraw};
 pub use crate::record::pipeline::{
     Blend, ComputePipeline, DepthMode, GraphicsPipeline, GraphicsPipelineInfo, Polygon,
     StorageLayout, VertexLayout,

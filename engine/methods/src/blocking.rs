@@ -23,7 +23,7 @@ use gpu::{
     Tick,
 };
 use occlusion::{
-    Error, LeafTable, Method, MethodConstructor, MethodRequest, MethodScene, MethodState,
+    BucketId, Error, LeafTable, Method, MethodConstructor, MethodRequest, MethodScene, MethodState,
     MethodStats, MethodSupport, ObjectPass, ProxyBox, ProxyIo, Rendering, UpcomingDraws,
     VisibilityState, render,
 };
@@ -70,6 +70,7 @@ impl Method for BlockingMethod {
     }
 
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
+        support.needs_one_draw_per_leaf(strategy)?;
         let is_precise = support.device.capabilities().has(Optional::PreciseQueries);
         match self.counting() {
             Counting::Samples if !is_precise => {
@@ -95,7 +96,7 @@ impl Method for BlockingMethod {
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
         state.check(&scene.executor.leaves)?;
-        state.begin_unplanned(frame, scene.hierarchy)?;
+        state.begin_unplanned(frame, scene.hierarchy, &scene.executor.leaves)?;
         let mut kept = state.take_method_state::<BlockingState>().unwrap_or_else(|| {
             let (slots, name) = (state.frames_in_flight(), "blocking queries");
             let queries = BlockingQueryPool::new(scene.device, slots, name);
@@ -193,7 +194,7 @@ impl BlockingMethod {
         commands.pass("draw and query", |commands| {
             render(*objects, commands, (view, rendering), |commands, objects| {
                 if !batch.draws.is_empty() {
-                    objects.bind(commands, view, pass);
+                    objects.bind(commands, view, BucketId(0), pass);
                     draw(commands, &batch.draws, io.draws, queries, counting);
                 }
                 if !batch.tests.is_empty() {
@@ -225,12 +226,15 @@ impl BlockingMethod {
         let draws = drawn.iter().map(|leaf| executor.leaves.draw(*leaf));
         let draws = frame.uploads().push_iter(draws)?.part(0, drawn.len() as u64 * DRAW_BYTES);
         let (commands, view) = (frame.commands(), request.view);
-        objects.shade(executor, commands, view, &|commands| commands.draw_indirect(draws));
+        objects.shade(executor, commands, view, &|commands, bind| {
+            bind(commands, BucketId(0));
+            commands.draw_indirect(draws);
+        });
         if is_depth_first {
             objects.target().prepare(commands);
             commands.pass("shade", |commands| {
                 commands.rendering(objects.colour_rendering(view), |commands| {
-                    objects.bind(commands, view, ObjectPass::Colour);
+                    objects.bind(commands, view, BucketId(0), ObjectPass::Colour);
                     commands.draw_indirect(draws);
                 });
             });

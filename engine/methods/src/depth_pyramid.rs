@@ -25,9 +25,9 @@ use gpu::{
     Optional, vk,
 };
 use occlusion::{
-    Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,
-    ObjectPass, ObjectRenderer, PlanExecutor, Rect, Rendering, ShaderSet, UpcomingDraws,
-    VisibilityState, render,
+    BucketId, Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats,
+    MethodSupport, ObjectPass, ObjectRenderer, PlanExecutor, Rect, Rendering, ShaderSet,
+    UpcomingDraws, VisibilityState, render,
 };
 
 pub use build::{PyramidLevel, PyramidPass, pyramid_levels};
@@ -54,7 +54,8 @@ impl Method for DepthPyramid {
         &[PYRAMID]
     }
 
-    fn supports(&self, _strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
+    fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
+        support.needs_one_draw_per_leaf(strategy)?;
         PyramidFrame::check(support.device, support.hierarchy, support.size)
     }
 
@@ -201,7 +202,7 @@ impl PyramidFrame {
     ) -> Result<(), Error> {
         let MethodScene { device, hierarchy, executor, objects, .. } = scene;
         state.check(&executor.leaves)?;
-        state.begin_unplanned(frame, hierarchy)?;
+        state.begin_unplanned(frame, hierarchy, &executor.leaves)?;
         let mut kept = match state.take_method_state::<PyramidState>() {
             Some(kept) => kept,
             None => Box::new(PyramidState::new(device, hierarchy, state.frames_in_flight())?),
@@ -247,7 +248,7 @@ impl PyramidFrame {
         objects.target().prepare(commands);
         commands.pass("draw visible", |commands| {
             render(objects, commands, (view, Rendering::First), |commands, objects| {
-                objects.bind(commands, view, ObjectPass::Visibility);
+                objects.bind(commands, view, BucketId(0), ObjectPass::Visibility);
                 self.draw(commands, Phase::First);
             });
         });
@@ -264,11 +265,12 @@ impl PyramidFrame {
         objects.target().prepare(commands);
         commands.pass("draw revealed", |commands| {
             render(objects, commands, (view, Rendering::Next), |commands, objects| {
-                objects.bind(commands, view, ObjectPass::Visibility);
+                objects.bind(commands, view, BucketId(0), ObjectPass::Visibility);
                 self.draw(commands, Phase::Second);
             });
         });
-        objects.shade(executor, commands, view, &|commands| {
+        objects.shade(executor, commands, view, &|commands, bind| {
+            bind(commands, BucketId(0));
             self.draw(commands, Phase::First);
             self.draw(commands, Phase::Second);
         });

@@ -42,7 +42,7 @@ impl Method for Ideal {
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
         let MethodScene { hierarchy, executor, objects, shaders, .. } = scene;
-        state.plan_known(hierarchy, request.visible);
+        state.plan_known(hierarchy, &executor.leaves, request.visible);
         execute(frame, executor, state, *objects, (shaders, request.view))?;
         Ok(MethodStats::default())
     }

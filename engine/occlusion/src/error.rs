@@ -1,11 +1,16 @@
 //! The errors of the execution of plans.
 
+use crate::leaf_table::BucketId;
+
 /// An error of the execution. Its text is a sentence for the user.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The GPU layer failed.
     #[error(transparent)]
     Gpu(#[from] gpu::Error),
+    /// A box or an object that the hierarchy refuses.
+    #[error(transparent)]
+    Hierarchy(#[from] cull::HierarchyError),
     /// A strategy that does not count samples, and a threshold.
     #[error(transparent)]
     CannotCount(#[from] CannotCount),
@@ -14,6 +19,9 @@ pub enum Error {
         "this view was made for another scene's leaves: each view goes with the `LeafTable` that it was made for"
     )]
     ForeignView,
+    /// Buckets where there are none, or others.
+    #[error(transparent)]
+    Buckets(#[from] BucketError),
     /// A request for shaders that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
@@ -31,4 +39,30 @@ pub struct CannotCount {
     pub strategy: cull::Strategy,
     /// The threshold in samples.
     pub threshold_samples: u32,
+}
+
+/// An error about the buckets of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BucketError {
+    /// A bucket that the table does not have.
+    #[error(
+        "a draw names bucket {} of {bucket_count}: create the `LeafTable` with as many buckets as there are pipelines",
+        bucket.0
+    )]
+    Unknown {
+        /// The bucket of the draw.
+        bucket: BucketId,
+        /// The number of buckets of the table.
+        bucket_count: u32,
+    },
+    /// A change of draws in a table with one draw per leaf.
+    #[error(
+        "this `LeafTable` has one draw per leaf: mark leaves as dirty, or create it with `LeafTable::bucketed`"
+    )]
+    OneDrawPerLeaf,
+    /// A method that works with one draw per leaf, and a table with buckets.
+    #[error(
+        "the strategy `{0}` needs a `LeafTable` with one draw per leaf, and this one has buckets: use `frustum` or one of the `antumbra` strategies"
+    )]
+    HasBuckets(cull::Strategy),
 }

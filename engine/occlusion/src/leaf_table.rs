@@ -1,41 +1,32 @@
 //! The objects as the executor sees them, in the order of the hierarchy's leaves, so that a subtree
-//! is a range of each array: a box, an indirect draw and counts per leaf, on the CPU and on the
-//! GPU.
+//! is a range of each array: a box, indirect draws and counts per leaf, on the CPU and on the GPU.
 
+mod api;
+mod bucket_cells;
 mod changes;
 mod counts;
 mod dirty_list;
+mod draw_layout;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId};
-use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, Predication, Tick, vk};
+use gpu::{
+    Buffer, BufferSlice, Device, DrawLink, Frame, IndirectDraw, Predicates, Predication, Tick, vk,
+};
 
 use crate::error::Error;
-use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
+use crate::passes::{LeafLinks, ProxyBox, ScatterIo, ScatterPass};
+pub use api::bucketed::BucketTableInfo;
+pub use bucket_cells::{BucketDraw, BucketId};
 use changes::DrawChanges;
 pub use counts::LeafCount;
 use counts::LeafCounts;
 use dirty_list::DirtyList;
-
-/// A mesh that leaves can draw: its indexed draw and its triangles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct MeshDraw {
-    /// The draw; its first instance is the leaf and need not be set.
-    pub draw: IndirectDraw,
-    /// The number of triangles.
-    pub triangles: u32,
-}
-
-/// The place of a [`MeshDraw`] in a table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MeshDrawId(pub u32);
-
-impl MeshDrawId {
-    /// The id for a leaf without an object: nothing is drawn.
-    pub const NONE: Self = Self(u32::MAX);
-}
+use draw_layout::{CopiedDraws, MeshDraws};
+pub(crate) use draw_layout::{DrawLayout, draw_range};
+pub use draw_layout::{MeshDraw, MeshDrawId};
 
 /// The parameters of a table.
 #[derive(Clone, Debug)]
@@ -66,12 +57,17 @@ pub struct LeafTable {
     device: Device,
     /// One [`ProxyBox`] per leaf, not enlarged.
     boxes: Buffer,
+    /// The first cell of each leaf, where leaves have any number.
+    firsts: Option<Buffer>,
     pub(crate) predicates: Predicates,
-    mesh_draws: Arc<[MeshDraw]>,
-    leaf_draws: Vec<MeshDrawId>,
+    pub(crate) layout: DrawLayout,
+    /// The number of cells that the buffers have room for.
+    cell_capacity: u32,
     counts: LeafCounts,
     pub(crate) changes: DrawChanges,
     dirty: DirtyList<LeafIndex>,
+    /// Cells whose command or link changed, where leaves have any number.
+    dirty_cells: DirtyList<u32>,
     /// The disorders of frames that were seen.
     disorders: u64,
 }
@@ -88,7 +84,8 @@ pub struct LeafElements {
 }
 
 impl LeafTable {
-    /// Uploads the leaves of `hierarchy`. `draw_of` returns the mesh of an object.
+    /// Uploads the leaves of `hierarchy`, each with at most one draw. `draw_of` returns the mesh of
+    /// an object.
     ///
     /// # Errors
     /// [`gpu::Error::Unsupported`] for a way to skip draws that the device lacks;
@@ -101,39 +98,51 @@ impl LeafTable {
     ) -> Result<Self, Error> {
         let LeafTableInfo { mesh_draws, predication, frames_in_flight } = info;
         let objects = hierarchy.leaf_objects();
-        let leaf_draws: Vec<MeshDrawId> = objects.iter().map(|object| draw_of(*object)).collect();
-        let counts = || leaf_draws.iter().map(|id| count_of(&mesh_draws, *id));
+        let leaves = objects.iter().map(|object| draw_of(*object)).collect();
+        let draws = MeshDraws { meshes: mesh_draws, leaves };
+        let count = objects.len() as u32;
+        let counts = || (0..count).map(|leaf| draws.count(LeafIndex(leaf)));
         let boxes: Vec<ProxyBox> = objects
             .iter()
             .zip(counts())
             .map(|(it, count)| leaf_box(hierarchy, *it, count))
             .collect();
-        let draws: Vec<IndirectDraw> =
-            (0..).zip(&leaf_draws).map(|(leaf, id)| draw_of_leaf(&mesh_draws, *id, leaf)).collect();
+        let commands: Vec<IndirectDraw> =
+            (0..count).map(|leaf| draws.draw(LeafIndex(leaf))).collect();
         Ok(Self {
             id: LeafTableId::new(),
             device: device.clone(),
             boxes: device.upload("leaf boxes", &boxes, vk::BufferUsageFlags::STORAGE_BUFFER)?,
-            predicates: Predicates::new(device, predication, &draws, frames_in_flight)?,
+            firsts: None,
+            predicates: Predicates::new(device, predication, &commands, frames_in_flight)?,
             counts: LeafCounts::new(counts()),
+            cell_capacity: count,
+            layout: DrawLayout::OnePerLeaf(draws),
             changes: DrawChanges::new(objects.len()),
             dirty: DirtyList::new(objects.len(), |leaf| leaf.0),
+            dirty_cells: DirtyList::new(0, |cell| *cell),
             disorders: device.disorders(),
-            mesh_draws,
-            leaf_draws,
         })
     }
 
-    /// Returns the draw of a leaf; an empty one where the leaf is free.
+    /// Returns the draw of a leaf in a table with one draw per leaf; an empty one where the leaf is
+    /// free.
     pub fn draw(&self, leaf: LeafIndex) -> IndirectDraw {
-        let id = self.leaf_draws.get(leaf.0 as usize).copied().unwrap_or(MeshDrawId::NONE);
-        draw_of_leaf(&self.mesh_draws, id, leaf.0)
+        match &self.layout {
+            DrawLayout::OnePerLeaf(draws) => draws.draw(leaf),
+            DrawLayout::Bucketed(_) => IndirectDraw::default(),
+        }
     }
 
-    /// Counts the objects and triangles of a range of leaves.
+    /// Returns true if each leaf has one draw, of its own number and of one instance.
+    pub fn has_one_draw_per_leaf(&self) -> bool {
+        matches!(self.layout, DrawLayout::OnePerLeaf(_))
+    }
+
+    /// Counts the draws and triangles of a range of leaves.
     pub fn count(&self, leaves: LeafRange) -> LeafCount {
-        match (leaves.count, self.leaf_draws.get(leaves.first.0 as usize)) {
-            (1, Some(id)) => count_of(&self.mesh_draws, *id),
+        match leaves.count {
+            1 => self.layout.count(leaves.first),
             _ => self.counts.of(leaves),
         }
     }
@@ -153,16 +162,28 @@ impl LeafTable {
         self.predicates.set_frames_in_flight(frames_in_flight);
     }
 
+    /// Returns the lists of draws on the GPU, where leaves have any number.
+    pub fn links(&self) -> Option<LeafLinks> {
+        let firsts = self.firsts.as_ref()?.whole();
+        Some(LeafLinks { firsts, links: self.predicates.links()? })
+    }
+
+    /// Returns the draws as rings copy them.
+    pub(crate) fn copied_draws(&self) -> CopiedDraws<'_> {
+        CopiedDraws { layout: &self.layout, capacity: self.cell_capacity }
+    }
+
     /// Notes that the object of a leaf was replaced or moved, or has the mesh `now`: the next frame
-    /// uploads it.
+    /// uploads it. In a table with buckets the mesh means nothing.
     pub fn mark_dirty(&mut self, leaf: LeafIndex, now: MeshDrawId) {
-        let place = leaf.0 as usize;
-        let Some(id) = self.leaf_draws.get_mut(place) else { return };
-        let before = std::mem::replace(id, now);
-        if before != now {
-            let [before, now] = [before, now].map(|id| count_of(&self.mesh_draws, id));
-            self.counts.replace(place, before, now);
-            self.changes.push(leaf);
+        let before = self.layout.count(leaf);
+        if let DrawLayout::OnePerLeaf(draws) = &mut self.layout
+            && let Some(id) = draws.leaves.get_mut(leaf.0 as usize)
+            && std::mem::replace(id, now) != now
+        {
+            let now = draws.count(leaf);
+            self.counts.replace(leaf.0 as usize, before, now);
+            self.changes.push(leaf.0);
         }
         self.dirty.push(leaf);
     }
@@ -177,10 +198,19 @@ impl LeafTable {
     pub fn begin(&mut self) {
         let disorders = self.device.disorders();
         if std::mem::replace(&mut self.disorders, disorders) != disorders {
-            self.dirty.push_all((0..self.leaf_draws.len() as u32).map(LeafIndex));
+            self.dirty.push_all((0..self.layout.leaf_count()).map(LeafIndex));
+            if !self.has_one_draw_per_leaf() {
+                self.dirty_cells.push_all(0..self.cell_capacity);
+            }
             self.changes.forget();
         }
-        self.dirty.forget(self.device.confirmed());
+        self.forget_confirmed();
+    }
+
+    fn forget_confirmed(&mut self) {
+        let confirmed = self.device.confirmed();
+        self.dirty.forget(confirmed);
+        self.dirty_cells.forget(confirmed);
     }
 
     /// Records the upload of the stale leaves, before anything of `frame` reads them. They stay
@@ -193,7 +223,7 @@ impl LeafTable {
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
         scatter: &ScatterPass,
-        beside: LeafElements,
+        beside: Option<LeafElements>,
     ) -> Result<(), Error> {
         if self.dirty().is_empty() {
             return Ok(());
@@ -201,37 +231,57 @@ impl LeafTable {
         let bounds = |leaf: &LeafIndex| {
             let object = hierarchy.leaf_objects().get(leaf.0 as usize);
             let object = object.copied().unwrap_or(ObjectId(u32::MAX));
-            leaf_box(hierarchy, object, self.count(LeafRange { first: *leaf, count: 1 }))
+            leaf_box(hierarchy, object, self.layout.count(*leaf))
         };
         let uploads = frame.uploads();
         let leaves = uploads.push_iter(self.dirty().iter().map(|leaf| leaf.0))?;
-        let draws = uploads.push_iter(self.dirty().iter().map(|leaf| self.draw(*leaf)))?;
         let boxes = uploads.push_iter(self.dirty().iter().map(bounds))?;
         let io = |elements, array| ScatterIo { leaves, elements, array };
+        let beside = beside.map(|it| (io(it.elements, it.array), it.element_bytes));
+        let boxes = (io(boxes, self.boxes()), size_of::<ProxyBox>());
+        let first_draws = match (&self.layout, self.links()) {
+            (DrawLayout::Bucketed(cells), Some(to)) => {
+                let firsts = self.dirty().iter().map(|leaf| cells.first(*leaf));
+                (io(uploads.push_iter(firsts)?, to.firsts), size_of::<u32>())
+            }
+            _ => {
+                let draws = uploads.push_iter(self.dirty().iter().map(|leaf| self.draw(*leaf)))?;
+                (io(draws, self.predicates.draws()), size_of::<IndirectDraw>())
+            }
+        };
+        let arrays = beside.into_iter().chain([first_draws, boxes]);
+        scatter.record(frame.commands(), self.dirty().len() as u32, arrays);
+        self.upload_cells(frame, scatter)
+    }
+
+    /// Records the upload of changed cells, where leaves have any number of draws.
+    fn upload_cells(&self, frame: &mut Frame<'_>, scatter: &ScatterPass) -> Result<(), Error> {
+        let (DrawLayout::Bucketed(cells), Some(to)) = (&self.layout, self.links()) else {
+            return Ok(());
+        };
+        let changed = self.dirty_cells.items();
+        if changed.is_empty() {
+            return Ok(());
+        }
+        let uploads = frame.uploads();
+        let leaves = uploads.push_iter(changed.iter().copied())?;
+        let draws = uploads.push_iter(changed.iter().map(|cell| cells.command(*cell)))?;
+        let links = uploads.push_iter(changed.iter().map(|cell| cells.link(*cell)))?;
+        let io = |elements, array| ScatterIo { leaves, elements, array };
         let arrays = [
-            (io(beside.elements, beside.array), beside.element_bytes),
             (io(draws, self.predicates.draws()), size_of::<IndirectDraw>()),
-            (io(boxes, self.boxes()), size_of::<ProxyBox>()),
+            (io(links, to.links), size_of::<DrawLink>()),
         ];
-        scatter.record(frame.commands(), self.dirty().len() as u32, &arrays);
+        scatter.record(frame.commands(), changed.len() as u32, arrays);
         Ok(())
     }
 
     /// Notes that the frame of the last [`LeafTable::upload`] was submitted.
     pub fn submitted(&mut self, tick: Tick) {
         self.dirty.sent(tick);
-        self.dirty.forget(self.device.confirmed());
+        self.dirty_cells.sent(tick);
+        self.forget_confirmed();
     }
-}
-
-fn count_of(mesh_draws: &[MeshDraw], id: MeshDrawId) -> LeafCount {
-    let mesh = mesh_draws.get(id.0 as usize);
-    mesh.map_or(LeafCount::default(), |it| LeafCount { draws: 1, triangles: it.triangles.into() })
-}
-
-fn draw_of_leaf(mesh_draws: &[MeshDraw], id: MeshDrawId, leaf: u32) -> IndirectDraw {
-    let draw = mesh_draws.get(id.0 as usize).map(|it| it.draw).unwrap_or_default();
-    IndirectDraw { first_instance: leaf, ..draw }
 }
 
 /// Returns the box of an object, not enlarged; an inverted one if it is not there.

@@ -7,7 +7,8 @@
 //!
 //! | type | purpose |
 //! |---|---|
-//! | [`LeafTable`] | box, draw and counts per leaf of the hierarchy, on the CPU and the GPU |
+//! | [`LeafTable`] | box, draws and counts per leaf of the hierarchy, on the CPU and the GPU |
+//! | [`HostScene`] | objects of a host, with any number of draws in its own pipelines |
 //! | [`PlanExecutor`] | records the rounds of a plan: draws, tests, predicates, results |
 //! | [`VisibilityState`] | one view: its culler, its tests on their way, its newest plan |
 //! | [`Method`] | the trait of all methods: [`PlannedMethod`] is Antumbra's own |
@@ -60,6 +61,7 @@ mod costs;
 mod error;
 mod execution;
 mod executor;
+mod host_scene;
 mod leaf_table;
 mod method;
 mod method_state;
@@ -71,22 +73,29 @@ mod rect;
 mod shader_set;
 mod test_layout;
 mod visibility_state;
+mod visible_draws;
 
 pub use costs::calibration::{CalibrationScene, Costs, PATCH_TRIANGLES, cost_table, measure};
 pub use costs::frame_times::FrameTimes;
-pub use error::{CannotCount, Error};
+pub use error::{BucketError, CannotCount, Error};
 pub use execution::execute;
 pub use executor::PlanExecutor;
-pub use leaf_table::{LeafCount, LeafElements, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId};
+pub use host_scene::{HostObject, HostScene};
+pub use leaf_table::{
+    BucketDraw, BucketId, BucketTableInfo, LeafCount, LeafElements, LeafTable, LeafTableInfo,
+    MeshDraw, MeshDrawId,
+};
 pub use method::{
     Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,
 };
 pub use method_state::MethodState;
-pub use object_renderer::{ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render};
+pub use object_renderer::{
+    DrawBuckets, ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render,
+};
 pub use outcomes::{FrameOutcome, Outcomes};
 pub use passes::{
-    ComputeTest, ComputeTestIo, LeafBoxIo, LeafBoxPass, OcclusionPasses, ProxyBox, ProxyConstants,
-    ProxyIo, ProxyPass, ScatterIo, ScatterPass,
+    ComputeTest, ComputeTestIo, LeafBoxIo, LeafBoxPass, LeafLinks, OcclusionPasses, ProxyBox,
+    ProxyConstants, ProxyIo, ProxyPass, ScatterIo, ScatterPass,
 };
 pub use planned::PlannedMethod;
 pub use rect::Rect;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use cull::{FramePlan, Hierarchy, LeafIndex, Strategy, View};
 use gpu::{Device, Frame, Optional, Tick, Timeline};
 
-use crate::error::Error;
+use crate::error::{BucketError, Error};
 use crate::executor::PlanExecutor;
 use crate::object_renderer::ObjectRenderer;
 use crate::shader_set::ShaderSet;
@@ -94,6 +94,17 @@ pub struct MethodSupport<'a> {
 }
 
 impl MethodSupport<'_> {
+    /// Refuses a table with buckets, for a strategy that works with one draw per leaf.
+    ///
+    /// # Errors
+    /// [`BucketError::HasBuckets`].
+    pub fn needs_one_draw_per_leaf(&self, strategy: Strategy) -> Result<(), Error> {
+        match self.executor.leaves.has_one_draw_per_leaf() {
+            true => Ok(()),
+            false => Err(BucketError::HasBuckets(strategy).into()),
+        }
+    }
+
     /// Returns the error for a strategy that the device lacks something for.
     pub fn missing(&self, missing: Optional, strategy: Strategy) -> Error {
         let device = self.device.adapter().name.clone();

@@ -5,6 +5,7 @@ use gpu::{Commands, Predicate, RenderTarget, Target, Viewport};
 
 use crate::error::Error;
 use crate::executor::PlanExecutor;
+use crate::leaf_table::BucketId;
 use crate::shader_set::ShaderSet;
 
 /// The purpose of the draws that follow a [bind](ObjectRenderer::bind).
@@ -38,6 +39,9 @@ pub enum UpcomingDraws<'a> {
     /// The ranges of a round, each if its result is above the threshold.
     Revealed(&'a [Predicate]),
 }
+
+/// A closure that draws buckets, each after a call of the closure that binds it.
+pub type DrawBuckets<'a> = &'a dyn Fn(&Commands, &dyn Fn(&Commands, BucketId));
 
 /// The owner of the objects: binds pipelines and geometry, so that indexed indirect draws, each of
 /// one leaf, follow.
@@ -89,9 +93,10 @@ pub trait ObjectRenderer {
     /// a view, so that what stays hidden costs nothing. Outside of rendering.
     fn prepare_draws(&mut self, _commands: &Commands, _draws: UpcomingDraws<'_>) {}
 
-    /// Binds the objects that the draws of a pass need. No query and no condition may be left open:
-    /// the draws that follow have their own.
-    fn bind(&self, commands: &Commands, view: &View, pass: ObjectPass);
+    /// Binds the objects that the draws of a bucket in a pass need. Called before the draws of each
+    /// bucket in each rendering, in the order of the buckets. No query and no condition may be left
+    /// open: the draws that follow have their own.
+    fn bind(&self, commands: &Commands, view: &View, bucket: BucketId, pass: ObjectPass);
 
     /// Returns true if [`ObjectRenderer::shade`] adds the colours, so that the draws before it are
     /// kept.
@@ -100,13 +105,13 @@ pub trait ObjectRenderer {
     }
 
     /// Adds the colour to the draws of the rounds, if they have none yet: `draw` draws all of it
-    /// again. Outside of rendering.
+    /// again, and binds each bucket before it. Outside of rendering.
     fn shade(
         &mut self,
         _executor: &PlanExecutor,
         _commands: &Commands,
         _view: &View,
-        _draw: &dyn Fn(&Commands),
+        _draw: DrawBuckets<'_>,
     ) {
     }
 }

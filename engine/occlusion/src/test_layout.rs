@@ -1,39 +1,44 @@
-//! The layout of a plan's tests on the GPU: the query, flag and result of each test.
+//! The layout of a plan on the GPU: its visible draws, and the query, flag, result and predicates
+//! of each test.
 
 use std::ops::Range;
 
-use cull::{FramePlan, LeafRange, ProxyTest, QueryKind, Tester};
+use cull::{FramePlan, ProxyTest, QueryKind, Tester};
 use gpu::{DrawRange, PredicatedRange, ResultSource, Reveal};
 
-use crate::leaf_table::{LeafCount, LeafTable};
+use crate::leaf_table::{BucketId, LeafCount, LeafTable, draw_range};
+use crate::visible_draws::VisibleDraws;
 
-/// The predicate that a test decides: its number among those that depend on results of one source.
+/// A range of draws or boxes that a test reveals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct PredicateSlot {
+pub(crate) struct RevealedRange {
+    /// The bucket of the draws; of boxes, no more than a number.
+    pub(crate) bucket: BucketId,
+    /// The test that decides.
+    pub(crate) test: u32,
     pub(crate) source: ResultSource,
-    pub(crate) number: u32,
+    /// The number of the predicate among those that depend on results of the source.
+    pub(crate) predicate: u32,
 }
 
 /// A test on its way, with the counts of its draws.
 pub(crate) type PendingTest = cull::PendingTest<LeafCount>;
 
-/// The layout of one frame's tests, kept to allocate nothing in the steady state.
+/// The layout of one frame's draws and tests, kept to allocate nothing in the steady state.
 #[derive(Debug, Default)]
 pub(crate) struct TestLayout {
+    pub(crate) visible: VisibleDraws,
     /// The test of each query: first those on visible draws, then the tests by query.
     pub(crate) query_tags: Vec<PendingTest>,
     /// The number of the queries that are on visible draws.
     pub(crate) visible_draw_queries: u32,
     /// The test of each flag: a place for every test if there are flags at all.
     pub(crate) flag_tags: Vec<PendingTest>,
-    /// The decision of each test.
-    decisions: Vec<PredicateSlot>,
+    /// The ranges that tests reveal, round by round: draws, boxes, and draws that these enable.
+    revealed: Vec<RevealedRange>,
     pub(crate) rounds: Vec<RoundLayout>,
-    /// The draws that depend on the results of queries, on flags, and on the results of the compute
-    /// shader.
-    query_decides: Vec<PredicatedRange>,
-    flag_decides: Vec<PredicatedRange>,
-    compute_decides: Vec<PredicatedRange>,
+    /// The ranges that depend on the results of each source.
+    decided: [Vec<PredicatedRange>; ResultSource::ALL.len()],
     /// The test of each result of the compute shader: a place for every test if there are any.
     pub(crate) compute_tags: Vec<PendingTest>,
 }
@@ -44,8 +49,6 @@ pub(crate) struct RoundLayout {
     pub(crate) tests: Range<usize>,
     /// The tests by flag.
     pub(crate) flags: Range<u32>,
-    /// Those, and the tests that share their results.
-    pub(crate) flag_decisions: Range<u32>,
     /// The tests by a compute shader.
     pub(crate) computed: Range<u32>,
     /// The tests by query.
@@ -54,152 +57,175 @@ pub(crate) struct RoundLayout {
     pub(crate) queries: Range<u32>,
     /// True if there are tests whose leaves are tested one by one.
     pub(crate) has_leaf_tests: bool,
+    /// The predicates of its tests, for each source.
+    predicates: [Range<u32>; ResultSource::ALL.len()],
+    /// The draws that its tests reveal, by bucket; then the boxes, and the draws that these enable.
+    draws: Range<usize>,
+    boxes: Range<usize>,
+    enabled_draws: Range<usize>,
 }
 
 impl TestLayout {
     /// Lays out `plan` for a scene as it is now.
     pub(crate) fn lay_out(&mut self, plan: &FramePlan, leaves: &LeafTable) {
-        self.lay_out_counted(plan, |range| leaves.count(range));
-    }
-
-    fn lay_out_counted(&mut self, plan: &FramePlan, count: impl Fn(LeafRange) -> LeafCount) {
-        self.query_tags.clear();
+        self.clear();
+        let Self { visible, query_tags, .. } = self;
         // Drawn with any result: nothing depends on it.
         let own = |tag| PendingTest { tag, tester: Tester::Query, contents: LeafCount::default() };
-        self.query_tags.extend(plan.queried_draws.iter().map(|(_, tag)| own(*tag)));
+        visible.lay_out(plan, &leaves.layout, |tag| query_tags.push(own(tag)));
         self.visible_draw_queries = self.query_tags.len() as u32;
-        self.query_decides.clear();
-        self.query_decides.resize(self.query_tags.len(), PredicatedRange::default());
-        self.decisions.clear();
-        self.rounds.clear();
         for round in &plan.rounds {
-            self.lay_out_round(plan, round.clone(), &count);
+            self.lay_out_round(plan, round.clone(), leaves);
         }
-        let decide = |(number, test): (u32, &ProxyTest)| {
-            let result = match test.tester {
-                Tester::SharedProxy(front) => front,
-                _ => number,
-            };
-            predicated(test, result)
-        };
-        let tag = |test: &ProxyTest| pending_test(test, &count);
-        let lists = [
-            (Tester::Flag, &mut self.flag_tags, &mut self.flag_decides),
-            (Tester::Compute, &mut self.compute_tags, &mut self.compute_decides),
-        ];
-        for (tester, tags, decides) in lists {
-            tags.clear();
-            decides.clear();
+        let lists =
+            [(Tester::Flag, &mut self.flag_tags), (Tester::Compute, &mut self.compute_tags)];
+        for (tester, tags) in lists {
             if plan.tests.iter().any(|test| test.tester == tester) {
-                tags.extend(plan.tests.iter().map(tag));
-                decides.extend((0..).zip(&plan.tests).map(decide));
+                tags.extend(plan.tests.iter().map(|test| pending_test(test, leaves)));
             }
         }
     }
 
-    /// Returns the draws of the tests whose leaves are tested one by one.
-    pub(crate) fn refined(plan: &FramePlan) -> impl Iterator<Item = DrawRange> {
-        let tests = plan.tests.iter();
-        tests.filter(|test| test.tag.kind == QueryKind::PerLeaf).map(draw_range)
-    }
-
-    fn lay_out_round(
-        &mut self,
-        plan: &FramePlan,
-        tests: Range<usize>,
-        count: &impl Fn(LeafRange) -> LeafCount,
-    ) {
+    fn lay_out_round(&mut self, plan: &FramePlan, tests: Range<usize>, leaves: &LeafTable) {
         let none = tests.start as u32..tests.start as u32;
         let first_query = self.query_tags.len() as u32;
+        let predicates = |decided: &Vec<PredicatedRange>| decided.len() as u32;
+        let first_predicates = self.decided.each_ref().map(predicates);
         let mut round = RoundLayout {
             tests: tests.clone(),
             flags: none.clone(),
-            flag_decisions: none.clone(),
             computed: none.clone(),
             queried_tests: none,
             queries: first_query..first_query,
             has_leaf_tests: false,
+            predicates: Default::default(),
+            draws: 0..0,
+            boxes: 0..0,
+            enabled_draws: 0..0,
         };
-        for (number, test) in (tests.start as u32..).zip(&plan.tests[tests]) {
-            let decision = match test.tester {
+        for (number, test) in (tests.start as u32..).zip(&plan.tests[tests.clone()]) {
+            match test.tester {
                 Tester::Query => {
-                    let query = self.query_tags.len() as u32;
-                    self.query_tags.push(pending_test(test, count));
-                    self.query_decides.push(predicated(test, query));
+                    self.query_tags.push(pending_test(test, leaves));
                     extend(&mut round.queried_tests, number);
-                    PredicateSlot { source: ResultSource::Queries, number: query }
                 }
-                Tester::Compute => {
-                    extend(&mut round.computed, number);
-                    PredicateSlot { source: ResultSource::Compute, number }
-                }
-                Tester::Flag | Tester::SharedProxy(_) => {
-                    extend(&mut round.flag_decisions, number);
-                    if test.tester == Tester::Flag {
-                        extend(&mut round.flags, number);
-                    }
-                    PredicateSlot { source: ResultSource::Fragments, number }
-                }
-            };
-            self.decisions.push(decision);
+                Tester::Compute => extend(&mut round.computed, number),
+                Tester::Flag => extend(&mut round.flags, number),
+                Tester::SharedProxy(_) => {}
+            }
             round.has_leaf_tests |= test.tag.kind == QueryKind::PerLeaf;
         }
         round.queries.end = self.query_tags.len() as u32;
+        let kinds = [
+            (Reveal::Draws, &mut round.draws),
+            (Reveal::Boxes, &mut round.boxes),
+            (Reveal::EnabledDraws, &mut round.enabled_draws),
+        ];
+        for (reveal, revealed) in kinds {
+            let first = self.revealed.len();
+            self.reveal(plan, (tests.clone(), first_query), reveal, leaves);
+            *revealed = first..self.revealed.len();
+            // Draws of one pipeline follow each other, front to back.
+            self.revealed[revealed.clone()].sort_unstable_by_key(|it| (it.bucket, it.test));
+        }
+        let lists = first_predicates.into_iter().zip(&self.decided);
+        for (to, (first, decided)) in round.predicates.iter_mut().zip(lists) {
+            *to = first..predicates(decided);
+        }
         self.rounds.push(round);
     }
 
-    /// Clears the layout: no test.
+    /// Adds the ranges that the tests of a round reveal in this way.
+    fn reveal(
+        &mut self,
+        plan: &FramePlan,
+        (tests, mut next_query): (Range<usize>, u32),
+        reveal: Reveal,
+        leaves: &LeafTable,
+    ) {
+        let Self { revealed, decided, .. } = self;
+        for (number, test) in (tests.start as u32..).zip(&plan.tests[tests]) {
+            let (source, result) = match test.tester {
+                Tester::Query => {
+                    next_query += 1;
+                    (ResultSource::Queries, next_query - 1)
+                }
+                Tester::Compute => (ResultSource::Compute, number),
+                Tester::Flag => (ResultSource::Fragments, number),
+                Tester::SharedProxy(front) => (ResultSource::Fragments, front),
+            };
+            let is_per_leaf = test.tag.kind == QueryKind::PerLeaf;
+            if is_per_leaf == (reveal == Reveal::Draws) {
+                continue;
+            }
+            let decided = &mut decided[source as usize];
+            let mut add = |bucket, range| {
+                let predicate = decided.len() as u32;
+                revealed.push(RevealedRange { bucket, test: number, source, predicate });
+                decided.push(PredicatedRange { result, range, reveal });
+            };
+            match reveal {
+                Reveal::Boxes if test.leaves.is_empty() => {}
+                Reveal::Boxes => add(BucketId(0), draw_range(test.leaves)),
+                Reveal::Draws | Reveal::EnabledDraws => leaves.layout.ranges(test.leaves, add),
+            }
+        }
+    }
+
+    /// Clears the layout: no draw and no test.
     pub(crate) fn clear(&mut self) {
-        self.lay_out_counted(&FramePlan::default(), |_| LeafCount::default());
+        self.visible.clear();
+        self.query_tags.clear();
+        self.visible_draw_queries = 0;
+        self.flag_tags.clear();
+        self.compute_tags.clear();
+        self.revealed.clear();
+        self.decided.each_mut().into_iter().for_each(Vec::clear);
+        self.rounds.clear();
+    }
+
+    /// Returns the draws of the tests whose leaves are tested one by one.
+    pub(crate) fn refined(&self) -> impl Iterator<Item = DrawRange> {
+        let enabled =
+            self.rounds.iter().flat_map(|round| &self.revealed[round.enabled_draws.clone()]);
+        enabled.filter_map(|it| Some(self.decided(it.source).get(it.predicate as usize)?.range))
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.query_tags.is_empty() && self.decisions.is_empty()
+        self.query_tags.is_empty() && self.rounds.is_empty()
     }
 
     pub(crate) fn tests_by_compute(&self) -> bool {
         !self.compute_tags.is_empty()
     }
 
-    /// Returns the draws that depend on the results of `source`.
+    /// Returns the ranges that depend on the results of `source`.
     pub(crate) fn decided(&self, source: ResultSource) -> &[PredicatedRange] {
-        match source {
-            ResultSource::Queries => &self.query_decides,
-            ResultSource::Fragments => &self.flag_decides,
-            ResultSource::Compute => &self.compute_decides,
-        }
+        &self.decided[source as usize]
     }
 
-    /// Returns the decisions of a round's tests whose draws are revealed in this way.
-    pub(crate) fn revealing(
-        &self,
-        round: Option<&RoundLayout>,
-        reveal: Reveal,
-    ) -> impl Iterator<Item = PredicateSlot> {
-        let decisions = round.map_or(&[][..], |round| &self.decisions[round.tests.clone()]);
-        let decided = |it: &PredicateSlot| self.decided(it.source).get(it.number as usize);
-        decisions.iter().copied().filter(move |decision| {
-            decided(decision).is_some_and(|it| it.range.count > 0 && it.reveal == reveal)
-        })
+    /// Returns the draws or boxes that a round's tests reveal in this way, those of a bucket in one
+    /// piece.
+    pub(crate) fn revealed(&self, round: Option<&RoundLayout>, reveal: Reveal) -> &[RevealedRange] {
+        let Some(round) = round else { return &[] };
+        let range = match reveal {
+            Reveal::Draws => &round.draws,
+            Reveal::Boxes => &round.boxes,
+            Reveal::EnabledDraws => &round.enabled_draws,
+        };
+        &self.revealed[range.clone()]
     }
 
     /// Returns true if nothing of this frame depends on a round of queries, which serves later
     /// frames only.
     pub(crate) fn is_for_later(&self, round: &RoundLayout) -> bool {
-        let decides = |reveal| self.revealing(Some(round), reveal).next().is_some();
-        round.queries.len() == round.tests.len()
-            && !decides(Reveal::Whole)
-            && !decides(Reveal::PerLeaf)
+        round.queries.len() == round.tests.len() && round.draws.is_empty() && round.boxes.is_empty()
     }
 
-    /// Returns the decisions that are made once the proxies of `round` were drawn.
+    /// Returns the predicates that are decided once the proxies of `round` were drawn.
     pub(crate) fn made(&self, round: &RoundLayout) -> Vec<(ResultSource, Range<u32>)> {
-        let lanes = [
-            (ResultSource::Queries, round.queries.clone()),
-            (ResultSource::Fragments, round.flag_decisions.clone()),
-            (ResultSource::Compute, round.computed.clone()),
-        ];
-        lanes.into_iter().filter(|lane| !lane.1.is_empty()).collect()
+        let lists = ResultSource::ALL.into_iter().zip(round.predicates.clone());
+        lists.filter(|(_, predicates)| !predicates.is_empty()).collect()
     }
 }
 
@@ -208,19 +234,6 @@ fn extend(range: &mut Range<u32>, by: u32) {
     *range = start..by + 1;
 }
 
-fn pending_test(test: &ProxyTest, count: impl Fn(LeafRange) -> LeafCount) -> PendingTest {
-    PendingTest { tag: test.tag, tester: test.tester, contents: count(test.leaves) }
-}
-
-/// Returns the draws that a test decides about.
-fn draw_range(test: &ProxyTest) -> DrawRange {
-    DrawRange { first: test.leaves.first.0, count: test.leaves.count }
-}
-
-fn predicated(test: &ProxyTest, result: u32) -> PredicatedRange {
-    let reveal = match test.tag.kind {
-        QueryKind::PerLeaf => Reveal::PerLeaf,
-        _ => Reveal::Whole,
-    };
-    PredicatedRange { result, range: draw_range(test), reveal }
+fn pending_test(test: &ProxyTest, leaves: &LeafTable) -> PendingTest {
+    PendingTest { tag: test.tag, tester: test.tester, contents: leaves.count(test.leaves) }
 }

@@ -8,8 +8,8 @@ use cull::{
     Hierarchy, LeafIndex, LeafList, LeafRange, ResultReader, Strategy, View,
 };
 use gpu::{
-    Counting, Device, DrawRange, EnabledDraws, FlagRing, Frame, FrameTime, IndirectDraw,
-    LeafDrawRing, QueryRing, ResultSource, Tick,
+    Counting, Device, DrawRange, EnabledLeaves, FlagRing, Frame, FrameTime, LeafDrawRing,
+    QueryRing, ResultSource, Tick,
 };
 
 use crate::costs::sent_frames::SentFrames;
@@ -54,15 +54,14 @@ pub(crate) struct Rings {
 }
 
 impl Rings {
-    fn new(device: &Device, hierarchy: &Hierarchy, frames_in_flight: usize) -> Result<Self, Error> {
-        let leaves = hierarchy.leaf_objects().len() as u32;
+    fn new(device: &Device, frames_in_flight: usize) -> Result<Self, Error> {
         let queries = QueryRing::new(device, frames_in_flight, "occlusion queries")?;
         let flags = |source, name| FlagRing::new(device, frames_in_flight, source, name);
         Ok(Self {
             queries,
             flags: flags(ResultSource::Fragments, "proxy flags"),
             computed: flags(ResultSource::Compute, "box results"),
-            leaf_draws: LeafDrawRing::new(device, frames_in_flight, leaves),
+            leaf_draws: LeafDrawRing::new(device, frames_in_flight),
         })
     }
 
@@ -90,7 +89,7 @@ impl VisibilityState {
             table: leaves.id,
             device: device.clone(),
             culler,
-            rings: Rings::new(device, hierarchy, frames_in_flight)?,
+            rings: Rings::new(device, frames_in_flight)?,
             frames_in_flight,
             plan: FramePlan::default(),
             generation: hierarchy.generation(),
@@ -113,14 +112,13 @@ impl VisibilityState {
     pub fn set_frames_in_flight(
         &mut self,
         frames_in_flight: usize,
-        hierarchy: &Hierarchy,
         leaves: &LeafTable,
     ) -> Result<(), Error> {
         self.check(leaves)?;
         if self.frames_in_flight == frames_in_flight {
             return Ok(());
         }
-        self.rings = Rings::new(&self.device, hierarchy, frames_in_flight)?;
+        self.rings = Rings::new(&self.device, frames_in_flight)?;
         self.method_states.clear();
         self.seen_changes = leaves.changes.count();
         self.outcomes.forget_pending();
@@ -190,9 +188,8 @@ impl VisibilityState {
         rings.queries.begin(frame, &layout.query_tags)?;
         rings.flags.begin(frame, layout.flag_tags.iter().copied())?;
         rings.computed.begin(frame, layout.compute_tags.iter().copied())?;
-        let tested = TestLayout::refined(plan);
-        let draw = |number| leaves.draw(LeafIndex(number));
-        rings.leaf_draws.begin(frame, (plan.frame, *generation), tested, draw)?;
+        let (tested, draws) = (layout.refined(), leaves.copied_draws());
+        rings.leaf_draws.begin(frame, (plan.frame, *generation), tested, &draws)?;
         Ok(())
     }
 
@@ -200,8 +197,8 @@ impl VisibilityState {
     fn follow_draws(&mut self, leaves: &LeafTable) {
         let changes = &leaves.changes;
         match changes.since(self.seen_changes) {
-            Some(leaves) => leaves.for_each(|leaf| {
-                self.rings.leaf_draws.changed(DrawRange { first: leaf.0, count: 1 });
+            Some(cells) => cells.for_each(|first| {
+                self.rings.leaf_draws.changed(DrawRange { first, count: 1 });
             }),
             None => self.rings.leaf_draws.all_changed(),
         }
@@ -239,8 +236,8 @@ impl VisibilityState {
         computed.collect(completed, |tests, results| reader.read_computed(tests, results));
         leaf_draws.collect(completed, |frame, listed| {
             let list = match listed {
-                EnabledDraws::These(leaves) => LeafList::These(leaves),
-                EnabledDraws::TooMany(_) => LeafList::TooMany,
+                EnabledLeaves::These(leaves) => LeafList::These(leaves),
+                EnabledLeaves::TooMany(_) => LeafList::TooMany,
             };
             reader.read_leaves(hierarchy, frame, list, |range| leaves.count(range));
         });
@@ -280,10 +277,10 @@ impl VisibilityState {
     }
 
     /// Plans a frame of `visible` leaves and no test.
-    pub fn plan_known(&mut self, hierarchy: &Hierarchy, visible: &[LeafIndex]) {
+    pub fn plan_known(&mut self, hierarchy: &Hierarchy, leaves: &LeafTable, visible: &[LeafIndex]) {
         self.culler.plan_known(hierarchy, visible, &mut self.plan);
         self.generation = hierarchy.generation();
-        self.layout.clear();
+        self.layout.lay_out(&self.plan, leaves);
     }
 
     /// Begins a frame that is not planned: an empty plan without tests.
@@ -294,15 +291,15 @@ impl VisibilityState {
         &mut self,
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
+        leaves: &LeafTable,
     ) -> Result<(), Error> {
-        self.plan_known(hierarchy, &[]);
+        self.plan_known(hierarchy, leaves, &[]);
         let Self { rings, plan, generation, .. } = self;
         rings.queries.begin(frame, &[])?;
         rings.flags.begin(frame, std::iter::empty())?;
         rings.computed.begin(frame, std::iter::empty())?;
-        let nothing = std::iter::empty::<DrawRange>();
-        let no_draw = |_| IndirectDraw::default();
-        rings.leaf_draws.begin(frame, (plan.frame, *generation), nothing, no_draw)?;
+        let (nothing, draws) = (std::iter::empty::<DrawRange>(), leaves.copied_draws());
+        rings.leaf_draws.begin(frame, (plan.frame, *generation), nothing, &draws)?;
         Ok(())
     }
 

@@ -5,8 +5,8 @@ use cull::{CostTable, Hierarchy, View};
 use glam::{Affine3A, Vec3};
 use gpu::{Commands, IndirectDraw, RenderTarget, Target};
 use occlusion::{
-    CalibrationScene, ObjectPass, ObjectRenderer, PATCH_TRIANGLES, PlanExecutor, Rendering,
-    ShaderSet,
+    BucketId, CalibrationScene, ObjectPass, ObjectRenderer, PATCH_TRIANGLES, PlanExecutor,
+    Rendering, ShaderSet,
 };
 use scene::{Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal, pack_unorm};
 
@@ -70,7 +70,7 @@ impl ObjectRenderer for CalibrationObjects<'_> {
         self.passes.colour_rendering(view)
     }
 
-    fn bind(&self, commands: &Commands, view: &View, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
         let io = OpaqueIo {
             vertices: self.geometry.vertices.whole(),
             indices: self.geometry.indices.whole(),

@@ -179,6 +179,9 @@ pub enum Error {
         /// The reason, and the advice.
         reason: &'static str,
     },
+    /// Draws in buckets; a renderer has one draw per object.
+    #[error(transparent)]
+    Buckets(#[from] occlusion::BucketError),
     /// A request for shaders that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
@@ -190,7 +193,9 @@ impl From<occlusion::Error> for Error {
     fn from(error: occlusion::Error) -> Self {
         match error {
             occlusion::Error::Gpu(error) => Self::Gpu(error),
+            occlusion::Error::Hierarchy(error) => Self::Hierarchy(error),
             occlusion::Error::CannotCount(error) => Self::CannotCount(error),
+            occlusion::Error::Buckets(error) => Self::Buckets(error),
             occlusion::Error::ForeignView => Self::ForeignRenderer { thing: FOREIGN_VIEW },
             occlusion::Error::NoShaderCompiler(folder) => Self::NoShaderCompiler(folder),
         }

@@ -4,7 +4,8 @@ use cull::{Aabb, Containment, Hierarchy, PlaneMask, Strategy, View};
 use glam::Affine3A;
 use gpu::{BufferSlice, Commands, Device, Frame, RenderTarget, Target, Tick};
 use occlusion::{
-    Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering, ShaderSet, UpcomingDraws,
+    BucketId, DrawBuckets, Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering, ShaderSet,
+    UpcomingDraws,
 };
 use scene::{Light, Scene, TransparentId};
 
@@ -78,7 +79,7 @@ impl ObjectRenderer for FramePasses {
         }
     }
 
-    fn bind(&self, commands: &Commands, view: &View, pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, pass: ObjectPass) {
         let pass = match (pass, self.pipelines.depth_first.get()) {
             (ObjectPass::Depth, Some(DepthFirst { depth, .. })) => depth,
             (ObjectPass::Colour, Some(DepthFirst { colour, .. })) => colour,
@@ -96,9 +97,11 @@ impl ObjectRenderer for FramePasses {
         executor: &PlanExecutor,
         commands: &Commands,
         view: &View,
-        draw: &dyn Fn(&Commands),
+        draw: DrawBuckets<'_>,
     ) {
-        self.shade_surfaces(executor, commands, view, draw);
+        // Bound already: there is one bucket.
+        let draw = |commands: &Commands| draw(commands, &|_, _| {});
+        self.shade_surfaces(executor, commands, view, &draw);
     }
 }
 

@@ -86,11 +86,10 @@ impl ViewState {
     pub(crate) fn set_frames_in_flight(
         &mut self,
         frames_in_flight: usize,
-        hierarchy: &Hierarchy,
         leaves: &LeafTable,
     ) -> Result<(), occlusion::Error> {
         if self.visibility.frames_in_flight() != frames_in_flight {
-            self.visibility.set_frames_in_flight(frames_in_flight, hierarchy, leaves)?;
+            self.visibility.set_frames_in_flight(frames_in_flight, leaves)?;
             self.counts.forget_ring();
         }
         Ok(())

@@ -87,6 +87,7 @@ impl From<render::Error> for RunError {
             | render::Error::NoView
             | render::Error::View(_)
             | render::Error::StandardDepth
+            | render::Error::Buckets(_)
             | render::Error::ForeignRenderer { .. }
             | render::Error::ForeignHierarchy { .. }
             | render::Error::ImageSize { .. }

@@ -10,8 +10,8 @@ use gpu::{
     GraphicsPipelineInfo, IndirectDraw, Readback, RenderTarget, StorageLayout, Target, vk,
 };
 use occlusion::{
-    LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, Method, MethodRequest, MethodScene, ObjectPass,
-    ObjectRenderer, OcclusionPasses, PlanExecutor, PlannedMethod, Rendering, ShaderSet,
+    BucketId, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, Method, MethodRequest, MethodScene,
+    ObjectPass, ObjectRenderer, OcclusionPasses, PlanExecutor, PlannedMethod, Rendering, ShaderSet,
     VisibilityState,
 };
 use tests::walk::pixels_that_differ;
@@ -74,7 +74,7 @@ impl ObjectRenderer for Boxes {
         self.target.render_target(clear).within(view.origin, view.size)
     }
 
-    fn bind(&self, commands: &Commands, view: &View, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
         commands.bind(&self.pipeline, &[self.boxes]);
         // The shader makes up its vertices: any vertex buffer does.
         commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));

@@ -117,7 +117,7 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
             assert_eq!(set.leaves().len(), 1);
         }
         let set = renderer.visible_set(&mut finder, &camera, Rect::whole(size)).unwrap();
-        assert!(set.leaves().len() > gpu::LISTED_DRAWS, "only {} show", set.leaves().len());
+        assert!(set.leaves().len() > gpu::LISTED_LEAVES, "only {} show", set.leaves().len());
         assert!(finder.plan().stats.shared_proxies > 10, "no test answered for another");
         let again = renderer.visible_set(&mut finder, &camera, Rect::whole(size)).unwrap();
         assert_eq!(again.leaves().len(), set.leaves().len(), "now most of it is drawn untested");

@@ -11,6 +11,8 @@ mod bad_machine;
 #[cfg(feature = "shader-compiler")]
 mod bare_boxes;
 mod blocking_query_pool;
+#[cfg(feature = "shader-compiler")]
+mod buckets;
 mod calibration;
 mod cold_starts;
 mod compute_test;

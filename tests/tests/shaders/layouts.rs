@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use gpu::{IndirectDraw, LISTED_DRAWS};
+use gpu::{DrawLink, IndirectDraw, LISTED_LEAVES, Reveal};
 use spirq::prelude::*;
 use spirq::ty::Type;
 use spirq::var::Variable;
@@ -69,6 +69,12 @@ const INDIRECT_DRAW_OFFSETS: [usize; 5] = [
     offset_of!(IndirectDraw, first_instance),
 ];
 
+/// Returns the lists of draws.
+fn links(binding: u32) -> (u32, usize, Vec<usize>) {
+    let offsets = vec![offset_of!(DrawLink, next), offset_of!(DrawLink, instance_count)];
+    (binding, size_of::<DrawLink>(), offsets)
+}
+
 #[test]
 fn instances_are_three_rows_and_a_tint() {
     // The rows are an array of three, so the tint is the second member.
@@ -93,9 +99,13 @@ fn flags_are_values_and_leaf_boxes_enable_draws() {
     assert_eq!(interface("proxy.frag"), (vec![(1, 4, vec![0])], 0));
     assert_eq!(interface("leaf_box.vert"), (vec![(0, 32, vec![0, 16])], 104));
     let draws = (1, size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
-    assert_eq!(interface("leaf_box.frag"), (vec![draws, (2, 4, vec![0])], 0));
-    let source = std::fs::read_to_string(crate::folder().join("leaf_box.frag")).unwrap();
-    assert!(source.contains(&format!("LISTED_DRAWS = {LISTED_DRAWS};")));
+    let values = |binding| (binding, 4, vec![0]);
+    assert_eq!(interface("leaf_box.frag"), (vec![draws, values(2), values(3), links(4)], 0));
+    let source = |name| std::fs::read_to_string(crate::folder().join(name)).unwrap();
+    let says = |name, text: String| assert!(source(name).contains(&text), "{name}: {text}");
+    says("leaf_box.frag", format!("LISTED_LEAVES = {LISTED_LEAVES};"));
+    says("draw_link.glsl", format!("NO_DRAW = {:#x};", DrawLink::NO_DRAW));
+    says("draw_link.glsl", format!("constant_id = {}) const bool LINKED", gpu::LINKED));
 }
 
 #[test]
@@ -123,7 +133,13 @@ fn predicates_read_results_and_ranges() {
     let counts = (2, 4, vec![0]);
     let [of_counts, of_instances] = OF_GPU.map(|shader| interface(shader.name));
     assert_eq!(of_counts, (vec![values.clone(), ranges.clone(), counts], 12));
-    assert_eq!(of_instances, (vec![values, ranges, draws, boxes], 12));
+    assert_eq!(of_instances, (vec![values, ranges, draws, boxes, links(4)], 12));
+    let source = std::fs::read_to_string(crate::folder().join("predicate.glsl")).unwrap();
+    for (name, reveal) in
+        [("DRAWS", Reveal::Draws), ("BOXES", Reveal::Boxes), ("ENABLED", Reveal::EnabledDraws)]
+    {
+        assert!(source.contains(&format!("REVEAL_{name} = {};", reveal as u32)), "{name}");
+    }
     // The layout that vkCmdDrawIndexedIndirect reads.
     assert_eq!(size_of::<IndirectDraw>(), size_of::<gpu::vk::DrawIndexedIndirectCommand>());
     assert_eq!(INDIRECT_DRAW_OFFSETS, [0, 4, 8, 12, 16]);

@@ -1,9 +1,9 @@
-//! Leaf draws: a copy of a scene's indirect draws per frame slot, in which shaders switch on single
-//! draws of a range, and the list of those draws.
+//! Leaf draws: a copy of a scene's indirect draws per frame slot, in which shaders switch on the
+//! draws of single leaves, and the list of those leaves.
 //!
 //! All instance counts are zero but those that fragments of boxes set in the frame. The first
-//! fragment to set one also notes it in a list, which is read back like query results. The draws
-//! that a frame switched on are switched off when its slot is used again: draw by draw from the
+//! fragment of a leaf also notes it in a list, which is read back like query results. The draws
+//! that a frame switched on are switched off when its slot is used again: leaf by leaf from the
 //! list, without any work for all the others.
 
 use ash::vk;
@@ -25,30 +25,42 @@ use crate::record::indirect::{DRAW_BYTES, DrawRange, IndirectDraw};
 pub struct LeafDrawRing<T> {
     device: Device,
     ring: Ring<T, Option<PartMemory>>,
-    draw_count: u32,
+}
+
+/// The draws of a scene, as the ring copies them.
+pub trait LeafDraws {
+    /// Returns the number of draws, those included that are empty.
+    fn count(&self) -> u32;
+
+    /// Returns a draw; an empty one where there is none.
+    fn draw(&self, number: u32) -> IndirectDraw;
+
+    /// Calls `each` with the number of each draw of a leaf.
+    fn draws_of(&self, leaf: u32, each: &mut dyn FnMut(u32));
 }
 
 struct PartMemory {
     draws: Buffer,
-    /// The number of draws switched on, then their numbers.
+    draw_count: u32,
+    /// The number of leaves switched on, then their numbers.
     list: ResultBuffer,
-    /// Ranges that the frame of this slot may have switched on.
+    /// Ranges of draws that the frame of this slot may have switched on.
     tested: Vec<DrawRange>,
     /// Ranges whose draws have changed since they were written.
     changed: Vec<DrawRange>,
 }
 
-/// The draws that fragments switched on in one frame.
+/// The leaves whose draws fragments switched on in one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EnabledDraws<'a> {
-    /// A complete list: the numbers of the draws, each once.
+pub enum EnabledLeaves<'a> {
+    /// A complete list: the numbers of the leaves, each once.
     These(&'a [u32]),
-    /// More draws than the list holds.
+    /// More leaves than the list holds.
     TooMany(u32),
 }
 
-/// The number of draws that a list can hold. Mirrors `leaf_box.frag`.
-pub const LISTED_DRAWS: usize = 4095;
+/// The number of leaves that a list can hold. Mirrors `leaf_box.frag`.
+pub const LISTED_LEAVES: usize = 4095;
 
 impl<T> OfDevice for LeafDrawRing<T> {
     const KIND: &'static str = "leaf draws (`LeafDrawRing`)";
@@ -59,26 +71,26 @@ impl<T> OfDevice for LeafDrawRing<T> {
 }
 
 impl<T: Copy> LeafDrawRing<T> {
-    /// Creates a ring for a scene of `draw_count` draws, without memory yet.
-    pub fn new(device: &Device, frames_in_flight: usize, draw_count: u32) -> Self {
-        Self { device: device.clone(), ring: Ring::new(frames_in_flight), draw_count }
+    /// Creates a ring without memory yet.
+    pub fn new(device: &Device, frames_in_flight: usize) -> Self {
+        Self { device: device.clone(), ring: Ring::new(frames_in_flight) }
     }
 
     /// Notes that the draws of `range` have changed: every slot writes them again when it is next
     /// used.
     pub fn changed(&mut self, range: DrawRange) {
         for memory in self.ring.slots_mut().filter_map(|slot| slot.memory.as_mut()) {
-            memory.changed(range, self.draw_count);
+            memory.changed(range);
         }
     }
 
     /// Notes that all draws have changed.
     pub fn all_changed(&mut self) {
-        self.changed(DrawRange { first: 0, count: self.draw_count });
+        self.changed(DrawRange { first: 0, count: u32::MAX });
     }
 
     /// Gives `listed` the list of every frame that is over, oldest first. Never waits.
-    pub fn collect(&mut self, completed: Tick, mut listed: impl FnMut(T, EnabledDraws<'_>)) {
+    pub fn collect(&mut self, completed: Tick, mut listed: impl FnMut(T, EnabledLeaves<'_>)) {
         let device = &self.device;
         self.ring.collect(
             device.proven(completed),
@@ -92,8 +104,8 @@ impl<T: Copy> LeafDrawRing<T> {
     }
 
     /// Starts a frame in which fragments may switch on draws of the ranges `tested`; without
-    /// ranges, no memory is used. `draw` returns each draw. A barrier from [`Access::CopyWrite`] to
-    /// the stores and to the draws must follow.
+    /// ranges, no memory is used. A barrier from [`Access::CopyWrite`] to the stores and to the
+    /// draws must follow.
     ///
     /// # Errors
     /// [`Error::Foreign`] for a frame of another device, which fails; no memory.
@@ -102,7 +114,7 @@ impl<T: Copy> LeafDrawRing<T> {
         frame: &mut Frame<'_>,
         tag: T,
         tested: impl Iterator<Item = DrawRange>,
-        draw: impl Fn(u32) -> IndirectDraw,
+        draws: &impl LeafDraws,
     ) -> Result<(), Error> {
         frame.commands().admit(self)?;
         let (slot, was_given_up) =
@@ -115,17 +127,17 @@ impl<T: Copy> LeafDrawRing<T> {
             return Ok(());
         }
         slot.begin(frame.commands().recording(), [tag].into_iter());
-        let memory = match slot.memory.take() {
+        let memory = match slot.memory.take().filter(|it| it.draw_count == draws.count()) {
             Some(mut memory) => {
-                memory.forget_switched_on();
+                memory.forget_switched_on(draws);
                 memory
             }
-            None => PartMemory::new(&self.device, self.draw_count, slot.number)?,
+            None => PartMemory::new(&self.device, draws.count(), slot.number)?,
         };
         let memory = slot.memory.insert(memory);
         for range in memory.changed.drain(..) {
-            let off = (range.first..range.first.saturating_add(range.count))
-                .map(|number| IndirectDraw { instance_count: 0, ..draw(number) });
+            let off = (range.first..range.first + range.count)
+                .map(|number| IndirectDraw { instance_count: 0, ..draws.draw(number) });
             let from = frame.uploads().push_iter(off)?;
             let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
             let to = memory.draws.whole().part(bytes(range.first), bytes(range.count));
@@ -147,7 +159,7 @@ impl<T: Copy> LeafDrawRing<T> {
     pub fn read_back(&self, commands: &Commands) {
         if let (Ok(()), Some(memory)) = (commands.admit(self), self.recorded()) {
             let written = [Access::FragmentWrite, Access::CopyWrite];
-            memory.list.read_back(commands, LISTED_DRAWS + 1, &written);
+            memory.list.read_back(commands, LISTED_LEAVES + 1, &written);
         }
     }
 
@@ -181,7 +193,7 @@ fn join(ranges: &mut Vec<DrawRange>) {
 pub struct LeafDrawBuffers {
     /// All draws of the scene.
     pub draws: BufferSlice,
-    /// The number of draws switched on, then their numbers.
+    /// The number of leaves switched on, then their numbers.
     pub list: BufferSlice,
 }
 
@@ -194,57 +206,58 @@ impl PartMemory {
         let (name, size_bytes) = (format!("leaf draws {slot}"), u64::from(draw_count) * DRAW_BYTES);
         Ok(Self {
             draws: Buffer::new(device, &name, size_bytes, usage, MemoryKind::Device)?,
-            list: ResultBuffer::new(device, &format!("leaf list {slot}"), LISTED_DRAWS + 1)?,
+            draw_count,
+            list: ResultBuffer::new(device, &format!("leaf list {slot}"), LISTED_LEAVES + 1)?,
             tested: Vec::new(),
             changed: vec![DrawRange { first: 0, count: draw_count }],
         })
     }
 
-    fn changed(&mut self, range: DrawRange, draw_count: u32) {
+    fn changed(&mut self, range: DrawRange) {
         // Beyond that, one copy of everything is less work than all these.
         const MOST_RANGES: usize = 1 << 10;
+        let first = range.first.min(self.draw_count);
+        let count = range.count.min(self.draw_count - first);
         let is_full = self.changed.len() == MOST_RANGES;
         match self.changed.last_mut() {
-            Some(last) if last.first.saturating_add(last.count) == range.first => {
-                last.count = last.count.saturating_add(range.count);
-            }
+            Some(last) if last.first + last.count == first => last.count += count,
             _ if is_full => {
                 self.changed.clear();
-                self.changed.push(DrawRange { first: 0, count: draw_count });
+                self.changed.push(DrawRange { first: 0, count: self.draw_count });
             }
-            _ => self.changed.push(range),
+            _ => self.changed.push(DrawRange { first, count }),
         }
     }
 
-    /// Adds the draws that the last frame may have switched on to those to write again. The slot's
-    /// tick is over, so the list is there, collected or not.
-    fn forget_switched_on(&mut self) {
+    /// Adds the draws that the last frame may have switched on to those to write again: those of
+    /// the leaves in its list, as they are now. A draw that belonged to one of them and no longer
+    /// does has changed since. The slot's tick is over, so the list is there, collected or not.
+    fn forget_switched_on(&mut self, draws: &impl LeafDraws) {
         if !self.tested.is_empty() {
-            let listed = self.list.read(LISTED_DRAWS + 1);
-            match enabled(listed) {
-                EnabledDraws::These(numbers) => {
-                    let ranges = numbers.iter().map(|first| DrawRange { first: *first, count: 1 });
-                    self.changed.extend(ranges);
-                }
-                EnabledDraws::TooMany(_) => self.changed.extend(&self.tested),
+            let Self { list, changed, tested, .. } = self;
+            match enabled(list.read(LISTED_LEAVES + 1)) {
+                EnabledLeaves::These(leaves) => leaves.iter().for_each(|leaf| {
+                    draws.draws_of(*leaf, &mut |first| changed.push(DrawRange { first, count: 1 }));
+                }),
+                EnabledLeaves::TooMany(_) => changed.extend(tested.iter()),
             }
         }
         join(&mut self.changed);
     }
 
     /// Reads the list, only once the tick of its frame is over.
-    fn enabled(&self) -> EnabledDraws<'_> {
-        enabled(self.list.read(LISTED_DRAWS + 1))
+    fn enabled(&self) -> EnabledLeaves<'_> {
+        enabled(self.list.read(LISTED_LEAVES + 1))
     }
 }
 
-fn enabled(list: &[u32]) -> EnabledDraws<'_> {
+fn enabled(list: &[u32]) -> EnabledLeaves<'_> {
     let Some((count, numbers)) = list.split_first() else {
-        return EnabledDraws::TooMany(u32::MAX);
+        return EnabledLeaves::TooMany(u32::MAX);
     };
     match numbers.get(..*count as usize) {
-        Some(numbers) => EnabledDraws::These(numbers),
-        None => EnabledDraws::TooMany(*count),
+        Some(numbers) => EnabledLeaves::These(numbers),
+        None => EnabledLeaves::TooMany(*count),
     }
 }
 

@@ -29,3 +29,22 @@ pub struct DrawRange {
     /// The number of draws.
     pub count: u32,
 }
+
+/// The next draw of the same leaf as the GPU reads it, where leaves have any number of draws;
+/// mirrors `draw_link.glsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub struct DrawLink {
+    /// The number of the next draw, or [`DrawLink::NO_DRAW`].
+    pub next: u32,
+    /// The instances of this one once it is enabled; 0 only where there is no draw.
+    pub instance_count: u32,
+}
+
+impl DrawLink {
+    /// The end of a list, in place of the number of a draw.
+    pub const NO_DRAW: u32 = u32::MAX;
+
+    /// The link of a place without a draw.
+    pub const EMPTY: Self = Self { next: Self::NO_DRAW, instance_count: 0 };
+}

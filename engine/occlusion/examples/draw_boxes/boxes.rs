@@ -1,6 +1,8 @@
 //! The owner of the objects: boxes, and the pipeline that draws their depth.
 
-use antumbra_occlusion::{Error, LeafTable, ObjectPass, ObjectRenderer, Rendering, ShaderSet};
+use antumbra_occlusion::{
+    BucketId, Error, LeafTable, ObjectPass, ObjectRenderer, Rendering, ShaderSet,
+};
 use cull::View;
 use gpu::{
     Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
@@ -43,7 +45,7 @@ impl ObjectRenderer for Boxes {
         self.target.render_target((rendering == Rendering::First).then_some([0.0; 4]))
     }
 
-    fn bind(&self, commands: &Commands, view: &View, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
         let [x, y, z, w] = view.view_proj.to_cols_array_2d();
         commands.bind(&self.pipeline, &[self.boxes]);
         // The shader makes its vertices of the boxes: any buffer does.

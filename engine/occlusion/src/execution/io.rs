@@ -1,6 +1,5 @@
 //! The inputs of the execution of a plan: the plan as it lies in the memory of its frame.
 
-use cull::LeafIndex;
 use gpu::{BufferSlice, Frame, IndirectDraw, LeafDrawBuffers, ResultSource};
 
 use crate::error::Error;
@@ -10,8 +9,8 @@ use crate::visibility_state::VisibilityState;
 
 /// The buffers that one frame reads from its slot's memory.
 pub(super) struct FrameIo {
+    /// The visible draws, by bucket.
     pub(super) visible: BufferSlice,
-    pub(super) queried: BufferSlice,
     pub(super) proxies: ProxyIo,
     pub(super) computed: Option<ComputeTestIo>,
     pub(super) leaf_draws: Option<LeafDrawBuffers>,
@@ -37,14 +36,12 @@ impl FrameIo {
             let decided = state.layout.decided(source).iter().copied();
             leaves.predicates.begin(frame, source, results, decided)?;
         }
-        let draw = |leaf: &LeafIndex| leaves.draw(*leaf);
+        let visible = state.layout.visible.cells().iter();
         let (plan, uploads) = (state.plan(), frame.uploads());
-        let queried = plan.queried_draws.iter();
         let boxes = uploads.push_iter(plan.tests.iter().map(|t| ProxyBox::from(t.bounds)))?;
         let results = rings.computed.results();
         Ok(Self {
-            visible: uploads.push_iter(plan.draws.iter().map(draw))?,
-            queried: uploads.push_iter(queried.map(|(leaf, _)| draw(leaf)))?,
+            visible: uploads.push_iter(visible.map(|cell| leaves.layout.command(*cell)))?,
             proxies: ProxyIo { boxes, flags: rings.flags.results() },
             computed: results.map(|results| ComputeTestIo { boxes, results, first: 0, count: 0 }),
             leaf_draws: rings.leaf_draws.buffers(),

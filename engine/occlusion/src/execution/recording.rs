@@ -13,16 +13,20 @@
 //! copy results   results and lists -> mapped memory of this slot
 //! ```
 
+use std::ops::Range;
+
 use cull::View;
-use gpu::{Access, Commands, MemoryBarrier, Predicate, QueryIndex, Reveal};
+use gpu::{Access, Commands, LeafDrawBuffers, MemoryBarrier, Predicate, QueryIndex, Reveal};
 
 use super::io::{DRAW_BYTES, FrameIo};
 use crate::executor::PlanExecutor;
+use crate::leaf_table::{BucketId, draw_range};
 use crate::object_renderer::{ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render};
 use crate::passes::{ComputeTestIo, LeafBoxIo};
 use crate::rect::Rect;
-use crate::test_layout::RoundLayout;
+use crate::test_layout::{RevealedRange, RoundLayout};
 use crate::visibility_state::VisibilityState;
+use crate::visible_draws::QueriedDraws;
 
 /// A plan and the objects that it is recorded with.
 pub(super) struct Recording<'a> {
@@ -51,8 +55,9 @@ impl Recording<'_> {
         objects.target().prepare(commands);
         commands.pass("draw visible", |commands| {
             render(objects, commands, (view, Rendering::First), |commands, objects| {
-                objects.bind(commands, view, ObjectPass::Visibility);
-                self.draw_visible(commands);
+                self.draw_visible(commands, &|commands, bucket| {
+                    objects.bind(commands, view, bucket, ObjectPass::Visibility);
+                });
                 self.draw_proxies(commands, objects, rounds.first());
             });
         });
@@ -75,15 +80,17 @@ impl Recording<'_> {
             objects.target().prepare(commands);
             commands.pass("draw revealed", |commands| {
                 render(objects, commands, (view, Rendering::Next), |commands, objects| {
-                    objects.bind(commands, view, ObjectPass::Visibility);
-                    self.draw_enabled(commands, before);
-                    self.draw_whole(commands, known);
+                    self.draw_revealed(commands, [before, known], &|commands, bucket| {
+                        objects.bind(commands, view, bucket, ObjectPass::Visibility);
+                    });
                     self.test_leaves(commands, objects, known);
                     self.draw_proxies(commands, objects, next);
                 });
             });
         }
-        objects.shade(self.executor, commands, view, &|commands| self.draw_again(commands));
+        objects.shade(self.executor, commands, view, &|commands, bind| {
+            self.draw_again(commands, bind);
+        });
         commands.pass("copy results", |commands| {
             state.rings().queries.resolve(commands, 0..state.layout.visible_draw_queries);
             state.rings().queries.read_back(commands);
@@ -93,26 +100,29 @@ impl Recording<'_> {
         });
     }
 
-    /// Draws the leaves that are taken as visible: in one call from one queried draw to the next.
-    fn draw_visible(&self, commands: &Commands) {
-        let plan = self.state.plan();
-        let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
-        let mut drawn = 0;
-        let mut draw_until = |end: u32| {
-            if end > drawn {
-                let draws = self.io.visible.part(bytes(drawn), bytes(end - drawn));
+    /// Draws the leaves that are taken as visible: bucket by bucket, in one call from one queried
+    /// draw to the next.
+    fn draw_visible(&self, commands: &Commands, bind: &dyn Fn(&Commands, BucketId)) {
+        let visible = &self.state.layout.visible;
+        let draw = |commands: &Commands, draws: Range<u32>| {
+            if !draws.is_empty() {
+                let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
+                let draws = self.io.visible.part(bytes(draws.start), bytes(draws.len() as u32));
                 self.executor.leaves.predicates.draw_always(commands, draws);
-                drawn = end;
             }
         };
-        for (query, after) in (0..).zip(&plan.queried_after) {
-            draw_until(*after);
-            self.state.rings().queries.scope(commands, QueryIndex(query), |commands| {
-                let draws = self.io.queried.part(bytes(query), DRAW_BYTES);
-                self.executor.leaves.predicates.draw_always(commands, draws);
-            });
+        for bucket in visible.buckets() {
+            bind(commands, bucket.bucket);
+            let mut drawn = bucket.draws.start;
+            for QueriedDraws { draws, query } in visible.queried(bucket) {
+                draw(commands, drawn..draws.start);
+                self.state.rings().queries.scope(commands, QueryIndex(*query), |commands| {
+                    draw(commands, draws.clone());
+                });
+                drawn = draws.end;
+            }
+            draw(commands, drawn..bucket.draws.end);
         }
-        draw_until(plan.draws.len() as u32);
     }
 
     /// Tests the proxies of one round against the depth so far.
@@ -195,49 +205,55 @@ impl Recording<'_> {
             return;
         }
         let (layout, predicates) = (&self.state.layout, self.executor.leaves.predicates());
-        let revealing = |reveal| layout.revealing(known, reveal);
-        let decisions = revealing(Reveal::Whole).chain(revealing(Reveal::PerLeaf));
-        let threshold = self.state.plan().sample_threshold;
-        let revealed: Vec<Predicate> = decisions
-            .filter_map(|it| predicates.predicate(it.source, it.number, threshold))
-            .collect();
+        let (tests, threshold) = (&self.state.plan().tests, self.state.plan().sample_threshold);
+        let [draws, boxes] = [Reveal::Draws, Reveal::Boxes].map(|it| layout.revealed(known, it));
+        let predicate = |it: &RevealedRange| {
+            let leaves = draw_range(tests.get(it.test as usize)?.leaves);
+            predicates.predicate((it.source, it.predicate), leaves, threshold)
+        };
+        // A test decides about its leaves once, however many buckets they have draws in.
+        let mut decided: Vec<&RevealedRange> = draws.iter().chain(boxes).collect();
+        decided.sort_unstable_by_key(|it| it.test);
+        decided.dedup_by_key(|it| it.test);
+        let revealed: Vec<Predicate> = decided.into_iter().filter_map(predicate).collect();
         objects.prepare_draws(commands, UpcomingDraws::Revealed(&revealed));
     }
 
-    /// Draws the leaves of a round that were switched on one by one.
-    fn draw_enabled(&self, commands: &Commands, round: Option<&RoundLayout>) {
-        let Some(leaf_draws) = self.io.leaf_draws else { return };
-        for decision in self.state.layout.revealing(round, Reveal::PerLeaf) {
-            self.executor.leaves.predicates.draw_enabled(
-                commands,
-                decision.source,
-                decision.number,
-                leaf_draws.draws,
-            );
-        }
-    }
-
-    /// Draws the ranges of a round that showed.
-    fn draw_whole(&self, commands: &Commands, round: Option<&RoundLayout>) {
-        for decision in self.state.layout.revealing(round, Reveal::Whole) {
-            self.executor.leaves.predicates.draw(commands, decision.source, decision.number);
+    /// Draws, bucket by bucket, the leaves that boxes of the round `before` switched on one by one,
+    /// and the ranges of the `known` round that showed.
+    fn draw_revealed(
+        &self,
+        commands: &Commands,
+        [before, known]: [Option<&RoundLayout>; 2],
+        bind: &dyn Fn(&Commands, BucketId),
+    ) {
+        let (layout, predicates) = (&self.state.layout, &self.executor.leaves.predicates);
+        let mut enabled = layout.revealed(before, Reveal::EnabledDraws);
+        let mut whole = layout.revealed(known, Reveal::Draws);
+        let first = |list: &[RevealedRange]| list.first().map(|it| it.bucket);
+        while let Some(bucket) = [enabled, whole].into_iter().filter_map(first).min() {
+            bind(commands, bucket);
+            for it in take_bucket(&mut enabled, bucket) {
+                let Some(LeafDrawBuffers { draws, .. }) = self.io.leaf_draws else { continue };
+                predicates.draw_enabled(commands, it.source, it.predicate, draws);
+            }
+            for it in take_bucket(&mut whole, bucket) {
+                predicates.draw(commands, it.source, it.predicate);
+            }
         }
     }
 
     /// Draws again what all rounds of a frame drew: their results still hold the decisions.
-    fn draw_again(&self, commands: &Commands) {
-        let plan = self.state.plan();
-        for (draws, count) in
-            [(self.io.visible, plan.draws.len()), (self.io.queried, plan.queried_draws.len())]
-        {
-            if count > 0 {
-                let draws = draws.part(0, count as u64 * DRAW_BYTES);
-                self.executor.leaves.predicates.draw_always(commands, draws);
-            }
+    fn draw_again(&self, commands: &Commands, bind: &dyn Fn(&Commands, BucketId)) {
+        for bucket in self.state.layout.visible.buckets() {
+            bind(commands, bucket.bucket);
+            let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
+            let draws = &bucket.draws;
+            let draws = self.io.visible.part(bytes(draws.start), bytes(draws.len() as u32));
+            self.executor.leaves.predicates.draw_always(commands, draws);
         }
         for round in &self.state.layout.rounds {
-            self.draw_whole(commands, Some(round));
-            self.draw_enabled(commands, Some(round));
+            self.draw_revealed(commands, [Some(round); 2], bind);
         }
     }
 
@@ -256,15 +272,19 @@ impl Recording<'_> {
         };
         commands.label("leaf boxes", |commands| {
             commands.set_viewport(&objects.viewport(self.view));
-            let boxes = self.executor.leaves.boxes();
-            pass.bind(commands, &LeafBoxIo { boxes, leaf_draws }, self.view);
-            for decision in self.state.layout.revealing(known, Reveal::PerLeaf) {
-                self.executor.leaves.predicates.draw_boxes(
-                    commands,
-                    decision.source,
-                    decision.number,
-                );
+            let leaves = &self.executor.leaves;
+            let io = LeafBoxIo { boxes: leaves.boxes(), leaf_draws, links: leaves.links() };
+            pass.bind(commands, &io, self.view);
+            for it in self.state.layout.revealed(known, Reveal::Boxes) {
+                leaves.predicates.draw_boxes(commands, it.source, it.predicate);
             }
         });
     }
+}
+
+/// Takes the ranges of a bucket, which are the first of the list if there are any.
+fn take_bucket<'a>(list: &mut &'a [RevealedRange], bucket: BucketId) -> &'a [RevealedRange] {
+    let (taken, left) = list.split_at(list.partition_point(|it| it.bucket == bucket));
+    *list = left;
+    taken
 }

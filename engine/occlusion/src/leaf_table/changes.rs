@@ -1,51 +1,49 @@
-//! The leaves whose draw changed, for views with copies of the draws: each reads on where it
+//! The cells whose draw changed, for views with copies of the draws: each reads on where it
 //! stopped.
 
 use std::collections::VecDeque;
 
-use cull::LeafIndex;
-
-/// The latest leaves whose draw changed, numbered from the first change on.
+/// The latest cells whose draw changed, numbered from the first change on.
 #[derive(Debug)]
 pub struct DrawChanges {
-    leaves: VecDeque<LeafIndex>,
-    /// The number of changes before `leaves`.
+    cells: VecDeque<u32>,
+    /// The number of changes before `cells`.
     dropped: u64,
     most: usize,
 }
 
 impl DrawChanges {
-    /// Creates a log of as many changes as there are leaves: a view that missed more copies all
+    /// Creates a log of as many changes as there are cells: a view that missed more copies all
     /// draws again.
-    pub fn new(leaf_count: usize) -> Self {
+    pub fn new(cell_count: usize) -> Self {
         const MOST_MIN: usize = 1 << 10;
-        Self { leaves: VecDeque::new(), dropped: 0, most: leaf_count.max(MOST_MIN) }
+        Self { cells: VecDeque::new(), dropped: 0, most: cell_count.max(MOST_MIN) }
     }
 
-    /// Notes that the draw of a leaf changed.
-    pub fn push(&mut self, leaf: LeafIndex) {
-        if self.leaves.len() == self.most {
-            self.leaves.pop_front();
+    /// Notes that the draw in a cell changed.
+    pub fn push(&mut self, cell: u32) {
+        if self.cells.len() == self.most {
+            self.cells.pop_front();
             self.dropped += 1;
         }
-        self.leaves.push_back(leaf);
+        self.cells.push_back(cell);
     }
 
     /// Makes every reader copy all draws again.
     pub fn forget(&mut self) {
         self.dropped = self.count() + 1;
-        self.leaves.clear();
+        self.cells.clear();
     }
 
     /// Returns the number of changes so far.
     pub fn count(&self) -> u64 {
-        self.dropped + self.leaves.len() as u64
+        self.dropped + self.cells.len() as u64
     }
 
     /// Returns those after the first `seen`; `None` if not all of them are kept.
-    pub fn since(&self, seen: u64) -> Option<impl Iterator<Item = LeafIndex>> {
+    pub fn since(&self, seen: u64) -> Option<impl Iterator<Item = u32>> {
         let first = usize::try_from(seen.checked_sub(self.dropped)?).ok()?;
-        Some(self.leaves.iter().skip(first).copied())
+        Some(self.cells.iter().skip(first).copied())
     }
 }
 
@@ -56,16 +54,15 @@ mod tests {
     #[test]
     fn readers_go_on_where_they_stopped_or_are_told_that_they_cannot() {
         let mut changes = DrawChanges::new(0);
-        let since = |changes: &DrawChanges, seen| {
-            changes.since(seen).map(|leaves| leaves.map(|leaf| leaf.0).collect::<Vec<_>>())
-        };
+        let since =
+            |changes: &DrawChanges, seen| changes.since(seen).map(Iterator::collect::<Vec<u32>>);
         assert_eq!(since(&changes, 0), Some(vec![]));
-        (0..1023).for_each(|leaf| changes.push(LeafIndex(leaf)));
+        (0..1023).for_each(|cell| changes.push(cell));
         assert_eq!(since(&changes, 1021), Some(vec![1021, 1022]));
-        (1023..1026).for_each(|leaf| changes.push(LeafIndex(leaf)));
+        (1023..1026).for_each(|cell| changes.push(cell));
         assert_eq!((changes.count(), since(&changes, 1026)), (1026, Some(vec![])));
-        assert_eq!(since(&changes, 2).map(|leaves| leaves[0]), Some(2));
-        assert_eq!(since(&changes, 1), None, "leaf 1 was dropped");
+        assert_eq!(since(&changes, 2).map(|cells| cells[0]), Some(2));
+        assert_eq!(since(&changes, 1), None, "cell 1 was dropped");
         changes.forget();
         assert_eq!(since(&changes, 1026), None, "all were forgotten");
         assert_eq!(since(&changes, changes.count()), Some(vec![]));

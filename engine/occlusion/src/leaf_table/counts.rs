@@ -1,14 +1,14 @@
-//! Counts of the objects and triangles of a range of leaves, while leaves change: a tree of partial
+//! Counts of the draws and triangles of a range of leaves, while leaves change: a tree of partial
 //! sums (Fenwick 1994, "A New Data Structure for Cumulative Frequency Tables").
 
 use cull::LeafRange;
 
-/// The counts of objects and triangles.
+/// The counts of draws and triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LeafCount {
-    /// Objects: each is one draw.
+    /// Draws: one per object, unless objects have any number.
     pub draws: u64,
-    /// Triangles of those objects.
+    /// Triangles of those draws.
     pub triangles: u64,
 }
 

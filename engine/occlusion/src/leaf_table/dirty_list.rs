@@ -29,6 +29,11 @@ impl<T> DirtyList<T> {
         Self { items: Vec::new(), uploaded_in: vec![UploadFrame::Past; count], number }
     }
 
+    /// Makes room for more things.
+    pub(super) fn grow(&mut self, count: usize) {
+        self.uploaded_in.resize(count, UploadFrame::Past);
+    }
+
     /// Returns the things to upload.
     pub(super) fn items(&self) -> &[T] {
         &self.items

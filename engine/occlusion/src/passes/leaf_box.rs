@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Attachments, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    Attachments, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, LINKED,
     LeafDrawBuffers, StorageLayout,
 };
 
@@ -13,7 +13,10 @@ use crate::shader_set::ShaderSet;
 /// The pass that draws the front faces of the leaves' proxies against the depth so far. The
 /// fragments that pass switch on the draws of their leaves.
 pub struct LeafBoxPass {
-    pipeline: GraphicsPipeline,
+    /// For leaves with one draw each, of the leaf's number.
+    single: GraphicsPipeline,
+    /// For leaves with lists of draws.
+    linked: GraphicsPipeline,
 }
 
 /// The buffers of the pass: reads the leaves' boxes and the depth that is being rendered to; writes
@@ -24,6 +27,17 @@ pub struct LeafBoxIo {
     pub boxes: BufferSlice,
     /// The draws that are switched on.
     pub leaf_draws: LeafDrawBuffers,
+    /// The draws of each leaf; `None` where each has one, of the leaf's number.
+    pub links: Option<LeafLinks>,
+}
+
+/// The draws of leaves that have any number of them, as lists.
+#[derive(Clone, Copy)]
+pub struct LeafLinks {
+    /// The number of the first draw of each leaf, or [`gpu::DrawLink::NO_DRAW`].
+    pub firsts: BufferSlice,
+    /// A [`gpu::DrawLink`] per draw.
+    pub links: BufferSlice,
 }
 
 #[repr(C)]
@@ -48,20 +62,32 @@ impl LeafBoxPass {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
-        let info = GraphicsPipelineInfo {
-            fragment: Some(shaders.find("leaf_box.frag")?),
-            storage: StorageLayout::new::<Constants>(3),
-            attachments,
-            ..GraphicsPipelineInfo::of("leaf boxes", shaders.find("leaf_box.vert")?)
+        let fragment = shaders.find("leaf_box.frag")?;
+        let pipeline = |name, fragment| -> Result<GraphicsPipeline, Error> {
+            let info = GraphicsPipelineInfo {
+                fragment: Some(fragment),
+                storage: StorageLayout::new::<Constants>(5),
+                attachments,
+                ..GraphicsPipelineInfo::of(name, shaders.find("leaf_box.vert")?)
+            };
+            Ok(GraphicsPipeline::new(device, &info)?)
         };
-        Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
+        Ok(Self {
+            single: pipeline("leaf boxes", fragment)?,
+            linked: pipeline("leaf boxes of lists", &fragment.specialised(&[(LINKED, 1)]))?,
+        })
     }
 
     /// Binds everything; the caller then draws boxes, with the leaf as the instance.
     pub fn bind(&self, commands: &Commands, io: &LeafBoxIo, view: &View) {
-        commands.bind(&self.pipeline, &[io.boxes, io.leaf_draws.draws, io.leaf_draws.list]);
+        let LeafBoxIo { boxes, leaf_draws: LeafDrawBuffers { draws, list }, links } = *io;
+        let pipeline = if links.is_some() { &self.linked } else { &self.single };
+        // Nothing reads lists unless there are some.
+        let LeafLinks { firsts, links } =
+            links.unwrap_or(LeafLinks { firsts: boxes, links: boxes });
+        commands.bind(pipeline, &[boxes, draws, list, firsts, links]);
         commands.push_constants(
-            &self.pipeline,
+            pipeline,
             &Constants {
                 view_proj: view.proxy_view_proj().to_cols_array(),
                 eye: view.rays.eye().to_array(),

@@ -11,7 +11,7 @@ use gpu::{Attachments, Device, Optional};
 use crate::error::Error;
 use crate::shader_set::ShaderSet;
 pub use compute_test::{ComputeTest, ComputeTestIo};
-pub use leaf_box::{LeafBoxIo, LeafBoxPass};
+pub use leaf_box::{LeafBoxIo, LeafBoxPass, LeafLinks};
 pub use proxy::{ProxyBox, ProxyConstants, ProxyIo, ProxyPass};
 pub use scatter::{ScatterIo, ScatterPass};
 

@@ -58,11 +58,16 @@ impl ScatterPass {
     /// Writes `count` new elements into each array; the second of a pair is the size of an element,
     /// whole values. Commands that were recorded before, in this frame or an earlier one, still
     /// read the old elements: one queue runs them all, so an execution barrier is enough.
-    pub fn record(&self, commands: &Commands, count: u32, arrays: &[(ScatterIo, usize)]) {
+    pub fn record(
+        &self,
+        commands: &Commands,
+        count: u32,
+        arrays: impl IntoIterator<Item = (ScatterIo, usize)>,
+    ) {
         commands.pass("upload changes", |commands| {
             commands.barrier(MemoryBarrier::between(&USES, &[Access::ComputeWrite]));
             for (io, element_bytes) in arrays {
-                let element_values = (*element_bytes / size_of::<u32>()) as u32;
+                let element_values = (element_bytes / size_of::<u32>()) as u32;
                 let value_count = count.saturating_mul(element_values);
                 commands.bind_compute(&self.pipeline, &[io.leaves, io.elements, io.array]);
                 let constants = Constants { element_values, value_count };

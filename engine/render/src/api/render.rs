@@ -141,7 +141,7 @@ impl Renderer {
             self.check_area(target.rect)?;
             self.check_visible(request.strategy, target.visible)?;
             let (slots, leaves) = (self.frames_in_flight(), &self.executor.leaves);
-            target.state.set_frames_in_flight(slots, &self.hierarchy, leaves)?;
+            target.state.set_frames_in_flight(slots, leaves)?;
         }
         for image in request.image.into_iter().chain(scene_image) {
             self.check_image(image)?;

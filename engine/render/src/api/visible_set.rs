@@ -4,7 +4,7 @@
 
 use cull::{Camera, LeafIndex, Rays, Strategy};
 use gpu::{Access, MemoryBarrier, Tick};
-use occlusion::{ObjectPass, ObjectRenderer, Rect, Rendering};
+use occlusion::{BucketId, ObjectPass, ObjectRenderer, Rect, Rendering};
 
 use crate::debug::visible_set::{SeenLeaves, VISIBLE_SET, VisibleSet};
 use crate::error::Error;
@@ -109,7 +109,7 @@ impl Renderer {
             commands.barrier(between(&[Access::CopyWrite], &[Access::FragmentWrite]));
             passes.target.prepare(commands);
             commands.rendering(passes.rendering(view, Rendering::First), |commands| {
-                passes.bind(commands, view, ObjectPass::Visibility);
+                passes.bind(commands, view, BucketId(0), ObjectPass::Visibility);
                 if !leaves.is_empty() {
                     commands.draw_indirect(draws);
                 }

@@ -317,7 +317,7 @@ impl Geometry {
             array: self.instances.whole(),
             element_bytes: size_of::<Instance>(),
         };
-        Ok(leaves.upload(frame, hierarchy, scatter, instances)?)
+        Ok(leaves.upload(frame, hierarchy, scatter, Some(instances))?)
     }
 
     /// Notes that the frame of the last [`Geometry::upload_changes`] was submitted.

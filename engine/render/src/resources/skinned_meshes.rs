@@ -321,7 +321,7 @@ impl SkinnedMeshes {
     ) {
         let first_at = |leaf: u32| deferred.partition_point(|(it, _)| it.0 < leaf);
         let meshes_of =
-            |it: &Predicate| first_at(it.range.first)..first_at(it.range.first + it.range.count);
+            |it: &Predicate| first_at(it.leaves.first)..first_at(it.leaves.first + it.leaves.count);
         let Some(io) = self.io.filter(|_| revealed.iter().any(|it| !meshes_of(it).is_empty()))
         else {
             return;

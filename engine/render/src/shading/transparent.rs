@@ -144,7 +144,7 @@ impl Transparent {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
         let indirect = storage | vk::BufferUsageFlags::INDIRECT_BUFFER;
         let draw_bytes = objects.len() as u64 * DRAW_BYTES;
-        let list_bytes = (gpu::LISTED_DRAWS as u64 + 1) * 4;
+        let list_bytes = (gpu::LISTED_LEAVES as u64 + 1) * 4;
         Ok(Some(Self {
             objects,
             leaf_draws: [
@@ -278,7 +278,7 @@ impl Transparent {
         let [draws, list] = &self.leaf_draws;
         commands.label("transparent boxes", |commands| {
             let leaf_draws = LeafDrawBuffers { draws: draws.whole(), list: list.whole() };
-            pass.bind(commands, &LeafBoxIo { boxes, leaf_draws }, view);
+            pass.bind(commands, &LeafBoxIo { boxes, leaf_draws, links: None }, view);
             commands.draw_instances(BOX_VERTICES, 0..io.count);
         });
     }

@@ -46,12 +46,12 @@ fn drawn(device: &Device, predication: Predication) -> Vec<(bool, bool, bool)> {
         let whole = PredicatedRange {
             result: 5,
             range: DrawRange { first: 0, count: 1 },
-            reveal: Reveal::Whole,
+            reveal: Reveal::Draws,
         };
         let per_leaf = PredicatedRange {
             result: 7,
             range: DrawRange { first: 1, count: 1 },
-            reveal: Reveal::PerLeaf,
+            reveal: Reveal::Boxes,
         };
         let results = flags.results().filter(|_| has_results);
         predicates.begin(&mut frame, SOURCE, results, [whole, per_leaf].into_iter()).unwrap();
@@ -131,7 +131,7 @@ fn more_decisions_than_a_dispatch_has_workgroups() {
         let decided = (0..COUNT).map(|number| PredicatedRange {
             result: number,
             range: DrawRange { first: number, count: 1 },
-            reveal: Reveal::Whole,
+            reveal: Reveal::Draws,
         });
         let mut frame = ring.begin().unwrap();
         let decided: Vec<_> = decided.collect();

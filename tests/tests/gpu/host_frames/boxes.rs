@@ -8,7 +8,7 @@ use gpu::{
     GraphicsPipelineInfo, HostImage, HostImages, HostPass, ImageState, NearDepth, RenderTarget,
     StorageLayout, Target,
 };
-use occlusion::{LeafTable, ObjectPass, ObjectRenderer, Rendering, ShaderSet};
+use occlusion::{BucketId, LeafTable, ObjectPass, ObjectRenderer, Rendering, ShaderSet};
 use tests::host_device::Host;
 use tests::host_images::OwnImage;
 
@@ -78,7 +78,7 @@ impl ObjectRenderer for Boxes {
         }
     }
 
-    fn bind(&self, commands: &Commands, view: &View, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
         commands.bind(&self.pipeline, &[self.boxes]);
         commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
         let mut constants = [0.0; 20];

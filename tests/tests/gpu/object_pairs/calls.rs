@@ -11,7 +11,7 @@ use raw_window_handle::{
 };
 
 use super::Row;
-use super::side::{SIZE, SOURCE, Side, framed};
+use super::side::{EmptyDraws, SIZE, SOURCE, Side, framed};
 
 /// A window with dangling handles: it is refused before they are followed.
 struct NowhereOnWayland;
@@ -105,8 +105,7 @@ fn frames() -> Vec<Row> {
         row("LeafDrawRing::begin", "leaf draws (`LeafDrawRing`)", |ours, theirs| {
             framed(&ours.device(), |frame| {
                 let range = gpu::DrawRange { first: 0, count: 1 };
-                let no_draw = |_| gpu::IndirectDraw::default();
-                theirs.leaf_draws.begin(frame, 1, [range].into_iter(), no_draw)
+                theirs.leaf_draws.begin(frame, 1, [range].into_iter(), &EmptyDraws)
             })
         }),
         row("Predicates::begin", PREDICATES, |ours, theirs| {

@@ -5,8 +5,8 @@ use cull::Camera;
 use gpu::{
     BlockingQueryPool, Buffer, BufferSlice, Commands, ComputePipeline, Counting, Device, DrawRange,
     DynamicTexture, FlagRing, Frame, FrameRing, GraphicsPipeline, GraphicsPipelineInfo,
-    IndirectDraw, LeafDrawRing, MemoryKind, MipMaking, PredicatedRange, Predicates, QueryIndex,
-    QueryRing, Readback, ResultSource, Reveal, Spirv, StorageLayout, Swapchain, Target,
+    IndirectDraw, LeafDrawRing, LeafDraws, MemoryKind, MipMaking, PredicatedRange, Predicates,
+    QueryIndex, QueryRing, Readback, ResultSource, Reveal, Spirv, StorageLayout, Swapchain, Target,
     TextureArray, TextureArrayInfo, TextureUploads, Timeline, vk,
 };
 use render::{
@@ -48,6 +48,23 @@ pub struct Side {
     pub predicates: Predicates,
     pub timeline: Timeline,
     pub stage: WindowStage,
+}
+
+/// Two leaves whose draws draw nothing.
+pub struct EmptyDraws;
+
+impl LeafDraws for EmptyDraws {
+    fn count(&self) -> u32 {
+        2
+    }
+
+    fn draw(&self, _number: u32) -> IndirectDraw {
+        IndirectDraw::default()
+    }
+
+    fn draws_of(&self, leaf: u32, each: &mut dyn FnMut(u32)) {
+        each(leaf);
+    }
 }
 
 fn spirv(shader: Shader) -> Spirv {
@@ -132,7 +149,7 @@ impl Side {
             queries: QueryRing::new(device, 1, "queries").unwrap(),
             pages: BlockingQueryPool::new(device, 1, "pages"),
             flags: FlagRing::new(device, 1, ResultSource::Fragments, "flags"),
-            leaf_draws: LeafDrawRing::new(device, 1, 2),
+            leaf_draws: LeafDrawRing::new(device, 1),
             predicates: Predicates::new(device, None, &draws, 1).unwrap(),
             timeline: Timeline::new(device, "timeline").unwrap(),
             stage,
@@ -150,15 +167,14 @@ impl Side {
         self.pages.take(frame.commands(), 1).unwrap();
         self.pages.scope(frame.commands(), QueryIndex(0), Counting::Some, |_| {});
         self.flags.begin(&frame, [0].into_iter()).unwrap();
-        let no_draw = |_| IndirectDraw::default();
-        self.leaf_draws.begin(&mut frame, 0, ranges.into_iter(), no_draw).unwrap();
+        self.leaf_draws.begin(&mut frame, 0, ranges.into_iter(), &EmptyDraws).unwrap();
         self.begin_predicates(&mut frame);
     }
 
     /// Makes one draw depend on the first predicate of the buffer.
     pub fn begin_predicates(&mut self, frame: &mut Frame<'_>) {
         let range = DrawRange { first: 0, count: 1 };
-        let decided = [PredicatedRange { result: 0, range, reveal: Reveal::Whole }].into_iter();
+        let decided = [PredicatedRange { result: 0, range, reveal: Reveal::Draws }].into_iter();
         self.predicates.begin(frame, SOURCE, Some(self.buffer.whole()), decided).unwrap();
     }
 

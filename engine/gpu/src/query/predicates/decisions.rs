@@ -34,31 +34,36 @@ impl ResultSource {
     }
 }
 
-/// The effect of a result that is not zero on its range.
+/// The effect of a result that is not zero on its range. The order mirrors `predicate.glsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u32)]
 pub enum Reveal {
     /// The whole range is drawn ([`Predicates::draw`](crate::Predicates::draw)).
     #[default]
-    Whole,
-    /// Its draws are decided one by one: a box for each is drawn first
-    /// ([`Predicates::draw_boxes`](crate::Predicates::draw_boxes)), whose fragments enable the
-    /// draws ([`Predicates::draw_enabled`](crate::Predicates::draw_enabled)).
-    PerLeaf,
+    Draws,
+    /// A box per leaf of the range is drawn
+    /// ([`Predicates::draw_boxes`](crate::Predicates::draw_boxes)). Its fragments enable the draws
+    /// of the leaf.
+    Boxes,
+    /// Those draws of the range are drawn that fragments of boxes enabled
+    /// ([`Predicates::draw_enabled`](crate::Predicates::draw_enabled)).
+    EnabledDraws,
 }
 
-/// A decision: a range of draws that depends on a result. Several may depend on one result.
+/// A decision: a range of draws or boxes that depends on a result. Several may depend on one
+/// result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PredicatedRange {
     /// The number of the result among those of its source.
     pub result: u32,
-    /// The draws that depend on the result.
+    /// The draws that depend on the result, or the leaves whose boxes do.
     pub range: DrawRange,
     /// The way in which they are revealed.
     pub reveal: Reveal,
 }
 
-/// The result that decides a range of draws, for a compute shader that works for these draws alone:
-/// they are drawn if the result is above the threshold.
+/// The result that decides about a range of leaves, for a compute shader that works for these
+/// alone: they may be drawn if the result is above the threshold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Predicate {
     /// The results of the source.
@@ -67,8 +72,8 @@ pub struct Predicate {
     pub result: u32,
     /// The number of samples that a result must exceed.
     pub threshold_samples: u32,
-    /// The draws that depend on it.
-    pub range: DrawRange,
+    /// The leaves that depend on it.
+    pub leaves: DrawRange,
 }
 
 /// The executor that keeps the GPU from drawing hidden objects.

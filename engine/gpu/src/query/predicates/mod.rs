@@ -22,22 +22,33 @@ use crate::core::capabilities::Optional;
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::ownership::of_device;
-use crate::memory::buffer::{Buffer, BufferSlice};
+use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::{Commands, Failure};
 use crate::record::frames::Frame;
-use crate::record::indirect::{DRAW_BYTES, IndirectDraw};
+use crate::record::indirect::{DRAW_BYTES, DrawLink, DrawRange, IndirectDraw};
 use crate::record::pipeline::{ComputePipeline, StorageLayout};
 use crate::record::shader::Spirv;
 pub use decisions::{Predicate, PredicatedRange, Predication, ResultSource, Reveal};
 pub use predicate_list::BOX_VERTICES;
 use predicate_list::PredicateList;
 
+/// The usage of the buffer of all draws. Tests read back what was decided.
+const DRAW_USAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::from_raw(
+    vk::BufferUsageFlags::INDIRECT_BUFFER.as_raw()
+        | vk::BufferUsageFlags::STORAGE_BUFFER.as_raw()
+        | vk::BufferUsageFlags::TRANSFER_SRC.as_raw(),
+);
+
+/// The specialisation constant of shaders whose draws are linked; mirrors `draw_link.glsl`.
+pub const LINKED: u32 = 14;
+
 /// All draws of a scene, in GPU memory, drawn range by range under predicates.
 pub struct Predicates {
     device: Device,
     predication: Predication,
     draws: Buffer,
+    links: Option<Buffer>,
     writer: Option<ComputePipeline>,
     // A result that enables all draws: as a predicate, and as a draw count.
     all: Buffer,
@@ -55,7 +66,8 @@ struct Decisions {
 of_device!(Predicates: "predicates (`Predicates`)");
 
 impl Predicates {
-    /// Uploads `draws` and prepares `predication` (if `None`, the device's best for so many).
+    /// Uploads `draws`, one per leaf and of one instance, and prepares `predication` (if `None`,
+    /// the device's best for so many).
     ///
     /// # Errors
     /// [`Error::Unsupported`] when the device lacks what `predication` needs; [`Error::TooLarge`]
@@ -67,6 +79,33 @@ impl Predicates {
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
         let predication = Predication::choose(device, predication, draws.len() as u64, 0)?;
+        let draws = device.upload("indirect draws", draws, DRAW_USAGE)?;
+        Self::over(device, predication, (draws, None), frames_in_flight)
+    }
+
+    /// Prepares `predication` (if `None`, the device's best for so many) for `count` draws that are
+    /// linked: any number per leaf, of any number of instances. Their commands and their
+    /// [links](Predicates::links) are undefined until they are written.
+    ///
+    /// # Errors
+    /// As for [`Predicates::new`].
+    pub fn linked(
+        device: &Device,
+        predication: Option<Predication>,
+        count: u32,
+        frames_in_flight: usize,
+    ) -> Result<Self, Error> {
+        let predication = Predication::choose(device, predication, count.into(), 0)?;
+        let [draws, links] = linked_buffers(device, count)?;
+        Self::over(device, predication, (draws, Some(links)), frames_in_flight)
+    }
+
+    fn over(
+        device: &Device,
+        predication: Predication,
+        (draws, links): (Buffer, Option<Buffer>),
+        frames_in_flight: usize,
+    ) -> Result<Self, Error> {
         let shader = match predication {
             Predication::Conditional => None,
             Predication::Counts => Some(shaders::PREDICATE_COUNTS),
@@ -78,12 +117,13 @@ impl Predicates {
             None => None,
             Some(shader) => {
                 let spirv = Spirv::from_bytes(shader.name, shader.spirv)?;
+                let spirv = spirv.specialised(&[(LINKED, u32::from(links.is_some()))]);
                 Some(ComputePipeline::new(device, shader.name, &spirv, storage)?)
             }
         };
-        let usage = vk::BufferUsageFlags::INDIRECT_BUFFER | vk::BufferUsageFlags::STORAGE_BUFFER;
         let most = [device.adapter().limits.max_draw_indirect_count.max(1)];
-        let mut all_usage = usage;
+        let mut all_usage =
+            vk::BufferUsageFlags::INDIRECT_BUFFER | vk::BufferUsageFlags::STORAGE_BUFFER;
         if device.conditional().is_some() {
             all_usage |= vk::BufferUsageFlags::CONDITIONAL_RENDERING_EXT;
         }
@@ -91,15 +131,22 @@ impl Predicates {
             device: device.clone(),
             predication,
             all: device.upload("all draws", &most, all_usage)?,
-            // Read back by tests of what was decided.
-            draws: device.upload(
-                "indirect draws",
-                draws,
-                usage | vk::BufferUsageFlags::TRANSFER_SRC,
-            )?,
+            draws,
+            links,
             writer,
             lists: std::array::from_fn(|_| PredicateList::new(frames_in_flight)),
         })
+    }
+
+    /// Makes room for `count` linked draws. All of them are undefined then.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] for more draws than `predication` counts; no memory; a failed call.
+    pub fn grow(&mut self, count: u32) -> Result<(), Error> {
+        Predication::choose(&self.device, Some(self.predication), count.into(), 0)?;
+        let [draws, links] = linked_buffers(&self.device, count)?;
+        (self.draws, self.links) = (draws, Some(links));
+        Ok(())
     }
 
     /// Changes the number of frames in flight.
@@ -111,6 +158,12 @@ impl Predicates {
     /// changes their instance counts.
     pub fn draws(&self) -> BufferSlice {
         self.draws.whole()
+    }
+
+    /// Returns the [`DrawLink`] of each draw in GPU memory, if draws are linked; to be changed
+    /// between frames.
+    pub fn links(&self) -> Option<BufferSlice> {
+        self.links.as_ref().map(Buffer::whole)
     }
 
     /// Returns the executor in use.
@@ -187,7 +240,9 @@ impl Predicates {
             else {
                 continue;
             };
-            let lists = [results, on_gpu.decided, output, on_gpu.box_draws];
+            // Nothing reads links unless draws have them.
+            let links = self.links().unwrap_or(on_gpu.decided);
+            let lists = [results, on_gpu.decided, output, on_gpu.box_draws, links];
             commands.bind_compute(
                 writer,
                 lists.get(..writer_buffers(self.predication)).unwrap_or(&lists),
@@ -213,20 +268,20 @@ impl Predicates {
         ));
     }
 
-    /// Returns the result of a decision, with the threshold that it was resolved with. Shaders may
-    /// read it between [`resolve`](Predicates::resolve) and the next writes of results, with a
-    /// barrier before those.
+    /// Returns the result of a decision about `leaves`, with the threshold that it was resolved
+    /// with. Shaders may read it between [`resolve`](Predicates::resolve) and the next writes of
+    /// results, with a barrier before those.
     pub fn predicate(
         &self,
-        source: ResultSource,
-        decision: u32,
+        (source, decision): (ResultSource, u32),
+        leaves: DrawRange,
         threshold_samples: u32,
     ) -> Option<Predicate> {
         let list = self.list(source);
-        let PredicatedRange { result, range, .. } = *list.decided.get(decision as usize)?;
+        let PredicatedRange { result, .. } = *list.decided.get(decision as usize)?;
         let results = list.results?;
         let threshold_samples = self.threshold_of(source, results, threshold_samples);
-        Some(Predicate { results, result, threshold_samples, range })
+        Some(Predicate { results, result, threshold_samples, leaves })
     }
 
     /// Returns the threshold of results: flags do not count samples, and ranges without a result
@@ -274,7 +329,7 @@ impl Predicates {
     }
 
     /// Draws the range of a decision out of `draws` if the result is not zero. `draws` has a copy
-    /// of every draw. Its instance count is 1 if the box was visible, else 0.
+    /// of every draw, without instances where the box of its leaf was not visible.
     pub fn draw_enabled(
         &self,
         commands: &Commands,
@@ -317,8 +372,8 @@ impl Predicates {
         }
     }
 
-    /// Draws [`BOX_VERTICES`] vertices per draw in the range of a decision if the result is not
-    /// zero; the instance index is the number of the draw.
+    /// Draws [`BOX_VERTICES`] vertices per leaf in the range of a decision if the result is not
+    /// zero; the instance index is the number of the leaf.
     pub fn draw_boxes(&self, commands: &Commands, source: ResultSource, decision: u32) {
         if commands.admit(self).is_err() {
             return;
@@ -332,7 +387,7 @@ impl Predicates {
             (Some(on_gpu), Predication::Counts) => {
                 // Not a plain indirect draw: Mesa 22.3's lavapipe goes on using the count of the
                 // last draw that had one.
-                if let Some(count) = list.box_count(decision) {
+                if let Some(count) = list.count(decision) {
                     commands.draw_unindexed_indirect_count(
                         predicate_list::box_draw(on_gpu, decision),
                         count,
@@ -380,11 +435,22 @@ impl Predicates {
     }
 }
 
+/// Returns the buffers of so many linked draws.
+fn linked_buffers(device: &Device, count: u32) -> Result<[Buffer; 2], Error> {
+    let buffer = |name, bytes: u64, usage| {
+        Buffer::new(device, name, u64::from(count) * bytes, usage, MemoryKind::Device)
+    };
+    Ok([
+        buffer("indirect draws", DRAW_BYTES, DRAW_USAGE)?,
+        buffer("draw links", size_of::<DrawLink>() as u64, vk::BufferUsageFlags::STORAGE_BUFFER)?,
+    ])
+}
+
 /// Returns the number of storage buffers of the compute shader: results, decisions, counts or
-/// draws, and box draws where it writes their instance counts.
+/// draws, and, where it writes instance counts, box draws and links.
 fn writer_buffers(predication: Predication) -> usize {
     match predication {
-        Predication::Instances => 4,
+        Predication::Instances => 5,
         Predication::Conditional | Predication::Counts => 3,
     }
 }

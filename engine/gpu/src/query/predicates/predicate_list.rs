@@ -3,7 +3,7 @@
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 
-use super::decisions::{PredicatedRange, Predication, Reveal};
+use super::decisions::{PredicatedRange, Predication};
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
@@ -16,7 +16,7 @@ pub(super) struct PredicateList {
     /// The lists for the executors that turn results into counts.
     pub(super) on_gpu: Option<OnGpu>,
     slot: usize,
-    /// Draw counts, for the range and for the command of its boxes: one buffer per frame slot.
+    /// Draw counts: one buffer per frame slot.
     counts: Vec<Option<Buffer>>,
 }
 
@@ -35,7 +35,7 @@ pub(super) struct OnGpu {
 struct DecidedOnGpu {
     first: u32,
     count: u32,
-    per_leaf: u32,
+    reveal: u32,
     result: u32,
 }
 
@@ -52,8 +52,8 @@ struct BoxDraw {
 const BOX_DRAW_BYTES: u64 = size_of::<BoxDraw>() as u64;
 const _: () = assert!(size_of::<BoxDraw>() == size_of::<vk::DrawIndirectCommand>());
 
-/// The size of the two draw counts of a decision.
-const COUNTS_BYTES: u64 = 8;
+/// The size of the draw count of a decision.
+const COUNT_BYTES: u64 = 4;
 
 /// The vertices of the front of a box: three faces of two triangles.
 pub const BOX_VERTICES: u32 = 18;
@@ -98,7 +98,7 @@ impl PredicateList {
         let decided = self.decided.iter().map(|decided| DecidedOnGpu {
             first: decided.range.first,
             count: decided.range.count,
-            per_leaf: u32::from(decided.reveal == Reveal::PerLeaf),
+            reveal: decided.reveal as u32,
             result: decided.result,
         });
         let box_draws = self.decided.iter().map(|decided| BoxDraw {
@@ -116,7 +116,7 @@ impl PredicateList {
 
     /// Creates the counts unless there is one for each decision.
     pub(super) fn make_counts(&mut self, device: &Device) -> Result<(), Error> {
-        let wanted = self.decided.len().next_power_of_two() as u64 * COUNTS_BYTES;
+        let wanted = self.decided.len().next_power_of_two() as u64 * COUNT_BYTES;
         let Some(counts) = self.counts.get_mut(self.slot) else { return Ok(()) };
         if counts.as_ref().is_none_or(|buffer| buffer.size_bytes() < wanted) {
             let usage =
@@ -130,13 +130,8 @@ impl PredicateList {
         self.counts.get(self.slot)?.as_ref().map(Buffer::whole)
     }
 
-    /// Returns the count of draws in the range of a decision.
+    /// Returns the draw count of a decision: that of its range, or of the command of its boxes.
     pub(super) fn count(&self, decision: u32) -> Option<BufferSlice> {
-        Some(self.counts()?.part(u64::from(decision) * COUNTS_BYTES, 4))
-    }
-
-    /// Returns the draw count of the boxes of a decision: 1 if they are drawn, else 0.
-    pub(super) fn box_count(&self, decision: u32) -> Option<BufferSlice> {
-        Some(self.counts()?.part(u64::from(decision) * COUNTS_BYTES + 4, 4))
+        Some(self.counts()?.part(u64::from(decision) * COUNT_BYTES, COUNT_BYTES))
     }
 }

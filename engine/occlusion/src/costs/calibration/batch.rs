@@ -10,6 +10,7 @@ use gpu::{
 
 use super::CalibrationScene;
 use crate::error::Error;
+use crate::leaf_table::BucketId;
 use crate::object_renderer::{ObjectPass, ObjectRenderer};
 use crate::passes::{ComputeTest, ComputeTestIo, OcclusionPasses, ProxyBox, ProxyIo};
 use crate::rect::Rect;
@@ -185,7 +186,7 @@ impl<'a> Bench<'a> {
         self.flags.begin(frame, std::iter::repeat_n((), MOST as usize))?;
         let decided = (0..MOST).map(|number| PredicatedRange {
             range: DrawRange { first: number, count: 1 },
-            reveal: Reveal::Whole,
+            reveal: Reveal::Draws,
             ..PredicatedRange::default()
         });
         let results = self.flags.results();
@@ -328,7 +329,7 @@ impl<'a> Bench<'a> {
     }
 
     fn bind_opaque(&self, commands: &Commands) {
-        self.objects.bind(commands, &self.view, ObjectPass::Visibility);
+        self.objects.bind(commands, &self.view, BucketId(0), ObjectPass::Visibility);
     }
 
     fn draw_boxes(&self, commands: &Commands, batch: Batch, boxes: BufferSlice) {

@@ -251,7 +251,7 @@ impl SurfaceResources {
             let elements =
                 uploads.push_iter(dirty.iter().map(|slot| self.light_lists.values(*slot)))?;
             let io = ScatterIo { leaves, elements, array: self.lists.whole() };
-            scatter.record(frame.commands(), dirty.len() as u32, &[(io, LIST_VALUES * 4)]);
+            scatter.record(frame.commands(), dirty.len() as u32, [(io, LIST_VALUES * 4)]);
         }
         let changed = || {
             self.dirty_lights.list().iter().filter_map(|light| {
@@ -268,7 +268,7 @@ impl SurfaceResources {
             let uploads = frame.uploads();
             let (leaves, elements) = (uploads.push(&places)?, uploads.push(&entries)?);
             let io = ScatterIo { leaves, elements, array: self.lights.whole() };
-            scatter.record(frame.commands(), count as u32, &[(io, size_of::<LightEntry>())]);
+            scatter.record(frame.commands(), count as u32, [(io, size_of::<LightEntry>())]);
         }
         Ok(())
     }

@@ -1,0 +1,184 @@
+//! The scene of a host: objects with draws in the host's own pipelines, which come, go and move in
+//! bulk.
+
+use cull::{Aabb, Hierarchy, LeafRange, ObjectId};
+use gpu::{Device, Frame, Tick};
+
+use crate::error::Error;
+use crate::executor::PlanExecutor;
+use crate::leaf_table::{BucketDraw, BucketTableInfo, LeafTable};
+use crate::passes::OcclusionPasses;
+
+/// An object of a host.
+#[derive(Clone, Copy, Debug)]
+pub struct HostObject<'a> {
+    /// The box around all that it draws.
+    pub bounds: Aabb,
+    /// Its draws, in any order; the executor draws bucket after bucket.
+    pub draws: &'a [BucketDraw],
+}
+
+/// The objects of a host: a hierarchy over their boxes, and the executor with their draws. Changes
+/// reach the GPU with the next frame that [uploads](HostScene::upload) them; nothing waits.
+pub struct HostScene {
+    hierarchy: Hierarchy,
+    executor: PlanExecutor,
+    /// The boxes of a rebuild and the ranges of a restructuring; kept to allocate nothing.
+    boxes: Vec<Aabb>,
+    reordered: Vec<LeafRange>,
+}
+
+impl HostScene {
+    /// Creates a scene with room for `object_capacity` objects; more room is made as objects come.
+    ///
+    /// # Errors
+    /// [`gpu::Error::Unsupported`] for a way to skip draws that the device lacks;
+    /// [`gpu::Error::TooLarge`] and [`Error::Hierarchy`] for more than there can be; no memory; a
+    /// failed call.
+    pub fn new(
+        device: &Device,
+        passes: OcclusionPasses,
+        object_capacity: usize,
+        draws: BucketTableInfo,
+    ) -> Result<Self, Error> {
+        let boxes = vec![Aabb::EMPTY; object_capacity];
+        let hierarchy = Hierarchy::build(&boxes)?;
+        let leaves = LeafTable::bucketed(device, &hierarchy, draws)?;
+        let executor = PlanExecutor { passes, leaves };
+        Ok(Self { hierarchy, executor, boxes, reordered: Vec::new() })
+    }
+
+    /// Returns the hierarchy over the boxes.
+    pub fn hierarchy(&self) -> &Hierarchy {
+        &self.hierarchy
+    }
+
+    /// Returns the executor of plans.
+    pub fn executor(&self) -> &PlanExecutor {
+        &self.executor
+    }
+
+    /// Returns what the execution of a plan needs.
+    pub fn parts_mut(&mut self) -> (&Hierarchy, &mut PlanExecutor) {
+        (&self.hierarchy, &mut self.executor)
+    }
+
+    /// Adds objects, and their ids, in the same order, to `added`. An id may have belonged to an
+    /// object that is gone. Where there is no room for all, the hierarchy is built again with twice
+    /// the room; a large scene should be created with its capacity.
+    ///
+    /// # Errors
+    /// [`BucketError::Unknown`](crate::BucketError::Unknown), and nothing is changed;
+    /// [`Error::Hierarchy`] for the first bad box, and those before it may have been added, as
+    /// `added` tells; those of [`LeafTable::set_draws`].
+    pub fn add(
+        &mut self,
+        objects: &[HostObject<'_>],
+        added: &mut Vec<ObjectId>,
+    ) -> Result<(), Error> {
+        let leaves = &self.executor.leaves;
+        objects.iter().try_for_each(|object| leaves.check_draws(object.draws))?;
+        let first = added.len();
+        match objects.len() > self.hierarchy.free_leaves() {
+            true => self.rebuild_with(objects, added)?,
+            false => {
+                for object in objects {
+                    added.push(self.hierarchy.insert(object.bounds)?);
+                }
+            }
+        }
+        for (id, object) in added[first..].iter().zip(objects) {
+            self.set_draws(*id, object.draws)?;
+        }
+        Ok(())
+    }
+
+    /// Takes objects out.
+    ///
+    /// # Errors
+    /// [`Error::Hierarchy`] for the first that is not there, and those before it are gone; those of
+    /// [`LeafTable::set_draws`].
+    pub fn remove(&mut self, objects: &[ObjectId]) -> Result<(), Error> {
+        for object in objects {
+            self.hierarchy.remove(*object)?;
+            if let Some(leaf) = self.hierarchy.leaf_of(*object) {
+                self.executor.leaves.set_draws(leaf, &[])?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves objects: sets their boxes. Their draws stay as they are; where they read the objects'
+    /// new places is the host's concern.
+    ///
+    /// # Errors
+    /// [`Error::Hierarchy`] for the first object that cannot be moved; those before it have been.
+    pub fn move_to(&mut self, moved: &[(ObjectId, Aabb)]) -> Result<(), Error> {
+        let outcome = self.hierarchy.refit(moved.iter().copied());
+        // Those before a bad one have moved: a leaf is marked once too often rather than not at
+        // all.
+        let leaves = moved.iter().filter_map(|(object, _)| self.hierarchy.leaf_of(*object));
+        leaves.for_each(|leaf| self.executor.leaves.mark_moved(leaf));
+        Ok(outcome?)
+    }
+
+    /// Replaces the draws of an object.
+    ///
+    /// # Errors
+    /// [`Error::Hierarchy`] for an object that is not there; those of [`LeafTable::set_draws`].
+    pub fn set_draws(&mut self, object: ObjectId, draws: &[BucketDraw]) -> Result<(), Error> {
+        match self.hierarchy.leaf_of(object).filter(|_| self.hierarchy.contains(object)) {
+            Some(leaf) => self.executor.leaves.set_draws(leaf, draws),
+            None => Err(cull::HierarchyError::UnknownObject { object }.into()),
+        }
+    }
+
+    /// Records the upload of all changes since the last frame, before anything of `frame` reads
+    /// them, and mends the hierarchy where moving has worn it. Once per frame. Changes stay marked
+    /// until a frame that was [submitted](HostScene::submitted) is known to have run.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub fn upload(&mut self, frame: &mut Frame<'_>) -> Result<(), Error> {
+        self.reordered.clear();
+        self.hierarchy.restructure(&mut self.reordered);
+        let PlanExecutor { passes, leaves } = &mut self.executor;
+        leaves.reorder(&self.hierarchy, &self.reordered)?;
+        leaves.begin();
+        leaves.upload(frame, &self.hierarchy, &passes.scatter, None)
+    }
+
+    /// Notes that the frame of the last [`HostScene::upload`] was submitted.
+    pub fn submitted(&mut self, tick: Tick) {
+        self.executor.leaves.submitted(tick);
+    }
+
+    /// Builds the hierarchy again with room for the objects, and at least twice the room of before.
+    fn rebuild_with(
+        &mut self,
+        objects: &[HostObject<'_>],
+        added: &mut Vec<ObjectId>,
+    ) -> Result<(), Error> {
+        let Self { hierarchy, boxes, .. } = self;
+        let before = hierarchy.leaf_objects().len();
+        let wanted = before - hierarchy.free_leaves() + objects.len();
+        let capacity = wanted.max(before * 2);
+        boxes.clear();
+        boxes.extend((0..before as u32).map(|object| {
+            let node = hierarchy.node_of(ObjectId(object));
+            node.map_or(Aabb::EMPTY, |node| hierarchy.bounds(node))
+        }));
+        boxes.resize(capacity, Aabb::EMPTY);
+        let first = added.len();
+        let free = (0..).map(ObjectId).zip(boxes).filter(|(id, _)| !hierarchy.contains(*id));
+        for ((id, place), object) in free.zip(objects) {
+            *place = object.bounds;
+            added.push(id);
+        }
+        if let Err(error) = self.hierarchy.rebuild(&self.boxes) {
+            added.truncate(first);
+            return Err(error.into());
+        }
+        self.executor.leaves.rebuilt(&self.hierarchy)
+    }
+}

@@ -1,0 +1,176 @@
+//! Tables whose leaves have any number of draws, in buckets.
+
+use cull::{Hierarchy, LeafIndex, LeafRange};
+use gpu::{Buffer, Device, MemoryKind, Predicates, Predication, vk};
+
+use super::super::bucket_cells::{BucketCells, BucketDraw};
+use super::super::changes::DrawChanges;
+use super::super::counts::{LeafCount, LeafCounts};
+use super::super::dirty_list::DirtyList;
+use super::super::draw_layout::DrawLayout;
+use super::super::{LeafTable, LeafTableId};
+use crate::error::{BucketError, Error};
+use crate::passes::ProxyBox;
+
+/// The parameters of a table with buckets.
+#[derive(Clone, Copy, Debug)]
+pub struct BucketTableInfo {
+    /// The number of buckets.
+    pub bucket_count: u32,
+    /// The number of draws that there is room for at first. More room is made as draws come.
+    pub draw_capacity: u32,
+    /// The way that hidden draws are skipped; `None` takes the device's best.
+    pub predication: Option<Predication>,
+    /// Frames that may be in flight at once.
+    pub frames_in_flight: usize,
+}
+
+impl LeafTable {
+    /// Creates a table for the leaves of `hierarchy`, without draws yet: objects
+    /// [get](LeafTable::set_draws) any number of them. The first frame uploads all.
+    ///
+    /// # Errors
+    /// [`gpu::Error::Unsupported`] for a way to skip draws that the device lacks;
+    /// [`gpu::Error::TooLarge`] for more draws than it takes; no memory; a failed call.
+    pub fn bucketed(
+        device: &Device,
+        hierarchy: &Hierarchy,
+        info: BucketTableInfo,
+    ) -> Result<Self, Error> {
+        let BucketTableInfo { bucket_count, draw_capacity, predication, frames_in_flight } = info;
+        let leaf_count = hierarchy.leaf_objects().len();
+        let [boxes, firsts] = leaf_buffers(device, leaf_count)?;
+        let cells = BucketCells::new(bucket_count, hierarchy.leaf_objects());
+        let mut table = Self {
+            id: LeafTableId::new(),
+            device: device.clone(),
+            boxes,
+            firsts: Some(firsts),
+            predicates: Predicates::linked(device, predication, draw_capacity, frames_in_flight)?,
+            layout: DrawLayout::Bucketed(Box::new(cells)),
+            cell_capacity: draw_capacity,
+            counts: LeafCounts::default(),
+            changes: DrawChanges::new(draw_capacity as usize),
+            dirty: DirtyList::new(leaf_count, |leaf| leaf.0),
+            dirty_cells: DirtyList::new(draw_capacity as usize, |cell| *cell),
+            disorders: device.disorders(),
+        };
+        table.count_all(leaf_count);
+        table.follow_cells()?;
+        Ok(table)
+    }
+
+    /// Replaces the draws of the object in a leaf.
+    ///
+    /// # Errors
+    /// [`BucketError::Unknown`], and nothing is changed; [`BucketError::OneDrawPerLeaf`];
+    /// [`gpu::Error::TooLarge`] for more draws than the device takes, no memory or a failed call:
+    /// the table must not be used any more.
+    pub fn set_draws(&mut self, leaf: LeafIndex, draws: &[BucketDraw]) -> Result<(), Error> {
+        self.check_draws(draws)?;
+        let DrawLayout::Bucketed(cells) = &mut self.layout else { return Ok(()) };
+        let before = cells.count(leaf);
+        cells.replace(leaf, draws);
+        self.counts.replace(leaf.0 as usize, before, cells.count(leaf));
+        self.follow_cells()
+    }
+
+    /// Refuses draws in buckets that the table does not have.
+    ///
+    /// # Errors
+    /// [`BucketError::Unknown`], [`BucketError::OneDrawPerLeaf`].
+    pub fn check_draws(&self, draws: &[BucketDraw]) -> Result<(), Error> {
+        let DrawLayout::Bucketed(cells) = &self.layout else {
+            return Err(BucketError::OneDrawPerLeaf.into());
+        };
+        let bucket_count = cells.bucket_count();
+        match draws.iter().map(|draw| draw.bucket).find(|bucket| bucket.0 >= bucket_count) {
+            Some(bucket) => Err(BucketError::Unknown { bucket, bucket_count }.into()),
+            None => Ok(()),
+        }
+    }
+
+    /// Notes that the object of a leaf was moved: the next frame uploads its box.
+    pub fn mark_moved(&mut self, leaf: LeafIndex) {
+        self.dirty.push(leaf);
+    }
+
+    /// Notes that the objects in some ranges of leaves are in another order now.
+    ///
+    /// # Errors
+    /// As for [`LeafTable::set_draws`].
+    pub fn reorder(&mut self, hierarchy: &Hierarchy, ranges: &[LeafRange]) -> Result<(), Error> {
+        let Self { layout: DrawLayout::Bucketed(cells), counts, .. } = self else {
+            return Err(BucketError::OneDrawPerLeaf.into());
+        };
+        for range in ranges {
+            let Some(objects) = hierarchy.leaf_objects().get(range.indices()) else { continue };
+            let (place, none) = (|leaf: LeafIndex| leaf.0 as usize, LeafCount::default());
+            range.iter().for_each(|leaf| counts.replace(place(leaf), cells.count(leaf), none));
+            cells.reorder(range.first, objects);
+            range.iter().for_each(|leaf| counts.replace(place(leaf), none, cells.count(leaf)));
+        }
+        self.follow_cells()
+    }
+
+    /// Follows a hierarchy that was rebuilt, with more leaves or fewer. Objects keep their draws.
+    ///
+    /// # Errors
+    /// As for [`LeafTable::set_draws`].
+    pub fn rebuilt(&mut self, hierarchy: &Hierarchy) -> Result<(), Error> {
+        let DrawLayout::Bucketed(cells) = &mut self.layout else {
+            return Err(BucketError::OneDrawPerLeaf.into());
+        };
+        cells.resize(hierarchy.leaf_objects());
+        let leaf_count = hierarchy.leaf_objects().len();
+        let [boxes, firsts] = leaf_buffers(&self.device, leaf_count)?;
+        (self.boxes, self.firsts) = (boxes, Some(firsts));
+        self.dirty = DirtyList::new(leaf_count, |leaf| leaf.0);
+        self.dirty_cells = DirtyList::new(self.cell_capacity as usize, |cell| *cell);
+        self.changes.forget();
+        self.count_all(leaf_count);
+        self.follow_cells()
+    }
+
+    fn count_all(&mut self, leaf_count: usize) {
+        let Self { layout, counts, .. } = self;
+        *counts = LeafCounts::new((0..leaf_count as u32).map(|it| layout.count(LeafIndex(it))));
+    }
+
+    /// Marks what changed in the cells, and makes room for as many as there are.
+    fn follow_cells(&mut self) -> Result<(), Error> {
+        let Self { layout, dirty, dirty_cells, changes, .. } = self;
+        let DrawLayout::Bucketed(cells) = layout else { return Ok(()) };
+        if cells.cell_count() > self.cell_capacity {
+            self.cell_capacity = cells.cell_count().next_power_of_two();
+            self.predicates.grow(self.cell_capacity)?;
+            dirty_cells.grow(self.cell_capacity as usize);
+            (0..cells.cell_count()).for_each(|cell| dirty_cells.push(cell));
+            changes.forget();
+        }
+        let mut noted = std::mem::take(&mut cells.changes);
+        let mut mark = |cell: u32| {
+            dirty_cells.push(cell);
+            changes.push(cell);
+        };
+        noted.take_emptied(&mut mark);
+        noted.take_leaves(|leaf| {
+            dirty.push(leaf);
+            cells.cells_of(leaf).for_each(|(_, cell)| mark(cell));
+        });
+        cells.changes = noted;
+        Ok(())
+    }
+}
+
+/// Creates the buffers of so many leaves: their boxes and their first cells.
+fn leaf_buffers(device: &Device, leaf_count: usize) -> Result<[Buffer; 2], Error> {
+    let buffer = |name, element_bytes: usize| {
+        let (bytes, usage) = (leaf_count * element_bytes, vk::BufferUsageFlags::STORAGE_BUFFER);
+        Buffer::new(device, name, bytes as u64, usage, MemoryKind::Device)
+    };
+    Ok([
+        buffer("leaf boxes", size_of::<ProxyBox>())?,
+        buffer("first draws of leaves", size_of::<u32>())?,
+    ])
+}

@@ -1,0 +1,3 @@
+//! The interface of tables by kind.
+
+pub(super) mod bucketed;

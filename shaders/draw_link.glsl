@@ -1,0 +1,12 @@
+// The draws of a leaf as a list: each names the next.
+
+// True if a leaf has any number of draws, of any number of instances. Else draw and leaf have the
+// same number, there is one instance, and nothing reads the buffers of the lists.
+layout(constant_id = 14) const bool LINKED = false;
+
+const uint NO_DRAW = 0xffffffff;
+
+struct DrawLink {
+    uint next;           // of the same leaf, or NO_DRAW
+    uint instance_count; // once the draw is enabled
+};

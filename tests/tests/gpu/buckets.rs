@@ -1,0 +1,154 @@
+//! Hosts with many pipelines: objects with several draws of several instances in 1, 16 and 256
+//! buckets, compared with all draws while objects come, go and move in bulk.
+
+mod host;
+
+use cull::{Aabb, Camera, ObjectId, Projection, Strategy};
+use glam::{Vec3, vec3};
+use gpu::{Device, Predicates, Predication};
+use host::{Host, Part};
+use tests::run_on_all;
+use tests::walk::pixels_that_differ;
+
+/// SplitMix64 (Steele, Lea and Flood 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    fn below(&mut self, end: u32) -> u32 {
+        (self.next() % u64::from(end.max(1))) as u32
+    }
+
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * (self.below(1 << 20) as f32 / (1 << 20) as f32)
+    }
+}
+
+/// Returns the parts of a thing: boxes around `middle`, some of which share a bucket.
+fn parts(random: &mut Random, middle: Vec3, buckets: u32) -> Vec<Part> {
+    let count = [1, 1, 2, 5][random.below(4) as usize];
+    let draw = |random: &mut Random| {
+        let bucket = random.below(buckets);
+        // Several instances of one draw.
+        let count = 1 + random.below(3);
+        let instance = |random: &mut Random| {
+            let at = |random: &mut Random| random.between(-0.4, 0.4);
+            let low = middle + vec3(at(random), at(random), at(random));
+            Aabb::new(low, low + random.between(0.1, 0.5))
+        };
+        Part { bucket, boxes: (0..count).map(|_| instance(random)).collect() }
+    };
+    (0..count).map(|_| draw(random)).collect()
+}
+
+/// Returns a place behind the wall, where a few beside it show.
+fn behind(random: &mut Random) -> Vec3 {
+    vec3(random.between(-8.0, 8.0), random.between(-4.0, 4.0), random.between(-20.0, -8.0))
+}
+
+/// Returns the wall, of a draw in the first bucket and one in the last.
+fn wall(buckets: u32) -> Vec<Part> {
+    let half = |bucket, low: f32, high: f32| {
+        let bounds = Aabb::new(vec3(low, -3.0, -6.0), vec3(high, 3.0, -5.5));
+        Part { bucket, boxes: vec![bounds] }
+    };
+    vec![half(0, -4.0, 0.0), half(buckets - 1, 0.0, 4.0)]
+}
+
+/// Changes objects in bulk, differently in each frame. The wall goes and comes as well.
+fn change(host: &mut Host, random: &mut Random, frame: u32, buckets: u32) {
+    let some = |host: &Host, random: &mut Random, count: usize| -> Vec<ObjectId> {
+        let all: Vec<ObjectId> = host.objects().filter(|id| *id != host.wall).collect();
+        let first = random.below(all.len() as u32) as usize;
+        all.iter().cycle().skip(first).take(count.min(all.len())).copied().collect()
+    };
+    match frame % 6 {
+        1 => {
+            let things = (0..60).map(|_| {
+                let middle = behind(random);
+                parts(random, middle, buckets)
+            });
+            let things: Vec<Vec<Part>> = things.collect();
+            host.add(things);
+        }
+        2 => {
+            let gone = some(host, random, 50);
+            host.remove(&gone);
+        }
+        3 => {
+            let by = vec3(random.between(-2.0, 2.0), random.between(-1.0, 1.0), 0.0);
+            let moved = some(host, random, 80);
+            host.move_by(&moved, by);
+        }
+        4 => {
+            for object in some(host, random, 40) {
+                let middle = behind(random);
+                let parts = parts(random, middle, buckets);
+                host.replace(object, parts);
+            }
+        }
+        5 if frame % 12 == 5 => {
+            host.remove(&[host.wall]);
+        }
+        5 => host.wall = host.add(vec![wall(buckets)])[0],
+        _ => {}
+    }
+}
+
+/// Draws frames while the eye jumps from side to side, and compares each with all draws.
+fn compare(device: &Device, buckets: u32, predication: Predication, strategy: Strategy) {
+    const FRAMES: u32 = 24;
+    let mut random = Random(u64::from(buckets) + 7);
+    let mut host = Host::new(device, buckets, predication);
+    let things = (0..110).map(|_| {
+        let middle = behind(&mut random);
+        parts(&mut random, middle, buckets)
+    });
+    let things: Vec<Vec<Part>> = things.collect();
+    host.wall = host.add(vec![wall(buckets)])[0];
+    host.add(things);
+    for frame in 0..FRAMES {
+        change(&mut host, &mut random, frame, buckets);
+        let side = (frame / 5 % 3) as f32 - 1.0;
+        let eye = vec3(side * 7.0 + frame as f32 * 0.05, 0.0, 3.0);
+        let projection = Projection::perspective(0.9);
+        let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 };
+        host.draw(strategy, &camera);
+    }
+    device.drain().unwrap();
+    let what = format!("{strategy}, {buckets} buckets, {}", predication.name());
+    for (frame, [culled, all]) in host.images.iter().enumerate() {
+        let [culled, all] = [culled, all].map(|image| image.rgba8().unwrap());
+        assert_eq!(pixels_that_differ(&culled, &all), 0, "frame {frame} of {what}");
+    }
+    let (drawn, there) = host.fewest_and_all();
+    assert!(drawn > 0 && drawn < there / 2, "{drawn} of {there} draws, {what}");
+}
+
+fn executors(device: &Device) -> Vec<Predication> {
+    let all = [Predication::Conditional, Predication::Counts, Predication::Instances];
+    all.into_iter().filter(|it| Predicates::linked(device, Some(*it), 1, 1).is_ok()).collect()
+}
+
+#[test]
+fn objects_of_any_draws_in_any_buckets_look_like_all_draws_while_they_change() {
+    run_on_all(|device| {
+        let executors = executors(device);
+        for buckets in [1, 16, 256] {
+            compare(device, buckets, executors[0], Strategy::ANTUMBRA);
+        }
+        for predication in &executors[1..] {
+            compare(device, 16, *predication, Strategy::ANTUMBRA);
+        }
+        // Flags are the first choice of the plain strategy.
+        for strategy in [Strategy::ANTUMBRA_QUERIES, Strategy::ANTUMBRA_COMPUTE] {
+            compare(device, 16, executors[executors.len() - 1], strategy);
+        }
+    });
+}
