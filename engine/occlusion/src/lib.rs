@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`LeafTable`] | box, draws and counts per leaf of the hierarchy, on the CPU and the GPU |
 //! | [`HostScene`] | objects of a host, with any number of draws in its own pipelines |
+//! | [`TransparentList`] | objects that hide nothing, drawn in their order where they show |
 //! | [`PlanExecutor`] | records the rounds of a plan: draws, tests, predicates, results |
 //! | [`VisibilityState`] | one view: its culler, its tests on their way, its newest plan |
 //! | [`Method`] | the trait of all methods: [`PlannedMethod`] is Antumbra's own |
@@ -72,6 +73,7 @@ mod planned;
 mod rect;
 mod shader_set;
 mod test_layout;
+mod transparent_list;
 mod visibility_state;
 mod visible_draws;
 
@@ -100,4 +102,5 @@ pub use passes::{
 pub use planned::PlannedMethod;
 pub use rect::Rect;
 pub use shader_set::ShaderSet;
+pub use transparent_list::TransparentList;
 pub use visibility_state::VisibilityState;

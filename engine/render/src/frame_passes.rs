@@ -2,7 +2,7 @@
 
 use cull::{Aabb, Containment, Hierarchy, PlaneMask, Strategy, View};
 use glam::Affine3A;
-use gpu::{BufferSlice, Commands, Device, Frame, RenderTarget, Target, Tick};
+use gpu::{BufferSlice, Commands, Device, Frame, RenderTarget, Target, Tick, Viewport};
 use occlusion::{
     BucketId, DrawBuckets, Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering, ShaderSet,
     UpcomingDraws,
@@ -201,7 +201,7 @@ impl FramePasses {
             return;
         }
         if let Some(transparent) = &self.transparent {
-            transparent.prepare(commands);
+            transparent.list().prepare(commands);
         }
         self.target.prepare(commands);
         commands.pass("shade surfaces", |commands| {
@@ -209,7 +209,8 @@ impl FramePasses {
             commands.rendering(target, |commands| {
                 self.draw_surfaces(commands, view, self.sky(), draw);
                 if let Some(transparent) = &self.transparent {
-                    transparent.test(executor, commands, view);
+                    let viewport = Viewport::covering(view.origin, view.size);
+                    transparent.list().test(&executor.passes, commands, (view, viewport));
                 }
             });
         });
@@ -288,11 +289,11 @@ impl FramePasses {
     /// own.
     fn record_transparent(&mut self, executor: &PlanExecutor, commands: &Commands, view: &View) {
         let Some(transparent) =
-            self.transparent.as_ref().filter(|transparent| transparent.is_any())
+            self.transparent.as_ref().filter(|transparent| !transparent.list().is_empty())
         else {
             return;
         };
-        transparent.decide(commands);
+        transparent.list().decide(commands);
         self.target.prepare(commands);
         commands.pass("draw transparent", |commands| {
             let target = self.target_of(view, None);

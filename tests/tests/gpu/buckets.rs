@@ -113,6 +113,12 @@ fn compare(device: &Device, buckets: u32, predication: Predication, strategy: St
     let things: Vec<Vec<Part>> = things.collect();
     host.wall = host.add(vec![wall(buckets)])[0];
     host.add(things);
+    let panes = (0..30).map(|_| {
+        let middle = behind(&mut random);
+        parts(&mut random, middle, buckets)
+    });
+    let panes: Vec<Vec<Part>> = panes.collect();
+    host.add_glass(panes);
     for frame in 0..FRAMES {
         change(&mut host, &mut random, frame, buckets);
         let side = (frame / 5 % 3) as f32 - 1.0;

@@ -1,25 +1,12 @@
 //! Transparent objects: drawn back to front over the finished image, where they can be hidden but
-//! hide nothing.
-//!
-//! ```text
-//! surfaces    after all opaque surfaces and the sky: boxes of the transparent objects in the
-//!             frustum, in one draw; a fragment that passes the finished depth switches on the
-//!             draw of its object
-//! transparent their draws, the farthest first, in one call
-//! ```
-//!
-//! A box without a visible sample holds an object without one: leaving it out changes nothing, and
-//! the order of the others stays the same.
+//! hide nothing ([`TransparentList`]).
 
 use std::collections::HashMap;
 
 use cull::{Aabb, Containment, PlaneMask, Rays, View};
 use glam::Affine3A;
-use gpu::{
-    Access, BOX_VERTICES, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw,
-    LeafDrawBuffers, MemoryBarrier, MemoryKind, vk,
-};
-use occlusion::{LeafBoxIo, PlanExecutor, ProxyBox};
+use gpu::{BufferSlice, Commands, Device, Frame, IndirectDraw};
+use occlusion::{BucketDraw, PlanExecutor, TransparentList};
 use scene::{ENCLOSING, Light, Mesh, Object, Scene, TransparentId, outwardness};
 
 use crate::error::Error;
@@ -29,12 +16,12 @@ use crate::resources::geometry::{Geometry, bounds_in_world};
 /// The transparent objects of a scene.
 pub(crate) struct Transparent {
     objects: Vec<TransparentObject>,
-    /// The draws that fragments switch on, and their list. Nothing reads the list.
-    leaf_draws: [Buffer; 2],
+    /// Their draws in the view being recorded.
+    list: TransparentList,
     /// The objects in the frustum of the view being recorded, the farthest first.
     sorted: Vec<SortedObject>,
-    /// The draws of the view being recorded, if any.
-    view: Option<TransparentIo>,
+    /// The vertex shader's data of the view being recorded, if it has any.
+    instances: Option<BufferSlice>,
 }
 
 pub(crate) struct TransparentObject {
@@ -98,29 +85,7 @@ fn depth_m(bounds: &Aabb, rays: &Rays, faces: Faces) -> f32 {
 struct SortedObject {
     number: usize,
     depth_m: f32,
-    test: Test,
 }
-
-/// The test that decides if an object is drawn.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Test {
-    /// The test of its box.
-    Box,
-    /// No test: it is always drawn.
-    None,
-}
-
-/// One view's transparent objects in the memory of its frame, in the order in which they are drawn.
-#[derive(Clone, Copy)]
-struct TransparentIo {
-    instances: BufferSlice,
-    draws: BufferSlice,
-    /// The boxes that are tested, if any are.
-    boxes: Option<BufferSlice>,
-    count: u32,
-}
-
-const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
 impl Transparent {
     /// Creates the buffers of the transparent objects of a scene; `None` without any.
@@ -141,25 +106,18 @@ impl Transparent {
         if objects.is_empty() {
             return Ok(None);
         }
-        let storage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
-        let indirect = storage | vk::BufferUsageFlags::INDIRECT_BUFFER;
-        let draw_bytes = objects.len() as u64 * DRAW_BYTES;
-        let list_bytes = (gpu::LISTED_LEAVES as u64 + 1) * 4;
         Ok(Some(Self {
             objects,
-            leaf_draws: [
-                Buffer::new(device, "transparent draws", draw_bytes, indirect, MemoryKind::Device)?,
-                Buffer::new(device, "transparent list", list_bytes, storage, MemoryKind::Device)?,
-            ],
+            list: TransparentList::new(device)?,
             sorted: Vec::new(),
-            view: None,
+            instances: None,
         }))
     }
 
     /// Finds the objects in the frustum of a view and sorts them: the farthest first, by the middle
     /// of their boxes, or by the visible side of the box of an object that encloses something; of
     /// equally far ones the first of the scene.
-    fn sort(&mut self, view: &View, test: Test) {
+    fn sort(&mut self, view: &View) {
         self.sorted.clear();
         for (number, object) in self.objects.iter().enumerate() {
             let bounds = &object.bounds;
@@ -167,9 +125,7 @@ impl Transparent {
                 continue;
             }
             let depth_m = depth_m(bounds, &view.rays, object.faces.under(&object.object.transform));
-            let can_be_tested = test == Test::Box && view.margin.proxy(bounds).is_some();
-            let test = if can_be_tested { Test::Box } else { Test::None };
-            self.sorted.push(SortedObject { number, depth_m, test });
+            self.sorted.push(SortedObject { number, depth_m });
         }
         self.sorted.sort_unstable_by(|a, b| {
             let farther = b.depth_m.total_cmp(&a.depth_m);
@@ -178,47 +134,35 @@ impl Transparent {
     }
 
     /// Writes the sorted objects into the memory of a frame.
-    fn write(&mut self, frame: &mut Frame<'_>, geometry: &Geometry) -> Result<(), Error> {
-        self.view = None;
-        if self.sorted.is_empty() {
+    fn write(
+        &mut self,
+        frame: &mut Frame<'_>,
+        geometry: &Geometry,
+        (view, tests): (&View, bool),
+    ) -> Result<(), Error> {
+        let Self { sorted, objects, list, .. } = self;
+        list.clear();
+        self.instances = None;
+        if sorted.is_empty() {
             return Ok(());
         }
-        let Self { sorted, objects, .. } = self;
-        let in_order = || sorted.iter().map(|it| (it, &objects[it.number]));
-        let uploads = frame.uploads();
-        let instances = uploads.push_iter(in_order().map(|(sorted, transparent)| {
-            geometry.transparent_instance(TransparentId(sorted.number as u32), &transparent.object)
-        }))?;
-        let draws = in_order().enumerate().map(|(place, (sorted, transparent))| IndirectDraw {
-            first_instance: place as u32,
-            instance_count: u32::from(sorted.test == Test::None),
-            ..geometry.mesh_draw(transparent.object.mesh)
+        for (place, sorted) in (0..).zip(sorted.iter()) {
+            let TransparentObject { object, bounds, .. } = &objects[sorted.number];
+            let draw = geometry.mesh_draw(object.mesh);
+            let draw = IndirectDraw { first_instance: place, instance_count: 1, ..draw };
+            list.push(view, tests.then_some(*bounds), &[BucketDraw { draw, ..Default::default() }]);
+        }
+        let instances = sorted.iter().map(|sorted| {
+            let id = TransparentId(sorted.number as u32);
+            geometry.transparent_instance(id, &objects[sorted.number].object)
         });
-        let draws = uploads.push_iter(draws)?;
-        let is_any_tested = sorted.iter().any(|it| it.test == Test::Box);
-        let boxes = is_any_tested.then(|| {
-            uploads.push_iter(in_order().map(|(sorted, transparent)| match sorted.test {
-                Test::Box => ProxyBox::from(transparent.bounds),
-                Test::None => ProxyBox::from(Aabb::EMPTY),
-            }))
-        });
-        let count = sorted.len() as u32;
-        self.view = Some(TransparentIo { instances, draws, boxes: boxes.transpose()?, count });
-        Ok(())
+        self.instances = Some(frame.uploads().push_iter(instances)?);
+        Ok(list.write(frame)?)
     }
 
     /// Returns the transform of an object.
     pub(crate) fn transform(&self, id: TransparentId) -> Option<Affine3A> {
         self.objects.get(id.0 as usize).map(|transparent| transparent.object.transform)
-    }
-
-    /// Returns the draws of the view, as they are on the GPU once their boxes were tested.
-    fn draws(&self, io: &TransparentIo) -> BufferSlice {
-        let draws = match io.boxes {
-            Some(_) => self.leaf_draws[0].whole(),
-            None => io.draws,
-        };
-        draws.part(0, u64::from(io.count) * DRAW_BYTES)
     }
 
     /// Gathers the objects of a view for the draws of its frame. Returns the number in its frustum.
@@ -231,8 +175,8 @@ impl Transparent {
         geometry: &Geometry,
         (view, tests): (&View, bool),
     ) -> Result<u32, Error> {
-        self.sort(view, if tests { Test::Box } else { Test::None });
-        self.write(frame, geometry)?;
+        self.sort(view);
+        self.write(frame, geometry, (view, tests))?;
         Ok(self.sorted.len() as u32)
     }
 
@@ -252,43 +196,9 @@ impl Transparent {
         self.objects.get(id.0 as usize)
     }
 
-    /// Returns true if the view being recorded has any.
-    pub(crate) fn is_any(&self) -> bool {
-        self.view.is_some()
-    }
-
-    /// Records, before the boxes are tested, the clear of the draws that they decide about.
-    pub(crate) fn prepare(&self, commands: &Commands) {
-        let Some(io) = self.tested() else { return };
-        let [draws, list] = &self.leaf_draws;
-        let between = MemoryBarrier::between;
-        // The view or frame before may still draw and note.
-        let before = [Access::IndirectRead, Access::FragmentWrite];
-        commands.barrier(between(&before, &[Access::CopyWrite]));
-        commands.copy_buffer(io.draws, draws.whole());
-        commands.fill(list.whole().part(0, 4), 0);
-        let after = [Access::IndirectRead, Access::FragmentWrite];
-        commands.barrier(between(&[Access::CopyWrite], &after));
-    }
-
-    /// Tests the boxes against the finished depth, which is being rendered to.
-    pub(crate) fn test(&self, executor: &PlanExecutor, commands: &Commands, view: &View) {
-        let (Some(io), Some(pass)) = (self.tested(), &executor.passes.leaf_boxes) else { return };
-        let Some(boxes) = io.boxes else { return };
-        let [draws, list] = &self.leaf_draws;
-        commands.label("transparent boxes", |commands| {
-            let leaf_draws = LeafDrawBuffers { draws: draws.whole(), list: list.whole() };
-            pass.bind(commands, &LeafBoxIo { boxes, leaf_draws, links: None }, view);
-            commands.draw_instances(BOX_VERTICES, 0..io.count);
-        });
-    }
-
-    /// Records the barrier from the tests of the boxes to the draws, outside of rendering.
-    pub(crate) fn decide(&self, commands: &Commands) {
-        if self.tested().is_some() {
-            let enabled = [Access::IndirectRead, Access::FragmentWrite];
-            commands.barrier(MemoryBarrier::between(&[Access::FragmentWrite], &enabled));
-        }
+    /// Returns the draws of the view being recorded.
+    pub(crate) fn list(&self) -> &TransparentList {
+        &self.list
     }
 
     /// Draws the objects of the view to the current attachments.
@@ -299,14 +209,11 @@ impl Transparent {
         surfaces: SurfaceIo<'_>,
         (view, light): (&View, &Light),
     ) {
-        let Some(io) = &self.view else { return };
-        let surfaces = SurfaceIo { instances: io.instances, ..surfaces };
-        pass.bind(commands, &surfaces, view, light);
-        executor.leaves.predicates().draw_after_counted(commands, self.draws(io));
-    }
-
-    fn tested(&self) -> Option<&TransparentIo> {
-        self.view.as_ref().filter(|io| io.boxes.is_some())
+        let Some(instances) = self.instances else { return };
+        let surfaces = SurfaceIo { instances, ..surfaces };
+        self.list.draw(executor.leaves.predicates(), commands, &|commands, _| {
+            pass.bind(commands, &surfaces, view, light);
+        });
     }
 }
 

@@ -6,12 +6,13 @@ use cull::{Aabb, Camera, CullConfig, Culler, ObjectId, Strategy, View};
 use glam::Vec3;
 use gpu::{
     Blend, Buffer, BufferSlice, Commands, DepthMode, Device, Frame, FrameRing, GraphicsPipeline,
-    GraphicsPipelineInfo, IndirectDraw, Predication, Readback, RenderTarget, StorageLayout, Target,
-    vk,
+    GraphicsPipelineInfo, IndirectDraw, Predicates, Predication, Readback, RenderTarget,
+    StorageLayout, Target, vk,
 };
 use occlusion::{
     BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, LeafCount, ObjectPass,
-    ObjectRenderer, OcclusionPasses, ProxyBox, Rendering, ShaderSet, VisibilityState, execute,
+    ObjectRenderer, OcclusionPasses, ProxyBox, Rendering, ShaderSet, TransparentList,
+    VisibilityState, execute,
 };
 
 const SIZE: [u32; 2] = [96, 54];
@@ -23,9 +24,11 @@ layout(location = 0) out vec4 colour;
 layout(push_constant) uniform Constants { layout(offset = 80) uint bucket; };
 void main() {
     uint mixed = (number + 1) * 2654435761u ^ (bucket + 1) * 2246822519u;
-    colour = vec4(vec3((uvec3(mixed) >> uvec3(8, 16, 24)) & 255u) / 255.0, 1.0);
+    colour = vec4(vec3((uvec3(mixed) >> uvec3(8, 16, 24)) & 255u) / 255.0, bucket < 1000 ? 1 : 0.5);
 }
 ";
+/// The first bucket of draws that blend.
+const GLASS: u32 = 1000;
 /// Vertices of a box as `box.glsl` makes them up: three faces of two triangles.
 const BOX_INDICES: u32 = 18;
 /// The boxes that the host has room for in its own buffer.
@@ -42,6 +45,7 @@ pub struct Part {
 struct Boxes {
     target: Target,
     pipeline: GraphicsPipeline,
+    glass: GraphicsPipeline,
     /// The boxes of the frame.
     boxes: Option<BufferSlice>,
     indices: Buffer,
@@ -61,11 +65,14 @@ impl Boxes {
             blend: Blend::Opaque,
             ..GraphicsPipelineInfo::of("host boxes", shaders.find("proxy.vert").unwrap())
         };
+        let blended =
+            GraphicsPipelineInfo { depth: DepthMode::TestOnly, blend: Blend::Alpha, ..info };
         let indices: Vec<u32> = (0..BOX_INDICES).collect();
         let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;
         Self {
             target: Target::new(device, SIZE, "host boxes").unwrap(),
             pipeline: GraphicsPipeline::new(device, &info).unwrap(),
+            glass: GraphicsPipeline::new(device, &blended).unwrap(),
             boxes: None,
             indices: device.upload("box indices", &indices, usage).unwrap(),
         }
@@ -84,14 +91,15 @@ impl ObjectRenderer for Boxes {
 
     fn bind(&self, commands: &Commands, view: &View, bucket: BucketId, _pass: ObjectPass) {
         let Some(boxes) = self.boxes else { return };
-        commands.bind(&self.pipeline, &[boxes]);
+        let pipeline = if bucket.0 < GLASS { &self.pipeline } else { &self.glass };
+        commands.bind(pipeline, &[boxes]);
         // The shader makes up its vertices: any vertex buffer does.
         commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
         let mut constants = [0.0; 21];
         constants[..16].copy_from_slice(&view.view_proj.to_cols_array());
         constants[16..20].copy_from_slice(&view.rays.eye().to_array());
         constants[20] = f32::from_bits(bucket.0);
-        commands.push_constants(&self.pipeline, &constants);
+        commands.push_constants(pipeline, &constants);
     }
 }
 
@@ -109,6 +117,9 @@ pub struct Host {
     next_box: usize,
     parts: BTreeMap<ObjectId, (u32, Vec<Part>)>,
     pub wall: ObjectId,
+    /// Transparent objects, and the first of the boxes of each.
+    glass: Vec<(u32, Vec<Part>)>,
+    list: TransparentList,
     /// The images of each frame: by our answers, and of all draws.
     pub images: Vec<[Readback; 2]>,
 }
@@ -141,6 +152,8 @@ impl Host {
             next_box: 0,
             parts: BTreeMap::new(),
             wall: ObjectId(0),
+            glass: Vec::new(),
+            list: TransparentList::new(device).unwrap(),
             images: Vec::new(),
         }
     }
@@ -161,6 +174,15 @@ impl Host {
         self.scene.add(&objects, &mut added).unwrap();
         self.parts.extend(added.iter().copied().zip(firsts.into_iter().zip(things)));
         added
+    }
+
+    /// Adds transparent objects, which hide nothing.
+    pub fn add_glass(&mut self, things: Vec<Vec<Part>>) {
+        for mut parts in things {
+            parts.iter_mut().for_each(|part| part.bucket += GLASS);
+            let first = self.take_boxes(&parts);
+            self.glass.push((first, parts));
+        }
     }
 
     pub fn remove(&mut self, objects: &[ObjectId]) {
@@ -212,6 +234,20 @@ impl Host {
         let io = (&self.shaders, &view);
         execute(&mut frame, executor, state, &mut self.culled, io).unwrap();
         draw_all(&mut frame, &mut self.all, &self.parts, &view);
+        let middle =
+            |(_, parts): &(u32, Vec<Part>)| around(parts).centre().distance(view.rays.origin);
+        self.glass.sort_by(|a, b| middle(b).total_cmp(&middle(a)));
+        let passes = &executor.passes;
+        let predicates = executor.leaves.predicates();
+        for (boxes, is_tested) in [(&mut self.culled, true), (&mut self.all, false)] {
+            self.list.clear();
+            for (first, parts) in &self.glass {
+                let bounds = is_tested.then(|| around(parts));
+                self.list.push(&view, bounds, &draws_of(*first, parts));
+            }
+            self.list.write(&mut frame).unwrap();
+            draw_glass(&frame, boxes, (&self.list, passes, predicates), &view);
+        }
         let images = [&mut self.culled, &mut self.all].map(|boxes| {
             let image = Readback::new(&self.device, SIZE).unwrap();
             boxes.target.copy_to(frame.commands(), &image);
@@ -281,5 +317,27 @@ fn draw_all(
             boxes.bind(commands, view, draws[0].bucket, ObjectPass::Visibility);
             draws.iter().for_each(|draw| commands.draw_indexed(&draw.draw));
         }
+    });
+}
+
+/// Draws transparent objects over a finished image.
+fn draw_glass(
+    frame: &Frame<'_>,
+    boxes: &mut Boxes,
+    (list, passes, predicates): (&TransparentList, &OcclusionPasses, &Predicates),
+    view: &View,
+) {
+    let commands = frame.commands();
+    list.prepare(commands);
+    boxes.target.prepare(commands);
+    commands.rendering(boxes.rendering(view, Rendering::Next), |commands| {
+        list.test(passes, commands, (view, boxes.viewport(view)));
+    });
+    list.decide(commands);
+    boxes.target.prepare(commands);
+    commands.rendering(boxes.rendering(view, Rendering::Next), |commands| {
+        list.draw(predicates, commands, &|commands, bucket| {
+            boxes.bind(commands, view, bucket, ObjectPass::Visibility);
+        });
     });
 }

@@ -1,0 +1,219 @@
+//! Objects that can be hidden but hide nothing, in the order in which they are drawn: over the
+//! finished image, back to front.
+//!
+//! ```text
+//! prepare    before the rendering that holds the finished depth: the draws, without instances
+//! test       in it: the boxes of the objects, in one draw; a fragment that passes the finished
+//!            depth switches on the draws of its object
+//! decide     between the renderings
+//! draw       the draws in their order, in one call per run of draws in one bucket
+//! ```
+//!
+//! A box without a visible sample holds an object without one: leaving it out changes nothing, and
+//! the order of the others stays the same.
+
+use std::ops::Range;
+
+use cull::{Aabb, View};
+use gpu::{
+    Access, BOX_VERTICES, Buffer, BufferSlice, Commands, Device, DrawLink, Frame, IndirectDraw,
+    LeafDrawBuffers, MemoryBarrier, MemoryKind, Predicates, Viewport, vk,
+};
+
+use crate::error::Error;
+use crate::leaf_table::{BucketDraw, BucketId};
+use crate::passes::{LeafBoxIo, LeafLinks, OcclusionPasses, ProxyBox};
+
+/// The draws of one view's transparent objects in their order, each skipped by the GPU where its
+/// object is hidden.
+pub struct TransparentList {
+    device: Device,
+    /// The draws that fragments switch on.
+    enabled: Option<Buffer>,
+    /// The list of objects that the pass writes. Nothing reads it.
+    listed: Buffer,
+    commands: Vec<IndirectDraw>,
+    links: Vec<DrawLink>,
+    firsts: Vec<u32>,
+    boxes: Vec<ProxyBox>,
+    /// Runs of draws in one bucket.
+    runs: Vec<(BucketId, Range<u32>)>,
+    io: Option<ListIo>,
+}
+
+/// A list in the memory of its frame.
+#[derive(Clone, Copy)]
+struct ListIo {
+    draws: BufferSlice,
+    /// The boxes that are tested, if any are.
+    tested: Option<TestedIo>,
+}
+
+#[derive(Clone, Copy)]
+struct TestedIo {
+    boxes: BufferSlice,
+    links: LeafLinks,
+    object_count: u32,
+}
+
+const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+
+impl TransparentList {
+    /// Creates an empty list.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+        let bytes = (gpu::LISTED_LEAVES as u64 + 1) * 4;
+        Ok(Self {
+            device: device.clone(),
+            enabled: None,
+            listed: Buffer::new(device, "transparent list", bytes, usage, MemoryKind::Device)?,
+            commands: Vec::new(),
+            links: Vec::new(),
+            firsts: Vec::new(),
+            boxes: Vec::new(),
+            runs: Vec::new(),
+            io: None,
+        })
+    }
+
+    /// Starts the list of a view over, without objects.
+    pub fn clear(&mut self) {
+        self.commands.clear();
+        self.links.clear();
+        self.firsts.clear();
+        self.boxes.clear();
+        self.runs.clear();
+        self.io = None;
+    }
+
+    /// Adds an object behind which all that were added before are drawn. Without a box it is drawn
+    /// untested, and so it is where the near plane of `view` cuts the box.
+    pub fn push(&mut self, view: &View, bounds: Option<Aabb>, draws: &[BucketDraw]) {
+        let bounds = bounds.filter(|bounds| view.margin.proxy(bounds).is_some());
+        let first = self.commands.len() as u32;
+        let drawn = |it: &&BucketDraw| it.draw.index_count > 0 && it.draw.instance_count > 0;
+        for BucketDraw { bucket, draw, .. } in draws.iter().filter(drawn) {
+            let number = self.commands.len() as u32;
+            self.links.push(DrawLink { next: number + 1, instance_count: draw.instance_count });
+            let instance_count = if bounds.is_some() { 0 } else { draw.instance_count };
+            self.commands.push(IndirectDraw { instance_count, ..*draw });
+            match self.runs.last_mut().filter(|(last, _)| last == bucket) {
+                Some((_, run)) => run.end += 1,
+                None => self.runs.push((*bucket, number..number + 1)),
+            }
+        }
+        if self.commands.len() as u32 == first {
+            return;
+        }
+        if let Some(last) = self.links.last_mut() {
+            last.next = DrawLink::NO_DRAW;
+        }
+        self.firsts.push(first);
+        self.boxes.push(ProxyBox::from(bounds.unwrap_or(Aabb::EMPTY)));
+    }
+
+    /// Returns true if the list draws nothing.
+    pub fn is_empty(&self) -> bool {
+        self.commands.is_empty()
+    }
+
+    /// Writes the list into the memory of a frame. Without the pass that tests boxes, which some
+    /// devices lack, objects must have been added without boxes.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub fn write(&mut self, frame: &mut Frame<'_>) -> Result<(), Error> {
+        if self.is_empty() {
+            return Ok(());
+        }
+        let uploads = frame.uploads();
+        let is_tested = self.commands.iter().any(|draw| draw.instance_count == 0);
+        let tested = is_tested.then(|| -> Result<TestedIo, Error> {
+            let (firsts, links) = (uploads.push(&self.firsts)?, uploads.push(&self.links)?);
+            Ok(TestedIo {
+                boxes: uploads.push(&self.boxes)?,
+                links: LeafLinks { firsts, links },
+                object_count: self.firsts.len() as u32,
+            })
+        });
+        let tested = tested.transpose()?;
+        self.io = Some(ListIo { draws: uploads.push(&self.commands)?, tested });
+        let bytes = self.commands.len() as u64 * DRAW_BYTES;
+        if tested.is_some() && self.enabled.as_ref().is_none_or(|it| it.size_bytes() < bytes) {
+            let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+                | vk::BufferUsageFlags::TRANSFER_DST
+                | vk::BufferUsageFlags::INDIRECT_BUFFER;
+            let (name, bytes) = ("transparent draws", bytes.next_power_of_two());
+            self.enabled = Some(Buffer::new(&self.device, name, bytes, usage, MemoryKind::Device)?);
+        }
+        Ok(())
+    }
+
+    /// Records, before the boxes are tested, the clear of the draws that they decide about. Outside
+    /// of rendering.
+    pub fn prepare(&self, commands: &Commands) {
+        let Some((io, _, LeafDrawBuffers { draws, list })) = self.tested() else { return };
+        let between = MemoryBarrier::between;
+        // The view or frame before may still draw and note.
+        let uses = [Access::IndirectRead, Access::FragmentWrite];
+        commands.barrier(between(&uses, &[Access::CopyWrite]));
+        commands.copy_buffer(io.draws, draws);
+        commands.fill(list.part(0, 4), 0);
+        commands.barrier(between(&[Access::CopyWrite], &uses));
+    }
+
+    /// Tests the boxes against the finished depth, which is being rendered to.
+    pub fn test(
+        &self,
+        passes: &OcclusionPasses,
+        commands: &Commands,
+        (view, viewport): (&View, Viewport),
+    ) {
+        let (Some((_, tested, leaf_draws)), Some(pass)) = (self.tested(), &passes.leaf_boxes)
+        else {
+            return;
+        };
+        commands.label("transparent boxes", |commands| {
+            // The owner may have drawn with another.
+            commands.set_viewport(&viewport);
+            let links = Some(tested.links);
+            pass.bind(commands, &LeafBoxIo { boxes: tested.boxes, leaf_draws, links }, view);
+            commands.draw_instances(BOX_VERTICES, 0..tested.object_count);
+        });
+    }
+
+    /// Records the barrier from the tests of the boxes to the draws. Outside of rendering.
+    pub fn decide(&self, commands: &Commands) {
+        if self.tested().is_some() {
+            let enabled = [Access::IndirectRead, Access::FragmentWrite];
+            commands.barrier(MemoryBarrier::between(&[Access::FragmentWrite], &enabled));
+        }
+    }
+
+    /// Draws the objects in their order to the current attachments. `bind` binds a bucket, before
+    /// each run of draws in it.
+    pub fn draw(
+        &self,
+        predicates: &Predicates,
+        commands: &Commands,
+        bind: &dyn Fn(&Commands, BucketId),
+    ) {
+        let Some(io) = &self.io else { return };
+        let draws = self.tested().map_or(io.draws, |(_, _, enabled)| enabled.draws);
+        for (bucket, run) in &self.runs {
+            bind(commands, *bucket);
+            let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
+            let run = draws.part(bytes(run.start), bytes(run.len() as u32));
+            predicates.draw_after_counted(commands, run);
+        }
+    }
+
+    fn tested(&self) -> Option<(ListIo, TestedIo, LeafDrawBuffers)> {
+        let io = self.io?;
+        let draws = self.enabled.as_ref()?.whole();
+        Some((io, io.tested?, LeafDrawBuffers { draws, list: self.listed.whole() }))
+    }
+}
