@@ -22,6 +22,9 @@ pub enum Error {
     /// Buckets where there are none, or others.
     #[error(transparent)]
     Buckets(#[from] BucketError),
+    /// A target that the passes were not compiled for.
+    #[error(transparent)]
+    Attachments(#[from] WrongAttachments),
     /// A request for shaders that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
@@ -65,4 +68,16 @@ pub enum BucketError {
         "the strategy `{0}` needs a `LeafTable` with one draw per leaf, and this one has buckets: use `frustum` or one of the `antumbra` strategies"
     )]
     HasBuckets(cull::Strategy),
+}
+
+/// A target with other attachments than the passes that test boxes were compiled for.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "boxes are tested in renderings to {passes}, and the target of the objects has {target}: compile `OcclusionPasses` for `Target::attachments`"
+)]
+pub struct WrongAttachments {
+    /// The attachments of the passes.
+    pub passes: Box<gpu::Attachments>,
+    /// Those of the target.
+    pub target: Box<gpu::Attachments>,
 }

@@ -79,7 +79,7 @@ mod visible_draws;
 
 pub use costs::calibration::{CalibrationScene, Costs, PATCH_TRIANGLES, cost_table, measure};
 pub use costs::frame_times::FrameTimes;
-pub use error::{BucketError, CannotCount, Error};
+pub use error::{BucketError, CannotCount, Error, WrongAttachments};
 pub use execution::execute;
 pub use executor::PlanExecutor;
 pub use host_scene::{HostObject, HostScene};

@@ -223,9 +223,8 @@ impl TestLayout {
     }
 
     /// Returns the predicates that are decided once the proxies of `round` were drawn.
-    pub(crate) fn made(&self, round: &RoundLayout) -> Vec<(ResultSource, Range<u32>)> {
-        let lists = ResultSource::ALL.into_iter().zip(round.predicates.clone());
-        lists.filter(|(_, predicates)| !predicates.is_empty()).collect()
+    pub(crate) fn made(&self, round: &RoundLayout) -> [(ResultSource, Range<u32>); 3] {
+        ResultSource::ALL.map(|source| (source, round.predicates[source as usize].clone()))
     }
 }
 

@@ -182,6 +182,9 @@ pub enum Error {
     /// Draws in buckets; a renderer has one draw per object.
     #[error(transparent)]
     Buckets(#[from] occlusion::BucketError),
+    /// A target that the passes were not compiled for.
+    #[error(transparent)]
+    Attachments(#[from] occlusion::WrongAttachments),
     /// A request for shaders that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
@@ -196,6 +199,7 @@ impl From<occlusion::Error> for Error {
             occlusion::Error::Hierarchy(error) => Self::Hierarchy(error),
             occlusion::Error::CannotCount(error) => Self::CannotCount(error),
             occlusion::Error::Buckets(error) => Self::Buckets(error),
+            occlusion::Error::Attachments(error) => Self::Attachments(error),
             occlusion::Error::ForeignView => Self::ForeignRenderer { thing: FOREIGN_VIEW },
             occlusion::Error::NoShaderCompiler(folder) => Self::NoShaderCompiler(folder),
         }

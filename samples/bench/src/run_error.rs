@@ -88,6 +88,7 @@ impl From<render::Error> for RunError {
             | render::Error::View(_)
             | render::Error::StandardDepth
             | render::Error::Buckets(_)
+            | render::Error::Attachments(_)
             | render::Error::ForeignRenderer { .. }
             | render::Error::ForeignHierarchy { .. }
             | render::Error::ImageSize { .. }

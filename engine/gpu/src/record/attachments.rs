@@ -1,5 +1,7 @@
 //! The attachments that a graphics pipeline draws to: formats, samples, and the direction of depth.
 
+use std::fmt;
+
 use ash::vk;
 
 /// Colour: eight bits per channel, sRGB-encoded by the hardware.
@@ -92,6 +94,15 @@ impl Default for Attachments {
     }
 }
 
+impl fmt::Display for Attachments {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { colours, depth, samples, near_depth, .. } = self;
+        let colours = colours.as_slice();
+        write!(formatter, "depth {depth:?}, near plane at {near_depth:?}, colours {colours:?}, ")?;
+        write!(formatter, "samples {samples:?}")
+    }
+}
+
 impl Attachments {
     /// Returns the stencil format; [`vk::Format::UNDEFINED`] for depth alone.
     pub(crate) fn stencil(&self) -> vk::Format {
@@ -99,6 +110,12 @@ impl Attachments {
             true => self.depth,
             false => vk::Format::UNDEFINED,
         }
+    }
+
+    /// Returns true if pipelines for these attachments can draw to those of a target, in a
+    /// rendering of whichever kind.
+    pub fn fit(&self, target: &Self) -> bool {
+        Self { pass: None, ..*self } == Self { pass: None, ..*target }
     }
 
     /// Returns true if depth is stored as integers, whose steps do not shrink with the distance.
@@ -123,6 +140,17 @@ mod tests {
         let two = [vk::Format::R8_UNORM, vk::Format::R32_SFLOAT];
         assert_eq!(ColourFormats::new(&two).as_slice(), two);
         assert_eq!(ColourFormats::new(&[two[0]; 9]).as_slice().len(), COLOURS_MAX);
+    }
+
+    #[test]
+    fn attachments_fit_whichever_pass_they_are_drawn_in() {
+        let pass = HostPass { render_pass: vk::RenderPass::null(), subpass: 1 };
+        let ours = Attachments::default();
+        assert!(Attachments { pass: Some(pass), ..ours }.fit(&ours));
+        let samples = vk::SampleCountFlags::TYPE_4;
+        assert!(!ours.fit(&Attachments { samples, ..ours }));
+        assert!(!ours.fit(&Attachments { near_depth: NearDepth::Zero, ..ours }));
+        assert!(!ours.fit(&Attachments { colours: ColourFormats::new(&[]), ..ours }));
     }
 
     #[test]

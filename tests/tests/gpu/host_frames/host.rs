@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use ash::vk;
-use cull::{Aabb, Camera, CullConfig, Culler, DepthConvention, Hierarchy, Projection, Strategy};
+use cull::{
+    Aabb, Camera, CullConfig, Culler, DepthConvention, Hierarchy, ObjectId, Projection, Strategy,
+};
 use glam::{Vec3, vec3};
 use gpu::{Device, FrameNumbers, FrameRing, IndirectDraw, NearDepth, Purpose, Tick};
 use occlusion::{
@@ -124,11 +126,14 @@ pub fn compare(driver: Driver, options: &HostOptions, submits: impl Fn(u64) -> S
         let [mut plain, mut culled] = [(); 2].map(|()| HostLoop::new(&host, options));
         for frame in 0..FRAMES {
             let camera = Camera { projection: options.projection, ..camera(frame) };
+            plain.move_boxes(frame);
             plain.draw(Strategy::FRUSTUM, &camera, Submits::Once);
+            culled.move_boxes(frame);
             culled.draw(Strategy::ANTUMBRA, &camera, submits(frame));
         }
         let [all, few] = [&mut plain, &mut culled].map(HostLoop::finish_draws);
-        let ran = |frame: &u64| submits(*frame) != Submits::Never;
+        // What runs behind a later frame shows boxes where that one left them.
+        let ran = |frame: &u64| matches!(submits(*frame), Submits::Once | Submits::Twice);
         for frame in (0..FRAMES).filter(ran) {
             let [plain, culled] = [&plain, &culled].map(|it| it.image(frame));
             let wrong = pixels_that_differ(&plain, &culled);
@@ -213,6 +218,21 @@ impl<'a> HostLoop<'a> {
         }
     }
 
+    /// Moves some boxes, other ones from frame to frame: each change comes with one frame alone.
+    fn move_boxes(&mut self, frame: u64) {
+        let moved = (1..1_000).filter(|number| number % 29 == frame % 29).map(|number| {
+            let bounds = boxes()[number as usize];
+            let up = Vec3::Y * (0.6 * (frame as f32).sin());
+            (ObjectId(number as u32), Aabb::new(bounds.min + up, bounds.max + up))
+        });
+        let moved: Vec<(ObjectId, Aabb)> = moved.collect();
+        self.hierarchy.refit(moved.iter().copied()).unwrap();
+        for (object, _) in moved {
+            let leaf = self.hierarchy.leaf_of(object).unwrap();
+            self.executor.leaves.mark_dirty(leaf, MeshDrawId(0));
+        }
+    }
+
     /// Draws a frame into a command buffer of the host.
     pub fn draw(&mut self, strategy: Strategy, camera: &Camera, submits: Submits) {
         let Self { host, device, frames, hierarchy, executor, objects, state, shaders, .. } = self;
@@ -243,6 +263,8 @@ impl<'a> HostLoop<'a> {
         let bits = device.adapter().limits.sub_pixel_precision_bits;
         let view = self.lens.view(camera, current, SIZE, bits);
         executor.leaves.begin();
+        let PlanExecutor { passes, leaves } = executor;
+        leaves.upload(&mut frame, hierarchy, &passes.scatter, None).unwrap();
         state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
         state.plan_frame(hierarchy, &executor.leaves, strategy, (&view, 4096));
         execute(&mut frame, executor, state, objects, (shaders, &view)).unwrap();

@@ -217,20 +217,28 @@ impl Predicates {
             return;
         }
         let between = MemoryBarrier::between;
-        let mut from: Vec<Access> = written.iter().map(|(source, _)| source.access()).collect();
+        // Accesses of sources that wrote nothing order nothing. No list on the heap: this is
+        // recorded in every frame.
+        let is_written =
+            |source| written.iter().any(|(it, list)| *it == source && !list.is_empty());
+        let writes = ResultSource::ALL.map(|source| match is_written(source) {
+            true => source.access(),
+            false => Access::Nothing,
+        });
         let Some(writer) = &self.writer else {
             if threshold_samples > 0 {
                 commands.fail(Failure::Wrong(
                     "conditional rendering cannot compare samples with a threshold",
                 ));
             }
-            commands.barrier(between(&from, &[Access::PredicateRead, Access::ComputeRead]));
+            commands.barrier(between(&writes, &[Access::PredicateRead, Access::ComputeRead]));
             return;
         };
         // Earlier rounds, and earlier frames of other slots, may still read the draws.
-        from.extend([Access::IndirectRead, Access::ComputeWrite]);
+        let [queries, fragments, compute] = writes;
+        let from = [queries, fragments, compute, Access::IndirectRead, Access::ComputeWrite];
         commands.barrier(between(&from, &[Access::ComputeRead, Access::ComputeWrite]));
-        for (source, range) in written {
+        for (source, range) in written.iter().filter(|(_, range)| !range.is_empty()) {
             let list = self.list(*source);
             let output = match self.predication {
                 Predication::Counts => list.counts(),
