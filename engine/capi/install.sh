@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds the C interface and installs it: `engine/capi/install.sh PREFIX [CARGO OPTION..]`.
 #
-# Below PREFIX lie then include/antumbra.h, the shared and the static library, a pkg-config file and a
-# CMake package. What follows PREFIX goes to `cargo build`, `--release` if there is nothing:
+# Below PREFIX lie then include/antumbra.h, the shared and the static library, a pkg-config file, a
+# CMake package, and share/antumbra/snap.glsl for shaders of hosts. What follows PREFIX goes to `cargo build`, `--release` if there is nothing:
 # `install.sh /usr/local`, `install.sh out --profile dev`. Linux only.
 set -euo pipefail
 
@@ -20,8 +20,9 @@ library=$(grep '/libantumbra_capi\.so$' <<<"$built")
 archive=$(grep '/libantumbra_capi\.a$' <<<"$built")
 version=$(cargo pkgid -p antumbra-capi | sed 's/.*[#@]//')
 
-install -d "$prefix"/include "$prefix"/lib/pkgconfig "$prefix"/lib/cmake/antumbra
+install -d "$prefix"/share/antumbra "$prefix"/include "$prefix"/lib/pkgconfig "$prefix"/lib/cmake/antumbra
 install -m 644 include/antumbra.h "$prefix/include/"
+install -m 644 ../../shaders/snap.glsl "$prefix/share/antumbra/"
 install -m 755 "$library" "$prefix/lib/libantumbra.so.1"
 ln -sf libantumbra.so.1 "$prefix/lib/libantumbra.so"
 install -m 644 "$archive" "$prefix/lib/libantumbra.a"

@@ -26,6 +26,34 @@
 
 #include <stddef.h>
 #include <stdint.h>
+/* The executor is declared where Vulkan is: include <vulkan/vulkan.h> before, or define ANTUMBRA_VULKAN. */
+#if defined(VULKAN_CORE_H_) && !defined(ANTUMBRA_VULKAN)
+#define ANTUMBRA_VULKAN
+#endif
+#ifdef ANTUMBRA_VULKAN
+#include <vulkan/vulkan_core.h>
+#endif
+
+
+/**
+ * Depth is 1 at the near plane and 0 infinitely far away.
+ */
+#define ANTUMBRA_DEPTH_REVERSED 0
+
+/**
+ * Depth is 0 at the near plane and 1 at the far plane, or infinitely far away.
+ */
+#define ANTUMBRA_DEPTH_STANDARD 1
+
+/**
+ * The y of clip space points down, as Vulkan's.
+ */
+#define ANTUMBRA_CLIP_Y_DOWN 0
+
+/**
+ * The y of clip space points up: the host turns images over by a viewport of negative height.
+ */
+#define ANTUMBRA_CLIP_Y_UP 1
 
 /**
  * Tests by flags that fragments set: they take no queries.
@@ -92,25 +120,47 @@
  */
 #define ANTUMBRA_NO_QUERY UINT32_MAX
 
+#if defined(ANTUMBRA_VULKAN)
 /**
- * Depth is 1 at the near plane and 0 infinitely far away.
+ * The most extensions that the executor asks for.
  */
-#define ANTUMBRA_DEPTH_REVERSED 0
+#define ANTUMBRA_EXTENSIONS_MAX 8
+#endif
 
+#if defined(ANTUMBRA_VULKAN)
 /**
- * Depth is 0 at the near plane and 1 at the far plane, or infinitely far away.
+ * Hidden draws are skipped by the best way that the device has.
  */
-#define ANTUMBRA_DEPTH_STANDARD 1
+#define ANTUMBRA_PREDICATION_BEST 0
+#endif
 
+#if defined(ANTUMBRA_VULKAN)
 /**
- * The y of clip space points down, as Vulkan's.
+ * Hidden draws are skipped by conditional rendering.
  */
-#define ANTUMBRA_CLIP_Y_DOWN 0
+#define ANTUMBRA_PREDICATION_CONDITIONAL 1
+#endif
 
+#if defined(ANTUMBRA_VULKAN)
 /**
- * The y of clip space points up: the host turns images over by a viewport of negative height.
+ * Hidden draws are skipped by draw counts.
  */
-#define ANTUMBRA_CLIP_Y_UP 1
+#define ANTUMBRA_PREDICATION_COUNTS 2
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Hidden draws are skipped by instance counts.
+ */
+#define ANTUMBRA_PREDICATION_INSTANCES 3
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The most colour images of a view.
+ */
+#define ANTUMBRA_COLOURS_MAX 8
+#endif
 
 /**
  * An error: something could not be done.
@@ -367,9 +417,9 @@ typedef struct AntumbraAnswer {
 } AntumbraAnswer;
 
 /**
- * The view of one frame: the host's matrix, with its jitter, and the image that is drawn.
+ * The camera of one frame: the host's matrix, with its jitter, and the image that is drawn.
  */
-typedef struct AntumbraViewDesc {
+typedef struct AntumbraCamera {
     /**
      * Size of this struct in bytes.
      */
@@ -401,7 +451,7 @@ typedef struct AntumbraViewDesc {
      * The direction of y: an `ANTUMBRA_CLIP_Y_..`. Default: `ANTUMBRA_CLIP_Y_DOWN`.
      */
     uint32_t clip_y;
-} AntumbraViewDesc;
+} AntumbraCamera;
 
 /**
  * The input of a plan.
@@ -416,9 +466,9 @@ typedef struct AntumbraPlanDesc {
      */
     uint32_t strategy;
     /**
-     * The view.
+     * The camera.
      */
-    const struct AntumbraViewDesc *view;
+    const struct AntumbraCamera *camera;
     /**
      * The most occlusion queries of the plan; leaves for which none is left are drawn. Default:
      * 4096.
@@ -560,6 +610,168 @@ typedef struct AntumbraFramePlan {
     size_t round_count;
 } AntumbraFramePlan;
 
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The type of `vkGetInstanceProcAddr`.
+ */
+typedef PFN_vkVoidFunction (*AntumbraInstanceProcAddr)(VkInstance,
+                                                       const char*);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A physical device of a host.
+ */
+typedef struct AntumbraAdapterDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The version of Vulkan that the instance was made for, at least `VK_API_VERSION_1_3`.
+     */
+    uint32_t api_version;
+    /**
+     * `vkGetInstanceProcAddr`, through which the instance was made.
+     */
+    AntumbraInstanceProcAddr instance_proc_addr;
+    /**
+     * The instance.
+     */
+    VkInstance instance;
+    /**
+     * The physical device.
+     */
+    VkPhysicalDevice physical_device;
+} AntumbraAdapterDesc;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The features of a device, in structs of the host. Null counts as a struct with all features off.
+ */
+typedef struct AntumbraFeatures {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The features of Vulkan 1.0.
+     */
+    VkPhysicalDeviceFeatures *core;
+    /**
+     * Those of Vulkan 1.2, with their `sType`.
+     */
+    VkPhysicalDeviceVulkan12Features *vulkan_12;
+    /**
+     * Those of Vulkan 1.3, with their `sType`.
+     */
+    VkPhysicalDeviceVulkan13Features *vulkan_13;
+    /**
+     * That of `VK_EXT_conditional_rendering`, with its `sType`.
+     */
+    VkPhysicalDeviceConditionalRenderingFeaturesEXT *conditional_rendering;
+} AntumbraFeatures;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The needs of the executor on a physical device, besides features.
+ */
+typedef struct AntumbraRequirements {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The least version of Vulkan for instance and device.
+     */
+    uint32_t api_version;
+    /**
+     * The flags of the queue family whose command buffers are recorded into.
+     */
+    VkQueueFlags queue_flags;
+    /**
+     * The first queue family with these flags; `UINT32_MAX` if there is none.
+     */
+    uint32_t queue_family;
+    /**
+     * The number of extensions to turn on, all of which the device has.
+     */
+    uint32_t extension_count;
+    /**
+     * Is 0.
+     */
+    uint32_t reserved;
+    /**
+     * Their names, valid as long as the library is loaded.
+     */
+    const char *extensions[ANTUMBRA_EXTENSIONS_MAX];
+} AntumbraRequirements;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A device that a host made and goes on to own.
+ */
+typedef struct AntumbraDeviceDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The queue family of the command buffers that are recorded into.
+     */
+    uint32_t queue_family;
+    /**
+     * The physical device.
+     */
+    const struct AntumbraAdapterDesc *adapter;
+    /**
+     * The device.
+     */
+    VkDevice device;
+    /**
+     * The features that are on.
+     */
+    const struct AntumbraFeatures *features;
+    /**
+     * The names of the extensions that are on, and of the instance's `VK_EXT_debug_utils`, with
+     * which everything has a name for debuggers. Names that the library does not know are ignored.
+     */
+    const char *const *extensions;
+    /**
+     * The number of extensions.
+     */
+    size_t extension_count;
+    /**
+     * The callbacks for the memory of the CPU that Vulkan objects take, called on any thread until
+     * the device and all that was made on it are destroyed; null for none. Default: null.
+     */
+    const VkAllocationCallbacks *allocation_callbacks;
+    /**
+     * A cache for pipelines. Default: `VK_NULL_HANDLE`, for one of the library's own.
+     */
+    VkPipelineCache pipeline_cache;
+} AntumbraDeviceDesc;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The device of a host, adopted.
+ */
+typedef struct AntumbraDevice {
+    /**
+     * The number of the handle; 0 for none.
+     */
+    uint64_t id;
+} AntumbraDevice;
+#endif
+
 /**
  * The objects of a new hierarchy.
  */
@@ -614,6 +826,429 @@ typedef struct AntumbraLeaves {
      */
     uint64_t revision;
 } AntumbraLeaves;
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The attachments that all views of a scene are drawn to.
+ */
+typedef struct AntumbraAttachments {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The format of the depth.
+     */
+    VkFormat depth_format;
+    /**
+     * Samples per pixel of all attachments.
+     */
+    VkSampleCountFlagBits samples;
+    /**
+     * The direction in which depths grow: an `ANTUMBRA_DEPTH_..`, the same as that of cameras.
+     */
+    uint32_t depth;
+    /**
+     * The number of colour attachments.
+     */
+    uint32_t colour_count;
+    /**
+     * The subpass that is drawn in.
+     */
+    uint32_t subpass;
+    /**
+     * The formats of the colours, in the order of their locations.
+     */
+    VkFormat colour_formats[ANTUMBRA_COLOURS_MAX];
+    /**
+     * The render pass of a host that begins its renderings itself; `VK_NULL_HANDLE` for dynamic
+     * rendering.
+     */
+    VkRenderPass render_pass;
+} AntumbraAttachments;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The options of a scene.
+ */
+typedef struct AntumbraSceneDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The most frames that are begun and not known to be over, at least 1.
+     */
+    uint32_t frames_in_flight;
+    /**
+     * The device.
+     */
+    struct AntumbraDevice device;
+    /**
+     * The attachments of all views.
+     */
+    const struct AntumbraAttachments *attachments;
+    /**
+     * The number of buckets: pipelines in passes. They are drawn in the order of their numbers.
+     */
+    uint32_t bucket_count;
+    /**
+     * The number of objects for which there is room before everything must be built again.
+     */
+    uint32_t object_capacity;
+    /**
+     * The number of draws for which there is room before they are uploaded again. Default: 0.
+     */
+    uint32_t draw_capacity;
+    /**
+     * An `ANTUMBRA_PREDICATION_..`. Default: `ANTUMBRA_PREDICATION_BEST`.
+     */
+    uint32_t predication;
+} AntumbraSceneDesc;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The objects of a host on its device.
+ */
+typedef struct AntumbraScene {
+    /**
+     * The number of the handle; 0 for none.
+     */
+    uint64_t id;
+} AntumbraScene;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * An object that is added.
+ */
+typedef struct AntumbraObject {
+    /**
+     * The box around all that it draws.
+     */
+    struct AntumbraAabb bounds;
+    /**
+     * The first of its draws in the array of draws.
+     */
+    uint32_t first_draw;
+    /**
+     * The number of its draws.
+     */
+    uint32_t draw_count;
+} AntumbraObject;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A draw of an object: an indexed indirect command in a bucket.
+ */
+typedef struct AntumbraObjectDraw {
+    /**
+     * The bucket.
+     */
+    uint32_t bucket;
+    /**
+     * As of `VkDrawIndexedIndirectCommand`.
+     */
+    uint32_t index_count;
+    /**
+     * As of `VkDrawIndexedIndirectCommand`; any number.
+     */
+    uint32_t instance_count;
+    /**
+     * As of `VkDrawIndexedIndirectCommand`.
+     */
+    uint32_t first_index;
+    /**
+     * As of `VkDrawIndexedIndirectCommand`.
+     */
+    int32_t vertex_offset;
+    /**
+     * As of `VkDrawIndexedIndirectCommand`.
+     */
+    uint32_t first_instance;
+} AntumbraObjectDraw;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A view of a scene, with what it knows from earlier frames.
+ */
+typedef struct AntumbraView {
+    /**
+     * The number of the handle; 0 for none.
+     */
+    uint64_t id;
+} AntumbraView;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The counts of the newest frame of a view whose results are known.
+ */
+typedef struct AntumbraViewStats {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The frame, counted from 1 in its view; 0 if none is known.
+     */
+    uint64_t frame;
+    /**
+     * The objects that the GPU drew.
+     */
+    uint64_t objects;
+    /**
+     * The objects among them that were drawn because a box showed.
+     */
+    uint64_t revealed;
+} AntumbraViewStats;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The state of an image between its user and the executor.
+ */
+typedef struct AntumbraImageState {
+    /**
+     * The layout. `VK_IMAGE_LAYOUT_UNDEFINED` on entry drops the contents; on exit it leaves the
+     * image as an attachment.
+     */
+    VkImageLayout layout;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The stages of the other user that access the image.
+     */
+    VkPipelineStageFlags2 stages;
+    /**
+     * The accesses of these stages.
+     */
+    VkAccessFlags2 access;
+} AntumbraImageState;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * An image of the host that is drawn to: its first level and layer.
+ */
+typedef struct AntumbraImage {
+    /**
+     * The image.
+     */
+    VkImage image;
+    /**
+     * A 2D view of it with all aspects of the format.
+     */
+    VkImageView view;
+    /**
+     * The format of the view.
+     */
+    VkFormat format;
+    /**
+     * The usage that it was created with. `VK_IMAGE_USAGE_TRANSFER_SRC_BIT` of a depth image
+     * allows tests by compute shaders.
+     */
+    VkImageUsageFlags usage;
+    /**
+     * The state before the first command of the executor.
+     */
+    struct AntumbraImageState entry;
+    /**
+     * The state after its last one.
+     */
+    struct AntumbraImageState exit;
+} AntumbraImage;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The images of a view in a frame.
+ */
+typedef struct AntumbraTargetDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The number of colour images; those of the scene's attachments, or none if the host begins
+     * its renderings itself.
+     */
+    uint32_t colour_count;
+    /**
+     * The depth.
+     */
+    struct AntumbraImage depth;
+    /**
+     * The colours.
+     */
+    const struct AntumbraImage *colours;
+    /**
+     * Width of the images (pixels).
+     */
+    uint32_t width;
+    /**
+     * Height of the images (pixels).
+     */
+    uint32_t height;
+} AntumbraTargetDesc;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A view in a frame.
+ */
+typedef struct AntumbraViewFrame {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * An `ANTUMBRA_STRATEGY_..`.
+     */
+    uint32_t strategy;
+    /**
+     * The view.
+     */
+    struct AntumbraView view;
+    /**
+     * Its camera.
+     */
+    const struct AntumbraCamera *camera;
+    /**
+     * Its images.
+     */
+    const struct AntumbraTargetDesc *target;
+    /**
+     * The most occlusion queries; leaves for which none is left are drawn. Default: 4096.
+     */
+    size_t query_budget;
+} AntumbraViewFrame;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The draws that follow a call of [`AntumbraBindCallback`].
+ */
+typedef struct AntumbraBinding {
+    /**
+     * Size of this struct in bytes, as the library was compiled.
+     */
+    uint32_t struct_size;
+    /**
+     * The bucket of the draws.
+     */
+    uint32_t bucket;
+    /**
+     * The command buffer.
+     */
+    VkCommandBuffer commands;
+    /**
+     * The view.
+     */
+    struct AntumbraView view;
+} AntumbraBinding;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Binds pipeline, descriptors, vertex and index buffers for the indexed indirect draws of a
+ * bucket that follow. Viewport and scissor cover the target, with y down: a host whose y points
+ * up, or who draws to a part, sets its own here. No query and no condition may be left open.
+ */
+typedef void (*AntumbraBindCallback)(void *user,
+                                     const struct AntumbraBinding *binding);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A rendering that begins or ends.
+ */
+typedef struct AntumbraRendering {
+    /**
+     * Size of this struct in bytes, as the library was compiled.
+     */
+    uint32_t struct_size;
+    /**
+     * 1 for the first rendering of the view, which clears; 0 for others, which keep the contents.
+     */
+    uint32_t is_first;
+    /**
+     * The command buffer.
+     */
+    VkCommandBuffer commands;
+    /**
+     * The view.
+     */
+    struct AntumbraView view;
+} AntumbraRendering;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Begins or ends a rendering of the host's own, such as a render pass object.
+ */
+typedef void (*AntumbraRenderingCallback)(void *user,
+                                          const struct AntumbraRendering *rendering);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A frame to be recorded.
+ */
+typedef struct AntumbraFrameDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The number of views.
+     */
+    uint32_t view_count;
+    /**
+     * The views, each at most once.
+     */
+    const struct AntumbraViewFrame *const *views;
+    /**
+     * A primary command buffer that is being recorded, outside of renderings and queries.
+     */
+    VkCommandBuffer commands;
+    /**
+     * The number of this frame: above that of all frames before on the device.
+     */
+    uint64_t current;
+    /**
+     * The newest frame that is over on the GPU with all before it, or will never be submitted; 0
+     * for none.
+     */
+    uint64_t safe;
+    /**
+     * Binds what draws need.
+     */
+    AntumbraBindCallback bind;
+    /**
+     * The first argument of all callbacks.
+     */
+    void *user;
+    /**
+     * Begins a rendering; null for dynamic rendering to the images of the target. Default: null.
+     */
+    AntumbraRenderingCallback begin_rendering;
+    /**
+     * Ends a rendering. Default: null.
+     */
+    AntumbraRenderingCallback end_rendering;
+} AntumbraFrameDesc;
+#endif
 
 #ifdef __cplusplus
 extern "C" {
@@ -702,6 +1337,64 @@ AntumbraResult antumbra_culler_plan(const struct AntumbraContext *context,
                                     struct AntumbraFramePlan *plan,
                                     struct AntumbraError *error);
 
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Writes the needs of the executor on a physical device: turns the features on in `features` that
+ * it needs or can use, and leaves all others as they are. To be called before the device is
+ * created, with the structs that it is created with. `UNSUPPORTED` names what is missing.
+ *
+ * # Safety
+ * The rules of the interface; the handles are valid.
+ */
+AntumbraResult antumbra_requirements(const struct AntumbraContext *context,
+                                     const struct AntumbraAdapterDesc *adapter,
+                                     const struct AntumbraFeatures *features,
+                                     struct AntumbraRequirements *requirements,
+                                     struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Adopts the device of a host: nothing of the host is ever destroyed, and nothing is submitted.
+ * The host's frame numbers are its clock. `UNSUPPORTED` names what is not on.
+ *
+ * # Safety
+ * The rules of the interface. The handles belong together, and live until this device and all that
+ * is made on it are destroyed. Nothing is named that is not on.
+ */
+AntumbraResult antumbra_device_adopt(const struct AntumbraContext *context,
+                                     const struct AntumbraDeviceDesc *desc,
+                                     struct AntumbraDevice *device,
+                                     struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Says that all frames are over on the GPU, or will never be submitted: what they used can be
+ * freed. To be called before the device is destroyed; otherwise all that the last frames may still
+ * use is kept for good, and the log says so.
+ *
+ * # Safety
+ * The rules of the interface, and it is so.
+ */
+AntumbraResult antumbra_device_finished(const struct AntumbraContext *context,
+                                        struct AntumbraDevice device,
+                                        struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Gives the device back: the host goes on to own it. Scenes on it live on until they are
+ * destroyed. A handle of 0 is no error.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_device_destroy(const struct AntumbraContext *context,
+                                       struct AntumbraDevice device,
+                                       struct AntumbraError *error);
+#endif
+
 /**
  * Creates a hierarchy over the boxes of objects.
  *
@@ -787,6 +1480,157 @@ AntumbraResult antumbra_hierarchy_leaves(const struct AntumbraContext *context,
                                          struct AntumbraHierarchy hierarchy,
                                          struct AntumbraLeaves *leaves,
                                          struct AntumbraError *error);
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Creates a scene without objects.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_scene_create(const struct AntumbraContext *context,
+                                     const struct AntumbraSceneDesc *desc,
+                                     struct AntumbraScene *scene,
+                                     struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Destroys a scene and its views. What frames may still use is freed when they are over. A handle
+ * of 0 is no error.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_scene_destroy(const struct AntumbraContext *context,
+                                      struct AntumbraScene scene,
+                                      struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Adds objects and writes their ids, which may be those of objects that were removed. Without room
+ * left everything is built again with twice the room. After an error nothing was added.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_scene_add(const struct AntumbraContext *context,
+                                  struct AntumbraScene scene,
+                                  const struct AntumbraObject *objects,
+                                  size_t count,
+                                  const struct AntumbraObjectDraw *draws,
+                                  size_t draw_count,
+                                  uint32_t *ids,
+                                  struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Removes objects. After an error those before the one that the message names were removed.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_scene_remove(const struct AntumbraContext *context,
+                                     struct AntumbraScene scene,
+                                     const uint32_t *objects,
+                                     size_t count,
+                                     struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Moves objects: object `objects[i]` has the box `boxes[i]` from now on. Where draws read its new
+ * place is the concern of the host. After an error those before the one that the message names
+ * have moved.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_scene_move(const struct AntumbraContext *context,
+                                   struct AntumbraScene scene,
+                                   const uint32_t *objects,
+                                   const struct AntumbraAabb *boxes,
+                                   size_t count,
+                                   struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Replaces the draws of an object.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_scene_set_draws(const struct AntumbraContext *context,
+                                        struct AntumbraScene scene,
+                                        uint32_t object,
+                                        const struct AntumbraObjectDraw *draws,
+                                        size_t draw_count,
+                                        struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Creates a view of a scene, which knows nothing yet.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_view_create(const struct AntumbraContext *context,
+                                    struct AntumbraScene scene,
+                                    struct AntumbraView *view,
+                                    struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Destroys a view. A handle of 0 is no error.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_view_destroy(const struct AntumbraContext *context,
+                                     struct AntumbraScene scene,
+                                     struct AntumbraView view,
+                                     struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Writes the counts of the newest frame of a view whose results are known.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_view_stats(const struct AntumbraContext *context,
+                                   struct AntumbraScene scene,
+                                   struct AntumbraView view,
+                                   struct AntumbraViewStats *stats,
+                                   struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Records a frame of a scene into a command buffer of the host: changes of the scene, then draws
+ * and tests of all views. Never waits, never submits, and allocates nothing if nothing changed.
+ *
+ * The host submits the command buffer at most once, and frames in the order of their numbers. If
+ * it does not, what such a frame draws is undefined, and nothing else is: its answers are ignored.
+ * After an error the command buffer must not be submitted, and the next frame needs a higher
+ * number.
+ *
+ * # Safety
+ * The rules of the interface. The command buffer is of the scene's device, for the queue family
+ * that was named; all frames up to `safe` are over. When it executes, the images are in the states
+ * that were named, and nothing else uses them until it is over.
+ */
+AntumbraResult antumbra_scene_record(const struct AntumbraContext *context,
+                                     struct AntumbraScene scene,
+                                     const struct AntumbraFrameDesc *desc,
+                                     struct AntumbraError *error);
+#endif
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -13,4 +13,6 @@ if(NOT TARGET antumbra::antumbra)
         INTERFACE_LINK_LIBRARIES "gcc_s;pthread;dl;m"
         INTERFACE_INCLUDE_DIRECTORIES "${_antumbra_prefix}/include")
 endif()
+# The folder of snap.glsl, which the vertex shaders of a host include.
+set(ANTUMBRA_SHADER_DIR "${_antumbra_prefix}/share/antumbra")
 unset(_antumbra_prefix)

@@ -9,6 +9,10 @@ use tracing::Dispatch;
 use crate::decisions::culler::{AntumbraCuller, ViewCuller};
 use crate::decisions::hierarchy::{AntumbraHierarchy, BoxHierarchy};
 use crate::error::{AntumbraError, AntumbraResult, Failure};
+#[cfg(feature = "vulkan")]
+use crate::executor::device::AntumbraDevice;
+#[cfg(feature = "vulkan")]
+use crate::executor::scene::{AntumbraScene, HostedScene};
 use crate::layout::{Versioned, layout};
 use crate::log::{ANTUMBRA_LOG_DEBUG, AntumbraLogCallback, CallbackLog};
 use crate::table::Table;
@@ -23,6 +27,10 @@ pub struct AntumbraContext {
     log: Option<Dispatch>,
     pub(crate) hierarchies: Table<BoxHierarchy, AntumbraHierarchy>,
     pub(crate) cullers: Table<ViewCuller, AntumbraCuller>,
+    #[cfg(feature = "vulkan")]
+    pub(crate) scenes: Table<HostedScene, AntumbraScene>,
+    #[cfg(feature = "vulkan")]
+    pub(crate) devices: Table<gpu::Device, AntumbraDevice>,
 }
 
 /// The options of a context.
@@ -83,6 +91,10 @@ impl AntumbraContext {
                 log: log.map(Dispatch::new),
                 hierarchies: Table::new(salt),
                 cullers: Table::new(salt),
+                #[cfg(feature = "vulkan")]
+                scenes: Table::new(salt),
+                #[cfg(feature = "vulkan")]
+                devices: Table::new(salt),
             },
         ))
     }

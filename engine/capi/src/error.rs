@@ -92,6 +92,10 @@ impl Failure {
         Self { result, message: message.to_string() }
     }
 
+    pub fn null(name: &str) -> Self {
+        Self::new(AntumbraResult::BadPointer, format_args!("{name} is null"))
+    }
+
     pub fn argument(message: impl Display) -> Self {
         Self::new(AntumbraResult::BadArgument, message)
     }
@@ -102,6 +106,35 @@ impl From<HierarchyError> for Failure {
         let result = match error {
             HierarchyError::NoMemory { .. } => AntumbraResult::NoMemory,
             _ => AntumbraResult::BadArgument,
+        };
+        Self::new(result, error)
+    }
+}
+
+#[cfg(feature = "vulkan")]
+impl From<occlusion::Error> for Failure {
+    fn from(error: occlusion::Error) -> Self {
+        match error {
+            occlusion::Error::Gpu(error) => error.into(),
+            occlusion::Error::Hierarchy(error) => error.into(),
+            error => Self::argument(error),
+        }
+    }
+}
+
+#[cfg(feature = "vulkan")]
+impl From<gpu::Error> for Failure {
+    fn from(error: gpu::Error) -> Self {
+        use gpu::Error as E;
+        let result = match &error {
+            _ if error.is_device_lost() => AntumbraResult::DeviceLost,
+            E::DeviceLacks { .. } | E::Unsupported { .. } => AntumbraResult::Unsupported,
+            E::FrameNumbers { .. }
+            | E::TooManyFrames { .. }
+            | E::TooLarge { .. }
+            | E::Foreign { .. } => AntumbraResult::BadArgument,
+            E::Memory { .. } => AntumbraResult::NoMemory,
+            _ => AntumbraResult::Vulkan,
         };
         Self::new(result, error)
     }

@@ -30,6 +30,8 @@ pub mod api;
 pub mod context;
 pub mod decisions;
 pub mod error;
+#[cfg(feature = "vulkan")]
+pub mod executor;
 pub mod layout;
 pub mod log;
 mod pointers;

@@ -11,7 +11,7 @@ const MAX_STRUCT_SIZE: usize = 4096;
 /// Checks that a pointer can be one.
 fn check<T>(name: &str, pointer: *const T) -> Result<(), Failure> {
     if pointer.is_null() {
-        return Err(Failure::new(AntumbraResult::BadPointer, format_args!("{name} is null")));
+        return Err(Failure::null(name));
     }
     if !pointer.is_aligned() {
         let message = format!("{name} is not aligned to {} bytes", align_of::<T>());
@@ -73,6 +73,8 @@ pub(crate) unsafe trait CElement: Copy {}
 
 // SAFETY: a number.
 unsafe impl CElement for u32 {}
+// SAFETY: a pointer, which is not followed.
+unsafe impl<T> CElement for *const T {}
 // SAFETY: see `CLayout`.
 unsafe impl<T: CLayout> CElement for T {}
 

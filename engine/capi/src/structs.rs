@@ -1,6 +1,7 @@
 //! The list of all structs.
 
 use crate::context::AntumbraContextDesc;
+use crate::decisions::camera::AntumbraCamera;
 use crate::decisions::culler::{AntumbraCuller, AntumbraCullerDesc, AntumbraPlanDesc};
 use crate::decisions::hierarchy::{
     AntumbraAabb, AntumbraHierarchy, AntumbraHierarchyDesc, AntumbraLeaves,
@@ -8,8 +9,9 @@ use crate::decisions::hierarchy::{
 use crate::decisions::plan::{
     AntumbraAnswer, AntumbraDraw, AntumbraFramePlan, AntumbraQueryTag, AntumbraRound, AntumbraTest,
 };
-use crate::decisions::view::AntumbraViewDesc;
 use crate::error::AntumbraError;
+#[cfg(feature = "vulkan")]
+use crate::executor::{device, frame, scene, target};
 use crate::layout::StructLayout;
 
 /// All structs of the interface, for comparison with a C compiler.
@@ -29,5 +31,43 @@ pub const STRUCTS: &[StructLayout] = &[
     StructLayout::of::<AntumbraQueryTag>(),
     StructLayout::of::<AntumbraRound>(),
     StructLayout::of::<AntumbraTest>(),
-    StructLayout::of::<AntumbraViewDesc>(),
+    StructLayout::of::<AntumbraCamera>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<device::AntumbraAdapterDesc>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<device::AntumbraDevice>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<device::AntumbraDeviceDesc>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<device::AntumbraFeatures>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<device::AntumbraRequirements>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<frame::AntumbraBinding>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<frame::AntumbraFrameDesc>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<frame::AntumbraRendering>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<frame::AntumbraViewFrame>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<scene::AntumbraObject>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<scene::AntumbraObjectDraw>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<scene::AntumbraScene>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<scene::AntumbraSceneDesc>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<scene::AntumbraView>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<scene::AntumbraViewStats>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<target::AntumbraAttachments>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<target::AntumbraImage>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<target::AntumbraImageState>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<target::AntumbraTargetDesc>(),
 ];

@@ -27,7 +27,7 @@ fn compile(compiler: &str, standard: &str, name: &str, code: &str) {
 
 /// Returns a check of every struct by the compiler.
 fn checks(keyword: &str) -> String {
-    let mut code = "#include <antumbra.h>\n".to_owned();
+    let mut code = "#define ANTUMBRA_VULKAN\n#include <antumbra.h>\n".to_owned();
     for layout in STRUCTS {
         let name = layout.name;
         let mut check = |condition: String| {

@@ -10,10 +10,10 @@ use antumbra_capi::api::context::{antumbra_context_create, antumbra_context_dest
 use antumbra_capi::api::culler::*;
 use antumbra_capi::api::hierarchy::*;
 use antumbra_capi::context::AntumbraContext;
+use antumbra_capi::decisions::camera::AntumbraCamera;
 use antumbra_capi::decisions::culler::*;
 use antumbra_capi::decisions::hierarchy::*;
 use antumbra_capi::decisions::plan::*;
-use antumbra_capi::decisions::view::AntumbraViewDesc;
 use antumbra_capi::error::AntumbraResult::Ok;
 use antumbra_capi::layout::Versioned;
 use cull::{
@@ -75,9 +75,9 @@ impl Interface {
         assert_eq!(result, Ok);
     }
 
-    fn plan(&self, view: &AntumbraViewDesc) -> AntumbraFramePlan {
+    fn plan(&self, camera: &AntumbraCamera) -> AntumbraFramePlan {
         let Self { context, hierarchy, culler } = *self;
-        let desc = AntumbraPlanDesc { view, query_budget: 100, ..Versioned::DEFAULT };
+        let desc = AntumbraPlanDesc { camera, query_budget: 100, ..Versioned::DEFAULT };
         let mut plan = AntumbraFramePlan::DEFAULT;
         // SAFETY: pointers to values on this stack.
         let result = unsafe {
@@ -96,13 +96,13 @@ impl Drop for Interface {
 }
 
 /// Returns the view of a frame for both.
-fn view(frame: u32) -> (AntumbraViewDesc, View) {
+fn view(frame: u32) -> (AntumbraCamera, View) {
     let eye = vec3(f32::from(frame as u16 / 10 % 3) * 6.0 - 6.0, 0.0, 3.0);
     let projection = Mat4::from_cols_array(&[
         1.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.1, 0.0,
     ]);
     let clip_from_world = (projection * Mat4::from_translation(-eye)).to_cols_array();
-    let desc = AntumbraViewDesc { clip_from_world, width: 160, height: 80, ..Versioned::DEFAULT };
+    let desc = AntumbraCamera { clip_from_world, width: 160, height: 80, ..Versioned::DEFAULT };
     let matrix = Mat4::from_cols_array(&clip_from_world);
     let projection = ViewProjection { matrix, depth: DepthConvention::Reversed, y: ClipY::Down };
     (desc, View::from_matrix(&projection, [160, 80], 8).unwrap())

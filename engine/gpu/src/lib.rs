@@ -126,6 +126,6 @@ pub use crate::record::shader::compile;
 pub use crate::record::target::Target;
 pub use crate::record::timing::{FrameTime, PassTime};
 pub use crate::record::viewport::Viewport;
-pub use ash::{Entry, vk};
+pub use ash::{self, Entry, vk};
 #[cfg(feature = "window")]
 pub use raw_window_handle;

@@ -13,6 +13,7 @@ mod bare_boxes;
 mod blocking_query_pool;
 #[cfg(feature = "shader-compiler")]
 mod buckets;
+mod c_interface;
 mod calibration;
 mod cold_starts;
 mod compute_test;

@@ -72,8 +72,8 @@ std::vector<AntumbraAabb> boxes() {
     return boxes;
 }
 
-AntumbraViewDesc view_from(const float (&eye)[3]) {
-    AntumbraViewDesc view = {};
+AntumbraCamera view_from(const float (&eye)[3]) {
+    AntumbraCamera view = {};
     view.struct_size = sizeof view;
     view.sub_pixel_bits = 8;
     view.width = WIDTH;
@@ -118,7 +118,7 @@ int main() {
         // The eye jumps to another side of the wall, so that hidden boxes show at once.
         const float side = static_cast<float>(frame / 8 % 3) - 1.0F;
         Image image = {{side * 9.0F + static_cast<float>(frame) * 0.04F, 0, 3}};
-        const AntumbraViewDesc view = view_from(image.eye);
+        const AntumbraCamera view = view_from(image.eye);
         AntumbraPlanDesc plan_desc = {sizeof plan_desc, ANTUMBRA_STRATEGY_ANTUMBRA, &view, 4096};
         AntumbraFramePlan plan = {};
         plan.struct_size = sizeof plan;

@@ -108,7 +108,7 @@ pub unsafe extern "C" fn antumbra_culler_plan(
         entry(context, error, |context| {
             let output = Output::new("plan", plan)?;
             let desc = read("desc", desc)?;
-            let view = read("desc.view", desc.view)?.view()?;
+            let view = read("desc.camera", desc.camera)?.view()?;
             let strategy = strategy(desc.strategy)?;
             let (culler, hierarchy) =
                 (context.cullers.find(culler)?, context.hierarchies.find(hierarchy)?);

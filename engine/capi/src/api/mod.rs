@@ -2,4 +2,8 @@
 
 pub mod context;
 pub mod culler;
+#[cfg(feature = "vulkan")]
+pub mod device;
 pub mod hierarchy;
+#[cfg(feature = "vulkan")]
+pub mod scene;

@@ -2,8 +2,8 @@
 
 use cull::{CullConfig, Culler, FramePlan, Hierarchy, Strategy, TesterSupport, View};
 
+use super::camera::AntumbraCamera;
 use super::plan::{AntumbraAnswer, AntumbraFramePlan, PlanArrays};
-use super::view::AntumbraViewDesc;
 use crate::error::Failure;
 use crate::layout::{Versioned, layout};
 use crate::table::handle;
@@ -67,13 +67,13 @@ pub struct AntumbraPlanDesc {
     pub struct_size: u32,
     /// An `ANTUMBRA_STRATEGY_..`.
     pub strategy: u32,
-    /// The view.
-    pub view: *const AntumbraViewDesc,
+    /// The camera.
+    pub camera: *const AntumbraCamera,
     /// The most occlusion queries of the plan; leaves for which none is left are drawn. Default:
     /// 4096.
     pub query_budget: usize,
 }
-layout!(AntumbraPlanDesc: struct_size, strategy, view, query_budget);
+layout!(AntumbraPlanDesc: struct_size, strategy, camera, query_budget);
 
 // SAFETY: the first field is the size.
 unsafe impl Versioned for AntumbraPlanDesc {
@@ -81,7 +81,7 @@ unsafe impl Versioned for AntumbraPlanDesc {
     const DEFAULT: Self = Self {
         struct_size: size_of::<Self>() as u32,
         strategy: ANTUMBRA_STRATEGY_ANTUMBRA,
-        view: std::ptr::null(),
+        camera: std::ptr::null(),
         query_budget: 4096,
     };
 }

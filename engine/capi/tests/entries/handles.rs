@@ -12,7 +12,7 @@ use antumbra_capi::error::AntumbraError;
 use antumbra_capi::error::AntumbraResult::{self, BadPointer, Ok, UnknownHandle};
 use antumbra_capi::layout::Versioned;
 
-use crate::{Host, VIEW};
+use crate::{CAMERA, Host};
 
 /// A function of the interface, called with a context and handles, and with good values else.
 type Call<'a> = (&'a str, &'a dyn Fn(*const AntumbraContext, u64, u64) -> AntumbraResult);
@@ -21,7 +21,7 @@ type Call<'a> = (&'a str, &'a dyn Fn(*const AntumbraContext, u64, u64) -> Antumb
 fn every_function_checks_its_handles() {
     let mut host = Host::new();
     let (box_desc, culler_desc) = (AntumbraHierarchyDesc::DEFAULT, AntumbraCullerDesc::DEFAULT);
-    let plan_desc = AntumbraPlanDesc { view: &VIEW, ..Versioned::DEFAULT };
+    let plan_desc = AntumbraPlanDesc { camera: &CAMERA, ..Versioned::DEFAULT };
     let h = |id| AntumbraHierarchy { id };
     let c = |id| AntumbraCuller { id };
     let none = null_mut::<AntumbraError>();

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[cfg(feature = "vulkan")]
+mod executor;
 mod handles;
 mod values;
 mod versions;
@@ -13,10 +15,10 @@ use antumbra_capi::api::context::*;
 use antumbra_capi::api::culler::*;
 use antumbra_capi::api::hierarchy::*;
 use antumbra_capi::context::*;
+use antumbra_capi::decisions::camera::*;
 use antumbra_capi::decisions::culler::*;
 use antumbra_capi::decisions::hierarchy::*;
 use antumbra_capi::decisions::plan::*;
-use antumbra_capi::decisions::view::*;
 use antumbra_capi::error::AntumbraError;
 use antumbra_capi::error::AntumbraResult::{self, BadArgument, Ok};
 use antumbra_capi::layout::Versioned;
@@ -32,7 +34,7 @@ fn no_error() -> AntumbraError {
     AntumbraError { struct_size, result: 0, message: [0; 504] }
 }
 
-const VIEW: AntumbraViewDesc = AntumbraViewDesc {
+const CAMERA: AntumbraCamera = AntumbraCamera {
     width: 64,
     height: 64,
     #[rustfmt::skip]
@@ -42,7 +44,7 @@ const VIEW: AntumbraViewDesc = AntumbraViewDesc {
         0.0, 0.0, 0.0, -1.0,
         0.0, 0.0, 0.1, 0.0,
     ],
-    ..AntumbraViewDesc::DEFAULT
+    ..AntumbraCamera::DEFAULT
 };
 
 fn cube(x: f32, z: f32) -> AntumbraAabb {
@@ -83,8 +85,8 @@ impl Host {
         new
     }
 
-    fn plan(&mut self, view: &AntumbraViewDesc, plan: &mut AntumbraFramePlan) -> AntumbraResult {
-        let desc = AntumbraPlanDesc { view, ..Versioned::DEFAULT };
+    fn plan(&mut self, camera: &AntumbraCamera, plan: &mut AntumbraFramePlan) -> AntumbraResult {
+        let desc = AntumbraPlanDesc { camera, ..Versioned::DEFAULT };
         let Self { context, hierarchy, culler, error } = self;
         // SAFETY: all pointers are to values that live as long as the call.
         unsafe { antumbra_culler_plan(*context, *culler, *hierarchy, &desc, plan, error) }
@@ -93,7 +95,7 @@ impl Host {
     /// Returns the objects of a plan, drawn at once or tested.
     fn planned(&mut self) -> Vec<u32> {
         let mut plan = AntumbraFramePlan::DEFAULT;
-        assert_eq!(self.plan(&VIEW, &mut plan), Ok, "{}", text(&self.error));
+        assert_eq!(self.plan(&CAMERA, &mut plan), Ok, "{}", text(&self.error));
         let leaves = self.leaves().0;
         // SAFETY: the arrays of a plan that was just made.
         let (draws, tests) = unsafe {

@@ -4,15 +4,15 @@ use std::ptr::{from_ref, null, null_mut};
 
 use antumbra_capi::api::culler::*;
 use antumbra_capi::api::hierarchy::*;
+use antumbra_capi::decisions::camera::*;
 use antumbra_capi::decisions::culler::*;
 use antumbra_capi::decisions::hierarchy::*;
 use antumbra_capi::decisions::plan::*;
-use antumbra_capi::decisions::view::*;
 use antumbra_capi::error::AntumbraError;
 use antumbra_capi::error::AntumbraResult::{self, BadArgument, BadPointer};
 use antumbra_capi::layout::Versioned;
 
-use crate::{Host, VIEW, cube, text};
+use crate::{CAMERA, Host, cube, text};
 
 #[test]
 fn bad_pointers_and_values_are_named() {
@@ -84,23 +84,23 @@ fn bad_pointers_and_values_are_named() {
         expect(result, (BadArgument, "answers[0] has a tag of kind 9"), error);
 
         let mut plan = AntumbraFramePlan::DEFAULT;
-        for (strategy, view, expected) in [
-            (7, from_ref(&VIEW), (BadArgument, "STRATEGY_.. 7")),
-            (1, null(), (BadPointer, "desc.view is null")),
-            (1, &AntumbraViewDesc { width: 0, ..VIEW }, (BadArgument, "width")),
+        for (strategy, camera, expected) in [
+            (7, from_ref(&CAMERA), (BadArgument, "STRATEGY_.. 7")),
+            (1, null(), (BadPointer, "desc.camera is null")),
+            (1, &AntumbraCamera { width: 0, ..CAMERA }, (BadArgument, "width")),
             (
                 1,
-                &AntumbraViewDesc { clip_from_world: [0.0; 16], ..VIEW },
+                &AntumbraCamera { clip_from_world: [0.0; 16], ..CAMERA },
                 (BadArgument, "clip_from_world"),
             ),
-            (1, &AntumbraViewDesc { depth: 7, ..VIEW }, (BadArgument, "ANTUMBRA_DEPTH_")),
-            (1, &AntumbraViewDesc { clip_y: 7, ..VIEW }, (BadArgument, "ANTUMBRA_CLIP_Y_")),
+            (1, &AntumbraCamera { depth: 7, ..CAMERA }, (BadArgument, "ANTUMBRA_DEPTH_")),
+            (1, &AntumbraCamera { clip_y: 7, ..CAMERA }, (BadArgument, "ANTUMBRA_CLIP_Y_")),
         ] {
-            let desc = AntumbraPlanDesc { strategy, view, ..Versioned::DEFAULT };
+            let desc = AntumbraPlanDesc { strategy, camera, ..Versioned::DEFAULT };
             let result = antumbra_culler_plan(context, culler, hierarchy, &desc, &mut plan, error);
             expect(result, expected, error);
         }
-        let desc = AntumbraPlanDesc { view: &VIEW, ..Versioned::DEFAULT };
+        let desc = AntumbraPlanDesc { camera: &CAMERA, ..Versioned::DEFAULT };
         let result = antumbra_culler_plan(context, culler, hierarchy, &desc, null_mut(), error);
         expect(result, (BadPointer, "plan is null"), error);
     }

@@ -1,4 +1,4 @@
-//! Views from the matrices of a host.
+//! Cameras from the matrices of a host.
 
 use cull::{ClipY, DepthConvention, View, ViewProjection};
 use glam::Mat4;
@@ -16,10 +16,10 @@ pub const ANTUMBRA_CLIP_Y_DOWN: u32 = 0;
 /// The y of clip space points up: the host turns images over by a viewport of negative height.
 pub const ANTUMBRA_CLIP_Y_UP: u32 = 1;
 
-/// The view of one frame: the host's matrix, with its jitter, and the image that is drawn.
+/// The camera of one frame: the host's matrix, with its jitter, and the image that is drawn.
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct AntumbraViewDesc {
+pub struct AntumbraCamera {
     /// Size of this struct in bytes.
     pub struct_size: u32,
     /// Steps of the sub-pixel grid as a power of two: `VkPhysicalDeviceLimits`'
@@ -38,11 +38,11 @@ pub struct AntumbraViewDesc {
     /// The direction of y: an `ANTUMBRA_CLIP_Y_..`. Default: `ANTUMBRA_CLIP_Y_DOWN`.
     pub clip_y: u32,
 }
-layout!(AntumbraViewDesc: struct_size, sub_pixel_bits, clip_from_world, width, height, depth,
+layout!(AntumbraCamera: struct_size, sub_pixel_bits, clip_from_world, width, height, depth,
     clip_y);
 
 // SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraViewDesc {
+unsafe impl Versioned for AntumbraCamera {
     const REQUIRED_FIELDS: usize = 5;
     const DEFAULT: Self = Self {
         struct_size: size_of::<Self>() as u32,
@@ -55,25 +55,25 @@ unsafe impl Versioned for AntumbraViewDesc {
     };
 }
 
-impl AntumbraViewDesc {
+impl AntumbraCamera {
     /// Returns the view.
     pub(crate) fn view(&self) -> Result<View, Failure> {
         if self.width == 0 || self.height == 0 {
-            return Err(Failure::argument("view.width and view.height must be above 0"));
+            return Err(Failure::argument("camera.width and camera.height must be above 0"));
         }
         let depth = match self.depth {
             ANTUMBRA_DEPTH_REVERSED => DepthConvention::Reversed,
             ANTUMBRA_DEPTH_STANDARD => DepthConvention::Standard,
-            _ => return Err(Failure::argument("view.depth is no ANTUMBRA_DEPTH_..")),
+            _ => return Err(Failure::argument("camera.depth is no ANTUMBRA_DEPTH_..")),
         };
         let y = match self.clip_y {
             ANTUMBRA_CLIP_Y_DOWN => ClipY::Down,
             ANTUMBRA_CLIP_Y_UP => ClipY::Up,
-            _ => return Err(Failure::argument("view.clip_y is no ANTUMBRA_CLIP_Y_..")),
+            _ => return Err(Failure::argument("camera.clip_y is no ANTUMBRA_CLIP_Y_..")),
         };
         let matrix = Mat4::from_cols_array(&self.clip_from_world);
         let projection = ViewProjection { matrix, depth, y };
         View::from_matrix(&projection, [self.width, self.height], self.sub_pixel_bits)
-            .map_err(|error| Failure::argument(error.to_string()))
+            .map_err(|error| Failure::argument(format_args!("camera.clip_from_world: {error}")))
     }
 }

@@ -1,0 +1,363 @@
+//! The device of a host: what it must turn on, and its adoption.
+
+use std::ffi::{CStr, CString, c_char};
+
+use gpu::ash;
+use gpu::{
+    Device, DeviceOptions, Entry, FeatureStructures, Features, HostDevice, Purpose, Requirements,
+    vk,
+};
+
+use crate::error::Failure;
+use crate::layout::{Versioned, layout};
+use crate::pointers::{read, slice};
+use crate::table::handle;
+
+/// The type of `vkGetInstanceProcAddr`.
+pub type AntumbraInstanceProcAddr =
+    Option<unsafe extern "system" fn(vk::Instance, *const c_char) -> vk::PFN_vkVoidFunction>;
+
+/// The device of a host, adopted.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AntumbraDevice {
+    /// The number of the handle; 0 for none.
+    pub id: u64,
+}
+handle!(AntumbraDevice = "device");
+
+/// A physical device of a host.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraAdapterDesc {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// The version of Vulkan that the instance was made for, at least `VK_API_VERSION_1_3`.
+    pub api_version: u32,
+    /// `vkGetInstanceProcAddr`, through which the instance was made.
+    pub instance_proc_addr: AntumbraInstanceProcAddr,
+    /// The instance.
+    pub instance: vk::Instance,
+    /// The physical device.
+    pub physical_device: vk::PhysicalDevice,
+}
+layout!(AntumbraAdapterDesc: struct_size, api_version, instance_proc_addr, instance,
+    physical_device);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraAdapterDesc {
+    const REQUIRED_FIELDS: usize = 5;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        api_version: vk::API_VERSION_1_3,
+        instance_proc_addr: None,
+        instance: vk::Instance::null(),
+        physical_device: vk::PhysicalDevice::null(),
+    };
+}
+
+/// The features of a device, in structs of the host. Null counts as a struct with all features off.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraFeatures {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// Must be 0.
+    pub reserved: u32,
+    /// The features of Vulkan 1.0.
+    pub core: *mut vk::PhysicalDeviceFeatures,
+    /// Those of Vulkan 1.2, with their `sType`.
+    pub vulkan_12: *mut vk::PhysicalDeviceVulkan12Features<'static>,
+    /// Those of Vulkan 1.3, with their `sType`.
+    pub vulkan_13: *mut vk::PhysicalDeviceVulkan13Features<'static>,
+    /// That of `VK_EXT_conditional_rendering`, with its `sType`.
+    pub conditional_rendering: *mut vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'static>,
+}
+layout!(AntumbraFeatures: struct_size, reserved, core, vulkan_12, vulkan_13,
+    conditional_rendering);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraFeatures {
+    const REQUIRED_FIELDS: usize = 6;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        reserved: 0,
+        core: std::ptr::null_mut(),
+        vulkan_12: std::ptr::null_mut(),
+        vulkan_13: std::ptr::null_mut(),
+        conditional_rendering: std::ptr::null_mut(),
+    };
+}
+
+/// The most extensions that the executor asks for.
+pub const ANTUMBRA_EXTENSIONS_MAX: usize = 8;
+
+/// The needs of the executor on a physical device, besides features.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraRequirements {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// The least version of Vulkan for instance and device.
+    pub api_version: u32,
+    /// The flags of the queue family whose command buffers are recorded into.
+    pub queue_flags: vk::QueueFlags,
+    /// The first queue family with these flags; `UINT32_MAX` if there is none.
+    pub queue_family: u32,
+    /// The number of extensions to turn on, all of which the device has.
+    pub extension_count: u32,
+    /// Is 0.
+    pub reserved: u32,
+    /// Their names, valid as long as the library is loaded.
+    pub extensions: [*const c_char; ANTUMBRA_EXTENSIONS_MAX],
+}
+layout!(AntumbraRequirements: struct_size, api_version, queue_flags, queue_family,
+    extension_count, reserved, extensions);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraRequirements {
+    const REQUIRED_FIELDS: usize = 7;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        api_version: 0,
+        queue_flags: vk::QueueFlags::empty(),
+        queue_family: u32::MAX,
+        extension_count: 0,
+        reserved: 0,
+        extensions: [std::ptr::null(); ANTUMBRA_EXTENSIONS_MAX],
+    };
+}
+
+/// A device that a host made and goes on to own.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraDeviceDesc {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// The queue family of the command buffers that are recorded into.
+    pub queue_family: u32,
+    /// The physical device.
+    pub adapter: *const AntumbraAdapterDesc,
+    /// The device.
+    pub device: vk::Device,
+    /// The features that are on.
+    pub features: *const AntumbraFeatures,
+    /// The names of the extensions that are on, and of the instance's `VK_EXT_debug_utils`, with
+    /// which everything has a name for debuggers. Names that the library does not know are ignored.
+    pub extensions: *const *const c_char,
+    /// The number of extensions.
+    pub extension_count: usize,
+    /// The callbacks for the memory of the CPU that Vulkan objects take, called on any thread until
+    /// the device and all that was made on it are destroyed; null for none. Default: null.
+    pub allocation_callbacks: *const vk::AllocationCallbacks<'static>,
+    /// A cache for pipelines. Default: `VK_NULL_HANDLE`, for one of the library's own.
+    pub pipeline_cache: vk::PipelineCache,
+}
+layout!(AntumbraDeviceDesc: struct_size, queue_family, adapter, device, features, extensions,
+    extension_count, allocation_callbacks, pipeline_cache);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraDeviceDesc {
+    const REQUIRED_FIELDS: usize = 7;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        queue_family: 0,
+        adapter: std::ptr::null(),
+        device: vk::Device::null(),
+        features: std::ptr::null(),
+        extensions: std::ptr::null(),
+        extension_count: 0,
+        allocation_callbacks: std::ptr::null(),
+        pipeline_cache: vk::PipelineCache::null(),
+    };
+}
+
+/// The instance of a host with its functions.
+struct Adapter {
+    entry: Entry,
+    instance: ash::Instance,
+    physical_device: vk::PhysicalDevice,
+    api_version: u32,
+}
+
+impl Adapter {
+    /// Loads the functions of an instance.
+    ///
+    /// # Safety
+    /// The handles are valid, and the function is that of their loader.
+    unsafe fn load(desc: &AntumbraAdapterDesc) -> Result<Self, Failure> {
+        let AntumbraAdapterDesc { api_version, instance, physical_device, .. } = *desc;
+        let Some(get_instance_proc_addr) = desc.instance_proc_addr else {
+            return Err(Failure::null("adapter.instance_proc_addr"));
+        };
+        if instance == vk::Instance::null() || physical_device == vk::PhysicalDevice::null() {
+            return Err(Failure::null("adapter.instance, or adapter.physical_device,"));
+        }
+        if api_version < vk::API_VERSION_1_3 {
+            let message = "adapter.api_version must be VK_API_VERSION_1_3 at least, as in the \
+                           VkApplicationInfo of the instance";
+            return Err(Failure::argument(message));
+        }
+        // SAFETY: the caller's promise.
+        unsafe {
+            let entry = Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr });
+            let instance = ash::Instance::load(entry.static_fn(), instance);
+            Ok(Self { entry, instance, physical_device, api_version })
+        }
+    }
+}
+
+/// Writes the needs of the executor, and turns the features on that it needs or can use.
+///
+/// # Safety
+/// As the rules of the interface, for handles and structs of Vulkan, too.
+pub(crate) unsafe fn require(
+    adapter: &AntumbraAdapterDesc,
+    features: &AntumbraFeatures,
+) -> Result<AntumbraRequirements, Failure> {
+    // SAFETY: the caller's promise.
+    let needs = unsafe {
+        let adapter = Adapter::load(adapter)?;
+        let (entry, instance) = (&adapter.entry, &adapter.instance);
+        Requirements::of(entry, instance, adapter.physical_device, Purpose::Executor)
+    };
+    needs.check()?;
+    let on = needs.features().structures();
+    // SAFETY: the caller's promise.
+    unsafe {
+        turn_on(features.core, &raw const on.core)?;
+        turn_on(features.vulkan_12, &raw const on.vulkan_12)?;
+        turn_on(features.vulkan_13, &raw const on.vulkan_13)?;
+        turn_on(features.conditional_rendering, &raw const on.conditional)?;
+    }
+    let names = needs.extensions();
+    let mut extensions = [std::ptr::null(); ANTUMBRA_EXTENSIONS_MAX];
+    for (place, name) in extensions.iter_mut().zip(&names) {
+        *place = name.as_ptr();
+    }
+    Ok(AntumbraRequirements {
+        api_version: needs.api_version,
+        queue_flags: needs.queue_flags,
+        queue_family: needs.queue_family.unwrap_or(u32::MAX),
+        extension_count: names.len().min(ANTUMBRA_EXTENSIONS_MAX) as u32,
+        extensions,
+        ..AntumbraRequirements::DEFAULT
+    })
+}
+
+/// Adopts the device of a host.
+///
+/// # Safety
+/// As [`gpu::Device::adopt`].
+pub(crate) unsafe fn adopt(desc: &AntumbraDeviceDesc) -> Result<Device, Failure> {
+    // SAFETY: the caller's promises, here and below.
+    let (adapter, features, names) = unsafe {
+        let adapter = Adapter::load(&read("desc.adapter", desc.adapter)?)?;
+        let features = features_of(&read("desc.features", desc.features)?)?;
+        (adapter, features, slice("desc.extensions", desc.extensions, desc.extension_count)?)
+    };
+    if desc.device == vk::Device::null() {
+        return Err(Failure::null("desc.device"));
+    }
+    let mut extensions = Vec::with_capacity(names.len());
+    for name in names {
+        if name.is_null() {
+            return Err(Failure::null("a name of desc.extensions"));
+        }
+        // SAFETY: as above.
+        extensions.push(CString::from(unsafe { CStr::from_ptr(*name) }));
+    }
+    let callbacks = desc.allocation_callbacks;
+    let has_cache = desc.pipeline_cache != vk::PipelineCache::null();
+    // SAFETY: as above.
+    unsafe {
+        Ok(Device::adopt(HostDevice {
+            device: ash::Device::load(adapter.instance.fp_v1_0(), desc.device),
+            entry: adapter.entry,
+            instance: adapter.instance,
+            physical_device: adapter.physical_device,
+            queue_family: desc.queue_family,
+            api_version: adapter.api_version,
+            extensions,
+            features,
+            allocation_callbacks: (!callbacks.is_null()).then(|| *callbacks),
+            pipeline_cache: has_cache.then_some(desc.pipeline_cache),
+            queue: None,
+            options: DeviceOptions::default(),
+        })?)
+    }
+}
+
+/// Returns the features that are on in the structs of a host.
+///
+/// # Safety
+/// The pointers are null, or to structs of their types.
+unsafe fn features_of(features: &AntumbraFeatures) -> Result<Features, Failure> {
+    let mut on = FeatureStructures::default();
+    // SAFETY: the caller's promise.
+    unsafe {
+        turn_on(&raw mut on.core, features.core)?;
+        turn_on(&raw mut on.vulkan_12, features.vulkan_12)?;
+        turn_on(&raw mut on.vulkan_13, features.vulkan_13)?;
+        turn_on(&raw mut on.conditional, features.conditional_rendering)?;
+    }
+    Ok(Features::from(&on))
+}
+
+/// A struct of features.
+///
+/// # Safety
+/// Between the bytes `FIRST` and `END` there is nothing but `VkBool32`s; if `FIRST` is above 0, the
+/// struct begins with an `sType`.
+unsafe trait FeatureBits {
+    const FIRST: usize;
+    const END: usize;
+}
+
+/// Declares the features of a struct, up to its last one.
+macro_rules! feature_bits {
+    ($type:ty, $head:expr, $last:ident) => {
+        // SAFETY: so says the specification of Vulkan. There may be padding behind the last one.
+        unsafe impl FeatureBits for $type {
+            const FIRST: usize = $head;
+            const END: usize = std::mem::offset_of!($type, $last) + size_of::<vk::Bool32>();
+        }
+    };
+}
+const CHAIN_HEAD: usize = size_of::<vk::BaseOutStructure<'_>>();
+feature_bits!(vk::PhysicalDeviceFeatures, 0, inherited_queries);
+feature_bits!(vk::PhysicalDeviceVulkan12Features<'_>, CHAIN_HEAD, subgroup_broadcast_dynamic_id);
+feature_bits!(vk::PhysicalDeviceVulkan13Features<'_>, CHAIN_HEAD, maintenance4);
+feature_bits!(
+    vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'_>,
+    CHAIN_HEAD,
+    inherited_conditional_rendering
+);
+
+/// Turns on in `target` what is on in `source`, unless one is null.
+///
+/// # Safety
+/// Both are null, or point to structs that nobody else uses.
+unsafe fn turn_on<T: FeatureBits>(target: *mut T, source: *const T) -> Result<(), Failure> {
+    if target.is_null() || source.is_null() {
+        return Ok(());
+    }
+    let type_of = |it: *const T| it.cast::<vk::StructureType>();
+    // SAFETY: the caller's promise, and that of `FeatureBits`.
+    unsafe {
+        if T::FIRST > 0 && type_of(target).read() != type_of(source).read() {
+            let [one, other] = [type_of(target), type_of(source)].map(|it| it.read().as_raw());
+            return Err(Failure::argument(format_args!(
+                "a struct of features has a wrong sType: {one} and {other} should be the same"
+            )));
+        }
+        let bits = |it: *const T| it.cast::<vk::Bool32>();
+        let word = size_of::<vk::Bool32>();
+        for at in T::FIRST / word..T::END / word {
+            if bits(source).add(at).read() == vk::TRUE {
+                bits(target).cast_mut().add(at).write(vk::TRUE);
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,310 @@
+//! A frame of a host: all its views, recorded into the host's command buffer.
+
+use std::ffi::c_void;
+
+use cull::View;
+use gpu::{Attachments, Commands, Device, Frame, FrameNumbers, RenderTarget, Target, Tick, vk};
+use occlusion::{BucketId, HostScene, ObjectPass, ObjectRenderer, Rendering, ShaderSet, execute};
+
+use super::scene::{AntumbraView, HostedScene, HostedView, new_state};
+use super::target::{AntumbraTargetDesc, near_depth};
+use crate::decisions::camera::AntumbraCamera;
+use crate::decisions::culler::{ANTUMBRA_STRATEGY_ANTUMBRA, strategy};
+use crate::error::Failure;
+use crate::layout::{Versioned, layout};
+use crate::pointers::{read, slice};
+
+/// The draws that follow a call of [`AntumbraBindCallback`].
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraBinding {
+    /// Size of this struct in bytes, as the library was compiled.
+    pub struct_size: u32,
+    /// The bucket of the draws.
+    pub bucket: u32,
+    /// The command buffer.
+    pub commands: vk::CommandBuffer,
+    /// The view.
+    pub view: AntumbraView,
+}
+layout!(AntumbraBinding: struct_size, bucket, commands, view);
+
+/// A rendering that begins or ends.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraRendering {
+    /// Size of this struct in bytes, as the library was compiled.
+    pub struct_size: u32,
+    /// 1 for the first rendering of the view, which clears; 0 for others, which keep the contents.
+    pub is_first: u32,
+    /// The command buffer.
+    pub commands: vk::CommandBuffer,
+    /// The view.
+    pub view: AntumbraView,
+}
+layout!(AntumbraRendering: struct_size, is_first, commands, view);
+
+/// Binds pipeline, descriptors, vertex and index buffers for the indexed indirect draws of a
+/// bucket that follow. Viewport and scissor cover the target, with y down: a host whose y points
+/// up, or who draws to a part, sets its own here. No query and no condition may be left open.
+pub type AntumbraBindCallback =
+    Option<unsafe extern "C" fn(user: *mut c_void, binding: *const AntumbraBinding)>;
+
+/// Begins or ends a rendering of the host's own, such as a render pass object.
+pub type AntumbraRenderingCallback =
+    Option<unsafe extern "C" fn(user: *mut c_void, rendering: *const AntumbraRendering)>;
+
+/// A view in a frame.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraViewFrame {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// An `ANTUMBRA_STRATEGY_..`.
+    pub strategy: u32,
+    /// The view.
+    pub view: AntumbraView,
+    /// Its camera.
+    pub camera: *const AntumbraCamera,
+    /// Its images.
+    pub target: *const AntumbraTargetDesc,
+    /// The most occlusion queries; leaves for which none is left are drawn. Default: 4096.
+    pub query_budget: usize,
+}
+layout!(AntumbraViewFrame: struct_size, strategy, view, camera, target, query_budget);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraViewFrame {
+    const REQUIRED_FIELDS: usize = 5;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        strategy: ANTUMBRA_STRATEGY_ANTUMBRA,
+        view: AntumbraView { id: 0 },
+        camera: std::ptr::null(),
+        target: std::ptr::null(),
+        query_budget: 4096,
+    };
+}
+
+/// A frame to be recorded.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraFrameDesc {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// The number of views.
+    pub view_count: u32,
+    /// The views, each at most once.
+    pub views: *const *const AntumbraViewFrame,
+    /// A primary command buffer that is being recorded, outside of renderings and queries.
+    pub commands: vk::CommandBuffer,
+    /// The number of this frame: above that of all frames before on the device.
+    pub current: u64,
+    /// The newest frame that is over on the GPU with all before it, or will never be submitted; 0
+    /// for none.
+    pub safe: u64,
+    /// Binds what draws need.
+    pub bind: AntumbraBindCallback,
+    /// The first argument of all callbacks.
+    pub user: *mut c_void,
+    /// Begins a rendering; null for dynamic rendering to the images of the target. Default: null.
+    pub begin_rendering: AntumbraRenderingCallback,
+    /// Ends a rendering. Default: null.
+    pub end_rendering: AntumbraRenderingCallback,
+}
+layout!(AntumbraFrameDesc: struct_size, view_count, views, commands, current, safe, bind, user,
+    begin_rendering, end_rendering);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraFrameDesc {
+    const REQUIRED_FIELDS: usize = 8;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        view_count: 0,
+        views: std::ptr::null(),
+        commands: vk::CommandBuffer::null(),
+        current: 0,
+        safe: 0,
+        bind: None,
+        user: std::ptr::null_mut(),
+        begin_rendering: None,
+        end_rendering: None,
+    };
+}
+
+/// The callbacks of a host for one view.
+struct HostObjects<'a> {
+    desc: &'a AntumbraFrameDesc,
+    bind: unsafe extern "C" fn(*mut c_void, *const AntumbraBinding),
+    view: AntumbraView,
+    target: &'a mut Target,
+}
+
+impl HostObjects<'_> {
+    fn call(
+        &self,
+        callback: unsafe extern "C" fn(*mut c_void, *const AntumbraRendering),
+        commands: &Commands,
+        rendering: Rendering,
+    ) {
+        let rendering = AntumbraRendering {
+            struct_size: size_of::<AntumbraRendering>() as u32,
+            is_first: u32::from(rendering == Rendering::First),
+            commands: commands.raw(),
+            view: self.view,
+        };
+        // SAFETY: the promise of the caller who gave the function.
+        unsafe { callback(self.desc.user, &rendering) };
+    }
+}
+
+impl ObjectRenderer for HostObjects<'_> {
+    fn target(&mut self) -> &mut Target {
+        self.target
+    }
+
+    fn rendering(&self, _view: &View, rendering: Rendering) -> RenderTarget {
+        self.target.render_target((rendering == Rendering::First).then_some([0.0; 4]))
+    }
+
+    fn begin_rendering(&mut self, commands: &Commands, view: &View, rendering: Rendering) -> bool {
+        let Some(callback) = self.desc.begin_rendering else {
+            return commands.begin_rendering(self.rendering(view, rendering));
+        };
+        self.call(callback, commands, rendering);
+        commands.set_viewport(&self.viewport(view));
+        true
+    }
+
+    fn end_rendering(&mut self, commands: &Commands) {
+        match self.desc.end_rendering {
+            Some(callback) => self.call(callback, commands, Rendering::Next),
+            None => commands.end_rendering(),
+        }
+    }
+
+    fn bind(&self, commands: &Commands, _view: &View, bucket: BucketId, _pass: ObjectPass) {
+        let binding = AntumbraBinding {
+            struct_size: size_of::<AntumbraBinding>() as u32,
+            bucket: bucket.0,
+            commands: commands.raw(),
+            view: self.view,
+        };
+        // SAFETY: the promise of the caller who gave the function.
+        unsafe { (self.bind)(self.desc.user, &binding) };
+    }
+}
+
+/// Records a frame.
+///
+/// # Safety
+/// As the rules of the interface, [`gpu::FrameRing::begin_in`] and [`Target::of_host`].
+pub(crate) unsafe fn record(
+    scene: &mut HostedScene,
+    desc: &AntumbraFrameDesc,
+) -> Result<(), Failure> {
+    // SAFETY: the caller's promise.
+    let views = unsafe { slice("desc.views", desc.views, desc.view_count as usize) }?;
+    if desc.commands == vk::CommandBuffer::null() {
+        return Err(Failure::null("desc.commands"));
+    }
+    if desc.begin_rendering.is_some() != desc.end_rendering.is_some() {
+        let message = "desc has one of begin_rendering and end_rendering: give both or none";
+        return Err(Failure::argument(message));
+    }
+    if scene.attachments.pass.is_some() && desc.begin_rendering.is_none() {
+        let message = "the scene has a render pass of yours: desc.begin_rendering must begin it";
+        return Err(Failure::argument(message));
+    }
+    for (number, view) in views.iter().enumerate() {
+        // SAFETY: the caller's promise, here and below.
+        let view = unsafe { read("a view of desc.views", *view) }?.view;
+        for other in &views[..number] {
+            // SAFETY: as above.
+            if unsafe { read("a view of desc.views", *other) }?.view == view {
+                return Err(Failure::argument("desc.views has a view twice"));
+            }
+        }
+    }
+    let frames_in_flight = scene.frames.frames_in_flight();
+    let numbers = FrameNumbers { current: Tick(desc.current), safe: Tick(desc.safe) };
+    // SAFETY: as above.
+    let mut frame = unsafe { scene.frames.begin_in(desc.commands, numbers) }?;
+    scene.scene.upload(&mut frame)?;
+    for view in views {
+        // SAFETY: as above.
+        unsafe {
+            let view = read("a view of desc.views", *view)?;
+            let hosted = scene.views.find(view.view)?;
+            let parts = Parts {
+                device: &scene.device,
+                scene: &mut scene.scene,
+                shaders: &scene.shaders,
+                attachments: &scene.attachments,
+                frames_in_flight,
+            };
+            record_view(&mut frame, parts, &mut *hosted.write()?, (desc, &view))?;
+        }
+    }
+    let tick = frame.end()?;
+    for view in views {
+        // SAFETY: as above.
+        let view = unsafe { read("a view of desc.views", *view) }?.view;
+        let hosted = scene.views.find(view)?;
+        if let Some(state) = &mut hosted.write()?.state {
+            state.submitted(tick, &scene.scene.executor().leaves, None);
+        }
+    }
+    scene.scene.submitted(tick);
+    Ok(())
+}
+
+/// The parts of a scene that the recording of a view needs.
+struct Parts<'a> {
+    device: &'a Device,
+    scene: &'a mut HostScene,
+    shaders: &'a ShaderSet,
+    attachments: &'a Attachments,
+    frames_in_flight: usize,
+}
+
+/// Records a view into a frame.
+///
+/// # Safety
+/// As [`record`].
+unsafe fn record_view(
+    frame: &mut Frame<'_>,
+    parts: Parts<'_>,
+    hosted: &mut HostedView,
+    (desc, view): (&AntumbraFrameDesc, &AntumbraViewFrame),
+) -> Result<(), Failure> {
+    let Parts { device, scene, shaders, attachments, frames_in_flight } = parts;
+    // SAFETY: the caller's promise, here and below.
+    let (camera, target) = unsafe {
+        let target = read("view.target", view.target)?;
+        (read("view.camera", view.camera)?, target)
+    };
+    if [camera.width, camera.height] != [target.width, target.height] {
+        return Err(Failure::argument("view.camera and view.target have different sizes"));
+    }
+    if near_depth(camera.depth)? != attachments.near_depth {
+        let message = "view.camera has another ANTUMBRA_DEPTH_.. than the scene's attachments";
+        return Err(Failure::argument(message));
+    }
+    let (eye, strategy) = (camera.view()?, strategy(view.strategy)?);
+    let bind = desc.bind.ok_or_else(|| Failure::null("desc.bind"))?;
+    let HostedView { state, target: cached, .. } = hosted;
+    // SAFETY: as above.
+    let target = unsafe { cached.update(device, &target, attachments) }?;
+    let state = match state {
+        Some(state) => state,
+        None => state.insert(new_state(device, scene, target, frames_in_flight)?),
+    };
+    let (hierarchy, executor) = scene.parts_mut();
+    state.collect(device.completed()?, hierarchy, &executor.leaves);
+    state.plan_frame(hierarchy, &executor.leaves, strategy, (&eye, view.query_budget));
+    let mut objects = HostObjects { desc, bind, view: view.view, target };
+    execute(frame, executor, state, &mut objects, (shaders, &eye))?;
+    target.restore(frame.commands());
+    Ok(())
+}

@@ -1,0 +1,7 @@
+//! The executor in a host's command buffer: the host keeps its device, queue, images, pipelines and
+//! draws.
+
+pub mod device;
+pub mod frame;
+pub mod scene;
+pub mod target;

@@ -1,0 +1,290 @@
+//! The scene of a host: objects with draws in its own pipelines.
+
+use cull::{Aabb, CullConfig, Culler, ObjectId};
+use gpu::{Attachments, Device, FrameRing, IndirectDraw, Predication, Target};
+use occlusion::{
+    BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, OcclusionPasses, ShaderSet,
+    VisibilityState,
+};
+
+use super::device::AntumbraDevice;
+use super::target::{AntumbraAttachments, CachedTarget};
+use crate::decisions::hierarchy::{AntumbraAabb, usable};
+use crate::error::Failure;
+use crate::layout::{Versioned, layout};
+use crate::table::{Table, handle};
+
+/// The objects of a host on its device.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AntumbraScene {
+    /// The number of the handle; 0 for none.
+    pub id: u64,
+}
+handle!(AntumbraScene = "scene");
+
+/// A view of a scene, with what it knows from earlier frames.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AntumbraView {
+    /// The number of the handle; 0 for none.
+    pub id: u64,
+}
+handle!(AntumbraView = "view");
+
+/// Hidden draws are skipped by the best way that the device has.
+pub const ANTUMBRA_PREDICATION_BEST: u32 = 0;
+/// Hidden draws are skipped by conditional rendering.
+pub const ANTUMBRA_PREDICATION_CONDITIONAL: u32 = 1;
+/// Hidden draws are skipped by draw counts.
+pub const ANTUMBRA_PREDICATION_COUNTS: u32 = 2;
+/// Hidden draws are skipped by instance counts.
+pub const ANTUMBRA_PREDICATION_INSTANCES: u32 = 3;
+
+/// The options of a scene.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraSceneDesc {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// The most frames that are begun and not known to be over, at least 1.
+    pub frames_in_flight: u32,
+    /// The device.
+    pub device: AntumbraDevice,
+    /// The attachments of all views.
+    pub attachments: *const AntumbraAttachments,
+    /// The number of buckets: pipelines in passes. They are drawn in the order of their numbers.
+    pub bucket_count: u32,
+    /// The number of objects for which there is room before everything must be built again.
+    pub object_capacity: u32,
+    /// The number of draws for which there is room before they are uploaded again. Default: 0.
+    pub draw_capacity: u32,
+    /// An `ANTUMBRA_PREDICATION_..`. Default: `ANTUMBRA_PREDICATION_BEST`.
+    pub predication: u32,
+}
+layout!(AntumbraSceneDesc: struct_size, frames_in_flight, device, attachments, bucket_count,
+    object_capacity, draw_capacity, predication);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraSceneDesc {
+    const REQUIRED_FIELDS: usize = 6;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        frames_in_flight: 2,
+        device: AntumbraDevice { id: 0 },
+        attachments: std::ptr::null(),
+        bucket_count: 1,
+        object_capacity: 0,
+        draw_capacity: 0,
+        predication: ANTUMBRA_PREDICATION_BEST,
+    };
+}
+
+/// An object that is added.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AntumbraObject {
+    /// The box around all that it draws.
+    pub bounds: AntumbraAabb,
+    /// The first of its draws in the array of draws.
+    pub first_draw: u32,
+    /// The number of its draws.
+    pub draw_count: u32,
+}
+layout!(AntumbraObject: bounds, first_draw, draw_count);
+
+/// A draw of an object: an indexed indirect command in a bucket.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AntumbraObjectDraw {
+    /// The bucket.
+    pub bucket: u32,
+    /// As of `VkDrawIndexedIndirectCommand`.
+    pub index_count: u32,
+    /// As of `VkDrawIndexedIndirectCommand`; any number.
+    pub instance_count: u32,
+    /// As of `VkDrawIndexedIndirectCommand`.
+    pub first_index: u32,
+    /// As of `VkDrawIndexedIndirectCommand`.
+    pub vertex_offset: i32,
+    /// As of `VkDrawIndexedIndirectCommand`.
+    pub first_instance: u32,
+}
+layout!(AntumbraObjectDraw: bucket, index_count, instance_count, first_index, vertex_offset,
+    first_instance);
+
+impl From<&AntumbraObjectDraw> for BucketDraw {
+    fn from(it: &AntumbraObjectDraw) -> Self {
+        let triangles = (it.index_count / 3).saturating_mul(it.instance_count);
+        let draw = IndirectDraw {
+            index_count: it.index_count,
+            instance_count: it.instance_count,
+            first_index: it.first_index,
+            vertex_offset: it.vertex_offset,
+            first_instance: it.first_instance,
+        };
+        Self { bucket: BucketId(it.bucket), draw, triangles }
+    }
+}
+
+/// The counts of the newest frame of a view whose results are known.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct AntumbraViewStats {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// Must be 0.
+    pub reserved: u32,
+    /// The frame, counted from 1 in its view; 0 if none is known.
+    pub frame: u64,
+    /// The objects that the GPU drew.
+    pub objects: u64,
+    /// The objects among them that were drawn because a box showed.
+    pub revealed: u64,
+}
+layout!(AntumbraViewStats: struct_size, reserved, frame, objects, revealed);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraViewStats {
+    const REQUIRED_FIELDS: usize = 5;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        reserved: 0,
+        frame: 0,
+        objects: 0,
+        revealed: 0,
+    };
+}
+
+/// A view of a scene.
+pub(crate) struct HostedView {
+    /// The history; made for the first target.
+    pub state: Option<VisibilityState>,
+    pub target: CachedTarget,
+    stats: AntumbraViewStats,
+}
+
+impl HostedView {
+    /// Returns the newest counts.
+    pub fn stats(&mut self) -> AntumbraViewStats {
+        let outcomes = self.state.iter_mut().flat_map(VisibilityState::take_outcomes);
+        if let Some(outcome) = outcomes.last() {
+            self.stats.frame = outcome.frame.0;
+            self.stats.objects = outcome.draws;
+            self.stats.revealed = outcome.revealed;
+        }
+        self.stats
+    }
+}
+
+/// Creates the history of a view that knows nothing yet.
+pub(crate) fn new_state(
+    device: &Device,
+    scene: &HostScene,
+    target: &Target,
+    frames_in_flight: usize,
+) -> Result<VisibilityState, Failure> {
+    let (hierarchy, executor) = (scene.hierarchy(), scene.executor());
+    let testers = executor.testers(device, target);
+    let culler = Culler::with_testers(CullConfig::default(), testers);
+    Ok(VisibilityState::new(device, hierarchy, &executor.leaves, frames_in_flight, culler)?)
+}
+
+/// A scene, its views, and its frames.
+pub(crate) struct HostedScene {
+    pub device: Device,
+    pub scene: HostScene,
+    pub frames: FrameRing,
+    pub shaders: ShaderSet,
+    pub attachments: Attachments,
+    pub views: Table<HostedView, AntumbraView>,
+    objects: Vec<ObjectId>,
+}
+
+impl HostedScene {
+    pub fn new(
+        device: Device,
+        desc: &AntumbraSceneDesc,
+        attachments: &AntumbraAttachments,
+        salt: u64,
+    ) -> Result<Self, Failure> {
+        let attachments = attachments.attachments()?;
+        let predication = match desc.predication {
+            ANTUMBRA_PREDICATION_BEST => None,
+            ANTUMBRA_PREDICATION_CONDITIONAL => Some(Predication::Conditional),
+            ANTUMBRA_PREDICATION_COUNTS => Some(Predication::Counts),
+            ANTUMBRA_PREDICATION_INSTANCES => Some(Predication::Instances),
+            other => {
+                let message = format!("there is no ANTUMBRA_PREDICATION_.. {other}");
+                return Err(Failure::argument(message));
+            }
+        };
+        if desc.frames_in_flight == 0 || desc.bucket_count == 0 {
+            let message = "desc.frames_in_flight and desc.bucket_count must be above 0";
+            return Err(Failure::argument(message));
+        }
+        let frames_in_flight = desc.frames_in_flight as usize;
+        let shaders = ShaderSet::embedded()?;
+        let passes = OcclusionPasses::new(&device, &shaders, attachments)?;
+        let info = BucketTableInfo {
+            bucket_count: desc.bucket_count,
+            draw_capacity: desc.draw_capacity,
+            predication,
+            frames_in_flight,
+        };
+        Ok(Self {
+            scene: HostScene::new(&device, passes, desc.object_capacity as usize, info)?,
+            frames: FrameRing::new(&device, frames_in_flight)?,
+            shaders,
+            attachments,
+            views: Table::new(salt),
+            objects: Vec::new(),
+            device,
+        })
+    }
+
+    /// Adds objects and returns their ids.
+    pub fn add(
+        &mut self,
+        objects: &[AntumbraObject],
+        draws: &[AntumbraObjectDraw],
+    ) -> Result<&[ObjectId], Failure> {
+        let draws: Vec<BucketDraw> = draws.iter().map(BucketDraw::from).collect();
+        let mut added = Vec::with_capacity(objects.len());
+        for (number, object) in objects.iter().enumerate() {
+            let first = object.first_draw as usize;
+            let range = first..first.saturating_add(object.draw_count as usize);
+            let draws = draws.get(range).ok_or_else(|| {
+                Failure::argument(format_args!("objects[{number}] has draws beyond draw_count"))
+            })?;
+            added.push(HostObject { bounds: usable(number, object.bounds)?, draws });
+        }
+        self.objects.clear();
+        self.scene.add(&added, &mut self.objects)?;
+        Ok(&self.objects)
+    }
+
+    pub fn remove(&mut self, objects: &[u32]) -> Result<(), Failure> {
+        self.objects.clear();
+        self.objects.extend(objects.iter().map(|object| ObjectId(*object)));
+        Ok(self.scene.remove(&self.objects)?)
+    }
+
+    pub fn move_to(&mut self, objects: &[u32], boxes: &[AntumbraAabb]) -> Result<(), Failure> {
+        let boxes = boxes.iter().map(|bounds| Aabb::from(*bounds));
+        let ids = objects.iter().map(|object| ObjectId(*object));
+        let moved: Vec<(ObjectId, Aabb)> = ids.zip(boxes).collect();
+        Ok(self.scene.move_to(&moved)?)
+    }
+
+    pub fn set_draws(&mut self, object: u32, draws: &[AntumbraObjectDraw]) -> Result<(), Failure> {
+        let draws: Vec<BucketDraw> = draws.iter().map(BucketDraw::from).collect();
+        Ok(self.scene.set_draws(ObjectId(object), &draws)?)
+    }
+
+    /// Creates a view that knows nothing yet.
+    pub fn add_view(&self) -> Result<AntumbraView, Failure> {
+        let target = CachedTarget::default();
+        self.views.insert(HostedView { state: None, target, stats: AntumbraViewStats::DEFAULT })
+    }
+}

@@ -1,0 +1,238 @@
+//! The images of a host that a view is drawn to.
+
+use gpu::{
+    Attachments, COLOURS_MAX, ColourFormats, Device, HostImage, HostImages, HostPass, ImageState,
+    NearDepth, Target, vk,
+};
+
+use crate::decisions::camera::{ANTUMBRA_DEPTH_REVERSED, ANTUMBRA_DEPTH_STANDARD};
+use crate::error::Failure;
+use crate::layout::{Versioned, layout};
+use crate::pointers::slice;
+
+/// The most colour images of a view.
+pub const ANTUMBRA_COLOURS_MAX: usize = 8;
+
+/// The state of an image between its user and the executor.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AntumbraImageState {
+    /// The layout. `VK_IMAGE_LAYOUT_UNDEFINED` on entry drops the contents; on exit it leaves the
+    /// image as an attachment.
+    pub layout: vk::ImageLayout,
+    /// Must be 0.
+    pub reserved: u32,
+    /// The stages of the other user that access the image.
+    pub stages: vk::PipelineStageFlags2,
+    /// The accesses of these stages.
+    pub access: vk::AccessFlags2,
+}
+layout!(AntumbraImageState: layout, reserved, stages, access);
+
+impl AntumbraImageState {
+    fn state(&self) -> ImageState {
+        ImageState { layout: self.layout, stages: self.stages, access: self.access }
+    }
+}
+
+/// An image of the host that is drawn to: its first level and layer.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AntumbraImage {
+    /// The image.
+    pub image: vk::Image,
+    /// A 2D view of it with all aspects of the format.
+    pub view: vk::ImageView,
+    /// The format of the view.
+    pub format: vk::Format,
+    /// The usage that it was created with. `VK_IMAGE_USAGE_TRANSFER_SRC_BIT` of a depth image
+    /// allows tests by compute shaders.
+    pub usage: vk::ImageUsageFlags,
+    /// The state before the first command of the executor.
+    pub entry: AntumbraImageState,
+    /// The state after its last one.
+    pub exit: AntumbraImageState,
+}
+layout!(AntumbraImage: image, view, format, usage, entry, exit);
+
+impl AntumbraImage {
+    fn host_image(&self) -> HostImage {
+        let Self { image, view, format, usage, entry, exit } = *self;
+        let exit = (exit.layout != vk::ImageLayout::UNDEFINED).then(|| exit.state());
+        HostImage { image, view, format, usage, entry: entry.state(), exit }
+    }
+}
+
+/// The images of a view in a frame.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraTargetDesc {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// The number of colour images; those of the scene's attachments, or none if the host begins
+    /// its renderings itself.
+    pub colour_count: u32,
+    /// The depth.
+    pub depth: AntumbraImage,
+    /// The colours.
+    pub colours: *const AntumbraImage,
+    /// Width of the images (pixels).
+    pub width: u32,
+    /// Height of the images (pixels).
+    pub height: u32,
+}
+layout!(AntumbraTargetDesc: struct_size, colour_count, depth, colours, width, height);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraTargetDesc {
+    const REQUIRED_FIELDS: usize = 6;
+    // SAFETY: all of it are numbers and pointers, of which 0 is a value.
+    const DEFAULT: Self =
+        Self { struct_size: size_of::<Self>() as u32, ..unsafe { std::mem::zeroed() } };
+}
+
+/// The attachments that all views of a scene are drawn to.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraAttachments {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// The format of the depth.
+    pub depth_format: vk::Format,
+    /// Samples per pixel of all attachments.
+    pub samples: vk::SampleCountFlags,
+    /// The direction in which depths grow: an `ANTUMBRA_DEPTH_..`, the same as that of cameras.
+    pub depth: u32,
+    /// The number of colour attachments.
+    pub colour_count: u32,
+    /// The subpass that is drawn in.
+    pub subpass: u32,
+    /// The formats of the colours, in the order of their locations.
+    pub colour_formats: [vk::Format; ANTUMBRA_COLOURS_MAX],
+    /// The render pass of a host that begins its renderings itself; `VK_NULL_HANDLE` for dynamic
+    /// rendering.
+    pub render_pass: vk::RenderPass,
+}
+layout!(AntumbraAttachments: struct_size, depth_format, samples, depth, colour_count, subpass,
+    colour_formats, render_pass);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraAttachments {
+    const REQUIRED_FIELDS: usize = 7;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        depth_format: vk::Format::UNDEFINED,
+        samples: vk::SampleCountFlags::TYPE_1,
+        depth: 0,
+        colour_count: 0,
+        subpass: 0,
+        colour_formats: [vk::Format::UNDEFINED; ANTUMBRA_COLOURS_MAX],
+        render_pass: vk::RenderPass::null(),
+    };
+}
+
+impl AntumbraAttachments {
+    /// Returns the attachments as the executor takes them.
+    pub(crate) fn attachments(&self) -> Result<Attachments, Failure> {
+        let colours = self.colour_formats.get(..self.colour_count as usize).ok_or_else(|| {
+            let max = ANTUMBRA_COLOURS_MAX.min(COLOURS_MAX);
+            Failure::argument(format_args!("attachments.colour_count is more than {max}"))
+        })?;
+        if self.depth_format == vk::Format::UNDEFINED || self.samples.is_empty() {
+            let message = "attachments.depth_format and attachments.samples must be set";
+            return Err(Failure::argument(message));
+        }
+        let has_pass = self.render_pass != vk::RenderPass::null();
+        Ok(Attachments {
+            colours: ColourFormats::new(colours),
+            depth: self.depth_format,
+            samples: self.samples,
+            near_depth: near_depth(self.depth)?,
+            pass: has_pass
+                .then_some(HostPass { render_pass: self.render_pass, subpass: self.subpass }),
+        })
+    }
+}
+
+/// Returns the direction of depths by its number in C.
+pub(crate) fn near_depth(depth: u32) -> Result<NearDepth, Failure> {
+    match depth {
+        ANTUMBRA_DEPTH_REVERSED => Ok(NearDepth::One),
+        ANTUMBRA_DEPTH_STANDARD => Ok(NearDepth::Zero),
+        _ => Err(Failure::argument(format_args!("there is no ANTUMBRA_DEPTH_.. {depth}"))),
+    }
+}
+
+/// The target of a view, made again only if the host's images are others than in the last frame.
+#[derive(Default)]
+pub(crate) struct CachedTarget {
+    depth: Option<AntumbraImage>,
+    colours: Vec<AntumbraImage>,
+    size: [u32; 2],
+    target: Option<Target>,
+}
+
+impl CachedTarget {
+    /// Returns the target of a frame.
+    ///
+    /// # Safety
+    /// As [`Target::of_host`]; the colours are an array as the rules of the interface say.
+    pub unsafe fn update(
+        &mut self,
+        device: &Device,
+        desc: &AntumbraTargetDesc,
+        attachments: &Attachments,
+    ) -> Result<&mut Target, Failure> {
+        // SAFETY: the caller's promise.
+        let colours = unsafe { slice("target.colours", desc.colours, desc.colour_count as usize) }?;
+        let size = [desc.width, desc.height];
+        if self.depth != Some(desc.depth) || self.colours != colours || self.size != size {
+            check_formats(desc, colours, attachments)?;
+            self.target = None;
+            self.colours.clear();
+            self.colours.extend_from_slice(colours);
+            (self.depth, self.size) = (Some(desc.depth), size);
+        }
+        if self.target.is_none() {
+            let all: Vec<HostImage> = colours.iter().map(AntumbraImage::host_image).collect();
+            let images = HostImages {
+                depth: desc.depth.host_image(),
+                colours: &all,
+                samples: attachments.samples,
+                near_depth: attachments.near_depth,
+                size,
+            };
+            // SAFETY: the caller's promise.
+            self.target = Some(unsafe { Target::of_host(device, &images) }?);
+        }
+        self.target.as_mut().ok_or_else(|| Failure::argument("there is no target"))
+    }
+}
+
+/// Refuses images of other formats than those of the scene's pipelines.
+fn check_formats(
+    desc: &AntumbraTargetDesc,
+    colours: &[AntumbraImage],
+    attachments: &Attachments,
+) -> Result<(), Failure> {
+    let nothing = [desc.depth.image == vk::Image::null(), desc.depth.view == vk::ImageView::null()];
+    if nothing.contains(&true) {
+        return Err(Failure::null("target.depth.image, or target.depth.view,"));
+    }
+    let wanted = attachments.colours.as_slice();
+    let formats = colours.iter().map(|colour| colour.format);
+    let host_begins = attachments.pass.is_some();
+    if desc.depth.format != attachments.depth {
+        return Err(Failure::argument(format_args!(
+            "target.depth has the format {:?}, but the scene was made for {:?}",
+            desc.depth.format, attachments.depth
+        )));
+    }
+    let has_none = host_begins && colours.is_empty();
+    if !(has_none || formats.eq(wanted.iter().copied())) {
+        return Err(Failure::argument(format_args!(
+            "target.colours have other formats than the {wanted:?} that the scene was made for"
+        )));
+    }
+    Ok(())
+}
