@@ -21,7 +21,7 @@ layout(std430, binding = 1) buffer Draws { IndirectDraw draws[]; };
 // The number of entries, then the entries.
 layout(std430, binding = 2) buffer List { uint list[]; };
 
-// The first draw of each leaf, or NO_DRAW; and the next ones.
+// One more than the first draw of each leaf, or NO_DRAW; and the next ones.
 layout(std430, binding = 3) readonly buffer Firsts { uint firsts[]; };
 layout(std430, binding = 4) readonly buffer Links { DrawLink links[]; };
 
@@ -29,10 +29,11 @@ const uint LISTED_LEAVES = 4095;
 
 // Other fragments may set the same draw: one that reads an old zero exchanges once more.
 void main() {
-    uint first = LINKED ? firsts[leaf] : leaf;
-    if (LINKED && first == NO_DRAW) {
+    uint place_of_first = LINKED ? firsts[leaf] : leaf + 1;
+    if (place_of_first == NO_DRAW) {
         return;
     }
+    uint first = place_of_first - 1;
     uint instances = LINKED ? links[first].instance_count : 1;
     if (draws[first].instance_count != 0
         || atomicExchange(draws[first].instance_count, instances) != 0) {
@@ -41,8 +42,8 @@ void main() {
     if (LINKED) {
         // Atomic for the validation of synchronization alone, which takes a plain store for one to
         // the draws of other leaves that are read in the same rendering.
-        for (uint next = links[first].next; next != NO_DRAW; next = links[next].next) {
-            atomicExchange(draws[next].instance_count, links[next].instance_count);
+        for (uint next = links[first].next; next != NO_DRAW; next = links[next - 1].next) {
+            atomicExchange(draws[next - 1].instance_count, links[next - 1].instance_count);
         }
     }
     uint place = atomicAdd(list[0], 1);

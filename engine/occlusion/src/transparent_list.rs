@@ -97,7 +97,7 @@ impl TransparentList {
         let drawn = |it: &&BucketDraw| it.draw.index_count > 0 && it.draw.instance_count > 0;
         for BucketDraw { bucket, draw, .. } in draws.iter().filter(drawn) {
             let number = self.commands.len() as u32;
-            self.links.push(DrawLink { next: number + 1, instance_count: draw.instance_count });
+            self.links.push(DrawLink { next: number + 2, instance_count: draw.instance_count });
             let instance_count = if bounds.is_some() { 0 } else { draw.instance_count };
             self.commands.push(IndirectDraw { instance_count, ..*draw });
             match self.runs.last_mut().filter(|(last, _)| last == bucket) {
@@ -111,7 +111,7 @@ impl TransparentList {
         if let Some(last) = self.links.last_mut() {
             last.next = DrawLink::NO_DRAW;
         }
-        self.firsts.push(first);
+        self.firsts.push(first + 1);
         self.boxes.push(ProxyBox::from(bounds.unwrap_or(Aabb::EMPTY)));
     }
 

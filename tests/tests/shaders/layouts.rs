@@ -104,7 +104,7 @@ fn flags_are_values_and_leaf_boxes_enable_draws() {
     let source = |name| std::fs::read_to_string(crate::folder().join(name)).unwrap();
     let says = |name, text: String| assert!(source(name).contains(&text), "{name}: {text}");
     says("leaf_box.frag", format!("LISTED_LEAVES = {LISTED_LEAVES};"));
-    says("draw_link.glsl", format!("NO_DRAW = {:#x};", DrawLink::NO_DRAW));
+    says("draw_link.glsl", format!("NO_DRAW = {};", DrawLink::NO_DRAW));
     says("draw_link.glsl", format!("constant_id = {}) const bool LINKED", gpu::LINKED));
 }
 

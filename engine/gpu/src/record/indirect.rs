@@ -35,15 +35,16 @@ pub struct DrawRange {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 pub struct DrawLink {
-    /// The number of the next draw, or [`DrawLink::NO_DRAW`].
+    /// One more than the number of the next draw, or [`DrawLink::NO_DRAW`].
     pub next: u32,
     /// The instances of this one once it is enabled; 0 only where there is no draw.
     pub instance_count: u32,
 }
 
 impl DrawLink {
-    /// The end of a list, in place of the number of a draw.
-    pub const NO_DRAW: u32 = u32::MAX;
+    /// The end of a list. It is 0 for lavapipe (Mesa 22.3), which follows a list also for fragments
+    /// that take no part, up to its limit of 65535 steps: what these load is 0.
+    pub const NO_DRAW: u32 = 0;
 
     /// The link of a place without a draw.
     pub const EMPTY: Self = Self { next: Self::NO_DRAW, instance_count: 0 };

@@ -45,7 +45,7 @@ pub struct BucketDraw {
 const BLOCK_LEAVES: u32 = 64;
 
 /// The end of a list, and the content of an empty cell.
-const NONE: u32 = DrawLink::NO_DRAW;
+const NONE: u32 = u32::MAX;
 
 /// A draw at its place.
 #[derive(Clone, Copy)]
@@ -123,15 +123,15 @@ impl BucketCells {
     /// Returns the link of a cell to the next of its leaf.
     pub(crate) fn link(&self, cell: u32) -> DrawLink {
         let link = |placed: &PlacedDraw| DrawLink {
-            next: self.cell_of(placed.next),
+            next: self.place_of(placed.next),
             instance_count: placed.draw.draw.instance_count,
         };
         self.placed_in(cell).map_or(DrawLink::EMPTY, link)
     }
 
-    /// Returns the first cell of a leaf, or [`DrawLink::NO_DRAW`].
+    /// Returns one more than the first cell of a leaf, or [`DrawLink::NO_DRAW`].
     pub(crate) fn first(&self, leaf: LeafIndex) -> u32 {
-        self.cell_of(self.first_draw(leaf))
+        self.place_of(self.first_draw(leaf))
     }
 
     /// Returns the cells of a leaf, in the order of their buckets.
@@ -197,12 +197,18 @@ impl BucketCells {
         self.listed = listed;
     }
 
-    /// Notes that the leaves from `first` on have other objects, the same ones in another order.
-    pub(crate) fn reorder(&mut self, first: LeafIndex, objects: &[ObjectId]) {
-        let leaves = || (first.0..).map(LeafIndex).take(objects.len());
+    /// Notes that the objects in some ranges of leaves are in another order now, which is that of
+    /// `objects`, by leaf. Ranges may lie in each other, as subtrees do.
+    pub(crate) fn reorder(&mut self, ranges: &[LeafRange], objects: &[ObjectId]) {
+        let leaves = || ranges.iter().flat_map(|range| range.iter());
         leaves().for_each(|leaf| self.lift_all(leaf));
-        let places = self.objects.iter_mut().skip(first.0 as usize);
-        places.zip(objects).for_each(|(place, object)| *place = *object);
+        for range in ranges.iter().map(|range| range.indices()) {
+            if let (Some(to), Some(from)) =
+                (self.objects.get_mut(range.clone()), objects.get(range))
+            {
+                to.copy_from_slice(from);
+            }
+        }
         leaves().for_each(|leaf| self.insert_all(leaf));
     }
 
@@ -224,6 +230,7 @@ impl BucketCells {
         self.cells.clear();
         self.regions = Regions::default();
         self.changes.resize(objects.len());
+        self.draws.iter_mut().for_each(|placed| placed.cell = NONE);
         (0..objects.len() as u32).for_each(|leaf| self.insert_all(LeafIndex(leaf)));
     }
 
@@ -235,8 +242,8 @@ impl BucketCells {
         self.draws.get(*self.cells.get(cell as usize)? as usize)
     }
 
-    fn cell_of(&self, draw: u32) -> u32 {
-        self.draws.get(draw as usize).map_or(NONE, |placed| placed.cell)
+    fn place_of(&self, draw: u32) -> u32 {
+        self.draws.get(draw as usize).map_or(DrawLink::NO_DRAW, |placed| placed.cell + 1)
     }
 
     fn object_of(&self, leaf: LeafIndex) -> Option<usize> {
@@ -288,30 +295,36 @@ impl BucketCells {
         self.set_first_draw(leaf, NONE);
     }
 
-    /// Takes the draws of a leaf out of their cells.
+    /// Takes the draws of a leaf out of their cells, those that are in some.
     fn lift_all(&mut self, leaf: LeafIndex) {
         let mut draw = self.first_draw(leaf);
         while let Some(placed) = self.draws.get(draw as usize).copied() {
-            self.lift(&placed);
+            self.lift(draw, &placed);
             draw = placed.next;
         }
         self.changes.touch(leaf);
     }
 
-    /// Puts the draws of a leaf, which are in no cell, into cells.
+    /// Puts the draws of a leaf into cells, those that are in none.
     fn insert_all(&mut self, leaf: LeafIndex) {
         let mut draw = self.first_draw(leaf);
         while let Some(placed) = self.draws.get_mut(draw as usize) {
-            placed.leaf = leaf.0;
-            let next = placed.next;
-            self.insert(draw);
+            let (next, is_placed) = (placed.next, placed.cell != NONE);
+            if !is_placed {
+                placed.leaf = leaf.0;
+                self.insert(draw);
+            }
             draw = next;
         }
         self.changes.touch(leaf);
     }
 
-    /// Takes a draw out of its cell, and closes the gap.
-    fn lift(&mut self, placed: &PlacedDraw) {
+    /// Takes a draw out of its cell, if it is in one, and closes the gap.
+    fn lift(&mut self, draw: u32, placed: &PlacedDraw) {
+        if placed.cell == NONE {
+            return;
+        }
+        self.draws[draw as usize].cell = NONE;
         let (bucket, block) = (placed.draw.bucket.0 as usize, placed.leaf / BLOCK_LEAVES);
         let Some(span) = self.buckets[bucket].shrink(block) else { return };
         let end = span.start + span.len;

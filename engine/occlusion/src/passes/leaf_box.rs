@@ -34,7 +34,7 @@ pub struct LeafBoxIo {
 /// The draws of leaves that have any number of them, as lists.
 #[derive(Clone, Copy)]
 pub struct LeafLinks {
-    /// The number of the first draw of each leaf, or [`gpu::DrawLink::NO_DRAW`].
+    /// One more than the number of the first draw of each leaf, or [`gpu::DrawLink::NO_DRAW`].
     pub firsts: BufferSlice,
     /// A [`gpu::DrawLink`] per draw.
     pub links: BufferSlice,

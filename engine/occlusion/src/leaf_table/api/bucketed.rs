@@ -95,7 +95,8 @@ impl LeafTable {
         self.dirty.push(leaf);
     }
 
-    /// Notes that the objects in some ranges of leaves are in another order now.
+    /// Notes that the objects in some ranges of leaves, which may lie in each other, are in another
+    /// order now.
     ///
     /// # Errors
     /// As for [`LeafTable::set_draws`].
@@ -103,12 +104,10 @@ impl LeafTable {
         let Self { layout: DrawLayout::Bucketed(cells), counts, .. } = self else {
             return Err(BucketError::OneDrawPerLeaf.into());
         };
-        for range in ranges {
-            let Some(objects) = hierarchy.leaf_objects().get(range.indices()) else { continue };
-            let (place, none) = (|leaf: LeafIndex| leaf.0 as usize, LeafCount::default());
-            range.iter().for_each(|leaf| counts.replace(place(leaf), cells.count(leaf), none));
-            cells.reorder(range.first, objects);
-            range.iter().for_each(|leaf| counts.replace(place(leaf), none, cells.count(leaf)));
+        cells.reorder(ranges, hierarchy.leaf_objects());
+        for leaf in ranges.iter().flat_map(|range| range.iter()) {
+            let before = counts.of(LeafRange { first: leaf, count: 1 });
+            counts.replace(leaf.0 as usize, before, cells.count(leaf));
         }
         self.follow_cells()
     }

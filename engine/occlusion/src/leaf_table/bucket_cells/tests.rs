@@ -39,7 +39,7 @@ impl Model {
             draws: vec![Vec::new(); leaf_count],
             objects,
             copied: Vec::new(),
-            copied_firsts: vec![NONE; leaf_count],
+            copied_firsts: vec![DrawLink::NO_DRAW; leaf_count],
             serial: 0,
             moves: 0,
         }
@@ -74,7 +74,14 @@ impl Model {
                     self.objects.swap(place, with);
                 }
                 self.moves += part.clone().map(|leaf| self.listed(leaf).len() as u64).sum::<u64>();
-                self.cells.reorder(LeafIndex(first as u32), &self.objects[part]);
+                let range = |part: Range<usize>| LeafRange {
+                    first: LeafIndex(part.start as u32),
+                    count: part.len() as u32,
+                };
+                // A subtree that is rebuilt, and others in it before and after.
+                let inner = [first + count / 3..first + count / 2, first + count / 2..part.end];
+                let ranges = [range(inner[0].clone()), range(part), range(inner[1].clone())];
+                self.cells.reorder(&ranges, &self.objects);
             }
             1 => {
                 // Several in a row, as an owner adds them in bulk.
@@ -149,12 +156,12 @@ impl Model {
         for leaf in 0..self.objects.len() {
             let (mut cell, index) = (self.copied_firsts[leaf], LeafIndex(leaf as u32));
             for draw in self.listed(leaf) {
-                let (command, link) = self.copied[cell as usize];
+                let (command, link) = self.copied[cell as usize - 1];
                 assert_eq!(command, draw.draw, "leaf {leaf}");
                 assert_eq!(link.instance_count, draw.draw.instance_count);
                 cell = link.next;
             }
-            assert_eq!(cell, NONE, "leaf {leaf} has no more");
+            assert_eq!(cell, DrawLink::NO_DRAW, "leaf {leaf} has no more");
             let triangles = self.listed(leaf).iter().map(|it| u64::from(it.triangles)).sum();
             let draws = self.listed(leaf).len() as u64;
             assert_eq!(self.cells.count(index), LeafCount { draws, triangles });
