@@ -211,7 +211,7 @@ mod tests {
         let [x, y, z] = numbers;
         let projection = match x < 0.0 {
             false => Projection::perspective(1.1),
-            true => Projection::Orthographic { height: z.abs() + 0.5, far: 900.0 - z },
+            true => Projection::Orthographic { height: z.abs() + 0.5, far: 900.0 + z.abs() },
         };
         Camera {
             eye: Vec3::new(x, y, z),
