@@ -1,0 +1,172 @@
+//! All that this host writes to leave out what cannot be seen: the engine records into the command
+//! buffer that vk-graph gives to a closure.
+
+use std::error::Error;
+use std::ffi::CString;
+use std::sync::Arc;
+
+use ash::vk;
+use cull::{Camera, CullConfig, Culler, Strategy, View};
+use gpu::{
+    Commands, Device, DeviceOptions, FrameNumbers, FrameRing, HostImage, HostImages, ImageState,
+    IndirectDraw, NearDepth, RenderTarget, Target, Tick,
+};
+use occlusion::{
+    BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, ObjectPass, ObjectRenderer,
+    OcclusionPasses, Rendering, ShaderSet, VisibilityState, execute,
+};
+use walk::{BoxScene, HostInstance, ViewConstants};
+
+use crate::device::GraphDevice;
+use crate::renderer::{FRAMES_IN_FLIGHT, GraphRenderer};
+
+/// The most occlusion queries of a frame, where tests are queries.
+const QUERY_BUDGET: usize = 4096;
+
+/// The state of the engine for this host.
+pub struct GraphCulling {
+    device: Device,
+    frames: FrameRing,
+    scene: HostScene,
+    view: VisibilityState,
+    shaders: ShaderSet,
+    objects: HostObjects,
+}
+
+/// The callbacks: the host draws into its own images with its own pipelines.
+struct HostObjects {
+    renderer: Arc<GraphRenderer>,
+    target: Target,
+}
+
+impl GraphCulling {
+    /// Adopts the host's device and takes over the boxes and draws of all objects.
+    pub fn new(
+        host: &HostInstance,
+        renderer: &Arc<GraphRenderer>,
+        walk: &BoxScene,
+    ) -> Result<Self, Box<dyn Error>> {
+        let slots = FRAMES_IN_FLIGHT as usize;
+        // SAFETY: as described; the host destroys its device behind `GraphCulling::finish`.
+        let device = unsafe { Device::adopt(description(host, &renderer.device)) }?;
+        let shaders = ShaderSet::embedded()?;
+        let [depth, colour] = images(renderer)?;
+        let (samples, near_depth) = (vk::SampleCountFlags::TYPE_1, NearDepth::One);
+        let images =
+            HostImages { depth, colours: &[colour], samples, near_depth, size: walk::SIZE };
+        // SAFETY: the host's images live as long, and nothing but its frames uses them.
+        let target = unsafe { Target::of_host(&device, &images) }?;
+        let passes = OcclusionPasses::new(&device, &shaders, target.attachments())?;
+        let info = BucketTableInfo {
+            bucket_count: walk::BUCKETS,
+            draw_capacity: walk.parts.len() as u32,
+            predication: None,
+            frames_in_flight: slots,
+        };
+        let mut scene = HostScene::new(&device, passes, walk.objects.len(), info)?;
+        let draw = |number: u32| BucketDraw {
+            bucket: BucketId(walk.parts[number as usize].bucket),
+            draw: IndirectDraw {
+                index_count: walk::INDICES.len() as u32,
+                instance_count: 1,
+                first_instance: number,
+                ..Default::default()
+            },
+            triangles: 12,
+        };
+        for object in &walk.objects {
+            let draws: Vec<_> = object.parts.clone().map(draw).collect();
+            scene.add(&[HostObject { bounds: object.bounds, draws: &draws }], &mut Vec::new())?;
+        }
+        let testers = scene.executor().testers(&device, &target);
+        let culler = Culler::with_testers(CullConfig::default(), testers);
+        let leaves = &scene.executor().leaves;
+        let view = VisibilityState::new(&device, scene.hierarchy(), leaves, slots, culler)?;
+        let frames = FrameRing::new(&device, slots)?;
+        let objects = HostObjects { renderer: renderer.clone(), target };
+        Ok(Self { device, frames, scene, view, shaders, objects })
+    }
+
+    /// Records the draws of a frame: its number, and the newest frame that is over.
+    pub fn record(
+        &mut self,
+        commands: vk::CommandBuffer,
+        [current, over]: [u64; 2],
+        camera: &Camera,
+        strategy: Strategy,
+    ) -> Result<(), Box<dyn Error>> {
+        let numbers = FrameNumbers { current: Tick(current), safe: Tick(over) };
+        // SAFETY: the command buffer is being recorded, and frames up to `over` were waited for.
+        let mut frame = unsafe { self.frames.begin_in(commands, numbers) }?;
+        self.scene.upload(&mut frame)?;
+        let (hierarchy, executor) = self.scene.parts_mut();
+        let sub_pixel_bits = self.device.adapter().limits.sub_pixel_precision_bits;
+        let view = View::new(camera, walk::SIZE, sub_pixel_bits);
+        self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
+        self.view.plan_frame(hierarchy, &executor.leaves, strategy, (&view, QUERY_BUDGET));
+        let (objects, shaders) = (&mut self.objects, &self.shaders);
+        execute(&mut frame, executor, &mut self.view, objects, (shaders, &view))?;
+        objects.target.restore(frame.commands());
+        let tick = frame.end()?;
+        self.view.submitted(tick, &executor.leaves, None);
+        self.scene.submitted(tick);
+        Ok(())
+    }
+
+    /// Frees everything, and returns the draws of the last frame. All frames are over.
+    pub fn finish(mut self) -> Result<u64, Box<dyn Error>> {
+        // SAFETY: the host waited for its last frame.
+        unsafe { self.device.host_finished() }?;
+        let (hierarchy, executor) = self.scene.parts_mut();
+        self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
+        Ok(self.view.take_outcomes().next_back().map_or(0, |outcome| outcome.draws))
+    }
+}
+
+impl ObjectRenderer for HostObjects {
+    fn target(&mut self) -> &mut Target {
+        &mut self.target
+    }
+
+    fn rendering(&self, _view: &View, rendering: Rendering) -> RenderTarget {
+        self.target.render_target((rendering == Rendering::First).then_some([0.0; 4]))
+    }
+
+    fn bind(&self, commands: &Commands, view: &View, bucket: BucketId, _pass: ObjectPass) {
+        let (view_proj, snap_steps) = (view.view_proj.to_cols_array(), view.snap_steps);
+        self.renderer.bind(commands.raw(), bucket.0, &ViewConstants { view_proj, snap_steps });
+    }
+}
+
+/// Describes the device of vk-graph, which submits by itself.
+fn description(host: &HostInstance, device: &GraphDevice) -> gpu::HostDevice {
+    let extensions = device.needs.extensions().into_iter().chain(host.extensions());
+    gpu::HostDevice {
+        entry: host.entry.clone(),
+        instance: host.raw.clone(),
+        physical_device: device.physical,
+        device: ash::Device::clone(&device.raw),
+        queue_family: device.queue_family,
+        api_version: vk::API_VERSION_1_3,
+        extensions: extensions.map(CString::from).collect(),
+        features: device.needs.features(),
+        allocation_callbacks: None,
+        pipeline_cache: None,
+        queue: None,
+        options: DeviceOptions::default(),
+    }
+}
+
+/// Describes depth and colour in the states of the accesses that the graph's command declares:
+/// vk-graph brings them there before, and goes on from there.
+fn images(renderer: &GraphRenderer) -> Result<[HostImage; 2], Box<dyn Error>> {
+    let image = |it: &vk_graph::driver::image::Image, entry| -> Result<HostImage, Box<dyn Error>> {
+        let (image, info) = (it.handle, it.info);
+        let (format, usage) = (info.format, info.usage);
+        Ok(HostImage { image, view: it.view(info.into())?, format, usage, entry, exit: None })
+    };
+    Ok([
+        image(&renderer.depth, ImageState::depth_attachment())?,
+        image(&renderer.colour, ImageState::colour_attachment())?,
+    ])
+}
