@@ -64,8 +64,9 @@ impl HostScene {
     }
 
     /// Adds objects, and their ids, in the same order, to `added`. An id may have belonged to an
-    /// object that is gone. Where there is no room for all, the hierarchy is built again with twice
-    /// the room; a large scene should be created with its capacity.
+    /// object that is gone. Where these are most objects of the scene, the hierarchy is built again;
+    /// where there is no room for all, with twice the room. A large scene should be created with
+    /// its capacity.
     ///
     /// # Errors
     /// [`BucketError::Unknown`](crate::BucketError::Unknown), and nothing is changed;
@@ -79,7 +80,10 @@ impl HostScene {
         let leaves = &self.executor.leaves;
         objects.iter().try_for_each(|object| leaves.check_draws(object.draws))?;
         let first = added.len();
-        match objects.len() > self.hierarchy.free_leaves() {
+        let (room, free) = (self.hierarchy.leaf_objects().len(), self.hierarchy.free_leaves());
+        // Most of a scene at once makes a better hierarchy than one object after the other.
+        let is_most = objects.len() >= (room - free).max(room / 16);
+        match objects.len() > free || is_most {
             true => self.rebuild_with(objects, added)?,
             false => {
                 for object in objects {
@@ -153,7 +157,7 @@ impl HostScene {
         self.executor.leaves.submitted(tick);
     }
 
-    /// Builds the hierarchy again with room for the objects, and at least twice the room of before.
+    /// Builds the hierarchy again with the objects, with at least twice the room if it needs more.
     fn rebuild_with(
         &mut self,
         objects: &[HostObject<'_>],
@@ -162,7 +166,7 @@ impl HostScene {
         let Self { hierarchy, boxes, .. } = self;
         let before = hierarchy.leaf_objects().len();
         let wanted = before - hierarchy.free_leaves() + objects.len();
-        let capacity = wanted.max(before * 2);
+        let capacity = if wanted > before { wanted.max(before * 2) } else { before };
         boxes.clear();
         boxes.extend((0..before as u32).map(|object| {
             let node = hierarchy.node_of(ObjectId(object));

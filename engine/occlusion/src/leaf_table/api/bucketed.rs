@@ -5,7 +5,7 @@ use gpu::{Buffer, Device, MemoryKind, Predicates, Predication, vk};
 
 use super::super::bucket_cells::{BucketCells, BucketDraw};
 use super::super::changes::DrawChanges;
-use super::super::counts::{LeafCount, LeafCounts};
+use super::super::counts::LeafCounts;
 use super::super::dirty_list::DirtyList;
 use super::super::draw_layout::DrawLayout;
 use super::super::{LeafTable, LeafTableId};

@@ -1,0 +1,111 @@
+//! Prints what draws in 1, 16 and 256 buckets cost: the CPU's time per frame, and memory per object
+//! on the GPU. Arguments: the number of objects, and of frames.
+
+mod boxes;
+
+use std::error::Error;
+use std::time::{Duration, Instant};
+
+use antumbra_occlusion::{
+    BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, LeafTable, ObjectRenderer,
+    OcclusionPasses, ShaderSet, VisibilityState, execute,
+};
+use boxes::{Boxes, INDICES};
+use cull::{Aabb, Camera, CullConfig, Culler, Projection, Strategy, View};
+use glam::{Vec3, vec3};
+use gpu::{Device, FrameRing, IndirectDraw};
+
+/// Returns a street of walls with boxes between them.
+fn bounds(count: usize) -> Vec<Aabb> {
+    let place = |number: usize| {
+        let [row, column] = [number / 100, number % 100].map(|part| part as f32);
+        let low = vec3(column * 2.0 - 100.0, 0.0, -3.0 * row - 4.0);
+        let height = if number.is_multiple_of(3) { 9.0 } else { 1.0 };
+        Aabb::new(low, low + vec3(1.9, height, 0.8))
+    };
+    (0..count).map(place).collect()
+}
+
+/// Returns the bytes of a table per object, with two copies of its draws for one view.
+fn bytes_per_object(leaves: &LeafTable, objects: usize) -> u64 {
+    let draws = leaves.predicates().draws().size_bytes;
+    let links = leaves.links().map_or(0, |it| it.firsts.size_bytes + it.links.size_bytes);
+    (3 * draws + links + leaves.boxes().size_bytes) / objects.max(1) as u64
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let number = |place| std::env::args().nth(place).and_then(|text| text.parse::<usize>().ok());
+    let (objects, frames) = (number(1).unwrap_or(10_000), number(2).unwrap_or(60));
+    let device = gpu::open()?;
+    println!("buckets  median CPU ms per frame  ms to add all  bytes per object");
+    for bucket_count in [1, 16, 256] {
+        let (frame_times, added, bytes) = measure(&device, bucket_count, objects, frames)?;
+        let median_ms = 1e3 * frame_times[frame_times.len() / 2].as_secs_f64();
+        let added_ms = 1e3 * added.as_secs_f64();
+        println!("{bucket_count:7}  {median_ms:23.3}  {added_ms:13.1}  {bytes:16}");
+    }
+    Ok(())
+}
+
+/// Returns the sorted times of planning and recording, the time to add all objects, and bytes.
+fn measure(
+    device: &Device,
+    bucket_count: u32,
+    objects: usize,
+    frames: usize,
+) -> Result<(Vec<Duration>, Duration, u64), Box<dyn Error>> {
+    let shaders = ShaderSet::embedded()?;
+    let info = BucketTableInfo {
+        bucket_count,
+        draw_capacity: objects as u32,
+        predication: None,
+        frames_in_flight: 2,
+    };
+    let bounds = bounds(objects);
+    let mut owner = Boxes::new(device, &shaders, &bounds)?;
+    let passes = OcclusionPasses::new(device, &shaders, owner.target().attachments())?;
+    let mut scene = HostScene::new(device, passes, objects, info)?;
+    let draw = IndirectDraw { index_count: INDICES, instance_count: 1, ..Default::default() };
+    let draws: Vec<BucketDraw> = (0..objects as u32)
+        .map(|number| BucketDraw {
+            bucket: BucketId(number.wrapping_mul(2_654_435_761) >> 16 & (bucket_count - 1)),
+            draw: IndirectDraw { first_instance: number, ..draw },
+            triangles: INDICES / 3,
+        })
+        .collect();
+    let host_objects = bounds.iter().zip(draws.chunks(1));
+    let host_objects: Vec<HostObject<'_>> =
+        host_objects.map(|(bounds, draws)| HostObject { bounds: *bounds, draws }).collect();
+    let begun = Instant::now();
+    scene.add(&host_objects, &mut Vec::new())?;
+    let added = begun.elapsed();
+    let testers = scene.executor().testers(device, owner.target());
+    let culler = Culler::with_testers(CullConfig::default(), testers);
+    let leaves = &scene.executor().leaves;
+    let mut state = VisibilityState::new(device, scene.hierarchy(), leaves, 2, culler)?;
+    let (mut ring, mut times) = (FrameRing::new(device, 2)?, Vec::new());
+    for step in 0..frames {
+        let eye = vec3(step as f32 * 0.05, 1.7, 3.0);
+        let projection = Projection::perspective(0.9);
+        let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 };
+        let view = View::new(
+            &camera,
+            owner.target().size(),
+            device.adapter().limits.sub_pixel_precision_bits,
+        );
+        let mut frame = ring.begin()?;
+        let begun = Instant::now();
+        scene.upload(&mut frame)?;
+        let (hierarchy, executor) = scene.parts_mut();
+        state.collect(device.completed()?, hierarchy, &executor.leaves);
+        state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, (&view, 4096));
+        execute(&mut frame, executor, &mut state, &mut owner, (&shaders, &view))?;
+        times.push(begun.elapsed());
+        let tick = frame.submit(None)?;
+        state.submitted(tick, &executor.leaves, None);
+        scene.submitted(tick);
+    }
+    times.sort_unstable();
+    device.drain()?;
+    Ok((times, added, bytes_per_object(&scene.executor().leaves, objects)))
+}
