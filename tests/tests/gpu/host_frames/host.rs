@@ -220,10 +220,11 @@ impl<'a> HostLoop<'a> {
 
     /// Moves some boxes, other ones from frame to frame: each change comes with one frame alone.
     fn move_boxes(&mut self, frame: u64) {
-        let moved = (1..1_000).filter(|number| number % 29 == frame % 29).map(|number| {
+        let moved = (1..1_000).filter(|number| number % 5 == frame % 5).map(|number| {
             let bounds = boxes()[number as usize];
-            let up = Vec3::Y * (0.6 * (frame as f32).sin());
-            (ObjectId(number as u32), Aabb::new(bounds.min + up, bounds.max + up))
+            // Out of sight and back, all by the same way: boxes do not meet.
+            let by = Vec3::Y * if frame / 5 % 2 == 0 { 40.0 } else { 0.0 };
+            (ObjectId(number as u32), Aabb::new(bounds.min + by, bounds.max + by))
         });
         let moved: Vec<(ObjectId, Aabb)> = moved.collect();
         self.hierarchy.refit(moved.iter().copied()).unwrap();
