@@ -64,9 +64,9 @@ impl HostScene {
     }
 
     /// Adds objects, and their ids, in the same order, to `added`. An id may have belonged to an
-    /// object that is gone. Where these are most objects of the scene, the hierarchy is built again;
-    /// where there is no room for all, with twice the room. A large scene should be created with
-    /// its capacity.
+    /// object that is gone. Where these are most objects of the scene, the hierarchy is built
+    /// again; where there is no room for all, with twice the room. A large scene should be created
+    /// with its capacity.
     ///
     /// # Errors
     /// [`BucketError::Unknown`](crate::BucketError::Unknown), and nothing is changed;
