@@ -223,7 +223,7 @@ impl<'a> HostLoop<'a> {
         let moved = (1..1_000).filter(|number| number % 5 == frame % 5).map(|number| {
             let bounds = boxes()[number as usize];
             // Out of sight and back, all by the same way: boxes do not meet.
-            let by = Vec3::Y * if frame / 5 % 2 == 0 { 40.0 } else { 0.0 };
+            let by = Vec3::Y * if (frame / 5).is_multiple_of(2) { 40.0 } else { 0.0 };
             (ObjectId(number as u32), Aabb::new(bounds.min + by, bounds.max + by))
         });
         let moved: Vec<(ObjectId, Aabb)> = moved.collect();
