@@ -83,8 +83,8 @@ impl Host {
         let physical = devices.into_iter().find(is_wanted).unwrap_or_else(|| {
             panic!("Run `ci/setup --tests` and `. ci/env` first: these tests need {driver:?}.")
         });
-        // SAFETY: made through this entry, and a physical device of this instance.
-        let needs = unsafe { Requirements::of(&entry, &instance, physical, purpose) };
+        // SAFETY: a physical device of this instance.
+        let needs = unsafe { Requirements::of(&instance, physical, purpose) };
         needs.check().unwrap();
         let kept = needs.extensions().into_iter().filter(|name| !extensions.contains(name));
         let device = create_device(

@@ -4,6 +4,7 @@ mod boxes;
 mod disorder;
 mod formats;
 mod host;
+mod mistakes;
 
 use tests::Driver;
 

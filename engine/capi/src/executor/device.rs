@@ -218,8 +218,7 @@ pub(crate) unsafe fn require(
     // SAFETY: the caller's promise.
     let needs = unsafe {
         let adapter = Adapter::load(adapter)?;
-        let (entry, instance) = (&adapter.entry, &adapter.instance);
-        Requirements::of(entry, instance, adapter.physical_device, Purpose::Executor)
+        Requirements::of(&adapter.instance, adapter.physical_device, Purpose::Executor)
     };
     needs.check()?;
     let on = needs.features().structures();

@@ -20,9 +20,9 @@ use crate::core::instance::{Instance, InstanceShared};
 use crate::core::open_device::{DeviceOptions, RawDevice, create_raw, equip};
 use crate::core::order::Order;
 use crate::core::ownership::{self, OfDevice, OwnerId, Ownership};
+use crate::core::pending_uploads::PendingUploads;
 use crate::core::queue_lock::{QueueLock, lock};
 use crate::core::tick::Tick;
-use crate::memory::pending_uploads::PendingUploads;
 
 /// The number of times the CPU waited for the GPU since the device was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

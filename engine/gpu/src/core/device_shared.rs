@@ -15,10 +15,10 @@ use crate::core::extensions::Extensions;
 use crate::core::host_callbacks::HostCallbacks;
 use crate::core::instance::InstanceShared;
 use crate::core::ownership::{OwnerId, Ownership};
+use crate::core::pending_uploads::PendingUploads;
 use crate::core::pipeline_cache::PipelineCache;
 use crate::core::queue_lock::lock;
 use crate::core::tick::Tick;
-use crate::memory::pending_uploads::PendingUploads;
 
 /// The Vulkan device and all that lives as long as it does.
 pub(crate) struct DeviceShared {

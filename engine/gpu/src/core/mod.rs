@@ -18,6 +18,7 @@ pub(crate) mod offer;
 pub(crate) mod open_device;
 pub(crate) mod order;
 pub(crate) mod ownership;
+pub(crate) mod pending_uploads;
 pub(crate) mod pipeline_cache;
 pub(crate) mod queue_lock;
 pub(crate) mod requirements;

@@ -18,11 +18,11 @@ use crate::core::offer::{Offer, QUEUE_FLAGS};
 /// # use antumbra_gpu as gpu;
 /// # use gpu::vk;
 /// # fn make(
-/// #     entry: &gpu::Entry, instance: &ash::Instance, physical: vk::PhysicalDevice,
+/// #     instance: &ash::Instance, physical: vk::PhysicalDevice,
 /// # ) -> Result<ash::Device, Box<dyn std::error::Error>> {
 /// // SAFETY: the physical device is of this instance, which was made for Vulkan 1.3.
 /// let needs =
-///     unsafe { gpu::Requirements::of(entry, instance, physical, gpu::Purpose::Executor) };
+///     unsafe { gpu::Requirements::of(instance, physical, gpu::Purpose::Executor) };
 /// needs.check()?;
 /// let queues = [vk::DeviceQueueCreateInfo::default()
 ///     .queue_family_index(needs.queue_family.unwrap_or_default())
@@ -67,9 +67,8 @@ impl Requirements {
     /// Reads the needs of a part of the engine on a physical device.
     ///
     /// # Safety
-    /// `instance` was made through `entry`, and `physical` comes from it.
+    /// `physical` comes from `instance`, which lives.
     pub unsafe fn of(
-        _entry: &ash::Entry,
         instance: &ash::Instance,
         physical: vk::PhysicalDevice,
         purpose: Purpose,

@@ -11,7 +11,7 @@ use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::{OfDevice, OwnerId};
-use crate::memory::pending_uploads::UploadToken;
+use crate::core::pending_uploads::UploadToken;
 
 /// The memory that a buffer lives in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

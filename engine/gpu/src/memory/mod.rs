@@ -3,7 +3,6 @@
 pub(crate) mod buffer;
 pub(crate) mod dynamic_texture;
 pub(crate) mod image;
-pub(crate) mod pending_uploads;
 pub(crate) mod readback;
 pub(crate) mod resample;
 pub(crate) mod texture_array;

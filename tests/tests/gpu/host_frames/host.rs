@@ -8,7 +8,10 @@ use cull::{
     Aabb, Camera, CullConfig, Culler, DepthConvention, Hierarchy, ObjectId, Projection, Strategy,
 };
 use glam::{Vec3, vec3};
-use gpu::{Device, FrameNumbers, FrameRing, IndirectDraw, NearDepth, Purpose, Tick};
+use gpu::{
+    Attachments, Device, FrameNumbers, FrameRing, IndirectDraw, NearDepth, Predication, Purpose,
+    Tick,
+};
 use occlusion::{
     LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, OcclusionPasses, PlanExecutor, ShaderSet,
     VisibilityState, execute,
@@ -34,6 +37,9 @@ pub struct HostOptions {
     pub passes: Passes,
     pub lens: Lens,
     pub projection: Projection,
+    pub strategy: Strategy,
+    /// The way that hidden draws are skipped; `None` takes the device's best.
+    pub predication: Option<Predication>,
     /// The number of the first frame.
     pub first: u64,
 }
@@ -50,8 +56,16 @@ pub enum Passes {
 impl Default for HostOptions {
     fn default() -> Self {
         let (depth, samples) = (vk::Format::D32_SFLOAT, vk::SampleCountFlags::TYPE_1);
-        let projection = Projection::perspective(0.9);
-        Self { depth, samples, passes: Passes::Engine, lens: Lens::PLAIN, projection, first: 1 }
+        Self {
+            depth,
+            samples,
+            passes: Passes::Engine,
+            lens: Lens::PLAIN,
+            projection: Projection::perspective(0.9),
+            strategy: Strategy::ANTUMBRA,
+            predication: None,
+            first: 1,
+        }
     }
 }
 
@@ -127,9 +141,9 @@ pub fn compare(driver: Driver, options: &HostOptions, submits: impl Fn(u64) -> S
         for frame in 0..FRAMES {
             let camera = Camera { projection: options.projection, ..camera(frame) };
             plain.move_boxes(frame);
-            plain.draw(Strategy::FRUSTUM, &camera, Submits::Once);
+            plain.draw(Strategy::FRUSTUM, &camera, Submits::Once).unwrap();
             culled.move_boxes(frame);
-            culled.draw(Strategy::ANTUMBRA, &camera, submits(frame));
+            culled.draw(options.strategy, &camera, submits(frame)).unwrap();
         }
         let [all, few] = [&mut plain, &mut culled].map(HostLoop::finish_draws);
         // What runs behind a later frame shows boxes where that one left them.
@@ -156,7 +170,7 @@ impl<'a> HostLoop<'a> {
             IndirectDraw { index_count: BOX_INDICES, instance_count: 1, ..Default::default() };
         let info = LeafTableInfo {
             mesh_draws: Arc::new([MeshDraw { draw, triangles: BOX_INDICES / 3 }]),
-            predication: None,
+            predication: options.predication,
             frames_in_flight: IN_FLIGHT as usize,
         };
         let leaves = LeafTable::new(&device, &hierarchy, info, |_| MeshDrawId(0)).unwrap();
@@ -234,23 +248,47 @@ impl<'a> HostLoop<'a> {
         }
     }
 
-    /// Draws a frame into a command buffer of the host.
-    pub fn draw(&mut self, strategy: Strategy, camera: &Camera, submits: Submits) {
-        let Self { host, device, frames, hierarchy, executor, objects, state, shaders, .. } = self;
-        let current = self.next;
-        self.next += 1;
+    /// Returns the attachments that boxes are tested against.
+    pub fn attachments(&self) -> Attachments {
+        self.executor.passes.attachments()
+    }
+
+    /// Returns a command buffer of the host in recording.
+    fn begin_commands(&self) -> vk::CommandBuffer {
         let info = vk::CommandBufferAllocateInfo::default()
             .command_pool(self.pool)
             .command_buffer_count(1);
-        // SAFETY: fresh objects of the host; the frame before the last is waited for.
-        let (raw, fence) = unsafe {
-            let raw = host.device.allocate_command_buffers(&info).unwrap()[0];
+        let device = &self.host.device;
+        // SAFETY: a fresh command buffer of the host.
+        unsafe {
+            let raw = device.allocate_command_buffers(&info).unwrap()[0];
             let twice = vk::CommandBufferUsageFlags::SIMULTANEOUS_USE;
             let info = vk::CommandBufferBeginInfo::default().flags(twice);
-            host.device.begin_command_buffer(raw, &info).unwrap();
-            let fence = host.device.create_fence(&vk::FenceCreateInfo::default(), None).unwrap();
-            (raw, fence)
-        };
+            device.begin_command_buffer(raw, &info).unwrap();
+            raw
+        }
+    }
+
+    /// Begins a frame of these numbers that is given up at once, and returns the refusal, if any.
+    /// The GPU is idle.
+    pub fn refusal(&mut self, current: u64, safe: u64) -> Option<gpu::Error> {
+        let raw = self.begin_commands();
+        let numbers = FrameNumbers { current: Tick(current), safe: Tick(safe) };
+        // SAFETY: the command buffer is being recorded; nothing runs.
+        unsafe { self.frames.begin_in(raw, numbers) }.err()
+    }
+
+    /// Draws a frame into a command buffer of the host.
+    pub fn draw(
+        &mut self,
+        strategy: Strategy,
+        camera: &Camera,
+        submits: Submits,
+    ) -> Result<(), occlusion::Error> {
+        let raw = self.begin_commands();
+        let Self { host, device, frames, hierarchy, executor, objects, state, shaders, .. } = self;
+        let current = self.next;
+        self.next += 1;
         let safe = current.saturating_sub(IN_FLIGHT).max(self.first - 1);
         if let Some(fence) =
             (safe.checked_sub(self.first)).and_then(|place| self.fences.get(place as usize))
@@ -268,7 +306,7 @@ impl<'a> HostLoop<'a> {
         leaves.upload(&mut frame, hierarchy, &passes.scatter, None).unwrap();
         state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
         state.plan_frame(hierarchy, &executor.leaves, strategy, (&view, 4096));
-        execute(&mut frame, executor, state, objects, (shaders, &view)).unwrap();
+        execute(&mut frame, executor, state, objects, (shaders, &view))?;
         objects.target.restore(frame.commands());
         let tick = frame.end().unwrap();
         state.submitted(tick, &executor.leaves, None);
@@ -276,8 +314,11 @@ impl<'a> HostLoop<'a> {
         self.copy_image(raw);
         // SAFETY: the command buffer is complete.
         unsafe { self.host.device.end_command_buffer(raw) }.unwrap();
+        // SAFETY: a plain fence.
+        let fence = unsafe { self.host.device.create_fence(&Default::default(), None) }.unwrap();
         self.fences.push(fence);
         self.submit(raw, fence, submits);
+        Ok(())
     }
 
     fn submit(&mut self, raw: vk::CommandBuffer, fence: vk::Fence, submits: Submits) {

@@ -1,0 +1,72 @@
+//! The mistakes of hosts: each is refused by its name, and the frames after it are drawn.
+#![allow(unsafe_code, reason = "a host calls Vulkan itself")]
+
+use cull::Strategy;
+use gpu::{Attachments, Error, Purpose, vk};
+use occlusion::{OcclusionPasses, ShaderSet};
+use tests::Driver;
+use tests::host_device::Host;
+
+use super::host::{HostLoop, HostOptions, Submits, camera};
+
+#[test]
+fn numbers_that_cannot_be_are_refused_and_change_nothing() {
+    for driver in Driver::ALL {
+        let host = Host::new(driver, Purpose::Executor);
+        let mut walk = HostLoop::new(&host, &HostOptions::default());
+        for frame in 0..2 {
+            walk.draw(Strategy::ANTUMBRA, &camera(frame), Submits::Once).unwrap();
+        }
+        // SAFETY: a wait.
+        unsafe { host.device.device_wait_idle() }.unwrap();
+        let error = walk.refusal(3, 0).unwrap();
+        let is_named = matches!(error, Error::TooManyFrames { current: 3, used: 1, slots: 2 });
+        assert!(is_named, "{error}");
+        for (current, safe) in [(2, 1), (1, 1), (3, 3), (0, 2)] {
+            let error = walk.refusal(current, safe).unwrap();
+            assert!(matches!(error, Error::FrameNumbers { .. }), "{current}, {safe}: {error}");
+        }
+        walk.draw(Strategy::ANTUMBRA, &camera(2), Submits::Once).unwrap();
+        // A frame that is begun and given up takes its number with it.
+        assert!(walk.refusal(4, 3).is_none() && walk.refusal(4, 3).is_some());
+        walk.finish_draws();
+        walk.destroy();
+        host.finish();
+    }
+}
+
+#[test]
+fn a_frame_of_a_host_needs_a_device_without_a_queue() {
+    tests::run_on_all(|device| {
+        let mut frames = gpu::FrameRing::new(device, 2).unwrap();
+        let numbers = gpu::FrameNumbers { current: gpu::Tick(1), safe: gpu::Tick::ZERO };
+        // SAFETY: refused before the command buffer is looked at.
+        let refused = unsafe { frames.begin_in(vk::CommandBuffer::null(), numbers) };
+        assert!(matches!(refused.err(), Some(Error::HasQueue)));
+        let frame = frames.begin().unwrap();
+        assert!(matches!(frame.end(), Err(Error::HasQueue)));
+    });
+}
+
+#[test]
+fn passes_for_other_attachments_and_views_of_other_tables_are_refused() {
+    let host = Host::new(Driver::Lavapipe, Purpose::Executor);
+    let mut walks = [(); 2].map(|()| HostLoop::new(&host, &HostOptions::default()));
+    let [walk, other] = &mut walks;
+    std::mem::swap(&mut walk.state, &mut other.state);
+    let error = walk.draw(Strategy::ANTUMBRA, &camera(0), Submits::Once).unwrap_err();
+    assert!(matches!(error, occlusion::Error::ForeignView), "{error}");
+    std::mem::swap(&mut walk.state, &mut other.state);
+    let attachments = Attachments { depth: vk::Format::D16_UNORM, ..walk.attachments() };
+    let shaders = ShaderSet::embedded().unwrap();
+    walk.executor.passes = OcclusionPasses::new(&walk.device, &shaders, attachments).unwrap();
+    let error = walk.draw(Strategy::ANTUMBRA, &camera(0), Submits::Once).unwrap_err();
+    assert!(matches!(error, occlusion::Error::Attachments(_)), "{error}");
+    let text = error.to_string();
+    assert!(text.contains("D16_UNORM") && text.contains("D32_SFLOAT"), "{text}");
+    for mut walk in walks {
+        walk.finish_draws();
+        walk.destroy();
+    }
+    host.finish();
+}
