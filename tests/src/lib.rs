@@ -11,6 +11,8 @@ pub mod host_images;
 pub mod host_memory;
 pub mod lens;
 pub mod machine;
+#[cfg(feature = "shader-compiler")]
+pub mod numbered_boxes;
 pub mod reference;
 pub mod reported;
 pub mod shapes;

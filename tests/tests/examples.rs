@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The examples that are no part of the tests: one writes the shaders' SPIR-V into the repository,
-/// one measures.
-const NOT_RUN: [&str; 2] = ["compile_shaders", "load"];
+/// two measure.
+const NOT_RUN: [&str; 3] = ["bucket_costs", "compile_shaders", "load"];
 
 /// Returns the folder of the repository.
 fn repository() -> PathBuf {

@@ -1614,7 +1614,7 @@ AntumbraResult antumbra_view_stats(const struct AntumbraContext *context,
 #if defined(ANTUMBRA_VULKAN)
 /**
  * Records a frame of a scene into a command buffer of the host: changes of the scene, then draws
- * and tests of all views. Never waits, never submits, and allocates nothing if nothing changed.
+ * and tests of all views. Never waits, and never submits.
  *
  * The host submits the command buffer at most once, and frames in the order of their numbers. If
  * it does not, what such a frame draws is undefined, and nothing else is: its answers are ignored.

@@ -48,7 +48,7 @@ fn what_cannot_be_ends_with_2_and_one_sentence() {
     fs::write(scratch.0.join("bad.txt"), "antumbra path 1\n0 0 1\n").unwrap();
     fs::write(scratch.0.join("bad.script"), "3 hud\n4 jump\n").unwrap();
     for (mistake, sentence) in [
-        (["--path", "bad.txt"], "bad.txt:2: a frame has 12 numbers, not 3"),
+        (["--path", "bad.txt"], "bad.txt:2: a frame has 12 or 13 numbers, not 3"),
         (["--path", "missing.txt"], "'missing.txt'"),
         (["--script", "bad.script"], "bad.script:2: unknown action 'jump'"),
         (["--scene", "a.glb"], "`viewer a.glb` shows a file"),

@@ -5,62 +5,29 @@ use std::sync::Arc;
 
 use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Projection, Strategy, View};
 use glam::{Vec3, vec3};
-use gpu::{
-    Blend, Buffer, BufferSlice, Commands, DepthMode, Device, FrameRing, GraphicsPipeline,
-    GraphicsPipelineInfo, IndirectDraw, Readback, RenderTarget, StorageLayout, Target, vk,
-};
+use gpu::{Commands, Device, FrameRing, IndirectDraw, Readback, RenderTarget, Target};
 use occlusion::{
     BucketId, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, Method, MethodRequest, MethodScene,
     ObjectPass, ObjectRenderer, OcclusionPasses, PlanExecutor, PlannedMethod, Rendering, ShaderSet,
     VisibilityState,
 };
+use tests::numbered_boxes::{BOX_INDICES, NumberedBoxes};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run};
 
 const SIZE: [u32; 2] = [160, 90];
-/// Colours a box by its number, so that no two look the same.
-const NUMBER: &str = "#version 460
-layout(location = 0) flat in uint number;
-layout(location = 0) out vec4 colour;
-void main() {
-    uvec3 bytes = (uvec3(number + 1) * 2654435761u >> uvec3(8, 16, 24)) & 255u;
-    colour = vec4(vec3(bytes) / 255.0, 1.0);
-}
-";
-/// Vertices of a box as `box.glsl` makes them up: three faces of two triangles.
-const BOX_INDICES: u32 = 18;
 const FRAMES: u32 = 24;
 
 /// The owner of the boxes.
 struct Boxes {
     target: Target,
-    pipeline: GraphicsPipeline,
-    boxes: BufferSlice,
-    indices: Buffer,
+    boxes: NumberedBoxes,
 }
 
 impl Boxes {
-    fn new(device: &Device, shaders: &ShaderSet, leaves: &LeafTable) -> Self {
-        let name = format!("antumbra-boxes-{}.frag", std::process::id());
-        let file = std::env::temp_dir().join(name);
-        std::fs::write(&file, NUMBER).unwrap();
-        let fragment = gpu::compile(&file).unwrap();
-        std::fs::remove_file(file).unwrap();
-        let info = GraphicsPipelineInfo {
-            fragment: Some(&fragment),
-            storage: StorageLayout { buffers: 1, push_bytes: 80, ..Default::default() },
-            depth: DepthMode::TestAndWrite,
-            blend: Blend::Opaque,
-            ..GraphicsPipelineInfo::of("bare boxes", shaders.find("proxy.vert").unwrap())
-        };
-        let indices: Vec<u32> = (0..BOX_INDICES).collect();
-        let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;
-        Self {
-            target: Target::new(device, SIZE, "bare boxes").unwrap(),
-            pipeline: GraphicsPipeline::new(device, &info).unwrap(),
-            boxes: leaves.boxes(),
-            indices: device.upload("box indices", &indices, usage).unwrap(),
-        }
+    fn new(device: &Device, leaves: &LeafTable) -> Self {
+        let target = Target::new(device, SIZE, "bare boxes").unwrap();
+        Self { boxes: NumberedBoxes::new(device, leaves, target.attachments()), target }
     }
 }
 
@@ -75,13 +42,7 @@ impl ObjectRenderer for Boxes {
     }
 
     fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
-        commands.bind(&self.pipeline, &[self.boxes]);
-        // The shader makes up its vertices: any vertex buffer does.
-        commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
-        let mut constants = [0.0; 20];
-        constants[..16].copy_from_slice(&view.view_proj.to_cols_array());
-        constants[16..].copy_from_slice(&view.rays.eye().to_array());
-        commands.push_constants(&self.pipeline, &constants);
+        self.boxes.bind(commands, view);
     }
 }
 
@@ -109,7 +70,7 @@ impl Host {
             frames_in_flight: 2,
         };
         let leaves = LeafTable::new(device, &hierarchy, info, |_| MeshDrawId(0)).unwrap();
-        let objects = Boxes::new(device, &shaders, &leaves);
+        let objects = Boxes::new(device, &leaves);
         let passes = OcclusionPasses::new(device, &shaders, objects.target.attachments()).unwrap();
         let executor = PlanExecutor { passes, leaves };
         let testers = executor.testers(device, &objects.target);

@@ -4,33 +4,21 @@
 use ash::vk;
 use cull::View;
 use gpu::{
-    Attachments, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, HostImage, HostImages, HostPass, ImageState, NearDepth, RenderTarget,
-    StorageLayout, Target,
+    Attachments, Commands, Device, HostImage, HostImages, HostPass, ImageState, NearDepth,
+    RenderTarget, Target,
 };
-use occlusion::{BucketId, LeafTable, ObjectPass, ObjectRenderer, Rendering, ShaderSet};
+use occlusion::{BucketId, LeafTable, ObjectPass, ObjectRenderer, Rendering};
 use tests::host_device::Host;
 use tests::host_images::OwnImage;
+use tests::numbered_boxes::NumberedBoxes;
 
 use super::host::SIZE;
-
-const NUMBER: &str = "#version 460
-layout(location = 0) flat in uint number;
-layout(location = 0) out vec4 colour;
-void main() {
-    uvec3 bytes = (uvec3(number + 1) * 2654435761u >> uvec3(8, 16, 24)) & 255u;
-    colour = vec4(vec3(bytes) / 255.0, 1.0);
-}
-";
-pub const BOX_INDICES: u32 = 18;
 
 /// The objects of a host that draws boxes.
 pub struct Boxes {
     pub target: Target,
     device: ash::Device,
-    pipeline: GraphicsPipeline,
-    boxes: BufferSlice,
-    indices: Buffer,
+    boxes: NumberedBoxes,
     pub passes: Option<[vk::RenderPass; 2]>,
     pub framebuffer: vk::Framebuffer,
 }
@@ -79,12 +67,7 @@ impl ObjectRenderer for Boxes {
     }
 
     fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
-        commands.bind(&self.pipeline, &[self.boxes]);
-        commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
-        let mut constants = [0.0; 20];
-        constants[..16].copy_from_slice(&view.view_proj.to_cols_array());
-        constants[16..].copy_from_slice(&view.rays.eye().to_array());
-        commands.push_constants(&self.pipeline, &constants);
+        self.boxes.bind(commands, view);
     }
 }
 
@@ -96,13 +79,7 @@ impl Boxes {
     }
 
     /// Draws in render passes of the host from now on: one that clears, and one that keeps.
-    pub fn take_passes(
-        &mut self,
-        host: &Host,
-        device: &Device,
-        shaders: &ShaderSet,
-        [colour, depth]: [&OwnImage; 2],
-    ) {
+    pub fn take_passes(&mut self, host: &Host, device: &Device, [colour, depth]: [&OwnImage; 2]) {
         let samples = self.target.attachments().samples;
         use vk::{AttachmentLoadOp as L, ImageLayout};
         let passes = [L::CLEAR, L::LOAD].map(|load| {
@@ -139,25 +116,8 @@ impl Boxes {
         // SAFETY: the views fit the pass.
         self.framebuffer = unsafe { host.device.create_framebuffer(&info, None) }.unwrap();
         self.passes = Some(passes);
-        self.pipeline = pipeline_of(device, shaders, self.attachments());
+        self.boxes.take_attachments(device, self.attachments());
     }
-}
-
-fn pipeline_of(device: &Device, shaders: &ShaderSet, attachments: Attachments) -> GraphicsPipeline {
-    let name = format!("antumbra-host-boxes-{}.frag", std::process::id());
-    let file = std::env::temp_dir().join(name);
-    std::fs::write(&file, NUMBER).unwrap();
-    let fragment = gpu::compile(&file).unwrap();
-    std::fs::remove_file(file).unwrap();
-    let info = GraphicsPipelineInfo {
-        fragment: Some(&fragment),
-        storage: StorageLayout { buffers: 1, push_bytes: 80, ..Default::default() },
-        depth: DepthMode::TestAndWrite,
-        blend: Blend::Opaque,
-        attachments,
-        ..GraphicsPipelineInfo::of("host's boxes", shaders.find("proxy.vert").unwrap())
-    };
-    GraphicsPipeline::new(device, &info).unwrap()
 }
 
 /// Returns the owner of the boxes, who draws to these images.
@@ -165,7 +125,6 @@ pub fn boxes_of(
     host: &Host,
     device: &Device,
     (colour, depth, samples, near_depth): (&OwnImage, &OwnImage, vk::SampleCountFlags, NearDepth),
-    shaders: &ShaderSet,
     leaves: &LeafTable,
 ) -> Boxes {
     use vk::{AccessFlags2 as A, PipelineStageFlags2 as S};
@@ -197,14 +156,10 @@ pub fn boxes_of(
     };
     // SAFETY: the images live until all frames are over, and nothing else uses them in between.
     let target = unsafe { Target::of_host(device, &images) }.unwrap();
-    let indices: Vec<u32> = (0..BOX_INDICES).collect();
-    let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;
     Boxes {
-        pipeline: pipeline_of(device, shaders, target.attachments()),
+        boxes: NumberedBoxes::new(device, leaves, target.attachments()),
         target,
         device: host.device.clone(),
-        boxes: leaves.boxes(),
-        indices: device.upload("box indices", &indices, usage).unwrap(),
         passes: None,
         framebuffer: vk::Framebuffer::null(),
     }

@@ -20,9 +20,10 @@ use tests::Driver;
 use tests::host_device::Host;
 use tests::host_images::{OwnBuffer, OwnImage};
 use tests::lens::Lens;
+use tests::numbered_boxes::BOX_INDICES;
 use tests::walk::pixels_that_differ;
 
-use super::boxes::{BOX_INDICES, Boxes, boxes_of};
+use super::boxes::{Boxes, boxes_of};
 
 pub const SIZE: [u32; 2] = [160, 90];
 pub const FRAMES: u64 = 24;
@@ -192,9 +193,9 @@ impl<'a> HostLoop<'a> {
             DepthConvention::Standard => NearDepth::Zero,
         };
         let images = (&colour, &depth, samples, near_depth);
-        let mut objects = boxes_of(host, &device, images, &shaders, &leaves);
+        let mut objects = boxes_of(host, &device, images, &leaves);
         if passes == Passes::Host {
-            objects.take_passes(host, &device, &shaders, [&colour, &depth]);
+            objects.take_passes(host, &device, [&colour, &depth]);
         }
         let attachments = objects.attachments();
         let passes = OcclusionPasses::new(&device, &shaders, attachments).unwrap();

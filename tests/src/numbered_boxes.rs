@@ -1,0 +1,75 @@
+//! Boxes drawn by a pipeline that is not the renderer's, each in a colour of its own.
+
+use cull::View;
+use gpu::{
+    Attachments, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
+    GraphicsPipelineInfo, StorageLayout, vk,
+};
+use occlusion::{LeafTable, ShaderSet};
+
+/// The indices of a box as `box.glsl` makes it up: three faces of two triangles.
+pub const BOX_INDICES: u32 = 18;
+
+/// Colours a box by its number, so that no two look the same.
+const NUMBER: &str = "#version 460
+layout(location = 0) flat in uint number;
+layout(location = 0) out vec4 colour;
+void main() {
+    uvec3 bytes = (uvec3(number + 1) * 2654435761u >> uvec3(8, 16, 24)) & 255u;
+    colour = vec4(vec3(bytes) / 255.0, 1.0);
+}
+";
+
+/// A pipeline that draws the box of a leaf, and its buffers.
+pub struct NumberedBoxes {
+    pipeline: GraphicsPipeline,
+    boxes: BufferSlice,
+    indices: Buffer,
+}
+
+impl NumberedBoxes {
+    /// Compiles the pipeline for renderings to `attachments`.
+    pub fn new(device: &Device, leaves: &LeafTable, attachments: Attachments) -> Self {
+        let indices: Vec<u32> = (0..BOX_INDICES).collect();
+        let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;
+        Self {
+            pipeline: pipeline(device, attachments),
+            boxes: leaves.boxes(),
+            indices: device.upload("box indices", &indices, usage).unwrap(),
+        }
+    }
+
+    /// Compiles the pipeline again, for other attachments.
+    pub fn take_attachments(&mut self, device: &Device, attachments: Attachments) {
+        self.pipeline = pipeline(device, attachments);
+    }
+
+    /// Binds everything; draws of leaves follow.
+    pub fn bind(&self, commands: &Commands, view: &View) {
+        commands.bind(&self.pipeline, &[self.boxes]);
+        // The shader makes up its vertices: any vertex buffer does.
+        commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
+        let mut constants = [0.0; 20];
+        constants[..16].copy_from_slice(&view.view_proj.to_cols_array());
+        constants[16..].copy_from_slice(&view.rays.eye().to_array());
+        commands.push_constants(&self.pipeline, &constants);
+    }
+}
+
+fn pipeline(device: &Device, attachments: Attachments) -> GraphicsPipeline {
+    let name = format!("antumbra-numbered-boxes-{}.frag", std::process::id());
+    let file = std::env::temp_dir().join(name);
+    std::fs::write(&file, NUMBER).unwrap();
+    let fragment = gpu::compile(&file).unwrap();
+    std::fs::remove_file(file).unwrap();
+    let shaders = ShaderSet::embedded().unwrap();
+    let info = GraphicsPipelineInfo {
+        fragment: Some(&fragment),
+        storage: StorageLayout { buffers: 1, push_bytes: 80, ..Default::default() },
+        depth: DepthMode::TestAndWrite,
+        blend: Blend::Opaque,
+        attachments,
+        ..GraphicsPipelineInfo::of("numbered boxes", shaders.find("proxy.vert").unwrap())
+    };
+    GraphicsPipeline::new(device, &info).unwrap()
+}
