@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::cost::cost_model::CostModel;
 use crate::cost::table::{BadCost, CostTable, SceneCosts};
+use crate::geom::multi_view::MultiView;
 use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;
 use crate::history::answers;
@@ -15,13 +16,13 @@ use crate::plan::config::CullConfig;
 use crate::plan::cost_filter::CostFilter;
 use crate::plan::explain::{self, LeafExplanation, NodeHistory};
 use crate::plan::frame_plan::{Answer, FramePlan, PlanStats, Tester, TesterSupport};
+use crate::plan::fronts::Fronts;
 use crate::plan::next_frame::NextFrame;
 use crate::plan::plan_writer::PlanWriter;
 use crate::plan::rounds::{self, Grouping};
-use crate::plan::shared_proxies::{self, SharedProxy};
 use crate::plan::strategy::Strategy;
 use crate::plan::traverse::{Knowledge, Walk};
-use crate::plan::{budget, occluders};
+use crate::plan::{budget, occluders, shared_proxies};
 use crate::rng::SplitMix64;
 
 /// The decisions for one view of one hierarchy: what to draw and what to test.
@@ -36,7 +37,7 @@ pub struct Culler {
     next_frame: NextFrame,
     scratch: Scratch,
     grouping: Grouping,
-    fronts: Vec<SharedProxy>,
+    fronts: Fronts,
     cost_model: Option<CostModel>,
     /// Samples of a query that count as none.
     sample_threshold: u32,
@@ -72,7 +73,7 @@ impl Culler {
             next_frame: NextFrame::default(),
             scratch: Scratch::default(),
             grouping: Grouping::default(),
-            fronts: Vec::new(),
+            fronts: Fronts::default(),
             cost_model: None,
             sample_threshold: 0,
             tuned: config,
@@ -187,18 +188,29 @@ impl Culler {
         }
     }
 
-    /// Plans the next frame into `plan`, whose vectors are reused. Never asks for more than
-    /// `query_budget` queries, and draws the leaves that are left without one.
-    pub fn plan(
+    /// Plans the next frame of a view, or of several that are drawn in one pass, into `plan`, whose
+    /// vectors are reused. Never asks for more than `query_budget` queries, and draws the leaves
+    /// that are left without one.
+    pub fn plan<'v>(
         &mut self,
         hierarchy: &Hierarchy,
         strategy: Strategy,
-        view: &View,
+        views: impl Into<MultiView<'v>>,
         query_budget: usize,
         plan: &mut FramePlan,
     ) {
+        self.plan_views(hierarchy, strategy, (views.into(), query_budget), plan);
+    }
+
+    fn plan_views(
+        &mut self,
+        hierarchy: &Hierarchy,
+        strategy: Strategy,
+        (views, query_budget): (MultiView<'_>, usize),
+        plan: &mut FramePlan,
+    ) {
         let now = self.begin(hierarchy, plan);
-        self.watch(view, now);
+        self.watch(views.first(), now);
         plan.sample_threshold = self.sample_threshold;
         let testers = self.testers();
         let tester = tester(strategy, testers);
@@ -207,7 +219,7 @@ impl Culler {
         let (scratch, has_leaf_tests) = (&mut self.scratch, testers.leaf_tests);
         let mut walk = Walk {
             hierarchy,
-            view,
+            views,
             config: &config,
             knowledge: Knowledge::of(&self.history, strategy),
             now,
@@ -233,7 +245,7 @@ impl Culler {
         let costs = costs.as_ref();
         PlanWriter {
             hierarchy,
-            view,
+            views,
             config: &config,
             history,
             rng,
@@ -244,11 +256,11 @@ impl Culler {
         }
         .write(scratch, plan);
         if has_leaf_tests {
-            shared_proxies::share_proxies(plan, &scratch.tests, view, &mut self.fronts);
+            shared_proxies::share_proxies(plan, &scratch.tests, views, &mut self.fronts);
         }
         rounds::schedule(plan, tester, is_cut, &config);
         if let Some(costs) = costs {
-            plan.stats.rounds_by_compute = costs.hand_to_compute(view, plan);
+            plan.stats.rounds_by_compute = costs.hand_to_compute(views, plan);
         }
         rounds::group_by_tester(plan, &mut self.grouping);
         self.note_prospect(strategy, plan.stats.visible);
@@ -309,17 +321,17 @@ impl Culler {
         }
     }
 
-    /// Explains the decision of `plan`, made for `view` over the hierarchy as it is now, about an
+    /// Explains the decision of `plan`, made for `views` over the hierarchy as it is now, about an
     /// object. `None` if there is no such object.
     #[must_use]
-    pub fn explain(
+    pub fn explain<'v>(
         &self,
         hierarchy: &Hierarchy,
-        view: &View,
+        views: impl Into<MultiView<'v>>,
         plan: &FramePlan,
         object: ObjectId,
     ) -> Option<LeafExplanation> {
-        explain::explain(hierarchy, view, plan, object, |node| self.node_history(node))
+        explain::explain(hierarchy, views.into(), plan, object, |node| self.node_history(node))
     }
 
     /// Returns the constants for the next frame.

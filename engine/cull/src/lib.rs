@@ -95,6 +95,7 @@ pub use geom::camera::{Camera, Projection};
 pub use geom::detail::{DetailLevel, DetailPolicy};
 pub use geom::frustum::{Containment, Frustum, PlaneMask};
 pub use geom::margin::Margin;
+pub use geom::multi_view::{MultiView, MultiViewError};
 pub use geom::projection::{ClipY, DepthConvention, ViewError, ViewProjection};
 pub use geom::rays::{ProjectionKind, Rays};
 pub use geom::view::View;

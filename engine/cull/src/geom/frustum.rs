@@ -9,7 +9,7 @@ use crate::geom::projection::{DEPTH_ROUNDING, DepthConvention, Rows};
 use crate::geom::rays::Rays;
 
 /// The position of a box with respect to the frustum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Containment {
     /// No point of the box is in the frustum.
     Outside,
@@ -26,6 +26,9 @@ pub struct PlaneMask(u8);
 impl PlaneMask {
     /// All six planes.
     pub const ALL: Self = Self(0b11_1111);
+
+    /// The mark of a box that is outside of the frustum: nothing in it has to be tested.
+    pub(crate) const OUTSIDE: Self = Self(0b1000_0000);
 
     /// Returns true if the box that this mask came from is inside of every plane.
     #[must_use]

@@ -117,15 +117,33 @@ impl Margin {
     /// [empty](Aabb::is_empty) box is never tested: it is in no frustum.
     #[must_use]
     pub fn proxy(&self, bounds: &Aabb) -> Option<Aabb> {
-        let depth = self.forward.dot(bounds.centre() - self.origin);
-        let forward = self.forward.abs();
-        let reach = forward.dot(bounds.half_extent());
+        let distance = self.distance_m(bounds);
+        self.is_beyond_near(bounds, distance).then(|| bounds.enlarged(distance))
+    }
+
+    /// Returns the distance by which the proxy of a box reaches beyond it (metres); NaN where
+    /// numbers fail.
+    pub(crate) fn distance_m(&self, bounds: &Aabb) -> f32 {
+        let [depth, reach] = self.depth_and_reach(bounds);
         let farthest = (depth + reach).max(self.near);
         let slack = rounding(bounds, self.coordinate);
-        let distance = self.pixels * self.pixel[1] * self.kind.w(farthest) + slack;
+        self.pixels * self.pixel[1] * self.kind.w(farthest) + slack
+    }
+
+    /// Returns true if all of a box that is enlarged by `distance` is beyond the near plane.
+    pub(crate) fn is_beyond_near(&self, bounds: &Aabb, distance: f32) -> bool {
+        let [depth, reach] = self.depth_and_reach(bounds);
+        let forward = self.forward.abs();
+        let slack = rounding(bounds, self.coordinate);
         let nearest = depth - reach - distance * forward.element_sum() - slack;
         // A NaN fails the comparison and makes the box visible.
-        (nearest > self.nearest).then(|| bounds.enlarged(distance))
+        nearest > self.nearest
+    }
+
+    /// Returns the view depth of the centre of a box, and that by which its corners differ.
+    fn depth_and_reach(&self, bounds: &Aabb) -> [f32; 2] {
+        let depth = self.forward.dot(bounds.centre() - self.origin);
+        [depth, self.forward.abs().dot(bounds.half_extent())]
     }
 }
 

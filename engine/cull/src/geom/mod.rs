@@ -5,6 +5,7 @@ pub(crate) mod camera;
 pub(crate) mod detail;
 pub(crate) mod frustum;
 pub(crate) mod margin;
+pub(crate) mod multi_view;
 pub(crate) mod outline;
 pub(crate) mod projection;
 pub(crate) mod rays;

@@ -19,6 +19,9 @@ impl Outline {
     /// one.
     const MOST: usize = 12;
 
+    /// The outline of what covers nothing.
+    pub(crate) const EMPTY: Self = Self { corners: [Vec2::ZERO; Self::MOST], count: 0 };
+
     /// Returns the outline of a box that is in front of the eye. `None` where it is not, or where
     /// numbers fail.
     pub(crate) fn of(bounds: &Aabb, view: &View) -> Option<Self> {
@@ -37,7 +40,7 @@ impl Outline {
     /// Returns the convex hull, by Andrew's monotone chain.
     fn around(mut points: [Vec2; 8]) -> Self {
         points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-        let mut hull = Self { corners: [Vec2::ZERO; Self::MOST], count: 0 };
+        let mut hull = Self::EMPTY;
         for backwards in [false, true] {
             let start = hull.count;
             for step in 0..points.len() {
@@ -78,6 +81,11 @@ impl Outline {
         self.corners[..self.count].iter().copied()
     }
 
+    /// Returns true if it covers nothing.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
     fn edges(&self) -> impl Iterator<Item = (Vec2, Vec2)> {
         (0..self.count).map(|at| (self.corners[at], self.corners[(at + 1) % self.count]))
     }
@@ -86,7 +94,7 @@ impl Outline {
     pub(crate) fn clipped(&self, [width, height]: [f32; 2]) -> Self {
         let sides = [(Vec2::X, 0.0), (Vec2::NEG_X, width), (Vec2::Y, 0.0), (Vec2::NEG_Y, height)];
         sides.into_iter().fold(*self, |outline, (normal, offset)| {
-            let mut kept = Self { corners: [Vec2::ZERO; Self::MOST], count: 0 };
+            let mut kept = Self::EMPTY;
             let mut keep = |point| {
                 if kept.count < Self::MOST {
                     kept.corners[kept.count] = point;

@@ -4,8 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::geom::bounds::Aabb;
-use crate::geom::frustum::PlaneMask;
-use crate::geom::rays::Rays;
+use crate::geom::multi_view::{MultiView, ViewMasks};
 use crate::history::record::FrameStamp;
 use crate::ids::LeafIndex;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
@@ -15,8 +14,8 @@ use crate::plan::frame_plan::{PlanStats, QueryKind};
 pub(crate) struct Nearness(u32);
 
 impl Nearness {
-    pub(crate) fn of(bounds: &Aabb, rays: &Rays) -> Self {
-        Self(rays.distance_squared(bounds).to_bits())
+    pub(crate) fn of(bounds: &Aabb, views: MultiView<'_>) -> Self {
+        Self(views.distance_squared(bounds).to_bits())
     }
 
     pub(crate) fn distance(self) -> f32 {
@@ -30,7 +29,7 @@ pub(crate) type Waiting = Reverse<(Nearness, u32, Above)>;
 /// The state that a node inherits from the nodes above; takes no part in the order.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Above {
-    pub(crate) mask: PlaneMask,
+    pub(crate) masks: ViewMasks,
     /// The frame since which a node above has been hidden, as one, until now.
     pub(crate) hidden_since: Option<FrameStamp>,
 }
@@ -100,7 +99,7 @@ pub(crate) struct Scratch {
     pub(crate) visited: Vec<u32>,
     /// Leaves drawn without a test although nothing is known, and the node that was not tested.
     pub(crate) assumed: Vec<[u32; 2]>,
-    pub(crate) stack: Vec<(u32, PlaneMask)>,
+    pub(crate) stack: Vec<(u32, ViewMasks)>,
     pub(crate) by_size: Vec<u32>,
     pub(crate) is_dropped: Vec<bool>,
     /// The saving of all tests that pay by themselves, and the cost of their breaks of rendering.

@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use crate::cost::cost_model::{CostModel, TestEstimate, is_never};
-use crate::geom::outline::covered_pixels;
-use crate::geom::view::View;
+use crate::geom::multi_view::MultiView;
 use crate::plan::candidates::{Candidate, Draw, Scratch};
 use crate::plan::frame_plan::{FramePlan, PlanStats, ProxyTest, QueryKind, Tester, TesterSupport};
 use crate::plan::strategy::Strategy;
@@ -46,13 +45,13 @@ impl<'a> CostFilter<'a> {
     /// Assigns the rounds of `plan` to the compute shader that cost least so, and returns their
     /// number. A test with a shared result changes its tester only together with the tests that
     /// share it. So rounds with such tests in common change together or stay.
-    pub(crate) fn hand_to_compute(&self, view: &View, plan: &mut FramePlan) -> u32 {
+    pub(crate) fn hand_to_compute(&self, views: MultiView<'_>, plan: &mut FramePlan) -> u32 {
         if !self.has_compute {
             return 0;
         }
         let mut handed = 0_u64;
         for (bit, round) in plan.rounds.iter().take(64).enumerate() {
-            if self.is_for_compute(view, plan.tests.get(round.clone()).unwrap_or_default()) {
+            if self.is_for_compute(views, plan.tests.get(round.clone()).unwrap_or_default()) {
                 handed |= 1 << bit;
             }
         }
@@ -83,18 +82,18 @@ impl<'a> CostFilter<'a> {
     }
 
     /// Returns true if a round of `tests` costs least by compute shader.
-    fn is_for_compute(&self, view: &View, tests: &[ProxyTest]) -> bool {
+    fn is_for_compute(&self, views: MultiView<'_>, tests: &[ProxyTest]) -> bool {
         let is_own = |test: &&ProxyTest| !matches!(test.tester, Tester::SharedProxy(_));
         let boxes = tests.iter().filter(is_own).count() as u32;
         let shared = tests.len() as u32 - boxes;
-        let covered = tests.iter().filter(is_own).map(|test| covered_pixels(view, &test.bounds));
+        let covered = tests.iter().filter(is_own).map(|test| views.covered_pixels(&test.bounds));
         boxes > 0 && self.cost_model.is_for_compute(boxes, shared, covered.sum(), self.has_flags)
     }
 
-    pub(crate) fn estimate(view: &View, test: &Candidate) -> TestEstimate {
+    pub(crate) fn estimate(views: MultiView<'_>, test: &Candidate) -> TestEstimate {
         TestEstimate {
             leaves: test.leaf_count,
-            pixels: covered_pixels(view, &test.proxy),
+            pixels: views.covered_pixels(&test.proxy),
             is_unknown: test.is_unknown(),
         }
     }
@@ -110,7 +109,7 @@ impl<'a> CostFilter<'a> {
         let mut saving_ns = 0.0;
         let mut dropped_leaves = 0;
         for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {
-            let estimate = Self::estimate(walk.view, test);
+            let estimate = Self::estimate(walk.views, test);
             let tester = self.tester(&estimate);
             let benefit = match test.kind {
                 QueryKind::Proxy => self.cost_model.weigh(&estimate, tester),

@@ -1,8 +1,8 @@
 //! Explains the decision to draw an object or not: the plan's decision and the history behind it.
 
 use crate::geom::bounds::Aabb;
-use crate::geom::frustum::{Containment, PlaneMask};
-use crate::geom::view::View;
+use crate::geom::frustum::Containment;
+use crate::geom::multi_view::{MultiView, ViewMasks};
 use crate::hierarchy::Hierarchy;
 use crate::history::record::NodeState;
 use crate::ids::{FrameId, LeafIndex, NodeId, ObjectId};
@@ -83,11 +83,11 @@ pub struct LeafExplanation {
     node: NodeId,
 }
 
-/// Explains the decision of `plan`, made for `view` over the hierarchy as it is now, about an
+/// Explains the decision of `plan`, made for `views` over the hierarchy as it is now, about an
 /// object; `known` returns the history of a node. `None` if there is no such object.
 pub(crate) fn explain(
     hierarchy: &Hierarchy,
-    view: &View,
+    views: MultiView<'_>,
     plan: &FramePlan,
     object: ObjectId,
     known: impl Fn(NodeId) -> NodeHistory,
@@ -103,14 +103,14 @@ pub(crate) fn explain(
         level: hierarchy.level(node),
         frame: plan.frame,
         history: known(node),
-        decision: decision(view, plan, (leaf, node, &bounds), known),
+        decision: decision(views, plan, (leaf, node, &bounds), known),
         leaf,
         node,
     })
 }
 
 fn decision(
-    view: &View,
+    views: MultiView<'_>,
     plan: &FramePlan,
     (leaf, node, bounds): (LeafIndex, NodeId, &Aabb),
     known: impl Fn(NodeId) -> NodeHistory,
@@ -124,7 +124,7 @@ fn decision(
         return own
             .map_or(Decision::Drawn, |test| Decision::DrawnAndBoxTested { tester: test.tester });
     }
-    let is_outside = || view.frustum.classify(bounds, PlaneMask::ALL).0 == Containment::Outside;
+    let is_outside = || views.classify(bounds, ViewMasks::ALL).0 == Containment::Outside;
     match plan.tests.iter().find(|test| test.leaves.contains(leaf)) {
         Some(test) => Decision::Tested {
             node: test.tag.node,

@@ -6,6 +6,7 @@ pub(crate) mod config;
 pub(crate) mod cost_filter;
 pub(crate) mod explain;
 pub(crate) mod frame_plan;
+pub(crate) mod fronts;
 pub(crate) mod next_frame;
 pub(crate) mod occluders;
 pub(crate) mod plan_writer;

@@ -1,7 +1,7 @@
 //! Writes the chosen draws and tests into the plan, and the tests into the history.
 
-use crate::geom::frustum::{Containment, PlaneMask};
-use crate::geom::view::View;
+use crate::geom::frustum::Containment;
+use crate::geom::multi_view::{MultiView, ViewMasks};
 use crate::hierarchy::Hierarchy;
 use crate::history::record::FrameStamp;
 use crate::history::records::History;
@@ -15,7 +15,7 @@ use crate::rng::SplitMix64;
 /// The inputs that the tests of one frame depend on.
 pub(crate) struct PlanWriter<'a> {
     pub(crate) hierarchy: &'a Hierarchy,
-    pub(crate) view: &'a View,
+    pub(crate) views: MultiView<'a>,
     pub(crate) config: &'a CullConfig,
     pub(crate) history: &'a mut History,
     pub(crate) rng: &'a mut SplitMix64,
@@ -55,7 +55,7 @@ impl PlanWriter<'_> {
 
     fn test(&mut self, test: &Candidate, plan: &mut FramePlan) -> ProxyTest {
         let node = NodeId(test.node);
-        let estimate = self.costs.map(|_| CostFilter::estimate(self.view, test));
+        let estimate = self.costs.map(|_| CostFilter::estimate(self.views, test));
         plan.stats.proxy_pixels += estimate.map_or(0, |estimate| estimate.pixels as u64);
         let mut leaves = self.hierarchy.leaves(node);
         let mut kind = test.kind;
@@ -97,6 +97,6 @@ impl PlanWriter<'_> {
 
     fn containment(&self, node: u32) -> Containment {
         let bounds = self.hierarchy.bounds(NodeId(node));
-        self.view.frustum.classify(&bounds, PlaneMask::ALL).0
+        self.views.classify(&bounds, ViewMasks::ALL).0
     }
 }

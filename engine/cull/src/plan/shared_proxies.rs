@@ -16,14 +16,14 @@
 //! of the proxy in front is computed here and drawn there, each with its own rounding, and the
 //! nearer it is the more pixels that is. So only boxes where it is at most a sixteenth of a pixel
 //! serve as fronts.
+//!
+//! In a plan for several views all of this holds in each view that may see the box behind: the
+//! front's result is zero only if it shows in none of them.
 
-use glam::{Vec2, Vec4};
-
-use crate::geom::bounds::Aabb;
-use crate::geom::outline::Outline;
-use crate::geom::view::View;
+use crate::geom::multi_view::MultiView;
 use crate::plan::candidates::Candidate;
 use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, Tester};
+use crate::plan::fronts::{Fronts, SharedProxy};
 
 /// The bounds of sharing.
 struct Limits {
@@ -43,32 +43,17 @@ struct Limits {
 const LIMITS: Limits =
     Limits { front_area: 0.002, fronts: 48, leaves_behind: 4_096, leaves_behind_per_frame: 64 };
 
-/// A proxy whose result others may share.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SharedProxy {
-    test: u32,
-    outline: Outline,
-    low: Vec2,
-    high: Vec2,
-    area: f32,
-    bounds: Aabb,
-    /// The leaves that would have to be tested if it showed.
-    leaves_behind: u32,
-    /// The most leaves that it may have behind it.
-    most_behind: u32,
-}
-
 /// Makes the tests of `plan`, made of these candidates, share the results of others where they can.
 /// `fronts` keeps its memory.
 pub(crate) fn share_proxies(
     plan: &mut FramePlan,
     candidates: &[Candidate],
-    view: &View,
-    fronts: &mut Vec<SharedProxy>,
+    views: MultiView<'_>,
+    fronts: &mut Fronts,
 ) {
     let hidden_frames = candidates.iter().map(|test| test.hidden_frames);
     plan.stats.shared_proxies =
-        share_in_order(&mut plan.tests, hidden_frames, view, &LIMITS, fronts);
+        share_in_order(&mut plan.tests, hidden_frames, views, &LIMITS, fronts);
 }
 
 /// Makes tests share the results of others, front to back, and asks for their leaves one by one.
@@ -80,29 +65,23 @@ pub(crate) fn share_proxies(
 fn share_in_order(
     tests: &mut [ProxyTest],
     hidden_frames: impl Iterator<Item = Option<u32>>,
-    view: &View,
+    views: MultiView<'_>,
     limits: &Limits,
-    fronts: &mut Vec<SharedProxy>,
+    fronts: &mut Fronts,
 ) -> u32 {
     fronts.clear();
     let mut behind = 0;
-    let [width, height] = view.size.map(|pixels| pixels as f32);
-    let least_area = limits.front_area * width * height;
+    let [width, height] = views.first().size.map(|pixels| pixels as f32);
+    let least_area = limits.front_area * width * height * views.as_slice().len() as f32;
     for ((number, test), hidden_frames) in (0..).zip(tests).zip(hidden_frames) {
         if test.tester != Tester::Flag || test.leaves.count == 0 {
             continue;
         }
-        let Some(outline) = Outline::of(&test.bounds, view) else {
+        if !fronts.look_at(&test.bounds, views) {
             continue;
-        };
-        let seen = outline.clipped([width, height]);
+        }
         let leaves = test.leaves.count;
-        let in_front = fronts.iter_mut().find(|front| {
-            front.leaves_behind.saturating_add(leaves) <= front.most_behind
-                && front.is_before(&test.bounds, view.rays.eye())
-                && front.holds(&seen)
-        });
-        if let Some(front) = in_front {
+        if let Some(front) = fronts.before(&test.bounds, leaves, views) {
             front.leaves_behind += leaves;
             test.tester = Tester::SharedProxy(front.test);
             test.tag.kind = QueryKind::PerLeaf;
@@ -111,59 +90,24 @@ fn share_in_order(
         }
         let known = hidden_frames.unwrap_or(0).saturating_mul(limits.leaves_behind_per_frame);
         let most_behind = known.min(limits.leaves_behind);
-        let area = seen.area();
-        if most_behind > 0 && area >= least_area && outline.is_sharp(&test.bounds, view) {
-            let front = SharedProxy {
-                test: number,
-                outline,
-                low: outline.points().fold(Vec2::INFINITY, Vec2::min),
-                high: outline.points().fold(Vec2::NEG_INFINITY, Vec2::max),
-                area,
-                bounds: test.bounds,
-                leaves_behind: 0,
-                most_behind,
-            };
-            keep_largest(fronts, front, limits.fronts);
+        if most_behind > 0 {
+            let bounds = test.bounds;
+            let front = SharedProxy { test: number, bounds, leaves_behind: 0, most_behind };
+            fronts.add(front, views, (least_area, limits.fronts));
         }
     }
     behind
 }
 
-/// Adds a front; if there are too many, the smallest goes.
-fn keep_largest(fronts: &mut Vec<SharedProxy>, front: SharedProxy, most: usize) {
-    if fronts.len() < most {
-        fronts.push(front);
-        return;
-    }
-    let smallest = fronts.iter_mut().min_by(|a, b| a.area.total_cmp(&b.area));
-    if let Some(smallest) = smallest.filter(|smallest| smallest.area < front.area) {
-        *smallest = front;
-    }
-}
-
-impl SharedProxy {
-    /// Returns true if all of a box is on the inner side of the faces that are seen from `eye`, in
-    /// homogeneous coordinates.
-    fn is_before(&self, behind: &Aabb, eye: Vec4) -> bool {
-        let (low, high) = (self.bounds.min, self.bounds.max);
-        let beyond_low = eye.truncate().cmpge(low * eye.w) | behind.min.cmpge(low);
-        let beyond_high = eye.truncate().cmple(high * eye.w) | behind.max.cmple(high);
-        (beyond_low & beyond_high).all()
-    }
-
-    /// Returns true if all of an outline is within this one.
-    fn holds(&self, outline: &Outline) -> bool {
-        outline.points().all(|point| point.cmpge(self.low).all() && point.cmple(self.high).all())
-            && outline.points().all(|point| self.outline.holds(point))
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use glam::{DVec2, DVec3, Vec3};
+    use glam::{DVec2, DVec3, Vec2, Vec3};
 
     use super::*;
+    use crate::geom::bounds::Aabb;
     use crate::geom::camera::{Camera, Projection};
+    use crate::geom::outline::Outline;
+    use crate::geom::view::View;
     use crate::ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId};
     use crate::plan::frame_plan::QueryTag;
     use crate::rng::SplitMix64;
@@ -243,7 +187,8 @@ mod tests {
         let limits =
             Limits { front_area: 1.0e-6, fronts: 4, leaves_behind, leaves_behind_per_frame: 2 };
         let hidden_frames = [hidden_frames, None].into_iter();
-        let behind = share_in_order(&mut tests, hidden_frames, view, &limits, &mut Vec::new());
+        let behind =
+            share_in_order(&mut tests, hidden_frames, view.into(), &limits, &mut Fronts::default());
         assert_eq!(behind == 1, matches!(tests[1].tester, Tester::SharedProxy(0)));
         behind == 1
     }

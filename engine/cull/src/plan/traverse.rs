@@ -4,8 +4,8 @@
 use std::cmp::Reverse;
 
 use crate::geom::bounds::Aabb;
-use crate::geom::frustum::{Containment, PlaneMask};
-use crate::geom::view::View;
+use crate::geom::frustum::Containment;
+use crate::geom::multi_view::{MultiView, ViewMasks};
 use crate::hierarchy::Hierarchy;
 use crate::history::record::{FrameStamp, NodeRecord, NodeState};
 use crate::history::records::History;
@@ -43,7 +43,7 @@ impl<'a> Knowledge<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Walk<'a> {
     pub(crate) hierarchy: &'a Hierarchy,
-    pub(crate) view: &'a View,
+    pub(crate) views: MultiView<'a>,
     pub(crate) config: &'a CullConfig,
     pub(crate) knowledge: Knowledge<'a>,
     pub(crate) now: FrameStamp,
@@ -71,7 +71,7 @@ enum NodeDecision {
 struct Visit {
     nearness: Nearness,
     node: u32,
-    mask: PlaneMask,
+    masks: ViewMasks,
     leaf_count: u32,
     bounds: Aabb,
     record: NodeRecord,
@@ -102,10 +102,10 @@ impl Walk<'_> {
         stats.visible = 0;
         stats.too_near = 0;
         if let Some(root) = self.hierarchy.root() {
-            let above = Above { mask: PlaneMask::ALL, hidden_since: None };
+            let above = Above { masks: ViewMasks::ALL, hidden_since: None };
             self.push(root.0, above, scratch);
         }
-        while let Some(Reverse((nearness, node, Above { mask, hidden_since }))) =
+        while let Some(Reverse((nearness, node, Above { masks, hidden_since }))) =
             scratch.queue.pop()
         {
             stats.nodes_visited += 1;
@@ -113,7 +113,7 @@ impl Walk<'_> {
             let visit = Visit {
                 nearness,
                 node,
-                mask,
+                masks,
                 leaf_count: self.hierarchy.leaves(NodeId(node)).count,
                 bounds: self.hierarchy.bounds(NodeId(node)),
                 record,
@@ -165,7 +165,7 @@ impl Walk<'_> {
             stats.visible += u32::from(is_leaf);
             return if is_leaf { NodeDecision::Draw } else { NodeDecision::Open(None) };
         }
-        let Some(proxy) = self.view.margin.proxy(&visit.bounds) else {
+        let Some(proxy) = self.views.proxy(&visit.bounds, visit.masks) else {
             stats.too_near += u32::from(is_leaf);
             return if is_leaf { NodeDecision::Draw } else { NodeDecision::Open(None) };
         };
@@ -242,7 +242,7 @@ impl Walk<'_> {
         let record = &visit.record;
         let is_hidden = record.state == NodeState::Hidden
             && record.is_fresh(self.now, self.config.stale_frames);
-        let above = Above { mask: visit.mask, hidden_since: is_hidden.then_some(record.since) };
+        let above = Above { masks: visit.masks, hidden_since: is_hidden.then_some(record.since) };
         for child in children {
             self.push(child.0, above, scratch);
         }
@@ -274,16 +274,16 @@ impl Walk<'_> {
                 && record.is_fresh(self.now, self.config.stale_frames);
             if is_hidden {
                 since = since.max(Some(record.since));
-            } else if self.is_in_frustum(child, visit.mask) {
+            } else if self.is_in_frustum(child, visit.masks) {
                 return None;
             }
         }
         since
     }
 
-    fn is_in_frustum(&self, node: NodeId, mask: PlaneMask) -> bool {
+    fn is_in_frustum(&self, node: NodeId, masks: ViewMasks) -> bool {
         let bounds = self.hierarchy.bounds(node);
-        self.view.frustum.classify(&bounds, mask).0 != Containment::Outside
+        self.views.classify(&bounds, masks).0 != Containment::Outside
     }
 
     /// Returns the record of a node. Where it is stale and a node above was hidden, it is that
@@ -308,10 +308,10 @@ impl Walk<'_> {
     /// Queues a node unless it is outside of the frustum.
     fn push(&self, node: u32, above: Above, scratch: &mut Scratch) {
         let bounds = self.hierarchy.bounds(NodeId(node));
-        let (containment, mask) = self.view.frustum.classify(&bounds, above.mask);
+        let (containment, masks) = self.views.classify(&bounds, above.masks);
         if containment != Containment::Outside {
-            let nearness = Nearness::of(&bounds, &self.view.rays);
-            scratch.queue.push(Reverse((nearness, node, Above { mask, ..above })));
+            let nearness = Nearness::of(&bounds, self.views);
+            scratch.queue.push(Reverse((nearness, node, Above { masks, ..above })));
         }
     }
 
@@ -329,7 +329,7 @@ impl Walk<'_> {
         };
         let doublings = hidden_frames / growth_frames.max(1);
         let mut allowed = u64::from(self.config.unknown_leaves) << doublings.min(32);
-        if self.is_turning && !visit.mask.is_inside() {
+        if self.is_turning && !visit.masks.is_inside() {
             allowed = allowed.min(self.config.edge_leaves.into());
         }
         allowed = allowed.min(MAX_SHARED_LEAVES);
@@ -350,7 +350,7 @@ impl Walk<'_> {
 
     /// Returns how large an angle of 1 radian is where a node is (metres).
     fn metres_per_radian(&self, visit: &Visit) -> f32 {
-        self.view.rays.metres_per_radian(visit.nearness.distance())
+        self.views.metres_per_radian(visit.nearness.distance())
     }
 
     fn coarse(&self, leaves: u64) -> u64 {
@@ -372,23 +372,23 @@ impl Walk<'_> {
     pub(crate) fn leaves_in_frustum(
         &self,
         node: u32,
-        stack: &mut Vec<(u32, PlaneMask)>,
+        stack: &mut Vec<(u32, ViewMasks)>,
         mut each: impl FnMut(Retest),
     ) {
         stack.clear();
-        stack.push((node, PlaneMask::ALL));
-        while let Some((node, mask)) = stack.pop() {
+        stack.push((node, ViewMasks::ALL));
+        while let Some((node, masks)) = stack.pop() {
             let bounds = self.hierarchy.bounds(NodeId(node));
-            let (containment, mask) = self.view.frustum.classify(&bounds, mask);
+            let (containment, masks) = self.views.classify(&bounds, masks);
             if containment == Containment::Outside {
                 continue;
             }
             match self.hierarchy.children(NodeId(node)) {
                 Some(children) => {
-                    stack.extend(children.map(|child| (child.0, mask)));
+                    stack.extend(children.map(|child| (child.0, masks)));
                 }
                 None => each(Retest {
-                    nearness: Nearness::of(&bounds, &self.view.rays),
+                    nearness: Nearness::of(&bounds, self.views),
                     leaf: self.leaf(node),
                     node,
                     after: 0,

@@ -3,7 +3,7 @@
 
 use antumbra_cull::{
     Aabb, Answer, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafList, LeafRange,
-    NodeId, PendingTest, ProxyTest, QueryKind, QueryTag, ResultReader, Tester, View,
+    MultiView, NodeId, PendingTest, ProxyTest, QueryKind, QueryTag, ResultReader, Tester, View,
 };
 
 use crate::image::{Image, Shift};
@@ -111,7 +111,8 @@ pub struct Solids<'a> {
 }
 
 pub struct Device {
-    pub image: Image,
+    /// The image of each view.
+    pub images: Vec<Image>,
     /// Objects drawn by the last frame, in order.
     pub drawn: Vec<u32>,
     /// The leaves that the last frame left out because of its threshold, and the samples that
@@ -129,7 +130,7 @@ pub struct Device {
 impl Device {
     pub fn new(size: [u32; 2], sub_pixel_bits: u32, mishaps: Mishaps, seed: u64) -> Self {
         Self {
-            image: Image::new(size),
+            images: vec![Image::new(size)],
             drawn: Vec::new(),
             below_threshold: Vec::new(),
             mishaps,
@@ -178,35 +179,37 @@ impl Device {
         written.flat_map(|it| it.answers(hierarchy, self.mishaps.listed)).collect()
     }
 
-    /// Executes a frame: draws and tests in the order of its plan.
-    pub fn execute(
+    /// Executes a frame: draws and tests in the order of its plan, each in all views.
+    pub fn execute<'v>(
         &mut self,
-        view: &View,
+        views: impl Into<MultiView<'v>>,
         hierarchy: &Hierarchy,
         solids: &Solids<'_>,
         plan: &FramePlan,
     ) {
-        self.image.clear();
+        let views = views.into();
+        self.images.resize(views.as_slice().len(), Image::new(views.first().size));
+        self.images.iter_mut().for_each(Image::clear);
         self.drawn.clear();
         self.below_threshold.clear();
         let mut written = Written::new(plan, hierarchy);
         let mut drawn = 0;
         for ((leaf, tag), after) in plan.queried_draws.iter().zip(&plan.queried_after) {
             for leaf in &plan.draws[drawn..*after as usize] {
-                self.draw(view, hierarchy, solids, *leaf);
+                self.draw(views, hierarchy, solids, *leaf);
             }
             drawn = *after as usize;
-            let samples = self.draw(view, hierarchy, solids, *leaf);
+            let samples = self.draw(views, hierarchy, solids, *leaf);
             written.queries.push((pending(*tag, Tester::Query), samples));
         }
         for leaf in &plan.draws[drawn..] {
-            self.draw(view, hierarchy, solids, *leaf);
+            self.draw(views, hierarchy, solids, *leaf);
         }
         for round in &plan.rounds {
             let tests = &plan.tests[round.clone()];
             written.values.extend(tests.iter().map(|test| match test.tester {
                 Tester::SharedProxy(_) => 0,
-                _ => self.test(view, (test.tag.node, &test.bounds)),
+                _ => self.test(views, (test.tag.node, &test.bounds)),
             }));
             for (number, test) in round.clone().zip(tests) {
                 let samples = match test.tester {
@@ -219,7 +222,7 @@ impl Device {
                     continue;
                 }
                 let leaves = match test.tag.kind {
-                    QueryKind::PerLeaf => self.leaves_that_show(view, hierarchy, test),
+                    QueryKind::PerLeaf => self.leaves_that_show(views, hierarchy, test),
                     _ => test.leaves.iter().collect(),
                 };
                 let is_shared = matches!(test.tester, Tester::SharedProxy(_));
@@ -228,7 +231,7 @@ impl Device {
                     written.leaves.extend(leaves.iter().map(|leaf| leaf.0));
                 }
                 for leaf in leaves {
-                    self.draw(view, hierarchy, solids, leaf);
+                    self.draw(views, hierarchy, solids, leaf);
                 }
             }
         }
@@ -237,31 +240,41 @@ impl Device {
 
     /// Counts the samples of the proxy of a node. A device rounds the same box in the same way in
     /// every frame.
-    fn test(&self, view: &View, (node, proxy): (NodeId, &Aabb)) -> u32 {
-        let mut rounding = Random::new(node.0.into());
-        let shift = [0, 1].map(|_| f64::from(rounding.between(-1.0, 1.0)) * self.sub_pixel_step);
-        self.image.test(view, proxy, shift)
+    fn test(&self, views: MultiView<'_>, (node, proxy): (NodeId, &Aabb)) -> u32 {
+        let shift = self.shift(node);
+        let images = views.as_slice().iter().zip(&self.images);
+        images.map(|(view, image)| image.test(view, proxy, shift)).sum()
     }
 
-    /// Returns the leaves of a node that show, tested one by one.
+    fn shift(&self, node: NodeId) -> Shift {
+        let mut rounding = Random::new(node.0.into());
+        [0, 1].map(|_| f64::from(rounding.between(-1.0, 1.0)) * self.sub_pixel_step)
+    }
+
+    /// Returns the leaves of a node that show in any view, tested one by one with the margin of
+    /// each view.
     fn leaves_that_show(
         &self,
-        view: &View,
+        views: MultiView<'_>,
         hierarchy: &Hierarchy,
         test: &ProxyTest,
     ) -> Vec<LeafIndex> {
         let shows = |leaf: &LeafIndex| {
             let node = hierarchy.node_of(hierarchy.leaf_objects()[leaf.0 as usize]).unwrap();
-            let bounds =
-                view.margin.proxy(&hierarchy.bounds(node)).expect("far enough, as its node is");
-            self.test(view, (node, &bounds)) > 0
+            let shows = |(view, image): (&View, &Image)| {
+                let proxy = view.margin.proxy(&hierarchy.bounds(node));
+                // Too near only where the node is outside of this view's frustum.
+                assert!(proxy.is_some() || views.as_slice().len() > 1, "near, as its node");
+                proxy.is_some_and(|proxy| image.test(view, &proxy, self.shift(node)) > 0)
+            };
+            views.as_slice().iter().zip(&self.images).any(shows)
         };
         test.leaves.iter().filter(shows).collect()
     }
 
     fn draw(
         &mut self,
-        view: &View,
+        views: MultiView<'_>,
         hierarchy: &Hierarchy,
         solids: &Solids<'_>,
         leaf: LeafIndex,
@@ -272,6 +285,7 @@ impl Device {
         }
         self.drawn.push(object);
         let (solid, shift) = (&solids.solids[object as usize], solids.shifts[object as usize]);
-        self.image.draw(view, solid, shift)
+        let images = views.as_slice().iter().zip(&mut self.images);
+        images.map(|(view, image)| image.draw(view, solid, shift)).sum()
     }
 }

@@ -284,7 +284,7 @@ fn verify_world(seed: u64, mut world: World) -> Checked {
             }
             run.device.execute(&view, &world.hierarchy, &world.solids(), &run.plan);
             // An object that owns a pixel and was not drawn leaves a depth that is not its own.
-            assert!(run.device.image.depths == truth.depths, "{}: wrong pixels", context());
+            assert!(run.device.images[0].depths == truth.depths, "{}: wrong pixels", context());
             checked.frames += 1;
             checked.behind += u64::from(run.plan.stats.shared_proxies);
             checked.untested += u64::from(run.plan.stats.untested_by_cost);

@@ -26,6 +26,7 @@ struct Hit {
 /// The shift of the rays of a box (pixels), to the right and down.
 pub type Shift = [f64; 2];
 
+#[derive(Clone)]
 pub struct Image {
     size: [u32; 2],
     /// The depth of each pixel; larger is nearer, also where depth is not reversed: it has the

@@ -1,16 +1,19 @@
 //! The invariants of every plan, checked from the plan alone.
 
-use antumbra_cull::{FramePlan, Hierarchy, LeafIndex, QueryKind, Strategy, Tester, View};
+use antumbra_cull::{
+    FramePlan, Hierarchy, LeafIndex, MultiView, QueryKind, Strategy, Tester, View,
+};
 use glam::DVec4;
 
 /// Checks a plan: each leaf in the frustum in one place, order, rounds, budget, counts.
-pub fn check(
+pub fn check<'v>(
     hierarchy: &Hierarchy,
     strategy: Strategy,
-    view: &View,
+    views: impl Into<MultiView<'v>>,
     budget: usize,
     plan: &FramePlan,
 ) -> Result<(), String> {
+    let views: &[View] = views.into().as_slice();
     let mut places = vec![0_u32; hierarchy.leaf_objects().len()];
     let queried = plan.queried_draws.iter().map(|(leaf, _)| *leaf);
     let tested = plan.tests.iter().flat_map(|test| test.leaves.iter());
@@ -18,7 +21,7 @@ pub fn check(
         places[leaf.0 as usize] += 1;
     }
     for (leaf, places) in places.iter().enumerate() {
-        let needed = u32::from(meets_frustum(hierarchy, view, leaf));
+        let needed = u32::from(views.iter().any(|view| meets_frustum(hierarchy, view, leaf)));
         if *places > 1 || *places < needed {
             return Err(format!("leaf {leaf} is in {places} places, needs {needed}"));
         }
@@ -46,16 +49,18 @@ pub fn check(
         return Err("frustum culling asks nothing".to_owned());
     }
     fronts_answer_in_time(plan)?;
-    is_front_to_back(hierarchy, view, plan)
+    is_front_to_back(hierarchy, views, plan)
 }
 
-fn is_front_to_back(hierarchy: &Hierarchy, view: &View, plan: &FramePlan) -> Result<(), String> {
+fn is_front_to_back(hierarchy: &Hierarchy, views: &[View], plan: &FramePlan) -> Result<(), String> {
+    let node_distance = |node| {
+        let distance = |view: &View| view.rays.distance_squared(&hierarchy.bounds(node));
+        views.iter().map(distance).fold(f32::INFINITY, f32::min)
+    };
     let leaf_distance = |leaf: &LeafIndex| {
         let object = hierarchy.leaf_objects()[leaf.0 as usize];
-        let node = hierarchy.node_of(object).unwrap();
-        view.rays.distance_squared(&hierarchy.bounds(node))
+        node_distance(hierarchy.node_of(object).unwrap())
     };
-    let test_distance = |node| view.rays.distance_squared(&hierarchy.bounds(node));
     let queried = plan.queried_after.iter().zip(&plan.queried_draws);
     let queried = queried.map(|(after, (leaf, _))| (*after, leaf_distance(leaf)));
     let is_sorted = plan.draws.iter().map(leaf_distance).is_sorted()
@@ -65,7 +70,7 @@ fn is_front_to_back(hierarchy: &Hierarchy, view: &View, plan: &FramePlan) -> Res
         && [Answers::Queries, Answers::Compute, Answers::Flags, Answers::Others].iter().all(
             |answers| {
                 let tests = plan.tests.iter().filter(|test| Answers::of(test.tester) == *answers);
-                tests.map(|test| test_distance(test.tag.node)).is_sorted()
+                tests.map(|test| node_distance(test.tag.node)).is_sorted()
             },
         );
     is_sorted.then_some(()).ok_or_else(|| "not front to back".to_owned())

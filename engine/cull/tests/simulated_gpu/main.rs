@@ -18,6 +18,7 @@ mod invariants;
 mod knowledge;
 mod learning;
 mod moving;
+mod multi_view;
 mod next_frame;
 mod optics;
 mod projections;

@@ -180,7 +180,7 @@ fn verify(seed: u64) -> Checked {
             let solids = Solids { solids: &world.scene.solids, shifts: &world.scene.shifts };
             eye.device.execute(&view, hierarchy, &solids, &eye.plan);
             checked.there += world.draw_all(&view, &mut truth);
-            assert!(eye.device.image.depths == truth.depths, "{}: wrong pixels", context());
+            assert!(eye.device.images[0].depths == truth.depths, "{}: wrong pixels", context());
             checked.frames += 1;
             checked.drawn += eye.device.drawn.len() as u64;
         }

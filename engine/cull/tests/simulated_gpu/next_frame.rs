@@ -48,7 +48,7 @@ impl Walk {
         for (solid, shift) in self.scene.solids.iter().zip(&self.scene.shifts) {
             truth.draw(&view, solid, *shift);
         }
-        truth.depths.iter().zip(&self.device.image.depths).filter(|(a, b)| a != b).count()
+        truth.depths.iter().zip(&self.device.images[0].depths).filter(|(a, b)| a != b).count()
     }
 }
 

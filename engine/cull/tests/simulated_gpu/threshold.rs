@@ -95,7 +95,7 @@ fn walk(seed: u64, thresholds: &[u32]) -> Found {
         }
         let below_threshold: u64 =
             device.below_threshold.iter().map(|(_, samples)| u64::from(*samples)).sum();
-        let pixels = device.image.depths.iter().zip(&truth.depths);
+        let pixels = device.images[0].depths.iter().zip(&truth.depths);
         let wrong = pixels.filter(|(ours, all)| ours != all).count();
         assert!(
             wrong as u64 <= below_threshold,

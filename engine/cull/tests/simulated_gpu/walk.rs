@@ -68,6 +68,6 @@ impl Walk {
         for (solid, shift) in self.scene.solids.iter().zip(&self.scene.shifts) {
             truth.draw(&view, solid, *shift);
         }
-        truth.depths == self.device.image.depths
+        truth.depths == self.device.images[0].depths
     }
 }

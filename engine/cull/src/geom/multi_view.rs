@@ -1,0 +1,223 @@
+//! The views of one plan: one, or several that are drawn in one pass (multiview rendering).
+//!
+//! A plan for several views is a plan for all that any of them sees. One history serves them: a
+//! proxy shows if a sample of it passes in any view, so what counts as hidden is hidden in all. The
+//! rules of one view hold for each of them: a box is in the frustum if it is in one of them; it has
+//! a proxy if that lies beyond the near plane of every view that sees the box; the proxy has the
+//! largest margin that one of these needs.
+
+use thiserror::Error;
+
+use crate::geom::bounds::Aabb;
+use crate::geom::frustum::{Containment, PlaneMask};
+use crate::geom::outline::covered_pixels;
+use crate::geom::view::View;
+
+/// The views of one plan: one, or several that are drawn in one pass, each to its layer of the
+/// image. The eyes of a stereo pair, or the faces of a cube.
+#[derive(Clone, Copy, Debug)]
+pub struct MultiView<'a>(&'a [View]);
+
+/// The reason why views cannot be drawn in one pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum MultiViewError {
+    /// No view, or too many.
+    #[error(
+        "{count} views in one pass: there may be 1 to {}; plan the others by themselves",
+        MultiView::MAX
+    )]
+    Count {
+        /// The number of views.
+        count: usize,
+    },
+    /// A view with an image of another size or place, or with depths that grow the other way.
+    #[error(
+        "view {number} of a pass differs from the first in the size or place of its image, or in \
+         the direction of depth: the layers of one image have these in common"
+    )]
+    Unlike {
+        /// The number of the view, from 0.
+        number: usize,
+    },
+}
+
+impl<'a> From<&'a View> for MultiView<'a> {
+    fn from(view: &'a View) -> Self {
+        Self(std::slice::from_ref(view))
+    }
+}
+
+impl<'a> MultiView<'a> {
+    /// The most views of a plan: as many as every device with multiview rendering draws in one pass
+    /// (the least `maxMultiviewViewCount` that Vulkan allows).
+    pub const MAX: usize = 6;
+
+    /// Takes views that are drawn in one pass, each to the layer of its number.
+    ///
+    /// # Errors
+    /// No view or more than [`MultiView::MAX`]; views of different sizes, places or directions of
+    /// depth.
+    pub fn new(views: &'a [View]) -> Result<Self, MultiViewError> {
+        let (Some(first), 1..=Self::MAX) = (views.first(), views.len()) else {
+            return Err(MultiViewError::Count { count: views.len() });
+        };
+        let common = |view: &View| (view.size, view.origin, view.depth);
+        match views.iter().position(|view| common(view) != common(first)) {
+            Some(number) => Err(MultiViewError::Unlike { number }),
+            None => Ok(Self(views)),
+        }
+    }
+
+    /// Returns the views, at least one.
+    #[must_use]
+    pub fn as_slice(self) -> &'a [View] {
+        self.0
+    }
+
+    /// Returns the first view: that of the image's size, place and direction of depth.
+    #[must_use]
+    pub fn first(self) -> &'a View {
+        &self.0[0]
+    }
+
+    /// Tests a box against the frustums by `masks`, which belong to a box around it. Returns its
+    /// place, in whichever frustum it is farthest inside, and the masks for its parts.
+    pub(crate) fn classify(self, bounds: &Aabb, masks: ViewMasks) -> (Containment, ViewMasks) {
+        let mut below = masks;
+        let mut place = Containment::Outside;
+        for (view, mask) in self.0.iter().zip(&mut below.0) {
+            if *mask != PlaneMask::OUTSIDE {
+                let (of_view, remaining) = view.frustum.classify(bounds, *mask);
+                *mask = match of_view {
+                    Containment::Outside => PlaneMask::OUTSIDE,
+                    _ => remaining,
+                };
+                place = place.max(of_view);
+            }
+        }
+        (place, below)
+    }
+
+    /// Returns the box to test in place of `bounds`, or `None` if it must count as visible, because
+    /// some of the proxy is too near for a view that sees the box. `masks` are those of the box.
+    pub(crate) fn proxy(self, bounds: &Aabb, masks: ViewMasks) -> Option<Aabb> {
+        let seeing = || {
+            let views = self.0.iter().zip(masks.0);
+            views.filter(|(_, mask)| *mask != PlaneMask::OUTSIDE).map(|(view, _)| &view.margin)
+        };
+        // Written so that a NaN makes the box visible.
+        let distance = seeing().try_fold(0.0_f32, |most, margin| {
+            let distance = margin.distance_m(bounds);
+            (distance >= 0.0).then(|| most.max(distance))
+        })?;
+        let is_far = seeing().all(|margin| margin.is_beyond_near(bounds, distance));
+        is_far.then(|| bounds.enlarged(distance))
+    }
+
+    /// Returns the square of the distance from the nearest eye to a box (square metres).
+    pub(crate) fn distance_squared(self, bounds: &Aabb) -> f32 {
+        let of = |view: &View| view.rays.distance_squared(bounds);
+        self.0[1..].iter().fold(of(self.first()), |nearest, view| nearest.min(of(view)))
+    }
+
+    /// Returns how large an angle of 1 radian is at a distance (metres), where it is smallest.
+    pub(crate) fn metres_per_radian(self, distance_m: f32) -> f32 {
+        let of = |view: &View| view.rays.metres_per_radian(distance_m);
+        self.0[1..].iter().fold(of(self.first()), |least, view| least.min(of(view)))
+    }
+
+    /// Returns about how many pixels a box covers in all views together.
+    pub(crate) fn covered_pixels(self, bounds: &Aabb) -> f32 {
+        self.0.iter().map(|view| covered_pixels(view, bounds)).sum()
+    }
+}
+
+/// The planes of each view that a box still has to be tested against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ViewMasks([PlaneMask; MultiView::MAX]);
+
+impl ViewMasks {
+    /// All planes of all views.
+    pub(crate) const ALL: Self = Self([PlaneMask::ALL; MultiView::MAX]);
+
+    /// Returns true if the box that these masks came from is inside of a view's whole frustum.
+    pub(crate) fn is_inside(self) -> bool {
+        self.0.iter().any(|mask| mask.is_inside())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::geom::camera::{Camera, Projection};
+
+    fn looking(eye: Vec3, forward: Vec3) -> View {
+        let projection = Projection::perspective(std::f32::consts::FRAC_PI_2);
+        let up = if forward.y == 0.0 { Vec3::Y } else { Vec3::X };
+        View::new(&Camera { eye, forward, up, projection, near: 0.1 }, [64, 64], 8)
+    }
+
+    fn cube(centre: Vec3, half: f32) -> Aabb {
+        Aabb::new(centre - half, centre + half)
+    }
+
+    #[test]
+    fn views_of_one_pass_have_one_kind_of_image() {
+        let view = looking(Vec3::ZERO, Vec3::NEG_Z);
+        let count = |count| MultiView::new(&vec![view; count]).map(|_| ());
+        assert_eq!((count(1), count(MultiView::MAX)), (Ok(()), Ok(())));
+        for wrong in [0, MultiView::MAX + 1] {
+            assert_eq!(count(wrong), Err(MultiViewError::Count { count: wrong }));
+        }
+        let unlike = [view, view, View { origin: [1, 0], ..view }];
+        let error = MultiView::new(&unlike).map(|_| ()).unwrap_err();
+        assert_eq!(error, MultiViewError::Unlike { number: 2 });
+    }
+
+    #[test]
+    fn a_box_is_inside_where_one_view_has_it_and_stays_outside_below_a_node_that_is() {
+        let pair = [Vec3::NEG_Z, Vec3::X].map(|forward| looking(Vec3::ZERO, forward));
+        let views = MultiView::new(&pair).unwrap();
+        let ahead = cube(Vec3::NEG_Z * 10.0, 1.0);
+        let (place, masks) = views.classify(&ahead, ViewMasks::ALL);
+        assert_eq!((place, masks.is_inside()), (Containment::Inside, true));
+        // The second view is not asked again.
+        let (place, _) = views.classify(&cube(Vec3::X * 10.0, 1.0), masks);
+        assert_eq!(place, Containment::Inside, "the first has nothing left to ask");
+        assert_eq!(masks.0[1], PlaneMask::OUTSIDE);
+        let behind = views.classify(&cube(Vec3::new(-10.0, 0.0, 10.0), 1.0), ViewMasks::ALL);
+        assert_eq!(behind.0, Containment::Outside);
+    }
+
+    #[test]
+    fn a_proxy_has_the_largest_margin_and_no_view_that_sees_it_cuts_it() {
+        let pair = [Vec3::ZERO, Vec3::Z * 90.0].map(|eye| looking(eye, Vec3::NEG_Z));
+        let views = MultiView::new(&pair).unwrap();
+        let proxy = |bounds: &Aabb| views.proxy(bounds, views.classify(bounds, ViewMasks::ALL).1);
+        let far = cube(Vec3::NEG_Z * 10.0, 1.0);
+        let [near_one, far_one] = pair.map(|view| view.margin.proxy(&far).unwrap());
+        assert!(far_one.contains(&near_one) && far_one != near_one);
+        assert_eq!(proxy(&far), Some(far_one));
+        // At the first eye, though far from the second.
+        assert_eq!(proxy(&cube(Vec3::ZERO, 1.0)), None);
+        // Behind the first, which does not see it.
+        assert!(proxy(&cube(Vec3::Z * 40.0, 1.0)).is_some());
+        // The margin of the second would reach the near plane of the first.
+        let margin = pair[0].margin.distance_m(&far);
+        let close = cube(Vec3::NEG_Z * (1.0 + 0.11 + 4.0 * margin), 1.0);
+        assert!(pair.iter().all(|view| view.margin.proxy(&close).is_some()));
+        assert_eq!(proxy(&close), None);
+    }
+
+    #[test]
+    fn the_nearest_eye_counts() {
+        let pair = [Vec3::ZERO, Vec3::Z * 90.0].map(|eye| looking(eye, Vec3::NEG_Z));
+        for pair in [pair, [pair[1], pair[0]]] {
+            let views = MultiView::new(&pair).unwrap();
+            assert_eq!(views.distance_squared(&cube(Vec3::NEG_Z * 11.0, 1.0)), 100.0);
+        }
+    }
+}
