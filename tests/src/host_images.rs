@@ -14,6 +14,7 @@ pub struct OwnImage {
     pub format: vk::Format,
     /// The usage that it was created with.
     pub usage: vk::ImageUsageFlags,
+    size: [u32; 2],
     memory: vk::DeviceMemory,
 }
 
@@ -29,11 +30,12 @@ impl OwnImage {
     /// Creates an image of one level and layer.
     pub fn new(
         host: &Host,
-        [width, height]: [u32; 2],
+        size: [u32; 2],
         format: vk::Format,
         samples: vk::SampleCountFlags,
         usage: vk::ImageUsageFlags,
     ) -> Self {
+        let [width, height] = size;
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
@@ -69,7 +71,59 @@ impl OwnImage {
                 .format(format)
                 .subresource_range(part);
             let view = host.device.create_image_view(&view, None).unwrap();
-            Self { image, view, format, usage, memory }
+            Self { image, view, format, usage, size, memory }
+        }
+    }
+
+    /// Records its copy to `to`, from the layout of a source of transfers, and back. Of several
+    /// samples per pixel, the mean goes to `resolved` first.
+    pub fn record_copy(
+        &self,
+        host: &Host,
+        commands: vk::CommandBuffer,
+        resolved: Option<&Self>,
+        to: &OwnBuffer,
+    ) {
+        let layers = vk::ImageSubresourceLayers {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            layer_count: 1,
+            ..Default::default()
+        };
+        let [width, height] = self.size;
+        let extent = vk::Extent3D { width, height, depth: 1 };
+        let (read, written) =
+            (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
+        let transfer = vk::PipelineStageFlags::TRANSFER;
+        let none = vk::DependencyFlags::empty();
+        use vk::AccessFlags as A;
+        // SAFETY: the image is in the layout that the caller names, and nobody else uses it.
+        unsafe {
+            let mut image = self.image;
+            if let Some(resolved) = resolved {
+                let change = |layouts: [vk::ImageLayout; 2], accesses: [A; 2]| {
+                    let barrier = change(resolved.image, layouts, accesses);
+                    let (device, all) = (&host.device, [barrier]);
+                    device.cmd_pipeline_barrier(commands, transfer, transfer, none, &[], &[], &all);
+                };
+                let undefined = vk::ImageLayout::UNDEFINED;
+                change([undefined, written], [A::TRANSFER_READ, A::TRANSFER_WRITE]);
+                let region = vk::ImageResolve::default()
+                    .src_subresource(layers)
+                    .dst_subresource(layers)
+                    .extent(extent);
+                let (from, to) = (image, resolved.image);
+                host.device.cmd_resolve_image(commands, from, read, to, written, &[region]);
+                change([written, read], [A::TRANSFER_WRITE, A::TRANSFER_READ]);
+                image = resolved.image;
+            }
+            let region =
+                vk::BufferImageCopy::default().image_subresource(layers).image_extent(extent);
+            host.device.cmd_copy_image_to_buffer(commands, image, read, to.buffer, &[region]);
+            let visible = vk::MemoryBarrier::default()
+                .src_access_mask(A::TRANSFER_WRITE)
+                .dst_access_mask(A::HOST_READ | A::TRANSFER_WRITE);
+            let after = vk::PipelineStageFlags::HOST | transfer;
+            host.device.cmd_pipeline_barrier(commands, transfer, after, none, &[visible], &[], &[]);
         }
     }
 
@@ -121,6 +175,26 @@ impl OwnBuffer {
             host.device.free_memory(self.memory, None);
         }
     }
+}
+
+/// Returns the change of the whole of a colour image.
+fn change(
+    image: vk::Image,
+    [old, new]: [vk::ImageLayout; 2],
+    [before, after]: [vk::AccessFlags; 2],
+) -> vk::ImageMemoryBarrier<'static> {
+    vk::ImageMemoryBarrier::default()
+        .image(image)
+        .old_layout(old)
+        .new_layout(new)
+        .src_access_mask(before)
+        .dst_access_mask(after)
+        .subresource_range(vk::ImageSubresourceRange {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            level_count: 1,
+            layer_count: 1,
+            ..Default::default()
+        })
 }
 
 fn allocate(

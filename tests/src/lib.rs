@@ -5,10 +5,15 @@
 #![allow(clippy::panic, clippy::expect_used, clippy::unwrap_used)]
 
 pub mod counting;
+pub mod host_commands;
 pub mod host_copy;
 pub mod host_device;
 pub mod host_images;
 pub mod host_memory;
+pub mod host_passes;
+#[cfg(feature = "shader-compiler")]
+pub mod host_scene;
+pub mod host_walk;
 pub mod lens;
 pub mod machine;
 #[cfg(feature = "shader-compiler")]

@@ -44,6 +44,11 @@ impl NumberedBoxes {
         self.pipeline = pipeline(device, attachments);
     }
 
+    /// Reads the boxes of other instances from now on.
+    pub fn set_boxes(&mut self, boxes: BufferSlice) {
+        self.boxes = boxes;
+    }
+
     /// Binds everything; draws of leaves follow.
     pub fn bind(&self, commands: &Commands, view: &View) {
         commands.bind(&self.pipeline, &[self.boxes]);

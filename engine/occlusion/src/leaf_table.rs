@@ -7,6 +7,7 @@ mod changes;
 mod counts;
 mod dirty_list;
 mod draw_layout;
+mod upload_frames;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -27,6 +28,7 @@ use dirty_list::DirtyList;
 use draw_layout::{CopiedDraws, MeshDraws};
 pub(crate) use draw_layout::{DrawLayout, draw_range};
 pub use draw_layout::{MeshDraw, MeshDrawId};
+use upload_frames::UploadFrames;
 
 /// The parameters of a table.
 #[derive(Clone, Debug)]
@@ -68,6 +70,7 @@ pub struct LeafTable {
     dirty: DirtyList<LeafIndex>,
     /// Cells whose command or link changed, where leaves have any number.
     dirty_cells: DirtyList<u32>,
+    uploads: UploadFrames,
     /// The disorders of frames that were seen.
     disorders: u64,
 }
@@ -121,6 +124,7 @@ impl LeafTable {
             changes: DrawChanges::new(objects.len()),
             dirty: DirtyList::new(objects.len(), |leaf| leaf.0),
             dirty_cells: DirtyList::new(0, |cell| *cell),
+            uploads: UploadFrames::default(),
             disorders: device.disorders(),
         })
     }
@@ -204,13 +208,14 @@ impl LeafTable {
             }
             self.changes.forget();
         }
-        self.forget_confirmed();
+        self.forget_uploaded();
     }
 
-    fn forget_confirmed(&mut self) {
-        let confirmed = self.device.confirmed();
-        self.dirty.forget(confirmed);
-        self.dirty_cells.forget(confirmed);
+    fn forget_uploaded(&mut self) {
+        let Self { device, uploads, .. } = self;
+        let ran = uploads.newest_run(device.settled(), |frame| device.is_lost(frame));
+        self.dirty.forget(ran);
+        self.dirty_cells.forget(ran);
     }
 
     /// Records the upload of the stale leaves, before anything of `frame` reads them. They stay
@@ -280,7 +285,8 @@ impl LeafTable {
     pub fn submitted(&mut self, tick: Tick) {
         self.dirty.sent(tick);
         self.dirty_cells.sent(tick);
-        self.forget_confirmed();
+        self.uploads.sent(tick);
+        self.forget_uploaded();
     }
 }
 

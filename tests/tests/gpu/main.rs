@@ -29,6 +29,8 @@ mod gpu_layer;
 mod host_device;
 #[cfg(feature = "shader-compiler")]
 mod host_frames;
+#[cfg(feature = "shader-compiler")]
+mod host_scenes;
 mod ideal;
 mod learning;
 mod misuse;

@@ -1,16 +1,16 @@
 //! The knowledge of a device about the frames of its host.
 
 use crate::core::device::Device;
-use crate::core::executions::FrameStamp;
 use crate::core::tick::Tick;
 
 impl Device {
-    /// Returns the newest frame that is known to run after those before it: the newest submit of a
-    /// device with a queue, and of a host's frames the newest one that left its stamp.
-    pub fn confirmed(&self) -> Tick {
+    /// Returns the newest frame of which it is known if it runs, as it is of all before it: the
+    /// newest submit of a device with a queue, and of a host's frames the newest that is over.
+    /// Those that do not run are [lost](Device::is_lost).
+    pub fn settled(&self) -> Tick {
         match self.has_queue() {
             true => self.submitted(),
-            false => self.executions().confirmed(),
+            false => self.proven(self.submitted()),
         }
     }
 
@@ -23,14 +23,5 @@ impl Device {
     /// Returns true for a frame of a host that is over and never ran: it left no answers.
     pub fn is_lost(&self, frame: Tick) -> bool {
         self.executions().is_lost(frame)
-    }
-
-    /// Notes the stamp of a frame of a host that is over. Frames are noted in their order.
-    pub(crate) fn note_execution(&self, frame: Tick, stamp: FrameStamp) {
-        let mut executions = self.executions();
-        executions.note(frame, stamp);
-        if executions.is_lost(frame) {
-            tracing::debug!("frame {} of the host never ran: its answers are ignored", frame.0);
-        }
     }
 }

@@ -148,7 +148,9 @@ impl Device {
     /// Begins the frame `current` of a host, for whom all frames up to `safe` are over on the GPU
     /// or will never be submitted. The former rises, the latter never falls.
     pub(crate) fn host_frame(&self, current: Tick, safe: Tick) -> Result<(), Error> {
-        self.shared.clock.begin_host_frame(current, safe)
+        self.shared.clock.begin_host_frame(current, safe)?;
+        self.executions().settle(safe);
+        Ok(())
     }
 
     /// Notes that all frames of the host are over, and frees what was kept for them. To be called
@@ -162,6 +164,7 @@ impl Device {
     /// [`Error::HasQueue`] on a device that submits by itself: it knows.
     pub unsafe fn host_finished(&self) -> Result<(), Error> {
         self.shared.clock.finish_host_frames()?;
+        self.executions().settle(self.submitted());
         self.free_retired()
     }
 

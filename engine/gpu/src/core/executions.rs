@@ -6,6 +6,7 @@
 //! ran in the order of their numbers.
 
 use std::collections::VecDeque;
+use std::sync::Weak;
 
 use bytemuck::{Pod, Zeroable};
 
@@ -21,12 +22,21 @@ pub(crate) struct FrameStamp {
     pub(crate) predecessor: u64,
 }
 
+/// The memory that a frame leaves its stamp in. It is gone if its owner is: nobody knows then, and
+/// the frame counts as lost.
+pub(crate) trait StampMemory: Send + Sync {
+    /// Returns the stamp of the last frame, which is over or never ran.
+    fn stamp(&self) -> FrameStamp;
+}
+
 /// The most frames that are remembered as lost; all before them count as lost then.
 const LOST_KEPT: usize = 256;
 
 /// The frames that are over, so far as they ran or did not.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(crate) struct Executions {
+    /// Frames of all rings of the device that are not known to be over, in their order.
+    sent: VecDeque<(Tick, Weak<dyn StampMemory>)>,
     /// The newest frame that ran after those before it.
     confirmed: Tick,
     /// Frames that never ran, in their order.
@@ -38,9 +48,23 @@ pub(crate) struct Executions {
 }
 
 impl Executions {
-    /// Notes that `frame` is over, with the `stamp` in its memory. Frames are noted in their order.
-    pub(crate) fn note(&mut self, frame: Tick, stamp: FrameStamp) {
+    /// Notes that `frame` was recorded, and leaves its stamp in `memory` if it runs.
+    pub(crate) fn sent(&mut self, frame: Tick, memory: Weak<dyn StampMemory>) {
+        // Frames that are recorded at once may end in another order.
+        let place = self.sent.partition_point(|(sent, _)| *sent < frame);
+        self.sent.insert(place, (frame, memory));
+    }
+
+    /// Notes that all frames up to `safe` are over.
+    pub(crate) fn settle(&mut self, safe: Tick) {
+        while let Some((frame, memory)) = self.sent.pop_front_if(|(frame, _)| *frame <= safe) {
+            self.note(frame, memory.upgrade().map(|memory| memory.stamp()).unwrap_or_default());
+        }
+    }
+
+    fn note(&mut self, frame: Tick, stamp: FrameStamp) {
         if stamp.frame != frame.0 {
+            tracing::debug!("frame {} of the host never ran: its answers are ignored", frame.0);
             if self.lost.len() == LOST_KEPT {
                 self.forgotten = self.lost.pop_front().unwrap_or(self.forgotten);
             }
@@ -70,6 +94,8 @@ impl Executions {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
 
     fn noted(frames: &[(u64, u64, u64)]) -> Executions {
@@ -99,6 +125,31 @@ mod tests {
         // 4 ran before 3; then 5 ran twice.
         let executions = noted(&[(3, 3, 4), (4, 4, 0), (5, 5, 5)]);
         assert_eq!((executions.confirmed(), executions.disorders()), (Tick(4), 2));
+    }
+
+    #[test]
+    fn frames_of_several_rings_are_settled_in_their_order_and_lost_with_their_memory() {
+        struct Memory(FrameStamp);
+        impl StampMemory for Memory {
+            fn stamp(&self) -> FrameStamp {
+                self.0
+            }
+        }
+        let memory = |frame| Arc::new(Memory(FrameStamp { frame, predecessor: 0 }));
+        let weak = |memory: &Arc<Memory>| Arc::downgrade(memory) as Weak<dyn StampMemory>;
+        let (ran, late, dropped, next) = (memory(3), memory(4), memory(5), memory(6));
+        let mut executions = Executions::default();
+        executions.sent(Tick(4), weak(&late));
+        executions.sent(Tick(3), weak(&ran));
+        executions.sent(Tick(5), weak(&dropped));
+        executions.sent(Tick(6), weak(&next));
+        drop(dropped);
+        executions.settle(Tick(3));
+        assert_eq!(executions.confirmed(), Tick(3));
+        executions.settle(Tick(5));
+        assert_eq!(executions.confirmed(), Tick(4));
+        let lost = [3, 4, 5, 6].map(|frame| executions.is_lost(Tick(frame)));
+        assert_eq!(lost, [false, false, true, false]);
     }
 
     #[test]

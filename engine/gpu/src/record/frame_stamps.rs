@@ -1,11 +1,13 @@
 //! The stamps of a host's frames: each frame writes its number where the CPU reads it later, and
 //! the number of the frame that ran before.
 
+use std::sync::Arc;
+
 use ash::vk;
 
 use crate::core::device::Device;
 use crate::core::error::Error;
-use crate::core::executions::FrameStamp;
+use crate::core::executions::{FrameStamp, StampMemory};
 use crate::core::tick::Tick;
 use crate::memory::buffer::{Buffer, MemoryKind};
 use crate::record::access::{Access, MemoryBarrier};
@@ -15,8 +17,16 @@ use crate::record::commands::Commands;
 pub(super) struct FrameStamps {
     /// The number of the frame that ran last.
     newest: Buffer,
-    /// One [`FrameStamp`] per slot.
-    slots: Vec<Buffer>,
+    slots: Vec<Arc<SlotStamp>>,
+}
+
+/// The [`FrameStamp`] of a slot's last frame. The device reads it when that frame is over.
+struct SlotStamp(Buffer);
+
+impl StampMemory for SlotStamp {
+    fn stamp(&self) -> FrameStamp {
+        self.0.read(0..1).first().copied().unwrap_or_default()
+    }
 }
 
 impl FrameStamps {
@@ -32,17 +42,19 @@ impl FrameStamps {
             let (name, bytes) = (format!("frame stamp {slot}"), size_of::<FrameStamp>() as u64);
             let mut stamp = Buffer::new(device, &name, bytes, usage, MemoryKind::ReadBack)?;
             stamp.bytes_mut().fill(0);
-            Ok(stamp)
+            Ok(Arc::new(SlotStamp(stamp)))
         };
         Ok(Self { newest, slots: (0..slots).map(slot).collect::<Result<_, _>>()? })
     }
 
-    /// Writes the stamp of `frame`, the last commands of a frame.
-    pub(super) fn record(&self, commands: &Commands, slot: usize, frame: Tick) {
-        let Some(stamp) = self.slots.get(slot) else { return };
+    /// Writes the stamp of `frame`, the last commands of a frame, and tells the device where.
+    pub(super) fn record(&self, device: &Device, commands: &Commands, slot: usize, frame: Tick) {
+        let Some(slot) = self.slots.get(slot) else { return };
+        let memory: Arc<dyn StampMemory> = Arc::clone(slot) as _;
+        device.executions().sent(frame, Arc::downgrade(&memory));
         let number_bytes = size_of::<u64>() as u64;
         let [number, predecessor] =
-            [0, number_bytes].map(|offset| stamp.whole().part(offset, number_bytes));
+            [0, number_bytes].map(|offset| slot.0.whole().part(offset, number_bytes));
         let copies = [Access::CopyRead, Access::CopyWrite];
         // The stamps of the frame that runs before this one.
         commands.barrier(MemoryBarrier::between(&copies, &copies));
@@ -51,11 +63,5 @@ impl FrameStamps {
         commands.write(self.newest.whole(), &frame.0);
         commands.write(number, &frame.0);
         commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
-    }
-
-    /// Returns the stamp of the slot's last frame, which is over or never ran.
-    pub(super) fn read(&self, slot: usize) -> FrameStamp {
-        let stamp = self.slots.get(slot).map_or(&[][..], |stamp| stamp.read(0..1));
-        stamp.first().copied().unwrap_or_default()
     }
 }

@@ -203,30 +203,11 @@ impl FrameRing {
             let slots = self.slots.len();
             return Err(Error::TooManyFrames { current: current.0, used: used.0, slots });
         }
-        let over = self.device.completed()?;
         self.device.host_frame(current, safe)?;
-        self.note_executions(over, safe);
         let mut frame = self.restart(Some(commands), Duration::ZERO)?;
         frame.current = Some(current);
         frame.record_pending_uploads(current);
         Ok(frame)
-    }
-
-    /// Reads the stamps of the frames after `over`, up to `safe`.
-    fn note_executions(&mut self, over: Tick, safe: Tick) {
-        let Some(stamps) = &self.stamps else { return };
-        // The ring goes through its slots in the order of frames: the next slot is the oldest.
-        for step in 0..self.slots.len() {
-            let place = (self.next + step) % self.slots.len();
-            let slot = &mut self.slots[place];
-            if slot.tick > over && slot.tick <= safe {
-                self.device.note_execution(slot.tick, stamps.read(place));
-                if self.device.is_lost(slot.tick) {
-                    slot.is_timed = false;
-                    slot.whole.forget();
-                }
-            }
-        }
     }
 
     fn restart(
@@ -242,6 +223,10 @@ impl FrameRing {
             false => SlotTiming::Untimed,
         };
         self.begun += 1;
+        if self.device.is_lost(self.slots[index].tick) {
+            self.slots[index].is_timed = false;
+            self.slots[index].whole.forget();
+        }
         self.slots[index].restart(recording.number, timing, hosts)?;
         let slot = SlotIndex(index);
         Ok(Frame { ring: self, slot, current: None, waited, waits: 0, _recording: recording })
@@ -353,7 +338,7 @@ impl Frame<'_> {
         let slot = &mut self.ring.slots[self.slot.0];
         slot.commands.check()?;
         if let Some(stamps) = &self.ring.stamps {
-            stamps.record(&slot.commands, self.slot.0, current);
+            stamps.record(&self.ring.device, &slot.commands, self.slot.0, current);
         }
         slot.commands.submitted(current);
         slot.tick = current;
@@ -364,7 +349,7 @@ impl Frame<'_> {
     /// Records the uploads that no earlier frame is known to have done.
     fn record_pending_uploads(&self, current: Tick) {
         let (device, commands) = (&self.ring.device, self.commands());
-        let confirmed = device.confirmed();
+        let confirmed = device.executions().confirmed();
         let mut copies = 0;
         let copy = |upload: &PendingUpload| {
             if copies == 0 {

@@ -67,11 +67,11 @@ impl<T> DirtyList<T> {
         }
     }
 
-    /// Drops those whose newest change is in a frame up to `confirmed`.
-    pub(super) fn forget(&mut self, confirmed: Tick) {
+    /// Drops those whose newest change is in a frame up to `ran`.
+    pub(super) fn forget(&mut self, ran: Tick) {
         let Self { items, uploaded_in, number } = self;
         items.retain(|item| match uploaded_in.get_mut(number(item) as usize) {
-            Some(UploadFrame::Sent(tick)) if *tick > confirmed => true,
+            Some(UploadFrame::Sent(tick)) if *tick > ran => true,
             Some(UploadFrame::Next) => true,
             Some(over) => {
                 *over = UploadFrame::Past;

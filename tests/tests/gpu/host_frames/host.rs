@@ -7,7 +7,7 @@ use ash::vk;
 use cull::{
     Aabb, Camera, CullConfig, Culler, DepthConvention, Hierarchy, ObjectId, Projection, Strategy,
 };
-use glam::{Vec3, vec3};
+use glam::Vec3;
 use gpu::{
     Attachments, Device, FrameNumbers, FrameRing, IndirectDraw, NearDepth, Predication, Purpose,
     Tick,
@@ -19,6 +19,8 @@ use occlusion::{
 use tests::Driver;
 use tests::host_device::Host;
 use tests::host_images::{OwnBuffer, OwnImage};
+use tests::host_passes::OwnPasses;
+use tests::host_walk::{boxes, camera};
 use tests::lens::Lens;
 use tests::numbered_boxes::BOX_INDICES;
 use tests::walk::pixels_that_differ;
@@ -110,30 +112,6 @@ pub struct HostLoop<'a> {
     late: Option<(vk::CommandBuffer, vk::Fence)>,
 }
 
-/// Returns a wall, and a thousand boxes behind it of which those at its edge show.
-pub fn boxes() -> Vec<Aabb> {
-    let wall = Aabb::new(vec3(-4.0, -3.0, -6.0), vec3(4.0, 3.0, -5.5));
-    let small = (0..1_000).map(|number| {
-        let [x, y, z] = [number % 20, number / 20 % 10, number / 200].map(|part| part as f32);
-        let low = vec3(x * 0.7 - 7.0, y * 0.7 - 3.5, -12.0 - z * 1.3 - 0.01 * x);
-        Aabb::new(low, low + Vec3::splat(0.45))
-    });
-    std::iter::once(wall).chain(small).collect()
-}
-
-/// Returns the camera of a frame: it moves, and jumps to another side of the wall at times.
-pub fn camera(frame: u64) -> Camera {
-    let side = (frame / 6 % 3) as f32 - 1.0;
-    let eye = vec3(side * 9.0 + frame as f32 * 0.08, 0.0, 3.0);
-    Camera {
-        eye,
-        forward: Vec3::NEG_Z,
-        up: Vec3::Y,
-        projection: Projection::perspective(0.9),
-        near: 0.1,
-    }
-}
-
 /// Draws the walk with and without culling, and compares the image of every frame that ran.
 pub fn compare(driver: Driver, options: &HostOptions, submits: impl Fn(u64) -> Submits) -> Draws {
     let host = Host::new(driver, Purpose::Executor);
@@ -193,7 +171,7 @@ impl<'a> HostLoop<'a> {
             DepthConvention::Standard => NearDepth::Zero,
         };
         let images = (&colour, &depth, samples, near_depth);
-        let mut objects = boxes_of(host, &device, images, &leaves);
+        let mut objects = boxes_of(&device, images, &leaves);
         if passes == Passes::Host {
             objects.take_passes(host, &device, [&colour, &depth]);
         }
@@ -350,60 +328,7 @@ impl<'a> HostLoop<'a> {
     fn copy_image(&mut self, raw: vk::CommandBuffer) {
         let [width, height] = SIZE;
         let buffer = OwnBuffer::new(self.host, u64::from(width * height * 4));
-        let layers = vk::ImageSubresourceLayers {
-            aspect_mask: vk::ImageAspectFlags::COLOR,
-            layer_count: 1,
-            ..Default::default()
-        };
-        let extent = vk::Extent3D { width, height, depth: 1 };
-        let device = &self.host.device;
-        let (from, to) =
-            (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
-        let whole = vk::ImageSubresourceRange {
-            aspect_mask: vk::ImageAspectFlags::COLOR,
-            level_count: 1,
-            layer_count: 1,
-            ..Default::default()
-        };
-        let change = |image, old, new, access: [vk::AccessFlags; 2]| {
-            vk::ImageMemoryBarrier::default()
-                .image(image)
-                .old_layout(old)
-                .new_layout(new)
-                .src_access_mask(access[0])
-                .dst_access_mask(access[1])
-                .subresource_range(whole)
-        };
-        let transfer = vk::PipelineStageFlags::TRANSFER;
-        let none = vk::DependencyFlags::empty();
-        use vk::AccessFlags as A;
-        // SAFETY: the images are in the states that the engine was told to leave them in.
-        unsafe {
-            let mut image = self.colour.image;
-            if let Some(resolved) = &self.resolved {
-                let undefined = vk::ImageLayout::UNDEFINED;
-                let accesses = [A::TRANSFER_READ, A::TRANSFER_WRITE];
-                let fresh = change(resolved.image, undefined, to, accesses);
-                device.cmd_pipeline_barrier(raw, transfer, transfer, none, &[], &[], &[fresh]);
-                let region = vk::ImageResolve::default()
-                    .src_subresource(layers)
-                    .dst_subresource(layers)
-                    .extent(extent);
-                device.cmd_resolve_image(raw, image, from, resolved.image, to, &[region]);
-                let accesses = [A::TRANSFER_WRITE, A::TRANSFER_READ];
-                let read = change(resolved.image, to, from, accesses);
-                device.cmd_pipeline_barrier(raw, transfer, transfer, none, &[], &[], &[read]);
-                image = resolved.image;
-            }
-            let region =
-                vk::BufferImageCopy::default().image_subresource(layers).image_extent(extent);
-            device.cmd_copy_image_to_buffer(raw, image, from, buffer.buffer, &[region]);
-            let visible = vk::MemoryBarrier::default()
-                .src_access_mask(A::TRANSFER_WRITE)
-                .dst_access_mask(A::HOST_READ | A::TRANSFER_WRITE);
-            let host = vk::PipelineStageFlags::HOST | transfer;
-            device.cmd_pipeline_barrier(raw, transfer, host, none, &[visible], &[], &[]);
-        }
+        self.colour.record_copy(self.host, raw, self.resolved.as_ref(), &buffer);
         self.images.push(buffer);
     }
 
@@ -427,11 +352,8 @@ impl<'a> HostLoop<'a> {
         unsafe {
             host.device.destroy_command_pool(pool, None);
             fences.iter().for_each(|fence| host.device.destroy_fence(*fence, None));
-            host.device.destroy_framebuffer(objects.framebuffer, None);
-            for pass in objects.passes.iter().flatten() {
-                host.device.destroy_render_pass(*pass, None);
-            }
         }
+        objects.passes.into_iter().for_each(OwnPasses::destroy);
         [colour, depth].into_iter().chain(resolved).for_each(|image| image.destroy(host));
         images.into_iter().for_each(|image| image.destroy(host));
     }

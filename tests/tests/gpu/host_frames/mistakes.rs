@@ -6,8 +6,9 @@ use gpu::{Attachments, Error, Purpose, vk};
 use occlusion::{OcclusionPasses, ShaderSet};
 use tests::Driver;
 use tests::host_device::Host;
+use tests::host_walk::camera;
 
-use super::host::{HostLoop, HostOptions, Submits, camera};
+use super::host::{HostLoop, HostOptions, Submits};
 
 #[test]
 fn numbers_that_cannot_be_are_refused_and_change_nothing() {

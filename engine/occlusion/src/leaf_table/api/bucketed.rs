@@ -8,6 +8,7 @@ use super::super::changes::DrawChanges;
 use super::super::counts::LeafCounts;
 use super::super::dirty_list::DirtyList;
 use super::super::draw_layout::DrawLayout;
+use super::super::upload_frames::UploadFrames;
 use super::super::{LeafTable, LeafTableId};
 use crate::error::{BucketError, Error};
 use crate::passes::ProxyBox;
@@ -53,6 +54,7 @@ impl LeafTable {
             changes: DrawChanges::new(draw_capacity as usize),
             dirty: DirtyList::new(leaf_count, |leaf| leaf.0),
             dirty_cells: DirtyList::new(draw_capacity as usize, |cell| *cell),
+            uploads: UploadFrames::default(),
             disorders: device.disorders(),
         };
         table.count_all(leaf_count);
