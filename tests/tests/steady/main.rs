@@ -6,6 +6,8 @@
     reason = "a test fails by panicking"
 )]
 
+#[cfg(feature = "shader-compiler")]
+mod host;
 mod renderer;
 mod swapchain;
 
