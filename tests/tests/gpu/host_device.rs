@@ -350,4 +350,10 @@ const _: () = {
     is_send::<gpu::Predicates>();
     is_send::<Renderer>();
     is_send::<render::ViewState>();
+    is_send_and_sync::<cull::Hierarchy>();
+    is_send_and_sync::<cull::Culler>();
+    is_send::<occlusion::HostScene>();
+    is_send::<occlusion::LeafTable>();
+    is_send::<occlusion::VisibilityState>();
+    is_send::<occlusion::TransparentList>();
 };
