@@ -1,39 +1,21 @@
-// The leaf-box pass: the front faces of the proxy of a leaf, enlarged here as `cull::Margin` does
-// it.
+// The leaf-box pass: the front faces of the proxy of a leaf.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "box.glsl"
+#include "leaf_box.glsl"
 
 layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
 
 layout(push_constant) uniform Constants {
     mat4 view_proj;
     vec4 eye;    // in homogeneous coordinates
-    vec4 row_w;  // the clip coordinate w of a point relative to the eye
-    vec2 margin; // how far a proxy reaches beyond its box where w is 1, and anywhere, in metres
+    vec4 row_w;
+    vec2 margin;
 };
 
 layout(location = 0) flat out uint leaf;
 
-// The error of rounding that differs from the CPU's, as a share of the distance.
-const float CAUTION = 1.0 + 1.0 / 65536.0;
-
 void main() {
-    Box box = boxes[gl_InstanceIndex];
     leaf = gl_InstanceIndex;
-    // A leaf without an object has a box turned inside out: it is drawn nowhere.
-    if (box.low.x > box.high.x) {
-        gl_Position = vec4(2.0, 2.0, 0.0, 1.0);
-        return;
-    }
-    vec3 centre = 0.5 * (box.low.xyz + box.high.xyz);
-    vec3 half_extent = 0.5 * (box.high.xyz - box.low.xyz);
-    // At the farthest corner.
-    float w = dot(row_w.xyz, centre - eye.xyz) + row_w.w + dot(abs(row_w.xyz), half_extent);
-    vec3 largest = max(abs(box.low.xyz), abs(box.high.xyz));
-    // 16 times the rounding of a coordinate, as on the CPU.
-    float slack = max(1.9073486e-6 * max(largest.x, max(largest.y, largest.z)), margin.y);
-    float distance = CAUTION * (margin.x * w + slack);
-    gl_Position = box_vertex(box.low.xyz - distance, box.high.xyz + distance, eye, view_proj,
-                             gl_VertexIndex);
+    gl_Position =
+        leaf_box_vertex(boxes[gl_InstanceIndex], view_proj, eye, row_w, margin, gl_VertexIndex);
 }

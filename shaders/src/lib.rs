@@ -36,14 +36,19 @@ pub const PREDICATE_COUNTS: Shader = shader!("predicate_counts.comp");
 /// (`gpu::Predication::Instances`).
 pub const PREDICATE_INSTANCES: Shader = shader!("predicate_instances.comp");
 
+/// The compute stage that adds the results of a query in the views of a rendering.
+pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
+
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 26] = [
+pub const PASSES: [Shader; 28] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
     shader!("proxy.frag"),
+    shader!("proxy_multiview.vert"),
     shader!("leaf_box.vert"),
     shader!("leaf_box.frag"),
+    shader!("leaf_box_multiview.vert"),
     shader!("overlay.vert"),
     shader!("overlay.frag"),
     shader!("wireframe.frag"),

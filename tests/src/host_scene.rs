@@ -343,6 +343,7 @@ fn images_of(host: &Host, device: &Device, options: &BoxOptions) -> HostTarget {
         colours: &[fresh(&colour, copied, Some(copied))],
         samples,
         near_depth: NearDepth::One,
+        views: 1,
         size: SIZE,
     };
     // SAFETY: the images live until all frames are over, and nothing else uses them in between.

@@ -25,6 +25,8 @@ pub struct NumberedBoxes {
     pipeline: GraphicsPipeline,
     boxes: BufferSlice,
     indices: Buffer,
+    /// The constants of the views, where several are drawn at once.
+    eyes: Option<Buffer>,
 }
 
 impl NumberedBoxes {
@@ -36,6 +38,7 @@ impl NumberedBoxes {
             pipeline: pipeline(device, attachments),
             boxes: leaves.boxes(),
             indices: device.upload("box indices", &indices, usage).unwrap(),
+            eyes: None,
         }
     }
 
@@ -49,11 +52,31 @@ impl NumberedBoxes {
         self.boxes = boxes;
     }
 
+    /// Takes the views that are drawn at once from the next frame on, for a pipeline of so many.
+    pub fn take_views(&mut self, device: &Device, views: &[View]) {
+        // As `eye.glsl` has it; the shader reads no more.
+        let eye = |view: &View| {
+            let mut eye = [0.0_f32; 28];
+            eye[..16].copy_from_slice(&view.view_proj.to_cols_array());
+            eye[16..20].copy_from_slice(&view.rays.eye().to_array());
+            eye
+        };
+        let eyes: Vec<_> = views.iter().map(eye).collect();
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        self.eyes = Some(device.upload("eyes", &eyes, usage).unwrap());
+    }
+
     /// Binds everything; draws of leaves follow.
     pub fn bind(&self, commands: &Commands, view: &View) {
-        commands.bind(&self.pipeline, &[self.boxes]);
+        match &self.eyes {
+            Some(eyes) => commands.bind(&self.pipeline, &[self.boxes, self.boxes, eyes.whole()]),
+            None => commands.bind(&self.pipeline, &[self.boxes]),
+        }
         // The shader makes up its vertices: any vertex buffer does.
         commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
+        if self.eyes.is_some() {
+            return;
+        }
         let mut constants = [0.0; 20];
         constants[..16].copy_from_slice(&view.view_proj.to_cols_array());
         constants[16..].copy_from_slice(&view.rays.eye().to_array());
@@ -68,13 +91,18 @@ fn pipeline(device: &Device, attachments: Attachments) -> GraphicsPipeline {
     let fragment = gpu::compile(&file).unwrap();
     std::fs::remove_file(file).unwrap();
     let shaders = ShaderSet::embedded().unwrap();
+    let (vertex, buffers, push_bytes) = match attachments.views {
+        1 => ("proxy.vert", 1, 80),
+        _ => ("proxy_multiview.vert", 3, 0),
+    };
+    let storage = StorageLayout { buffers, push_bytes, ..Default::default() };
     let info = GraphicsPipelineInfo {
         fragment: Some(&fragment),
-        storage: StorageLayout { buffers: 1, push_bytes: 80, ..Default::default() },
+        storage,
         depth: DepthMode::TestAndWrite,
         blend: Blend::Opaque,
         attachments,
-        ..GraphicsPipelineInfo::of("numbered boxes", shaders.find("proxy.vert").unwrap())
+        ..GraphicsPipelineInfo::of("numbered boxes", shaders.find(vertex).unwrap())
     };
     GraphicsPipeline::new(device, &info).unwrap()
 }

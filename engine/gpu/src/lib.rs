@@ -123,7 +123,7 @@ pub use crate::record::render_target::{Load, RenderTarget};
 pub use crate::record::shader::Spirv;
 #[cfg(feature = "shader-compiler")]
 pub use crate::record::shader::compile;
-pub use crate::record::target::Target;
+pub use crate::record::target::{Target, VIEWS_MAX};
 pub use crate::record::timing::{FrameTime, PassTime};
 pub use crate::record::viewport::Viewport;
 pub use ash::{self, Entry, vk};

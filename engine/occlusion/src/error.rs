@@ -25,6 +25,9 @@ pub enum Error {
     /// A target that the passes were not compiled for.
     #[error(transparent)]
     Attachments(#[from] WrongAttachments),
+    /// A target that does not fit the plan.
+    #[error(transparent)]
+    Target(#[from] TargetError),
     /// A request for shaders that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
@@ -80,4 +83,24 @@ pub struct WrongAttachments {
     pub passes: Box<gpu::Attachments>,
     /// Those of the target.
     pub target: Box<gpu::Attachments>,
+}
+
+/// An error about a plan and the target that it is drawn to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TargetError {
+    /// Several views at once and a target of another number, or of none.
+    #[error(
+        "{views} views are drawn at once to a target of {target}: compile `OcclusionPasses` for a target with a layer per view"
+    )]
+    Views {
+        /// The views of the plan.
+        views: usize,
+        /// The views of the target's attachments.
+        target: u32,
+    },
+    /// A plan with tests by compute shader, and a depth that cannot be copied.
+    #[error(
+        "the plan has tests by compute shader, and the depth of the target cannot be copied: create the `Culler` with `PlanExecutor::testers`"
+    )]
+    CannotCopyDepth,
 }

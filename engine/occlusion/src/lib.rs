@@ -79,7 +79,7 @@ mod visible_draws;
 
 pub use costs::calibration::{CalibrationScene, Costs, PATCH_TRIANGLES, cost_table, measure};
 pub use costs::frame_times::FrameTimes;
-pub use error::{BucketError, CannotCount, Error, WrongAttachments};
+pub use error::{BucketError, CannotCount, Error, TargetError, WrongAttachments};
 pub use execution::execute;
 pub use executor::PlanExecutor;
 pub use host_scene::{HostObject, HostScene};
@@ -96,8 +96,8 @@ pub use object_renderer::{
 };
 pub use outcomes::{FrameOutcome, Outcomes};
 pub use passes::{
-    ComputeTest, ComputeTestIo, LeafBoxIo, LeafBoxPass, LeafLinks, OcclusionPasses, ProxyBox,
-    ProxyConstants, ProxyIo, ProxyPass, ScatterIo, ScatterPass,
+    ComputeTest, ComputeTestIo, EyeConstants, LeafBoxIo, LeafBoxPass, LeafLinks, OcclusionPasses,
+    ProxyBox, ProxyConstants, ProxyEyes, ProxyIo, ProxyPass, ScatterIo, ScatterPass,
 };
 pub use planned::PlannedMethod;
 pub use rect::Rect;

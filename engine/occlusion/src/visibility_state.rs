@@ -5,7 +5,7 @@ use std::any::Any;
 
 use cull::{
     Answer, Corrections, CostModel, Culler, FrameContents, FrameId, FramePlan, Generation,
-    Hierarchy, LeafIndex, LeafList, LeafRange, ResultReader, Strategy, View,
+    Hierarchy, LeafIndex, LeafList, LeafRange, MultiView, ResultReader, Strategy, View,
 };
 use gpu::{
     Counting, Device, DrawRange, EnabledLeaves, FlagRing, Frame, FrameTime, LeafDrawRing,
@@ -177,10 +177,16 @@ impl VisibilityState {
         self.outcomes.take()
     }
 
-    /// Begins the newest plan in the rings of `frame`.
-    pub(crate) fn begin(&mut self, frame: &mut Frame<'_>, leaves: &LeafTable) -> Result<(), Error> {
+    /// Begins the newest plan in the rings of `frame`, for so many views at once.
+    pub(crate) fn begin(
+        &mut self,
+        frame: &mut Frame<'_>,
+        leaves: &LeafTable,
+        views: u32,
+    ) -> Result<(), Error> {
         self.follow_draws(leaves);
         let Self { rings, layout, plan, generation, .. } = self;
+        rings.queries.set_views(views)?;
         rings.queries.set_counting(match plan.sample_threshold {
             0 => Counting::Some,
             _ => Counting::Samples,
@@ -256,15 +262,15 @@ impl VisibilityState {
         frames.map(move |frame| now.saturating_sub(frame))
     }
 
-    /// Plans the next frame and lays out its tests.
-    pub fn plan_frame(
+    /// Plans the next frame of a view, or of several drawn at once, and lays out its tests.
+    pub fn plan_frame<'v>(
         &mut self,
         hierarchy: &Hierarchy,
         leaves: &LeafTable,
         strategy: Strategy,
-        (view, query_budget): (&View, usize),
+        (views, query_budget): (impl Into<MultiView<'v>>, usize),
     ) {
-        self.culler.plan(hierarchy, strategy, view, query_budget, &mut self.plan);
+        self.culler.plan(hierarchy, strategy, views, query_budget, &mut self.plan);
         self.generation = hierarchy.generation();
         self.layout.lay_out(&self.plan, leaves);
     }

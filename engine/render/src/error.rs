@@ -185,6 +185,9 @@ pub enum Error {
     /// A target that the passes were not compiled for.
     #[error(transparent)]
     Attachments(#[from] occlusion::WrongAttachments),
+    /// A target that does not fit the plan.
+    #[error(transparent)]
+    Target(#[from] occlusion::TargetError),
     /// A request for shaders that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
@@ -200,6 +203,7 @@ impl From<occlusion::Error> for Error {
             occlusion::Error::CannotCount(error) => Self::CannotCount(error),
             occlusion::Error::Buckets(error) => Self::Buckets(error),
             occlusion::Error::Attachments(error) => Self::Attachments(error),
+            occlusion::Error::Target(error) => Self::Target(error),
             occlusion::Error::ForeignView => Self::ForeignRenderer { thing: FOREIGN_VIEW },
             occlusion::Error::NoShaderCompiler(folder) => Self::NoShaderCompiler(folder),
         }

@@ -89,6 +89,7 @@ impl From<render::Error> for RunError {
             | render::Error::StandardDepth
             | render::Error::Buckets(_)
             | render::Error::Attachments(_)
+            | render::Error::Target(_)
             | render::Error::ForeignRenderer { .. }
             | render::Error::ForeignHierarchy { .. }
             | render::Error::ImageSize { .. }

@@ -35,6 +35,7 @@ mod ideal;
 mod learning;
 mod misuse;
 mod moving;
+mod multiview;
 mod object_pairs;
 mod other_engines;
 mod pick;

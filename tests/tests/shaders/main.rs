@@ -22,7 +22,8 @@ const REGENERATE: &str = "run `cargo --config ci/shaderc-debian.toml run -p antu
     --features shader-compiler --example compile_shaders` and commit what it writes";
 
 /// The shaders that `gpu` embeds for itself.
-const OF_GPU: [Shader; 2] = [shaders::PREDICATE_COUNTS, shaders::PREDICATE_INSTANCES];
+const OF_GPU: [Shader; 3] =
+    [shaders::PREDICATE_COUNTS, shaders::PREDICATE_INSTANCES, shaders::SUM_QUERIES];
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shaders")

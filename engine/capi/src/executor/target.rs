@@ -148,6 +148,7 @@ impl AntumbraAttachments {
             depth: self.depth_format,
             samples: self.samples,
             near_depth: near_depth(self.depth)?,
+            views: 1,
             pass: has_pass
                 .then_some(HostPass { render_pass: self.render_pass, subpass: self.subpass }),
         })
@@ -200,6 +201,7 @@ impl CachedTarget {
                 colours: &all,
                 samples: attachments.samples,
                 near_depth: attachments.near_depth,
+                views: attachments.views,
                 size,
             };
             // SAFETY: the caller's promise.

@@ -113,6 +113,8 @@ pub enum Optional {
     Timestamps,
     /// Fragment shaders that write to storage buffers.
     FragmentStores,
+    /// Renderings of several views at once, each to a layer of the image.
+    Multiview,
     /// Triangles drawn as their edges.
     Wireframe,
     /// Textures that stay sharp at grazing angles.
@@ -132,12 +134,13 @@ pub enum Optional {
 
 impl Optional {
     /// All optional capabilities.
-    pub const ALL: [Optional; 12] = [
+    pub const ALL: [Optional; 13] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
         Optional::Timestamps,
         Optional::FragmentStores,
+        Optional::Multiview,
         Optional::Wireframe,
         Optional::Anisotropy,
         Optional::CalibratedTimestamps,
@@ -155,6 +158,7 @@ impl Optional {
             Optional::PreciseQueries => "occlusionQueryPrecise",
             Optional::Timestamps => "timestamps",
             Optional::FragmentStores => "fragmentStoresAndAtomics",
+            Optional::Multiview => "multiview",
             Optional::Wireframe => "fillModeNonSolid",
             Optional::Anisotropy => "samplerAnisotropy",
             Optional::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
@@ -172,7 +176,8 @@ impl Optional {
             | Optional::DrawIndirectCount
             | Optional::PreciseQueries
             | Optional::Timestamps
-            | Optional::FragmentStores => true,
+            | Optional::FragmentStores
+            | Optional::Multiview => true,
             _ => purpose == Purpose::Renderer,
         }
     }
@@ -185,6 +190,7 @@ impl Optional {
             Optional::DrawIndirectCount => Features { draw_indirect_count: true, ..none },
             Optional::PreciseQueries => Features { occlusion_query_precise: true, ..none },
             Optional::FragmentStores => Features { fragment_stores_and_atomics: true, ..none },
+            Optional::Multiview => Features { multiview: true, ..none },
             Optional::Wireframe => Features { fill_mode_non_solid: true, ..none },
             Optional::Anisotropy => Features { sampler_anisotropy: true, ..none },
             Optional::PresentFences => Features { swapchain_maintenance1: true, ..none },

@@ -57,6 +57,9 @@ features! {
         fill_mode_non_solid "fillModeNonSolid"
         sampler_anisotropy "samplerAnisotropy"
     }
+    vulkan_11 {
+        multiview "multiview"
+    }
     vulkan_12 {
         timeline_semaphore "timelineSemaphore"
         draw_indirect_count "drawIndirectCount"
@@ -91,6 +94,8 @@ impl Features {
 pub struct FeatureStructures {
     /// The features of Vulkan 1.0.
     pub core: vk::PhysicalDeviceFeatures,
+    /// Those of Vulkan 1.1.
+    pub vulkan_11: vk::PhysicalDeviceVulkan11Features<'static>,
     /// Those of Vulkan 1.2.
     pub vulkan_12: vk::PhysicalDeviceVulkan12Features<'static>,
     /// Those of Vulkan 1.3.
@@ -112,6 +117,7 @@ impl FeatureStructures {
         let has = |name: &CStr| extensions.contains(&name);
         let mut chain = vk::PhysicalDeviceFeatures2::default()
             .features(self.core)
+            .push_next(&mut self.vulkan_11)
             .push_next(&mut self.vulkan_12)
             .push_next(&mut self.vulkan_13);
         if has(ext::conditional_rendering::NAME) {

@@ -24,17 +24,33 @@ impl Image {
         device: &Device,
         name: &str,
         size: [u32; 2],
+        formats: [vk::Format; 2],
+        usage: vk::ImageUsageFlags,
+        aspect: vk::ImageAspectFlags,
+    ) -> Result<Self, Error> {
+        Self::layered(device, name, (size, 1), formats, usage, aspect)
+    }
+
+    /// Creates the same with so many layers, within the device's limits. The view is that of an
+    /// array if they are more than one.
+    pub(crate) fn layered(
+        device: &Device,
+        name: &str,
+        (size, layers): ([u32; 2], u32),
         [format, view_format]: [vk::Format; 2],
         usage: vk::ImageUsageFlags,
         aspect: vk::ImageAspectFlags,
     ) -> Result<Self, Error> {
         let formats = [format, view_format];
         let mut list = vk::ImageFormatListCreateInfo::default().view_formats(&formats);
-        let mut info = plain_image(format, size, [1, 1]).usage(usage);
+        let mut info = plain_image(format, size, [1, layers]).usage(usage);
         if format != view_format {
             info = info.flags(vk::ImageCreateFlags::MUTABLE_FORMAT).push_next(&mut list);
         }
-        let view = plain_view(view_format, aspect, [1, 1]);
+        let mut view = plain_view(view_format, aspect, [1, layers]);
+        if layers > 1 {
+            view = view.view_type(vk::ImageViewType::TYPE_2D_ARRAY);
+        }
         Self::with_view(device, name, &info, view)
     }
 

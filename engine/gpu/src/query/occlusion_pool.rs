@@ -45,6 +45,11 @@ impl OcclusionPool {
         Ok(Self { device: device.clone(), raw, capacity })
     }
 
+    /// Returns the number of its queries.
+    pub(crate) fn capacity(&self) -> u32 {
+        self.capacity
+    }
+
     /// Resets the first `count` queries. Outside of rendering; the tick of the frame that used them
     /// before is over.
     pub(crate) fn reset(&self, commands: &Commands, count: u32) {

@@ -8,19 +8,24 @@
 
 use std::ops::Range;
 
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+
 use crate::core::capabilities::Optional;
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::ownership::{OfDevice, OwnerId};
 use crate::core::tick::Tick;
-use crate::memory::buffer::BufferSlice;
+use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 use crate::query::occlusion_pool::{Counting, OcclusionPool, QueryIndex, check_recorded};
 use crate::query::recorded_queries::RecordedQueries;
 use crate::query::result_buffer::{RESULT_BYTES, ResultBuffer};
 use crate::query::ring::Ring;
-use crate::record::access::Access;
+use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;
 use crate::record::frames::Frame;
+use crate::record::pipeline::{ComputePipeline, StorageLayout};
+use crate::record::shader::Spirv;
 
 /// A ring of occlusion queries over the frames in flight. Each carries a tag `T` and returns it
 /// with its result; the ring does not look into it.
@@ -31,13 +36,31 @@ pub struct QueryRing<T> {
     recorded: RecordedQueries,
     name: String,
     counting: Counting,
+    /// The views of the renderings that the queries are recorded in.
+    views: u32,
+    /// The pass that adds the results of all views, made when there are several.
+    sum: Option<ComputePipeline>,
 }
 
 /// The Vulkan side of a slot.
 struct Queries {
     pool: OcclusionPool,
     results: ResultBuffer,
+    /// One result per query and view, where there are several views.
+    of_views: Option<Buffer>,
 }
+
+/// The push constants of `sum_queries.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Sum {
+    first: u32,
+    count: u32,
+    views: u32,
+}
+
+/// Queries per workgroup of `sum_queries.comp`.
+const SUM_GROUP: u32 = 64;
 
 impl<T> OfDevice for QueryRing<T> {
     const KIND: &'static str = "a query ring (`QueryRing`)";
@@ -59,12 +82,30 @@ impl<T: Copy> QueryRing<T> {
             recorded: RecordedQueries::default(),
             name: name.to_owned(),
             counting: Counting::Some,
+            views: 1,
+            sum: None,
         })
     }
 
     /// Sets the meaning of the results of queries that are begun from now on.
     pub fn set_counting(&mut self, counting: Counting) {
         self.counting = counting;
+    }
+
+    /// Sets the number of views that renderings of later frames draw at once. A query takes a place
+    /// per view in the pool, as Vulkan demands; its result is the samples of all views.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn set_views(&mut self, views: u32) -> Result<(), Error> {
+        if views > 1 && self.sum.is_none() {
+            let shader = shaders::SUM_QUERIES;
+            let spirv = Spirv::from_bytes(shader.name, shader.spirv)?;
+            let storage = StorageLayout::new::<Sum>(2);
+            self.sum = Some(ComputePipeline::new(&self.device, shader.name, &spirv, storage)?);
+        }
+        self.views = views.max(1);
+        Ok(())
     }
 
     /// Gives `answer` every result that has arrived: the tag and the number of samples that passed
@@ -101,15 +142,17 @@ impl<T: Copy> QueryRing<T> {
         let (slot, _) = self.ring.turn_to(frame.slot(), |tick| self.device.is_lost(tick));
         self.recorded.restart(0);
         slot.begin(frame.commands().recording(), tags.iter().copied());
-        if slot.memory.as_ref().is_none_or(|queries| !queries.results.holds(tags.len())) {
+        let views = self.views;
+        if slot.memory.as_ref().is_none_or(|queries| !queries.holds(tags.len(), views)) {
             let name = format!("{} {}", self.name, slot.number);
             slot.memory = None; // retired: the slot's own tick is over
-            slot.memory = Some(Queries::new(&self.device, ResultBuffer::roomy(tags.len()), &name)?);
+            let capacity = (ResultBuffer::roomy(tags.len()), views);
+            slot.memory = Some(Queries::new(&self.device, capacity, &name)?);
         }
         let wanted = u32::try_from(tags.len()).unwrap_or(u32::MAX);
         self.recorded.restart(wanted);
         if let Some(queries) = &slot.memory {
-            queries.pool.reset(frame.commands(), wanted);
+            queries.pool.reset(frame.commands(), wanted.saturating_mul(views));
         }
         Ok(())
     }
@@ -120,7 +163,8 @@ impl<T: Copy> QueryRing<T> {
         match self.begun(commands) {
             Some(queries) if query.0 < self.recorded.count() => {
                 let number = (&self.recorded, query.0);
-                queries.pool.scope(commands, query.0, self.counting, number, record);
+                let place = query.0.saturating_mul(self.views);
+                queries.pool.scope(commands, place, self.counting, number, record);
             }
             // Not begun for this frame: draw without a query.
             _ => record(commands),
@@ -138,9 +182,22 @@ impl<T: Copy> QueryRing<T> {
         if range.is_empty() || !check_recorded(commands, &self.recorded, range.clone()) {
             return;
         }
-        let (offset, size) = (u64::from(range.start), u64::from(range.end - range.start));
-        let to = queries.results.whole().part(offset * RESULT_BYTES, size * RESULT_BYTES);
-        queries.pool.copy_results(commands, range, to);
+        let places = range.start * self.views..range.end * self.views;
+        let to = queries.of_views.as_ref().map_or(queries.results.whole(), Buffer::whole);
+        let bytes = |results: u32| u64::from(results) * RESULT_BYTES;
+        let to = to.part(bytes(places.start), bytes(places.end - places.start));
+        queries.pool.copy_results(commands, places, to);
+        if let (Some(sum), Some(of_views)) = (&self.sum, &queries.of_views) {
+            let between = MemoryBarrier::between;
+            commands.barrier(between(&[Access::CopyWrite], &[Access::ComputeRead]));
+            commands.bind_compute(sum, &[of_views.whole(), queries.results.whole()]);
+            let constants =
+                Sum { first: range.start, count: range.end - range.start, views: self.views };
+            commands.push_compute_constants(sum, &constants);
+            commands.dispatch([constants.count.div_ceil(SUM_GROUP), 1, 1]);
+            // Whoever uses the results waits for copies.
+            commands.barrier(between(&[Access::ComputeWrite], &[Access::CopyWrite]));
+        }
     }
 
     /// Returns the results that [`QueryRing::resolve`] writes, for predicates.
@@ -170,9 +227,23 @@ impl<T: Copy> QueryRing<T> {
 }
 
 impl Queries {
-    fn new(device: &Device, capacity: usize, name: &str) -> Result<Self, Error> {
+    fn new(device: &Device, (capacity, views): (usize, u32), name: &str) -> Result<Self, Error> {
         let results = ResultBuffer::new(device, &format!("{name} results"), capacity)?;
-        let capacity = u32::try_from(capacity).unwrap_or(u32::MAX);
-        Ok(Self { pool: OcclusionPool::new(device, capacity, name)?, results })
+        let places = u32::try_from(capacity).unwrap_or(u32::MAX).saturating_mul(views);
+        let of_views = (views > 1).then(|| {
+            let usage = vk::BufferUsageFlags::TRANSFER_DST | vk::BufferUsageFlags::STORAGE_BUFFER;
+            let (name, bytes) = (format!("{name} of views"), u64::from(places) * RESULT_BYTES);
+            Buffer::new(device, &name, bytes, usage, MemoryKind::Device)
+        });
+        let pool = OcclusionPool::new(device, places, name)?;
+        Ok(Self { pool, results, of_views: of_views.transpose()? })
+    }
+
+    /// Returns true if there is room for `count` queries in renderings of so many views.
+    fn holds(&self, count: usize, views: u32) -> bool {
+        let places = count as u64 * u64::from(views);
+        self.results.holds(count)
+            && self.of_views.is_some() == (views > 1)
+            && places <= u64::from(self.pool.capacity())
     }
 }

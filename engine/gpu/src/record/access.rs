@@ -214,6 +214,12 @@ impl LayoutChange {
         let barrier = MemoryBarrier::between(from, &[to]);
         Self { barrier, ..Self::new(image, aspect, Access::Nothing, to) }
     }
+
+    /// Returns the same change of the first `layers` layers.
+    pub(crate) fn of_layers(mut self, layers: u32) -> Self {
+        self.part.layer_count = layers;
+        self
+    }
 }
 
 fn first_level_of(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {

@@ -78,6 +78,9 @@ pub struct Attachments {
     pub samples: vk::SampleCountFlags,
     /// The depth of the near plane.
     pub near_depth: NearDepth,
+    /// The views that a rendering draws at once, each to the layer of its number (multiview): the
+    /// view mask has as many bits, from the lowest on. 1 for a plain rendering.
+    pub views: u32,
     /// The render pass of a host that opens its renderings itself and has no dynamic rendering.
     pub pass: Option<HostPass>,
 }
@@ -89,6 +92,7 @@ impl Default for Attachments {
             depth: DEPTH_FORMAT,
             samples: vk::SampleCountFlags::TYPE_1,
             near_depth: NearDepth::One,
+            views: 1,
             pass: None,
         }
     }
@@ -96,10 +100,10 @@ impl Default for Attachments {
 
 impl fmt::Display for Attachments {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { colours, depth, samples, near_depth, .. } = self;
+        let Self { colours, depth, samples, near_depth, views, .. } = self;
         let colours = colours.as_slice();
         write!(formatter, "depth {depth:?}, near plane at {near_depth:?}, colours {colours:?}, ")?;
-        write!(formatter, "samples {samples:?}")
+        write!(formatter, "samples {samples:?}, views {views}")
     }
 }
 
@@ -109,6 +113,14 @@ impl Attachments {
         match has_stencil(self.depth) {
             true => self.depth,
             false => vk::Format::UNDEFINED,
+        }
+    }
+
+    /// Returns the view mask of Vulkan: 0 for a plain rendering.
+    pub(crate) fn view_mask(&self) -> u32 {
+        match self.views {
+            0 | 1 => 0,
+            views => u32::MAX >> (u32::BITS - views.min(u32::BITS)),
         }
     }
 
@@ -150,7 +162,14 @@ mod tests {
         let samples = vk::SampleCountFlags::TYPE_4;
         assert!(!ours.fit(&Attachments { samples, ..ours }));
         assert!(!ours.fit(&Attachments { near_depth: NearDepth::Zero, ..ours }));
+        assert!(!ours.fit(&Attachments { views: 2, ..ours }));
         assert!(!ours.fit(&Attachments { colours: ColourFormats::new(&[]), ..ours }));
+    }
+
+    #[test]
+    fn views_are_drawn_to_the_lowest_layers() {
+        let mask = |views| Attachments { views, ..Attachments::default() }.view_mask();
+        assert_eq!([0, 1, 2, 6, 32, 33].map(mask), [0, 0, 0b11, 0b11_1111, u32::MAX, u32::MAX]);
     }
 
     #[test]

@@ -242,6 +242,7 @@ impl Commands {
         let mut info = vk::RenderingInfo::default()
             .render_area(area.scissor())
             .layer_count(1)
+            .view_mask(target.view_mask)
             .color_attachments(colours.get(..target.colour_count).unwrap_or(&colours))
             .depth_attachment(&depth);
         if target.has_stencil {

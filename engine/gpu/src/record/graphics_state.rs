@@ -51,6 +51,7 @@ pub(super) fn create_graphics(
     let dynamic = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
     let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic);
     let mut rendering = vk::PipelineRenderingCreateInfo::default()
+        .view_mask(info.attachments.view_mask())
         .color_attachment_formats(colours.as_slice())
         .depth_attachment_format(depth_format)
         .stencil_attachment_format(info.attachments.stencil());

@@ -40,12 +40,14 @@ impl ImageState {
     }
 }
 
-/// An image of a host that is drawn to: its first level and layer, and a view of that.
+/// An image of a host that is drawn to: its first level, its first layer or several, and a view of
+/// that.
 #[derive(Debug, Clone, Copy)]
 pub struct HostImage {
     /// The image.
     pub image: vk::Image,
-    /// A 2D view of it with all aspects of the format.
+    /// A view of it with all aspects of the format: 2D, or where several views are drawn at once a
+    /// 2D array of as many layers.
     pub view: vk::ImageView,
     /// The format of the view.
     pub format: vk::Format,
@@ -69,6 +71,8 @@ pub struct HostImages<'a> {
     pub samples: vk::SampleCountFlags,
     /// The depth of the near plane.
     pub near_depth: crate::record::attachments::NearDepth,
+    /// The views that are drawn at once, each to the layer of its number; 1 without multiview.
+    pub views: u32,
     /// Their size in pixels.
     pub size: [u32; 2],
 }

@@ -157,14 +157,18 @@ impl GraphicsPipeline {
     /// Compiles a pipeline.
     ///
     /// # Errors
-    /// A failed call.
+    /// [`Error::Unsupported`] for a wireframe or several views where the device has no such thing;
+    /// a failed call.
     pub fn new(device: &Device, info: &GraphicsPipelineInfo<'_>) -> Result<Self, Error> {
-        if info.polygon == Polygon::Wireframe && !device.capabilities().has(Optional::Wireframe) {
-            return Err(Error::Unsupported {
-                device: device.adapter().name.clone(),
-                missing: Optional::Wireframe.name(),
-                wanted: "drawing a wireframe",
-            });
+        let needs = [
+            (info.polygon == Polygon::Wireframe, Optional::Wireframe, "drawing a wireframe"),
+            (info.attachments.views > 1, Optional::Multiview, "drawing several views at once"),
+        ];
+        for (is_needed, optional, wanted) in needs {
+            if is_needed && !device.capabilities().has(optional) {
+                let device = device.adapter().name.clone();
+                return Err(Error::Unsupported { device, missing: optional.name(), wanted });
+            }
         }
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
         PipelineKind::new(device, info.name, info.storage, stages, |layout| {

@@ -13,6 +13,7 @@ pub struct RenderTarget {
     pub(crate) colour_count: usize,
     pub(crate) depth: vk::ImageView,
     pub(crate) has_stencil: bool,
+    pub(crate) view_mask: u32,
     pub(crate) origin: [u32; 2],
     pub(crate) size: [u32; 2],
     /// The colour to start from, the same for all colour images.

@@ -42,7 +42,17 @@ impl Target {
     /// # Errors
     /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits; no memory.
     pub fn new(device: &Device, size: [u32; 2], name: &str) -> Result<Self, Error> {
+        Self::layered(device, size, 1, name)
+    }
+
+    /// Creates a target of `size` pixels for views that are drawn at once, each to its layer.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits, and for more views than
+    /// [`VIEWS_MAX`]; no memory.
+    pub fn layered(device: &Device, size: [u32; 2], views: u32, name: &str) -> Result<Self, Error> {
         check_size(device, size)?;
+        check_views(views)?;
         // A host samples what was drawn.
         let colour_usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::TRANSFER_SRC
@@ -51,15 +61,16 @@ impl Target {
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
         let image = |what, formats, usage, aspect| {
-            TargetImage::new(device, &format!("{name} {what}"), size, formats, usage, aspect)
+            let name = format!("{name} {what}");
+            TargetImage::new(device, &name, (size, views), formats, usage, aspect)
         };
         Ok(Self {
             device: device.clone(),
             colours: vec![image("colour", [COLOUR_BYTES, COLOUR_FORMAT], colour_usage, colour)?],
             depth: image("depth", [DEPTH_FORMAT; 2], depth_usage, depth)?,
             size,
-            attachments: Attachments::default(),
-            can_copy_depth: true,
+            attachments: Attachments { views, ..Attachments::default() },
+            can_copy_depth: views == 1,
             recording: None,
             submitted: None,
         })
@@ -69,8 +80,8 @@ impl Target {
     /// images that the host goes through, or a new one per frame.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits, or for more colours than
-    /// [`COLOURS_MAX`].
+    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits, for more colours than
+    /// [`COLOURS_MAX`] or more views than [`VIEWS_MAX`].
     ///
     /// # Safety
     /// The images and views are of `device`, as described, and live until the last frame that
@@ -78,6 +89,7 @@ impl Target {
     /// state; nothing else uses it until they are over.
     pub unsafe fn of_host(device: &Device, images: &HostImages<'_>) -> Result<Self, Error> {
         check_size(device, images.size)?;
+        check_views(images.views)?;
         if images.colours.len() > COLOURS_MAX {
             return Err(Error::TooLarge {
                 what: "the number of colour images of a target".to_owned(),
@@ -92,18 +104,20 @@ impl Target {
         let formats = formats.get(..images.colours.len()).unwrap_or_default();
         let can_copy_depth = images.depth.format == DEPTH_FORMAT
             && images.samples == vk::SampleCountFlags::TYPE_1
+            && images.views == 1
             && images.depth.usage.contains(vk::ImageUsageFlags::TRANSFER_SRC);
-        let colour = |image| TargetImage::of_host(image, Access::Colour);
+        let colour = |image| TargetImage::of_host(image, images.views, Access::Colour);
         Ok(Self {
             device: device.clone(),
             colours: images.colours.iter().map(colour).collect(),
-            depth: TargetImage::of_host(&images.depth, Access::Depth),
+            depth: TargetImage::of_host(&images.depth, images.views, Access::Depth),
             size: images.size,
             attachments: Attachments {
                 colours: ColourFormats::new(formats),
                 depth: images.depth.format,
                 samples: images.samples,
                 near_depth: images.near_depth,
+                views: images.views,
                 pass: None,
             },
             can_copy_depth,
@@ -123,7 +137,7 @@ impl Target {
     }
 
     /// Returns true if [`Target::copy_depth_to`] copies: the depth is
-    /// [`vk::Format::D32_SFLOAT`], of one sample, and a source of transfers.
+    /// [`vk::Format::D32_SFLOAT`], of one sample and one view, and a source of transfers.
     pub fn can_copy_depth(&self) -> bool {
         self.can_copy_depth
     }
@@ -176,6 +190,7 @@ impl Target {
             colour_count: self.colours.len(),
             depth: self.depth.view,
             has_stencil: self.attachments.stencil() != vk::Format::UNDEFINED,
+            view_mask: self.attachments.view_mask(),
             origin: [0, 0],
             size: self.size,
             colour_load: clear.map_or(Load::Keep, Load::Clear),
@@ -229,28 +244,30 @@ impl Target {
         }
     }
 
-    /// Copies the colour image to `readback`; the recording fails unless both have the same size.
-    /// The last use of the target in a frame.
+    /// Copies the colour image to `readback`, its layers one below the other; the recording fails
+    /// unless the sizes agree. The last use of the target in a frame.
     pub fn copy_to(&mut self, commands: &Commands, readback: &Readback) {
         if commands.admit(self).is_err() {
             return;
         }
-        if readback.size() != self.size {
+        let [width, height] = self.size;
+        let layers = self.attachments.views;
+        if readback.size() != [width, height.saturating_mul(layers)] {
             commands.fail(Failure::Wrong("an image is copied to a `Readback` of another size"));
             return;
         }
-        let is_ours = self.attachments == Attachments::default();
+        let ours = Attachments { views: layers, ..Attachments::default() };
+        let is_ours = self.attachments == ours;
         let Some(colour) = self.colours.first_mut().filter(|_| is_ours) else {
             commands.fail(Failure::Wrong("the image of a host is copied to a `Readback`"));
             return;
         };
         let Some(to) = readback.begin_copy(commands) else { return };
         commands.change_layouts([colour.change(Access::CopyRead)]);
-        let [width, height] = self.size;
         let region = vk::BufferImageCopy::default()
             .image_subresource(vk::ImageSubresourceLayers {
                 aspect_mask: vk::ImageAspectFlags::COLOR,
-                layer_count: 1,
+                layer_count: layers,
                 ..Default::default()
             })
             .image_extent(vk::Extent3D { width, height, depth: 1 });
@@ -305,6 +322,22 @@ impl Target {
             timeline,
             tick,
         })
+    }
+}
+
+/// The most views that are drawn at once: every device with multiview has as many (the least
+/// `maxMultiviewViewCount`).
+pub const VIEWS_MAX: u32 = 6;
+
+/// Refuses no view, and more than any device promises.
+fn check_views(views: u32) -> Result<(), Error> {
+    match (1..=VIEWS_MAX).contains(&views) {
+        true => Ok(()),
+        false => Err(Error::TooLarge {
+            what: "the number of views that are drawn at once".to_owned(),
+            wanted: views.into(),
+            limit: VIEWS_MAX.into(),
+        }),
     }
 }
 

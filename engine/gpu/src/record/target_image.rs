@@ -14,6 +14,8 @@ pub(super) struct TargetImage {
     pub(super) raw: vk::Image,
     pub(super) view: vk::ImageView,
     aspect: vk::ImageAspectFlags,
+    /// The layers that are drawn to, from the first on.
+    layers: u32,
     origin: Origin,
     /// The last access in the recording that uses the image.
     pub(super) access: Access,
@@ -32,18 +34,18 @@ impl TargetImage {
     pub(super) fn new(
         device: &Device,
         name: &str,
-        size: [u32; 2],
+        (size, layers): ([u32; 2], u32),
         formats: [vk::Format; 2],
         usage: vk::ImageUsageFlags,
         aspect: vk::ImageAspectFlags,
     ) -> Result<Self, Error> {
-        let image = Image::new(device, name, size, formats, usage, aspect)?;
+        let image = Image::layered(device, name, (size, layers), formats, usage, aspect)?;
         let (raw, view, access) = (image.raw, image.view, Access::Nothing);
-        Ok(Self { raw, view, aspect, origin: Origin::Ours { _image: image }, access })
+        Ok(Self { raw, view, aspect, layers, origin: Origin::Ours { _image: image }, access })
     }
 
-    /// Takes the image of a host as an attachment for `attachment`.
-    pub(super) fn of_host(image: &HostImage, attachment: Access) -> Self {
+    /// Takes so many layers of a host's image as an attachment for `attachment`.
+    pub(super) fn of_host(image: &HostImage, layers: u32, attachment: Access) -> Self {
         let aspect = match attachment {
             Access::Depth if has_stencil(image.format) => {
                 vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL
@@ -53,14 +55,14 @@ impl TargetImage {
         };
         let origin = Origin::Host { entry: image.entry, exit: image.exit };
         let (raw, view, access) = (image.image, image.view, Access::Nothing);
-        Self { raw, view, aspect, origin, access }
+        Self { raw, view, aspect, layers, origin, access }
     }
 
     /// Returns the change to `to` by the first command of a recording that uses the image. Ours
     /// loses its contents, after whichever of `uses` came last.
     pub(super) fn first_change(&mut self, uses: &[Access], to: Access) -> LayoutChange {
         self.access = to;
-        match &self.origin {
+        let change = match &self.origin {
             Origin::Ours { .. } => LayoutChange::forgetting(self.raw, self.aspect, uses, to),
             Origin::Host { entry, .. } => {
                 let after = MemoryBarrier::between(&[], &[to]);
@@ -72,13 +74,14 @@ impl TargetImage {
                     ..LayoutChange::new(self.raw, self.aspect, Access::Nothing, to)
                 }
             }
-        }
+        };
+        change.of_layers(self.layers)
     }
 
     /// Returns the change from the last access to `to`.
     pub(super) fn change(&mut self, to: Access) -> LayoutChange {
         let from = std::mem::replace(&mut self.access, to);
-        LayoutChange::new(self.raw, self.aspect, from, to)
+        LayoutChange::new(self.raw, self.aspect, from, to).of_layers(self.layers)
     }
 
     /// Returns the change to the state in which the host wants the image back, if it named one.

@@ -1,10 +1,11 @@
 //! The inputs of the execution of a plan: the plan as it lies in the memory of its frame.
 
+use cull::{MultiView, View};
 use gpu::{BufferSlice, Frame, IndirectDraw, LeafDrawBuffers, ResultSource};
 
 use crate::error::Error;
 use crate::leaf_table::LeafTable;
-use crate::passes::{ComputeTestIo, ProxyBox, ProxyIo};
+use crate::passes::{ComputeTestIo, EyeConstants, ProxyBox, ProxyEyes, ProxyIo};
 use crate::visibility_state::VisibilityState;
 
 /// The buffers that one frame reads from its slot's memory.
@@ -14,6 +15,8 @@ pub(super) struct FrameIo {
     pub(super) proxies: ProxyIo,
     pub(super) computed: Option<ComputeTestIo>,
     pub(super) leaf_draws: Option<LeafDrawBuffers>,
+    /// The constants of the views, where several are drawn at once.
+    eyes: Option<BufferSlice>,
 }
 
 pub(super) const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
@@ -24,8 +27,10 @@ impl FrameIo {
         frame: &mut Frame<'_>,
         state: &mut VisibilityState,
         leaves: &mut LeafTable,
+        views: MultiView<'_>,
     ) -> Result<Self, Error> {
-        state.begin(frame, leaves)?;
+        let several = Some(views.as_slice()).filter(|views| views.len() > 1);
+        state.begin(frame, leaves, views.as_slice().len() as u32)?;
         let rings = state.rings();
         let results = [
             (ResultSource::Queries, rings.queries.results()),
@@ -40,11 +45,18 @@ impl FrameIo {
         let (plan, uploads) = (state.plan(), frame.uploads());
         let boxes = uploads.push_iter(plan.tests.iter().map(|t| ProxyBox::from(t.bounds)))?;
         let results = rings.computed.results();
+        let eyes = several.map(|views| uploads.push_iter(views.iter().map(EyeConstants::of)));
         Ok(Self {
+            eyes: eyes.transpose()?,
             visible: uploads.push_iter(visible.map(|cell| leaves.layout.command(*cell)))?,
             proxies: ProxyIo { boxes, flags: rings.flags.results() },
             computed: results.map(|results| ComputeTestIo { boxes, results, first: 0, count: 0 }),
             leaf_draws: rings.leaf_draws.buffers(),
         })
+    }
+
+    /// Returns the views that proxies are drawn in: several, or the given one.
+    pub(super) fn eyes<'a>(&self, view: &'a View) -> ProxyEyes<'a> {
+        self.eyes.map_or(ProxyEyes::One(view), ProxyEyes::Several)
     }
 }

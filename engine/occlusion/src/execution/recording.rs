@@ -32,6 +32,7 @@ use crate::visible_draws::QueriedDraws;
 pub(super) struct Recording<'a> {
     pub(super) executor: &'a PlanExecutor,
     pub(super) state: &'a VisibilityState,
+    /// The view, or the first of several.
     pub(super) view: &'a View,
     pub(super) io: &'a FrameIo,
 }
@@ -136,12 +137,13 @@ impl Recording<'_> {
         commands.label("proxies", |commands| {
             // The owner may have drawn with another.
             commands.set_viewport(&objects.viewport(self.view));
+            let eyes = self.io.eyes(self.view);
             if !round.flags.is_empty() {
-                self.executor.passes.proxies.bind_flags(commands, &self.io.proxies, self.view);
+                self.executor.passes.proxies.bind_flags(commands, &self.io.proxies, eyes);
                 self.executor.passes.proxies.draw_all(commands, round.flags.clone());
             }
             if !round.queries.is_empty() {
-                self.executor.passes.proxies.bind(commands, &self.io.proxies, self.view);
+                self.executor.passes.proxies.bind(commands, &self.io.proxies, eyes);
             }
             for (query, test) in round.queries.clone().zip(round.queried_tests.clone()) {
                 self.state.rings().queries.scope(commands, QueryIndex(query), |commands| {
@@ -274,7 +276,7 @@ impl Recording<'_> {
             commands.set_viewport(&objects.viewport(self.view));
             let leaves = &self.executor.leaves;
             let io = LeafBoxIo { boxes: leaves.boxes(), leaf_draws, links: leaves.links() };
-            pass.bind(commands, &io, self.view);
+            pass.bind(commands, &io, self.io.eyes(self.view));
             for it in self.state.layout.revealed(known, Reveal::Boxes) {
                 leaves.predicates.draw_boxes(commands, it.source, it.predicate);
             }

@@ -8,6 +8,7 @@ use gpu::{
 };
 
 use crate::error::Error;
+use crate::passes::eyes::ProxyEyes;
 use crate::shader_set::ShaderSet;
 
 /// The pass that draws the front faces of the leaves' proxies against the depth so far. The
@@ -51,24 +52,42 @@ struct Constants {
 
 const _: () = assert!(size_of::<Constants>() == 104);
 
+impl Constants {
+    fn of(view: &View) -> Self {
+        Self {
+            view_proj: view.proxy_view_proj().to_cols_array(),
+            eye: view.rays.eye().to_array(),
+            row_w: view.rays.row_w().to_array(),
+            margin_m: view.margin.metres(),
+        }
+    }
+}
+
 impl LeafBoxPass {
     /// Compiles the pass for renderings to `attachments`, on a device whose fragment shaders can
     /// write to buffers.
     ///
     /// # Errors
-    /// A failed call.
+    /// [`gpu::Error::Unsupported`] for several views at once where the device has no multiview; a
+    /// failed call.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
         let fragment = shaders.find("leaf_box.frag")?;
+        let (vertex, storage) = match attachments.views {
+            1 => ("leaf_box.vert", StorageLayout::new::<Constants>(5)),
+            // The eyes come last.
+            _ => ("leaf_box_multiview.vert", StorageLayout::new::<[u8; 0]>(6)),
+        };
+        let vertex = shaders.find(vertex)?;
         let pipeline = |name, fragment| -> Result<GraphicsPipeline, Error> {
             let info = GraphicsPipelineInfo {
                 fragment: Some(fragment),
-                storage: StorageLayout::new::<Constants>(5),
+                storage,
                 attachments,
-                ..GraphicsPipelineInfo::of(name, shaders.find("leaf_box.vert")?)
+                ..GraphicsPipelineInfo::of(name, vertex)
             };
             Ok(GraphicsPipeline::new(device, &info)?)
         };
@@ -78,22 +97,22 @@ impl LeafBoxPass {
         })
     }
 
-    /// Binds everything; the caller then draws boxes, with the leaf as the instance.
-    pub fn bind(&self, commands: &Commands, io: &LeafBoxIo, view: &View) {
+    /// Binds everything; the caller then draws boxes, with the leaf as the instance. The views are
+    /// those of the attachments that the pass was compiled for.
+    pub fn bind<'a>(&self, commands: &Commands, io: &LeafBoxIo, eyes: impl Into<ProxyEyes<'a>>) {
         let LeafBoxIo { boxes, leaf_draws: LeafDrawBuffers { draws, list }, links } = *io;
         let pipeline = if links.is_some() { &self.linked } else { &self.single };
         // Nothing reads lists unless there are some.
         let LeafLinks { firsts, links } =
             links.unwrap_or(LeafLinks { firsts: boxes, links: boxes });
+        let view = match eyes.into() {
+            ProxyEyes::One(view) => view,
+            ProxyEyes::Several(eyes) => {
+                commands.bind(pipeline, &[boxes, draws, list, firsts, links, eyes]);
+                return;
+            }
+        };
         commands.bind(pipeline, &[boxes, draws, list, firsts, links]);
-        commands.push_constants(
-            pipeline,
-            &Constants {
-                view_proj: view.proxy_view_proj().to_cols_array(),
-                eye: view.rays.eye().to_array(),
-                row_w: view.rays.row_w().to_array(),
-                margin_m: view.margin.metres(),
-            },
-        );
+        commands.push_constants(pipeline, &Constants::of(view));
     }
 }

@@ -2,6 +2,7 @@
 //! and writes.
 
 mod compute_test;
+mod eyes;
 mod leaf_box;
 mod proxy;
 mod scatter;
@@ -11,6 +12,7 @@ use gpu::{Attachments, Device, Optional};
 use crate::error::Error;
 use crate::shader_set::ShaderSet;
 pub use compute_test::{ComputeTest, ComputeTestIo};
+pub use eyes::{EyeConstants, ProxyEyes};
 pub use leaf_box::{LeafBoxIo, LeafBoxPass, LeafLinks};
 pub use proxy::{ProxyBox, ProxyConstants, ProxyIo, ProxyPass};
 pub use scatter::{ScatterIo, ScatterPass};
@@ -34,7 +36,8 @@ impl OcclusionPasses {
     /// Compiles the passes for renderings to `attachments`.
     ///
     /// # Errors
-    /// A failed call.
+    /// [`gpu::Error::Unsupported`] for several views at once where the device has no multiview; a
+    /// failed call.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,

@@ -8,6 +8,7 @@ use gpu::{
 };
 
 use crate::error::Error;
+use crate::passes::eyes::ProxyEyes;
 use crate::shader_set::ShaderSet;
 
 /// The pass that draws the front faces of boxes against the depth so far, without colour and depth
@@ -75,18 +76,27 @@ impl ProxyPass {
     /// shaders cannot write.
     ///
     /// # Errors
-    /// A failed call.
+    /// [`gpu::Error::Unsupported`] for several views at once where the device has no multiview; a
+    /// failed call.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
+        let vertex = shaders.find(match attachments.views {
+            1 => "proxy.vert",
+            _ => "proxy_multiview.vert",
+        })?;
         let pipeline = |name, fragment, buffers| -> Result<GraphicsPipeline, Error> {
             let info = GraphicsPipelineInfo {
                 fragment,
-                storage: StorageLayout::new::<ProxyConstants>(buffers),
+                storage: match attachments.views {
+                    1 => StorageLayout::new::<ProxyConstants>(buffers),
+                    // Boxes, flags, eyes.
+                    _ => StorageLayout::new::<[u8; 0]>(3),
+                },
                 attachments,
-                ..GraphicsPipelineInfo::of(name, shaders.find("proxy.vert")?)
+                ..GraphicsPipelineInfo::of(name, vertex)
             };
             Ok(GraphicsPipeline::new(device, &info)?)
         };
@@ -102,16 +112,32 @@ impl ProxyPass {
     }
 
     /// Binds everything for tests by queries; the caller then records [`ProxyPass::draw`] for each.
-    pub fn bind(&self, commands: &Commands, io: &ProxyIo, view: &View) {
-        commands.bind(&self.queried, &[io.boxes]);
-        commands.push_constants(&self.queried, &ProxyConstants::of(view));
+    /// The views are those of the attachments that the pass was compiled for.
+    pub fn bind<'a>(&self, commands: &Commands, io: &ProxyIo, eyes: impl Into<ProxyEyes<'a>>) {
+        match eyes.into() {
+            ProxyEyes::One(view) => {
+                commands.bind(&self.queried, &[io.boxes]);
+                commands.push_constants(&self.queried, &ProxyConstants::of(view));
+            }
+            // Nothing reads flags.
+            ProxyEyes::Several(eyes) => commands.bind(&self.queried, &[io.boxes, io.boxes, eyes]),
+        }
     }
 
     /// Binds everything for tests by flags; the caller then records [`ProxyPass::draw_all`].
-    pub fn bind_flags(&self, commands: &Commands, io: &ProxyIo, view: &View) {
-        if let (Some(pipeline), Some(flags)) = (&self.flagged, io.flags) {
-            commands.bind(pipeline, &[io.boxes, flags]);
-            commands.push_constants(pipeline, &ProxyConstants::of(view));
+    pub fn bind_flags<'a>(
+        &self,
+        commands: &Commands,
+        io: &ProxyIo,
+        eyes: impl Into<ProxyEyes<'a>>,
+    ) {
+        let (Some(pipeline), Some(flags)) = (&self.flagged, io.flags) else { return };
+        match eyes.into() {
+            ProxyEyes::One(view) => {
+                commands.bind(pipeline, &[io.boxes, flags]);
+                commands.push_constants(pipeline, &ProxyConstants::of(view));
+            }
+            ProxyEyes::Several(eyes) => commands.bind(pipeline, &[io.boxes, flags, eyes]),
         }
     }
 

@@ -98,6 +98,7 @@ pub fn boxes_of(
         }],
         samples,
         near_depth,
+        views: 1,
         size: SIZE,
     };
     // SAFETY: the images live until all frames are over, and nothing else uses them in between.

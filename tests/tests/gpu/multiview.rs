@@ -1,0 +1,243 @@
+//! Several views in one pass: one plan, one rendering, a layer per view; each layer is the image of
+//! its view drawn alone without culling.
+//!
+//! On SwiftShader alone: Mesa 22.3's lavapipe draws most of the later views to the first layer,
+//! culled or not.
+
+use std::sync::Arc;
+
+use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, MultiView, Projection, Strategy, View};
+use glam::{Vec3, vec3};
+use gpu::{
+    Attachments, Commands, Device, FrameRing, HostDevice, IndirectDraw, Optional, Predicates,
+    Predication, Purpose, Readback, RenderTarget, Target,
+};
+use occlusion::{
+    BucketId, Error, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, ObjectPass, ObjectRenderer,
+    OcclusionPasses, PlanExecutor, Rendering, ShaderSet, TargetError, VisibilityState, execute,
+};
+use tests::host_device::Host as HostsDevice;
+use tests::numbered_boxes::{BOX_INDICES, NumberedBoxes};
+use tests::walk::pixels_that_differ;
+use tests::{Driver, run};
+
+const SIZE: [u32; 2] = [96, 64];
+const FRAMES: u32 = 16;
+
+/// The owner of the boxes.
+struct Boxes {
+    target: Target,
+    boxes: NumberedBoxes,
+}
+
+impl ObjectRenderer for Boxes {
+    fn target(&mut self) -> &mut Target {
+        &mut self.target
+    }
+
+    fn rendering(&self, _view: &View, rendering: Rendering) -> RenderTarget {
+        let clear = (rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]);
+        self.target.render_target(clear)
+    }
+
+    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
+        self.boxes.bind(commands, view);
+    }
+}
+
+/// Everything that a host keeps to draw its boxes in some views at once.
+struct Host {
+    device: Device,
+    shaders: ShaderSet,
+    frames: FrameRing,
+    hierarchy: Hierarchy,
+    executor: PlanExecutor,
+    objects: Boxes,
+    state: VisibilityState,
+    images: Vec<Readback>,
+}
+
+impl Host {
+    fn new(device: &Device, boxes: &[Aabb], views: u32, predication: Predication) -> Self {
+        let shaders = ShaderSet::embedded().unwrap();
+        let hierarchy = Hierarchy::build(boxes).unwrap();
+        let draw =
+            IndirectDraw { index_count: BOX_INDICES, instance_count: 1, ..Default::default() };
+        let info = LeafTableInfo {
+            mesh_draws: Arc::new([MeshDraw { draw, triangles: BOX_INDICES / 3 }]),
+            predication: Some(predication),
+            frames_in_flight: 2,
+        };
+        let leaves = LeafTable::new(device, &hierarchy, info, |_| MeshDrawId(0)).unwrap();
+        let target = Target::layered(device, SIZE, views, "layers").unwrap();
+        let attachments = target.attachments();
+        let boxes = NumberedBoxes::new(device, &leaves, attachments);
+        let passes = OcclusionPasses::new(device, &shaders, attachments).unwrap();
+        let executor = PlanExecutor { passes, leaves };
+        let testers = executor.testers(device, &target);
+        assert_eq!(testers.compute, views == 1);
+        let culler = Culler::with_testers(CullConfig::default(), testers);
+        let state = VisibilityState::new(device, &hierarchy, &executor.leaves, 2, culler).unwrap();
+        Self {
+            device: device.clone(),
+            frames: FrameRing::new(device, 2).unwrap(),
+            objects: Boxes { target, boxes },
+            images: Vec::new(),
+            shaders,
+            hierarchy,
+            executor,
+            state,
+        }
+    }
+
+    /// Draws a frame, whose results and image come back when it is over.
+    fn draw(&mut self, strategy: Strategy, views: &[View]) {
+        let Self { device, shaders, frames, hierarchy, executor, objects, state, images } = self;
+        if views.len() > 1 {
+            objects.boxes.take_views(device, views);
+        }
+        let views = MultiView::new(views).unwrap();
+        let mut frame = frames.begin().unwrap();
+        state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
+        state.plan_frame(hierarchy, &executor.leaves, strategy, (views, 4096));
+        execute(&mut frame, executor, state, objects, (&*shaders, views)).unwrap();
+        let [width, height] = SIZE;
+        let layers = views.as_slice().len() as u32;
+        let image = Readback::new(device, [width, height * layers]).unwrap();
+        objects.target.copy_to(frame.commands(), &image);
+        images.push(image);
+        let tick = frame.submit(None).unwrap();
+        state.submitted(tick, &executor.leaves, None);
+    }
+
+    /// Returns the draws of all frames, each counted once for all views.
+    fn draws(&mut self) -> u64 {
+        let completed = self.device.completed().unwrap();
+        self.state.collect(completed, &self.hierarchy, &self.executor.leaves);
+        self.state.take_outcomes().map(|outcome| outcome.draws).sum()
+    }
+}
+
+/// Returns a wall, and boxes behind it of which those at its edge show.
+fn boxes() -> Vec<Aabb> {
+    let wall = Aabb::new(vec3(-4.0, -3.0, -6.0), vec3(4.0, 3.0, -5.5));
+    let small = (0..600).map(|number| {
+        let [x, y, z] = [number % 20, number / 20 % 10, number / 200].map(|part| part as f32);
+        let low = vec3(x * 0.7 - 7.0, y * 0.7 - 3.5, -12.0 - z * 1.3 - 0.01 * x);
+        Aabb::new(low, low + Vec3::splat(0.45))
+    });
+    std::iter::once(wall).chain(small).collect()
+}
+
+/// Returns the views of a frame: an eye jumps from side to side, so that hidden boxes show at once.
+/// A pair's eyes are far apart, so that each sees what the other does not.
+fn views(device: &Device, count: usize, frame: u32) -> Vec<View> {
+    let side = (frame / 4 % 3) as f32 - 1.0;
+    let eye = vec3(side * 7.0 + frame as f32 * 0.08, 0.0, 3.0);
+    let ahead = Camera {
+        eye,
+        forward: Vec3::NEG_Z,
+        up: Vec3::Y,
+        projection: Projection::perspective(0.9),
+        near: 0.1,
+    };
+    let cameras: Vec<Camera> = match count {
+        2 => [-1.5, 1.5].map(|aside| Camera { eye: eye + Vec3::X * aside, ..ahead }).into(),
+        _ => [Vec3::NEG_Z, Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z]
+            .map(|forward| Camera {
+                forward,
+                up: if forward.y == 0.0 { Vec3::Y } else { Vec3::X },
+                projection: Projection::perspective(std::f32::consts::FRAC_PI_2),
+                ..ahead
+            })
+            .into(),
+    };
+    let bits = device.adapter().limits.sub_pixel_precision_bits;
+    cameras.iter().map(|camera| View::new(camera, SIZE, bits)).collect()
+}
+
+fn executors(device: &Device) -> Vec<Predication> {
+    let all = [Predication::Conditional, Predication::Counts, Predication::Instances];
+    all.into_iter().filter(|it| Predicates::linked(device, Some(*it), 1, 1).is_ok()).collect()
+}
+
+/// Returns the images of `count` views in each frame, drawn one by one with everything in the
+/// frustum.
+fn alone(device: &Device, count: usize) -> Vec<Vec<u8>> {
+    let mut host = Host::new(device, &boxes(), 1, executors(device)[0]);
+    for frame in 0..FRAMES {
+        for view in views(device, count, frame) {
+            host.draw(Strategy::FRUSTUM, &[view]);
+        }
+    }
+    device.drain().unwrap();
+    let images = host.images.chunks(count);
+    images.map(|views| views.iter().flat_map(|it| it.rgba8().unwrap().to_vec()).collect()).collect()
+}
+
+fn compare(device: &Device, count: usize, cases: &[(Strategy, Predication)]) {
+    let expected = alone(device, count);
+    let walk = |strategy, predication| {
+        let mut host = Host::new(device, &boxes(), count as u32, predication);
+        for frame in 0..FRAMES {
+            host.draw(strategy, &views(device, count, frame));
+        }
+        device.drain().unwrap();
+        let what = format!("{count} views, {strategy}, {}", predication.name());
+        for (frame, (expected, image)) in expected.iter().zip(&host.images).enumerate() {
+            let wrong = pixels_that_differ(expected, &image.rgba8().unwrap());
+            assert_eq!(wrong, 0, "frame {frame} of {what}");
+        }
+        host.draws()
+    };
+    let all = walk(Strategy::FRUSTUM, cases[0].1);
+    for (strategy, predication) in cases {
+        let drawn = walk(*strategy, *predication);
+        assert!(drawn > 0 && drawn * 4 < all * 3, "{strategy}: {drawn} of {all}");
+    }
+}
+
+#[test]
+fn a_pair_in_one_pass_looks_like_each_eye_alone() {
+    run(Driver::SwiftShader, |device| {
+        let executors = executors(device);
+        let mut cases: Vec<_> = executors.iter().map(|it| (Strategy::ANTUMBRA, *it)).collect();
+        cases.extend(executors.iter().map(|it| (Strategy::ANTUMBRA_QUERIES, *it)));
+        compare(device, 2, &cases);
+    });
+}
+
+#[test]
+fn the_faces_of_a_cube_in_one_pass_look_like_each_alone() {
+    run(Driver::SwiftShader, |device| {
+        compare(device, 6, &[(Strategy::ANTUMBRA, executors(device)[0])]);
+    });
+}
+
+#[test]
+fn a_device_without_multiview_is_told_by_its_name() {
+    let host = HostsDevice::new(Driver::Lavapipe, Purpose::Executor);
+    let features = host.needs.features().without(Optional::Multiview.features());
+    let device = host.try_adopt(HostDevice { features, ..host.describe() }).unwrap();
+    let attachments = Attachments { views: 2, ..Attachments::default() };
+    let passes = OcclusionPasses::new(&device, &ShaderSet::embedded().unwrap(), attachments);
+    let error = passes.err().unwrap().to_string();
+    assert!(error.contains("multiview"), "{error}");
+    drop(device);
+    host.finish();
+}
+
+#[test]
+fn views_without_a_layer_each_are_refused() {
+    run(Driver::SwiftShader, |device| {
+        let mut host = Host::new(device, &boxes(), 1, executors(device)[0]);
+        let pair = views(device, 2, 0);
+        let Host { shaders, frames, hierarchy, executor, objects, state, .. } = &mut host;
+        let mut frame = frames.begin().unwrap();
+        let pair = MultiView::new(&pair).unwrap();
+        state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, (pair, 4096));
+        let refused = execute(&mut frame, executor, state, objects, (&*shaders, pair));
+        assert!(matches!(refused, Err(Error::Target(TargetError::Views { views: 2, target: 1 }))));
+        assert!(Target::layered(device, SIZE, 7, "too many").is_err());
+    });
+}
