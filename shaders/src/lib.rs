@@ -40,7 +40,7 @@ pub const PREDICATE_INSTANCES: Shader = shader!("predicate_instances.comp");
 pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 28] = [
+pub const PASSES: [Shader; 30] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -64,6 +64,8 @@ pub const PASSES: [Shader; 28] = [
     shader!("pyramid_first.comp"),
     shader!("pyramid_second.comp"),
     shader!("scatter.comp"),
+    shader!("list_sizes.comp"),
+    shader!("list_draws.comp"),
     shader!("skinning.comp"),
     shader!("surface.vert"),
     shader!("surface.frag"),

@@ -15,9 +15,10 @@ use crate::plan::candidates::Scratch;
 use crate::plan::config::CullConfig;
 use crate::plan::cost_filter::CostFilter;
 use crate::plan::explain::{self, LeafExplanation, NodeHistory};
-use crate::plan::frame_plan::{Answer, FramePlan, PlanStats, Tester, TesterSupport};
+use crate::plan::frame_plan::{Answer, DrawPhases, FramePlan, PlanStats, Tester, TesterSupport};
 use crate::plan::fronts::Fronts;
 use crate::plan::next_frame::NextFrame;
+use crate::plan::phases;
 use crate::plan::plan_writer::PlanWriter;
 use crate::plan::rounds::{self, Grouping};
 use crate::plan::strategy::Strategy;
@@ -241,6 +242,9 @@ impl Culler {
             occluders::draw_occluders(scratch, &walk, &mut plan.stats);
         }
         budget::fit(scratch, &walk, query_budget, &mut plan.stats);
+        if testers.draw_phases == DrawPhases::Two {
+            phases::test_boxes_of_retests(scratch, &walk, &mut plan.stats);
+        }
         let (history, rng) = (&mut self.history, &mut self.rng);
         let costs = costs.as_ref();
         PlanWriter {
@@ -258,7 +262,7 @@ impl Culler {
         if has_leaf_tests {
             shared_proxies::share_proxies(plan, &scratch.tests, views, &mut self.fronts);
         }
-        rounds::schedule(plan, tester, is_cut, &config);
+        rounds::schedule(plan, (tester, testers.draw_phases), is_cut, &config);
         if let Some(costs) = costs {
             plan.stats.rounds_by_compute = costs.hand_to_compute(views, plan);
         }
@@ -348,8 +352,8 @@ impl Culler {
     /// Returns the testers that the next plan may use: with a threshold, those that count samples.
     fn testers(&self) -> TesterSupport {
         let is_exact = self.sample_threshold == 0;
-        let TesterSupport { flags, compute, leaf_tests } = self.testers;
-        TesterSupport { flags: is_exact && flags, compute: is_exact && compute, leaf_tests }
+        let TesterSupport { flags, compute, .. } = self.testers;
+        TesterSupport { flags: is_exact && flags, compute: is_exact && compute, ..self.testers }
     }
 
     /// Begins the next frame.

@@ -108,6 +108,6 @@ pub use ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId, ObjectId};
 pub use plan::config::CullConfig;
 pub use plan::explain::{Decision, LeafExplanation, NodeHistory, Outcome};
 pub use plan::frame_plan::{
-    Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester, TesterSupport,
+    Answer, DrawPhases, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester, TesterSupport,
 };
 pub use plan::strategy::Strategy;

@@ -22,6 +22,9 @@ pub enum Error {
     /// Buckets where there are none, or others.
     #[error(transparent)]
     Buckets(#[from] BucketError),
+    /// A plan with draws among its tests, and a host that draws before and after them.
+    #[error(transparent)]
+    DrawsAmongTests(#[from] DrawsAmongTests),
     /// A target that the passes were not compiled for.
     #[error(transparent)]
     Attachments(#[from] WrongAttachments),
@@ -46,6 +49,13 @@ pub struct CannotCount {
     /// The threshold in samples.
     pub threshold_samples: u32,
 }
+
+/// A plan with draws among its tests, and a host that draws before and after them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the plan of this frame has draws among its tests, and the host takes them as lists: create the view's `Culler` with `DrawPhases::Two`"
+)]
+pub struct DrawsAmongTests;
 
 /// An error about the buckets of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,10 +1,11 @@
 //! The execution of plans.
 
 mod io;
+mod listing;
 mod recording;
 
 use cull::MultiView;
-use gpu::Frame;
+use gpu::{Frame, Target};
 
 use crate::error::{Error, TargetError, WrongAttachments};
 use crate::executor::PlanExecutor;
@@ -13,6 +14,7 @@ use crate::passes::ComputeTest;
 use crate::shader_set::ShaderSet;
 use crate::visibility_state::VisibilityState;
 use io::FrameIo;
+pub use listing::{ListedTests, list_draws};
 use recording::Recording;
 
 /// Executes the newest plan of `state`, which was made for `views`: one, or several that are drawn
@@ -30,24 +32,43 @@ pub fn execute<'v>(
     (shaders, views): (&ShaderSet, impl Into<MultiView<'v>>),
 ) -> Result<(), Error> {
     state.check(&executor.leaves)?;
-    let (passes, target) = (executor.passes.attachments(), objects.target().attachments());
-    if !passes.fit(&target) {
-        let (passes, target) = (Box::new(passes), Box::new(target));
-        return Err(WrongAttachments { passes, target }.into());
-    }
     let views: MultiView<'_> = views.into();
-    if views.as_slice().len() as u64 != u64::from(target.views) {
-        let (views, target) = (views.as_slice().len(), target.views);
-        return Err(TargetError::Views { views, target }.into());
-    }
-    if state.layout.tests_by_compute() && !objects.target().can_copy_depth() {
-        return Err(TargetError::CannotCopyDepth.into());
-    }
-    if executor.passes.compute_test.is_none() && state.layout.tests_by_compute() {
-        let size = objects.target().size();
-        executor.passes.compute_test = Some(ComputeTest::new(state.device(), shaders, size)?);
-    }
+    check_target(executor, state, (objects.target(), views))?;
+    make_compute_test(executor, state, (shaders, objects.target().size()))?;
     let io = FrameIo::write(frame, state, &mut executor.leaves, views)?;
     Recording { executor, state, view: views.first(), io: &io }.record(frame.commands(), objects);
+    Ok(())
+}
+
+/// Refuses a target that does not fit the passes, the views or the tests of the plan.
+fn check_target(
+    executor: &PlanExecutor,
+    state: &VisibilityState,
+    (target, views): (&Target, MultiView<'_>),
+) -> Result<(), Error> {
+    let (passes, attachments) = (executor.passes.attachments(), target.attachments());
+    if !passes.fit(&attachments) {
+        let (passes, target) = (Box::new(passes), Box::new(attachments));
+        return Err(WrongAttachments { passes, target }.into());
+    }
+    if views.as_slice().len() as u64 != u64::from(attachments.views) {
+        let (views, target) = (views.as_slice().len(), attachments.views);
+        return Err(TargetError::Views { views, target }.into());
+    }
+    if state.layout.tests_by_compute() && !target.can_copy_depth() {
+        return Err(TargetError::CannotCopyDepth.into());
+    }
+    Ok(())
+}
+
+/// Creates the pass that tests boxes by a compute shader, for the first plan with such tests.
+fn make_compute_test(
+    executor: &mut PlanExecutor,
+    state: &VisibilityState,
+    (shaders, size): (&ShaderSet, [u32; 2]),
+) -> Result<(), Error> {
+    if executor.passes.compute_test.is_none() && state.layout.tests_by_compute() {
+        executor.passes.compute_test = Some(ComputeTest::new(state.device(), shaders, size)?);
+    }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The executor of plans over the leaves of one scene.
 
-use cull::TesterSupport;
+use cull::{DrawPhases, TesterSupport};
 use gpu::{Device, Target};
 
 use crate::error::Error;
@@ -23,6 +23,7 @@ impl PlanExecutor {
             flags: self.passes.proxies.can_flag(),
             compute: target.can_copy_depth() && ComputeTest::check(device, target.size()).is_ok(),
             leaf_tests: self.passes.leaf_boxes.is_some(),
+            draw_phases: DrawPhases::PerRound,
         }
     }
 

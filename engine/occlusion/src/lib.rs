@@ -11,6 +11,7 @@
 //! | [`HostScene`] | objects of a host, with any number of draws in its own pipelines |
 //! | [`TransparentList`] | objects that hide nothing, drawn in their order where they show |
 //! | [`PlanExecutor`] | records the rounds of a plan: draws, tests, predicates, results |
+//! | [`list_draws`] | hands the draws of a plan to a host that records them itself |
 //! | [`VisibilityState`] | one view: its culler, its tests on their way, its newest plan |
 //! | [`Method`] | the trait of all methods: [`PlannedMethod`] is Antumbra's own |
 //! | [`Costs`], [`measure`] | prices of tests and draws on this device |
@@ -59,6 +60,7 @@
 #![forbid(unsafe_code)]
 
 mod costs;
+mod draw_lists;
 mod error;
 mod execution;
 mod executor;
@@ -79,8 +81,9 @@ mod visible_draws;
 
 pub use costs::calibration::{CalibrationScene, Costs, PATCH_TRIANGLES, cost_table, measure};
 pub use costs::frame_times::FrameTimes;
-pub use error::{BucketError, CannotCount, Error, TargetError, WrongAttachments};
-pub use execution::execute;
+pub use draw_lists::DrawList;
+pub use error::{BucketError, CannotCount, DrawsAmongTests, Error, TargetError, WrongAttachments};
+pub use execution::{ListedTests, execute, list_draws};
 pub use executor::PlanExecutor;
 pub use host_scene::{HostObject, HostScene};
 pub use leaf_table::{
@@ -96,8 +99,9 @@ pub use object_renderer::{
 };
 pub use outcomes::{FrameOutcome, Outcomes};
 pub use passes::{
-    ComputeTest, ComputeTestIo, EyeConstants, LeafBoxIo, LeafBoxPass, LeafLinks, OcclusionPasses,
-    ProxyBox, ProxyConstants, ProxyEyes, ProxyIo, ProxyPass, ScatterIo, ScatterPass,
+    ComputeTest, ComputeTestIo, EyeConstants, LeafBoxIo, LeafBoxPass, LeafLinks, ListDrawsIo,
+    ListDrawsPass, ListedRange, OcclusionPasses, ProxyBox, ProxyConstants, ProxyEyes, ProxyIo,
+    ProxyPass, ScatterIo, ScatterPass,
 };
 pub use planned::PlannedMethod;
 pub use rect::Rect;

@@ -236,3 +236,13 @@ fn extend(range: &mut Range<u32>, by: u32) {
 fn pending_test(test: &ProxyTest, leaves: &LeafTable) -> PendingTest {
     PendingTest { tag: test.tag, tester: test.tester, contents: leaves.count(test.leaves) }
 }
+
+/// Takes the ranges of a bucket, which are the first of the list if there are any.
+pub(crate) fn take_bucket<'a>(
+    list: &mut &'a [RevealedRange],
+    bucket: BucketId,
+) -> &'a [RevealedRange] {
+    let (taken, left) = list.split_at(list.partition_point(|it| it.bucket == bucket));
+    *list = left;
+    taken
+}

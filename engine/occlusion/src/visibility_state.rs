@@ -8,15 +8,17 @@ use cull::{
     Hierarchy, LeafIndex, LeafList, LeafRange, MultiView, ResultReader, Strategy, View,
 };
 use gpu::{
-    Counting, Device, DrawRange, EnabledLeaves, FlagRing, Frame, FrameTime, LeafDrawRing,
-    QueryRing, ResultSource, Tick,
+    BufferSlice, Counting, Device, DrawRange, EnabledLeaves, FlagRing, Frame, FrameTime,
+    LeafDrawRing, QueryRing, ResultSource, Tick,
 };
 
 use crate::costs::sent_frames::SentFrames;
+use crate::draw_lists::{DrawList, DrawLists};
 use crate::error::Error;
 use crate::leaf_table::{LeafCount, LeafTable, LeafTableId};
 use crate::method_state::MethodState;
 use crate::outcomes::{FrameOutcome, Outcomes};
+use crate::passes::ListDrawsIo;
 use crate::test_layout::{PendingTest, TestLayout};
 
 /// One view of a scene: its culler, its tests on their way, and the plan of its newest frame.
@@ -43,6 +45,7 @@ pub struct VisibilityState {
     reader: ResultReader<LeafCount>,
     newest: Vec<Answer>,
     outcomes: Outcomes,
+    lists: DrawLists,
 }
 
 /// The data on its way between a view and the GPU, a slot per frame in flight.
@@ -101,6 +104,7 @@ impl VisibilityState {
             reader: ResultReader::default(),
             newest: Vec::new(),
             outcomes: Outcomes::default(),
+            lists: DrawLists::new(frames_in_flight),
         })
     }
 
@@ -123,6 +127,7 @@ impl VisibilityState {
         self.seen_changes = leaves.changes.count();
         self.outcomes.forget_pending();
         self.sent = SentFrames::new(frames_in_flight);
+        self.lists = DrawLists::new(frames_in_flight);
         self.frames_in_flight = frames_in_flight;
         Ok(())
     }
@@ -197,6 +202,29 @@ impl VisibilityState {
         let (tested, draws) = (layout.refined(), leaves.copied_draws());
         rings.leaf_draws.begin(frame, (plan.frame, *generation), tested, &draws)?;
         Ok(())
+    }
+
+    /// Lists the draws of the newest plan, of which the visible ones lie in `visible`. Returns the
+    /// buffers by which passes write the others, if there are any.
+    pub(crate) fn list(
+        &mut self,
+        frame: &mut Frame<'_>,
+        leaves: &LeafTable,
+        visible: BufferSlice,
+    ) -> Result<Option<ListDrawsIo>, Error> {
+        self.lists.write(frame, &self.device, (&self.layout, leaves), visible)
+    }
+
+    /// Returns the visible draws of the newest frame, a list per bucket, if they were
+    /// [listed](crate::list_draws).
+    pub fn visible_lists(&self) -> &[DrawList] {
+        self.lists.visible()
+    }
+
+    /// Returns the draws that the tests of the newest frame reveal, a list per bucket, if they were
+    /// [listed](crate::list_draws).
+    pub fn revealed_lists(&self) -> &[DrawList] {
+        self.lists.revealed()
     }
 
     /// Updates the copies of draws to a scene that changed.

@@ -188,6 +188,9 @@ pub enum Error {
     /// A target that does not fit the plan.
     #[error(transparent)]
     Target(#[from] occlusion::TargetError),
+    /// A plan with draws among its tests, and a host that takes its draws as lists.
+    #[error(transparent)]
+    DrawsAmongTests(#[from] occlusion::DrawsAmongTests),
     /// A request for shaders that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
@@ -204,6 +207,7 @@ impl From<occlusion::Error> for Error {
             occlusion::Error::Buckets(error) => Self::Buckets(error),
             occlusion::Error::Attachments(error) => Self::Attachments(error),
             occlusion::Error::Target(error) => Self::Target(error),
+            occlusion::Error::DrawsAmongTests(error) => Self::DrawsAmongTests(error),
             occlusion::Error::ForeignView => Self::ForeignRenderer { thing: FOREIGN_VIEW },
             occlusion::Error::NoShaderCompiler(folder) => Self::NoShaderCompiler(folder),
         }

@@ -5,8 +5,8 @@ mod host;
 
 use cull::{Aabb, Camera, ObjectId, Projection, Strategy};
 use glam::{Vec3, vec3};
-use gpu::{Device, Predicates, Predication};
-use host::{Host, Part};
+use gpu::{Device, Optional, Predicates, Predication};
+use host::{Host, Part, Recorder};
 use tests::run_on_all;
 use tests::walk::pixels_that_differ;
 
@@ -102,10 +102,15 @@ fn change(host: &mut Host, random: &mut Random, frame: u32, buckets: u32) {
 }
 
 /// Draws frames while the eye jumps from side to side, and compares each with all draws.
-fn compare(device: &Device, buckets: u32, predication: Predication, strategy: Strategy) {
+fn compare(
+    device: &Device,
+    buckets: u32,
+    (predication, recorder): (Predication, Recorder),
+    strategy: Strategy,
+) {
     const FRAMES: u32 = 24;
     let mut random = Random(u64::from(buckets) + 7);
-    let mut host = Host::new(device, buckets, predication);
+    let mut host = Host::new(device, buckets, predication, recorder);
     let things = (0..110).map(|_| {
         let middle = behind(&mut random);
         parts(&mut random, middle, buckets)
@@ -128,13 +133,18 @@ fn compare(device: &Device, buckets: u32, predication: Predication, strategy: St
         host.draw(strategy, &camera);
     }
     device.drain().unwrap();
-    let what = format!("{strategy}, {buckets} buckets, {}", predication.name());
+    let what = format!("{strategy}, {buckets} buckets, {}, {recorder:?}", predication.name());
     for (frame, [culled, all]) in host.images.iter().enumerate() {
         let [culled, all] = [culled, all].map(|image| image.rgba8().unwrap());
         assert_eq!(pixels_that_differ(&culled, &all), 0, "frame {frame} of {what}");
     }
+    let listed = host.listed();
     let (drawn, there) = host.fewest_and_all();
     assert!(drawn > 0 && drawn < there / 2, "{drawn} of {there} draws, {what}");
+    let has_counts = device.capabilities().has(Optional::DrawIndirectCount);
+    let are_listed = recorder == Recorder::Host && has_counts;
+    assert_eq!(listed > 0, are_listed, "{what}");
+    assert!(listed < u64::from(FRAMES) * there / 3, "{listed} of {there} draws, {what}");
 }
 
 fn executors(device: &Device) -> Vec<Predication> {
@@ -147,14 +157,31 @@ fn objects_of_any_draws_in_any_buckets_look_like_all_draws_while_they_change() {
     run_on_all(|device| {
         let executors = executors(device);
         for buckets in [1, 16, 256] {
-            compare(device, buckets, executors[0], Strategy::ANTUMBRA);
+            compare(device, buckets, (executors[0], Recorder::Engine), Strategy::ANTUMBRA);
         }
         for predication in &executors[1..] {
-            compare(device, 16, *predication, Strategy::ANTUMBRA);
+            compare(device, 16, (*predication, Recorder::Engine), Strategy::ANTUMBRA);
         }
         // Flags are the first choice of the plain strategy.
         for strategy in [Strategy::ANTUMBRA_QUERIES, Strategy::ANTUMBRA_COMPUTE] {
-            compare(device, 16, executors[executors.len() - 1], strategy);
+            let last = executors[executors.len() - 1];
+            compare(device, 16, (last, Recorder::Engine), strategy);
+        }
+    });
+}
+
+#[test]
+fn draws_that_a_host_records_from_lists_look_like_all_draws() {
+    run_on_all(|device| {
+        let executors = executors(device);
+        let [first, last] = [executors[0], executors[executors.len() - 1]];
+        for (buckets, predication, strategy) in [
+            (1, first, Strategy::ANTUMBRA),
+            (16, last, Strategy::ANTUMBRA_QUERIES),
+            (16, last, Strategy::ANTUMBRA_COMPUTE),
+            (256, last, Strategy::ANTUMBRA),
+        ] {
+            compare(device, buckets, (predication, Recorder::Host), strategy);
         }
     });
 }

@@ -1,6 +1,6 @@
 //! Cullers: the decisions of one view.
 
-use cull::{CullConfig, Culler, FramePlan, Hierarchy, Strategy, TesterSupport, View};
+use cull::{CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, Strategy, TesterSupport, View};
 
 use super::camera::AntumbraCamera;
 use super::plan::{AntumbraAnswer, AntumbraFramePlan, PlanArrays};
@@ -105,6 +105,7 @@ impl ViewCuller {
             compute: testers & ANTUMBRA_HAS_COMPUTE != 0,
             // A plan would have boxes of leaves that the plan does not list.
             leaf_tests: false,
+            draw_phases: DrawPhases::PerRound,
         };
         let mut culler = Culler::with_testers(CullConfig { seed, ..Default::default() }, support);
         culler.set_sample_threshold(sample_threshold);

@@ -20,7 +20,8 @@ pub enum QueryKind {
     Leaf,
     /// The proxy of a leaf that is taken as visible and drawn. Its range of leaves is empty.
     VisibleBoxQuery,
-    /// The draw of a leaf that is taken as visible.
+    /// The draw of a leaf that is taken as visible; in plans of [`DrawPhases::Two`] its proxy,
+    /// with an empty range of leaves.
     VisibleDrawQuery,
 }
 
@@ -40,6 +41,19 @@ pub enum Tester {
     SharedProxy(u32),
 }
 
+/// The places of the draws among the tests of a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DrawPhases {
+    /// Draws between the rounds of tests, and queries around draws of visible leaves. For renderers
+    /// that can be called back between the commands of a frame.
+    #[default]
+    PerRound,
+    /// All visible draws, then all tests, then all draws that they reveal: one round, and the boxes
+    /// of visible leaves are tested in the place of their draws. For renderers that take their
+    /// draws as lists.
+    Two,
+}
+
 /// The testers that the device and the renderer offer to plans.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TesterSupport {
@@ -50,6 +64,8 @@ pub struct TesterSupport {
     /// True if leaves of a node that shows can be tested one by one in the same frame
     /// ([`QueryKind::PerLeaf`]).
     pub leaf_tests: bool,
+    /// The places of draws among tests.
+    pub draw_phases: DrawPhases,
 }
 
 /// The identity of a query, which comes back with its result.
@@ -156,6 +172,13 @@ impl FramePlan {
     pub fn query_count(&self) -> usize {
         let tests = self.tests.iter().filter(|test| test.tester == Tester::Query);
         tests.count() + self.queried_draws.len()
+    }
+
+    /// Returns true if all draws come before all tests or depend on one: a plan for
+    /// [`DrawPhases::Two`].
+    #[must_use]
+    pub fn has_two_phases(&self) -> bool {
+        self.rounds.len() <= 1 && self.queried_draws.is_empty()
     }
 
     pub(crate) fn clear(&mut self, frame: FrameId) {

@@ -9,6 +9,7 @@ pub(crate) mod frame_plan;
 pub(crate) mod fronts;
 pub(crate) mod next_frame;
 pub(crate) mod occluders;
+pub(crate) mod phases;
 pub(crate) mod plan_writer;
 pub(crate) mod rounds;
 pub(crate) mod shared_proxies;

@@ -37,7 +37,7 @@ impl PlanWriter<'_> {
             let tag = self.tag(plan, retest.node, QueryKind::VisibleDrawQuery);
             plan.queried_draws.push((retest.leaf, tag));
             self.history.mark_for_retest(retest.node, self.containment(retest.node));
-            self.history.note_visible_draw_query(retest.node, self.now, self.config, self.rng);
+            self.note_visible_draw_query(retest.node);
         }
         for [leaf, top] in &scratch.assumed {
             let due = self.now.plus(self.rng.between(1, self.config.retest_max));
@@ -62,9 +62,12 @@ impl PlanWriter<'_> {
         if kind == QueryKind::PullUpQuery {
             leaves.count = 0;
             self.history.note_pull_up_query(test.node, self.now);
-        } else if kind == QueryKind::VisibleBoxQuery {
+        } else if matches!(kind, QueryKind::VisibleBoxQuery | QueryKind::VisibleDrawQuery) {
             leaves.count = 0;
             self.history.mark_for_retest(test.node, self.containment(test.node));
+            if kind == QueryKind::VisibleDrawQuery {
+                self.note_visible_draw_query(test.node);
+            }
         } else {
             match test.inherited {
                 Some(since) => self.history.inherit(test.node, since),
@@ -87,6 +90,10 @@ impl PlanWriter<'_> {
                 _ => self.tester,
             },
         }
+    }
+
+    fn note_visible_draw_query(&mut self, node: u32) {
+        self.history.note_visible_draw_query(node, self.now, self.config, self.rng);
     }
 
     fn tag(&self, plan: &FramePlan, node: u32, kind: QueryKind) -> QueryTag {

@@ -4,15 +4,21 @@
 use std::ops::Range;
 
 use crate::plan::config::CullConfig;
-use crate::plan::frame_plan::{FramePlan, ProxyTest, Tester};
+use crate::plan::frame_plan::{DrawPhases, FramePlan, ProxyTest, Tester};
 
-/// Cuts the tests of `plan`, which `tester` tests, into rounds.
-pub(crate) fn schedule(plan: &mut FramePlan, tester: Tester, is_cut: bool, config: &CullConfig) {
-    let most = match (tester, is_cut) {
-        (Tester::Compute, false) => config.rounds_compute_calm,
-        (Tester::Compute, true) => config.rounds_compute_cut,
-        (_, false) => config.rounds_calm,
-        (_, true) => config.rounds_cut,
+/// Cuts the tests of `plan`, which `tester` tests, into as many rounds as draws may come between.
+pub(crate) fn schedule(
+    plan: &mut FramePlan,
+    (tester, draw_phases): (Tester, DrawPhases),
+    is_cut: bool,
+    config: &CullConfig,
+) {
+    let most = match (draw_phases, tester, is_cut) {
+        (DrawPhases::Two, ..) => 1,
+        (_, Tester::Compute, false) => config.rounds_compute_calm,
+        (_, Tester::Compute, true) => config.rounds_compute_cut,
+        (_, _, false) => config.rounds_calm,
+        (_, _, true) => config.rounds_cut,
     };
     split(plan.tests.len(), most, is_cut, config, &mut plan.rounds);
 }

@@ -250,7 +250,7 @@ fn the_cheaper_tester_is_chosen_where_the_strategy_is_free() {
     ];
     for (table, strategy, expected) in cases {
         let walk = Walk::new(boxes.clone(), 1);
-        let testers = TesterSupport { flags: true, compute: false, leaf_tests: false };
+        let testers = TesterSupport { flags: true, ..Default::default() };
         let mut culler = Culler::with_testers(CullConfig::default(), testers);
         culler.set_costs(table, SceneCosts { triangles_per_leaf: 5_000.0 }).unwrap();
         let mut plan = FramePlan::default();
@@ -277,7 +277,7 @@ fn prices_that_cannot_be_are_refused_and_change_nothing() {
 fn rounds_go_to_the_compute_shader_where_that_costs_least() {
     let free = CostTable { compute_round_ns: 0.0, compute_box_ns: 0.0, ..prices() };
     let dear = CostTable { compute_round_ns: 1.0e9, ..free };
-    let all = TesterSupport { flags: true, compute: true, leaf_tests: true };
+    let all = TesterSupport { flags: true, compute: true, leaf_tests: true, ..Default::default() };
     let cases = [
         (free, all, true),
         (dear, all, false),

@@ -1,8 +1,8 @@
 //! Tests that the image is the same as with everything drawn, whatever happens to the answers.
 
 use antumbra_cull::{
-    Camera, CostTable, CullConfig, Culler, FramePlan, Hierarchy, NodeState, ObjectId, SceneCosts,
-    Strategy, Tester, TesterSupport, View,
+    Camera, CostTable, CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, NodeState, ObjectId,
+    SceneCosts, Strategy, Tester, TesterSupport, View,
 };
 
 use crate::device::{Device, Mishaps, Solids};
@@ -21,6 +21,7 @@ const SIZE: [u32; 2] = [40, 28];
 struct Run {
     strategy: Strategy,
     culler: Culler,
+    draw_phases: DrawPhases,
     device: Device,
     plan: FramePlan,
 }
@@ -80,6 +81,7 @@ impl World {
             flags: self.random.chance(0.5),
             compute: self.random.chance(0.5),
             leaf_tests: self.random.chance(0.6),
+            draw_phases: [DrawPhases::PerRound, DrawPhases::Two][self.random.below(2)],
         };
         let ours = [Strategy::ANTUMBRA, Strategy::ANTUMBRA_COMPUTE][self.random.below(2)];
         for strategy in [Strategy::FRUSTUM, ours] {
@@ -94,6 +96,7 @@ impl World {
                 runs.push(Run {
                     strategy,
                     culler,
+                    draw_phases: testers.draw_phases,
                     device: Device::new(SIZE, self.sub_pixel_bits, mishaps, seed ^ latency),
                     plan: FramePlan::default(),
                 });
@@ -238,6 +241,8 @@ struct Checked {
     behind: u64,
     /// Leaves that were not tested because of the cost.
     untested: u64,
+    /// Boxes of visible leaves that were tested between two phases of draws.
+    visible_boxes: u64,
     /// Objects drawn, with frustum culling and with the strategy.
     drawn: [u64; 2],
 }
@@ -249,6 +254,7 @@ impl Checked {
             frames: self.frames + other.frames,
             behind: self.behind + other.behind,
             untested: self.untested + other.untested,
+            visible_boxes: self.visible_boxes + other.visible_boxes,
             drawn: [0, 1].map(|strategy| self.drawn[strategy] + other.drawn[strategy]),
         }
     }
@@ -282,12 +288,16 @@ fn verify_world(seed: u64, mut world: World) -> Checked {
                 let state = run.culler.state(front);
                 assert_eq!(state, NodeState::Hidden, "{}: what answers for others", context());
             }
+            let is_two = run.draw_phases == DrawPhases::Two;
+            assert!(!is_two || run.plan.has_two_phases(), "{}: draws between tests", context());
             run.device.execute(&view, &world.hierarchy, &world.solids(), &run.plan);
             // An object that owns a pixel and was not drawn leaves a depth that is not its own.
             assert!(run.device.images[0].depths == truth.depths, "{}: wrong pixels", context());
             checked.frames += 1;
             checked.behind += u64::from(run.plan.stats.shared_proxies);
             checked.untested += u64::from(run.plan.stats.untested_by_cost);
+            let visible_boxes = run.plan.stats.visible_box_queries;
+            checked.visible_boxes += u64::from(visible_boxes) * u64::from(is_two);
             let which = usize::from(run.strategy != Strategy::FRUSTUM);
             checked.drawn[which] += run.device.drawn.len() as u64;
         }
@@ -317,6 +327,7 @@ fn nothing_visible_is_ever_missing() {
     assert_eq!(checked.frames, checked.runs * FRAMES);
     assert!(checked.behind > 2_000, "hardly a test answered for another");
     assert!(checked.untested > checked.frames / 20, "costs hardly ever decided");
+    assert!(checked.visible_boxes > checked.frames / 10, "hardly a visible box was tested");
     let [frustum, ours] = checked.drawn;
     assert!(ours * 20 < frustum * 19, "nothing was culled: {ours} of {frustum}");
 }

@@ -25,7 +25,7 @@ fn camera(frame: usize) -> Camera {
 /// says so.
 #[test]
 fn every_object_was_drawn_as_explained() {
-    let leaf_tests = TesterSupport { flags: true, compute: false, leaf_tests: true };
+    let leaf_tests = TesterSupport { flags: true, leaf_tests: true, ..Default::default() };
     for testers in [TesterSupport::default(), leaf_tests] {
         let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
         walk.culler = Culler::with_testers(CullConfig::default(), testers);

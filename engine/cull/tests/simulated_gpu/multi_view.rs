@@ -2,8 +2,8 @@
 //! everything drawn, whatever happens to the answers.
 
 use antumbra_cull::{
-    Camera, CostTable, CullConfig, Culler, FramePlan, Hierarchy, MultiView, NodeState, ObjectId,
-    Projection, SceneCosts, Strategy, Tester, TesterSupport, View,
+    Camera, CostTable, CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, MultiView, NodeState,
+    ObjectId, Projection, SceneCosts, Strategy, Tester, TesterSupport, View,
 };
 use glam::{Quat, Vec3};
 
@@ -106,6 +106,7 @@ fn culler(seed: u64, random: &mut Random) -> Culler {
         flags: random.chance(0.7),
         compute: random.chance(0.3),
         leaf_tests: random.chance(0.7),
+        draw_phases: [DrawPhases::PerRound, DrawPhases::Two][random.below(2)],
     };
     let mut culler = Culler::with_testers(CullConfig { seed, ..CullConfig::default() }, testers);
     if random.chance(0.2) {
@@ -188,7 +189,7 @@ fn a_pair_of_eyes_costs_few_more_tests_than_one() {
     let scene = Scene::solid(crate::scene::city(&mut Random::new(3), 20));
     let hierarchy = Hierarchy::build(&scene.bounds).unwrap();
     let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
-    let testers = TesterSupport { flags: true, compute: false, leaf_tests: true };
+    let testers = TesterSupport { flags: true, leaf_tests: true, ..Default::default() };
     let mut camera = Camera {
         eye: Vec3::new(-1.0, 1.7, 60.0),
         forward: Vec3::NEG_Z,

@@ -2,8 +2,8 @@
 //! more pixels are wrong.
 
 use antumbra_cull::{
-    Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, NodeState, ObjectId, Projection,
-    ProxyTest, Strategy, Tester, TesterSupport, View,
+    Aabb, Camera, CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, NodeState, ObjectId,
+    Projection, ProxyTest, Strategy, Tester, TesterSupport, View,
 };
 use glam::Vec3;
 
@@ -64,6 +64,7 @@ fn walk(seed: u64, thresholds: &[u32]) -> Found {
         flags: other_testers,
         compute: other_testers,
         leaf_tests: random.chance(0.5),
+        draw_phases: [DrawPhases::PerRound, DrawPhases::Two][random.below(2)],
     };
     let mut culler = Culler::with_testers(CullConfig { seed, ..CullConfig::default() }, testers);
     let mut device = Device::new(SIZE, SUB_PIXEL_BITS, mishaps, seed);

@@ -55,6 +55,12 @@ impl OfDevice for BufferSlice {
 }
 
 impl BufferSlice {
+    /// Returns the buffer that it is a part of, for a host that reads it by commands of its own.
+    #[must_use]
+    pub fn raw(&self) -> vk::Buffer {
+        self.raw
+    }
+
     /// Returns the part from `offset_bytes` on, `size_bytes` long, cut to what is there.
     #[must_use]
     pub fn part(self, offset_bytes: u64, size_bytes: u64) -> Self {

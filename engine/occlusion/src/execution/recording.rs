@@ -22,9 +22,9 @@ use super::io::{DRAW_BYTES, FrameIo};
 use crate::executor::PlanExecutor;
 use crate::leaf_table::{BucketId, draw_range};
 use crate::object_renderer::{ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render};
-use crate::passes::{ComputeTestIo, LeafBoxIo};
+use crate::passes::{ComputeTestIo, LeafBoxIo, ListDrawsIo, ListDrawsPass};
 use crate::rect::Rect;
-use crate::test_layout::{RevealedRange, RoundLayout};
+use crate::test_layout::{RevealedRange, RoundLayout, take_bucket};
 use crate::visibility_state::VisibilityState;
 use crate::visible_draws::QueriedDraws;
 
@@ -44,12 +44,9 @@ impl Recording<'_> {
     /// next tests. So a round costs one break and not two. Leaves below a node that showed in round
     /// `n` are tested together with round `n + 1`, and drawn with the leaves revealed by it.
     pub(super) fn record(&self, commands: &Commands, objects: &mut dyn ObjectRenderer) {
-        let (state, io, view) = (self.state, self.io, self.view);
+        let (state, view) = (self.state, self.view);
         let rounds = &state.layout.rounds;
-        if io.proxies.flags.is_some() || io.leaf_draws.is_some() || io.computed.is_some() {
-            let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeWrite];
-            commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
-        }
+        self.wait_for_reset(commands);
         if objects.has_draws_to_prepare() {
             objects.prepare_draws(commands, UpcomingDraws::Visible(state.plan()));
         }
@@ -92,6 +89,61 @@ impl Recording<'_> {
         objects.shade(self.executor, commands, view, &|commands, bind| {
             self.draw_again(commands, bind);
         });
+        self.copy_results(commands);
+    }
+
+    /// Records the tests of a plan of two phases, whose draws a host records before and after, and
+    /// the passes that list those which the tests reveal.
+    pub(super) fn record_tests(
+        &self,
+        commands: &Commands,
+        objects: &mut dyn ObjectRenderer,
+        (pass, lists): (&ListDrawsPass, Option<ListDrawsIo>),
+    ) {
+        let (state, view) = (self.state, self.view);
+        let Some(round) = state.layout.rounds.first() else { return };
+        self.wait_for_reset(commands);
+        objects.target().prepare(commands);
+        commands.pass("test proxies", |commands| {
+            render(objects, commands, (view, Rendering::Next), |commands, objects| {
+                self.draw_proxies(commands, objects, Some(round));
+            });
+        });
+        self.test_by_compute(commands, objects, Some(round));
+        commands.pass("resolve tests", |commands| self.resolve(commands, Some(round), None));
+        if round.has_leaf_tests {
+            objects.target().prepare(commands);
+            commands.pass("test leaves", |commands| {
+                render(objects, commands, (view, Rendering::Next), |commands, objects| {
+                    self.test_leaves(commands, objects, Some(round));
+                });
+            });
+        }
+        if let Some(lists) = lists {
+            let rings = state.rings();
+            let io = ListDrawsIo {
+                enabled: self.io.leaf_draws.map(|it| it.draws),
+                results: [rings.queries.results(), rings.flags.results(), rings.computed.results()],
+                threshold_samples: state.plan().sample_threshold,
+                ..lists
+            };
+            commands.pass("list draws", |commands| pass.record(commands, &io));
+        }
+        self.copy_results(commands);
+    }
+
+    /// Waits until the results of the frame are cleared.
+    fn wait_for_reset(&self, commands: &Commands) {
+        let FrameIo { proxies, leaf_draws, computed, .. } = self.io;
+        if proxies.flags.is_some() || leaf_draws.is_some() || computed.is_some() {
+            let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeWrite];
+            commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
+        }
+    }
+
+    /// Copies all results of the frame to mapped memory.
+    fn copy_results(&self, commands: &Commands) {
+        let state = self.state;
         commands.pass("copy results", |commands| {
             state.rings().queries.resolve(commands, 0..state.layout.visible_draw_queries);
             state.rings().queries.read_back(commands);
@@ -282,11 +334,4 @@ impl Recording<'_> {
             }
         });
     }
-}
-
-/// Takes the ranges of a bucket, which are the first of the list if there are any.
-fn take_bucket<'a>(list: &mut &'a [RevealedRange], bucket: BucketId) -> &'a [RevealedRange] {
-    let (taken, left) = list.split_at(list.partition_point(|it| it.bucket == bucket));
-    *list = left;
-    taken
 }

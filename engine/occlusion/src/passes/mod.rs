@@ -4,6 +4,7 @@
 mod compute_test;
 mod eyes;
 mod leaf_box;
+mod list_draws;
 mod proxy;
 mod scatter;
 
@@ -14,6 +15,7 @@ use crate::shader_set::ShaderSet;
 pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use eyes::{EyeConstants, ProxyEyes};
 pub use leaf_box::{LeafBoxIo, LeafBoxPass, LeafLinks};
+pub use list_draws::{ListDrawsIo, ListDrawsPass, ListedRange};
 pub use proxy::{ProxyBox, ProxyConstants, ProxyIo, ProxyPass};
 pub use scatter::{ScatterIo, ScatterPass};
 
@@ -26,6 +28,8 @@ pub struct OcclusionPasses {
     pub leaf_boxes: Option<LeafBoxPass>,
     /// The pass that tests boxes by a compute shader, made for the first such frame.
     pub compute_test: Option<ComputeTest>,
+    /// The passes that list draws, made for the first frame whose draws a host records.
+    pub list_draws: Option<ListDrawsPass>,
     /// The pass that uploads changed leaves.
     pub scatter: ScatterPass,
     /// The attachments that boxes are tested against.
@@ -49,6 +53,7 @@ impl OcclusionPasses {
             proxies: ProxyPass::new(device, shaders, attachments)?,
             leaf_boxes: leaf_boxes.transpose()?,
             compute_test: None,
+            list_draws: None,
             scatter: ScatterPass::new(device, shaders)?,
             attachments,
         })
@@ -66,8 +71,10 @@ impl OcclusionPasses {
     ) -> Result<Self, Error> {
         let compute_test = self.compute_test.as_ref();
         let compute_test = compute_test.map(|_| ComputeTest::new(device, shaders, size));
+        let list_draws = self.list_draws.as_ref().map(|_| ListDrawsPass::new(device, shaders));
         let fresh = Self::new(device, shaders, self.attachments)?;
-        Ok(Self { compute_test: compute_test.transpose()?, ..fresh })
+        let (compute_test, list_draws) = (compute_test.transpose()?, list_draws.transpose()?);
+        Ok(Self { compute_test, list_draws, ..fresh })
     }
 
     /// Returns the attachments that boxes are tested against.

@@ -2,17 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use cull::{Aabb, Camera, CullConfig, Culler, ObjectId, Strategy, View};
+use cull::{Aabb, Camera, CullConfig, Culler, DrawPhases, ObjectId, Strategy, TesterSupport, View};
 use glam::Vec3;
 use gpu::{
-    Blend, Buffer, BufferSlice, Commands, DepthMode, Device, Frame, FrameRing, GraphicsPipeline,
-    GraphicsPipelineInfo, IndirectDraw, Predicates, Predication, Readback, RenderTarget,
-    StorageLayout, Target, vk,
+    Access, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, Frame, FrameRing,
+    GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, MemoryBarrier, MemoryKind, Predicates,
+    Predication, Readback, RenderTarget, StorageLayout, Target, vk,
 };
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, LeafCount, ObjectPass,
+    BucketDraw, BucketId, BucketTableInfo, DrawList, HostObject, HostScene, LeafCount, ObjectPass,
     ObjectRenderer, OcclusionPasses, ProxyBox, Rendering, ShaderSet, TransparentList,
-    VisibilityState, execute,
+    VisibilityState, execute, list_draws,
 };
 
 const SIZE: [u32; 2] = [96, 54];
@@ -39,6 +39,15 @@ const BOXES: usize = 1 << 12;
 pub struct Part {
     pub bucket: u32,
     pub boxes: Vec<Aabb>,
+}
+
+/// The way that draws are recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Recorder {
+    /// By the engine, which calls the host back.
+    Engine,
+    /// By the host, from lists.
+    Host,
 }
 
 /// The owner of the boxes.
@@ -120,13 +129,22 @@ pub struct Host {
     /// Transparent objects, and the first of the boxes of each.
     glass: Vec<(u32, Vec<Part>)>,
     list: TransparentList,
+    bucket_count: u32,
+    recorder: Recorder,
+    /// The numbers of revealed draws in the lists of each frame, where the device counts them.
+    listed: Vec<Buffer>,
     /// The images of each frame: by our answers, and of all draws.
     pub images: Vec<[Readback; 2]>,
 }
 
 impl Host {
     /// Creates a host without objects, with little room.
-    pub fn new(device: &Device, bucket_count: u32, predication: Predication) -> Self {
+    pub fn new(
+        device: &Device,
+        bucket_count: u32,
+        predication: Predication,
+        recorder: Recorder,
+    ) -> Self {
         let shaders = ShaderSet::embedded().unwrap();
         let [mut culled, all] = [(); 2].map(|()| Boxes::new(device, &shaders));
         let passes = OcclusionPasses::new(device, &shaders, culled.target.attachments()).unwrap();
@@ -137,7 +155,12 @@ impl Host {
             frames_in_flight: 2,
         };
         let scene = HostScene::new(device, passes, 20, info).unwrap();
+        let draw_phases = match recorder {
+            Recorder::Engine => DrawPhases::PerRound,
+            Recorder::Host => DrawPhases::Two,
+        };
         let testers = scene.executor().testers(device, culled.target());
+        let testers = TesterSupport { draw_phases, ..testers };
         let culler = Culler::with_testers(CullConfig::default(), testers);
         let leaves = &scene.executor().leaves;
         Self {
@@ -154,6 +177,9 @@ impl Host {
             wall: ObjectId(0),
             glass: Vec::new(),
             list: TransparentList::new(device).unwrap(),
+            bucket_count,
+            recorder,
+            listed: Vec::new(),
             images: Vec::new(),
         }
     }
@@ -231,8 +257,26 @@ impl Host {
         let state = &mut self.state;
         state.collect(self.device.completed().unwrap(), hierarchy, &executor.leaves);
         state.plan_frame(hierarchy, &executor.leaves, strategy, (&view, 4096));
-        let io = (&self.shaders, &view);
-        execute(&mut frame, executor, state, &mut self.culled, io).unwrap();
+        match self.recorder {
+            Recorder::Engine => {
+                let io = (&self.shaders, &view);
+                execute(&mut frame, executor, state, &mut self.culled, io).unwrap();
+            }
+            Recorder::Host => {
+                let tests = list_draws(&mut frame, executor, state, &view).unwrap();
+                draw_lists(&mut frame, &mut self.culled, state.visible_lists(), &view, None);
+                let io = (&mut self.culled.target, &self.shaders);
+                tests.record(&mut frame, executor, state, io).unwrap();
+                let bytes = u64::from(self.bucket_count) * 4;
+                let usage = vk::BufferUsageFlags::TRANSFER_DST;
+                let name = "listed draws read back";
+                let listed =
+                    Buffer::new(&self.device, name, bytes, usage, MemoryKind::ReadBack).unwrap();
+                let lists = state.revealed_lists();
+                draw_lists(&mut frame, &mut self.culled, lists, &view, Some(&listed));
+                self.listed.push(listed);
+            }
+        }
         draw_all(&mut frame, &mut self.all, &self.parts, &view);
         let middle =
             |(_, parts): &(u32, Vec<Part>)| around(parts).centre().distance(view.rays.origin);
@@ -257,6 +301,12 @@ impl Host {
         let tick = frame.submit(None).unwrap();
         state.submitted(tick, &executor.leaves, None);
         self.scene.submitted(tick);
+    }
+
+    /// Returns the number of revealed draws in the lists of all frames, which are over.
+    pub fn listed(&self) -> u64 {
+        let counts = self.listed.iter().flat_map(|it| it.read(0..self.bucket_count as usize));
+        counts.map(|count: &u32| u64::from(*count)).sum()
     }
 
     /// Returns the fewest draws of a frame, and those of the scene.
@@ -298,6 +348,39 @@ fn write_boxes(boxes: &mut [ProxyBox], first: u32, parts: &[Part]) {
     let places = boxes.iter_mut().skip(first as usize);
     let new = parts.iter().flat_map(|part| &part.boxes);
     places.zip(new).for_each(|(place, bounds)| *place = ProxyBox::from(*bounds));
+}
+
+/// Draws what is listed, as a host does between commands of the engine, and copies the counts of
+/// the lists.
+fn draw_lists(
+    frame: &mut Frame<'_>,
+    boxes: &mut Boxes,
+    lists: &[DrawList],
+    view: &View,
+    counts: Option<&Buffer>,
+) {
+    let commands = frame.commands();
+    let rendering = if counts.is_some() { Rendering::Next } else { Rendering::First };
+    boxes.target.prepare(commands);
+    commands.rendering(boxes.rendering(view, rendering), |commands| {
+        for list in lists {
+            assert!(list.most > 0 && list.commands.size_bytes == u64::from(list.most) * 20);
+            boxes.bind(commands, view, list.bucket, ObjectPass::Visibility);
+            match list.count {
+                Some(count) => commands.draw_indirect_count(list.commands, count),
+                None => commands.draw_indirect(list.commands),
+            }
+        }
+    });
+    let Some(counts) = counts else { return };
+    commands.fill(counts.whole(), 0);
+    let (copied, read) = ([Access::CopyWrite], [Access::HostRead, Access::CopyWrite]);
+    commands.barrier(MemoryBarrier::between(&copied, &read));
+    commands.barrier(MemoryBarrier::between(&[Access::ComputeWrite], &[Access::CopyRead]));
+    for (number, count) in lists.iter().filter_map(|list| list.count).enumerate() {
+        commands.copy_buffer(count, counts.whole().part(number as u64 * 4, 4));
+    }
+    commands.barrier(MemoryBarrier::between(&copied, &read));
 }
 
 /// Draws all objects, bucket by bucket, without a table.

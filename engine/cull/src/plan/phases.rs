@@ -1,0 +1,35 @@
+//! Plans of two phases, without anything around their draws.
+
+use crate::geom::multi_view::ViewMasks;
+use crate::ids::NodeId;
+use crate::plan::candidates::{Candidate, Draw, Nearness, Scratch};
+use crate::plan::frame_plan::{PlanStats, QueryKind};
+use crate::plan::traverse::Walk;
+
+/// Draws the retests without a query, and tests their boxes instead: within the same budget.
+pub(crate) fn test_boxes_of_retests(scratch: &mut Scratch, walk: &Walk<'_>, stats: &mut PlanStats) {
+    if scratch.retests.is_empty() {
+        return;
+    }
+    let bounds = |node| walk.hierarchy.bounds(NodeId(node));
+    for retest in scratch.retests.drain(..) {
+        scratch.draws.push(Draw { nearness: retest.nearness, leaf: retest.leaf });
+        let bounds = bounds(retest.node);
+        let (_, masks) = walk.views.classify(&bounds, ViewMasks::ALL);
+        // None where the near plane cuts it.
+        let Some(proxy) = walk.views.proxy(&bounds, masks) else { continue };
+        stats.visible_box_queries += 1;
+        scratch.tests.push(Candidate {
+            node: retest.node,
+            kind: QueryKind::VisibleDrawQuery,
+            proxy,
+            leaf_count: 1,
+            inherited: None,
+            hidden_frames: Some(0),
+        });
+    }
+    scratch.sort_draws();
+    let nearness = |node| Nearness::of(&bounds(node), walk.views);
+    scratch.tests.sort_unstable_by_key(|test| (nearness(test.node), test.node));
+    scratch.keep_all();
+}

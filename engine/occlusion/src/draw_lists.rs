@@ -1,0 +1,185 @@
+//! The draws of a frame as lists: for hosts that record their draws themselves, where nothing of
+//! ours can be in between.
+
+use std::ops::Range;
+
+use gpu::{
+    Buffer, BufferSlice, Device, DrawRange, Frame, IndirectDraw, MemoryKind, Optional,
+    ResultSource, Reveal, vk,
+};
+
+use crate::error::Error;
+use crate::leaf_table::{BucketId, LeafTable};
+use crate::passes::{ListDrawsIo, ListedRange};
+use crate::test_layout::{RevealedRange, TestLayout, take_bucket};
+
+/// The indirect draws of one bucket in one phase of a frame. Their buffers live until the frame is
+/// over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DrawList {
+    /// The bucket.
+    pub bucket: BucketId,
+    /// The commands: [`IndirectDraw`]s without gaps.
+    pub commands: BufferSlice,
+    /// The most commands that there may be; `commands` has room for so many.
+    pub most: u32,
+    /// The number of commands, 32 bits that the GPU writes; `None` for all. Where the device cannot
+    /// count so many ([`Optional::DrawIndirectCount`]), some of all commands are empty.
+    pub count: Option<BufferSlice>,
+}
+
+/// The lists of the newest frame of a view, and their memory, kept to allocate nothing in the
+/// steady state.
+#[derive(Default)]
+pub(crate) struct DrawLists {
+    visible: Vec<DrawList>,
+    revealed: Vec<DrawList>,
+    /// The bucket of each list of revealed draws, and its place among all commands.
+    places: Vec<(BucketId, Range<u32>)>,
+    ranges: Vec<ListedRange>,
+    /// One memory per frame in flight.
+    slots: Vec<ListMemory>,
+}
+
+/// The memory that the lists of one frame are written to.
+#[derive(Default)]
+struct ListMemory {
+    commands: Option<Buffer>,
+    /// The number of commands of each list.
+    counts: Option<Buffer>,
+    /// The number of draws of each range.
+    sizes: Option<Buffer>,
+}
+
+const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+
+impl DrawLists {
+    /// Creates lists for so many frames in flight.
+    pub(crate) fn new(frames_in_flight: usize) -> Self {
+        let slots = (0..frames_in_flight.max(1)).map(|_| ListMemory::default()).collect();
+        Self { slots, ..Self::default() }
+    }
+
+    /// Returns the draws that are taken as visible.
+    pub(crate) fn visible(&self) -> &[DrawList] {
+        &self.visible
+    }
+
+    /// Returns the draws that tests reveal.
+    pub(crate) fn revealed(&self) -> &[DrawList] {
+        &self.revealed
+    }
+
+    /// Lists the draws of a frame: those that lie in `visible`, and those that its tests may
+    /// reveal. Returns the buffers by which passes write the latter, if there are any.
+    pub(crate) fn write(
+        &mut self,
+        frame: &mut Frame<'_>,
+        device: &Device,
+        (layout, leaves): (&TestLayout, &LeafTable),
+        visible: BufferSlice,
+    ) -> Result<Option<ListDrawsIo>, Error> {
+        self.visible.clear();
+        self.visible.extend(layout.visible.buckets().iter().map(|it| DrawList {
+            bucket: it.bucket,
+            commands: commands(visible, &it.draws),
+            most: it.draws.len() as u32,
+            count: None,
+        }));
+        self.revealed.clear();
+        self.lay_out(layout);
+        let Some((_, last)) = self.places.last() else { return Ok(None) };
+        let slot = frame.slot().0 % self.slots.len();
+        let ListMemory { commands: memory, counts, sizes } = &mut self.slots[slot];
+        // Sources of transfers for hosts that look at them.
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::INDIRECT_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        let bytes = u64::from(last.end) * DRAW_BYTES;
+        let all = reserve(device, memory, ("listed draws", usage), bytes)?;
+        let bytes = self.places.len() as u64 * 4;
+        let counts = reserve(device, counts, ("list counts", usage), bytes)?;
+        let bytes = self.ranges.len() as u64 * 4;
+        let sizes = reserve(device, sizes, ("list sizes", usage), bytes)?;
+        let limit = device.adapter().limits.max_draw_indirect_count;
+        let is_counted =
+            device.capabilities().has(Optional::DrawIndirectCount) && last.end <= limit;
+        if !is_counted {
+            frame.commands().fill(all, 0);
+        }
+        let lists = self.places.iter().enumerate();
+        self.revealed.extend(lists.map(|(list, (bucket, place))| DrawList {
+            bucket: *bucket,
+            commands: commands(all, place),
+            most: place.len() as u32,
+            count: is_counted.then(|| counts.part(list as u64 * 4, 4)),
+        }));
+        Ok(Some(ListDrawsIo {
+            ranges: frame.uploads().push(&self.ranges)?,
+            range_count: self.ranges.len() as u32,
+            draws: leaves.predicates.draws(),
+            enabled: None,
+            results: [None; ResultSource::ALL.len()],
+            threshold_samples: 0,
+            sizes,
+            commands: all,
+            counts,
+        }))
+    }
+
+    /// Lays out the ranges that the tests of a plan's one round may reveal, bucket by bucket, in
+    /// the order of their tests.
+    fn lay_out(&mut self, layout: &TestLayout) {
+        self.places.clear();
+        self.ranges.clear();
+        let round = layout.rounds.first();
+        let mut enabled = layout.revealed(round, Reveal::EnabledDraws);
+        let mut whole = layout.revealed(round, Reveal::Draws);
+        let first = |list: &[RevealedRange]| list.first().map(|it| it.bucket);
+        let mut end = 0;
+        while let Some(bucket) = [enabled, whole].into_iter().filter_map(first).min() {
+            let (list, first_of_list) = (self.places.len() as u32, self.ranges.len() as u32);
+            let first_command = end;
+            for (is_enabled, revealed) in [(1, &mut enabled), (0, &mut whole)] {
+                for it in take_bucket(revealed, bucket) {
+                    let Some(decided) = layout.decided(it.source).get(it.predicate as usize) else {
+                        continue;
+                    };
+                    let (DrawRange { first, count }, source) = (decided.range, it.source as u32);
+                    self.ranges.push(ListedRange {
+                        first,
+                        count,
+                        source,
+                        result: decided.result,
+                        is_enabled,
+                        list,
+                        first_of_list,
+                        first_command,
+                    });
+                    end += count;
+                }
+            }
+            self.places.push((bucket, first_command..end));
+        }
+    }
+}
+
+/// Returns a range of commands.
+fn commands(all: BufferSlice, range: &Range<u32>) -> BufferSlice {
+    all.part(u64::from(range.start) * DRAW_BYTES, range.len() as u64 * DRAW_BYTES)
+}
+
+/// Returns memory of so many bytes, made where there is not enough. The frame that used it is over.
+fn reserve(
+    device: &Device,
+    memory: &mut Option<Buffer>,
+    (name, usage): (&str, vk::BufferUsageFlags),
+    bytes: u64,
+) -> Result<BufferSlice, Error> {
+    if let Some(buffer) = memory.as_ref().filter(|buffer| buffer.size_bytes() >= bytes) {
+        return Ok(buffer.whole().part(0, bytes));
+    }
+    let buffer = Buffer::new(device, name, bytes.next_power_of_two(), usage, MemoryKind::Device)?;
+    Ok(memory.insert(buffer).whole().part(0, bytes))
+}

@@ -1,0 +1,125 @@
+//! Plans whose draws a host records itself: lists of them, and the tests in between.
+
+use cull::{MultiView, View};
+use gpu::{Commands, Frame, RenderTarget, Target};
+
+use super::io::FrameIo;
+use super::recording::Recording;
+use super::{check_target, make_compute_test};
+use crate::error::{DrawsAmongTests, Error};
+use crate::executor::PlanExecutor;
+use crate::leaf_table::BucketId;
+use crate::object_renderer::{ObjectPass, ObjectRenderer, Rendering};
+use crate::passes::{ListDrawsIo, ListDrawsPass};
+use crate::shader_set::ShaderSet;
+use crate::visibility_state::VisibilityState;
+
+/// The tests of a frame whose draws are listed, still to be recorded.
+#[must_use = "the lists of revealed draws are undefined until the tests are recorded"]
+pub struct ListedTests<'v> {
+    views: MultiView<'v>,
+    io: FrameIo,
+    lists: Option<ListDrawsIo>,
+}
+
+/// Lists the draws of the newest plan of `state`, which was made for `views`, for a host that
+/// records them itself: it cannot be called back between commands, or knows no conditional
+/// rendering. Records nothing but clears.
+///
+/// The order on the queue is: the draws of [`VisibilityState::visible_lists`], in renderings of the
+/// host that clear; the [tests](ListedTests::record), in the command buffer of `frame`; the draws
+/// of [`VisibilityState::revealed_lists`], in renderings that keep what is there. All lists are
+/// known after this call, and what the GPU writes of them is there behind the tests. The buffers
+/// live until the frame is over.
+///
+/// ```no_run
+/// # use antumbra_occlusion as occlusion;
+/// use cull::{Culler, DrawPhases, TesterSupport, View};
+/// use occlusion::*;
+///
+/// /// Makes the plans of a view fit for lists.
+/// fn culler(device: &gpu::Device, scene: &HostScene, target: &gpu::Target) -> Culler {
+///     let testers = scene.executor().testers(device, target);
+///     let testers = TesterSupport { draw_phases: DrawPhases::Two, ..testers };
+///     Culler::with_testers(Default::default(), testers)
+/// }
+///
+/// /// Records a planned frame between two renderings of the host.
+/// fn record(
+///     frame: &mut gpu::Frame<'_>,
+///     (scene, state): (&mut HostScene, &mut VisibilityState),
+///     (target, shaders, view): (&mut gpu::Target, &ShaderSet, &View),
+///     mut draw: impl FnMut(&DrawList),
+/// ) -> Result<(), Error> {
+///     let (_, executor) = scene.parts_mut();
+///     let tests = list_draws(frame, executor, state, view)?;
+///     state.visible_lists().iter().for_each(&mut draw); // in the host's first rendering
+///     tests.record(frame, executor, state, (target, shaders))?;
+///     target.restore(frame.commands());
+///     state.revealed_lists().iter().for_each(&mut draw); // in its second
+///     Ok(())
+/// }
+/// ```
+///
+/// # Errors
+/// [`Error::DrawsAmongTests`] for the plan of a culler without
+/// [`DrawPhases::Two`](cull::DrawPhases::Two); a view of another scene; no memory, a failed call.
+pub fn list_draws<'v>(
+    frame: &mut Frame<'_>,
+    executor: &mut PlanExecutor,
+    state: &mut VisibilityState,
+    views: impl Into<MultiView<'v>>,
+) -> Result<ListedTests<'v>, Error> {
+    state.check(&executor.leaves)?;
+    if !state.plan().has_two_phases() {
+        return Err(DrawsAmongTests.into());
+    }
+    let views = views.into();
+    let io = FrameIo::write(frame, state, &mut executor.leaves, views)?;
+    let lists = state.list(frame, &executor.leaves, io.visible)?;
+    Ok(ListedTests { views, io, lists })
+}
+
+impl ListedTests<'_> {
+    /// Records the tests against the depth in `target`, which holds the visible draws, and the
+    /// passes that list what they reveal. Outside of rendering. Colours of the target, if it has
+    /// any, are not written.
+    ///
+    /// # Errors
+    /// A target with other attachments than the passes were compiled for, or with another number of
+    /// views; a depth that the plan's tests cannot read; a failed call.
+    pub fn record(
+        self,
+        frame: &mut Frame<'_>,
+        executor: &mut PlanExecutor,
+        state: &VisibilityState,
+        (target, shaders): (&mut Target, &ShaderSet),
+    ) -> Result<(), Error> {
+        check_target(executor, state, (target, self.views))?;
+        make_compute_test(executor, state, (shaders, target.size()))?;
+        if executor.passes.list_draws.is_none() {
+            executor.passes.list_draws = Some(ListDrawsPass::new(state.device(), shaders)?);
+        }
+        let Some(pass) = &executor.passes.list_draws else { return Ok(()) };
+        let recording = Recording { executor, state, view: self.views.first(), io: &self.io };
+        recording.record_tests(frame.commands(), &mut TestsAlone { target }, (pass, self.lists));
+        Ok(())
+    }
+}
+
+/// The renderings of tests: the host draws its objects itself.
+struct TestsAlone<'a> {
+    target: &'a mut Target,
+}
+
+impl ObjectRenderer for TestsAlone<'_> {
+    fn target(&mut self) -> &mut Target {
+        self.target
+    }
+
+    fn rendering(&self, view: &View, _rendering: Rendering) -> RenderTarget {
+        self.target.render_target(None).within(view.origin, view.size)
+    }
+
+    fn bind(&self, _: &Commands, _: &View, _: BucketId, _: ObjectPass) {}
+}

@@ -1,0 +1,123 @@
+//! The list passes: write the draws that tests revealed into lists, without gaps and in order.
+
+use bytemuck::{Pod, Zeroable};
+use gpu::{
+    Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, ResultSource,
+    StorageLayout,
+};
+
+use crate::error::Error;
+use crate::shader_set::ShaderSet;
+
+/// The passes that turn the results of tests into lists of draws: one counts the draws of each
+/// range, one writes them behind those of the ranges before it.
+pub struct ListDrawsPass {
+    sizes: ComputePipeline,
+    draws: ComputePipeline,
+    /// The most workgroups of a dispatch.
+    groups_max: u32,
+}
+
+/// The buffers of the passes: read ranges, draws and results; write sizes, commands and counts.
+#[derive(Clone, Copy)]
+pub struct ListDrawsIo {
+    /// One [`ListedRange`] per range, those of a list in one piece.
+    pub ranges: BufferSlice,
+    /// The number of ranges.
+    pub range_count: u32,
+    /// All draws of the scene.
+    pub draws: BufferSlice,
+    /// The copy of all draws in which fragments of boxes set instances, if there is one.
+    pub enabled: Option<BufferSlice>,
+    /// The results of each [`ResultSource`], if it has any.
+    pub results: [Option<BufferSlice>; ResultSource::ALL.len()],
+    /// The number of samples that a result must exceed.
+    pub threshold_samples: u32,
+    /// The number of draws of each range.
+    pub sizes: BufferSlice,
+    /// The commands of all lists.
+    pub commands: BufferSlice,
+    /// The number of commands of each list.
+    pub counts: BufferSlice,
+}
+
+/// A range of draws that a result decides about, as the shaders read it; mirrors `listed.glsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ListedRange {
+    /// The first draw among all draws of the scene.
+    pub first: u32,
+    /// The number of draws, those included that are empty.
+    pub count: u32,
+    /// The [`ResultSource`] of the result, by its number.
+    pub source: u32,
+    /// The number of the result among those of its source.
+    pub result: u32,
+    /// 1 for draws that fragments of boxes enable, else 0.
+    pub is_enabled: u32,
+    /// The number of the list.
+    pub list: u32,
+    /// The first range of the same list.
+    pub first_of_list: u32,
+    /// The place of the list among the commands of all lists.
+    pub first_command: u32,
+}
+
+/// Mirrors `list_sizes.comp` and `list_draws.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    first: u32,
+    range_count: u32,
+    threshold_samples: u32,
+}
+
+impl ListDrawsPass {
+    /// Compiles the passes.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        let pipeline = |name, buffers| -> Result<ComputePipeline, Error> {
+            let storage = StorageLayout::new::<Constants>(buffers);
+            Ok(ComputePipeline::new(device, name, shaders.find(name)?, storage)?)
+        };
+        let groups_max = device.adapter().limits.max_compute_work_group_count[0].max(1);
+        let [sizes, draws] = [pipeline("list_sizes.comp", 7)?, pipeline("list_draws.comp", 6)?];
+        Ok(Self { sizes, draws, groups_max })
+    }
+
+    /// Writes the lists, for indirect draws of any command that follows on the queue. All results
+    /// must be there, and what wrote them is waited for here. Outside of rendering.
+    pub fn record(&self, commands: &Commands, io: &ListDrawsIo) {
+        let between = MemoryBarrier::between;
+        // Results and enabled draws; draws whose instances a compute pass decided; cleared lists.
+        let written = [Access::FragmentWrite, Access::ComputeWrite, Access::CopyWrite];
+        commands.barrier(between(&written, &[Access::ComputeRead, Access::ComputeWrite]));
+        // Nothing reads what is not there: no range names it.
+        let enabled = io.enabled.unwrap_or(io.draws);
+        let [queries, fragments, computed] = io.results.map(|it| it.unwrap_or(io.ranges));
+        commands.bind_compute(
+            &self.sizes,
+            &[io.ranges, io.draws, enabled, queries, fragments, computed, io.sizes],
+        );
+        self.dispatch(commands, &self.sizes, io);
+        commands.barrier(between(&[Access::ComputeWrite], &[Access::ComputeRead]));
+        commands.bind_compute(
+            &self.draws,
+            &[io.ranges, io.draws, enabled, io.sizes, io.commands, io.counts],
+        );
+        self.dispatch(commands, &self.draws, io);
+        commands.barrier(between(&[Access::ComputeWrite], &[Access::IndirectRead]));
+    }
+
+    /// Dispatches a workgroup per range.
+    fn dispatch(&self, commands: &Commands, pipeline: &ComputePipeline, io: &ListDrawsIo) {
+        let ListDrawsIo { range_count, threshold_samples, .. } = *io;
+        for first in (0..range_count).step_by(self.groups_max as usize) {
+            let constants = Constants { first, range_count, threshold_samples };
+            commands.push_compute_constants(pipeline, &constants);
+            commands.dispatch([(range_count - first).min(self.groups_max), 1, 1]);
+        }
+    }
+}
