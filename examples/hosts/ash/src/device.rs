@@ -19,7 +19,7 @@ pub struct AshDevice {
 impl AshDevice {
     /// Creates a device of the first driver whose device's name contains `wanted`.
     pub fn new(wanted: &str) -> Result<Self, Box<dyn Error>> {
-        let instance = HostInstance::new()?;
+        let instance = HostInstance::new(&[])?;
         let physical = instance.find(wanted)?;
         // SAFETY: made from one another.
         let needs = unsafe { Requirements::of(&instance.raw, physical, Purpose::Executor) };

@@ -50,7 +50,7 @@ fn draw(
 
 fn run() -> Result<bool, Box<dyn Error>> {
     let wanted = std::env::args().nth(1).unwrap_or_default();
-    let host = HostInstance::new()?;
+    let host = HostInstance::new(&[])?;
     let device = Arc::new(GraphDevice::new(&host, host.find(&wanted)?)?);
     let [plain, culled] =
         [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|it| draw(&host, &device, it));

@@ -22,11 +22,11 @@ pub struct HostInstance {
 }
 
 impl HostInstance {
-    /// Creates an instance of Vulkan 1.3.
+    /// Creates an instance of Vulkan 1.3 with these extensions.
     ///
     /// # Errors
     /// No loader, a failed call.
-    pub fn new() -> Result<Self, Box<dyn Error>> {
+    pub fn new(extensions: &[&CStr]) -> Result<Self, Box<dyn Error>> {
         // SAFETY: the loader of this system.
         let entry = unsafe { ash::Entry::load() }?;
         // SAFETY: the entry is loaded.
@@ -35,14 +35,15 @@ impl HostInstance {
         let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_3);
         let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
         let mut checks = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
-        let (layers, extensions) = (
-            [LAYER.as_ptr()],
-            [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()],
-        );
-        let mut info = vk::InstanceCreateInfo::default().application_info(&application);
+        let layers = [LAYER.as_ptr()];
+        let of_layer = [ext::debug_utils::NAME, ext::validation_features::NAME];
+        let of_layer = of_layer.into_iter().filter(|_| is_validated);
+        let names: Vec<_> = extensions.iter().copied().chain(of_layer).map(CStr::as_ptr).collect();
+        let mut info = vk::InstanceCreateInfo::default()
+            .application_info(&application)
+            .enabled_extension_names(&names);
         if is_validated {
-            info = info.enabled_layer_names(&layers).enabled_extension_names(&extensions);
-            info = info.push_next(&mut checks);
+            info = info.enabled_layer_names(&layers).push_next(&mut checks);
         }
         // SAFETY: every pointer in `info` lives until the call returns.
         let raw = unsafe { entry.create_instance(&info, None) }?;
