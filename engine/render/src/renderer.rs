@@ -23,6 +23,7 @@ use crate::resources::object_bounds::{check_hierarchy, object_bounds};
 use crate::resources::sprites::has_sprites;
 use crate::update::UpdateScratch;
 use crate::view_state::{RendererId, ViewState};
+use crate::views::view_in;
 
 /// The most frames that may be in flight: each has memory of its own for everything that a frame
 /// writes, and beyond a few they only make results older.
@@ -340,7 +341,7 @@ impl Renderer {
 
     /// Returns the view of `camera` on this renderer's image.
     pub fn view_of(&self, camera: &Camera) -> View {
-        self.view_in(camera, Rect { origin: [0, 0], size: self.size() })
+        view_in(&self.device, camera, Rect::whole(self.size()))
     }
 
     /// Waits until every frame is over and reads its results. Not for a frame loop: it counts as a

@@ -34,6 +34,12 @@ impl From<Camera> for Viewpoint {
     }
 }
 
+impl From<&Camera> for Viewpoint {
+    fn from(camera: &Camera) -> Self {
+        Self::Camera(*camera)
+    }
+}
+
 impl From<ViewProjection> for Viewpoint {
     fn from(projection: ViewProjection) -> Self {
         Self::Matrix(projection)
@@ -42,7 +48,7 @@ impl From<ViewProjection> for Viewpoint {
 
 impl Viewpoint {
     /// Returns the view on a part of the image.
-    fn view(&self, device: &Device, area: Rect) -> Result<View, Error> {
+    pub(crate) fn view(&self, device: &Device, area: Rect) -> Result<View, Error> {
         let projection = match self {
             Self::Camera(camera) => return Ok(view_in(device, camera, area)),
             Self::Matrix(projection) => projection,

@@ -9,8 +9,8 @@ use clap::{Args, Parser, value_parser};
 
 use crate::Options;
 use crate::choices::{
-    CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice, ValidationChoice, Verify,
-    enumerate, parse_named, parse_strategy,
+    CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice, ProjectionChoice,
+    ValidationChoice, Verify, enumerate, parse_named, parse_strategy,
 };
 use crate::options::{
     DEFAULT_IMAGES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
@@ -69,6 +69,10 @@ pub struct Arguments {
     #[arg(long, value_name = "1..2", default_value = "1", help_heading = "Walk")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_VIEWS)))]
     pub views: u32,
+    /// Projection of the cameras: perspective; orthographic, with a slice of the scene from the eye
+    /// on; or jittered, in perspective and moved within the pixel from frame to frame
+    #[arg(long, value_name = "KIND", default_value = "perspective", help_heading = "Walk")]
+    pub projection: ProjectionChoice,
     /// Share of the objects of city or field that move, come and go, 0 to 100. In a file its clips
     /// play
     #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
@@ -287,6 +291,7 @@ impl Arguments {
             moving_percent: moving,
             frames,
             views,
+            projection: self.projection,
             size,
             strategies,
             left_out,

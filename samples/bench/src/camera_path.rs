@@ -10,6 +10,15 @@ use crate::playback::Orbit;
 use crate::recorded_path::RecordedPath;
 use crate::run_error::RunError;
 
+/// The camera of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameCamera {
+    /// The number of the frame on its path.
+    pub frame: u32,
+    /// The camera.
+    pub camera: Camera,
+}
+
 /// A camera for every frame.
 #[derive(Clone, Debug)]
 pub enum CameraTrack {
@@ -41,6 +50,11 @@ impl CameraTrack {
                 return Err(RunError::user("a scene that is made has no cameras of a file"));
             }
         })
+    }
+
+    /// Returns the camera of a frame, with the number of the frame.
+    pub fn frame_camera(&self, frame: u32) -> FrameCamera {
+        FrameCamera { frame, camera: self.camera(frame) }
     }
 
     /// Returns the camera of a frame.

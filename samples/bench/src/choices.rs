@@ -41,6 +41,23 @@ impl fmt::Display for CameraPathChoice {
     }
 }
 
+/// The projection of the walk's cameras.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProjectionChoice {
+    /// The camera's own, in perspective but in files that say otherwise.
+    Perspective,
+    /// Orthographic, with a slice of the scene from the eye on.
+    Orthographic,
+    /// In perspective, moved within the pixel from frame to frame, as for temporal anti-aliasing.
+    Jittered,
+}
+
+impl fmt::Display for ProjectionChoice {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&name_of(self))
+    }
+}
+
 /// The checks of the Vulkan validation layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ValidationChoice {

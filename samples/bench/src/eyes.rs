@@ -6,6 +6,9 @@ use antumbra::render::{
     FrameOutcome, FrameReport, Rect, Renderer, ViewState, ViewTarget, ViewsRequest, VisibleSet,
 };
 
+use crate::camera_path::FrameCamera;
+use crate::choices::ProjectionChoice;
+use crate::projection::viewpoint;
 use crate::run_error::RunError;
 
 /// The distance between the eyes of a person, in metres.
@@ -14,6 +17,7 @@ const BETWEEN_EYES_M: f32 = 0.065;
 /// One strategy's eyes, each with its history.
 pub struct Eyes {
     histories: Vec<ViewState>,
+    projection: ProjectionChoice,
 }
 
 impl Eyes {
@@ -21,12 +25,16 @@ impl Eyes {
     ///
     /// # Errors
     /// When the device fails.
-    pub fn new(renderer: &Renderer, views: u32) -> Result<Self, RunError> {
+    pub fn new(
+        renderer: &Renderer,
+        views: u32,
+        projection: ProjectionChoice,
+    ) -> Result<Self, RunError> {
         let histories = (0..views.max(1)).map(|_| renderer.new_view());
-        Ok(Self { histories: histories.collect::<Result<_, _>>()? })
+        Ok(Self { histories: histories.collect::<Result<_, _>>()?, projection })
     }
 
-    /// Renders a frame from `camera`, which is in the middle of the eyes; `visible` holds the
+    /// Renders a frame from `middle`, which is in the middle of the eyes; `visible` holds the
     /// visible set of each of them, for [`antumbra::methods::IDEAL`].
     ///
     /// # Errors
@@ -35,17 +43,17 @@ impl Eyes {
         &mut self,
         renderer: &mut Renderer,
         strategy: Strategy,
-        camera: &Camera,
+        middle: &FrameCamera,
         visible: &[VisibleSet],
         image: Option<&Readback>,
     ) -> Result<FrameReport, RunError> {
         let views = self.histories.len() as u32;
         let areas = Rect::side_by_side(renderer.size(), views);
-        let eye = |((number, history), area)| ViewTarget {
-            state: history,
-            viewpoint: camera_of(camera, number, views).into(),
-            visible: visible.get(number as usize),
-            rect: area,
+        let projection = self.projection;
+        let eye = |((number, history), rect)| {
+            let viewpoint = viewpoint(&camera_of(middle, number, views), projection, rect);
+            let visible = visible.get(number as usize);
+            ViewTarget { state: history, viewpoint, visible, rect }
         };
         let mut eyes: Vec<ViewTarget<'_>> =
             (0..).zip(&mut self.histories).zip(areas).map(eye).collect();
@@ -60,13 +68,14 @@ impl Eyes {
     pub fn visible_sets(
         &mut self,
         renderer: &mut Renderer,
-        camera: &Camera,
+        middle: &FrameCamera,
     ) -> Result<Vec<VisibleSet>, RunError> {
         let views = self.histories.len() as u32;
         let areas = Rect::side_by_side(renderer.size(), views);
         let eyes = (0..).zip(&mut self.histories).zip(areas);
         eyes.map(|((number, history), area)| {
-            Ok(renderer.visible_set(history, &camera_of(camera, number, views), area)?)
+            let camera = camera_of(middle, number, views);
+            Ok(renderer.visible_set(history, viewpoint(&camera, self.projection, area), area)?)
         })
         .collect()
     }
@@ -92,24 +101,32 @@ impl Eyes {
         self.histories.iter_mut().flat_map(ViewState::take_outcomes)
     }
 
-    /// Returns the first eye's history, and its view where the middle of the eyes is at `camera`.
+    /// Returns the first eye's history, and its view where the middle of the eyes is at `middle`.
+    ///
+    /// # Errors
+    /// A camera whose matrix is no projection.
     pub fn first(
         &mut self,
         renderer: &Renderer,
-        camera: &Camera,
-    ) -> Option<(&mut ViewState, View)> {
+        middle: &FrameCamera,
+    ) -> Result<Option<(&mut ViewState, View)>, RunError> {
         let views = self.histories.len() as u32;
-        let area = Rect::side_by_side(renderer.size(), views).next()?;
-        let view = renderer.view_in(&camera_of(camera, 0, views), area);
-        Some((self.histories.first_mut()?, view))
+        let area = Rect::side_by_side(renderer.size(), views).next();
+        let Some((area, history)) = area.zip(self.histories.first_mut()) else {
+            return Ok(None);
+        };
+        let viewpoint = viewpoint(&camera_of(middle, 0, views), self.projection, area);
+        Ok(Some((history, renderer.view_in(viewpoint, area)?)))
     }
 }
 
 /// Returns the camera of eye `number` of `views`: all beside each other, looking the same way.
-fn camera_of(middle: &Camera, number: u32, views: u32) -> Camera {
+fn camera_of(middle: &FrameCamera, number: u32, views: u32) -> FrameCamera {
+    let FrameCamera { frame, camera } = *middle;
     let aside = number as f32 - (views.max(1) - 1) as f32 / 2.0;
-    let right = middle.forward.cross(middle.up).normalize_or_zero();
-    Camera { eye: middle.eye + right * (aside * BETWEEN_EYES_M), ..*middle }
+    let right = camera.forward.cross(camera.up).normalize_or_zero();
+    let eye = camera.eye + right * (aside * BETWEEN_EYES_M);
+    FrameCamera { frame, camera: Camera { eye, ..camera } }
 }
 
 #[cfg(test)]
@@ -122,9 +139,10 @@ mod tests {
         let routes = city(100, 1).unwrap().routes;
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         for frame in 0..40 {
-            let middle = path.camera(frame);
+            let middle = FrameCamera { frame, camera: path.camera(frame) };
             assert_eq!(camera_of(&middle, 0, 1), middle);
             let [left, right] = [0, 1].map(|eye| camera_of(&middle, eye, 2));
+            let [left, middle, right] = [left, middle, right].map(|eye| eye.camera);
             assert!(((right.eye - left.eye).length() - BETWEEN_EYES_M).abs() < 1e-4);
             assert!((left.eye + right.eye - 2.0 * middle.eye).length() < 1e-3);
             assert_eq!((left.forward, right.up), (middle.forward, middle.up));

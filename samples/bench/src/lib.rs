@@ -26,6 +26,7 @@ pub mod outputs;
 pub mod playback;
 pub mod png_file;
 pub mod progress;
+pub mod projection;
 pub mod provenance;
 pub mod recorded_path;
 pub mod report;

@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use crate::choices::{
     CameraPathChoice, CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice,
-    ValidationChoice, Verify,
+    ProjectionChoice, ValidationChoice, Verify,
 };
 use crate::strategy::Strategy;
 use crate::terminal::shown;
@@ -128,6 +128,8 @@ pub struct Options {
     pub path: PathChoice,
     /// The number of eyes: 1, or a pair side by side; the frame has at least a column for each.
     pub views: u32,
+    /// The projection of the cameras.
+    pub projection: ProjectionChoice,
     /// The percentage of objects that move: 0 to 100, and 0 in a scene out of a file.
     pub moving_percent: u32,
     /// Timed frames of each strategy: 1 to [`MAX_FRAMES`].

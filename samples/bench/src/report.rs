@@ -25,6 +25,8 @@ pub struct Report {
     pub path: String,
     /// The number of eyes, side by side in one frame; counts are of all together.
     pub views: u32,
+    /// The projection of the cameras, as on the command line.
+    pub projection: String,
     /// The percentage of objects that were asked to move.
     pub moving_percent: u32,
     /// The number of objects that moved, came or went.

@@ -166,6 +166,7 @@ pub fn walk_on(
         scene: scene_report,
         path: path_name,
         views: options.views,
+        projection: options.projection.to_string(),
         moving_percent: options.moving_percent,
         moving_objects: moving.movers() as u64,
         frames: options.frames,

@@ -5,6 +5,7 @@ use std::fmt::{Display, Write};
 use antumbra::methods;
 use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 
+use crate::choices::ProjectionChoice;
 use crate::options::LeftOut;
 use crate::report::{Report, RunReport};
 use crate::statistics::TimeSummary;
@@ -131,6 +132,9 @@ fn more_lines(report: &Report) -> String {
             |run: &RunReport| format!("{} {}", run.strategy, count(Some(run.frames_timed)));
         let frames = report.runs.iter().map(frames).collect::<Vec<_>>().join(", ");
         lines += &format!("\nCUT SHORT by a signal; frames timed: {frames}");
+    }
+    if report.projection != ProjectionChoice::Perspective.to_string() {
+        lines += &format!("\n{} cameras", report.projection);
     }
     if report.views > 1 {
         lines += &format!("\n{} eyes side by side, half of the frame each", report.views);

@@ -10,7 +10,7 @@ use antumbra::render::{FrameReport, Renderer, VisibleSet};
 
 use crate::Options;
 use crate::camera_path::CameraTrack;
-use crate::choices::Verify;
+use crate::choices::{ProjectionChoice, Verify};
 use crate::eyes::Eyes;
 use crate::measurement::{FrameMeasurement, RunMeasurement};
 use crate::moving::Moving;
@@ -28,6 +28,7 @@ pub struct Walk<'a> {
     path: &'a CameraTrack,
     moving: &'a mut Moving,
     views: u32,
+    projection: ProjectionChoice,
     verify: Verify,
     frames_in_flight: usize,
     schedule: Schedule,
@@ -66,17 +67,18 @@ impl<'a> Walk<'a> {
         options: &Options,
     ) -> Result<Self, RunError> {
         let run = |&strategy| -> Result<Run, RunError> {
-            let eyes = Eyes::new(renderer, options.views)?;
+            let eyes = Eyes::new(renderer, options.views, options.projection)?;
             Ok(Run { strategy, eyes, measurement: RunMeasurement::new(strategy) })
         };
         Ok(Self {
             runs: options.strategies.iter().map(run).collect::<Result<_, _>>()?,
-            reference: Eyes::new(renderer, options.views)?,
+            reference: Eyes::new(renderer, options.views, options.projection)?,
             device: renderer.device().clone(),
             renderer,
             path,
             moving,
             views: options.views,
+            projection: options.projection,
             verify: options.verify,
             frames_in_flight: usize::try_from(options.frames_in_flight).unwrap_or(usize::MAX),
             schedule: Schedule::new(options.frames, options.strategies.len()),
@@ -95,13 +97,13 @@ impl<'a> Walk<'a> {
         if self.runs.iter().all(|run| run.strategy != methods::IDEAL) {
             return Ok(());
         }
-        let mut eyes = Eyes::new(self.renderer, self.views)?;
+        let mut eyes = Eyes::new(self.renderer, self.views, self.projection)?;
         let frames: BTreeSet<u32> = self.schedule.steps().map(|step| step.frame).collect();
         progress.begin_frames("finding the visible sets", frames.len() as u64);
         for frame in frames {
             signals.check()?;
             self.moving.show(self.renderer, frame)?;
-            let sets = eyes.visible_sets(self.renderer, &self.path.camera(frame))?;
+            let sets = eyes.visible_sets(self.renderer, &self.path.frame_camera(frame))?;
             self.visible_sets.insert(frame, sets);
             progress.frame_done("");
         }
@@ -153,7 +155,7 @@ impl<'a> Walk<'a> {
         for step in turn.iter().take_while(|_| signals.received().is_none()) {
             let moved = self.moving.show(self.renderer, step.frame)?;
             let image = verify.includes(step.frame).then(|| images.next()).flatten();
-            let camera = self.path.camera(step.frame);
+            let camera = self.path.frame_camera(step.frame);
             let visible = self.visible_sets.get_mut(&step.frame);
             let visible = visible.map_or(&mut [][..], Vec::as_mut_slice);
             if run.strategy == methods::IDEAL {
@@ -206,7 +208,7 @@ impl<'a> Walk<'a> {
         let image = Readback::new(&self.device, self.renderer.size())?;
         for frame in frames {
             self.moving.show(self.renderer, frame)?;
-            let (camera, wanted) = (self.path.camera(frame), Some(&image));
+            let (camera, wanted) = (self.path.frame_camera(frame), Some(&image));
             self.reference.render(self.renderer, Strategy::FRUSTUM, &camera, &[], wanted)?;
             self.reference.drain(self.renderer)?;
             self.references.insert(frame, image.rgba8()?.to_vec());

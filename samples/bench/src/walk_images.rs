@@ -90,7 +90,7 @@ impl WalkImages {
             let eyes = walk_to(renderer, path, moving, options, frame, SETTLING_FRAMES, &image);
             let mut eyes = eyes?;
             save(format!("top_down_{frame:05}_seen.png"), false);
-            if let Some((history, view)) = eyes.first(renderer, &path.camera(frame)) {
+            if let Some((history, view)) = eyes.first(renderer, &path.frame_camera(frame))? {
                 let snapshot = renderer.snapshot(history, view)?;
                 renderer.top_down(&snapshot, &image)?;
                 save(format!("top_down_{frame:05}.png"), true);
@@ -113,11 +113,11 @@ fn walk_to(
     // The ideal knows what is visible of the walk's own frames only, and draws the same image.
     let mut products = options.strategies.iter().filter(|strategy| **strategy != methods::IDEAL);
     let strategy = products.next_back().copied().unwrap_or(Strategy::ANTUMBRA);
-    let mut eyes = Eyes::new(renderer, options.views)?;
+    let mut eyes = Eyes::new(renderer, options.views, options.projection)?;
     for walked in frame.saturating_sub(warm_up)..=frame {
         moving.show(renderer, walked)?;
         let image = (walked == frame).then_some(image);
-        eyes.render(renderer, strategy, &path.camera(walked), &[], image)?;
+        eyes.render(renderer, strategy, &path.frame_camera(walked), &[], image)?;
     }
     renderer.device().drain().map_err(RunError::from)?;
     Ok(eyes)

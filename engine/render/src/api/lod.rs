@@ -1,7 +1,6 @@
 //! Levels of detail, chosen for a few objects per frame.
 
 use cull::{Camera, DetailPolicy, View};
-use occlusion::Rect;
 
 use crate::renderer::Renderer;
 
@@ -14,9 +13,7 @@ impl Renderer {
     /// Visibility plays no part in it, so that frames are the same under every strategy. An error
     /// of 0 pixels restores the finest levels.
     pub fn choose_detail(&mut self, cameras: &[Camera], policy: &DetailPolicy) -> u32 {
-        let [width, height] = self.size();
-        let area = Rect { origin: [0, 0], size: [width, height] };
-        let views: Vec<View> = cameras.iter().map(|it| self.view_in(it, area)).collect();
+        let views: Vec<View> = cameras.iter().map(|camera| self.view_of(camera)).collect();
         let geometry = &mut self.passes.geometry;
         if !geometry.lods.are_any() {
             return 0;

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use cull::{Aabb, Camera, Hierarchy, Strategy, View};
+use cull::{Aabb, Hierarchy, Strategy, View};
 use gpu::{Frame, PassTime, Readback};
 use occlusion::{FrameTimes, MethodRequest, MethodScene, PlanExecutor, Rect};
 
@@ -16,7 +16,7 @@ use crate::frame_passes::FramePasses;
 use crate::renderer::Renderer;
 use crate::resources::skinned_meshes::PoseUploads;
 use crate::view_state::{RendererId, ViewState};
-use crate::views::{FrameReport, FrameRequest, ViewTarget, ViewsRequest, finish_image, view_in};
+use crate::views::{FrameReport, FrameRequest, ViewTarget, Viewpoint, ViewsRequest, finish_image};
 
 impl Renderer {
     /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
@@ -210,9 +210,12 @@ impl Renderer {
         Ok(methods[method].prepare(&mut scene)?)
     }
 
-    /// Returns the view of `camera` in a part of this renderer's image.
-    pub fn view_in(&self, camera: &Camera, area: Rect) -> View {
-        view_in(&self.device, camera, area)
+    /// Returns the view from `viewpoint` in a part of this renderer's image.
+    ///
+    /// # Errors
+    /// A matrix that is no projection, or whose depth is not reversed. None for a camera.
+    pub fn view_in(&self, viewpoint: impl Into<Viewpoint>, area: Rect) -> Result<View, Error> {
+        viewpoint.into().view(&self.device, area)
     }
 
     /// Refuses a view of another renderer.

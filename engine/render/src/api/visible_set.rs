@@ -2,7 +2,7 @@
 //! the exact strategy, its objects are drawn once more against the finished depth, and the CPU
 //! waits for the result.
 
-use cull::{Camera, LeafIndex, Rays, Strategy};
+use cull::{LeafIndex, Rays, Strategy};
 use gpu::{Access, MemoryBarrier, Tick};
 use occlusion::{BucketId, ObjectPass, ObjectRenderer, Rect, Rendering};
 
@@ -11,34 +11,30 @@ use crate::error::Error;
 use crate::passes::SeenIo;
 use crate::renderer::Renderer;
 use crate::view_state::ViewState;
-use crate::views::{ViewTarget, ViewsRequest};
+use crate::views::{ViewTarget, Viewpoint, ViewsRequest};
 
 impl Renderer {
-    /// Finds the objects that own a pixel of `area` seen from `camera`. Waits for the GPU, twice:
+    /// Finds the objects that own a pixel of `area` seen from `viewpoint`. Waits for the GPU, twice:
     /// for measurements, not for a frame loop. `state` is a view kept for this, so that its
     /// history grows along the path.
     ///
     /// # Errors
-    /// A view of another renderer; a device whose fragment shaders cannot write to buffers; no
-    /// memory; a failed call.
+    /// A view of another renderer; a matrix that is no projection; a device whose fragment shaders
+    /// cannot write to buffers; no memory; a failed call.
     pub fn visible_set(
         &mut self,
         state: &mut ViewState,
-        camera: &Camera,
+        viewpoint: impl Into<Viewpoint>,
         area: Rect,
     ) -> Result<VisibleSet, Error> {
         self.check_view(state)?;
-        let target = ViewTarget {
-            state: &mut *state,
-            viewpoint: (*camera).into(),
-            visible: None,
-            rect: area,
-        };
+        let viewpoint = viewpoint.into();
+        let target = ViewTarget { state: &mut *state, viewpoint, visible: None, rect: area };
         // With a threshold ours leaves out what this is to find.
         let strategy = if self.is_exact() { Strategy::ANTUMBRA } else { Strategy::FRUSTUM };
         let request = ViewsRequest { strategy, image: None, after: None };
         self.render_views(&mut [target], &request)?;
-        let view = self.view_in(camera, area);
+        let view = self.view_in(viewpoint, area)?;
         let snapshot = self.snapshot(state, view)?;
         let drawn = snapshot.drawn.iter();
         let drawn: Vec<LeafIndex> = drawn

@@ -1,7 +1,9 @@
 //! Tests of the command line: defaults, every option, every refusal.
 
 use super::*;
-use crate::choices::{CameraPathChoice, CostsChoice, PredicatesChoice, ValidationChoice};
+use crate::choices::{
+    CameraPathChoice, CostsChoice, PredicatesChoice, ProjectionChoice, ValidationChoice,
+};
 use crate::strategy::Strategy;
 use antumbra::methods;
 use clap::CommandFactory;
@@ -61,6 +63,7 @@ fn every_option_arrives() {
         "--seed=18446744073709551615",
         "--path=cut",
         "--views=2",
+        "--projection=jittered",
         "--moving=30",
         "--frames=7",
         "--size=64X32",
@@ -90,6 +93,7 @@ fn every_option_arrives() {
             }),
             path: PathChoice::Made(CameraPathChoice::Cut),
             views: 2,
+            projection: ProjectionChoice::Jittered,
             moving_percent: 30,
             frames: 7,
             size: FrameSize { width: 64, height: 32 },
@@ -120,6 +124,7 @@ fn of_an_option_said_twice_the_last_counts() {
         ("--seed", "1", "2"),
         ("--path", "fly", "cut"),
         ("--views", "1", "2"),
+        ("--projection", "jittered", "orthographic"),
         ("--moving", "1", "2"),
         ("--frames", "1", "2"),
         ("--size", "1x1", "2x2"),

@@ -195,6 +195,24 @@ fn a_walk_with_two_eyes_is_exact() {
 }
 
 #[test]
+fn walks_in_other_projections_are_exact() {
+    for (device, eyes) in [("llvmpipe", "--views=2"), ("swiftshader", "--views=1")] {
+        let images = ["perspective", "orthographic", "jittered"].map(|projection| {
+            let scratch = Scratch::new(&format!("{projection}-{device}"));
+            let report = walk(&scratch, device, &["--projection", projection, eyes]);
+            assert_eq!(report["projection"], projection);
+            assert_eq!(report["validation_messages"], 0);
+            let runs = report["runs"].as_array().expect("runs");
+            assert!(runs.iter().all(|run| run["pixels_wrong"] == 0), "{projection}: {runs:?}");
+            assert!(runs.iter().all(|run| run["frames_verified"] == FRAMES), "{projection}");
+            assert!(number(&runs[1]["tests"]) > 0.0, "{projection}: nobody asked anything");
+            decode(&scratch.0.join("images/frame_00004.png"))
+        });
+        assert!(images[0] != images[1] && images[0] != images[2], "{device}: all the same");
+    }
+}
+
+#[test]
 fn a_walk_by_measured_prices_is_exact() {
     for device in ["llvmpipe", "swiftshader"] {
         let scratch = Scratch::new(&format!("prices-{device}"));
