@@ -53,8 +53,7 @@ impl GraphCulling {
         let [depth, colour] = images(renderer)?;
         let (samples, near_depth) = (vk::SampleCountFlags::TYPE_1, NearDepth::One);
         let (views, size) = (1, walk::SIZE);
-        let images =
-            HostImages { depth, colours: &[colour], samples, near_depth, views, size };
+        let images = HostImages { depth, colours: &[colour], samples, near_depth, views, size };
         // SAFETY: the host's images live as long, and nothing but its frames uses them.
         let target = unsafe { Target::of_host(&device, &images) }?;
         let passes = OcclusionPasses::new(&device, &shaders, target.attachments())?;
