@@ -226,6 +226,7 @@ impl Optional {
             matches!(self, Optional::Timestamps | Optional::CalibratedTimestamps);
         let has_any = |names: &&[&'static CStr]| names.iter().any(|name| offer.has(name));
         (!needs_timestamps || offer.timestamp_bits > 0)
+            && !(self == Optional::Multiview && offer.draws_views_wrong)
             && self.features().without(offer.features).is_empty()
             && self.extensions().iter().all(has_any)
     }

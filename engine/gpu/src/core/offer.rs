@@ -18,6 +18,8 @@ pub(crate) struct Offer {
     pub(crate) extensions: Vec<CString>,
     pub(crate) features: Features,
     pub(crate) has_depth_32: bool,
+    /// True if the driver offers multiview and draws wrong images with it.
+    pub(crate) draws_views_wrong: bool,
 }
 
 /// The flags of a queue family that the engine can use.
@@ -85,6 +87,8 @@ impl Offer {
             queue_family: of_family.map(|_| family),
             timestamp_bits: of_family.map_or(0, |family| family.timestamp_valid_bits),
             has_depth_32: depth.optimal_tiling_features.contains(needed),
+            // SAFETY: as above.
+            draws_views_wrong: unsafe { draws_views_wrong(instance, physical, &properties) },
             ..Self::default()
         }
     }
@@ -100,6 +104,26 @@ impl Offer {
     pub(crate) fn has(&self, extension: &CStr) -> bool {
         self.extensions.iter().any(|there| there.as_c_str() == extension)
     }
+}
+
+/// Returns true for Mesa's llvmpipe: of 22.3, most of what the later views show is drawn to the first
+/// layer; no other version was tried.
+///
+/// # Safety
+/// `physical` is of `instance`, with these properties.
+unsafe fn draws_views_wrong(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    properties: &vk::PhysicalDeviceProperties,
+) -> bool {
+    if properties.api_version < vk::API_VERSION_1_2 {
+        return false;
+    }
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut chain = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+    // SAFETY: driver properties are core since 1.2, checked above.
+    unsafe { instance.get_physical_device_properties2(physical, &mut chain) };
+    driver.driver_id == vk::DriverId::MESA_LLVMPIPE
 }
 
 /// Returns true if the instance has its half of a device extension.
