@@ -106,8 +106,8 @@ impl Offer {
     }
 }
 
-/// Returns true for Mesa's llvmpipe: of 22.3, most of what the later views show is drawn to the first
-/// layer; no other version was tried.
+/// Returns true for Mesa's llvmpipe. That of 22.3 draws most of what the later views show to the
+/// first layer; no other version was tried.
 ///
 /// # Safety
 /// `physical` is of `instance`, with these properties.

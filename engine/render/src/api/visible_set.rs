@@ -14,9 +14,9 @@ use crate::view_state::ViewState;
 use crate::views::{ViewTarget, Viewpoint, ViewsRequest};
 
 impl Renderer {
-    /// Finds the objects that own a pixel of `area` seen from `viewpoint`. Waits for the GPU, twice:
-    /// for measurements, not for a frame loop. `state` is a view kept for this, so that its
-    /// history grows along the path.
+    /// Finds the objects that own a pixel of `area` seen from `viewpoint`. Waits for the GPU,
+    /// twice: for measurements, not for a frame loop. `state` is a view kept for this, so that
+    /// its history grows along the path.
     ///
     /// # Errors
     /// A view of another renderer; a matrix that is no projection; a device whose fragment shaders
