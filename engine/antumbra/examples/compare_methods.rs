@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 near: 0.1,
             };
             // For the bound of all methods, which draws what is known to be visible.
-            let known = renderer.visible_set(&mut beforehand, &camera, Rect::whole(SIZE))?;
+            let known = renderer.visible_set(&mut beforehand, camera, Rect::whole(SIZE))?;
             let request = FrameRequest::new(strategy, camera);
             let request = FrameRequest { visible: Some(&known), ..request };
             let report = renderer.render(&mut view, &request)?;

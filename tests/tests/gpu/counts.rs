@@ -89,7 +89,7 @@ fn counts_are_pixels_with_every_strategy() {
         let mut renderer = renderer(device, &half_covered(), &options());
         for strategy in strategies(&renderer).collect::<Vec<_>>() {
             let mut finder = renderer.new_view().unwrap();
-            let visible = renderer.visible_set(&mut finder, &camera, Rect::whole(SIZE)).unwrap();
+            let visible = renderer.visible_set(&mut finder, camera, Rect::whole(SIZE)).unwrap();
             let mut view = renderer.new_view().unwrap();
             let watched = [HIDDEN, HALF, FLOOR, BEHIND, 99];
             view.watch(&watched.map(ObjectId)).unwrap();
@@ -147,7 +147,7 @@ fn counts_of_all_objects_add_up_to_the_image() {
                     frame(&mut renderer, &mut view, strategy, camera);
                 }
                 renderer.drain(&mut view).unwrap();
-                let set = renderer.visible_set(&mut finder, &camera, Rect::whole(SIZE)).unwrap();
+                let set = renderer.visible_set(&mut finder, camera, Rect::whole(SIZE)).unwrap();
                 let shown = view.visible_samples().iter().filter(|known| known.samples > 0);
                 assert_eq!(shown.count(), set.leaves().len(), "{strategy}");
                 let samples = view.visible_samples().iter().map(|known| known.samples);

@@ -162,7 +162,7 @@ fn a_triangle_and_its_back_are_counted_as_one() {
             assert_eq!(renderer.triangles_of(ObjectId(7)), of_cube);
             let mut finder = renderer.new_view().unwrap();
             let whole = Rect::whole(SIZE);
-            let visible = renderer.visible_set(&mut finder, &camera(0), whole).unwrap();
+            let visible = renderer.visible_set(&mut finder, camera(0), whole).unwrap();
             for strategy in
                 [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::PYRAMID, methods::IDEAL]
             {

@@ -26,7 +26,7 @@ fn the_ideal_is_exact_and_draws_only_what_owns_a_pixel() {
         let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
         for frame in [0, 1, 9, 10, 20] {
             let camera = path.camera(frame);
-            let set = renderer.visible_set(&mut finder, &camera, AREA).unwrap();
+            let set = renderer.visible_set(&mut finder, camera, AREA).unwrap();
             let request = |strategy, image| FrameRequest {
                 visible: Some(&set),
                 image: Some(image),
@@ -43,7 +43,7 @@ fn the_ideal_is_exact_and_draws_only_what_owns_a_pixel() {
             );
             assert!((set.leaves().len() as u32) < in_frustum, "frame {frame}");
 
-            let again = renderer.visible_set(&mut finder, &camera, AREA).unwrap();
+            let again = renderer.visible_set(&mut finder, camera, AREA).unwrap();
             assert_eq!(again, set, "frame {frame}: the past of the finder must not matter");
         }
     });
@@ -62,7 +62,7 @@ fn the_ideal_without_a_set_is_refused() {
         assert!(refused.contains("Renderer::visible_set"), "{refused}");
         renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
         renderer.drain(&mut view).unwrap();
-        let set = renderer.visible_set(&mut view, &path.camera(0), AREA).unwrap();
+        let set = renderer.visible_set(&mut view, path.camera(0), AREA).unwrap();
         let request = FrameRequest { visible: Some(&set), ..request };
         renderer.update(&[]).unwrap();
         renderer.render(&mut view, &request).unwrap();
@@ -113,13 +113,13 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         let [expected, got] = [(); 2].map(|()| Readback::new(device, size).unwrap());
         // Only what was hidden answers for others: seen from behind a wall, all of it was.
         for _ in 0..64 {
-            let set = renderer.visible_set(&mut finder, &hiding, Rect::whole(size)).unwrap();
+            let set = renderer.visible_set(&mut finder, hiding, Rect::whole(size)).unwrap();
             assert_eq!(set.leaves().len(), 1);
         }
-        let set = renderer.visible_set(&mut finder, &camera, Rect::whole(size)).unwrap();
+        let set = renderer.visible_set(&mut finder, camera, Rect::whole(size)).unwrap();
         assert!(set.leaves().len() > gpu::LISTED_LEAVES, "only {} show", set.leaves().len());
         assert!(finder.plan().stats.shared_proxies > 10, "no test answered for another");
-        let again = renderer.visible_set(&mut finder, &camera, Rect::whole(size)).unwrap();
+        let again = renderer.visible_set(&mut finder, camera, Rect::whole(size)).unwrap();
         assert_eq!(again.leaves().len(), set.leaves().len(), "now most of it is drawn untested");
         for (strategy, image) in [(Strategy::FRUSTUM, &expected), (methods::IDEAL, &got)] {
             let request = FrameRequest {

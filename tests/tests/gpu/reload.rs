@@ -117,7 +117,7 @@ impl Studio {
         shown.push(("flat", self.frame(Strategy::ANTUMBRA)));
         self.renderer.drop_flat_overlay();
         if device.capabilities().has(Optional::FragmentStores) {
-            let set = self.renderer.visible_set(&mut self.view, &camera(), Rect::whole(SIZE));
+            let set = self.renderer.visible_set(&mut self.view, camera(), Rect::whole(SIZE));
             let leaves = set.unwrap().leaves().len();
             shown.push(("seen leaves", vec![leaves as u8]));
         }

@@ -199,7 +199,7 @@ fn the_ideal_and_other_methods_stay_exact() {
             let mut view = renderer.new_view().unwrap();
             for number in 0..4 {
                 let camera = path.camera(number);
-                let set = renderer.visible_set(&mut finder, &camera, Rect::whole(SIZE)).unwrap();
+                let set = renderer.visible_set(&mut finder, camera, Rect::whole(SIZE)).unwrap();
                 for (strategy, image) in [Strategy::FRUSTUM, strategy].into_iter().zip(&images) {
                     let request = FrameRequest {
                         visible: Some(&set),

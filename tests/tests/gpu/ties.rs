@@ -299,7 +299,7 @@ fn all_else_goes_on_with_surfaces() {
             renderer.render_views(eyes, &request).unwrap();
         }
         let area = Rect { origin: [0, 0], size: [80, 90] };
-        let view = renderer.view_in(&cameras[11], area).unwrap();
+        let view = renderer.view_in(cameras[11], area).unwrap();
         let snapshot = renderer.snapshot(&mut left, view).unwrap();
         let image = Readback::new(device, SIZE).unwrap();
         renderer.top_down(&snapshot, &image).unwrap();

@@ -138,7 +138,7 @@ fn film(device: &Device, strategy: Strategy, costs: Costs) -> Vec<Readback> {
     let frame = |frame: u32| {
         live(&mut renderer, &scene, frame);
         let visible = (strategy == methods::IDEAL).then(|| {
-            renderer.visible_set(&mut finding, &camera(frame), Rect::whole(SIZE)).unwrap()
+            renderer.visible_set(&mut finding, camera(frame), Rect::whole(SIZE)).unwrap()
         });
         let image = Readback::new(device, SIZE).unwrap();
         let request = FrameRequest {

@@ -110,7 +110,7 @@ fn histories(row: MakeRow) -> Vec<Row> {
         }),
         row("Renderer::visible_set", VIEW, "Renderer", |ours, theirs| {
             let (camera, area) = (ours.camera, Rect::whole(SIZE));
-            text(ours.renderer.visible_set(&mut theirs.view, &camera, area))
+            text(ours.renderer.visible_set(&mut theirs.view, camera, area))
         }),
         row("Renderer::picked", "a pick (`Pick`)", "Renderer", |ours, theirs| {
             text(ours.renderer.picked(&theirs.pick))

@@ -112,7 +112,7 @@ impl Side {
         let options = RendererOptions { methods: methods::all(), size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();
-        let visible = renderer.visible_set(&mut view, &camera, Rect::whole(SIZE)).unwrap();
+        let visible = renderer.visible_set(&mut view, camera, Rect::whole(SIZE)).unwrap();
         let snapshot = renderer.snapshot(&mut view, renderer.view_of(&camera)).unwrap();
         let pick = renderer.pick(&camera, [32, 18]).unwrap();
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
