@@ -137,9 +137,8 @@ fn film(device: &Device, strategy: Strategy, costs: Costs) -> Vec<Readback> {
     let mut finding = renderer.new_view().unwrap();
     let frame = |frame: u32| {
         live(&mut renderer, &scene, frame);
-        let visible = (strategy == methods::IDEAL).then(|| {
-            renderer.visible_set(&mut finding, camera(frame), Rect::whole(SIZE)).unwrap()
-        });
+        let visible = (strategy == methods::IDEAL)
+            .then(|| renderer.visible_set(&mut finding, camera(frame), Rect::whole(SIZE)).unwrap());
         let image = Readback::new(device, SIZE).unwrap();
         let request = FrameRequest {
             image: Some(&image),

@@ -156,9 +156,7 @@ fn each_eye_has_an_ideal_of_its_own() {
         for frame in 0..8 {
             let cameras = [path.camera(frame), path.camera(frame + 400)];
             let sets: Vec<VisibleSet> = (0..2)
-                .map(|eye| {
-                    renderer.visible_set(&mut views[eye], cameras[eye], areas[eye]).unwrap()
-                })
+                .map(|eye| renderer.visible_set(&mut views[eye], cameras[eye], areas[eye]).unwrap())
                 .collect();
             render(&mut renderer, &mut plain, Strategy::FRUSTUM, &cameras, &areas, &expected);
             let mut eyes: Vec<ViewTarget<'_>> = ideals
