@@ -9,6 +9,7 @@ mod code;
 mod files;
 mod functions;
 mod knots;
+mod links;
 mod manifests;
 mod map;
 mod modules;
@@ -319,17 +320,6 @@ fn the_readme_quotes_an_example_that_is_compiled() {
     };
     assert_eq!(rules::quoted_example(&files("A.\n```rust\na();\n```\nB.\n")).len(), 0);
     assert_eq!(rules::quoted_example(&files("A.\n```rust\nb();\n```\n")).len(), 1);
-}
-
-#[test]
-fn links_lead_somewhere() {
-    assert_obeyed(rules::links);
-    assert_catches(rules::links, &[("docs/a.md", "[b](../b.md) "), ("a.md", "see [c](d/e#f).")]);
-    let files = [
-        SourceFile::new("docs/a.md", "[b](../b/c.rs) and [folder](../b), [x](https://x.org/y)"),
-        SourceFile::new("b/c.rs", ""),
-    ];
-    assert_eq!(rules::links(&files).len(), 0);
 }
 
 #[test]

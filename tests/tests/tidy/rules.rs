@@ -252,36 +252,6 @@ pub fn quoted_example(files: &[SourceFile]) -> Vec<String> {
     if is_quoted { Vec::new() } else { vec![readme.finding(1, &reason)] }
 }
 
-/// Finds links of documents that do not lead to an existing file or folder.
-pub fn links(files: &[SourceFile]) -> Vec<String> {
-    let exists = |path: &str| {
-        let folder = format!("{path}/");
-        files.iter().any(|file| file.path == path || file.path.starts_with(&folder))
-    };
-    let mut findings = Vec::new();
-    for file in files.iter().filter(|file| file.extension() == "md") {
-        for (line, text) in (1..).zip(file.text.lines()) {
-            let targets = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
-            let local = targets.filter(|it| !it.contains("://") && !it.starts_with('#'));
-            for target in local {
-                let path = target.split('#').next().unwrap_or_default();
-                let mut parts: Vec<&str> = file.path.split('/').collect();
-                parts.pop();
-                for part in path.split('/').filter(|part| !part.is_empty()) {
-                    match part {
-                        ".." => parts.truncate(parts.len().saturating_sub(1)),
-                        _ => parts.push(part),
-                    }
-                }
-                if !exists(&parts.join("/")) {
-                    findings.push(file.finding(line, &format!("{target} leads nowhere")));
-                }
-            }
-        }
-    }
-    findings
-}
-
 /// Finds shaders without their compiled SPIR-V, which builds without a shader compiler need.
 pub fn committed_spirv(files: &[SourceFile]) -> Vec<String> {
     let exists = |path: &str| files.iter().any(|file| file.path == path);

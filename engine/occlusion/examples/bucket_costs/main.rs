@@ -1,8 +1,9 @@
 //! Prints what draws in 1, 16 and 256 buckets cost: the CPU's time per frame, and memory per object
-//! on the GPU. Arguments: the number of objects, and of frames.
+//! on the CPU and on the GPU. Arguments: the number of objects, and of frames.
 
 mod boxes;
 
+use std::alloc::System;
 use std::error::Error;
 use std::time::{Duration, Instant};
 
@@ -11,9 +12,24 @@ use antumbra_occlusion::{
     OcclusionPasses, ShaderSet, VisibilityState, execute,
 };
 use boxes::{Boxes, INDICES};
+use cap::Cap;
 use cull::{Aabb, Camera, CullConfig, Culler, Projection, Strategy, View};
 use glam::{Vec3, vec3};
 use gpu::{Device, FrameRing, IndirectDraw};
+
+/// The allocator, which knows how much is in use.
+#[global_allocator]
+static HEAP: Cap<System> = Cap::new(System, usize::MAX);
+
+/// The costs of a number of buckets.
+struct BucketCosts {
+    /// The sorted times of planning and recording, per frame.
+    frame_times: Vec<Duration>,
+    /// The time to add all objects.
+    added: Duration,
+    /// Memory per object in bytes, on the CPU and on the GPU.
+    bytes: [u64; 2],
+}
 
 /// Returns a street of walls with boxes between them.
 fn bounds(count: usize) -> Vec<Aabb> {
@@ -37,23 +53,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     let number = |place| std::env::args().nth(place).and_then(|text| text.parse::<usize>().ok());
     let (objects, frames) = (number(1).unwrap_or(10_000), number(2).unwrap_or(60));
     let device = gpu::open()?;
-    println!("buckets  median CPU ms per frame  ms to add all  bytes per object");
+    println!("buckets  median CPU ms per frame  ms to add all  bytes per object: CPU    GPU");
     for bucket_count in [1, 16, 256] {
-        let (frame_times, added, bytes) = measure(&device, bucket_count, objects, frames)?;
-        let median_ms = 1e3 * frame_times[frame_times.len() / 2].as_secs_f64();
-        let added_ms = 1e3 * added.as_secs_f64();
-        println!("{bucket_count:7}  {median_ms:23.3}  {added_ms:13.1}  {bytes:16}");
+        let costs = measure(&device, bucket_count, objects, frames)?;
+        let median_ms = 1e3 * costs.frame_times[costs.frame_times.len() / 2].as_secs_f64();
+        let (added_ms, [cpu, gpu]) = (1e3 * costs.added.as_secs_f64(), costs.bytes);
+        println!("{bucket_count:7}  {median_ms:23.3}  {added_ms:13.1}  {cpu:21}  {gpu:5}");
     }
     Ok(())
 }
 
-/// Returns the sorted times of planning and recording, the time to add all objects, and bytes.
+/// Draws frames of a walk along the street.
 fn measure(
     device: &Device,
     bucket_count: u32,
     objects: usize,
     frames: usize,
-) -> Result<(Vec<Duration>, Duration, u64), Box<dyn Error>> {
+) -> Result<BucketCosts, Box<dyn Error>> {
     let shaders = ShaderSet::embedded()?;
     let info = BucketTableInfo {
         bucket_count,
@@ -64,7 +80,6 @@ fn measure(
     let bounds = bounds(objects);
     let mut owner = Boxes::new(device, &shaders, &bounds)?;
     let passes = OcclusionPasses::new(device, &shaders, owner.target().attachments())?;
-    let mut scene = HostScene::new(device, passes, objects, info)?;
     let draw = IndirectDraw { index_count: INDICES, instance_count: 1, ..Default::default() };
     let draws: Vec<BucketDraw> = (0..objects as u32)
         .map(|number| BucketDraw {
@@ -76,6 +91,8 @@ fn measure(
     let host_objects = bounds.iter().zip(draws.chunks(1));
     let host_objects: Vec<HostObject<'_>> =
         host_objects.map(|(bounds, draws)| HostObject { bounds: *bounds, draws }).collect();
+    let used = HEAP.allocated();
+    let mut scene = HostScene::new(device, passes, objects, info)?;
     let begun = Instant::now();
     scene.add(&host_objects, &mut Vec::new())?;
     let added = begun.elapsed();
@@ -83,7 +100,7 @@ fn measure(
     let culler = Culler::with_testers(CullConfig::default(), testers);
     let leaves = &scene.executor().leaves;
     let mut state = VisibilityState::new(device, scene.hierarchy(), leaves, 2, culler)?;
-    let (mut ring, mut times) = (FrameRing::new(device, 2)?, Vec::new());
+    let (mut ring, mut frame_times) = (FrameRing::new(device, 2)?, Vec::with_capacity(frames));
     for step in 0..frames {
         let eye = vec3(step as f32 * 0.05, 1.7, 3.0);
         let projection = Projection::perspective(0.9);
@@ -100,12 +117,14 @@ fn measure(
         state.collect(device.completed()?, hierarchy, &executor.leaves);
         state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, (&view, 4096));
         execute(&mut frame, executor, &mut state, &mut owner, (&shaders, &view))?;
-        times.push(begun.elapsed());
+        frame_times.push(begun.elapsed());
         let tick = frame.submit(None)?;
         state.submitted(tick, &executor.leaves, None);
         scene.submitted(tick);
     }
-    times.sort_unstable();
+    frame_times.sort_unstable();
     device.drain()?;
-    Ok((times, added, bytes_per_object(&scene.executor().leaves, objects)))
+    let cpu = HEAP.allocated().saturating_sub(used) / objects.max(1);
+    let gpu = bytes_per_object(&scene.executor().leaves, objects);
+    Ok(BucketCosts { frame_times, added, bytes: [cpu as u64, gpu] })
 }

@@ -1,7 +1,6 @@
 //! All that this host writes to leave out what cannot be seen.
 
 use std::error::Error;
-use std::ffi::CString;
 use std::sync::Arc;
 
 use ash::vk;
@@ -14,11 +13,9 @@ use occlusion::{
     BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, ObjectPass, ObjectRenderer,
     OcclusionPasses, Rendering, ShaderSet, VisibilityState, execute,
 };
-use walk::{BoxScene, ViewConstants};
+use walk::{AshDevice, AshImage, BoxScene, ViewConstants};
 
-use crate::device::AshDevice;
 use crate::renderer::{FRAMES_IN_FLIGHT, HostRenderer};
-use crate::resources::AshImage;
 
 /// The most occlusion queries of a frame, where tests are queries.
 const QUERY_BUDGET: usize = 4096;
@@ -136,7 +133,6 @@ impl ObjectRenderer for HostObjects {
 
 /// Describes the host's device, which submits by itself.
 fn description(host: &AshDevice) -> gpu::HostDevice {
-    let extensions = host.needs.extensions().into_iter().chain(host.instance.extensions());
     gpu::HostDevice {
         entry: host.instance.entry.clone(),
         instance: host.instance.raw.clone(),
@@ -144,7 +140,7 @@ fn description(host: &AshDevice) -> gpu::HostDevice {
         device: host.raw.clone(),
         queue_family: host.queue_family,
         api_version: vk::API_VERSION_1_3,
-        extensions: extensions.map(CString::from).collect(),
+        extensions: host.extensions(),
         features: host.needs.features(),
         allocation_callbacks: None,
         pipeline_cache: None,

@@ -1,20 +1,18 @@
 //! A host in plain Vulkan: draws the walk with frustum culling and with occlusion culling, compares
 //! all images bit for bit, and ends with 1 if any differs or the validation layer said anything.
 
-mod device;
 mod integration;
 mod renderer;
-mod resources;
 
 use std::error::Error;
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use cull::Strategy;
-use device::AshDevice;
+use gpu::Purpose;
 use integration::AshCulling;
 use renderer::{FRAMES_IN_FLIGHT, HostRenderer};
-use walk::{BoxScene, DrawnWalk, FRAMES, camera};
+use walk::{AshDevice, BoxScene, DrawnWalk, FRAMES, camera};
 
 /// Draws the walk and returns its images.
 fn draw(host: &Arc<AshDevice>, strategy: Strategy) -> Result<DrawnWalk, Box<dyn Error>> {
@@ -43,7 +41,7 @@ fn draw(host: &Arc<AshDevice>, strategy: Strategy) -> Result<DrawnWalk, Box<dyn 
 
 fn run() -> Result<bool, Box<dyn Error>> {
     let wanted = std::env::args().nth(1).unwrap_or_default();
-    let host = Arc::new(AshDevice::new(&wanted)?);
+    let host = Arc::new(AshDevice::new(&wanted, Purpose::Executor)?);
     let [plain, culled] = [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|it| draw(&host, it));
     let is_same = walk::report("ash", [&plain?, &culled?]);
     let host = Arc::into_inner(host).ok_or("the device is still in use")?;

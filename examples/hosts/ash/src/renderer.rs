@@ -4,10 +4,7 @@ use std::error::Error;
 use std::sync::Arc;
 
 use ash::vk;
-use walk::{BoxGeometry, BoxPipelines, BoxScene, ViewConstants};
-
-use crate::device::AshDevice;
-use crate::resources::{AshBuffer, AshImage};
+use walk::{AshBuffer, AshDevice, AshImage, BoxGeometry, BoxPipelines, BoxScene, ViewConstants};
 
 /// The frames that may be in flight at once.
 pub const FRAMES_IN_FLIGHT: u64 = 2;

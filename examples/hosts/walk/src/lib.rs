@@ -2,6 +2,10 @@
 //! by.
 
 #[cfg(feature = "ash")]
+mod ash_device;
+#[cfg(feature = "ash")]
+mod ash_resources;
+#[cfg(feature = "ash")]
 mod instance;
 #[cfg(feature = "ash")]
 mod pipelines;
@@ -11,6 +15,10 @@ use std::ops::Range;
 use cull::{Aabb, Camera, Projection};
 use glam::{Vec3, vec3};
 
+#[cfg(feature = "ash")]
+pub use ash_device::AshDevice;
+#[cfg(feature = "ash")]
+pub use ash_resources::{AshBuffer, AshImage};
 #[cfg(feature = "ash")]
 pub use instance::HostInstance;
 #[cfg(feature = "ash")]

@@ -1,22 +1,28 @@
-//! The host's own images and buffers.
+//! Images and buffers of a host in plain Vulkan.
 
 use std::error::Error;
 
 use ash::vk;
 
-use crate::device::AshDevice;
+use crate::SIZE;
+use crate::ash_device::AshDevice;
 
 /// An image of one level, with its view.
 pub struct AshImage {
+    /// The image.
     pub raw: vk::Image,
+    /// Its view.
     pub view: vk::ImageView,
+    /// Its format.
     pub format: vk::Format,
+    /// Its usage.
     pub usage: vk::ImageUsageFlags,
     memory: vk::DeviceMemory,
 }
 
 /// A buffer in memory that the CPU sees.
 pub struct AshBuffer {
+    /// The buffer.
     pub raw: vk::Buffer,
     memory: vk::DeviceMemory,
     size_bytes: u64,
@@ -24,13 +30,16 @@ pub struct AshBuffer {
 
 impl AshImage {
     /// Creates an image of the size of the walk.
+    ///
+    /// # Errors
+    /// A failed call.
     pub fn new(
         host: &AshDevice,
         format: vk::Format,
         aspect: vk::ImageAspectFlags,
         usage: vk::ImageUsageFlags,
     ) -> Result<Self, Box<dyn Error>> {
-        let [width, height] = walk::SIZE;
+        let [width, height] = SIZE;
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
@@ -73,6 +82,9 @@ impl AshImage {
 
 impl AshBuffer {
     /// Creates a buffer with these contents.
+    ///
+    /// # Errors
+    /// A failed call.
     pub fn new(
         host: &AshDevice,
         contents: &[u8],
@@ -95,6 +107,9 @@ impl AshBuffer {
     }
 
     /// Returns the contents. The GPU is done writing them.
+    ///
+    /// # Errors
+    /// A failed call.
     pub fn bytes(&self, host: &AshDevice) -> Result<Vec<u8>, vk::Result> {
         let (mut bytes, flags) = (vec![0; self.size_bytes as usize], vk::MemoryMapFlags::empty());
         // SAFETY: mapped, read, and unmapped again, while nobody writes.

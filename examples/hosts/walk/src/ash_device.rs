@@ -1,28 +1,40 @@
-//! The host's own instance and device.
+//! An instance and a device of a host in plain Vulkan.
 
 use std::error::Error;
+use std::ffi::CString;
 
 use ash::vk;
 use gpu::{Purpose, Requirements};
-use walk::HostInstance;
+
+use crate::instance::HostInstance;
 
 /// The instance, the device, and its one queue.
 pub struct AshDevice {
+    /// The instance.
     pub instance: HostInstance,
+    /// The physical device.
     pub physical: vk::PhysicalDevice,
+    /// The device.
     pub raw: ash::Device,
+    /// The queue.
     pub queue: vk::Queue,
+    /// The family of the queue.
     pub queue_family: u32,
+    /// The requirements that the device was made from.
     pub needs: Requirements,
 }
 
 impl AshDevice {
-    /// Creates a device of the first driver whose device's name contains `wanted`.
-    pub fn new(wanted: &str) -> Result<Self, Box<dyn Error>> {
+    /// Creates a device of the first driver whose device's name contains `wanted`, with all that
+    /// the engine can use for this purpose.
+    ///
+    /// # Errors
+    /// No such device, no queue family for graphics, a failed call.
+    pub fn new(wanted: &str, purpose: Purpose) -> Result<Self, Box<dyn Error>> {
         let instance = HostInstance::new(&[])?;
         let physical = instance.find(wanted)?;
         // SAFETY: made from one another.
-        let needs = unsafe { Requirements::of(&instance.raw, physical, Purpose::Executor) };
+        let needs = unsafe { Requirements::of(&instance.raw, physical, purpose) };
         needs.check()?;
         let queue_family = needs.queue_family.ok_or("no queue family for graphics")?;
         let raw = create_device(&instance.raw, physical, queue_family, &needs)?;
@@ -31,7 +43,15 @@ impl AshDevice {
         Ok(Self { instance, physical, raw, queue, queue_family, needs })
     }
 
+    /// Returns the names of the extensions that are on.
+    #[must_use]
+    pub fn extensions(&self) -> Vec<CString> {
+        let of_device = self.needs.extensions().into_iter();
+        of_device.chain(self.instance.extensions()).map(CString::from).collect()
+    }
+
     /// Destroys device and instance, and returns the number of messages of the validation layer.
+    #[must_use]
     pub fn destroy(self) -> u64 {
         // SAFETY: everything made from it is gone.
         unsafe { self.raw.destroy_device(None) };
