@@ -1,12 +1,14 @@
 //! Hosts with many pipelines: objects with several draws of several instances in 1, 16 and 256
 //! buckets, compared with all draws while objects come, go and move in bulk.
 
+mod boxes;
 mod host;
 
+use boxes::Part;
 use cull::{Aabb, Camera, ObjectId, Projection, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{Device, Optional, Predicates, Predication};
-use host::{Host, Part, Recorder};
+use host::{Host, Recorder};
 use tests::run_on_all;
 use tests::walk::pixels_that_differ;
 
@@ -101,6 +103,35 @@ fn change(host: &mut Host, random: &mut Random, frame: u32, buckets: u32) {
     }
 }
 
+/// Returns a host with a wall, and things and panes behind it.
+fn furnished(
+    device: &Device,
+    buckets: u32,
+    (predication, recorder): (Predication, Recorder),
+    random: &mut Random,
+) -> Host {
+    let mut host = Host::new(device, buckets, predication, recorder);
+    let things = |random: &mut Random, count: usize| -> Vec<Vec<Part>> {
+        let thing = |random: &mut Random| {
+            let middle = behind(random);
+            parts(random, middle, buckets)
+        };
+        (0..count).map(|_| thing(random)).collect()
+    };
+    let first = things(random, 110);
+    host.wall = host.add(vec![wall(buckets)])[0];
+    host.add(first);
+    host.add_glass(things(random, 30));
+    host
+}
+
+/// Returns a camera beside the wall, on a side from -1 to 1, that looks along it.
+fn camera(side: f32, along: f32) -> Camera {
+    let eye = vec3(side * 7.0 + along, 0.0, 3.0);
+    let projection = Projection::perspective(0.9);
+    Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 }
+}
+
 /// Draws frames while the eye jumps from side to side, and compares each with all draws.
 fn compare(
     device: &Device,
@@ -110,27 +141,11 @@ fn compare(
 ) {
     const FRAMES: u32 = 24;
     let mut random = Random(u64::from(buckets) + 7);
-    let mut host = Host::new(device, buckets, predication, recorder);
-    let things = (0..110).map(|_| {
-        let middle = behind(&mut random);
-        parts(&mut random, middle, buckets)
-    });
-    let things: Vec<Vec<Part>> = things.collect();
-    host.wall = host.add(vec![wall(buckets)])[0];
-    host.add(things);
-    let panes = (0..30).map(|_| {
-        let middle = behind(&mut random);
-        parts(&mut random, middle, buckets)
-    });
-    let panes: Vec<Vec<Part>> = panes.collect();
-    host.add_glass(panes);
+    let mut host = furnished(device, buckets, (predication, recorder), &mut random);
     for frame in 0..FRAMES {
         change(&mut host, &mut random, frame, buckets);
         let side = (frame / 5 % 3) as f32 - 1.0;
-        let eye = vec3(side * 7.0 + frame as f32 * 0.05, 0.0, 3.0);
-        let projection = Projection::perspective(0.9);
-        let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 };
-        host.draw(strategy, &camera);
+        host.draw(strategy, &camera(side, frame as f32 * 0.05));
     }
     device.drain().unwrap();
     let what = format!("{strategy}, {buckets} buckets, {}, {recorder:?}", predication.name());
@@ -183,5 +198,41 @@ fn draws_that_a_host_records_from_lists_look_like_all_draws() {
         ] {
             compare(device, buckets, (predication, Recorder::Host), strategy);
         }
+    });
+}
+
+#[test]
+fn a_host_that_draws_depth_first_shades_what_shows_and_nothing_else() {
+    run_on_all(|device| {
+        let executors = executors(device);
+        let [first, last] = [executors[0], executors[executors.len() - 1]];
+        for (buckets, predication, strategy) in [
+            (1, first, Strategy::ANTUMBRA),
+            (16, last, Strategy::ANTUMBRA),
+            (16, first, Strategy::ANTUMBRA_QUERIES),
+        ] {
+            compare(device, buckets, (predication, Recorder::EngineDepthFirst), strategy);
+        }
+    });
+}
+
+#[test]
+fn a_host_that_draws_visible_objects_alone_is_right_again_when_all_stands_still() {
+    run_on_all(|device| {
+        let mut random = Random(11);
+        let how = (executors(device)[0], Recorder::HostLate);
+        let mut host = furnished(device, 16, how, &mut random);
+        for frame in 0..24 {
+            let side = if frame < 12 { -1.0 } else { 1.0 };
+            host.draw(Strategy::ANTUMBRA, &camera(side, 0.0));
+        }
+        device.drain().unwrap();
+        let wrong = host.images.iter().map(|[culled, all]| {
+            let [culled, all] = [culled, all].map(|image| image.rgba8().unwrap());
+            pixels_that_differ(&culled, &all)
+        });
+        let wrong: Vec<_> = wrong.collect();
+        assert!(wrong[12] > 0, "nothing came into view: {wrong:?}");
+        assert_eq!([wrong[11], wrong[23]], [0, 0], "{wrong:?}");
     });
 }

@@ -2,114 +2,37 @@
 
 use std::collections::BTreeMap;
 
-use cull::{Aabb, Camera, CullConfig, Culler, DrawPhases, ObjectId, Strategy, TesterSupport, View};
+use cull::{
+    Aabb, Camera, CullConfig, Culler, DrawPhases, LeafIndex, ObjectId, Strategy, TesterSupport,
+    View,
+};
 use glam::Vec3;
-use gpu::{
-    Access, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, Frame, FrameRing,
-    GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, MemoryBarrier, MemoryKind, Predicates,
-    Predication, Readback, RenderTarget, StorageLayout, Target, vk,
-};
+use gpu::{Buffer, Device, FrameRing, MemoryKind, Predication, Readback, vk};
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, DrawList, HostObject, HostScene, LeafCount, ObjectPass,
-    ObjectRenderer, OcclusionPasses, ProxyBox, Rendering, ShaderSet, TransparentList,
-    VisibilityState, execute, list_draws,
+    BucketDraw, BucketTableInfo, HostObject, HostScene, LeafCount, OcclusionPasses, ProxyBox,
+    ShaderSet, TransparentList, VisibilityState, execute, list_draws,
 };
 
-const SIZE: [u32; 2] = [96, 54];
+use super::boxes::{
+    Boxes, GLASS, Part, SIZE, Shading, around, draw_all, draw_glass, draw_lists, draws_of,
+    write_boxes,
+};
 
-/// Colours a box by its number and by its bucket, so that a draw under the wrong pipeline shows.
-const COLOUR: &str = "#version 460
-layout(location = 0) flat in uint number;
-layout(location = 0) out vec4 colour;
-layout(push_constant) uniform Constants { layout(offset = 80) uint bucket; };
-void main() {
-    uint mixed = (number + 1) * 2654435761u ^ (bucket + 1) * 2246822519u;
-    colour = vec4(vec3((uvec3(mixed) >> uvec3(8, 16, 24)) & 255u) / 255.0, bucket < 1000 ? 1 : 0.5);
-}
-";
-/// The first bucket of draws that blend.
-const GLASS: u32 = 1000;
-/// Vertices of a box as `box.glsl` makes them up: three faces of two triangles.
-const BOX_INDICES: u32 = 18;
 /// The boxes that the host has room for in its own buffer.
 const BOXES: usize = 1 << 12;
-
-/// A draw: boxes that are its instances.
-#[derive(Clone, Debug)]
-pub struct Part {
-    pub bucket: u32,
-    pub boxes: Vec<Aabb>,
-}
 
 /// The way that draws are recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Recorder {
     /// By the engine, which calls the host back.
     Engine,
+    /// By the engine, depth first.
+    EngineDepthFirst,
     /// By the host, from lists.
     Host,
-}
-
-/// The owner of the boxes.
-struct Boxes {
-    target: Target,
-    pipeline: GraphicsPipeline,
-    glass: GraphicsPipeline,
-    /// The boxes of the frame.
-    boxes: Option<BufferSlice>,
-    indices: Buffer,
-}
-
-impl Boxes {
-    fn new(device: &Device, shaders: &ShaderSet) -> Self {
-        let name = format!("antumbra-buckets-{}.frag", std::process::id());
-        let file = std::env::temp_dir().join(name);
-        std::fs::write(&file, COLOUR).unwrap();
-        let fragment = gpu::compile(&file).unwrap();
-        std::fs::remove_file(file).unwrap();
-        let info = GraphicsPipelineInfo {
-            fragment: Some(&fragment),
-            storage: StorageLayout { buffers: 1, push_bytes: 84, ..Default::default() },
-            depth: DepthMode::TestAndWrite,
-            blend: Blend::Opaque,
-            ..GraphicsPipelineInfo::of("host boxes", shaders.find("proxy.vert").unwrap())
-        };
-        let blended =
-            GraphicsPipelineInfo { depth: DepthMode::TestOnly, blend: Blend::Alpha, ..info };
-        let indices: Vec<u32> = (0..BOX_INDICES).collect();
-        let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;
-        Self {
-            target: Target::new(device, SIZE, "host boxes").unwrap(),
-            pipeline: GraphicsPipeline::new(device, &info).unwrap(),
-            glass: GraphicsPipeline::new(device, &blended).unwrap(),
-            boxes: None,
-            indices: device.upload("box indices", &indices, usage).unwrap(),
-        }
-    }
-}
-
-impl ObjectRenderer for Boxes {
-    fn target(&mut self) -> &mut Target {
-        &mut self.target
-    }
-
-    fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget {
-        let clear = (rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]);
-        self.target.render_target(clear).within(view.origin, view.size)
-    }
-
-    fn bind(&self, commands: &Commands, view: &View, bucket: BucketId, _pass: ObjectPass) {
-        let Some(boxes) = self.boxes else { return };
-        let pipeline = if bucket.0 < GLASS { &self.pipeline } else { &self.glass };
-        commands.bind(pipeline, &[boxes]);
-        // The shader makes up its vertices: any vertex buffer does.
-        commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
-        let mut constants = [0.0; 21];
-        constants[..16].copy_from_slice(&view.view_proj.to_cols_array());
-        constants[16..20].copy_from_slice(&view.rays.eye().to_array());
-        constants[20] = f32::from_bits(bucket.0);
-        commands.push_constants(pipeline, &constants);
-    }
+    /// By the host, which asks the plan for visible objects and draws what tests reveal frames
+    /// later: the image is not exact.
+    HostLate,
 }
 
 /// Everything that a host keeps to draw its objects by our answers, and to draw all of them.
@@ -146,7 +69,12 @@ impl Host {
         recorder: Recorder,
     ) -> Self {
         let shaders = ShaderSet::embedded().unwrap();
-        let [mut culled, all] = [(); 2].map(|()| Boxes::new(device, &shaders));
+        let shading = match recorder {
+            Recorder::EngineDepthFirst => Shading::Later,
+            _ => Shading::AtOnce,
+        };
+        let [culled, all] =
+            [shading, Shading::AtOnce].map(|shading| Boxes::new(device, &shaders, shading));
         let passes = OcclusionPasses::new(device, &shaders, culled.target.attachments()).unwrap();
         let info = BucketTableInfo {
             bucket_count,
@@ -156,10 +84,10 @@ impl Host {
         };
         let scene = HostScene::new(device, passes, 20, info).unwrap();
         let draw_phases = match recorder {
-            Recorder::Engine => DrawPhases::PerRound,
-            Recorder::Host => DrawPhases::Two,
+            Recorder::Engine | Recorder::EngineDepthFirst => DrawPhases::PerRound,
+            Recorder::Host | Recorder::HostLate => DrawPhases::Two,
         };
-        let testers = scene.executor().testers(device, culled.target());
+        let testers = scene.executor().testers(device, &culled.target);
         let testers = TesterSupport { draw_phases, ..testers };
         let culler = Culler::with_testers(CullConfig::default(), testers);
         let leaves = &scene.executor().leaves;
@@ -258,7 +186,7 @@ impl Host {
         state.collect(self.device.completed().unwrap(), hierarchy, &executor.leaves);
         state.plan_frame(hierarchy, &executor.leaves, strategy, (&view, 4096));
         match self.recorder {
-            Recorder::Engine => {
+            Recorder::Engine | Recorder::EngineDepthFirst => {
                 let io = (&self.shaders, &view);
                 execute(&mut frame, executor, state, &mut self.culled, io).unwrap();
             }
@@ -276,8 +204,17 @@ impl Host {
                 draw_lists(&mut frame, &mut self.culled, lists, &view, Some(&listed));
                 self.listed.push(listed);
             }
+            Recorder::HostLate => {
+                let tests = list_draws(&mut frame, executor, state, &view).unwrap();
+                let object = |leaf: &LeafIndex| hierarchy.leaf_objects()[leaf.0 as usize];
+                let visible = state.plan().draws.iter().map(object);
+                let parts = visible.filter_map(|object| self.parts.get(&object));
+                draw_all(&mut frame, &mut self.culled, parts, &view);
+                let io = (&mut self.culled.target, &self.shaders);
+                tests.record(&mut frame, executor, state, io).unwrap();
+            }
         }
-        draw_all(&mut frame, &mut self.all, &self.parts, &view);
+        draw_all(&mut frame, &mut self.all, self.parts.values(), &view);
         let middle =
             |(_, parts): &(u32, Vec<Part>)| around(parts).centre().distance(view.rays.origin);
         self.glass.sort_by(|a, b| middle(b).total_cmp(&middle(a)));
@@ -320,107 +257,4 @@ impl Host {
         assert_eq!(there, all as u64);
         (self.state.take_outcomes().map(|outcome| outcome.draws).min().unwrap(), there)
     }
-}
-
-/// Returns the box around all parts.
-fn around(parts: &[Part]) -> Aabb {
-    parts.iter().flat_map(|part| &part.boxes).fold(Aabb::EMPTY, |all, it| all.union(it))
-}
-
-/// Returns the draws of parts whose boxes begin with an instance.
-fn draws_of(first: u32, parts: &[Part]) -> Vec<BucketDraw> {
-    let mut next = first;
-    let draw = |part: &Part| {
-        let count = part.boxes.len() as u32;
-        let draw = IndirectDraw {
-            index_count: BOX_INDICES,
-            instance_count: count,
-            first_instance: next,
-            ..Default::default()
-        };
-        next += count;
-        BucketDraw { bucket: BucketId(part.bucket), draw, triangles: count * BOX_INDICES / 3 }
-    };
-    parts.iter().map(draw).collect()
-}
-
-fn write_boxes(boxes: &mut [ProxyBox], first: u32, parts: &[Part]) {
-    let places = boxes.iter_mut().skip(first as usize);
-    let new = parts.iter().flat_map(|part| &part.boxes);
-    places.zip(new).for_each(|(place, bounds)| *place = ProxyBox::from(*bounds));
-}
-
-/// Draws what is listed, as a host does between commands of the engine, and copies the counts of
-/// the lists.
-fn draw_lists(
-    frame: &mut Frame<'_>,
-    boxes: &mut Boxes,
-    lists: &[DrawList],
-    view: &View,
-    counts: Option<&Buffer>,
-) {
-    let commands = frame.commands();
-    let rendering = if counts.is_some() { Rendering::Next } else { Rendering::First };
-    boxes.target.prepare(commands);
-    commands.rendering(boxes.rendering(view, rendering), |commands| {
-        for list in lists {
-            assert!(list.most > 0 && list.commands.size_bytes == u64::from(list.most) * 20);
-            boxes.bind(commands, view, list.bucket, ObjectPass::Visibility);
-            match list.count {
-                Some(count) => commands.draw_indirect_count(list.commands, count),
-                None => commands.draw_indirect(list.commands),
-            }
-        }
-    });
-    let Some(counts) = counts else { return };
-    commands.fill(counts.whole(), 0);
-    let (copied, read) = ([Access::CopyWrite], [Access::HostRead, Access::CopyWrite]);
-    commands.barrier(MemoryBarrier::between(&copied, &read));
-    commands.barrier(MemoryBarrier::between(&[Access::ComputeWrite], &[Access::CopyRead]));
-    for (number, count) in lists.iter().filter_map(|list| list.count).enumerate() {
-        commands.copy_buffer(count, counts.whole().part(number as u64 * 4, 4));
-    }
-    commands.barrier(MemoryBarrier::between(&copied, &read));
-}
-
-/// Draws all objects, bucket by bucket, without a table.
-fn draw_all(
-    frame: &mut Frame<'_>,
-    boxes: &mut Boxes,
-    parts: &BTreeMap<ObjectId, (u32, Vec<Part>)>,
-    view: &View,
-) {
-    let mut draws: Vec<BucketDraw> =
-        parts.values().flat_map(|(first, parts)| draws_of(*first, parts)).collect();
-    draws.sort_by_key(|draw| draw.bucket);
-    let commands = frame.commands();
-    boxes.target.prepare(commands);
-    commands.rendering(boxes.rendering(view, Rendering::First), |commands| {
-        for draws in draws.chunk_by(|a, b| a.bucket == b.bucket) {
-            boxes.bind(commands, view, draws[0].bucket, ObjectPass::Visibility);
-            draws.iter().for_each(|draw| commands.draw_indexed(&draw.draw));
-        }
-    });
-}
-
-/// Draws transparent objects over a finished image.
-fn draw_glass(
-    frame: &Frame<'_>,
-    boxes: &mut Boxes,
-    (list, passes, predicates): (&TransparentList, &OcclusionPasses, &Predicates),
-    view: &View,
-) {
-    let commands = frame.commands();
-    list.prepare(commands);
-    boxes.target.prepare(commands);
-    commands.rendering(boxes.rendering(view, Rendering::Next), |commands| {
-        list.test(passes, commands, (view, boxes.viewport(view)));
-    });
-    list.decide(commands);
-    boxes.target.prepare(commands);
-    commands.rendering(boxes.rendering(view, Rendering::Next), |commands| {
-        list.draw(predicates, commands, &|commands, bucket| {
-            boxes.bind(commands, view, bucket, ObjectPass::Visibility);
-        });
-    });
 }
