@@ -91,10 +91,9 @@ impl HostScene {
                 }
             }
         }
-        for (id, object) in added[first..].iter().zip(objects) {
-            self.set_draws(*id, object.draws)?;
-        }
-        Ok(())
+        let placed = added[first..].iter().zip(objects);
+        let draws = placed.filter_map(|(id, it)| Some((self.hierarchy.leaf_of(*id)?, it.draws)));
+        self.executor.leaves.set_draws(&draws.collect::<Vec<_>>())
     }
 
     /// Takes objects out.
@@ -103,13 +102,15 @@ impl HostScene {
     /// [`Error::Hierarchy`] for the first that is not there, and those before it are gone; those of
     /// [`LeafTable::set_draws`].
     pub fn remove(&mut self, objects: &[ObjectId]) -> Result<(), Error> {
-        for object in objects {
+        let mut gone = Vec::with_capacity(objects.len());
+        let outcome = objects.iter().try_for_each(|object| {
             self.hierarchy.remove(*object)?;
-            if let Some(leaf) = self.hierarchy.leaf_of(*object) {
-                self.executor.leaves.set_draws(leaf, &[])?;
-            }
-        }
-        Ok(())
+            gone.extend(self.hierarchy.leaf_of(*object).map(|leaf| (leaf, &[][..])));
+            Ok(())
+        });
+        // Those before a bad one are gone.
+        self.executor.leaves.set_draws(&gone)?;
+        outcome
     }
 
     /// Moves objects: sets their boxes. Their draws stay as they are; where they read the objects'
@@ -132,7 +133,7 @@ impl HostScene {
     /// [`Error::Hierarchy`] for an object that is not there; those of [`LeafTable::set_draws`].
     pub fn set_draws(&mut self, object: ObjectId, draws: &[BucketDraw]) -> Result<(), Error> {
         match self.hierarchy.leaf_of(object).filter(|_| self.hierarchy.contains(object)) {
-            Some(leaf) => self.executor.leaves.set_draws(leaf, draws),
+            Some(leaf) => self.executor.leaves.set_draws(&[(leaf, draws)]),
             None => Err(cull::HierarchyError::UnknownObject { object }.into()),
         }
     }

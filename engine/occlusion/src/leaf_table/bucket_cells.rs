@@ -9,6 +9,7 @@
 
 mod bucket;
 mod cell_changes;
+mod placed_draws;
 mod regions;
 
 #[cfg(test)]
@@ -23,6 +24,7 @@ use gpu::{DrawLink, DrawRange, IndirectDraw};
 use crate::leaf_table::LeafCount;
 use bucket::Bucket;
 use cell_changes::CellChanges;
+use placed_draws::{PlacedDraw, PlacedDraws};
 use regions::Regions;
 
 /// A pipeline in a pass, in which draws of objects are drawn together. Buckets are drawn in the
@@ -47,25 +49,9 @@ const BLOCK_LEAVES: u32 = 64;
 /// The end of a list, and the content of an empty cell.
 const NONE: u32 = u32::MAX;
 
-/// A draw at its place.
-#[derive(Clone, Copy)]
-struct PlacedDraw {
-    draw: BucketDraw,
-    leaf: u32,
-    /// The next draw of the same object, of the same bucket or a later one.
-    next: u32,
-    cell: u32,
-}
-
 /// The draws of all leaves in cells.
 pub(crate) struct BucketCells {
-    draws: Vec<PlacedDraw>,
-    /// The first unused place in `draws`; the others follow by `next`.
-    unused: u32,
-    /// The first draw of each object.
-    firsts: Vec<u32>,
-    /// The object of each leaf.
-    objects: Vec<ObjectId>,
+    draws: PlacedDraws,
     buckets: Vec<Bucket>,
     /// A bit per block and bucket: set if the block has a draw in the bucket.
     present: Vec<u64>,
@@ -83,10 +69,7 @@ impl BucketCells {
     /// Creates the cells of leaves with these objects, without draws.
     pub(crate) fn new(bucket_count: u32, objects: &[ObjectId]) -> Self {
         let mut cells = Self {
-            draws: Vec::new(),
-            unused: NONE,
-            firsts: Vec::new(),
-            objects: Vec::new(),
+            draws: PlacedDraws::EMPTY,
             buckets: (0..bucket_count).map(|_| Bucket::default()).collect(),
             present: Vec::new(),
             cells: Vec::new(),
@@ -100,6 +83,12 @@ impl BucketCells {
         cells
     }
 
+    /// Returns the number of cells that hold so many draws, however they lie in the buckets.
+    pub(crate) fn room_for(draws: u32, bucket_count: u32) -> u32 {
+        let wanted = bucket::wanted_cells(draws.saturating_add(bucket_count));
+        wanted.saturating_add(bucket_count.saturating_mul(bucket::LEAST_CELLS))
+    }
+
     /// Returns the number of buckets.
     pub(crate) fn bucket_count(&self) -> u32 {
         self.buckets.len() as u32
@@ -107,7 +96,7 @@ impl BucketCells {
 
     /// Returns the number of leaves.
     pub(crate) fn leaf_count(&self) -> u32 {
-        self.objects.len() as u32
+        self.draws.leaf_count()
     }
 
     /// Returns the number of cells, empty ones included.
@@ -131,17 +120,17 @@ impl BucketCells {
 
     /// Returns one more than the first cell of a leaf, or [`DrawLink::NO_DRAW`].
     pub(crate) fn first(&self, leaf: LeafIndex) -> u32 {
-        self.place_of(self.first_draw(leaf))
+        self.place_of(self.draws.first(leaf))
     }
 
     /// Returns the cells of a leaf, in the order of their buckets.
     pub(crate) fn cells_of(&self, leaf: LeafIndex) -> impl Iterator<Item = (BucketId, u32)> {
-        self.placed_of(leaf).map(|placed| (placed.draw.bucket, placed.cell))
+        self.draws.of(leaf).map(|placed| (placed.draw.bucket, placed.cell))
     }
 
     /// Counts the draws of a leaf.
     pub(crate) fn count(&self, leaf: LeafIndex) -> LeafCount {
-        self.placed_of(leaf).fold(LeafCount::default(), |sum, placed| LeafCount {
+        self.draws.of(leaf).fold(LeafCount::default(), |sum, placed| LeafCount {
             draws: sum.draws + 1,
             triangles: sum.triangles + u64::from(placed.draw.triangles),
         })
@@ -170,31 +159,54 @@ impl BucketCells {
         }
     }
 
-    /// Replaces the draws of the object in a leaf, whose buckets exist.
-    pub(crate) fn replace(&mut self, leaf: LeafIndex, draws: &[BucketDraw]) {
-        let mut listed = take(&mut self.listed);
-        let drawn = |it: &&BucketDraw| it.draw.index_count > 0 && it.draw.instance_count > 0;
-        listed.clear();
-        listed.extend((0..).zip(draws).filter(|it| drawn(&it.1)).map(|it| (it.1.bucket, it.0)));
-        listed.sort_unstable();
-        let before = self.placed_of(leaf).map(|placed| placed.draw.bucket);
-        if before.eq(listed.iter().map(|it| it.0)) {
-            let mut place = self.first_draw(leaf);
-            for (_, number) in &listed {
-                let placed = &mut self.draws[place as usize];
-                placed.draw = draws[*number as usize];
-                place = placed.next;
+    /// Replaces the draws of the objects in some leaves. Their buckets exist.
+    pub(crate) fn replace(&mut self, changed: &[(LeafIndex, &[BucketDraw])]) {
+        // The work of one change grows with the spans of its bucket, that of all together with the
+        // number of leaves.
+        const MANY: usize = 16;
+        let are_many = changed.len() > 1 && changed.len() * MANY >= self.leaf_count() as usize;
+        for (leaf, draws) in changed {
+            if self.replace_in_place(*leaf, draws) {
+                continue;
             }
-            self.changes.touch(leaf);
-        } else {
-            self.lift_all(leaf);
-            self.free_all(leaf);
+            if !are_many {
+                self.lift_all(*leaf);
+            }
+            self.draws.free_all(*leaf);
+            let listed = take(&mut self.listed);
             for (_, number) in listed.iter().rev() {
-                self.push_front(leaf, draws[*number as usize]);
+                self.draws.push_front(*leaf, draws[*number as usize]);
             }
-            self.insert_all(leaf);
+            self.listed = listed;
+            if !are_many {
+                self.insert_all(*leaf);
+            }
         }
-        self.listed = listed;
+        if are_many {
+            self.lay_out();
+        }
+    }
+
+    /// Lists the draws of a leaf that draw something, in the order of their buckets, and replaces
+    /// the commands where these are the buckets that the leaf has already. Returns true if so.
+    fn replace_in_place(&mut self, leaf: LeafIndex, draws: &[BucketDraw]) -> bool {
+        let drawn = |it: &&BucketDraw| it.draw.index_count > 0 && it.draw.instance_count > 0;
+        self.listed.clear();
+        let listed = (0..).zip(draws).filter(|it| drawn(&it.1)).map(|it| (it.1.bucket, it.0));
+        self.listed.extend(listed);
+        self.listed.sort_unstable();
+        let before = self.draws.of(leaf).map(|placed| placed.draw.bucket);
+        if !before.eq(self.listed.iter().map(|it| it.0)) {
+            return false;
+        }
+        let mut number = self.draws.first(leaf);
+        for (_, listed) in &self.listed {
+            let Some(placed) = self.draws.at_mut(number) else { break };
+            placed.draw = draws[*listed as usize];
+            number = placed.next;
+        }
+        self.changes.touch(leaf);
+        true
     }
 
     /// Notes that the objects in some ranges of leaves are in another order now, which is that of
@@ -202,11 +214,9 @@ impl BucketCells {
     pub(crate) fn reorder(&mut self, ranges: &[LeafRange], objects: &[ObjectId]) {
         let leaves = || ranges.iter().flat_map(|range| range.iter());
         leaves().for_each(|leaf| self.lift_all(leaf));
-        for range in ranges.iter().map(|range| range.indices()) {
-            if let (Some(to), Some(from)) =
-                (self.objects.get_mut(range.clone()), objects.get(range))
-            {
-                to.copy_from_slice(from);
+        for range in ranges {
+            if let Some(objects) = objects.get(range.indices()) {
+                self.draws.set_objects(range.first, objects);
             }
         }
         leaves().for_each(|leaf| self.insert_all(leaf));
@@ -215,90 +225,73 @@ impl BucketCells {
     /// Notes that there is another number of leaves, with these objects. Objects keep their draws;
     /// one that is not among them loses them. All leaves count as changed.
     pub(crate) fn resize(&mut self, objects: &[ObjectId]) {
-        for leaf in (0..self.objects.len() as u32).map(LeafIndex) {
-            if self.object_of(leaf).is_none_or(|object| object >= objects.len()) {
-                self.free_all(leaf);
-            }
-        }
-        self.firsts.resize(objects.len(), NONE);
-        self.objects.clear();
-        self.objects.extend_from_slice(objects);
-        let blocks = (objects.len() as u32).div_ceil(BLOCK_LEAVES) as usize;
+        self.draws.resize(objects);
+        self.changes.resize(objects.len());
+        self.lay_out();
+    }
+
+    /// Puts all draws into cells anew, which takes time in proportion to their number. All leaves
+    /// count as changed.
+    fn lay_out(&mut self) {
+        let blocks = self.leaf_count().div_ceil(BLOCK_LEAVES) as usize;
         self.present.clear();
         self.present.resize(blocks * self.words(), 0);
         self.buckets.iter_mut().for_each(|bucket| *bucket = Bucket::default());
-        self.cells.clear();
+        for leaf in (0..self.leaf_count()).map(LeafIndex) {
+            let mut number = self.draws.first(leaf);
+            while let Some(placed) = self.draws.at_mut(number) {
+                (placed.leaf, placed.cell, number) = (leaf.0, NONE, placed.next);
+                let bucket = placed.draw.bucket.0 as usize;
+                self.buckets[bucket].push(leaf.0 / BLOCK_LEAVES);
+                self.mark_present(leaf.0 / BLOCK_LEAVES, bucket);
+            }
+            self.changes.touch(leaf);
+        }
         self.regions = Regions::default();
-        self.changes.resize(objects.len());
-        self.draws.iter_mut().for_each(|placed| placed.cell = NONE);
-        (0..objects.len() as u32).for_each(|leaf| self.insert_all(LeafIndex(leaf)));
+        for bucket in self.buckets.iter_mut().filter(|bucket| !bucket.spans.is_empty()) {
+            let region = self.regions.enlarge(DrawRange::default(), bucket.wanted_cells());
+            let spans = 0..bucket.spans.len();
+            (bucket.region, bucket.filled) = (region, (0, 0));
+            bucket.spread(0, spans, region);
+        }
+        // Never fewer than before: changes that were noted may name any of them.
+        let count = self.cells.len().max(self.regions.end() as usize);
+        self.cells.clear();
+        self.cells.resize(count, NONE);
+        // The GPU may have commands of before in all of them.
+        (0..self.cell_count()).for_each(|cell| self.changes.empty(cell));
+        for leaf in (0..self.leaf_count()).map(LeafIndex) {
+            let mut number = self.draws.first(leaf);
+            while let Some(PlacedDraw { draw, next, .. }) = self.draws.at(number).copied() {
+                let cell = self.buckets[draw.bucket.0 as usize].fill(leaf.0 / BLOCK_LEAVES);
+                self.put(cell, number);
+                number = next;
+            }
+        }
     }
 
     fn words(&self) -> usize {
         self.buckets.len().div_ceil(64)
     }
 
+    /// Notes that a block has a draw in a bucket.
+    fn mark_present(&mut self, block: u32, bucket: usize) {
+        let word = block as usize * self.words() + bucket / 64;
+        self.present[word] |= 1 << (bucket % 64);
+    }
+
     fn placed_in(&self, cell: u32) -> Option<&PlacedDraw> {
-        self.draws.get(*self.cells.get(cell as usize)? as usize)
+        self.draws.at(*self.cells.get(cell as usize)?)
     }
 
-    fn place_of(&self, draw: u32) -> u32 {
-        self.draws.get(draw as usize).map_or(DrawLink::NO_DRAW, |placed| placed.cell + 1)
-    }
-
-    fn object_of(&self, leaf: LeafIndex) -> Option<usize> {
-        self.objects.get(leaf.0 as usize).map(|object| object.0 as usize)
-    }
-
-    fn first_draw(&self, leaf: LeafIndex) -> u32 {
-        let first = self.object_of(leaf).and_then(|object| self.firsts.get(object));
-        first.copied().unwrap_or(NONE)
-    }
-
-    fn set_first_draw(&mut self, leaf: LeafIndex, draw: u32) {
-        if let Some(object) = self.object_of(leaf)
-            && let Some(first) = self.firsts.get_mut(object)
-        {
-            *first = draw;
-        }
-    }
-
-    fn placed_of(&self, leaf: LeafIndex) -> impl Iterator<Item = &PlacedDraw> {
-        let at = |draw: u32| self.draws.get(draw as usize);
-        std::iter::successors(at(self.first_draw(leaf)), move |placed| at(placed.next))
-    }
-
-    /// Puts a draw before the others of a leaf, in no cell yet.
-    fn push_front(&mut self, leaf: LeafIndex, draw: BucketDraw) {
-        let next = self.first_draw(leaf);
-        let placed = PlacedDraw { draw, leaf: leaf.0, next, cell: NONE };
-        let number = match self.draws.get_mut(self.unused as usize) {
-            Some(place) => {
-                let unused = replace(place, placed).next;
-                replace(&mut self.unused, unused)
-            }
-            None => {
-                self.draws.push(placed);
-                self.draws.len() as u32 - 1
-            }
-        };
-        self.set_first_draw(leaf, number);
-    }
-
-    /// Forgets the draws of a leaf, which are in no cell.
-    fn free_all(&mut self, leaf: LeafIndex) {
-        let mut draw = self.first_draw(leaf);
-        while let Some(placed) = self.draws.get_mut(draw as usize) {
-            let next = replace(&mut placed.next, self.unused);
-            self.unused = replace(&mut draw, next);
-        }
-        self.set_first_draw(leaf, NONE);
+    fn place_of(&self, number: u32) -> u32 {
+        self.draws.at(number).map_or(DrawLink::NO_DRAW, |placed| placed.cell + 1)
     }
 
     /// Takes the draws of a leaf out of their cells, those that are in some.
     fn lift_all(&mut self, leaf: LeafIndex) {
-        let mut draw = self.first_draw(leaf);
-        while let Some(placed) = self.draws.get(draw as usize).copied() {
+        let mut draw = self.draws.first(leaf);
+        while let Some(placed) = self.draws.at(draw).copied() {
             self.lift(draw, &placed);
             draw = placed.next;
         }
@@ -307,8 +300,8 @@ impl BucketCells {
 
     /// Puts the draws of a leaf into cells, those that are in none.
     fn insert_all(&mut self, leaf: LeafIndex) {
-        let mut draw = self.first_draw(leaf);
-        while let Some(placed) = self.draws.get_mut(draw as usize) {
+        let mut draw = self.draws.first(leaf);
+        while let Some(placed) = self.draws.at_mut(draw) {
             let (next, is_placed) = (placed.next, placed.cell != NONE);
             if !is_placed {
                 placed.leaf = leaf.0;
@@ -324,7 +317,9 @@ impl BucketCells {
         if placed.cell == NONE {
             return;
         }
-        self.draws[draw as usize].cell = NONE;
+        if let Some(lifted) = self.draws.at_mut(draw) {
+            lifted.cell = NONE;
+        }
         let (bucket, block) = (placed.draw.bucket.0 as usize, placed.leaf / BLOCK_LEAVES);
         let Some(span) = self.buckets[bucket].shrink(block) else { return };
         let end = span.start + span.len;
@@ -340,7 +335,10 @@ impl BucketCells {
 
     /// Puts a draw into a cell behind those of its leaf and of the leaves before.
     fn insert(&mut self, draw: u32) {
-        let PlacedDraw { draw: BucketDraw { bucket, .. }, leaf, .. } = self.draws[draw as usize];
+        let Some(&PlacedDraw { draw: BucketDraw { bucket, .. }, leaf, .. }) = self.draws.at(draw)
+        else {
+            return;
+        };
         let (bucket, block) = (bucket.0 as usize, leaf / BLOCK_LEAVES);
         let place = self.buckets[bucket].find_or_add(block);
         if self.buckets[bucket].is_full(place) {
@@ -348,14 +346,14 @@ impl BucketCells {
         }
         let span = self.buckets[bucket].spans[place];
         let cells = &self.cells[span.cells()];
-        let before = cells.partition_point(|it| self.draws[*it as usize].leaf <= leaf) as u32;
+        let is_before = |it: &u32| self.draws.at(*it).is_some_and(|placed| placed.leaf <= leaf);
+        let before = cells.partition_point(is_before) as u32;
         for cell in (span.start + before..span.start + span.len).rev() {
             self.put(cell + 1, self.cells[cell as usize]);
         }
         self.put(span.start + before, draw);
         self.buckets[bucket].grow(place);
-        let word = block as usize * self.words() + bucket / 64;
-        self.present[word] |= 1 << (bucket % 64);
+        self.mark_present(block, bucket);
     }
 
     /// Makes room for a draw in a full span: spreads those of its neighbours, as few as are loose
@@ -416,7 +414,7 @@ impl BucketCells {
             return;
         }
         self.changes.written += 1;
-        match self.draws.get_mut(draw as usize) {
+        match self.draws.at_mut(draw) {
             Some(placed) => {
                 placed.cell = cell;
                 self.changes.touch(LeafIndex(placed.leaf));

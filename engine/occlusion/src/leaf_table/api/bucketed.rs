@@ -18,7 +18,8 @@ use crate::passes::ProxyBox;
 pub struct BucketTableInfo {
     /// The number of buckets.
     pub bucket_count: u32,
-    /// The number of draws that there is room for at first. More room is made as draws come.
+    /// The number of draws that there is room for at first. More room is made as draws come, by
+    /// buffers that are half as large again.
     pub draw_capacity: u32,
     /// The way that hidden draws are skipped; `None` takes the device's best.
     pub predication: Option<Predication>,
@@ -42,18 +43,19 @@ impl LeafTable {
         let leaf_count = hierarchy.leaf_objects().len();
         let [boxes, firsts] = leaf_buffers(device, leaf_count)?;
         let cells = BucketCells::new(bucket_count, hierarchy.leaf_objects());
+        let cell_capacity = BucketCells::room_for(draw_capacity, bucket_count);
         let mut table = Self {
             id: LeafTableId::new(),
             device: device.clone(),
             boxes,
             firsts: Some(firsts),
-            predicates: Predicates::linked(device, predication, draw_capacity, frames_in_flight)?,
+            predicates: Predicates::linked(device, predication, cell_capacity, frames_in_flight)?,
             layout: DrawLayout::Bucketed(Box::new(cells)),
-            cell_capacity: draw_capacity,
+            cell_capacity,
             counts: LeafCounts::default(),
-            changes: DrawChanges::new(draw_capacity as usize),
+            changes: DrawChanges::new(cell_capacity as usize),
             dirty: DirtyList::new(leaf_count, |leaf| leaf.0),
-            dirty_cells: DirtyList::new(draw_capacity as usize, |cell| *cell),
+            dirty_cells: DirtyList::new(cell_capacity as usize, |cell| *cell),
             uploads: UploadFrames::default(),
             disorders: device.disorders(),
         };
@@ -62,18 +64,18 @@ impl LeafTable {
         Ok(table)
     }
 
-    /// Replaces the draws of the object in a leaf.
+    /// Replaces the draws of the objects in some leaves: in bulk in much less time than one after
+    /// the other.
     ///
     /// # Errors
     /// [`BucketError::Unknown`], and nothing is changed; [`BucketError::OneDrawPerLeaf`];
     /// [`gpu::Error::TooLarge`] for more draws than the device takes, no memory or a failed call:
     /// the table must not be used any more.
-    pub fn set_draws(&mut self, leaf: LeafIndex, draws: &[BucketDraw]) -> Result<(), Error> {
-        self.check_draws(draws)?;
-        let DrawLayout::Bucketed(cells) = &mut self.layout else { return Ok(()) };
-        let before = cells.count(leaf);
-        cells.replace(leaf, draws);
-        self.counts.replace(leaf.0 as usize, before, cells.count(leaf));
+    pub fn set_draws(&mut self, changed: &[(LeafIndex, &[BucketDraw])]) -> Result<(), Error> {
+        changed.iter().try_for_each(|(_, draws)| self.check_draws(draws))?;
+        let Self { layout: DrawLayout::Bucketed(cells), counts, .. } = self else { return Ok(()) };
+        cells.replace(changed);
+        recount(counts, cells, changed.iter().map(|(leaf, _)| *leaf));
         self.follow_cells()
     }
 
@@ -107,10 +109,7 @@ impl LeafTable {
             return Err(BucketError::OneDrawPerLeaf.into());
         };
         cells.reorder(ranges, hierarchy.leaf_objects());
-        for leaf in ranges.iter().flat_map(|range| range.iter()) {
-            let before = counts.of(LeafRange { first: leaf, count: 1 });
-            counts.replace(leaf.0 as usize, before, cells.count(leaf));
-        }
+        recount(counts, cells, ranges.iter().flat_map(|range| range.iter()));
         self.follow_cells()
     }
 
@@ -143,7 +142,8 @@ impl LeafTable {
         let Self { layout, dirty, dirty_cells, changes, .. } = self;
         let DrawLayout::Bucketed(cells) = layout else { return Ok(()) };
         if cells.cell_count() > self.cell_capacity {
-            self.cell_capacity = cells.cell_count().next_power_of_two();
+            self.cell_capacity =
+                cells.cell_count().max(self.cell_capacity.saturating_add(self.cell_capacity / 2));
             self.predicates.grow(self.cell_capacity)?;
             dirty_cells.grow(self.cell_capacity as usize);
             (0..cells.cell_count()).for_each(|cell| dirty_cells.push(cell));
@@ -161,6 +161,14 @@ impl LeafTable {
         });
         cells.changes = noted;
         Ok(())
+    }
+}
+
+/// Counts the draws of leaves again.
+fn recount(counts: &mut LeafCounts, cells: &BucketCells, leaves: impl Iterator<Item = LeafIndex>) {
+    for leaf in leaves {
+        let before = counts.of(LeafRange { first: leaf, count: 1 });
+        counts.replace(leaf.0 as usize, before, cells.count(leaf));
     }
 }
 

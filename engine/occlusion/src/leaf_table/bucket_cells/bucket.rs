@@ -6,6 +6,14 @@ use gpu::DrawRange;
 
 use super::BLOCK_LEAVES;
 
+/// The fewest cells of a bucket with draws.
+pub(super) const LEAST_CELLS: u32 = 8;
+
+/// Returns the number of cells of which so many draws leave two fifths empty.
+pub(super) fn wanted_cells(draws: u32) -> u32 {
+    (u64::from(draws) * 5 / 3).min(u64::from(u32::MAX)) as u32
+}
+
 /// The cells of a bucket.
 #[derive(Default)]
 pub(super) struct Bucket {
@@ -14,6 +22,8 @@ pub(super) struct Bucket {
     pub(super) spans: Vec<Span>,
     /// The number of draws.
     draws: u32,
+    /// The span that is [filled](Bucket::fill) now, and how many of its draws are placed.
+    pub(super) filled: (usize, u32),
 }
 
 /// The cells of a block up to the next span: those with draws come first.
@@ -45,6 +55,24 @@ impl Bucket {
     pub(super) fn grow(&mut self, place: usize) {
         self.spans[place].len += 1;
         self.draws += 1;
+    }
+
+    /// Counts a draw of a block that is none before the last.
+    pub(super) fn push(&mut self, block: u32) {
+        if self.spans.last().is_none_or(|last| last.block != block) {
+            self.spans.push(Span { block, start: 0, len: 0 });
+        }
+        self.grow(self.spans.len() - 1);
+    }
+
+    /// Returns the cell of the next draw, of a block that was counted.
+    pub(super) fn fill(&mut self, block: u32) -> u32 {
+        let (mut place, mut placed) = self.filled;
+        if self.spans[place].block != block {
+            (place, placed) = (place + 1, 0);
+        }
+        self.filled = (place, placed + 1);
+        self.spans[place].start + placed
     }
 
     /// Returns the number of the span of a block; a new one has no cells.
@@ -84,8 +112,7 @@ impl Bucket {
 
     /// Returns the number of cells for one draw more that leaves two fifths of them empty.
     pub(super) fn wanted_cells(&self) -> u32 {
-        const LEAST: u32 = 8;
-        ((self.draws + 1).saturating_mul(5) / 3).max(LEAST)
+        wanted_cells(self.draws + 1).max(LEAST_CELLS)
     }
 
     /// Moves spans into cells, with the empty ones shared out evenly, and one more for `place`.

@@ -12,6 +12,11 @@ pub(super) struct Regions {
 }
 
 impl Regions {
+    /// Returns the end of all that was ever taken.
+    pub(super) fn end(&self) -> u32 {
+        self.end
+    }
+
     /// Replaces a region by a larger one, which begins at the same place if no other lies behind.
     pub(super) fn enlarge(&mut self, before: DrawRange, count: u32) -> DrawRange {
         if before.first + before.count == self.end {

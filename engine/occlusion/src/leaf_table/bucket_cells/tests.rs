@@ -83,6 +83,19 @@ impl Model {
                 let ranges = [range(inner[0].clone()), range(part), range(inner[1].clone())];
                 self.cells.reorder(&ranges, &self.objects);
             }
+            1 if leaves > 1 && self.random.below(4) == 0 => {
+                // So many that all is laid out anew.
+                let first = self.random.below(leaves / 2);
+                let count = leaves / 8 + 2 + self.random.below(leaves);
+                let changed = first..(first + count).min(leaves);
+                let draws: Vec<_> = changed.clone().map(|_| self.some_draws()).collect();
+                let listed = (first as u32..).map(LeafIndex).zip(draws.iter().map(Vec::as_slice));
+                self.cells.replace(&listed.collect::<Vec<_>>());
+                for (leaf, draws) in changed.zip(draws) {
+                    self.draws[self.objects[leaf].0 as usize] = draws;
+                }
+                self.moves += (0..leaves).map(|leaf| self.listed(leaf).len() as u64).sum::<u64>();
+            }
             1 => {
                 // Several in a row, as an owner adds them in bulk.
                 let first = self.random.below(leaves);
@@ -114,7 +127,7 @@ impl Model {
 
     fn replace(&mut self, leaf: usize, draws: Vec<BucketDraw>) {
         self.moves += (self.listed(leaf).len() + draws.len()) as u64;
-        self.cells.replace(LeafIndex(leaf as u32), &draws);
+        self.cells.replace(&[(LeafIndex(leaf as u32), &draws)]);
         self.draws[self.objects[leaf].0 as usize] = draws;
     }
 

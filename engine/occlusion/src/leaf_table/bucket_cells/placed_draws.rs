@@ -1,0 +1,116 @@
+//! The draws of objects, with the cells that they are in.
+
+use std::mem::replace;
+
+use cull::{LeafIndex, ObjectId};
+
+use super::{BucketDraw, NONE};
+
+/// A draw at its place.
+#[derive(Clone, Copy)]
+pub(super) struct PlacedDraw {
+    pub(super) draw: BucketDraw,
+    pub(super) leaf: u32,
+    /// The next draw of the same object, of the same bucket or a later one.
+    pub(super) next: u32,
+    pub(super) cell: u32,
+}
+
+/// A list of draws per object, and the object of each leaf.
+pub(super) struct PlacedDraws {
+    all: Vec<PlacedDraw>,
+    /// The first unused place in `all`; the others follow by `next`.
+    unused: u32,
+    /// The first draw of each object.
+    firsts: Vec<u32>,
+    /// The object of each leaf.
+    objects: Vec<ObjectId>,
+}
+
+impl PlacedDraws {
+    pub(super) const EMPTY: Self =
+        Self { all: Vec::new(), unused: NONE, firsts: Vec::new(), objects: Vec::new() };
+
+    /// Returns the number of leaves.
+    pub(super) fn leaf_count(&self) -> u32 {
+        self.objects.len() as u32
+    }
+
+    pub(super) fn at(&self, number: u32) -> Option<&PlacedDraw> {
+        self.all.get(number as usize)
+    }
+
+    pub(super) fn at_mut(&mut self, number: u32) -> Option<&mut PlacedDraw> {
+        self.all.get_mut(number as usize)
+    }
+
+    /// Returns the number of the first draw of a leaf.
+    pub(super) fn first(&self, leaf: LeafIndex) -> u32 {
+        let first = self.object_of(leaf).and_then(|object| self.firsts.get(object));
+        first.copied().unwrap_or(NONE)
+    }
+
+    /// Returns the draws of a leaf, in the order of their buckets.
+    pub(super) fn of(&self, leaf: LeafIndex) -> impl Iterator<Item = &PlacedDraw> {
+        let first = self.at(self.first(leaf));
+        std::iter::successors(first, move |placed| self.at(placed.next))
+    }
+
+    /// Puts a draw before the others of a leaf, in no cell yet.
+    pub(super) fn push_front(&mut self, leaf: LeafIndex, draw: BucketDraw) {
+        let next = self.first(leaf);
+        let placed = PlacedDraw { draw, leaf: leaf.0, next, cell: NONE };
+        let number = match self.all.get_mut(self.unused as usize) {
+            Some(place) => {
+                let unused = replace(place, placed).next;
+                replace(&mut self.unused, unused)
+            }
+            None => {
+                self.all.push(placed);
+                self.all.len() as u32 - 1
+            }
+        };
+        self.set_first(leaf, number);
+    }
+
+    /// Forgets the draws of a leaf, which are in no cell.
+    pub(super) fn free_all(&mut self, leaf: LeafIndex) {
+        let mut number = self.first(leaf);
+        while let Some(placed) = self.all.get_mut(number as usize) {
+            let next = replace(&mut placed.next, self.unused);
+            self.unused = replace(&mut number, next);
+        }
+        self.set_first(leaf, NONE);
+    }
+
+    /// Gives leaves other objects, from a leaf on.
+    pub(super) fn set_objects(&mut self, first: LeafIndex, objects: &[ObjectId]) {
+        let places = self.objects.iter_mut().skip(first.0 as usize);
+        places.zip(objects).for_each(|(place, object)| *place = *object);
+    }
+
+    /// Follows another number of leaves, with these objects. Objects keep their draws; one that is
+    /// not among them loses them.
+    pub(super) fn resize(&mut self, objects: &[ObjectId]) {
+        for leaf in (0..self.leaf_count()).map(LeafIndex) {
+            if self.object_of(leaf).is_none_or(|object| object >= objects.len()) {
+                self.free_all(leaf);
+            }
+        }
+        self.firsts.resize(objects.len(), NONE);
+        self.objects.clear();
+        self.objects.extend_from_slice(objects);
+    }
+
+    fn object_of(&self, leaf: LeafIndex) -> Option<usize> {
+        self.objects.get(leaf.0 as usize).map(|object| object.0 as usize)
+    }
+
+    fn set_first(&mut self, leaf: LeafIndex, number: u32) {
+        if let Some(object) = self.object_of(leaf)
+            && let Some(first) = self.firsts.get_mut(object)
+        {
+            *first = number;
+        }
+    }
+}
