@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The examples that are no part of the tests: one writes the shaders' SPIR-V into the repository,
-/// two measure.
-const NOT_RUN: [&str; 3] = ["bucket_costs", "compile_shaders", "load"];
+/// three measure.
+const NOT_RUN: [&str; 4] = ["bucket_costs", "compile_shaders", "load", "share_queries"];
 
 /// Returns the folder of the repository.
 fn repository() -> PathBuf {

@@ -15,6 +15,7 @@
 //! - [`View`]: the matrix and the volumes of one camera and image; [`Margin`] makes proxies large
 //!   enough, with the proof.
 //! - [`Culler::plan`] and [`Culler::ingest`]: the loop, once per frame.
+//! - [`QueryShares`]: the loop for several views with histories of their own, on one budget.
 //! - [`CostModel`]: leaves out tests that cost more than they save, by the prices of a
 //!   [`CostTable`].
 //! - [`BlockingCuller`]: the methods of the literature that wait for results within the frame, for
@@ -110,4 +111,5 @@ pub use plan::explain::{Decision, LeafExplanation, NodeHistory, Outcome};
 pub use plan::frame_plan::{
     Answer, DrawPhases, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester, TesterSupport,
 };
+pub use plan::query_shares::QueryShares;
 pub use plan::strategy::Strategy;

@@ -34,6 +34,18 @@ pub trait Method: Send {
         Ok(())
     }
 
+    /// Plans one view's frame with at most `query_budget` queries, after the results that are there
+    /// were read. All views of a frame are planned before the first is recorded, in any order
+    /// ([`QueryShares`](cull::QueryShares)). Methods that decide while they record do nothing here.
+    fn plan(
+        &mut self,
+        _state: &mut VisibilityState,
+        _scene: &mut MethodScene<'_>,
+        _request: &MethodRequest<'_>,
+        _query_budget: usize,
+    ) {
+    }
+
     /// Records one view's frame.
     ///
     /// # Errors
@@ -136,8 +148,6 @@ pub struct MethodRequest<'a> {
     /// The leaves that own a pixel, for strategies with [objects found
     /// beforehand](Strategy::needs_still_scene); empty for others.
     pub visible: &'a [LeafIndex],
-    /// The most occlusion queries of a plan. Leaves that cannot be tested are drawn.
-    pub query_budget: usize,
     /// The tick of a host's timeline that the frame waits for on the GPU.
     pub after: Option<(&'a Timeline, Tick)>,
 }

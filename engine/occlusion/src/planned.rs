@@ -34,6 +34,18 @@ impl Method for PlannedMethod {
         Ok(())
     }
 
+    fn plan(
+        &mut self,
+        state: &mut VisibilityState,
+        scene: &mut MethodScene<'_>,
+        request: &MethodRequest<'_>,
+        query_budget: usize,
+    ) {
+        let MethodRequest { strategy, view, .. } = *request;
+        let leaves = &scene.executor.leaves;
+        state.plan_frame(scene.hierarchy, leaves, strategy, (view, query_budget));
+    }
+
     fn record(
         &mut self,
         frame: &mut Frame<'_>,
@@ -41,10 +53,8 @@ impl Method for PlannedMethod {
         scene: &mut MethodScene<'_>,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
-        let MethodScene { hierarchy, executor, objects, shaders, .. } = scene;
-        let MethodRequest { strategy, view, query_budget, .. } = *request;
-        state.plan_frame(hierarchy, &executor.leaves, strategy, (view, query_budget));
-        execute(frame, executor, state, *objects, (shaders, view))?;
+        let MethodScene { executor, objects, shaders, .. } = scene;
+        execute(frame, executor, state, *objects, (shaders, request.view))?;
         Ok(MethodStats::of(state.plan()))
     }
 

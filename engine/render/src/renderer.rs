@@ -1,8 +1,8 @@
 //! The renderer: one frame from top to bottom, from the results of earlier frames to the submit.
 
 use cull::{
-    Aabb, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, SceneCosts, Strategy,
-    TesterSupport, View,
+    Aabb, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, QueryShares, SceneCosts,
+    Strategy, TesterSupport, View,
 };
 use gpu::{Device, FrameRing, PassTime, Predication, Target, Tick};
 use occlusion::{
@@ -45,7 +45,8 @@ pub struct RendererOptions {
     pub cull_config: CullConfig,
     /// The methods beside Antumbra's own; of several with one strategy, the first is used.
     pub methods: Vec<MethodConstructor>,
-    /// The most occlusion queries of a frame. Leaves that are left without one are drawn.
+    /// The most occlusion queries of a frame, for all its views together. Leaves that are left
+    /// without one are drawn.
     pub query_budget: usize,
     /// The number of samples up to which a test counts as hidden, so that its leaves are not drawn:
     /// at 0 the image is exact. Above, each test that is left out may cost as many pixels
@@ -127,6 +128,7 @@ pub struct Renderer {
     /// The threshold of the cullers of all views.
     threshold_samples: u32,
     pub(crate) query_budget: usize,
+    pub(crate) query_shares: QueryShares,
     costs: Option<CostTable>,
 }
 
@@ -211,6 +213,7 @@ impl Renderer {
             cull_config: options.cull_config,
             threshold_samples,
             query_budget: options.query_budget,
+            query_shares: QueryShares::default(),
             costs,
         })
     }

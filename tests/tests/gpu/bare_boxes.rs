@@ -95,8 +95,8 @@ impl Host {
         let mut frame = frames.begin().unwrap();
         state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
         let mut scene = MethodScene { device, shaders, hierarchy, executor, objects };
-        let request =
-            MethodRequest { strategy, view: &view, visible: &[], query_budget: 4096, after: None };
+        let request = MethodRequest { strategy, view: &view, visible: &[], after: None };
+        PlannedMethod.plan(state, &mut scene, &request, 4096);
         PlannedMethod.record(&mut frame, state, &mut scene, &request).unwrap();
         let image = Readback::new(device, SIZE).unwrap();
         objects.target.copy_to(frame.commands(), &image);

@@ -1,7 +1,8 @@
 //! Several views in one frame: each exact, with a history of its own, in its own part of the
 //! image.
 
-use cull::{Camera, Strategy};
+use cull::{Camera, Projection, Strategy};
+use glam::Vec3;
 use gpu::{Device, Predication, Readback};
 use render::{
     Costs, FrameReport, FrameRequest, Rect, Renderer, RendererOptions, ViewState, ViewTarget,
@@ -231,6 +232,56 @@ fn areas_may_be_anywhere() {
             );
         }
     });
+}
+
+/// Checks that the faces of a cube, or the parts of a split screen, share a budget of few queries,
+/// and that the image of each is exact.
+#[test]
+fn views_on_one_tight_budget_are_exact() {
+    run_on_all(|device| {
+        let GeneratedScene { scene, routes } = SceneKind::City.build(900);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
+        let split = |frame, part: u32| path.camera(frame + 173 * part);
+        let faces = |frame, part: u32| face(path.camera(frame), part as usize);
+        // The budget, and the least number of queries of the view that has the most.
+        let cases: [([usize; 2], PartCamera<'_>); 2] = [([100, 21], &faces), ([48, 8], &split)];
+        for ([query_budget, least], camera) in cases {
+            let options = RendererOptions { query_budget, ..options(2) };
+            let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+            let mut views = [(); 6].map(|()| renderer.new_view().unwrap());
+            let mut plain = [(); 6].map(|()| renderer.new_view().unwrap());
+            let areas: Vec<Rect> = Rect::side_by_side(SIZE, 6).collect();
+            let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
+            let (mut most, mut largest) = (0, 0);
+            for frame in 0..16 {
+                let cameras: Vec<Camera> = (0..6).map(|part| camera(frame, part)).collect();
+                render(&mut renderer, &mut plain, Strategy::FRUSTUM, &cameras, &areas, &expected);
+                let strategy = Strategy::ANTUMBRA_QUERIES;
+                let report = render(&mut renderer, &mut views, strategy, &cameras, &areas, &got);
+                device.drain().unwrap();
+                let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
+                assert_eq!(wrong, 0, "frame {frame}, {query_budget} queries");
+                let used = views.each_ref().map(|view| view.plan().query_count());
+                assert_eq!(report.queries as usize, used.iter().sum::<usize>());
+                assert!(report.queries as usize <= query_budget, "{used:?} of {query_budget}");
+                most = most.max(report.queries as usize);
+                largest = largest.max(used.into_iter().max().unwrap_or(0));
+            }
+            assert!(most * 10 > query_budget * 9, "{most} of {query_budget} queries were used");
+            assert!(largest >= least, "nothing was passed on: {largest}");
+        }
+    });
+}
+
+/// The camera of a frame and a part of the image.
+type PartCamera<'a> = &'a dyn Fn(u32, u32) -> Camera;
+
+/// Returns the camera of a face of the cube around a camera.
+fn face(camera: Camera, number: usize) -> Camera {
+    let forward = [Vec3::NEG_Z, Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z][number];
+    let up = if forward.y == 0.0 { Vec3::Y } else { Vec3::X };
+    let projection = Projection::perspective(std::f32::consts::FRAC_PI_2);
+    Camera { forward, up, projection, ..camera }
 }
 
 /// Checks that a view has the same plan and the same pixels alone and with others beside it. (In

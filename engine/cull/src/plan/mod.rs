@@ -11,6 +11,7 @@ pub(crate) mod next_frame;
 pub(crate) mod occluders;
 pub(crate) mod phases;
 pub(crate) mod plan_writer;
+pub(crate) mod query_shares;
 pub(crate) mod rounds;
 pub(crate) mod shared_proxies;
 pub(crate) mod strategy;

@@ -22,6 +22,7 @@ mod multi_view;
 mod next_frame;
 mod optics;
 mod projections;
+mod query_shares;
 mod random;
 mod recycling;
 mod rest;

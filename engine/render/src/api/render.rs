@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use cull::{Aabb, Hierarchy, Strategy, View};
+use cull::{Aabb, Hierarchy, QueryShares, Strategy, View};
 use gpu::{Frame, PassTime, Readback};
-use occlusion::{FrameTimes, MethodRequest, MethodScene, PlanExecutor, Rect};
+use occlusion::{FrameTimes, Method, MethodRequest, MethodScene, PlanExecutor, Rect};
 
 use crate::debug::debug_overlay::DebugOverlay;
 use crate::debug::flat_overlay::FlatOverlay;
@@ -77,20 +77,17 @@ impl Renderer {
             frame.begin_timing();
         }
         let mut report = FrameReport::default();
+        let method = &mut methods[method];
+        let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
+        let shares = (&mut self.query_shares, self.query_budget);
+        plan_views(shares, (&mut **method, &mut scene), (targets, &views), request)?;
         for (ViewTarget { state, visible, .. }, view) in targets.iter_mut().zip(&views) {
-            state.collect(device.completed()?, hierarchy, &executor.leaves);
             report.transparent +=
                 passes.gather_transparent(&mut frame, executor, view, request.strategy)?;
-            let wanted = MethodRequest {
-                strategy: request.strategy,
-                view,
-                visible: visible.map_or(&[], VisibleSet::leaves),
-                query_budget: self.query_budget,
-                after: request.after,
-            };
+            let wanted = method_request(*visible, view, request);
             let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
             let ViewState { counts, visibility, .. } = &mut **state;
-            let stats = methods[method].record(&mut frame, visibility, &mut scene, &wanted)?;
+            let stats = method.record(&mut frame, visibility, &mut scene, &wanted)?;
             report.tests += stats.tests;
             report.queries += stats.queries;
             let scene = (&*executor, &*hierarchy);
@@ -243,6 +240,34 @@ impl Renderer {
         let image = self.size();
         if area.fits(image) { Ok(()) } else { Err(Error::Rect { area, image }) }
     }
+}
+
+/// Reads the results that are there, and plans the views of a frame.
+fn plan_views(
+    (shares, query_budget): (&mut QueryShares, usize),
+    (method, scene): (&mut dyn Method, &mut MethodScene<'_>),
+    (targets, views): (&mut [ViewTarget<'_>], &[View]),
+    request: &ViewsRequest<'_>,
+) -> Result<(), Error> {
+    let completed = scene.device.completed()?;
+    let queries = |target: &ViewTarget<'_>| target.state.plan().query_count();
+    shares.plan_views(query_budget, targets, queries, |number, target, share| {
+        let ViewTarget { state, visible, .. } = target;
+        state.collect(completed, scene.hierarchy, &scene.executor.leaves);
+        let wanted = method_request(*visible, &views[number], request);
+        method.plan(&mut state.visibility, scene, &wanted, share);
+    });
+    Ok(())
+}
+
+/// Returns the request for one view of a frame.
+fn method_request<'a>(
+    visible: Option<&'a VisibleSet>,
+    view: &'a View,
+    &ViewsRequest { strategy, after, .. }: &ViewsRequest<'a>,
+) -> MethodRequest<'a> {
+    let visible = visible.map_or::<&[_], _>(&[], VisibleSet::leaves);
+    MethodRequest { strategy, view, visible, after }
 }
 
 /// The overlays over the scene.
