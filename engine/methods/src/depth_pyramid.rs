@@ -117,9 +117,6 @@ const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 /// The largest alignment of storage buffers on any device.
 const MOST_ALIGNMENT_BYTES: u64 = 256;
 
-/// The number of storage buffers that the second phase reads and writes.
-const STORAGE_BUFFERS: u32 = 6;
-
 impl PyramidFrame {
     fn of(scene: &mut MethodScene<'_>) -> Result<Self, Error> {
         let lists = if scene.objects.shades_later() { Lists::Both } else { Lists::One };
@@ -171,14 +168,6 @@ impl PyramidFrame {
     /// The name of what is missing or too large.
     fn check(device: &Device, hierarchy: &Hierarchy, size: [u32; 2]) -> Result<(), Error> {
         let limits = &device.adapter().limits;
-        if limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS {
-            return Err(gpu::Error::Unsupported {
-                device: device.adapter().name.clone(),
-                missing: "six storage buffers per shader stage",
-                wanted: "the pyramid strategy",
-            }
-            .into());
-        }
         let leaf_count = hierarchy.leaf_objects().len() as u32;
         let most = u64::from(limits.max_compute_work_group_count[0]) * 64;
         if u64::from(leaf_count) > most {

@@ -253,6 +253,9 @@ unsafe extern "system" fn properties(
         if lacks(Required::Vulkan13) {
             (*properties).api_version = vk::make_api_version(0, 1, 2, 200);
         }
+        if lacks(Required::StorageBuffers) {
+            (*properties).limits.max_per_stage_descriptor_storage_buffers = 4;
+        }
         if let Some(most) = machine(|machine| machine.most_draws) {
             (*properties).limits.max_draw_indirect_count = most;
         }

@@ -28,11 +28,17 @@ pub enum Required {
     GraphicsQueue,
     /// 32-bit float depth, drawn to and copied from.
     Depth32,
+    /// As many storage buffers per shader stage as the largest of the engine's shaders binds.
+    StorageBuffers,
 }
+
+/// The most storage buffers that a stage of the engine's shaders binds (`list_sizes.comp`). Vulkan
+/// promises four.
+pub(crate) const STAGE_STORAGE_BUFFERS: u32 = 7;
 
 impl Required {
     /// All required capabilities, in the order in which they are shown to the user.
-    pub const ALL: [Required; 8] = [
+    pub const ALL: [Required; 9] = [
         Required::Vulkan13,
         Required::DynamicRendering,
         Required::Synchronization2,
@@ -41,6 +47,7 @@ impl Required {
         Required::DrawIndirectFirstInstance,
         Required::GraphicsQueue,
         Required::Depth32,
+        Required::StorageBuffers,
     ];
 
     /// Returns the name shown to the user.
@@ -54,6 +61,7 @@ impl Required {
             Required::DrawIndirectFirstInstance => "drawIndirectFirstInstance",
             Required::GraphicsQueue => "a queue with graphics and compute",
             Required::Depth32 => "D32_SFLOAT as a depth attachment that can be copied",
+            Required::StorageBuffers => "maxPerStageDescriptorStorageBuffers of at least 7",
         }
     }
 
@@ -77,7 +85,10 @@ impl Required {
             Required::DrawIndirectFirstInstance => {
                 Features { draw_indirect_first_instance: true, ..none }
             }
-            Required::Vulkan13 | Required::GraphicsQueue | Required::Depth32 => none,
+            Required::Vulkan13
+            | Required::GraphicsQueue
+            | Required::Depth32
+            | Required::StorageBuffers => none,
         }
     }
 
@@ -86,6 +97,7 @@ impl Required {
             Required::Vulkan13 => offer.api_version >= vk::API_VERSION_1_3,
             Required::GraphicsQueue => offer.queue_family.is_some(),
             Required::Depth32 => offer.has_depth_32,
+            Required::StorageBuffers => offer.stage_storage_buffers >= STAGE_STORAGE_BUFFERS,
             feature => feature.features().without(offer.features).is_empty(),
         }
     }

@@ -18,6 +18,8 @@ pub(crate) struct Offer {
     pub(crate) extensions: Vec<CString>,
     pub(crate) features: Features,
     pub(crate) has_depth_32: bool,
+    /// The most storage buffers that a shader stage may bind.
+    pub(crate) stage_storage_buffers: u32,
     /// True if the driver offers multiview and draws wrong images with it.
     pub(crate) draws_views_wrong: bool,
 }
@@ -86,6 +88,7 @@ impl Offer {
             api_version: properties.api_version,
             queue_family: of_family.map(|_| family),
             timestamp_bits: of_family.map_or(0, |family| family.timestamp_valid_bits),
+            stage_storage_buffers: properties.limits.max_per_stage_descriptor_storage_buffers,
             has_depth_32: depth.optimal_tiling_features.contains(needed),
             // SAFETY: as above.
             draws_views_wrong: unsafe { draws_views_wrong(instance, physical, &properties) },
