@@ -90,6 +90,16 @@ pub enum Error {
         /// The device's limit.
         limit: u64,
     },
+    /// An image of a host has a format that it cannot be drawn to with.
+    #[error("the {what} of a host's target has the format {format:?}; {needed}")]
+    TargetFormat {
+        /// The image: depth, or a colour by its number.
+        what: String,
+        /// Its format.
+        format: ash::vk::Format,
+        /// The formats that are possible.
+        needed: &'static str,
+    },
     /// There is no display to open a window on, or its connection is gone.
     #[error(
         "there is no display to show a window on ({0}); start one, name it in DISPLAY or WAYLAND_DISPLAY, or draw without a window"

@@ -4,6 +4,8 @@ use std::fmt;
 
 use ash::vk;
 
+use crate::core::error::Error;
+
 /// Colour: eight bits per channel, sRGB-encoded by the hardware.
 pub(crate) const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 /// The format of the colour's memory: the same bytes without encoding, so that a window gets them
@@ -105,6 +107,29 @@ impl fmt::Display for Attachments {
         write!(formatter, "depth {depth:?}, near plane at {near_depth:?}, colours {colours:?}, ")?;
         write!(formatter, "samples {samples:?}, views {views}")
     }
+}
+
+/// Refuses formats that are no depth or no colour.
+pub(crate) fn check_formats(depth: vk::Format, colours: &[vk::Format]) -> Result<(), Error> {
+    let refuse = |what: String, format, needed| Err(Error::TargetFormat { what, format, needed });
+    if !has_depth(depth) {
+        let needed = "it takes one with depth, such as D32_SFLOAT or D24_UNORM_S8_UINT";
+        return refuse("depth image".to_owned(), depth, needed);
+    }
+    let is_colour = |format: &vk::Format| {
+        !has_depth(*format) && ![vk::Format::UNDEFINED, vk::Format::S8_UINT].contains(format)
+    };
+    match colours.iter().position(|format| !is_colour(format)) {
+        None => Ok(()),
+        Some(number) => {
+            refuse(format!("colour image {number}"), colours[number], "it takes one of colours")
+        }
+    }
+}
+
+fn has_depth(format: vk::Format) -> bool {
+    let plain = [vk::Format::D16_UNORM, vk::Format::X8_D24_UNORM_PACK32, vk::Format::D32_SFLOAT];
+    plain.contains(&format) || has_stencil(format)
 }
 
 impl Attachments {

@@ -12,6 +12,7 @@ use crate::memory::readback::Readback;
 use crate::record::access::Access;
 use crate::record::attachments::{
     Attachments, COLOUR_BYTES, COLOUR_FORMAT, COLOURS_MAX, ColourFormats, DEPTH_FORMAT,
+    check_formats,
 };
 use crate::record::commands::{Commands, Failure};
 use crate::record::finished_image::FinishedImage;
@@ -81,7 +82,8 @@ impl Target {
     ///
     /// # Errors
     /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits, for more colours than
-    /// [`COLOURS_MAX`] or more views than [`VIEWS_MAX`].
+    /// [`COLOURS_MAX`] or more views than [`VIEWS_MAX`]; [`Error::TargetFormat`] for a depth image
+    /// without depth, or a colour image that has depth or no format.
     ///
     /// # Safety
     /// The images and views are of `device`, as described, and live until the last frame that
@@ -102,6 +104,7 @@ impl Target {
             *format = image.format;
         }
         let formats = formats.get(..images.colours.len()).unwrap_or_default();
+        check_formats(images.depth.format, formats)?;
         let can_copy_depth = images.depth.format == DEPTH_FORMAT
             && images.samples == vk::SampleCountFlags::TYPE_1
             && images.views == 1

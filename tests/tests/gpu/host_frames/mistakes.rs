@@ -2,7 +2,7 @@
 #![allow(unsafe_code, reason = "a host calls Vulkan itself")]
 
 use cull::Strategy;
-use gpu::{Attachments, Error, Purpose, vk};
+use gpu::{Attachments, Error, HostImage, HostImages, ImageState, NearDepth, Purpose, Target, vk};
 use occlusion::{OcclusionPasses, ShaderSet};
 use tests::Driver;
 use tests::host_device::Host;
@@ -70,4 +70,53 @@ fn passes_for_other_attachments_and_views_of_other_tables_are_refused() {
         walk.destroy();
     }
     host.finish();
+}
+
+#[test]
+fn images_of_formats_that_cannot_be_drawn_to_are_refused() {
+    use vk::Format as F;
+    let refusal = |device: &gpu::Device, depth, colours: &[F]| {
+        let image = |format| HostImage {
+            image: vk::Image::null(),
+            view: vk::ImageView::null(),
+            format,
+            usage: vk::ImageUsageFlags::empty(),
+            entry: ImageState::depth_attachment(),
+            exit: None,
+        };
+        let colours: Vec<HostImage> = colours.iter().map(|format| image(*format)).collect();
+        let images = HostImages {
+            depth: image(depth),
+            colours: &colours,
+            samples: vk::SampleCountFlags::TYPE_1,
+            near_depth: NearDepth::One,
+            views: 1,
+            size: [8, 8],
+        };
+        // SAFETY: no command uses the target.
+        unsafe { Target::of_host(device, &images) }.err().map(|error| error.to_string())
+    };
+    tests::run_on_all(|device| {
+        for depth in [
+            F::D16_UNORM,
+            F::X8_D24_UNORM_PACK32,
+            F::D32_SFLOAT,
+            F::D16_UNORM_S8_UINT,
+            F::D24_UNORM_S8_UINT,
+            F::D32_SFLOAT_S8_UINT,
+        ] {
+            assert_eq!(refusal(device, depth, &[]), None);
+            let said = refusal(device, F::D32_SFLOAT, &[F::R8G8B8A8_UNORM, depth]).unwrap();
+            assert!(said.contains("colour image 1") && said.contains(&format!("{depth:?}")));
+        }
+        for depth in [F::UNDEFINED, F::S8_UINT, F::R32_SFLOAT, F::B8G8R8A8_SRGB] {
+            let said = refusal(device, depth, &[]).unwrap();
+            assert!(said.contains("depth image") && said.contains(&format!("{depth:?}")), "{said}");
+        }
+        for colour in [F::UNDEFINED, F::S8_UINT] {
+            let said = refusal(device, F::D32_SFLOAT, &[colour]).unwrap();
+            assert!(said.contains("colour image 0"), "{said}");
+        }
+        assert_eq!(refusal(device, F::D32_SFLOAT, &[F::R16G16B16A16_SFLOAT]), None);
+    });
 }
