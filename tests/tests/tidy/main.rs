@@ -226,6 +226,33 @@ fn nothing_unwraps_outside_tests() {
 }
 
 #[test]
+fn the_engine_keeps_no_state_of_the_whole_process() {
+    assert_obeyed(rules::global_state);
+    assert_catches(
+        rules::global_state,
+        &[
+            ("engine/gpu/src/a.rs", "pub static A: AtomicU64 = AtomicU64::new(0);"),
+            ("engine/cull/src/a.rs", "fn a() {\n    static B: OnceLock<u32> = OnceLock::new();\n}"),
+            ("engine/render/src/a.rs", "pub(crate) static C: Mutex<u32> = Mutex::new(0);"),
+            ("engine/capi/src/a.rs", "static mut D: u32 = 0;"),
+            ("engine/import/src/a.rs", "thread_local! {\n    static E: Cell<u32> = a();\n}"),
+        ],
+    );
+    assert_permits(
+        rules::global_state,
+        &[
+            ("engine/gpu/src/a.rs", "static NAMES: [&str; 1] = [a];\nconst A: &'static str = b;"),
+            (
+                "engine/gpu/src/a.rs",
+                "#[cfg(test)]\nmod tests {\n    static A: Mutex<u32> = a();\n}",
+            ),
+            ("engine/gpu/src/a.rs", "struct A {\n    b: &'static Mutex<u32>,\n}"),
+            ("samples/src/a.rs", "static A: AtomicU64 = AtomicU64::new(0);"),
+        ],
+    );
+}
+
+#[test]
 fn names_say_what_things_are() {
     assert_obeyed(rules::names);
     assert_catches(

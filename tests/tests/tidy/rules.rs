@@ -124,6 +124,42 @@ pub fn unsafe_code(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
+/// The files with state of the whole process, and why it is there. Numbers that no two objects have
+/// and libraries that are loaded once are no state that two devices could disturb each other by.
+const GLOBAL: [(&str, &str); 6] = [
+    ("engine/gpu/src/core/ownership.rs", "numbers of devices"),
+    ("engine/gpu/src/core/pipeline_cache.rs", "numbers of temporary files"),
+    ("engine/gpu/src/core/xcb.rs", "a library"),
+    ("engine/gpu/src/present/display_link.rs", "a library"),
+    ("engine/occlusion/src/leaf_table.rs", "numbers of tables"),
+    ("engine/render/src/view_state.rs", "numbers of renderers"),
+];
+
+/// Finds state of the whole process in the engine's crates: what can change, or is made when it is
+/// used first.
+pub fn global_state(files: &[SourceFile]) -> Vec<String> {
+    let changing = ["Atomic", "Cell<", "Lazy", "Mutex<", "OnceLock", "RwLock<"];
+    let is_allowed = |file: &SourceFile| GLOBAL.iter().any(|(path, _)| file.path == *path);
+    let mut findings = Vec::new();
+    for file in files.iter().filter(|file| file.is_rust() && !file.is_test()) {
+        if !file.path.starts_with("engine/") || !file.path.contains("/src/") || is_allowed(file) {
+            continue;
+        }
+        let code = without_tests(&without_comments_and_strings(&file.text));
+        for (line, text) in (1..).zip(code.lines()) {
+            let declared = text.trim_start().trim_start_matches("pub(crate) ");
+            let declared = declared.trim_start_matches("pub ");
+            let changes = declared.starts_with("static mut ")
+                || declared.starts_with("static ") && changing.iter().any(|it| text.contains(it))
+                || has_word(text, "thread_local");
+            if changes {
+                findings.push(file.finding(line, "state of the whole process: give it an owner"));
+            }
+        }
+    }
+    findings
+}
+
 /// Finds marks of unfinished work, which belongs in an issue.
 pub fn unfinished(files: &[SourceFile]) -> Vec<String> {
     // Put together, so that this file does not find itself.
