@@ -7,9 +7,9 @@ use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Projection, Strategy, Vi
 use glam::{Vec3, vec3};
 use gpu::{Commands, Device, FrameRing, IndirectDraw, Readback, RenderTarget, Target};
 use occlusion::{
-    BucketId, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, Method, MethodRequest, MethodScene,
-    ObjectPass, ObjectRenderer, OcclusionPasses, PlanExecutor, PlannedMethod, Rendering, ShaderSet,
-    VisibilityState,
+    BucketId, Error, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, Method, MethodRequest,
+    MethodScene, ObjectPass, ObjectRenderer, OcclusionPasses, PlanExecutor, PlannedMethod,
+    Rendering, ShaderSet, VisibilityState, execute, list_draws,
 };
 use tests::numbered_boxes::{BOX_INDICES, NumberedBoxes};
 use tests::walk::pixels_that_differ;
@@ -149,5 +149,36 @@ fn an_owner_of_bare_boxes_gets_the_same_image_and_draws_less() {
         let drawn = |host: &mut Host| host.state.take_outcomes().next_back().unwrap().draws;
         let [all, few] = [&mut plain, &mut culled].map(drawn);
         assert!(few > 1 && few < all / 2, "{few} of {all} boxes drawn");
+    });
+}
+
+/// Checks that a plan with draws among its tests is not listed, but still executed in its frame.
+#[test]
+fn a_plan_of_many_rounds_is_refused_as_lists_and_drawn_by_the_engine() {
+    run(Driver::Lavapipe, |device| {
+        let mut host = Host::new(device, &boxes());
+        let Host { shaders, frames, hierarchy, executor, objects, state, .. } = &mut host;
+        let camera = Camera {
+            eye: vec3(0.0, 0.0, 3.0),
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            projection: Projection::perspective(0.9),
+            near: 0.1,
+        };
+        let view = View::new(&camera, SIZE, device.adapter().limits.sub_pixel_precision_bits);
+        let mut frame = frames.begin().unwrap();
+        state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, (&view, 4096));
+        assert!(state.plan().rounds.len() > 1, "{:?}", state.plan().rounds);
+        let refused = list_draws(&mut frame, executor, state, &view).err().unwrap();
+        assert!(matches!(refused, Error::DrawsAmongTests(_)), "{refused}");
+        assert!(refused.to_string().contains("DrawPhases::Two"), "{refused}");
+        assert!(state.visible_lists().is_empty() && state.revealed_lists().is_empty());
+        execute(&mut frame, executor, state, objects, (&*shaders, &view)).unwrap();
+        let tick = frame.submit(None).unwrap();
+        state.submitted(tick, &executor.leaves, None);
+        device.drain().unwrap();
+        state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
+        let draws: u64 = state.take_outcomes().map(|outcome| outcome.draws).sum();
+        assert!(draws > 0 && draws < 900, "{draws} drawn");
     });
 }
