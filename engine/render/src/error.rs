@@ -171,6 +171,18 @@ pub enum Error {
         /// The number of its bytes.
         bytes: usize,
     },
+    /// More of something than there is room for.
+    #[error(
+        "there is no room for {wanted} {what}, but for at most {left}, so nothing was added: give the renderer more with `RendererOptions::spare`, or remove others"
+    )]
+    NoRoom {
+        /// The elements without room.
+        what: &'static str,
+        /// The requested number.
+        wanted: u64,
+        /// The largest number that there is room for now.
+        left: u64,
+    },
     /// A light that cannot be changed as requested.
     #[error("the light {} cannot be changed: {reason}", light.0)]
     Light {

@@ -14,6 +14,7 @@ use crate::passes::{OpaqueIo, SurfaceIo};
 use crate::resources::geometry::{Geometry, bounds_in_world};
 use crate::resources::skinned_mesh_state::SkinnedMeshState;
 use crate::resources::skinned_meshes::{PoseUploads, Skinned, SkinnedMeshes};
+use crate::resources::spare_room::SpareRoom;
 use crate::shading::depth_first::{DARK, DepthPass, Shading};
 use crate::shading::surfaces::SurfaceResources;
 use crate::shading::transparent::{Transparent, TransparentObject};
@@ -116,9 +117,9 @@ impl FramePasses {
         shaders: &ShaderSet,
         (scene, hierarchy): (&Scene, &Hierarchy),
         target: Target,
-        frames_in_flight: usize,
+        (frames_in_flight, spare): (usize, &SpareRoom),
     ) -> Result<Self, crate::Error> {
-        let geometry = Geometry::upload(device, scene, hierarchy)?;
+        let geometry = Geometry::upload(device, scene, hierarchy, spare)?;
         let transparent = Transparent::new(device, scene)?;
         let first_vertex = |mesh| geometry.first_vertex(mesh);
         let skinned_meshes = SkinnedMeshes::new(device, scene, frames_in_flight, first_vertex)?;

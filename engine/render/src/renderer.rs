@@ -20,6 +20,7 @@ use crate::frame_passes::FramePasses;
 use crate::resources::geometry::Geometry;
 use crate::resources::limits::check_memory;
 use crate::resources::object_bounds::{check_hierarchy, object_bounds};
+use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites::has_sprites;
 use crate::update::UpdateScratch;
 use crate::view_state::{RendererId, ViewState};
@@ -61,6 +62,8 @@ pub struct RendererOptions {
     /// Room for objects that are [added later](Renderer::update), beside the room of removed ones.
     /// Together with the scene's objects they must fit into a hierarchy and the device.
     pub spare_objects: usize,
+    /// Room for what is added later beside objects ([`Renderer::add_lights`]).
+    pub spare: SpareRoom,
 }
 
 impl Default for RendererOptions {
@@ -76,6 +79,7 @@ impl Default for RendererOptions {
             threshold_samples: 0,
             costs: Costs::default(),
             spare_objects: 0,
+            spare: SpareRoom::default(),
         }
     }
 }
@@ -172,7 +176,8 @@ impl Renderer {
         let occlusion_passes = OcclusionPasses::new(device, &shaders, target.attachments())?;
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
-        let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, slots)?;
+        let room = (slots, &options.spare);
+        let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, room)?;
         let draws = hierarchy.leaf_objects().len() as u64;
         let threshold_samples = options.threshold_samples;
         let predication =

@@ -1,10 +1,12 @@
-//! Changing lights, and objects that move under them: frames look as if the scene had always been
-//! so.
+//! Lights that change, come and go, and objects that move under them: frames look as if the scene
+//! had always been so.
+
+use std::collections::BTreeMap;
 
 use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{Error, FrameRequest, Renderer, RendererOptions, ViewState};
+use render::{Costs, Error, FrameRequest, Renderer, RendererOptions, SpareRoom, ViewState};
 use scene::{
     Alpha, LightId, LightKind, Material, MaterialId, MeshId, Object, ObjectChange, PunctualLight,
     Scene, SurfaceVertex, Surfaces,
@@ -60,6 +62,13 @@ fn bulb(position: Vec3) -> PunctualLight {
 }
 
 fn image(renderer: &mut Renderer, view: &mut ViewState) -> Vec<u8> {
+    let image = draw(renderer, view, Strategy::ANTUMBRA);
+    renderer.drain(view).unwrap();
+    image.rgba8().unwrap().to_vec()
+}
+
+/// Draws a frame, which may be on its way yet.
+fn draw(renderer: &mut Renderer, view: &mut ViewState, strategy: Strategy) -> Readback {
     let camera = Camera {
         eye: vec3(8.0, 6.0, 8.0),
         forward: vec3(0.0, -0.5, -1.0),
@@ -68,16 +77,18 @@ fn image(renderer: &mut Renderer, view: &mut ViewState) -> Vec<u8> {
         near: 0.1,
     };
     let image = Readback::new(renderer.device(), SIZE).unwrap();
-    let request =
-        FrameRequest { image: Some(&image), ..FrameRequest::new(Strategy::ANTUMBRA, camera) };
+    let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
     renderer.render(view, &request).unwrap();
-    renderer.drain(view).unwrap();
-    image.rgba8().unwrap().to_vec()
+    image
+}
+
+fn options(spare: SpareRoom) -> RendererOptions {
+    let costs = Costs::Ignored;
+    RendererOptions { size: SIZE, frames_in_flight: 3, costs, spare, ..Default::default() }
 }
 
 fn renderer(device: &Device, scene: &Scene) -> Renderer {
-    Renderer::new(device, scene, &RendererOptions { size: SIZE, ..RendererOptions::default() })
-        .unwrap()
+    Renderer::new(device, scene, &options(SpareRoom::default())).unwrap()
 }
 
 fn fresh(device: &Device, scene: &Scene) -> Vec<u8> {
@@ -129,5 +140,116 @@ fn lights_that_cannot_be_are_refused() {
         }
         renderer.set_light(LightId(0), bulb(Vec3::NAN)).unwrap();
         assert_eq!(scene.surfaces.unwrap().meshes[0].material, MaterialId(0));
+    });
+}
+
+/// Returns the light of a step: a lamp, a spot, or a sun that is weaker than those before it.
+fn comer(step: u32) -> PunctualLight {
+    let place = vec3(2.0 + 1.5 * step as f32, 2.5, 1.0 - step as f32);
+    match step % 3 {
+        0 => PunctualLight { colour: [0.2, 1.0, 0.3], range_m: None, ..bulb(place) },
+        1 => PunctualLight {
+            kind: LightKind::Spot { inner_rad: 0.3, outer_rad: 0.6 },
+            intensity: 20.0,
+            direction: Vec3::NEG_Y,
+            ..bulb(place)
+        },
+        _ => PunctualLight {
+            kind: LightKind::Directional,
+            intensity: 1.0 / step as f32,
+            direction: vec3(0.3, -1.0, -0.2 * step as f32),
+            ..bulb(Vec3::ZERO)
+        },
+    }
+}
+
+#[test]
+fn lights_come_and_go_as_if_they_had_always_been_there() {
+    run_on_all(|device| {
+        let mut scene = room();
+        let mut there: BTreeMap<u32, PunctualLight> =
+            (0..).zip(scene.surfaces.as_ref().unwrap().lights.iter().copied()).collect();
+        let spare = SpareRoom { lights: 2, directional_lights: 2 };
+        let mut renderer = Renderer::new(device, &scene, &options(spare)).unwrap();
+        let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
+        let mut frames = Vec::new();
+        for step in 0..9_u32 {
+            let [light] = renderer.add_lights(&[comer(step)]).unwrap()[..] else { panic!() };
+            assert_eq!(there.insert(light.0, comer(step)), None, "no light has another's id");
+            if step > 0 {
+                // Among those of the scene, and one that came.
+                let mut gone = vec![LightId(step * 4)];
+                gone.extend((step == 6).then_some(light));
+                there.retain(|light, _| !gone.contains(&LightId(*light)));
+                renderer.remove_lights(&gone).unwrap();
+            }
+            let moved = PunctualLight { position: vec3(step as f32, 1.0, 1.0), ..there[&0] };
+            renderer.set_light(LightId(0), moved).unwrap();
+            there.insert(0, moved);
+            let strategies = [Strategy::ANTUMBRA, Strategy::FRUSTUM].into_iter().zip(&mut views);
+            let images: Vec<Readback> =
+                strategies.map(|(strategy, view)| draw(&mut renderer, view, strategy)).collect();
+            frames.push((images, there.values().copied().collect::<Vec<_>>()));
+            if step == 5 {
+                renderer.remove_lights(&[light]).unwrap();
+                there.remove(&light.0);
+            }
+        }
+        views.iter_mut().for_each(|view| renderer.drain(view).unwrap());
+        let mut before = Vec::new();
+        for (step, (images, lights)) in frames.into_iter().enumerate() {
+            scene.surfaces.as_mut().unwrap().lights = lights;
+            let expected = fresh(device, &scene);
+            for image in images {
+                let image = image.rgba8().unwrap().to_vec();
+                let wrong = image.chunks(4).zip(expected.chunks(4)).filter(|(a, b)| a != b).count();
+                assert_eq!(wrong, 0, "pixels in step {step}");
+            }
+            assert_ne!(expected, before, "step {step} shows");
+            before = expected;
+        }
+    });
+}
+
+#[test]
+fn lights_come_where_they_have_room_only() {
+    run_on_all(|device| {
+        let [lamp, spot, sun] = [0, 1, 2].map(comer);
+        let with = |scene: &Scene, lights, directional_lights| {
+            Renderer::new(device, scene, &options(SpareRoom { lights, directional_lights }))
+        };
+        let no_room = |renderer: &mut Renderer, lights: &[PunctualLight]| {
+            let error = renderer.add_lights(lights).unwrap_err();
+            let Error::NoRoom { what, wanted, left } = error else { panic!("{error}") };
+            (what, wanted, left)
+        };
+        let mut renderer = with(&room(), 1, 1).unwrap();
+        assert_eq!(no_room(&mut renderer, &[lamp, spot]), ("point and spot lights", 2, 1));
+        assert_eq!(no_room(&mut renderer, &[lamp, sun, sun]), ("directional lights", 2, 1));
+        let added = renderer.add_lights(&[sun, spot]).unwrap();
+        assert_eq!(no_room(&mut renderer, &[lamp]), ("point and spot lights", 1, 0));
+        assert!(matches!(renderer.set_light(added[0], lamp), Err(Error::Light { .. })));
+        renderer.remove_lights(&added).unwrap();
+        for light in [added[1], LightId(32)] {
+            let refused = [renderer.set_light(light, spot), renderer.remove_lights(&[light])];
+            for refused in refused {
+                assert!(matches!(refused, Err(Error::Light { light: it, .. }) if it == light));
+            }
+        }
+
+        // Pipelines without spots take none, even where a lamp was.
+        let mut renderer = with(&room(), 0, 0).unwrap();
+        renderer.remove_lights(&[LightId(3)]).unwrap();
+        assert_eq!(no_room(&mut renderer, &[spot]), ("spot lights", 1, 0));
+        assert_eq!(renderer.add_lights(&[lamp]).unwrap(), [LightId(3)]);
+
+        let error = with(&room(), 0, 5).err().unwrap().to_string();
+        assert!(error.contains("5 directional lights") && error.contains("at most 4"), "{error}");
+        let error = with(&room(), 1 << 16, 0).err().unwrap().to_string();
+        assert!(error.contains("65566 lights"), "{error}");
+
+        let mut plain = with(&shapes::box_scene(&[]), 1, 1).unwrap();
+        assert_eq!(no_room(&mut plain, &[lamp]).2, 0);
+        assert!(plain.add_lights(&[]).unwrap().is_empty());
     });
 }

@@ -3,6 +3,7 @@
 mod adjust;
 mod finished_image;
 mod inspect;
+mod lights;
 mod lod;
 mod moves;
 mod overlay;

@@ -21,6 +21,7 @@ use crate::resources::lod::{LodTable, stretch};
 use crate::resources::skinned_meshes::{
     SkinnedVertices, are_skinned, mesh_order, skinned_vertices,
 };
+use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites;
 use crate::shading::surfaces::{SurfaceOptions, SurfaceResources};
 
@@ -77,6 +78,7 @@ impl Geometry {
         device: &Device,
         scene: &Scene,
         hierarchy: &Hierarchy,
+        spare: &SpareRoom,
     ) -> Result<Self, Error> {
         let objects = hierarchy.leaf_objects().len();
         check_memory("the objects on their way to the GPU", objects, UPLOAD_BYTES_PER_OBJECT)?;
@@ -92,8 +94,8 @@ impl Geometry {
             (skinned_vertices(scene), size_of::<SurfaceVertex>() as u64),
             "make those meshes simpler, or fewer",
         )?;
-        let surfaces =
-            SurfaceResources::upload(device, scene, hierarchy, &SurfaceOptions::default())?;
+        let options = SurfaceOptions { spare: *spare, ..Default::default() };
+        let surfaces = SurfaceResources::upload(device, scene, hierarchy, &options)?;
         let mut object_meshes = vec![NO_MESH; leaf_count];
         let mut object_instances = vec![Instance::default(); leaf_count];
         let places = object_meshes.iter_mut().zip(&mut object_instances);

@@ -7,4 +7,5 @@ pub(crate) mod lod;
 pub(crate) mod object_bounds;
 pub(crate) mod skinned_mesh_state;
 pub(crate) mod skinned_meshes;
+pub(crate) mod spare_room;
 pub(crate) mod sprites;

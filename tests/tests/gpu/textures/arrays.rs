@@ -34,7 +34,7 @@ fn what_is_made_smaller_is_the_mean_of_its_light() {
                 for anisotropy in [None, Some(8.0)] {
                     let surfaces =
                         one(image([64, 64], spots), texture(0, encoding, sampler), unlit());
-                    let options = SurfaceOptions { anisotropy, mip_making };
+                    let options = SurfaceOptions { anisotropy, mip_making, ..Default::default() };
                     // Eight by eight texels a pixel.
                     let scene = scene_of(vec![whole([[0.0; 2], [8.0; 2]], |_| {})], surfaces);
                     for pixel in draw_with(device, &scene, &options) {
@@ -58,7 +58,7 @@ fn both_ways_make_the_same_levels_of_odd_sizes() {
         let drawn = [MipMaking::Blits, MipMaking::Cpu].map(|mip_making| {
             let surfaces =
                 one(image([80, 48], soft), texture(0, Encoding::Linear, sampler), unlit());
-            let options = SurfaceOptions { anisotropy: None, mip_making };
+            let options = SurfaceOptions { mip_making, ..Default::default() };
             draw_with(
                 device,
                 &scene_of(vec![whole([[0.0; 2], [4.0; 2]], |_| {})], surfaces),

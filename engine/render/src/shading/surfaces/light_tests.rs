@@ -3,10 +3,11 @@
 use cull::{Aabb, Hierarchy};
 use glam::{Vec3, vec3};
 use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT};
-use scene::{LightKind, PunctualLight, Surfaces};
+use scene::{LightId, LightKind, PunctualLight, Surfaces};
 
 use super::light_lists::LightLists;
-use super::lights::{LightTable, reach_m};
+use super::lights::{LightTable, dark_light, reach_m};
+use crate::resources::spare_room::SpareRoom;
 
 fn bulb(position: Vec3, candela: f32, range_m: Option<f32>) -> PunctualLight {
     PunctualLight {
@@ -30,7 +31,7 @@ fn boxes() -> Vec<Aabb> {
 }
 
 fn table(lights: Vec<PunctualLight>) -> LightTable {
-    LightTable::new(&Surfaces { lights, ..Surfaces::default() })
+    LightTable::new(&Surfaces { lights, ..Surfaces::default() }, &SpareRoom::default())
 }
 
 /// Returns the lights that reach a box, found by testing all of them.
@@ -161,5 +162,38 @@ fn the_strongest_suns_come_first_in_the_table() {
     let places = [None, Some(0), Some(4), None, Some(2), Some(1), Some(3)];
     assert_eq!(table.places, places);
     assert_eq!(table.entries().len(), 5);
-    assert_eq!(LightTable::new(&Surfaces::default()).entries().len(), 1, "something can be bound");
+    assert_eq!(
+        LightTable::new(&Surfaces::default(), &SpareRoom::default()).entries().len(),
+        1,
+        "something can be bound"
+    );
+}
+
+#[test]
+fn room_lies_behind_the_lights_of_the_scene_and_is_used_again() {
+    let lights = vec![bulb(Vec3::X, 2.0, None), sun(1.0)];
+    let spare = SpareRoom { lights: 2, directional_lights: 1 };
+    let mut table = LightTable::new(&Surfaces { lights, ..Surfaces::default() }, &spare);
+    assert_eq!((table.directional, table.dark_suns, table.entries().len()), (2, 0, 5));
+    assert!(table.get(LightId(1)).is_some() && table.get(LightId(2)).is_none());
+    assert_eq!([LightKind::Point, LightKind::Directional].map(|kind| table.room(kind)), [2, 1]);
+    assert_eq!(table.take(LightKind::Directional), Some(LightId(2)));
+    assert_eq!(table.take(LightKind::Directional), None);
+    let taken = [(); 3].map(|()| table.take(LightKind::Point));
+    assert_eq!(taken, [Some(LightId(3)), Some(LightId(4)), None]);
+    table.free(LightId(0));
+    assert!(table.get(LightId(0)).is_none());
+    assert_eq!(table.take(LightKind::Directional), None, "a sun has a place of its own");
+    assert_eq!(table.take(LightKind::Point), Some(LightId(0)));
+}
+
+#[test]
+fn a_sun_that_did_not_shine_leaves_no_room() {
+    let mut table = table((0..5).map(|number| sun(5.0 - number as f32)).collect());
+    for number in [4, 0] {
+        table.lights[number] = dark_light(LightKind::Directional);
+        table.free(LightId(number as u32));
+    }
+    assert_eq!(table.take(LightKind::Directional), Some(LightId(0)));
+    assert_eq!(table.take(LightKind::Directional), None);
 }

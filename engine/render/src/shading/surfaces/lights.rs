@@ -1,8 +1,11 @@
 //! The light table: the shaders' data of each light.
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 use scene::limits::MAX_DIRECTIONAL_LIGHTS;
-use scene::{LightKind, PunctualLight, Surfaces};
+use scene::{LightId, LightKind, PunctualLight, Surfaces};
+
+use crate::resources::spare_room::SpareRoom;
 
 /// The share of white, at an exposure of 1, below which a light counts as dark.
 const DARK: f32 = 1.0 / 256.0;
@@ -77,10 +80,22 @@ pub fn reach_m(light: &PunctualLight) -> f32 {
     light.range_m.filter(|range| *range > 0.0).unwrap_or(dark)
 }
 
-/// The lights of a scene in the order of the table.
+/// Returns a light of a kind that does not shine.
+pub(crate) fn dark_light(kind: LightKind) -> PunctualLight {
+    PunctualLight {
+        kind,
+        colour: [0.0; 3],
+        intensity: 0.0,
+        range_m: None,
+        position: Vec3::ZERO,
+        direction: Vec3::NEG_Z,
+    }
+}
+
+/// The lights of a scene in the order of the table, and room for more.
 #[derive(Debug, Default)]
 pub(crate) struct LightTable {
-    /// All of them as they are now, in the scene's order.
+    /// All of them as they are now, in the scene's order; behind them the room, dark lights.
     pub(crate) lights: Vec<PunctualLight>,
     /// The place of each in the table; `None` for surplus directional ones.
     pub(crate) places: Vec<Option<u32>>,
@@ -88,12 +103,20 @@ pub(crate) struct LightTable {
     pub(crate) directional: u32,
     /// The number of surplus ones, which do not shine.
     pub(crate) dark_suns: usize,
+    /// True for each that is not there: it was removed, or is room for another.
+    is_free: Vec<bool>,
+    /// Those that are not there and have a place: local ones, directional ones.
+    free: [Vec<LightId>; 2],
 }
 
 impl LightTable {
     /// Creates the table: the strongest directional lights first, then all others in their order.
-    pub(crate) fn new(surfaces: &Surfaces) -> Self {
-        let lights = surfaces.lights.clone();
+    pub(crate) fn new(surfaces: &Surfaces, spare: &SpareRoom) -> Self {
+        let count = surfaces.lights.len();
+        let dark = |kind, count| std::iter::repeat_n(dark_light(kind), count as usize);
+        let room = dark(LightKind::Directional, spare.directional_lights)
+            .chain(dark(LightKind::Point, spare.lights));
+        let lights: Vec<PunctualLight> = surfaces.lights.iter().copied().chain(room).collect();
         let is_directional = |place: &usize| {
             lights.get(*place).is_some_and(|light| light.kind == LightKind::Directional)
         };
@@ -111,7 +134,48 @@ impl LightTable {
                 *found = Some(entry);
             }
         }
-        Self { directional: suns.len() as u32, lights, places, dark_suns }
+        let is_free = (0..lights.len()).map(|light| light >= count).collect();
+        let directional = suns.len() as u32;
+        let mut table =
+            Self { lights, places, directional, dark_suns, is_free, free: Default::default() };
+        // The first of the room is taken first.
+        (count..table.lights.len()).rev().for_each(|light| table.offer(LightId(light as u32)));
+        table
+    }
+
+    /// Returns a light; `None` if it is not there.
+    pub(crate) fn get(&self, light: LightId) -> Option<&PunctualLight> {
+        let is_free = *self.is_free.get(light.0 as usize)?;
+        self.lights.get(light.0 as usize).filter(|_| !is_free)
+    }
+
+    /// Returns the number of lights of a kind that can be [taken](LightTable::take).
+    pub(crate) fn room(&self, kind: LightKind) -> usize {
+        self.free[usize::from(kind == LightKind::Directional)].len()
+    }
+
+    /// Takes a light that is not there, for one of this kind.
+    pub(crate) fn take(&mut self, kind: LightKind) -> Option<LightId> {
+        let light = self.free[usize::from(kind == LightKind::Directional)].pop()?;
+        if let Some(is_free) = self.is_free.get_mut(light.0 as usize) {
+            *is_free = false;
+        }
+        Some(light)
+    }
+
+    /// Gives back a light that is there and [dark](dark_light).
+    pub(crate) fn free(&mut self, light: LightId) {
+        if let Some(is_free) = self.is_free.get_mut(light.0 as usize) {
+            *is_free = true;
+            self.offer(light);
+        }
+    }
+
+    /// Notes that a light can be taken; a surplus one cannot: it would not shine.
+    fn offer(&mut self, light: LightId) {
+        if let Some(Some(place)) = self.places.get(light.0 as usize) {
+            self.free[usize::from(*place < self.directional)].push(light);
+        }
     }
 
     /// Returns the entries for the GPU, at least one.

@@ -9,6 +9,7 @@ use scene::{LightKind, PunctualLight, Surfaces};
 use super::light_lists::{LEAST_VISITS, LightLists, MOST_VISITS, VISITS_A_FRAME};
 use super::light_tree::{LightTree, Reach};
 use super::lights::{LightTable, is_bright, reach_m, strongest_part};
+use crate::resources::spare_room::SpareRoom;
 
 /// A generator of numbers of `0.0..1.0` from a seed.
 struct Random(u64);
@@ -65,7 +66,10 @@ fn any_box(random: &mut Random) -> Aabb {
 }
 
 fn table(lights: &[PunctualLight]) -> LightTable {
-    LightTable::new(&Surfaces { lights: lights.to_vec(), ..Surfaces::default() })
+    LightTable::new(
+        &Surfaces { lights: lights.to_vec(), ..Surfaces::default() },
+        &SpareRoom::default(),
+    )
 }
 
 /// Returns the lights that reach a box, all of them, the strongest first.

@@ -2,7 +2,7 @@
 
 use cull::{Aabb, Hierarchy, HierarchyError, ObjectId};
 use gpu::{Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, vk};
-use scene::limits::{MAX_LIGHTS, MAX_PAGES};
+use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS, MAX_PAGES};
 use scene::{
     Alpha, LightId, LightKind, MeshId, Object, PunctualLight, Scene, SurfaceVertex, Surfaces,
     TransparentId,
@@ -11,10 +11,11 @@ use scene::{
 use crate::error::Error;
 use crate::resources::limits;
 use crate::resources::skinned_meshes::mesh_order;
+use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites;
 use crate::shading::scene_degradations::SceneDegradations;
 use crate::shading::surfaces::light_lists::{LIST_VALUES, LightLists};
-use crate::shading::surfaces::lights::{LightEntry, LightTable};
+use crate::shading::surfaces::lights::{LightEntry, LightTable, dark_light};
 use crate::shading::surfaces::marked::Marked;
 use crate::shading::surfaces::materials::{Features, MaterialEntry, MaterialTable};
 use crate::shading::surfaces::page_upload::{plan, upload_pages};
@@ -29,11 +30,13 @@ pub struct SurfaceOptions {
     pub anisotropy: Option<f32>,
     /// The maker of the mip maps.
     pub mip_making: MipMaking,
+    /// Room for lights that come later.
+    pub spare: SpareRoom,
 }
 
 impl Default for SurfaceOptions {
     fn default() -> Self {
-        Self { anisotropy: None, mip_making: MipMaking::Blits }
+        Self { anisotropy: None, mip_making: MipMaking::Blits, spare: SpareRoom::default() }
     }
 }
 
@@ -80,12 +83,12 @@ impl SurfaceResources {
         options: &SurfaceOptions,
     ) -> Result<Option<Self>, Error> {
         let Some(surfaces) = &scene.surfaces else { return Ok(None) };
-        check_counts(device, surfaces, hierarchy)?;
+        check_counts(device, surfaces, hierarchy, &options.spare)?;
         check(scene, surfaces)?;
         let plan = plan(device, surfaces)?;
         let pages = upload_pages(device, surfaces, &plan, options)?;
         let materials = MaterialTable::new(surfaces, &plan)?;
-        let table = LightTable::new(surfaces);
+        let table = LightTable::new(surfaces, &options.spare);
         let first_transparent_slot = hierarchy.leaf_objects().len() as u32;
         let slots = first_transparent_slot as usize + surfaces.transparent.len();
         limits::check_memory("the lights of all objects", slots, 2 * 4 * LIST_VALUES)?;
@@ -115,7 +118,7 @@ impl SurfaceResources {
             lights: device.upload("lights", &table.entries(), storage)?,
             lists: device.upload("light lists", &lists, storage)?,
             pages,
-            features: features(surfaces, &plan, &table, &light_lists),
+            features: features(surfaces, &plan, (&table, &light_lists), &options.spare),
             mesh_materials: surfaces
                 .meshes
                 .iter()
@@ -221,6 +224,31 @@ impl SurfaceResources {
         }
     }
 
+    /// Returns the number of lights of a kind that can be added.
+    pub(crate) fn light_room(&self, kind: LightKind) -> usize {
+        let is_compiled = self.features[0].has_spots || !matches!(kind, LightKind::Spot { .. });
+        if is_compiled { self.table.room(kind) } else { 0 }
+    }
+
+    /// Adds a light, if there is [room](SurfaceResources::light_room): one that was dark shines.
+    pub(crate) fn add_light(
+        &mut self,
+        hierarchy: &Hierarchy,
+        light: PunctualLight,
+    ) -> Option<LightId> {
+        let id = self.table.take(light.kind)?;
+        self.replace_light(hierarchy, id, light);
+        Some(id)
+    }
+
+    /// Makes a light dark and gives its id back.
+    pub(crate) fn remove_light(&mut self, hierarchy: &Hierarchy, light: LightId) {
+        if let Some(kind) = self.table.get(light).map(|light| light.kind) {
+            self.replace_light(hierarchy, light, dark_light(kind));
+            self.table.free(light);
+        }
+    }
+
     /// Finds again the lights of transparent objects around which lights changed, and returns the
     /// other objects in need of it.
     pub(crate) fn relight(&mut self) -> Vec<ObjectId> {
@@ -310,20 +338,43 @@ fn surface_vertices(scene: &Scene, surfaces: &Surfaces) -> Result<Vec<SurfaceVer
 }
 
 /// Refuses more elements than the tables of the shaders hold.
-fn check_counts(device: &Device, surfaces: &Surfaces, hierarchy: &Hierarchy) -> Result<(), Error> {
-    let (lights, transparent) = (surfaces.lights.len() as u64, surfaces.transparent.len() as u64);
-    limits::check("lights", lights, MAX_LIGHTS as u64, "leave lights out, the weakest first")?;
+fn check_counts(
+    device: &Device,
+    surfaces: &Surfaces,
+    hierarchy: &Hierarchy,
+    spare: &SpareRoom,
+) -> Result<(), Error> {
+    let transparent = surfaces.transparent.len() as u64;
+    check_lights(surfaces, spare)?;
     let materials = (surfaces.materials.len() as u64 + 1, size_of::<MaterialEntry>() as u64);
     limits::check_storage(device, "materials", materials, "let meshes share materials")?;
     const SPLIT: &str = "split the scene, or join objects that stand still";
     let instances = (transparent, scene::limits::INSTANCE_BYTES);
     limits::check_storage(device, "transparent objects", instances, SPLIT)?;
-    if surfaces.lights.iter().any(|light| light.kind != LightKind::Directional) {
+    let is_local = |light: &PunctualLight| light.kind != LightKind::Directional;
+    if spare.lights > 0 || surfaces.lights.iter().any(is_local) {
         let slots = hierarchy.leaf_objects().len() as u64 + transparent;
         let lists = (slots, LIST_VALUES as u64 * 4);
         limits::check_storage(device, "objects in the light of lamps", lists, SPLIT)?;
     }
     Ok(())
+}
+
+/// Refuses more lights, with the room for more, than the light table takes.
+fn check_lights(surfaces: &Surfaces, spare: &SpareRoom) -> Result<(), Error> {
+    let [local, directional] = [spare.lights, spare.directional_lights].map(u64::from);
+    let lights = surfaces.lights.len() as u64 + local + directional;
+    const LESS: &str = "leave lights out, the weakest first, or keep room for fewer";
+    limits::check("lights", lights, MAX_LIGHTS as u64, LESS)?;
+    let is_sun = |light: &&PunctualLight| light.kind == LightKind::Directional;
+    let suns = surfaces.lights.iter().filter(is_sun).count().min(MAX_DIRECTIONAL_LIGHTS) as u64;
+    const FEWER: &str = "keep room for fewer with `RendererOptions::spare`";
+    limits::check(
+        "directional lights that may shine",
+        suns + directional,
+        MAX_DIRECTIONAL_LIGHTS as u64,
+        FEWER,
+    )
 }
 
 /// Refuses surfaces that do not belong to the scene.
@@ -355,19 +406,19 @@ fn check(scene: &Scene, surfaces: &Surfaces) -> Result<(), Error> {
 fn features(
     surfaces: &Surfaces,
     plan: &PagePlan,
-    table: &LightTable,
-    lists: &LightLists,
+    (table, lists): (&LightTable, &LightLists),
+    spare: &SpareRoom,
 ) -> [Features; 2] {
     [false, true].map(|is_transparent| {
         let fallback = scene::Material::default();
         let is_of_class =
             |material: &&scene::Material| (material.alpha == Alpha::Blend) == is_transparent;
         let materials = surfaces.materials.iter().filter(is_of_class).chain([&fallback]);
-        let is_spot = |light: &PunctualLight| matches!(light.kind, scene::LightKind::Spot { .. });
+        let is_spot = |light: &PunctualLight| matches!(light.kind, LightKind::Spot { .. });
         Features {
             directional_lights: table.directional,
             has_local_lights: lists.has_lights(),
-            has_spots: table.lights.iter().any(is_spot),
+            has_spots: spare.lights > 0 || table.lights.iter().any(is_spot),
             ..Features::of(materials, plan)
         }
     })

@@ -1,0 +1,92 @@
+//! Lights that come, change and go between frames.
+
+use scene::{LightId, LightKind, PunctualLight};
+
+use crate::error::Error;
+use crate::renderer::Renderer;
+use crate::shading::surfaces::SurfaceResources;
+
+impl Renderer {
+    /// Adds lights to a scene with surfaces, and returns their ids in the same order. The next
+    /// frame shows them; nothing waits. They take the room of removed ones and of
+    /// [`RendererOptions::spare`](crate::RendererOptions::spare), so an id may have belonged to a
+    /// light that is gone. The cost is that of [`Renderer::set_light`] for each.
+    ///
+    /// # Errors
+    /// [`Error::NoRoom`]: there is not enough room for lights of a kind, or no surface that they
+    /// could light. Nothing has changed then. Spot lights have room where the scene had some, or
+    /// with any [`SpareRoom::lights`](crate::SpareRoom::lights): pipelines are compiled for them.
+    pub fn add_lights(&mut self, lights: &[PunctualLight]) -> Result<Vec<LightId>, Error> {
+        let surfaces = self.passes.geometry.surfaces.as_mut();
+        let left = |kind| surfaces.as_ref().map_or(0, |surfaces| surfaces.light_room(kind));
+        let (suns, spots, points) = count_kinds(lights);
+        let spot = LightKind::Spot { inner_rad: 0.0, outer_rad: 0.0 };
+        for (what, wanted, left) in [
+            ("directional lights", suns, left(LightKind::Directional)),
+            ("spot lights", spots, left(spot)),
+            ("point and spot lights", points + spots, left(LightKind::Point)),
+        ] {
+            if wanted > left {
+                return Err(Error::NoRoom { what, wanted: wanted as u64, left: left as u64 });
+            }
+        }
+        let Some(surfaces) = surfaces else { return Ok(Vec::new()) };
+        let add = |light: &PunctualLight| surfaces.add_light(&self.hierarchy, *light);
+        Ok(lights.iter().filter_map(add).collect())
+    }
+
+    /// Removes lights. The next frame is without them; frames on their way are not. Their ids may
+    /// be given to [lights that are added](Renderer::add_lights).
+    ///
+    /// # Errors
+    /// [`Error::Light`] for the first that is not there. Those before it are removed.
+    pub fn remove_lights(&mut self, lights: &[LightId]) -> Result<(), Error> {
+        for light in lights {
+            lit_surfaces(&mut self.passes.geometry.surfaces, *light)?
+                .remove_light(&self.hierarchy, *light);
+        }
+        Ok(())
+    }
+
+    /// Replaces a light of a scene with surfaces by a moved or changed one. The next frame shows
+    /// it. The cost grows with the objects around its old and its new place, not with the scene;
+    /// they find their lights once per frame, for any number of changed lights.
+    ///
+    /// # Errors
+    /// [`Error::Light`] for a light that is not in the scene, and for another kind of light:
+    /// pipelines are compiled for the kinds in the scene. Remove it and add another then.
+    pub fn set_light(&mut self, light: LightId, to: PunctualLight) -> Result<(), Error> {
+        let surfaces = lit_surfaces(&mut self.passes.geometry.surfaces, light)?;
+        let before = surfaces.table.get(light).map(|before| before.kind);
+        if !before.is_some_and(|before| is_same_kind(before, to.kind)) {
+            return Err(Error::Light { light, reason: "it cannot become another kind of light" });
+        }
+        surfaces.replace_light(&self.hierarchy, light, to);
+        Ok(())
+    }
+}
+
+/// Returns the surfaces of a scene that has this light.
+fn lit_surfaces(
+    surfaces: &mut Option<SurfaceResources>,
+    light: LightId,
+) -> Result<&mut SurfaceResources, Error> {
+    let refused = |reason| Error::Light { light, reason };
+    let surfaces = surfaces.as_mut();
+    let surfaces = surfaces.ok_or(refused("the scene has no surfaces that it could light"))?;
+    surfaces.table.get(light).ok_or(refused("the scene has no such light"))?;
+    Ok(surfaces)
+}
+
+/// Counts directional lights, spots and points.
+fn count_kinds(lights: &[PunctualLight]) -> (usize, usize, usize) {
+    lights.iter().fold((0, 0, 0), |(suns, spots, points), light| match light.kind {
+        LightKind::Directional => (suns + 1, spots, points),
+        LightKind::Spot { .. } => (suns, spots + 1, points),
+        LightKind::Point => (suns, spots, points + 1),
+    })
+}
+
+fn is_same_kind(a: LightKind, b: LightKind) -> bool {
+    std::mem::discriminant(&a) == std::mem::discriminant(&b)
+}
