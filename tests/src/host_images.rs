@@ -141,9 +141,24 @@ impl OwnImage {
 impl OwnBuffer {
     /// Creates a buffer that images are copied to.
     pub fn new(host: &Host, size_bytes: u64) -> Self {
-        let info = vk::BufferCreateInfo::default()
-            .size(size_bytes)
-            .usage(vk::BufferUsageFlags::TRANSFER_DST);
+        Self::of(host, size_bytes, vk::BufferUsageFlags::TRANSFER_DST)
+    }
+
+    /// Creates a buffer with these bytes.
+    pub fn filled(host: &Host, bytes: &[u8], usage: vk::BufferUsageFlags) -> Self {
+        let new = Self::of(host, bytes.len() as u64, usage);
+        let flags = vk::MemoryMapFlags::empty();
+        // SAFETY: mapped, written, and unmapped again, before anyone reads.
+        unsafe {
+            let to = host.device.map_memory(new.memory, 0, new.size_bytes, flags).unwrap();
+            to.cast::<u8>().copy_from_nonoverlapping(bytes.as_ptr(), bytes.len());
+            host.device.unmap_memory(new.memory);
+        }
+        new
+    }
+
+    fn of(host: &Host, size_bytes: u64, usage: vk::BufferUsageFlags) -> Self {
+        let info = vk::BufferCreateInfo::default().size(size_bytes).usage(usage);
         let mapped = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
         // SAFETY: plain objects of the host's own device.
         unsafe {

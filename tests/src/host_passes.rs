@@ -61,8 +61,13 @@ impl OwnPasses {
 
     /// Returns these attachments as those of the passes.
     pub fn attachments(&self, attachments: Attachments) -> Attachments {
-        let pass = HostPass { render_pass: self.passes[0], subpass: 0 };
+        let pass = HostPass { render_pass: self.raw(), subpass: 0 };
         Attachments { pass: Some(pass), ..attachments }
+    }
+
+    /// Returns the pass that clears; pipelines of one fit the other.
+    pub fn raw(&self) -> vk::RenderPass {
+        self.passes[0]
     }
 
     /// Begins the pass that clears, to opaque black and depth 0, or the one that keeps.

@@ -1,7 +1,12 @@
 //! The C interface on a host's device: mistakes of the host, each named, and the frames after them.
 #![allow(unsafe_code, reason = "a host in C calls it so")]
 
+#[cfg(feature = "shader-compiler")]
+mod frames;
+mod loss;
 mod memory;
+mod messages;
+mod threads;
 
 use std::ffi::{CStr, c_char, c_void};
 use std::ptr::{from_ref, null, null_mut};
@@ -10,7 +15,7 @@ use ash::vk;
 use capi::api::context::{antumbra_context_create, antumbra_context_destroy};
 use capi::api::device::*;
 use capi::api::scene::*;
-use capi::context::AntumbraContext;
+use capi::context::{AntumbraContext, AntumbraContextDesc};
 use capi::decisions::camera::{ANTUMBRA_DEPTH_STANDARD, AntumbraCamera};
 use capi::decisions::hierarchy::AntumbraAabb;
 use capi::error::AntumbraError;
@@ -160,10 +165,17 @@ unsafe extern "C" fn end(user: *mut c_void, rendering: *const AntumbraRendering)
 
 impl<'a> CHost<'a> {
     fn new(host: &'a Host, callbacks: *const vk::AllocationCallbacks<'static>) -> Self {
+        Self::in_context(host, &Versioned::DEFAULT, callbacks)
+    }
+
+    fn in_context(
+        host: &'a Host,
+        desc: &AntumbraContextDesc,
+        callbacks: *const vk::AllocationCallbacks<'static>,
+    ) -> Self {
         let mut context = null_mut();
         // SAFETY: pointers to values on this stack.
-        let made =
-            unsafe { antumbra_context_create(&Versioned::DEFAULT, &mut context, null_mut()) };
+        let made = unsafe { antumbra_context_create(desc, &mut context, null_mut()) };
         assert_eq!(made, Ok);
         let (adopted, device, mut error) = adopt(host, context, callbacks, |_| {});
         assert_eq!(adopted, Ok, "{}", text(&error));

@@ -4,7 +4,9 @@
 
 #[cfg(feature = "vulkan")]
 mod executor;
+mod guards;
 mod handles;
+mod threads;
 mod values;
 mod versions;
 

@@ -1,0 +1,101 @@
+//! Frames of a host in C, compared with all of its draws bit for bit.
+
+mod host;
+mod images;
+mod pipeline;
+
+use ash::vk;
+use capi::executor::scene::{
+    ANTUMBRA_PREDICATION_BEST, ANTUMBRA_PREDICATION_COUNTS, ANTUMBRA_PREDICATION_INSTANCES,
+};
+use gpu::Purpose;
+use tests::Driver;
+use tests::host_device::Host;
+use tests::host_scene::RenderingOwner;
+
+use host::DrawingHost;
+
+/// The size of the images in pixels.
+const SIZE: [u32; 2] = [96, 54];
+const FRAMES: u64 = 14;
+
+/// The choices of a host.
+#[derive(Clone, Copy, Debug)]
+struct FrameOptions {
+    depth: vk::Format,
+    samples: vk::SampleCountFlags,
+    renderings: RenderingOwner,
+    predication: u32,
+}
+
+impl Default for FrameOptions {
+    fn default() -> Self {
+        Self {
+            depth: vk::Format::D32_SFLOAT,
+            samples: vk::SampleCountFlags::TYPE_1,
+            renderings: RenderingOwner::Engine,
+            predication: ANTUMBRA_PREDICATION_BEST,
+        }
+    }
+}
+
+/// Draws a walk in which objects go and change their buckets.
+fn compare(driver: Driver, options: &FrameOptions) {
+    let host = Host::new(driver, Purpose::Executor);
+    let mut drawing = DrawingHost::new(&host, options);
+    for frame in 0..FRAMES {
+        match frame {
+            5 => drawing.remove_some(),
+            8 => drawing.change_draws(),
+            _ => {}
+        }
+        drawing.draw(frame);
+    }
+    let what = format!("{driver:?}, {options:?}");
+    let fewest = drawing.finish(&what);
+    assert!(fewest.iter().all(|objects| (1..600).contains(objects)), "{what}: {fewest:?}");
+    host.finish();
+}
+
+#[test]
+fn several_draws_buckets_and_views_are_exact_in_c() {
+    for driver in Driver::ALL {
+        let other = match driver {
+            Driver::Lavapipe => ANTUMBRA_PREDICATION_COUNTS,
+            Driver::SwiftShader => ANTUMBRA_PREDICATION_INSTANCES,
+        };
+        for predication in [ANTUMBRA_PREDICATION_BEST, other] {
+            compare(driver, &FrameOptions { predication, ..FrameOptions::default() });
+        }
+    }
+}
+
+#[test]
+fn several_samples_per_pixel_are_exact_in_c() {
+    for driver in Driver::ALL {
+        let samples = vk::SampleCountFlags::TYPE_4;
+        compare(driver, &FrameOptions { samples, ..FrameOptions::default() });
+    }
+}
+
+#[test]
+fn render_passes_of_the_host_are_exact_in_c() {
+    for driver in Driver::ALL {
+        for samples in [vk::SampleCountFlags::TYPE_1, vk::SampleCountFlags::TYPE_4] {
+            let renderings = RenderingOwner::Host;
+            compare(driver, &FrameOptions { renderings, samples, ..FrameOptions::default() });
+        }
+    }
+}
+
+#[test]
+fn depth_of_16_and_24_bits_and_beside_a_stencil_is_exact_in_c() {
+    for driver in Driver::ALL {
+        let mut formats = vec![vk::Format::D16_UNORM, vk::Format::D32_SFLOAT_S8_UINT];
+        // Google's has no depth of 24 bits.
+        formats.extend((driver == Driver::Lavapipe).then_some(vk::Format::D24_UNORM_S8_UINT));
+        for depth in formats {
+            compare(driver, &FrameOptions { depth, ..FrameOptions::default() });
+        }
+    }
+}

@@ -1,0 +1,358 @@
+//! A host in C that draws objects with several draws in several buckets, in several views.
+
+use std::ffi::c_void;
+use std::ptr::{from_mut, from_ref, null, null_mut};
+
+use ash::vk;
+use capi::api::context::{antumbra_context_create, antumbra_context_destroy};
+use capi::api::device::antumbra_device_finished;
+use capi::api::scene::*;
+use capi::context::AntumbraContext;
+use capi::decisions::camera::AntumbraCamera;
+use capi::decisions::hierarchy::AntumbraAabb;
+use capi::error::{AntumbraError, AntumbraResult};
+use capi::executor::device::AntumbraDevice;
+use capi::executor::frame::*;
+use capi::executor::scene::*;
+use capi::executor::target::{AntumbraAttachments, AntumbraImage, AntumbraTargetDesc};
+use capi::layout::Versioned;
+use cull::{Aabb, View};
+use occlusion::Rendering;
+use tests::host_commands::{HostCommands, Runs};
+use tests::host_device::Host;
+use tests::host_images::OwnBuffer;
+use tests::host_walk::{boxes, camera};
+use tests::walk::pixels_that_differ;
+
+use super::images::{COLOUR, ViewImages, area};
+use super::pipeline::{BoxPipeline, INDICES};
+use super::{FrameOptions, SIZE};
+use crate::c_interface::{adopt, no_error, text};
+
+pub const VIEWS: usize = 2;
+const BUCKETS: u32 = 3;
+const IN_FLIGHT: usize = 2;
+
+/// A host with its scene. Destroyed by [`DrawingHost::finish`].
+pub struct DrawingHost<'a> {
+    host: &'a Host,
+    context: *mut AntumbraContext,
+    device: AntumbraDevice,
+    scene: AntumbraScene,
+    views: [AntumbraView; VIEWS],
+    error: AntumbraError,
+    /// The objects, and their draws.
+    objects: Vec<(u32, Vec<AntumbraObjectDraw>)>,
+    pipeline: BoxPipeline,
+    /// The images of each view, by our answers and of all draws.
+    images: [[ViewImages; 2]; VIEWS],
+    commands: HostCommands<'a>,
+    /// The copies of the images of each frame.
+    copies: Vec<[[OwnBuffer; 2]; VIEWS]>,
+    /// The fewest objects that the GPU drew in a frame of each view.
+    pub fewest: [u64; VIEWS],
+}
+
+/// The state that callbacks read while a frame is recorded.
+struct Recording<'a> {
+    host: &'a Host,
+    ids: [AntumbraView; VIEWS],
+    views: [View; VIEWS],
+    images: [&'a ViewImages; VIEWS],
+    pipeline: &'a BoxPipeline,
+}
+
+impl Recording<'_> {
+    fn number(&self, view: AntumbraView) -> usize {
+        self.ids.iter().position(|id| *id == view).unwrap()
+    }
+}
+
+unsafe extern "C" fn bind(user: *mut c_void, binding: *const AntumbraBinding) {
+    // SAFETY: `draw` passes this as user; the binding is that of the call.
+    let (it, binding) = unsafe { (&*user.cast::<Recording<'_>>(), &*binding) };
+    let view = &it.views[it.number(binding.view)];
+    it.pipeline.bind(binding.commands, view, binding.bucket);
+}
+
+unsafe extern "C" fn begin(user: *mut c_void, rendering: *const AntumbraRendering) {
+    // SAFETY: as above.
+    let (it, begun) = unsafe { (&*user.cast::<Recording<'_>>(), &*rendering) };
+    let rendering = if begun.is_first == 1 { Rendering::First } else { Rendering::Next };
+    it.images[it.number(begun.view)].begin(it.host, begun.commands, rendering);
+}
+
+unsafe extern "C" fn end(user: *mut c_void, rendering: *const AntumbraRendering) {
+    // SAFETY: as above.
+    let (it, ended) = unsafe { (&*user.cast::<Recording<'_>>(), &*rendering) };
+    it.images[it.number(ended.view)].end(it.host, ended.commands);
+}
+
+/// Returns the two halves of a box.
+fn halves(it: &Aabb) -> [Aabb; 2] {
+    let (mut left, mut right) = (*it, *it);
+    let middle = (it.min.x + it.max.x) * 0.5;
+    (left.max.x, right.min.x) = (middle, middle);
+    [left, right]
+}
+
+/// Returns the draws of an object: its halves in two buckets, or at once in one.
+fn draws_of(number: u32) -> Vec<AntumbraObjectDraw> {
+    let draw = |bucket, first_instance, instance_count| AntumbraObjectDraw {
+        bucket: bucket % BUCKETS,
+        index_count: INDICES,
+        instance_count,
+        first_index: 0,
+        vertex_offset: 0,
+        first_instance,
+    };
+    let first = number * 2;
+    match number % 5 {
+        0 => vec![draw(number, first, 2)],
+        _ => vec![draw(number, first, 1), draw(number + 1, first + 1, 1)],
+    }
+}
+
+impl<'a> DrawingHost<'a> {
+    pub fn new(host: &'a Host, options: &FrameOptions) -> Self {
+        let images = [(); VIEWS].map(|()| [(); 2].map(|()| ViewImages::new(host, options)));
+        let pass = images[0][0].passes.as_ref().map(|passes| passes.raw());
+        let boxes = boxes();
+        let instances: Vec<Aabb> = boxes.iter().flat_map(halves).collect();
+        let formats = [COLOUR, options.depth];
+        let mut attachments = AntumbraAttachments {
+            depth_format: options.depth,
+            samples: options.samples,
+            colour_count: 1,
+            render_pass: pass.unwrap_or_default(),
+            ..Versioned::DEFAULT
+        };
+        attachments.colour_formats[0] = COLOUR;
+        let mut new = Self {
+            host,
+            context: null_mut(),
+            device: AntumbraDevice { id: 0 },
+            scene: AntumbraScene { id: 0 },
+            views: [AntumbraView { id: 0 }; VIEWS],
+            error: no_error(),
+            objects: Vec::new(),
+            pipeline: BoxPipeline::new(host, formats, options.samples, pass, &instances),
+            images,
+            commands: HostCommands::new(host, IN_FLIGHT),
+            copies: Vec::new(),
+            fewest: [u64::MAX; VIEWS],
+        };
+        // SAFETY: pointers to values on this stack, and to those of `new`.
+        unsafe {
+            let made = antumbra_context_create(&Versioned::DEFAULT, &mut new.context, null_mut());
+            assert_eq!(made, AntumbraResult::Ok);
+            let (adopted, device, error) = adopt(host, new.context, null(), |_| {});
+            assert_eq!(adopted, AntumbraResult::Ok, "{}", text(&error));
+            new.device = device;
+            let desc = AntumbraSceneDesc {
+                device,
+                attachments: &attachments,
+                bucket_count: BUCKETS,
+                predication: options.predication,
+                ..Versioned::DEFAULT
+            };
+            let made = antumbra_scene_create(new.context, &desc, &mut new.scene, &mut new.error);
+            new.check(made);
+            for view in 0..VIEWS {
+                let Self { context, scene, views, error, .. } = &mut new;
+                let made = antumbra_view_create(*context, *scene, &mut views[view], error);
+                new.check(made);
+            }
+        }
+        new.add(&boxes);
+        new
+    }
+
+    #[track_caller]
+    fn check(&self, result: AntumbraResult) {
+        assert_eq!(result, AntumbraResult::Ok, "{}", text(&self.error));
+    }
+
+    /// Adds all boxes in one call.
+    fn add(&mut self, boxes: &[Aabb]) {
+        let mut draws = Vec::new();
+        let objects = boxes.iter().enumerate().map(|(number, it)| {
+            let own = draws_of(number as u32);
+            let (first_draw, draw_count) = (draws.len() as u32, own.len() as u32);
+            draws.extend(own);
+            let bounds = AntumbraAabb { min: it.min.to_array(), max: it.max.to_array() };
+            AntumbraObject { bounds, first_draw, draw_count }
+        });
+        let objects: Vec<AntumbraObject> = objects.collect();
+        let mut ids = vec![0; objects.len()];
+        let (o, d) = (objects.as_ptr(), draws.as_ptr());
+        let counts = [objects.len(), draws.len()];
+        // SAFETY: arrays of these lengths.
+        let added = unsafe {
+            let ids = ids.as_mut_ptr();
+            let error = &mut self.error;
+            antumbra_scene_add(self.context, self.scene, o, counts[0], d, counts[1], ids, error)
+        };
+        self.check(added);
+        let own = (0..boxes.len() as u32).map(draws_of);
+        self.objects = ids.into_iter().zip(own).collect();
+    }
+
+    /// Removes some objects, in one call.
+    pub fn remove_some(&mut self) {
+        let is_some = |it: &mut (u32, Vec<_>)| it.0 % 7 == 3;
+        let gone: Vec<u32> = self.objects.extract_if(.., is_some).map(|it| it.0).collect();
+        let (first, count) = (gone.as_ptr(), gone.len());
+        // SAFETY: an array of this length.
+        let removed = unsafe {
+            antumbra_scene_remove(self.context, self.scene, first, count, &mut self.error)
+        };
+        self.check(removed);
+    }
+
+    /// Draws the wall in another bucket from now on.
+    pub fn change_draws(&mut self) {
+        let (wall, draws) = &mut self.objects[0];
+        draws[0].bucket = BUCKETS - 1;
+        let (first, count) = (draws.as_ptr(), draws.len());
+        // SAFETY: an array of this length.
+        let changed = unsafe {
+            let error = &mut self.error;
+            antumbra_scene_set_draws(self.context, self.scene, *wall, first, count, error)
+        };
+        self.check(changed);
+    }
+
+    /// Draws a frame of all views, and all of it again, and submits.
+    pub fn draw(&mut self, frame: u64) {
+        // SAFETY: a physical device of this instance.
+        let limits =
+            unsafe { self.host.instance.get_physical_device_properties(self.host.physical) }.limits;
+        let bits = limits.sub_pixel_precision_bits;
+        let views = [frame, frame + 7].map(|frame| View::new(&camera(frame), SIZE, bits));
+        let (commands, numbers) = self.commands.begin();
+        let images = self.images.each_ref().map(|[culled, _]| culled);
+        let mut recording =
+            Recording { host: self.host, ids: self.views, views, images, pipeline: &self.pipeline };
+        let [width, height] = SIZE;
+        let cameras = views.map(|view| AntumbraCamera {
+            sub_pixel_bits: bits,
+            clip_from_world: view.view_proj.to_cols_array(),
+            width,
+            height,
+            ..Versioned::DEFAULT
+        });
+        let described: [[AntumbraImage; 2]; VIEWS] = images.map(ViewImages::described);
+        let targets = described.each_ref().map(|[colour, depth]| AntumbraTargetDesc {
+            depth: *depth,
+            width,
+            height,
+            colour_count: 1,
+            colours: from_ref(colour),
+            ..Versioned::DEFAULT
+        });
+        let frames: [AntumbraViewFrame; VIEWS] = std::array::from_fn(|view| AntumbraViewFrame {
+            view: self.views[view],
+            camera: &cameras[view],
+            target: &targets[view],
+            ..Versioned::DEFAULT
+        });
+        let listed = frames.each_ref().map(from_ref);
+        let owns_renderings = images[0].passes.is_some();
+        let desc = AntumbraFrameDesc {
+            view_count: VIEWS as u32,
+            views: listed.as_ptr(),
+            commands,
+            current: numbers.current.0,
+            safe: numbers.safe.0,
+            bind: Some(bind),
+            user: from_mut(&mut recording).cast(),
+            begin_rendering: owns_renderings.then_some(begin),
+            end_rendering: owns_renderings.then_some(end),
+            ..Versioned::DEFAULT
+        };
+        // SAFETY: a command buffer of the host that is being recorded; the frames up to the safe
+        // one were waited for.
+        let recorded =
+            unsafe { antumbra_scene_record(self.context, self.scene, &desc, &mut self.error) };
+        self.check(recorded);
+        self.draw_all(commands, &views);
+        self.commands.end(Runs::Once).unwrap();
+        self.note_fewest();
+    }
+
+    /// Draws all objects without culling, and copies all images.
+    fn draw_all(&mut self, commands: vk::CommandBuffer, views: &[View; VIEWS]) {
+        let device = &self.host.device;
+        let bytes = u64::from(SIZE[0] * SIZE[1] * 4);
+        let copies = [(); VIEWS].map(|()| [(); 2].map(|()| OwnBuffer::new(self.host, bytes)));
+        for ((images, view), copies) in self.images.iter().zip(views).zip(&copies) {
+            let [_, all] = images;
+            all.prepare(self.host, commands);
+            all.begin(self.host, commands, Rendering::First);
+            let [width, height] = SIZE.map(|pixels| pixels as f32);
+            let viewport = vk::Viewport { width, height, max_depth: 1.0, ..Default::default() };
+            // SAFETY: the rendering that was begun, in a command buffer that is being recorded.
+            unsafe {
+                device.cmd_set_viewport(commands, 0, &[viewport]);
+                device.cmd_set_scissor(commands, 0, &[area()]);
+                for bucket in 0..BUCKETS {
+                    self.pipeline.bind(commands, view, bucket);
+                    let draws = self.objects.iter().flat_map(|(_, draws)| draws);
+                    for it in draws.filter(|it| it.bucket == bucket) {
+                        let (count, first) = (it.instance_count, it.first_instance);
+                        device.cmd_draw_indexed(commands, it.index_count, count, 0, 0, first);
+                    }
+                }
+            }
+            all.end(self.host, commands);
+            all.restore(self.host, commands);
+            for (images, copy) in images.iter().zip(copies) {
+                images.copy(self.host, commands, copy);
+            }
+        }
+        self.copies.push(copies);
+    }
+
+    /// Notes the number of objects that the last known frame of each view drew.
+    fn note_fewest(&mut self) {
+        for (view, fewest) in self.views.iter().zip(&mut self.fewest) {
+            let mut stats = AntumbraViewStats::DEFAULT;
+            // SAFETY: values on this stack.
+            let told = unsafe {
+                antumbra_view_stats(self.context, self.scene, *view, &mut stats, null_mut())
+            };
+            assert_eq!(told, AntumbraResult::Ok);
+            if stats.frame > 0 {
+                *fewest = stats.objects.min(*fewest);
+            }
+        }
+    }
+
+    /// Compares the images of all frames, and destroys everything.
+    pub fn finish(mut self, what: &str) -> [u64; VIEWS] {
+        let host = self.host;
+        host.wait_idle();
+        for (frame, views) in self.copies.iter().enumerate() {
+            for (view, copies) in views.iter().enumerate() {
+                let [culled, all] = copies.each_ref().map(|copy| copy.bytes(host));
+                let wrong = pixels_that_differ(&culled, &all);
+                assert_eq!(wrong, 0, "{what}: frame {frame}, view {view}");
+                let seen = all.chunks_exact(4).any(|pixel| pixel[..3] != [0; 3]);
+                assert!(seen, "{what}: nothing in frame {frame}, view {view}");
+            }
+        }
+        // SAFETY: the GPU is idle.
+        unsafe {
+            let finished = antumbra_device_finished(self.context, self.device, &mut self.error);
+            self.check(finished);
+            let destroyed = antumbra_context_destroy(self.context, &mut self.error);
+            self.check(destroyed);
+        }
+        self.copies.into_iter().flatten().flatten().for_each(|copy| copy.destroy(host));
+        self.images.into_iter().flatten().for_each(|images| images.destroy(host));
+        self.pipeline.destroy(host);
+        self.commands.destroy();
+        self.fewest
+    }
+}

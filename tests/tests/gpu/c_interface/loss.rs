@@ -1,0 +1,58 @@
+//! A device that is lost, as C learns it, and the one after it.
+
+use std::ptr::null;
+
+use ash::vk;
+use capi::decisions::camera::AntumbraCamera;
+use capi::error::AntumbraResult::{DeviceLost, Ok};
+use capi::executor::frame::AntumbraViewFrame;
+use capi::executor::target::AntumbraTargetDesc;
+use capi::layout::Versioned;
+use gpu::{Features, Purpose};
+use tests::Driver;
+use tests::host_device::Host;
+use tests::machine::{Fault, Machine, calls};
+
+use super::{CHost, camera, expect, text};
+
+fn view<'a>(
+    c: &CHost<'_>,
+    camera: &'a AntumbraCamera,
+    target: &'a AntumbraTargetDesc,
+) -> AntumbraViewFrame {
+    AntumbraViewFrame { view: c.view, camera, target, ..Versioned::DEFAULT }
+}
+
+#[test]
+fn a_lost_device_is_told_and_another_one_draws() {
+    for driver in Driver::ALL {
+        let entry = Machine::default().entry();
+        let host = Host::through(entry, driver, Purpose::Executor, &[], Features::default());
+        let mut lost = CHost::new(&host, null());
+        let (camera, target) = (camera(), lost.target());
+        let it = view(&lost, &camera, &target);
+        // The first frame of a view makes its objects.
+        let call = c"vkCreateBuffer";
+        let code = vk::Result::ERROR_DEVICE_LOST;
+        let faults = vec![Fault { call, fails: 0..usize::MAX, code }];
+        Machine { faults, ..Machine::default() }.install();
+        for _ in 0..3 {
+            let recorded = lost.record(&[&it], |_| {});
+            expect(recorded, DeviceLost, "vkCreateBuffer", &lost.error);
+        }
+        assert!(calls(call) > 0);
+        // All goes without a wait for the GPU, which will never be idle.
+        lost.finish();
+        assert_eq!(calls(c"vkDeviceWaitIdle"), 0);
+        Machine::default().install();
+        host.finish();
+
+        let host = Host::new(driver, Purpose::Executor);
+        let mut next = CHost::new(&host, null());
+        let target = next.target();
+        let it = view(&next, &camera, &target);
+        assert_eq!(next.record(&[&it], |_| {}), Ok, "{}", text(&next.error));
+        next.finish();
+        host.finish();
+    }
+}
