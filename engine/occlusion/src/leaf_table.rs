@@ -129,6 +129,16 @@ impl LeafTable {
         })
     }
 
+    /// Replaces a mesh that no leaf draws now: one that is [marked](LeafTable::mark_dirty) with its
+    /// id from now on draws this. In a table with buckets there are no meshes.
+    pub fn set_mesh_draw(&mut self, id: MeshDrawId, draw: MeshDraw) {
+        if let DrawLayout::OnePerLeaf(draws) = &mut self.layout
+            && let Some(there) = Arc::make_mut(&mut draws.meshes).get_mut(id.0 as usize)
+        {
+            *there = draw;
+        }
+    }
+
     /// Returns the draw of a leaf in a table with one draw per leaf; an empty one where the leaf is
     /// free.
     pub fn draw(&self, leaf: LeafIndex) -> IndirectDraw {

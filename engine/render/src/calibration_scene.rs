@@ -37,7 +37,7 @@ pub(crate) fn measure(
     let device = passes.device.clone();
     let scene = scene();
     let hierarchy = Hierarchy::build(&object_bounds(&scene)?)?;
-    let geometry = Geometry::upload(&device, &scene, &hierarchy, &SpareRoom::default())?;
+    let geometry = Geometry::upload(&device, &scene, &hierarchy, (&SpareRoom::default(), 0))?;
     let draws = [0, 1].map(|object| {
         let leaf = hierarchy.leaf_of(cull::ObjectId(object)).map_or(0, |leaf| leaf.0);
         IndirectDraw { first_instance: leaf, ..geometry.mesh_draw(MeshId(object)) }

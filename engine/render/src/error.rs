@@ -171,9 +171,17 @@ pub enum Error {
         /// The number of its bytes.
         bytes: usize,
     },
+    /// A mesh that cannot be added or removed.
+    #[error("mesh {index} of those named cannot be added or removed, so none was: {reason}")]
+    Mesh {
+        /// Its place among those of the call.
+        index: usize,
+        /// The reason, and the advice.
+        reason: &'static str,
+    },
     /// More of something than there is room for.
     #[error(
-        "there is no room for {wanted} {what}, but for at most {left}, so nothing was added: give the renderer more with `RendererOptions::spare`, or remove others"
+        "there is no room for {wanted} {what}, at most {left} in one piece, so nothing was added: give the renderer more with `RendererOptions::spare`, or remove others"
     )]
     NoRoom {
         /// The elements without room.

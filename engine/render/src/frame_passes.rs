@@ -117,9 +117,9 @@ impl FramePasses {
         shaders: &ShaderSet,
         (scene, hierarchy): (&Scene, &Hierarchy),
         target: Target,
-        (frames_in_flight, spare): (usize, &SpareRoom),
+        (frames_in_flight, room): (usize, (&SpareRoom, usize)),
     ) -> Result<Self, crate::Error> {
-        let geometry = Geometry::upload(device, scene, hierarchy, spare)?;
+        let geometry = Geometry::upload(device, scene, hierarchy, room)?;
         let transparent = Transparent::new(device, scene)?;
         let first_vertex = |mesh| geometry.first_vertex(mesh);
         let skinned_meshes = SkinnedMeshes::new(device, scene, frames_in_flight, first_vertex)?;

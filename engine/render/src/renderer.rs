@@ -62,8 +62,11 @@ pub struct RendererOptions {
     /// Room for objects that are [added later](Renderer::update), beside the room of removed ones.
     /// Together with the scene's objects they must fit into a hierarchy and the device.
     pub spare_objects: usize,
-    /// Room for what is added later beside objects ([`Renderer::add_lights`]).
+    /// Room for what is added later beside objects ([`Renderer::add_meshes`],
+    /// [`Renderer::add_lights`]).
     pub spare: SpareRoom,
+    /// The most bytes of meshes that a frame copies to the GPU; 0 counts as 1.
+    pub upload_bytes_per_frame: usize,
 }
 
 impl Default for RendererOptions {
@@ -80,6 +83,7 @@ impl Default for RendererOptions {
             costs: Costs::default(),
             spare_objects: 0,
             spare: SpareRoom::default(),
+            upload_bytes_per_frame: 1 << 20,
         }
     }
 }
@@ -176,8 +180,10 @@ impl Renderer {
         let occlusion_passes = OcclusionPasses::new(device, &shaders, target.attachments())?;
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
-        let room = (slots, &options.spare);
-        let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, room)?;
+        let room = (&options.spare, options.upload_bytes_per_frame);
+        let slots_and_room = (slots, room);
+        let mut passes =
+            FramePasses::new(device, &shaders, (scene, &hierarchy), target, slots_and_room)?;
         let draws = hierarchy.leaf_objects().len() as u64;
         let threshold_samples = options.threshold_samples;
         let predication =
@@ -336,6 +342,7 @@ impl Renderer {
     pub(crate) fn submitted(&mut self, tick: Tick) {
         self.passes.submitted(tick);
         self.executor.leaves.submitted(tick);
+        self.show_arrived();
         if let Some(overlay) = &mut self.flat_overlay {
             overlay.submitted();
         }

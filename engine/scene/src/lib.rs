@@ -19,6 +19,7 @@ pub mod limits;
 mod mesh;
 mod outwardness;
 mod pose_bounds;
+mod prepared_mesh;
 mod sprites;
 mod surface;
 #[cfg(test)]
@@ -27,7 +28,7 @@ mod update;
 
 use std::f32::consts::PI;
 
-use cull::{Aabb, ObjectId};
+use cull::Aabb;
 use glam::{Affine3A, Vec3, vec3};
 
 pub use mesh::{
@@ -36,13 +37,14 @@ pub use mesh::{
 };
 pub use outwardness::{ENCLOSING, outwardness};
 pub use pose_bounds::PoseBounds;
+pub use prepared_mesh::PreparedMesh;
 pub use sprites::{MAX_SPRITES, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
 pub use surface::{
     Alpha, Encoding, Filter, Image, ImageId, LightId, LightKind, LodLevel, Material, MaterialId,
     MorphTarget, PunctualLight, Sampler, SkinWeights, SkinnedMesh, SkinnedMeshId, SurfaceMesh,
     SurfaceVertex, Surfaces, Texture, TextureId, TextureUse, TransparentId, Wrap,
 };
-pub use update::{LightMove, PoseUpdate, SceneUpdate, TransparentMove};
+pub use update::{LightMove, ObjectChange, PoseUpdate, SceneUpdate, TransparentMove};
 
 /// The default of the vertical field of view, in radians.
 pub const FOV_Y_RAD: f32 = 60.0 * PI / 180.0;
@@ -78,28 +80,6 @@ pub enum SceneError {
         index: usize,
         /// The fault, as the end of a sentence.
         fault: &'static str,
-    },
-}
-
-/// A change of an object between two frames.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ObjectChange {
-    /// The object moves.
-    Move {
-        /// The id of the object in the scene.
-        object: ObjectId,
-        /// Its new transform.
-        transform: Affine3A,
-    },
-    /// The object is removed; its id may be given to another.
-    Remove {
-        /// The id of the object in the scene.
-        object: ObjectId,
-    },
-    /// The object is added. The update returns its id.
-    Add {
-        /// The new object. Its mesh is one of the scene's.
-        object: Object,
     },
 }
 

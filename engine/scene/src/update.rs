@@ -2,9 +2,32 @@
 
 use std::ops::Range;
 
+use cull::ObjectId;
 use glam::Affine3A;
 
-use super::{LightId, ObjectChange, PunctualLight, SkinnedMeshId, TransparentId};
+use super::{LightId, Object, PunctualLight, SkinnedMeshId, TransparentId};
+
+/// A change of an object between two frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ObjectChange {
+    /// The object moves.
+    Move {
+        /// The id of the object in the scene.
+        object: ObjectId,
+        /// Its new transform.
+        transform: Affine3A,
+    },
+    /// The object is removed; its id may be given to another.
+    Remove {
+        /// The id of the object in the scene.
+        object: ObjectId,
+    },
+    /// The object is added. The update returns its id.
+    Add {
+        /// The new object. Its mesh is one of the scene's.
+        object: Object,
+    },
+}
 
 /// A transparent object in another place.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -98,6 +98,7 @@ impl From<render::Error> for RunError {
             | render::Error::Transparent { .. }
             | render::Error::Pose { .. }
             | render::Error::Light { .. }
+            | render::Error::Mesh { .. }
             | render::Error::NoRoom { .. }
             | render::Error::DrawsAmongTests(_)
             | render::Error::Change { .. } => Self::machine(error),

@@ -49,6 +49,7 @@ mod shading;
 mod skinning;
 mod slivers;
 mod strategies;
+mod streaming;
 mod testers;
 mod textures;
 mod threshold;

@@ -169,7 +169,7 @@ fn lights_come_and_go_as_if_they_had_always_been_there() {
         let mut scene = room();
         let mut there: BTreeMap<u32, PunctualLight> =
             (0..).zip(scene.surfaces.as_ref().unwrap().lights.iter().copied()).collect();
-        let spare = SpareRoom { lights: 2, directional_lights: 2 };
+        let spare = SpareRoom { lights: 2, directional_lights: 2, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options(spare)).unwrap();
         let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
         let mut frames = Vec::new();
@@ -216,7 +216,11 @@ fn lights_come_where_they_have_room_only() {
     run_on_all(|device| {
         let [lamp, spot, sun] = [0, 1, 2].map(comer);
         let with = |scene: &Scene, lights, directional_lights| {
-            Renderer::new(device, scene, &options(SpareRoom { lights, directional_lights }))
+            Renderer::new(
+                device,
+                scene,
+                &options(SpareRoom { lights, directional_lights, ..Default::default() }),
+            )
         };
         let no_room = |renderer: &mut Renderer, lights: &[PunctualLight]| {
             let error = renderer.add_lights(lights).unwrap_err();

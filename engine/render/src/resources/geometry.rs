@@ -10,17 +10,18 @@ use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, vk};
 use occlusion::{LeafElements, LeafTable, MeshDraw, MeshDrawId, PlanExecutor, ProxyBox};
 use scene::limits::INSTANCE_BYTES;
 use scene::{
-    Mesh, MeshId, Object, Scene, SurfaceVertex, TransparentId, Vertex, bounds_of_transformed,
-    unpack_unorm,
+    MeshId, Object, PreparedMesh, Scene, SurfaceVertex, TransparentId, Vertex,
+    bounds_of_transformed, unpack_unorm,
 };
 
 use crate::error::Error;
 use crate::resources::instance::Instance;
-use crate::resources::limits::{check_memory, check_storage, room};
+use crate::resources::joined_meshes::JoinedMeshes;
+use crate::resources::limits::{check_memory, check_storage};
 use crate::resources::lod::{LodTable, stretch};
-use crate::resources::skinned_meshes::{
-    SkinnedVertices, are_skinned, mesh_order, skinned_vertices,
-};
+use crate::resources::mesh_slots::{MeshSlots, Residency, draws_of};
+use crate::resources::mesh_uploads::{MeshArrays, MeshUploads};
+use crate::resources::skinned_meshes::{SkinnedVertices, are_skinned, skinned_vertices};
 use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites;
 use crate::shading::surfaces::{SurfaceOptions, SurfaceResources};
@@ -46,6 +47,10 @@ pub(crate) struct Geometry {
     pub(crate) surfaces: Option<SurfaceResources>,
     /// The draws of meshes, and of their coarser levels behind those.
     mesh_draws: Arc<[MeshDraw]>,
+    pub(crate) meshes: MeshSlots,
+    pub(crate) uploads: MeshUploads,
+    /// Objects whose meshes are on their way.
+    waiting: Vec<ObjectId>,
     mesh_bounds: Vec<Aabb>,
     pub(crate) lods: LodTable,
     // By object.
@@ -78,16 +83,14 @@ impl Geometry {
         device: &Device,
         scene: &Scene,
         hierarchy: &Hierarchy,
-        spare: &SpareRoom,
+        (spare, frame_bytes): (&SpareRoom, usize),
     ) -> Result<Self, Error> {
         let objects = hierarchy.leaf_objects().len();
         check_memory("the objects on their way to the GPU", objects, UPLOAD_BYTES_PER_OBJECT)?;
-        let (mut vertices, mut indices, mut mesh_draws) = join_meshes(scene)?;
-        let lods = LodTable::join(scene, &mut indices, &mut mesh_draws);
+        let joined = JoinedMeshes::new(scene, spare)?;
         let leaf_count = hierarchy.leaf_objects().len();
         Self::check_size(device, leaf_count)?;
         sprites::check_size(device, scene, leaf_count)?;
-        sprites::add_pattern(scene, &mut vertices, &mut indices, &mut mesh_draws);
         check_storage(
             device,
             "vertices of skinned meshes",
@@ -107,11 +110,16 @@ impl Geometry {
         let mut instances: Vec<Instance> =
             by_leaf().map(|o| object_instances.get(o).copied().unwrap_or_default()).collect();
         sprites::add_vectors(scene, &mut instances);
-        let mesh_draws = counted(scene, &mesh_draws);
+        let meshes = MeshSlots::new(scene, &joined, spare);
+        let JoinedMeshes { vertices, indices, draws: mesh_draws, lods, .. } = joined;
+        let to_come = spare.meshes as usize;
+        let mut mesh_bounds: Vec<Aabb> = scene.meshes.iter().map(|mesh| mesh.bounds).collect();
+        mesh_bounds.resize(mesh_bounds.len() + to_come, Aabb::EMPTY);
         let index = vk::BufferUsageFlags::INDEX_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let skinned_vertices = skinned_vertices(scene);
-        let is_skinned = are_skinned(scene);
+        let mut is_skinned = are_skinned(scene);
+        is_skinned.resize(is_skinned.len() + to_come, false);
         let owners =
             (0..).map(ObjectId).zip(&scene.objects).map(|(id, object)| (object.mesh.0, id));
         let owners = owners.filter(|(mesh, _)| is_skinned.get(*mesh as usize) == Some(&true));
@@ -127,7 +135,10 @@ impl Geometry {
             owners,
             indices: device.upload("indices", &indices, index)?,
             instances: device.upload("instances", &instances, storage)?,
-            mesh_bounds: scene.meshes.iter().map(|mesh| mesh.bounds).collect(),
+            mesh_bounds,
+            meshes,
+            uploads: MeshUploads::new(frame_bytes),
+            waiting: Vec::new(),
             surfaces,
             mesh_draws,
             lods,
@@ -142,9 +153,87 @@ impl Geometry {
         &self.mesh_draws
     }
 
-    /// Returns the draw of an object: its mesh, or a coarser level of it.
+    /// Returns the draw of an object: its mesh, or a coarser level of it; none while the mesh is on
+    /// its way.
     pub(crate) fn draw_of(&self, object: ObjectId) -> MeshDrawId {
-        self.object_lods.get(object.0 as usize).map_or(MeshDrawId::NONE, |lod| MeshDrawId(*lod))
+        let mesh = self.object_meshes.get(object.0 as usize).copied().unwrap_or(NO_MESH);
+        match (self.object_lods.get(object.0 as usize), self.meshes.residency(MeshId(mesh))) {
+            (Some(lod), Residency::Resident | Residency::Kept) => MeshDrawId(*lod),
+            _ => MeshDrawId::NONE,
+        }
+    }
+
+    /// Returns the reason why a mesh does not fit the scene.
+    pub(crate) fn check_mesh(&self, mesh: &PreparedMesh) -> Result<(), &'static str> {
+        match (&self.surfaces, mesh.surface()) {
+            (None, None) => Ok(()),
+            (Some(surfaces), Some(surface)) => surfaces.check_material(surface.material),
+            (Some(_), None) => Err("the scene has surfaces and the mesh has none"),
+            (None, Some(_)) => Err("the scene has no surfaces and the mesh has one"),
+        }
+    }
+
+    /// Takes a mesh that fits, which is drawn when it has arrived.
+    ///
+    /// # Errors
+    /// [`Error::NoRoom`].
+    pub(crate) fn add_mesh(
+        &mut self,
+        mesh: PreparedMesh,
+        leaves: &mut LeafTable,
+    ) -> Result<MeshId, Error> {
+        let (id, place) = self.meshes.take(&mesh)?;
+        for (draw_id, draw) in draws_of(id, &mesh, &place) {
+            self.set_mesh_draw(draw_id, draw, leaves);
+        }
+        if let Some(bounds) = self.mesh_bounds.get_mut(id.0 as usize) {
+            *bounds = mesh.bounds();
+        }
+        self.lods.set(id, place.levels.start, mesh.levels());
+        if let (Some(surfaces), Some(surface)) = (&mut self.surfaces, mesh.surface()) {
+            surfaces.set_mesh_material(id, surface.material);
+        }
+        self.uploads.push(id, mesh, place);
+        Ok(id)
+    }
+
+    /// Forgets a mesh that no object has.
+    pub(crate) fn remove_mesh(&mut self, mesh: MeshId, leaves: &mut LeafTable) {
+        for draw in self.meshes.remove(mesh) {
+            self.set_mesh_draw(draw, MeshDraw::default(), leaves);
+        }
+        if let Some(bounds) = self.mesh_bounds.get_mut(mesh.0 as usize) {
+            *bounds = Aabb::EMPTY;
+        }
+        self.lods.set(mesh, 0, &[]);
+        self.uploads.cancel(mesh);
+    }
+
+    fn set_mesh_draw(&mut self, id: MeshDrawId, draw: MeshDraw, leaves: &mut LeafTable) {
+        if let Some(there) = Arc::make_mut(&mut self.mesh_draws).get_mut(id.0 as usize) {
+            *there = draw;
+        }
+        leaves.set_mesh_draw(id, draw);
+    }
+
+    /// Marks the objects of meshes that have arrived. Returns true if there are such meshes.
+    pub(crate) fn show_arrived(&mut self, hierarchy: &Hierarchy, leaves: &mut LeafTable) -> bool {
+        let arrived = self.uploads.take_arrived();
+        arrived.iter().for_each(|mesh| self.meshes.arrived(*mesh));
+        if arrived.is_empty() {
+            return false;
+        }
+        let mut waiting = std::mem::take(&mut self.waiting);
+        waiting.retain(|object| {
+            let draw = self.draw_of(*object);
+            if let (Some(leaf), true) = (hierarchy.leaf_of(*object), draw != MeshDrawId::NONE) {
+                leaves.mark_dirty(leaf, draw);
+            }
+            let mesh = self.object_meshes.get(object.0 as usize).copied().unwrap_or(NO_MESH);
+            self.meshes.residency(MeshId(mesh)) == Residency::Uploading
+        });
+        self.waiting = waiting;
+        true
     }
 
     /// Returns the draw of a mesh; an empty one where the scene does not have it.
@@ -233,6 +322,11 @@ impl Geometry {
         ) else {
             return;
         };
+        let after = object.map(|object| object.mesh);
+        self.meshes.count_user(Some(MeshId(*mesh)), after);
+        if after.is_some_and(|mesh| self.meshes.residency(mesh) == Residency::Uploading) {
+            self.waiting.push(id);
+        }
         self.owners.remove(mesh);
         if let Some(object) = object
             && self.is_skinned.get(object.mesh.0 as usize) == Some(&true)
@@ -296,11 +390,17 @@ impl Geometry {
     /// them. They stay marked until the frame was [submitted](Geometry::submitted), which may never
     /// happen.
     pub(crate) fn upload_changes(
-        &self,
+        &mut self,
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
         executor: &mut PlanExecutor,
     ) -> Result<(), Error> {
+        let arrays = MeshArrays {
+            vertices: self.vertices.whole(),
+            surfaces: self.surfaces.as_ref().map(SurfaceResources::vertices),
+            indices: self.indices.whole(),
+        };
+        self.uploads.record(frame, arrays)?;
         executor.leaves.begin();
         let (leaves, scatter) = (&executor.leaves, &executor.passes.scatter);
         if let Some(surfaces) = &self.surfaces {
@@ -324,24 +424,11 @@ impl Geometry {
 
     /// Notes that the frame of the last [`Geometry::upload_changes`] was submitted.
     pub(crate) fn submitted(&mut self) {
+        self.uploads.submitted();
         if let Some(surfaces) = &mut self.surfaces {
             surfaces.submitted();
         }
     }
-}
-
-/// Returns the draws of meshes, and of their coarser levels behind them, with the triangles that
-/// they show.
-fn counted(scene: &Scene, draws: &[IndirectDraw]) -> Arc<[MeshDraw]> {
-    let levels = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.levels);
-    let lods = scene.meshes.iter().zip(levels);
-    let coarser = lods.flat_map(|(mesh, levels)| levels.iter().map(move |_| mesh));
-    let meshes = scene.meshes.iter().chain(coarser);
-    let counted = |(mesh, draw): (&Mesh, &IndirectDraw)| {
-        let triangles = mesh.triangles_of(draw.index_count as usize) as u32;
-        MeshDraw { draw: *draw, triangles }
-    };
-    meshes.zip(draws).map(counted).collect()
 }
 
 fn instance_of(id: ObjectId, object: &Object, surfaces: Option<&SurfaceResources>) -> Instance {
@@ -358,37 +445,6 @@ fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
         let row = transform.matrix3.row(r);
         [row.x, row.y, row.z, transform.translation[r]]
     })
-}
-
-/// Vertices and indices of all meshes, and the draw of each.
-type Joined = (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>);
-
-/// Joins all meshes in one vertex and one index buffer, so that any objects can share a draw call.
-/// There is room for their coarser levels and for the pattern of sprites.
-fn join_meshes(scene: &Scene) -> Result<Joined, Error> {
-    let levels = scene.surfaces.iter().flat_map(|surfaces| surfaces.levels.iter().flatten());
-    let levels: usize = levels.map(|level| level.indices.len()).sum();
-    let [pattern_vertices, pattern_indices] = sprites::pattern_size(scene);
-    let vertices = scene.meshes.iter().map(|mesh| mesh.vertices.len()).sum::<usize>();
-    let indices = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum::<usize>();
-    let mut vertices = room("the vertices of all meshes", vertices + pattern_vertices)?;
-    let mut indices = room("the triangles of all meshes", indices + levels + pattern_indices)?;
-    let mut draws = vec![IndirectDraw::default(); scene.meshes.len()];
-    for number in mesh_order(scene) {
-        let (Some(mesh), Some(draw)) = (scene.meshes.get(number), draws.get_mut(number)) else {
-            continue;
-        };
-        *draw = IndirectDraw {
-            index_count: mesh.indices.len() as u32,
-            instance_count: 1,
-            first_index: indices.len() as u32,
-            vertex_offset: vertices.len() as i32,
-            first_instance: 0,
-        };
-        vertices.extend_from_slice(&mesh.vertices);
-        indices.extend_from_slice(&mesh.indices);
-    }
-    Ok((vertices, indices, draws))
 }
 
 /// Returns the box around a transformed box, if the place is possible.

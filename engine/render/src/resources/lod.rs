@@ -1,9 +1,11 @@
 //! Levels of detail: the level of its mesh that each object has, chosen for a few objects per
 //! frame.
 
+use std::ops::Range;
+
 use cull::{DetailLevel, DetailPolicy, ObjectId};
 use gpu::IndirectDraw;
-use scene::{MeshId, Scene};
+use scene::{LodLevel, MeshId, Scene};
 
 /// The most objects that [`Renderer::choose_detail`](crate::Renderer::choose_detail) looks at in
 /// one call.
@@ -21,6 +23,14 @@ struct MeshForms {
     first: u32,
     /// The errors of all of them, the finest first, whose error is 0.
     errors_m: Vec<f32>,
+}
+
+impl MeshForms {
+    /// Returns the levels of a mesh that has coarser ones.
+    fn new(first: u32, levels: &[LodLevel]) -> Option<Self> {
+        let errors_m = std::iter::once(0.0).chain(levels.iter().map(|level| level.error_m));
+        (!levels.is_empty()).then(|| Self { first, errors_m: errors_m.collect() })
+    }
 }
 
 impl LodTable {
@@ -42,10 +52,24 @@ impl LodTable {
                 });
                 indices.extend_from_slice(&level.indices);
             }
-            let errors_m = std::iter::once(0.0).chain(levels.iter().map(|level| level.error_m));
-            (!levels.is_empty()).then(|| MeshForms { first, errors_m: errors_m.collect() })
+            MeshForms::new(first, levels)
         });
         Self { of_mesh: of_mesh.collect(), next: 0 }
+    }
+
+    /// Returns the draws of the coarser levels of a mesh.
+    pub(crate) fn draws_of(&self, mesh: MeshId) -> Range<u32> {
+        let forms = |forms: &MeshForms| forms.first..forms.first + forms.errors_m.len() as u32 - 1;
+        self.of(mesh).map_or(0..0, forms)
+    }
+
+    /// Replaces the coarser levels of a mesh: the first draw of them, and the levels.
+    pub(crate) fn set(&mut self, mesh: MeshId, first: u32, levels: &[LodLevel]) {
+        let place = mesh.0 as usize;
+        if self.of_mesh.len() <= place {
+            self.of_mesh.resize_with(place + 1, || None);
+        }
+        self.of_mesh[place] = MeshForms::new(first, levels);
     }
 
     fn of(&self, mesh: MeshId) -> Option<&MeshForms> {
@@ -90,7 +114,7 @@ pub(crate) fn stretch(rows: &[[f32; 4]; 3]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use scene::{LodLevel, Mesh, Surfaces};
+    use scene::{Mesh, Surfaces};
 
     fn table() -> (LodTable, Vec<u32>, Vec<IndirectDraw>) {
         let level = |triangles: u32, error_m| LodLevel {

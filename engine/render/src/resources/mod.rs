@@ -2,8 +2,11 @@
 
 pub(crate) mod geometry;
 pub(crate) mod instance;
+pub(crate) mod joined_meshes;
 pub(crate) mod limits;
 pub(crate) mod lod;
+pub(crate) mod mesh_slots;
+pub(crate) mod mesh_uploads;
 pub(crate) mod object_bounds;
 pub(crate) mod skinned_mesh_state;
 pub(crate) mod skinned_meshes;

@@ -172,7 +172,7 @@ fn the_strongest_suns_come_first_in_the_table() {
 #[test]
 fn room_lies_behind_the_lights_of_the_scene_and_is_used_again() {
     let lights = vec![bulb(Vec3::X, 2.0, None), sun(1.0)];
-    let spare = SpareRoom { lights: 2, directional_lights: 1 };
+    let spare = SpareRoom { lights: 2, directional_lights: 1, ..Default::default() };
     let mut table = LightTable::new(&Surfaces { lights, ..Surfaces::default() }, &spare);
     assert_eq!((table.directional, table.dark_suns, table.entries().len()), (2, 0, 5));
     assert!(table.get(LightId(1)).is_some() && table.get(LightId(2)).is_none());

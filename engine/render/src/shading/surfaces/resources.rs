@@ -4,8 +4,8 @@ use cull::{Aabb, Hierarchy, HierarchyError, ObjectId};
 use gpu::{Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, vk};
 use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS, MAX_PAGES};
 use scene::{
-    Alpha, LightId, LightKind, MeshId, Object, PunctualLight, Scene, SurfaceVertex, Surfaces,
-    TransparentId,
+    Alpha, LightId, LightKind, MaterialId, MeshId, Object, PunctualLight, Scene, SurfaceVertex,
+    Surfaces, TransparentId,
 };
 
 use crate::error::Error;
@@ -30,7 +30,7 @@ pub struct SurfaceOptions {
     pub anisotropy: Option<f32>,
     /// The maker of the mip maps.
     pub mip_making: MipMaking,
-    /// Room for lights that come later.
+    /// Room for meshes and lights that come later.
     pub spare: SpareRoom,
 }
 
@@ -54,6 +54,8 @@ pub struct SurfaceResources {
     pages: Vec<TextureArray>,
     features: [Features; 2],
     mesh_materials: Vec<u32>,
+    /// True for each material that lets the background through.
+    is_blended: Vec<bool>,
     /// For each mesh the place of its sprites behind the instances, 0 without any.
     mesh_sprites: Vec<u32>,
     /// The material of meshes that name none.
@@ -101,12 +103,15 @@ impl SurfaceResources {
             light_lists.fill(&transparent, first_transparent_slot);
         }
         light_lists.submitted();
-        let vertices = surface_vertices(scene, surfaces)?;
+        let vertices = surface_vertices(scene, surfaces, &options.spare)?;
         // Without lights nobody reads the lists.
         let lists = if light_lists.has_lights() { light_lists.all_values() } else { Vec::new() };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let default_material = surfaces.materials.len() as u32;
         let material_of = |material: u32| material.min(default_material);
+        let mesh_materials = surfaces.meshes.iter().map(|mesh| material_of(mesh.material.0));
+        let to_come = options.spare.meshes as usize;
+        let to_come = std::iter::repeat_n(default_material, to_come);
         Ok(Some(Self {
             vertices: device.upload(
                 "surface vertices",
@@ -119,11 +124,8 @@ impl SurfaceResources {
             lists: device.upload("light lists", &lists, storage)?,
             pages,
             features: features(surfaces, &plan, (&table, &light_lists), &options.spare),
-            mesh_materials: surfaces
-                .meshes
-                .iter()
-                .map(|mesh| material_of(mesh.material.0))
-                .collect(),
+            mesh_materials: mesh_materials.chain(to_come).collect(),
+            is_blended: surfaces.materials.iter().map(|it| it.alpha == Alpha::Blend).collect(),
             mesh_sprites: sprites::places(scene, hierarchy.leaf_objects().len()),
             default_material,
             degradations: SceneDegradations {
@@ -160,6 +162,22 @@ impl SurfaceResources {
             self.mesh_materials.get(mesh.0 as usize).copied().unwrap_or(self.default_material);
         let sprites = self.mesh_sprites.get(mesh.0 as usize).copied().unwrap_or(0);
         [material, slot, self.light_lists.count(slot), sprites]
+    }
+
+    /// Returns the reason why a mesh that comes cannot have a material.
+    pub(crate) fn check_material(&self, material: MaterialId) -> Result<(), &'static str> {
+        match self.is_blended.get(material.0 as usize) {
+            None => Err("the scene does not have its material"),
+            Some(true) => Err("its material blends, and transparent meshes cannot be added"),
+            Some(false) => Ok(()),
+        }
+    }
+
+    /// Sets the material of a mesh that no object has.
+    pub(crate) fn set_mesh_material(&mut self, mesh: MeshId, material: MaterialId) {
+        if let Some(there) = self.mesh_materials.get_mut(mesh.0 as usize) {
+            *there = material.0;
+        }
     }
 
     /// Returns true if a mesh is made of sprites.
@@ -325,15 +343,21 @@ impl SurfaceResources {
     }
 }
 
-/// Returns the vertices of all meshes in the order of their positions, and those of sprites.
-fn surface_vertices(scene: &Scene, surfaces: &Surfaces) -> Result<Vec<SurfaceVertex>, Error> {
+/// Returns the vertices of all meshes in the order of their positions, those of sprites, and room.
+fn surface_vertices(
+    scene: &Scene,
+    surfaces: &Surfaces,
+    spare: &SpareRoom,
+) -> Result<Vec<SurfaceVertex>, Error> {
     let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
     let count = surfaces.meshes.iter().map(|mesh| mesh.vertices.len()).sum::<usize>();
     let [pattern, _] = sprites::pattern_size(scene);
+    let count = count + pattern + spare.vertices as usize;
     let mut vertices: Vec<SurfaceVertex> =
-        limits::room("what the vertices of all meshes look like", count + pattern)?;
+        limits::room("what the vertices of all meshes look like", count)?;
     meshes.for_each(|mesh| vertices.extend_from_slice(&mesh.vertices));
     sprites::add_surface_pattern(scene, &mut vertices);
+    vertices.resize(count, bytemuck::Zeroable::zeroed());
     Ok(vertices)
 }
 

@@ -1,0 +1,98 @@
+//! All meshes of a scene in one vertex and one index buffer, so that any objects can share a draw
+//! call.
+
+use std::sync::Arc;
+
+use gpu::IndirectDraw;
+use occlusion::MeshDraw;
+use scene::{Mesh, Scene, Vertex};
+
+use crate::error::Error;
+use crate::resources::limits::{check, room};
+use crate::resources::lod::LodTable;
+use crate::resources::skinned_meshes::mesh_order;
+use crate::resources::spare_room::SpareRoom;
+use crate::resources::sprites;
+
+/// Vertices, indices and draws: those of the scene, and room for more behind them.
+pub(crate) struct JoinedMeshes {
+    pub(crate) vertices: Vec<Vertex>,
+    pub(crate) indices: Vec<u32>,
+    /// The draws of the scene's meshes, of meshes to come, of the coarser levels of the former, and
+    /// of levels to come.
+    pub(crate) draws: Arc<[MeshDraw]>,
+    pub(crate) lods: LodTable,
+    /// The numbers of vertices, indices and draws without the room behind them.
+    pub(crate) used: [u32; 3],
+}
+
+impl JoinedMeshes {
+    /// Joins the meshes of a scene.
+    ///
+    /// # Errors
+    /// No memory; more than a draw can name.
+    pub(crate) fn new(scene: &Scene, spare: &SpareRoom) -> Result<Self, Error> {
+        let (mut vertices, mut indices, mut draws) = join(scene, spare)?;
+        let lods = LodTable::join(scene, &mut indices, &mut draws);
+        sprites::add_pattern(scene, &mut vertices, &mut indices, &mut draws);
+        let used = [vertices.len(), indices.len(), draws.len()].map(|count| count as u32);
+        vertices.resize(vertices.len() + spare.vertices as usize, bytemuck::Zeroable::zeroed());
+        indices.resize(indices.len() + spare.indices as usize, 0);
+        draws.resize(draws.len() + spare.levels as usize, IndirectDraw::default());
+        let draws = counted(scene, spare, &draws);
+        Ok(Self { vertices, indices, draws, lods, used })
+    }
+}
+
+/// Returns draws with the triangles that they show.
+fn counted(scene: &Scene, spare: &SpareRoom, draws: &[IndirectDraw]) -> Arc<[MeshDraw]> {
+    let levels = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.levels);
+    let coarser = scene.meshes.iter().zip(levels);
+    let coarser = coarser.flat_map(|(mesh, levels)| levels.iter().map(move |_| Some(mesh)));
+    let to_come = std::iter::repeat_n(None, spare.meshes as usize);
+    let meshes = scene.meshes.iter().map(Some).chain(to_come).chain(coarser);
+    let meshes = meshes.chain(std::iter::repeat(None));
+    let counted = |(draw, mesh): (&IndirectDraw, Option<&Mesh>)| {
+        let triangles = mesh.map_or(0, |mesh| mesh.triangles_of(draw.index_count as usize));
+        MeshDraw { draw: *draw, triangles: triangles as u32 }
+    };
+    draws.iter().zip(meshes).map(counted).collect()
+}
+
+/// Vertices and indices of all meshes, and the draw of each.
+type Joined = (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>);
+
+/// Joins all meshes. There is room for their coarser levels, for the pattern of sprites, and for
+/// meshes to come.
+fn join(scene: &Scene, spare: &SpareRoom) -> Result<Joined, Error> {
+    let levels = scene.surfaces.iter().flat_map(|surfaces| surfaces.levels.iter().flatten());
+    let levels: usize = levels.map(|level| level.indices.len()).sum();
+    let [pattern_vertices, pattern_indices] = sprites::pattern_size(scene);
+    let vertices = scene.meshes.iter().map(|mesh| mesh.vertices.len()).sum::<usize>();
+    let vertices = vertices + pattern_vertices + spare.vertices as usize;
+    let indices = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum::<usize>();
+    let indices = indices + levels + pattern_indices + spare.indices as usize;
+    const INSTEAD: &str = "use simpler meshes, or less room for those that come";
+    let most = i32::MAX as u64;
+    check("vertices, with room for those that come,", vertices as u64, most, INSTEAD)?;
+    check("indices, with room for those that come,", indices as u64, most, INSTEAD)?;
+    let mut vertices = room("the vertices of all meshes", vertices)?;
+    let mut indices = room("the triangles of all meshes", indices)?;
+    let draws = scene.meshes.len() + spare.meshes as usize;
+    let mut draws = vec![IndirectDraw::default(); draws];
+    for number in mesh_order(scene) {
+        let (Some(mesh), Some(draw)) = (scene.meshes.get(number), draws.get_mut(number)) else {
+            continue;
+        };
+        *draw = IndirectDraw {
+            index_count: mesh.indices.len() as u32,
+            instance_count: 1,
+            first_index: indices.len() as u32,
+            vertex_offset: vertices.len() as i32,
+            first_instance: 0,
+        };
+        vertices.extend_from_slice(&mesh.vertices);
+        indices.extend_from_slice(&mesh.indices);
+    }
+    Ok((vertices, indices, draws))
+}

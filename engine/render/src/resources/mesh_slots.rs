@@ -1,0 +1,191 @@
+//! The places of meshes: of those that the scene had, and of those that came later.
+
+use std::ops::Range;
+
+use gpu::IndirectDraw;
+use occlusion::{MeshDraw, MeshDrawId};
+use scene::{MeshId, PreparedMesh, Scene};
+
+use crate::error::Error;
+use crate::resources::joined_meshes::JoinedMeshes;
+use crate::resources::skinned_meshes::are_skinned;
+use crate::resources::spare_room::{SpareRanges, SpareRoom};
+
+/// The state of the place of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Residency {
+    /// There is no mesh.
+    Free,
+    /// The mesh is on its way to the GPU: its objects are not drawn.
+    Uploading,
+    /// The mesh is on the GPU.
+    Resident,
+    /// The mesh is on the GPU for good: it is skinned, or one of sprites.
+    Kept,
+}
+
+/// The parts of the arrays that a mesh takes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MeshPlace {
+    pub(crate) vertices: Range<u32>,
+    /// The indices of the mesh and of its coarser levels.
+    pub(crate) indices: Vec<Range<u32>>,
+    /// The draws of its coarser levels.
+    pub(crate) levels: Range<u32>,
+}
+
+struct MeshSlot {
+    residency: Residency,
+    /// The number of objects that have the mesh.
+    users: u32,
+    place: MeshPlace,
+}
+
+/// The places of all meshes.
+pub(crate) struct MeshSlots {
+    slots: Vec<MeshSlot>,
+    ids: SpareRanges,
+    vertices: SpareRanges,
+    indices: SpareRanges,
+    levels: SpareRanges,
+}
+
+impl MeshSlots {
+    /// Notes the places of the meshes of a scene, and the room behind them.
+    pub(crate) fn new(scene: &Scene, joined: &JoinedMeshes, spare: &SpareRoom) -> Self {
+        let mut are_kept = are_skinned(scene);
+        for sprites in scene.surfaces.iter().flat_map(|surfaces| &surfaces.sprites) {
+            if let Some(is_kept) = are_kept.get_mut(sprites.mesh.0 as usize) {
+                *is_kept = true;
+            }
+        }
+        let slot = |(number, mesh): (u32, &scene::Mesh)| {
+            let levels = joined.lods.draws_of(MeshId(number));
+            let draws = std::iter::once(number).chain(levels.clone());
+            let draws = draws.filter_map(|draw| joined.draws.get(draw as usize));
+            let indices =
+                draws.map(|it| it.draw.first_index..it.draw.first_index + it.draw.index_count);
+            let first = joined.draws.get(number as usize).map_or(0, |it| it.draw.vertex_offset);
+            let (first, count) = (first as u32, mesh.vertices.len() as u32);
+            MeshPlace { vertices: first..first + count, indices: indices.collect(), levels }
+        };
+        let slots = (0..).zip(&scene.meshes).map(slot).zip(are_kept).map(|(place, is_kept)| {
+            let residency = if is_kept { Residency::Kept } else { Residency::Resident };
+            MeshSlot { residency, users: 0, place }
+        });
+        let free =
+            || MeshSlot { residency: Residency::Free, users: 0, place: MeshPlace::default() };
+        let slots = slots.chain((0..spare.meshes).map(|_| free()));
+        let [vertices, indices, draws] = joined.used;
+        let mut all = Self {
+            slots: slots.collect(),
+            ids: SpareRanges::behind("meshes", scene.meshes.len() as u32, spare.meshes),
+            vertices: SpareRanges::behind("vertices", vertices, spare.vertices),
+            indices: SpareRanges::behind("indices", indices, spare.indices),
+            levels: SpareRanges::behind("levels of detail", draws, spare.levels),
+        };
+        let transparent = scene.surfaces.iter().flat_map(|surfaces| &surfaces.transparent);
+        for object in scene.objects.iter().chain(transparent) {
+            all.count_user(None, Some(object.mesh));
+        }
+        all
+    }
+
+    pub(crate) fn residency(&self, mesh: MeshId) -> Residency {
+        self.slots.get(mesh.0 as usize).map_or(Residency::Free, |slot| slot.residency)
+    }
+
+    /// Notes that an object has a mesh, or has it no more.
+    pub(crate) fn count_user(&mut self, before: Option<MeshId>, now: Option<MeshId>) {
+        for (mesh, change) in [(before, -1), (now, 1)] {
+            if let Some(slot) = mesh.and_then(|mesh| self.slots.get_mut(mesh.0 as usize)) {
+                slot.users = slot.users.saturating_add_signed(change);
+            }
+        }
+    }
+
+    /// Takes the places of a mesh that is on its way.
+    ///
+    /// # Errors
+    /// [`Error::NoRoom`], and nothing is taken.
+    pub(crate) fn take(&mut self, mesh: &PreparedMesh) -> Result<(MeshId, MeshPlace), Error> {
+        let id = self.ids.take(1)?;
+        let mut place = MeshPlace::default();
+        if let Err(error) = self.fill(mesh, &mut place) {
+            self.free_place(place);
+            self.ids.free(id);
+            return Err(error);
+        }
+        if let Some(slot) = self.slots.get_mut(id.start as usize) {
+            *slot = MeshSlot { residency: Residency::Uploading, users: 0, place: place.clone() };
+        }
+        Ok((MeshId(id.start), place))
+    }
+
+    fn fill(&mut self, mesh: &PreparedMesh, place: &mut MeshPlace) -> Result<(), Error> {
+        place.vertices = self.vertices.take(mesh.mesh().vertices.len())?;
+        place.indices.push(self.indices.take(mesh.mesh().indices.len())?);
+        for level in mesh.levels() {
+            place.indices.push(self.indices.take(level.indices.len())?);
+        }
+        place.levels = self.levels.take(mesh.levels().len())?;
+        Ok(())
+    }
+
+    fn free_place(&mut self, place: MeshPlace) {
+        self.vertices.free(place.vertices);
+        place.indices.into_iter().for_each(|indices| self.indices.free(indices));
+        self.levels.free(place.levels);
+    }
+
+    /// Notes that a mesh is on the GPU.
+    pub(crate) fn arrived(&mut self, mesh: MeshId) {
+        if let Some(slot) = self.slots.get_mut(mesh.0 as usize) {
+            slot.residency = Residency::Resident;
+        }
+    }
+
+    /// Returns the reason why a mesh cannot be removed.
+    pub(crate) fn check_removal(&self, mesh: MeshId) -> Result<(), &'static str> {
+        match (self.residency(mesh), self.slots.get(mesh.0 as usize).map_or(0, |it| it.users)) {
+            (Residency::Free, _) => Err("the renderer has no such mesh"),
+            (Residency::Kept, _) => Err("meshes that are skinned or of sprites stay"),
+            (_, 1..) => Err("objects have it: remove those first"),
+            _ => Ok(()),
+        }
+    }
+
+    /// Frees the places of a mesh, and returns its draws, which are empty now.
+    pub(crate) fn remove(&mut self, mesh: MeshId) -> impl Iterator<Item = MeshDrawId> + use<> {
+        let place = self.slots.get_mut(mesh.0 as usize).map(|slot| {
+            slot.residency = Residency::Free;
+            std::mem::take(&mut slot.place)
+        });
+        let place = place.unwrap_or_default();
+        let levels = place.levels.clone();
+        self.free_place(place);
+        self.ids.free(mesh.0..mesh.0 + 1);
+        std::iter::once(mesh.0).chain(levels).map(MeshDrawId)
+    }
+}
+
+/// Returns the draws of a mesh at its place, and of its coarser levels.
+pub(crate) fn draws_of(
+    id: MeshId,
+    mesh: &PreparedMesh,
+    place: &MeshPlace,
+) -> impl Iterator<Item = (MeshDrawId, MeshDraw)> {
+    let ids = std::iter::once(id.0).chain(place.levels.clone()).map(MeshDrawId);
+    let vertex_offset = place.vertices.start as i32;
+    ids.zip(&place.indices).map(move |(id, indices)| {
+        let draw = IndirectDraw {
+            index_count: indices.end - indices.start,
+            instance_count: 1,
+            first_index: indices.start,
+            vertex_offset,
+            first_instance: 0,
+        };
+        let triangles = mesh.mesh().triangles_of(indices.len()) as u32;
+        (id, MeshDraw { draw, triangles })
+    })
+}
