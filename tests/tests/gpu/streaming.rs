@@ -307,6 +307,17 @@ fn a_mesh_that_does_not_fit_is_refused_by_name_and_changes_nothing() {
         assert!(twice.contains("named twice"), "{twice}");
         let unknown = plain.remove_meshes(&[added[0], MeshId(77)]).unwrap_err().to_string();
         assert!(unknown.contains("no such mesh"), "{unknown}");
+        let scene = first_scene(Kind::Surfaces);
+        for (spare, reason) in [
+            (SpareRoom { meshes: u32::MAX, ..SPARE }, "no memory for meshes"),
+            (SpareRoom { levels: u32::MAX, ..SPARE }, "no memory for meshes"),
+            (SpareRoom { vertices: u32::MAX, ..SPARE }, "vertices, with room"),
+            (SpareRoom { indices: u32::MAX, ..SPARE }, "indices, with room"),
+            (SpareRoom { lights: u32::MAX, ..SPARE }, "lights"),
+        ] {
+            let error = Renderer::new(device, &scene, &options(spare)).err().unwrap().to_string();
+            assert!(error.contains(reason), "{error}");
+        }
         plain.remove_meshes(&added).unwrap();
         assert!(!plain.is_uploading() && !plain.is_resident(added[0]));
         let gone = Object { mesh: added[0], ..object(0, Vec3::ZERO) };

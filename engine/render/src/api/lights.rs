@@ -12,6 +12,9 @@ impl Renderer {
     /// [`RendererOptions::spare`](crate::RendererOptions::spare), so an id may have belonged to a
     /// light that is gone. The cost is that of [`Renderer::set_light`] for each.
     ///
+    /// Directional lights are summed in the order in which they came, and in a renderer that is
+    /// made with them from the strongest on: last bits of the colours may differ between the two.
+    ///
     /// # Errors
     /// [`Error::NoRoom`]: there is not enough room for lights of a kind, or no surface that they
     /// could light. Nothing has changed then. Spot lights have room where the scene had some, or
@@ -36,10 +39,14 @@ impl Renderer {
     }
 
     /// Removes lights. The next frame is without them; frames on their way are not. Their ids may
-    /// be given to [lights that are added](Renderer::add_lights).
+    /// be given to [lights that are added](Renderer::add_lights). A sun of the scene that stays
+    /// dark because there are too many ([`SceneDegradations::dark_suns`]) does not rise when
+    /// another one goes.
     ///
     /// # Errors
     /// [`Error::Light`] for the first that is not there. Those before it are removed.
+    ///
+    /// [`SceneDegradations::dark_suns`]: crate::SceneDegradations::dark_suns
     pub fn remove_lights(&mut self, lights: &[LightId]) -> Result<(), Error> {
         for light in lights {
             lit_surfaces(&mut self.passes.geometry.surfaces, *light)?

@@ -8,7 +8,7 @@ use occlusion::MeshDraw;
 use scene::{Mesh, Scene, Vertex};
 
 use crate::error::Error;
-use crate::resources::limits::{check, room};
+use crate::resources::limits::{check, check_memory, room};
 use crate::resources::lod::LodTable;
 use crate::resources::skinned_meshes::mesh_order;
 use crate::resources::spare_room::SpareRoom;
@@ -59,6 +59,9 @@ fn counted(scene: &Scene, spare: &SpareRoom, draws: &[IndirectDraw]) -> Arc<[Mes
     draws.iter().zip(meshes).map(counted).collect()
 }
 
+/// Memory that a renderer takes for each mesh beside its vertices and indices, at most (bytes).
+const BYTES_PER_MESH: usize = 256;
+
 /// Vertices and indices of all meshes, and the draw of each.
 type Joined = (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>);
 
@@ -79,6 +82,8 @@ fn join(scene: &Scene, spare: &SpareRoom) -> Result<Joined, Error> {
     let mut vertices = room("the vertices of all meshes", vertices)?;
     let mut indices = room("the triangles of all meshes", indices)?;
     let draws = scene.meshes.len() + spare.meshes as usize;
+    let all = draws.saturating_add(spare.levels as usize);
+    check_memory("meshes, with room for those that come", all, BYTES_PER_MESH)?;
     let mut draws = vec![IndirectDraw::default(); draws];
     for number in mesh_order(scene) {
         let (Some(mesh), Some(draw)) = (scene.meshes.get(number), draws.get_mut(number)) else {
