@@ -26,7 +26,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
-/* The executor is declared where Vulkan is: include <vulkan/vulkan.h> before, or define ANTUMBRA_VULKAN. */
+/* Executor and renderer are declared where Vulkan is: include <vulkan/vulkan.h> before, or define ANTUMBRA_VULKAN. */
 #if defined(VULKAN_CORE_H_) && !defined(ANTUMBRA_VULKAN)
 #define ANTUMBRA_VULKAN
 #endif
@@ -122,7 +122,7 @@
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The most extensions that the executor asks for.
+ * The most extensions that the library asks for.
  */
 #define ANTUMBRA_EXTENSIONS_MAX 8
 #endif
@@ -181,6 +181,21 @@
  * Details for those who look for a defect.
  */
 #define ANTUMBRA_LOG_DEBUG 4
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Tests that cost more than they are expected to save are left out, by prices that are measured
+ * when the renderer is made.
+ */
+#define ANTUMBRA_COSTS_MEASURED 0
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * All that may be hidden is tested.
+ */
+#define ANTUMBRA_COSTS_IGNORED 1
+#endif
 
 /**
  * The version of the interface: its declarations and their meaning. It grows by one with a change
@@ -680,7 +695,7 @@ typedef struct AntumbraFeatures {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The needs of the executor on a physical device, besides features.
+ * The needs of the library on a physical device, besides features.
  */
 typedef struct AntumbraRequirements {
     /**
@@ -692,7 +707,8 @@ typedef struct AntumbraRequirements {
      */
     uint32_t api_version;
     /**
-     * The flags of the queue family whose command buffers are recorded into.
+     * The flags of the queue family whose command buffers are recorded into, or that a renderer
+     * submits to.
      */
     VkQueueFlags queue_flags;
     /**
@@ -716,6 +732,47 @@ typedef struct AntumbraRequirements {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
+ * Takes or gives back the host's lock around a queue. It is called on the thread that renders, and
+ * must not call the library.
+ */
+typedef void (*AntumbraQueueLockCallback)(void *user);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A queue that host and renderer share.
+ */
+typedef struct AntumbraQueueDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The queue.
+     */
+    VkQueue queue;
+    /**
+     * Returns when nobody else uses the queue; called before each submit. Null where the host uses
+     * it on the thread that renders alone. Default: null.
+     */
+    AntumbraQueueLockCallback lock;
+    /**
+     * Lets others use the queue again; called after each submit. Default: null.
+     */
+    AntumbraQueueLockCallback unlock;
+    /**
+     * The first argument of both. Default: null.
+     */
+    void *user;
+} AntumbraQueueDesc;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
  * A device that a host made and goes on to own.
  */
 typedef struct AntumbraDeviceDesc {
@@ -724,7 +781,7 @@ typedef struct AntumbraDeviceDesc {
      */
     uint32_t struct_size;
     /**
-     * The queue family of the command buffers that are recorded into.
+     * The queue family of the command buffers that are recorded into, or of `queue`.
      */
     uint32_t queue_family;
     /**
@@ -757,6 +814,11 @@ typedef struct AntumbraDeviceDesc {
      * A cache for pipelines. Default: `VK_NULL_HANDLE`, for one of the library's own.
      */
     VkPipelineCache pipeline_cache;
+    /**
+     * The queue that a renderer submits to, of the family `queue_family`; null for a device on
+     * which scenes are recorded into command buffers of the host. Default: null.
+     */
+    const struct AntumbraQueueDesc *queue;
 } AntumbraDeviceDesc;
 #endif
 
@@ -826,6 +888,344 @@ typedef struct AntumbraLeaves {
      */
     uint64_t revision;
 } AntumbraLeaves;
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A vertex of a mesh.
+ */
+typedef struct AntumbraVertex {
+    /**
+     * Position in the space of the mesh (metres); y is up.
+     */
+    float position[3];
+    /**
+     * Unit normal.
+     */
+    float normal[3];
+    /**
+     * Linear red, green and blue, 0 to 1; then the share of the object's tint, 0 to 1.
+     */
+    float colour[4];
+} AntumbraVertex;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A mesh, which any number of objects may have. It is copied.
+ */
+typedef struct AntumbraMeshDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The vertices.
+     */
+    const struct AntumbraVertex *vertices;
+    /**
+     * The number of vertices.
+     */
+    size_t vertex_count;
+    /**
+     * Three indices of vertices for each triangle, counter-clockwise seen from outside.
+     */
+    const uint32_t *indices;
+    /**
+     * The number of indices.
+     */
+    size_t index_count;
+} AntumbraMeshDesc;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A transform from the space of a mesh to the world.
+ */
+typedef struct AntumbraTransform {
+    /**
+     * The images of the x, y and z axis, then the place of the origin (metres).
+     */
+    float columns[12];
+} AntumbraTransform;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A mesh somewhere in the world.
+ */
+typedef struct AntumbraMeshObject {
+    /**
+     * The mesh: its place among those of the `AntumbraRendererDesc`, or the id that
+     * `antumbra_renderer_add_meshes` wrote.
+     */
+    uint32_t mesh;
+    /**
+     * Linear red, green and blue of 8 bits each, red in the lowest byte: a factor of the colour of
+     * vertices, by their share.
+     */
+    uint32_t tint;
+    /**
+     * The place.
+     */
+    struct AntumbraTransform transform;
+} AntumbraMeshObject;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A sun, the light of the sky, and the background. Colours are linear.
+ */
+typedef struct AntumbraSunlight {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Vector to the sun; of any length above 0.
+     */
+    float towards_sun[3];
+    /**
+     * Light on surfaces that face the sun.
+     */
+    float sun[3];
+    /**
+     * Light on surfaces that face up.
+     */
+    float ambient_above[3];
+    /**
+     * Light on surfaces that face down.
+     */
+    float ambient_below[3];
+    /**
+     * The colour of the background.
+     */
+    float sky[3];
+} AntumbraSunlight;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The options of a renderer, and the scene that it begins with.
+ */
+typedef struct AntumbraRendererDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Frames that may be in flight at once, at least 1 and at most 16.
+     */
+    uint32_t frames_in_flight;
+    /**
+     * The device, which was adopted with a queue.
+     */
+    struct AntumbraDevice device;
+    /**
+     * Width of the image (pixels).
+     */
+    uint32_t width;
+    /**
+     * Height of the image (pixels).
+     */
+    uint32_t height;
+    /**
+     * The meshes.
+     */
+    const struct AntumbraMeshDesc *const *meshes;
+    /**
+     * The number of meshes.
+     */
+    size_t mesh_count;
+    /**
+     * The objects, neighbours near each other. Their ids are their places.
+     */
+    const struct AntumbraMeshObject *objects;
+    /**
+     * The number of objects.
+     */
+    size_t object_count;
+    /**
+     * The light; null for a clear afternoon. Default: null.
+     */
+    const struct AntumbraSunlight *light;
+    /**
+     * The most occlusion queries of a frame, 0 for 8192; objects for which none is left are drawn.
+     * Default: 0.
+     */
+    size_t query_budget;
+    /**
+     * An `ANTUMBRA_COSTS_..`. Default: `ANTUMBRA_COSTS_MEASURED`.
+     */
+    uint32_t costs;
+    /**
+     * Room for objects that are added later. Default: 0.
+     */
+    uint32_t spare_objects;
+    /**
+     * Room for meshes that are added later. Default: 0.
+     */
+    uint32_t spare_meshes;
+    /**
+     * Room for their vertices. Default: 0.
+     */
+    uint32_t spare_vertices;
+    /**
+     * Room for their indices. Default: 0.
+     */
+    uint32_t spare_indices;
+    /**
+     * The most bytes of added meshes that a frame copies to the GPU, 0 for 1048576. Default: 0.
+     */
+    uint32_t upload_bytes_per_frame;
+} AntumbraRendererDesc;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A renderer: a scene on a host's device, and one view of it.
+ */
+typedef struct AntumbraRenderer {
+    /**
+     * The number of the handle; 0 for none.
+     */
+    uint64_t id;
+} AntumbraRenderer;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A frame to be rendered.
+ */
+typedef struct AntumbraRenderDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * An `ANTUMBRA_STRATEGY_..`, which may be another one in each frame: frustum culling alone
+     * draws the same image.
+     */
+    uint32_t strategy;
+    /**
+     * The camera, with reversed depth. Its `sub_pixel_bits` have no meaning here.
+     */
+    const struct AntumbraCamera *camera;
+} AntumbraRenderDesc;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The state of an image between its user and the executor.
+ */
+typedef struct AntumbraImageState {
+    /**
+     * The layout. `VK_IMAGE_LAYOUT_UNDEFINED` on entry drops the contents; on exit it leaves the
+     * image as an attachment.
+     */
+    VkImageLayout layout;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The stages of the other user that access the image.
+     */
+    VkPipelineStageFlags2 stages;
+    /**
+     * The accesses of these stages.
+     */
+    VkAccessFlags2 access;
+} AntumbraImageState;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The image of the newest frame. It is the renderer's until that is resized or destroyed.
+ *
+ * Commands that are submitted to the same queue after the frame use it behind a barrier from
+ * `state`. On other queues they first wait for `value` of the semaphore `timeline`. Before the
+ * next frame is rendered, a barrier on the queue of the renderer brings it back to `state`.
+ */
+typedef struct AntumbraFinishedImage {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The format of the view, which decodes the colours. Views of the image can also have
+     * `VK_FORMAT_R8G8B8A8_UNORM`.
+     */
+    VkFormat format;
+    /**
+     * The image, of 8 bits per channel, which may be sampled and copied.
+     */
+    VkImage image;
+    /**
+     * A view of it.
+     */
+    VkImageView view;
+    /**
+     * Width (pixels).
+     */
+    uint32_t width;
+    /**
+     * Height (pixels).
+     */
+    uint32_t height;
+    /**
+     * The state that the frame leaves it in.
+     */
+    struct AntumbraImageState state;
+    /**
+     * The timeline semaphore of the device, which the library owns.
+     */
+    VkSemaphore timeline;
+    /**
+     * The value of the semaphore at which the image is finished.
+     */
+    uint64_t value;
+} AntumbraFinishedImage;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The counts of the newest frame whose results are known, and of meshes on their way.
+ */
+typedef struct AntumbraRendererStats {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * 1 while some mesh is on its way to the GPU: its objects are not drawn yet. Else 0.
+     */
+    uint32_t is_uploading;
+    /**
+     * The frame, counted from 1; 0 if none is known.
+     */
+    uint64_t frame;
+    /**
+     * The objects of the scene in that frame.
+     */
+    uint64_t total;
+    /**
+     * The objects among them that the GPU drew.
+     */
+    uint64_t drawn;
+    /**
+     * The objects among those that were drawn because a box showed.
+     */
+    uint64_t revealed;
+    /**
+     * The boxes that were tested.
+     */
+    uint64_t tests;
+} AntumbraRendererStats;
+#endif
 
 #if defined(ANTUMBRA_VULKAN)
 /**
@@ -1010,31 +1410,6 @@ typedef struct AntumbraViewStats {
      */
     uint64_t revealed;
 } AntumbraViewStats;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The state of an image between its user and the executor.
- */
-typedef struct AntumbraImageState {
-    /**
-     * The layout. `VK_IMAGE_LAYOUT_UNDEFINED` on entry drops the contents; on exit it leaves the
-     * image as an attachment.
-     */
-    VkImageLayout layout;
-    /**
-     * Must be 0.
-     */
-    uint32_t reserved;
-    /**
-     * The stages of the other user that access the image.
-     */
-    VkPipelineStageFlags2 stages;
-    /**
-     * The accesses of these stages.
-     */
-    VkAccessFlags2 access;
-} AntumbraImageState;
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
@@ -1355,8 +1730,9 @@ AntumbraResult antumbra_requirements(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Adopts the device of a host: nothing of the host is ever destroyed, and nothing is submitted.
- * The host's frame numbers are its clock. `UNSUPPORTED` names what is not on.
+ * Adopts the device of a host: nothing of the host is ever destroyed. With a queue it is for
+ * renderers, which submit to it. Without one it is for scenes: nothing is submitted, and the
+ * host's frame numbers are its clock. `UNSUPPORTED` names what is not on.
  *
  * # Safety
  * The rules of the interface. The handles belong together, and live until this device and all that
@@ -1372,7 +1748,8 @@ AntumbraResult antumbra_device_adopt(const struct AntumbraContext *context,
 /**
  * Says that all frames are over on the GPU, or will never be submitted: what they used can be
  * freed. To be called before the device is destroyed; otherwise all that the last frames may still
- * use is kept for good, and the log says so.
+ * use is kept for good, and the log says so. A device with a queue knows by itself:
+ * `BAD_ARGUMENT`.
  *
  * # Safety
  * The rules of the interface, and it is so.
@@ -1384,8 +1761,9 @@ AntumbraResult antumbra_device_finished(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Gives the device back: the host goes on to own it. Scenes on it live on until they are
- * destroyed. A handle of 0 is no error.
+ * Gives the device back: the host goes on to own it. Scenes and renderers on it live on until they
+ * are destroyed. With a queue, the last of them and this wait until what was submitted is over;
+ * the wait is bounded. A handle of 0 is no error.
  *
  * # Safety
  * The rules of the interface.
@@ -1480,6 +1858,195 @@ AntumbraResult antumbra_hierarchy_leaves(const struct AntumbraContext *context,
                                          struct AntumbraHierarchy hierarchy,
                                          struct AntumbraLeaves *leaves,
                                          struct AntumbraError *error);
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Writes what `antumbra_requirements` does, for devices that are adopted with a queue.
+ *
+ * # Safety
+ * The rules of the interface; the handles are valid.
+ */
+AntumbraResult antumbra_renderer_requirements(const struct AntumbraContext *context,
+                                              const struct AntumbraAdapterDesc *adapter,
+                                              const struct AntumbraFeatures *features,
+                                              struct AntumbraRequirements *requirements,
+                                              struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Creates a renderer of a scene, and uploads the scene. What games need besides is in Rust alone:
+ * textures, materials, lights beside the sun, transparent, skinned and animated meshes, levels of
+ * detail, several views, glTF files.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_renderer_create(const struct AntumbraContext *context,
+                                        const struct AntumbraRendererDesc *desc,
+                                        struct AntumbraRenderer *renderer,
+                                        struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Destroys a renderer. What frames in flight use is freed when they are over: nothing waits. Its
+ * image is used no longer. A handle of 0 is no error.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_renderer_destroy(const struct AntumbraContext *context,
+                                         struct AntumbraRenderer renderer,
+                                         struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Renders a frame and submits it. Waits for the frame that used its memory `frames_in_flight`
+ * frames ago, and for nothing else.
+ *
+ * # Safety
+ * The rules of the interface. The image of the frame before is in its state again, and its other
+ * users are over when the frame executes. The callbacks of the queue do what they say.
+ */
+AntumbraResult antumbra_renderer_render(const struct AntumbraContext *context,
+                                        struct AntumbraRenderer renderer,
+                                        const struct AntumbraRenderDesc *desc,
+                                        struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Writes the image of the newest frame. `BAD_ARGUMENT` before the first one.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_renderer_image(const struct AntumbraContext *context,
+                                       struct AntumbraRenderer renderer,
+                                       struct AntumbraFinishedImage *image,
+                                       struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Draws images of another size from now on, with what is known of earlier frames. Nothing waits.
+ * The image of earlier frames is used no longer.
+ *
+ * # Safety
+ * The rules of the interface. Commands of the host that use the image are over.
+ */
+AntumbraResult antumbra_renderer_resize(const struct AntumbraContext *context,
+                                        struct AntumbraRenderer renderer,
+                                        uint32_t width,
+                                        uint32_t height,
+                                        struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Adds objects and writes their ids, which may be those of objects that were removed. There must
+ * be room: `spare_objects`. After an error nothing was added.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_renderer_add_objects(const struct AntumbraContext *context,
+                                             struct AntumbraRenderer renderer,
+                                             const struct AntumbraMeshObject *objects,
+                                             size_t count,
+                                             uint32_t *ids,
+                                             struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Removes objects. After an error nothing was removed.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_renderer_remove_objects(const struct AntumbraContext *context,
+                                                struct AntumbraRenderer renderer,
+                                                const uint32_t *objects,
+                                                size_t count,
+                                                struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Moves objects: object `objects[i]` has the transform `transforms[i]` from the next frame on.
+ * After an error nothing has moved.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_renderer_move_objects(const struct AntumbraContext *context,
+                                              struct AntumbraRenderer renderer,
+                                              const uint32_t *objects,
+                                              const struct AntumbraTransform *transforms,
+                                              size_t count,
+                                              struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Adds meshes and writes their ids, which may be those of meshes that were removed. There must be
+ * room: `spare_meshes`, `spare_vertices` and `spare_indices`. Objects can have them at once, and
+ * are drawn once they are on the GPU: frames copy them bit by bit. After an error nothing was
+ * added.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_renderer_add_meshes(const struct AntumbraContext *context,
+                                            struct AntumbraRenderer renderer,
+                                            const struct AntumbraMeshDesc *const *meshes,
+                                            size_t count,
+                                            uint32_t *ids,
+                                            struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Removes meshes that no object has. After an error nothing was removed.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_renderer_remove_meshes(const struct AntumbraContext *context,
+                                               struct AntumbraRenderer renderer,
+                                               const uint32_t *meshes,
+                                               size_t count,
+                                               struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Writes the counts of the newest frame whose results are known.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_renderer_stats(const struct AntumbraContext *context,
+                                       struct AntumbraRenderer renderer,
+                                       struct AntumbraRendererStats *stats,
+                                       struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Waits until all frames of the renderer are over. For the end and for measurements, not for a
+ * loop. The wait is bounded.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_renderer_wait(const struct AntumbraContext *context,
+                                      struct AntumbraRenderer renderer,
+                                      struct AntumbraError *error);
+#endif
 
 #if defined(ANTUMBRA_VULKAN)
 /**

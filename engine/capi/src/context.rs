@@ -15,6 +15,8 @@ use crate::executor::device::AntumbraDevice;
 use crate::executor::scene::{AntumbraScene, HostedScene};
 use crate::layout::{Versioned, layout};
 use crate::log::{ANTUMBRA_LOG_DEBUG, AntumbraLogCallback, CallbackLog};
+#[cfg(feature = "renderer")]
+use crate::renderer::frame::{AntumbraRenderer, HostedRenderer};
 use crate::table::Table;
 use crate::version::ANTUMBRA_ABI_VERSION;
 
@@ -27,6 +29,8 @@ pub struct AntumbraContext {
     log: Option<Dispatch>,
     pub(crate) hierarchies: Table<BoxHierarchy, AntumbraHierarchy>,
     pub(crate) cullers: Table<ViewCuller, AntumbraCuller>,
+    #[cfg(feature = "renderer")]
+    pub(crate) renderers: Table<HostedRenderer, AntumbraRenderer>,
     #[cfg(feature = "vulkan")]
     pub(crate) scenes: Table<HostedScene, AntumbraScene>,
     #[cfg(feature = "vulkan")]
@@ -91,6 +95,8 @@ impl AntumbraContext {
                 log: log.map(Dispatch::new),
                 hierarchies: Table::new(salt),
                 cullers: Table::new(salt),
+                #[cfg(feature = "renderer")]
+                renderers: Table::new(salt),
                 #[cfg(feature = "vulkan")]
                 scenes: Table::new(salt),
                 #[cfg(feature = "vulkan")]

@@ -132,10 +132,25 @@ impl From<gpu::Error> for Failure {
             E::FrameNumbers { .. }
             | E::TooManyFrames { .. }
             | E::TooLarge { .. }
-            | E::Foreign { .. } => AntumbraResult::BadArgument,
+            | E::Foreign { .. }
+            | E::NoQueue { .. }
+            | E::HasQueue
+            | E::NoImage => AntumbraResult::BadArgument,
             E::Memory { .. } => AntumbraResult::NoMemory,
             _ => AntumbraResult::Vulkan,
         };
         Self::new(result, error)
+    }
+}
+
+#[cfg(feature = "renderer")]
+impl From<render::Error> for Failure {
+    fn from(error: render::Error) -> Self {
+        match error {
+            render::Error::Gpu(error) => error.into(),
+            render::Error::Hierarchy(error) => error.into(),
+            render::Error::NoMemory { .. } => Self::new(AntumbraResult::NoMemory, error),
+            error => Self::argument(error),
+        }
     }
 }

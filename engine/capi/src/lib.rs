@@ -1,8 +1,9 @@
 //! The C interface of Antumbra, declared in `include/antumbra.h`.
 //!
-//! Two levels. *Decisions alone*: boxes in, plan out, answers in; no Vulkan. *Our executor in the
+//! Three levels. *Decisions alone*: boxes in, plan out, answers in; no Vulkan. *Our executor in the
 //! host's command buffer* (feature `vulkan`): the host keeps its device, queue, images, pipelines
-//! and draws.
+//! and draws. *Our renderer on the host's device* (feature `renderer`): the host gives meshes and
+//! objects, and gets images.
 //!
 //! # Rules of all functions
 //! - The result is [`AntumbraResult`]. If it is not `Ok`, nothing was written to the outputs but
@@ -35,6 +36,8 @@ pub mod executor;
 pub mod layout;
 pub mod log;
 mod pointers;
+#[cfg(feature = "renderer")]
+pub mod renderer;
 pub mod structs;
 mod table;
 #[cfg(test)]

@@ -11,8 +11,10 @@ use crate::decisions::plan::{
 };
 use crate::error::AntumbraError;
 #[cfg(feature = "vulkan")]
-use crate::executor::{device, frame, scene, target};
+use crate::executor::{device, frame, queue, scene, target};
 use crate::layout::StructLayout;
+#[cfg(feature = "renderer")]
+use crate::renderer::{description, frame as rendered};
 
 /// All structs of the interface, for comparison with a C compiler.
 pub const STRUCTS: &[StructLayout] = &[
@@ -43,6 +45,8 @@ pub const STRUCTS: &[StructLayout] = &[
     #[cfg(feature = "vulkan")]
     StructLayout::of::<device::AntumbraRequirements>(),
     #[cfg(feature = "vulkan")]
+    StructLayout::of::<queue::AntumbraQueueDesc>(),
+    #[cfg(feature = "vulkan")]
     StructLayout::of::<frame::AntumbraBinding>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<frame::AntumbraFrameDesc>(),
@@ -70,4 +74,24 @@ pub const STRUCTS: &[StructLayout] = &[
     StructLayout::of::<target::AntumbraImageState>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<target::AntumbraTargetDesc>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<description::AntumbraVertex>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<description::AntumbraMeshDesc>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<description::AntumbraTransform>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<description::AntumbraMeshObject>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<description::AntumbraSunlight>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<description::AntumbraRendererDesc>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<rendered::AntumbraRenderer>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<rendered::AntumbraRenderDesc>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<rendered::AntumbraFinishedImage>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<rendered::AntumbraRendererStats>(),
 ];

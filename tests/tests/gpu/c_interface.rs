@@ -6,6 +6,7 @@ mod frames;
 mod loss;
 mod memory;
 mod messages;
+mod renderer;
 mod threads;
 
 use std::ffi::{CStr, c_char, c_void};
@@ -27,7 +28,7 @@ use capi::executor::frame::*;
 use capi::executor::scene::*;
 use capi::executor::target::*;
 use capi::layout::Versioned;
-use gpu::Purpose;
+use gpu::{FeatureStructures, Purpose};
 use tests::Driver;
 use tests::host_device::Host;
 use tests::host_images::OwnImage;
@@ -83,8 +84,19 @@ fn adopt(
     callbacks: *const vk::AllocationCallbacks<'static>,
     change: impl FnOnce(&mut vk::PhysicalDeviceFeatures),
 ) -> (AntumbraResult, AntumbraDevice, AntumbraError) {
+    let of_desc = |desc: &mut AntumbraDeviceDesc| desc.allocation_callbacks = callbacks;
+    adopt_with(host, context, |structures| change(&mut structures.core), of_desc)
+}
+
+/// Adopts the device of a host with changed features and a changed description.
+fn adopt_with(
+    host: &Host,
+    context: *mut AntumbraContext,
+    change_features: impl FnOnce(&mut FeatureStructures),
+    change: impl FnOnce(&mut AntumbraDeviceDesc),
+) -> (AntumbraResult, AntumbraDevice, AntumbraError) {
     let mut structures = host.needs.features().structures();
-    change(&mut structures.core);
+    change_features(&mut structures);
     let features = AntumbraFeatures {
         core: &raw mut structures.core,
         vulkan_12: (&raw mut structures.vulkan_12).cast(),
@@ -95,16 +107,16 @@ fn adopt(
     let extensions: Vec<*const c_char> =
         host.needs.extensions().iter().map(|name| name.as_ptr()).collect();
     let adapter = adapter(host);
-    let desc = AntumbraDeviceDesc {
+    let mut desc = AntumbraDeviceDesc {
         queue_family: host.needs.queue_family.unwrap(),
         adapter: &adapter,
         device: host.device.handle(),
         features: &features,
         extensions: extensions.as_ptr(),
         extension_count: extensions.len(),
-        allocation_callbacks: callbacks,
         ..Versioned::DEFAULT
     };
+    change(&mut desc);
     let mut device = AntumbraDevice { id: 0 };
     let mut error = no_error();
     // SAFETY: everything is of this host, and lives as long as it.

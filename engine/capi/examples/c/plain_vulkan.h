@@ -46,8 +46,8 @@ typedef struct Commands {
 /* Ends the program if a call of Vulkan failed. */
 #define VK(call) ((call) < 0 ? (fprintf(stderr, "%s failed\n", #call), exit(1)) : (void)0)
 
-static VkDeviceMemory allocate(VkPhysicalDevice physical, VkDevice device, VkMemoryRequirements needs,
-                               VkMemoryPropertyFlags flags) {
+static inline VkDeviceMemory allocate(VkPhysicalDevice physical, VkDevice device, VkMemoryRequirements needs,
+                                      VkMemoryPropertyFlags flags) {
     VkPhysicalDeviceMemoryProperties there;
     VkMemoryAllocateInfo info = {TYPE(MEMORY_ALLOCATE_INFO), .allocationSize = needs.size};
     VkDeviceMemory memory;
@@ -59,7 +59,7 @@ static VkDeviceMemory allocate(VkPhysicalDevice physical, VkDevice device, VkMem
     return memory;
 }
 
-static Buffer create_buffer(VkPhysicalDevice physical, VkDevice device, VkDeviceSize size) {
+static inline Buffer create_buffer(VkPhysicalDevice physical, VkDevice device, VkDeviceSize size) {
     static const uint16_t indices[INDICES] = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
                                               2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
     VkBufferCreateInfo info = {TYPE(BUFFER_CREATE_INFO), .size = size,
@@ -76,7 +76,7 @@ static Buffer create_buffer(VkPhysicalDevice physical, VkDevice device, VkDevice
     return new;
 }
 
-static Pipeline create_pipeline(VkDevice device) {
+static inline Pipeline create_pipeline(VkDevice device) {
     Pipeline new;
     VkPushConstantRange range = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(Constants)};
     VkPipelineLayoutCreateInfo of_layout = {TYPE(PIPELINE_LAYOUT_CREATE_INFO), .pushConstantRangeCount = 1,
@@ -111,7 +111,7 @@ static Pipeline create_pipeline(VkDevice device) {
 }
 
 /* Creates the depth image. */
-static Image create_image(VkPhysicalDevice physical, VkDevice device) {
+static inline Image create_image(VkPhysicalDevice physical, VkDevice device) {
     VkImageCreateInfo info = {TYPE(IMAGE_CREATE_INFO), .imageType = VK_IMAGE_TYPE_2D, .format = FORMAT,
         .extent = {WIDTH, HEIGHT, 1}, .mipLevels = 1, .arrayLayers = 1, .samples = VK_SAMPLE_COUNT_1_BIT,
         .usage = IMAGE_USAGE};
@@ -127,7 +127,7 @@ static Image create_image(VkPhysicalDevice physical, VkDevice device) {
     return new;
 }
 
-static Commands create_commands(VkDevice device, uint32_t queue_family) {
+static inline Commands create_commands(VkDevice device, uint32_t queue_family) {
     VkCommandPoolCreateInfo pool = {TYPE(COMMAND_POOL_CREATE_INFO), .queueFamilyIndex = queue_family,
         .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT};
     VkFenceCreateInfo fence = {TYPE(FENCE_CREATE_INFO)};
@@ -142,19 +142,19 @@ static Commands create_commands(VkDevice device, uint32_t queue_family) {
     return new;
 }
 
-static void begin(VkCommandBuffer commands) {
+static inline void begin(VkCommandBuffer commands) {
     VkCommandBufferBeginInfo info = {TYPE(COMMAND_BUFFER_BEGIN_INFO)};
     VK(vkBeginCommandBuffer(commands, &info));
 }
 
-static void submit(const Commands *commands, int slot) {
+static inline void submit(const Commands *commands, int slot) {
     VkSubmitInfo info = {TYPE(SUBMIT_INFO), .commandBufferCount = 1, .pCommandBuffers = &commands->buffers[slot]};
     VK(vkEndCommandBuffer(commands->buffers[slot]));
     VK(vkQueueSubmit(commands->queue, 1, &info, commands->fences[slot]));
 }
 
 /* Orders everything before and everything behind; changes the layout of the depth image. */
-static void change(VkCommandBuffer commands, Image image, VkImageLayout from, VkImageLayout to) {
+static inline void change(VkCommandBuffer commands, Image image, VkImageLayout from, VkImageLayout to) {
     VkImageMemoryBarrier2 barrier = {TYPE(IMAGE_MEMORY_BARRIER_2), .image = image.image,
         .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
         .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
@@ -168,7 +168,7 @@ static void change(VkCommandBuffer commands, Image image, VkImageLayout from, Vk
 }
 
 /* Begins a rendering of the host's own, which clears. */
-static void begin_rendering(VkCommandBuffer commands, Image image) {
+static inline void begin_rendering(VkCommandBuffer commands, Image image) {
     VkRect2D area = {{0, 0}, {WIDTH, HEIGHT}};
     VkViewport viewport = {0, 0, WIDTH, HEIGHT, 0, 1};
     VkRenderingAttachmentInfo depth = {TYPE(RENDERING_ATTACHMENT_INFO), .imageView = image.view,
@@ -182,14 +182,14 @@ static void begin_rendering(VkCommandBuffer commands, Image image) {
     vkCmdSetScissor(commands, 0, 1, &area);
 }
 
-static void end_rendering(VkCommandBuffer commands, Image image) {
+static inline void end_rendering(VkCommandBuffer commands, Image image) {
     vkCmdEndRendering(commands);
     change(commands, image, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
            VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
 }
 
 /* Copies the depth image, which is in the layout for that, to a place in a buffer. */
-static void copy(VkCommandBuffer commands, Image image, VkBuffer buffer, VkDeviceSize at) {
+static inline void copy(VkCommandBuffer commands, Image image, VkBuffer buffer, VkDeviceSize at) {
     VkBufferImageCopy region = {.bufferOffset = at, .imageExtent = {WIDTH, HEIGHT, 1},
         .imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, 1}};
     VkMemoryBarrier2 barrier = {TYPE(MEMORY_BARRIER_2), .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
@@ -200,7 +200,7 @@ static void copy(VkCommandBuffer commands, Image image, VkBuffer buffer, VkDevic
     vkCmdPipelineBarrier2(commands, &to_host);
 }
 
-static void destroy(VkDevice device, Image image, Buffer buffer, Pipeline pipeline, Commands commands) {
+static inline void destroy(VkDevice device, Image image, Buffer buffer, Pipeline pipeline, Commands commands) {
     for (int n = 0; n < IN_FLIGHT; n++)
         vkDestroyFence(device, commands.fences[n], NULL);
     vkDestroyCommandPool(device, commands.pool, NULL);

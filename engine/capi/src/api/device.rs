@@ -1,7 +1,9 @@
 //! Functions of devices.
 
+use gpu::Purpose;
+
 use crate::context::{AntumbraContext, entry};
-use crate::error::{AntumbraError, AntumbraResult};
+use crate::error::{AntumbraError, AntumbraResult, Failure};
 use crate::executor::device::{
     AntumbraAdapterDesc, AntumbraDevice, AntumbraDeviceDesc, AntumbraFeatures,
     AntumbraRequirements, adopt, require,
@@ -24,18 +26,33 @@ pub unsafe extern "C" fn antumbra_requirements(
 ) -> AntumbraResult {
     // SAFETY: the caller's promises.
     unsafe {
-        entry(context, error, |_| {
-            let output = Output::new("requirements", requirements)?;
-            let adapter = read("adapter", adapter)?;
-            let features = read("features", features)?;
-            output.write(&require(&adapter, &features)?);
-            Ok(())
-        })
+        entry(context, error, |_| write_needs(adapter, features, requirements, Purpose::Executor))
     }
 }
 
-/// Adopts the device of a host: nothing of the host is ever destroyed, and nothing is submitted.
-/// The host's frame numbers are its clock. `UNSUPPORTED` names what is not on.
+/// Writes the needs of a part of the engine.
+///
+/// # Safety
+/// The rules of the interface; the handles are valid.
+pub(crate) unsafe fn write_needs(
+    adapter: *const AntumbraAdapterDesc,
+    features: *const AntumbraFeatures,
+    requirements: *mut AntumbraRequirements,
+    purpose: Purpose,
+) -> Result<(), Failure> {
+    // SAFETY: the caller's promises.
+    unsafe {
+        let output = Output::new("requirements", requirements)?;
+        let adapter = read("adapter", adapter)?;
+        let features = read("features", features)?;
+        output.write(&require(&adapter, &features, purpose)?);
+    }
+    Ok(())
+}
+
+/// Adopts the device of a host: nothing of the host is ever destroyed. With a queue it is for
+/// renderers, which submit to it. Without one it is for scenes: nothing is submitted, and the
+/// host's frame numbers are its clock. `UNSUPPORTED` names what is not on.
 ///
 /// # Safety
 /// The rules of the interface. The handles belong together, and live until this device and all that
@@ -60,7 +77,8 @@ pub unsafe extern "C" fn antumbra_device_adopt(
 
 /// Says that all frames are over on the GPU, or will never be submitted: what they used can be
 /// freed. To be called before the device is destroyed; otherwise all that the last frames may still
-/// use is kept for good, and the log says so.
+/// use is kept for good, and the log says so. A device with a queue knows by itself:
+/// `BAD_ARGUMENT`.
 ///
 /// # Safety
 /// The rules of the interface, and it is so.
@@ -78,8 +96,9 @@ pub unsafe extern "C" fn antumbra_device_finished(
     }
 }
 
-/// Gives the device back: the host goes on to own it. Scenes on it live on until they are
-/// destroyed. A handle of 0 is no error.
+/// Gives the device back: the host goes on to own it. Scenes and renderers on it live on until they
+/// are destroyed. With a queue, the last of them and this wait until what was submitted is over;
+/// the wait is bounded. A handle of 0 is no error.
 ///
 /// # Safety
 /// The rules of the interface.

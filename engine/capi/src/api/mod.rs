@@ -5,5 +5,7 @@ pub mod culler;
 #[cfg(feature = "vulkan")]
 pub mod device;
 pub mod hierarchy;
+#[cfg(feature = "renderer")]
+pub mod renderer;
 #[cfg(feature = "vulkan")]
 pub mod scene;

@@ -61,6 +61,12 @@ impl AntumbraCamera {
         if self.width == 0 || self.height == 0 {
             return Err(Failure::argument("camera.width and camera.height must be above 0"));
         }
+        View::from_matrix(&self.projection()?, [self.width, self.height], self.sub_pixel_bits)
+            .map_err(|error| Failure::argument(format_args!("camera.clip_from_world: {error}")))
+    }
+
+    /// Returns the matrix and what it means.
+    pub(crate) fn projection(&self) -> Result<ViewProjection, Failure> {
         let depth = match self.depth {
             ANTUMBRA_DEPTH_REVERSED => DepthConvention::Reversed,
             ANTUMBRA_DEPTH_STANDARD => DepthConvention::Standard,
@@ -72,8 +78,6 @@ impl AntumbraCamera {
             _ => return Err(Failure::argument("camera.clip_y is no ANTUMBRA_CLIP_Y_..")),
         };
         let matrix = Mat4::from_cols_array(&self.clip_from_world);
-        let projection = ViewProjection { matrix, depth, y };
-        View::from_matrix(&projection, [self.width, self.height], self.sub_pixel_bits)
-            .map_err(|error| Failure::argument(format_args!("camera.clip_from_world: {error}")))
+        Ok(ViewProjection { matrix, depth, y })
     }
 }

@@ -8,6 +8,7 @@ use gpu::{
     vk,
 };
 
+use super::queue::{AntumbraQueueDesc, host_queue};
 use crate::error::Failure;
 use crate::layout::{Versioned, layout};
 use crate::pointers::{read, slice};
@@ -89,10 +90,10 @@ unsafe impl Versioned for AntumbraFeatures {
     };
 }
 
-/// The most extensions that the executor asks for.
+/// The most extensions that the library asks for.
 pub const ANTUMBRA_EXTENSIONS_MAX: usize = 8;
 
-/// The needs of the executor on a physical device, besides features.
+/// The needs of the library on a physical device, besides features.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraRequirements {
@@ -100,7 +101,8 @@ pub struct AntumbraRequirements {
     pub struct_size: u32,
     /// The least version of Vulkan for instance and device.
     pub api_version: u32,
-    /// The flags of the queue family whose command buffers are recorded into.
+    /// The flags of the queue family whose command buffers are recorded into, or that a renderer
+    /// submits to.
     pub queue_flags: vk::QueueFlags,
     /// The first queue family with these flags; `UINT32_MAX` if there is none.
     pub queue_family: u32,
@@ -134,7 +136,7 @@ unsafe impl Versioned for AntumbraRequirements {
 pub struct AntumbraDeviceDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The queue family of the command buffers that are recorded into.
+    /// The queue family of the command buffers that are recorded into, or of `queue`.
     pub queue_family: u32,
     /// The physical device.
     pub adapter: *const AntumbraAdapterDesc,
@@ -152,9 +154,12 @@ pub struct AntumbraDeviceDesc {
     pub allocation_callbacks: *const vk::AllocationCallbacks<'static>,
     /// A cache for pipelines. Default: `VK_NULL_HANDLE`, for one of the library's own.
     pub pipeline_cache: vk::PipelineCache,
+    /// The queue that a renderer submits to, of the family `queue_family`; null for a device on
+    /// which scenes are recorded into command buffers of the host. Default: null.
+    pub queue: *const AntumbraQueueDesc,
 }
 layout!(AntumbraDeviceDesc: struct_size, queue_family, adapter, device, features, extensions,
-    extension_count, allocation_callbacks, pipeline_cache);
+    extension_count, allocation_callbacks, pipeline_cache, queue);
 
 // SAFETY: the first field is the size.
 unsafe impl Versioned for AntumbraDeviceDesc {
@@ -169,6 +174,7 @@ unsafe impl Versioned for AntumbraDeviceDesc {
         extension_count: 0,
         allocation_callbacks: std::ptr::null(),
         pipeline_cache: vk::PipelineCache::null(),
+        queue: std::ptr::null(),
     };
 }
 
@@ -207,18 +213,19 @@ impl Adapter {
     }
 }
 
-/// Writes the needs of the executor, and turns the features on that it needs or can use.
+/// Writes the needs of a part of the engine, and turns the features on that it needs or can use.
 ///
 /// # Safety
 /// As the rules of the interface, for handles and structs of Vulkan, too.
 pub(crate) unsafe fn require(
     adapter: &AntumbraAdapterDesc,
     features: &AntumbraFeatures,
+    purpose: Purpose,
 ) -> Result<AntumbraRequirements, Failure> {
     // SAFETY: the caller's promise.
     let needs = unsafe {
         let adapter = Adapter::load(adapter)?;
-        Requirements::of(&adapter.instance, adapter.physical_device, Purpose::Executor)
+        Requirements::of(&adapter.instance, adapter.physical_device, purpose)
     };
     needs.check()?;
     let on = needs.features().structures();
@@ -266,6 +273,8 @@ pub(crate) unsafe fn adopt(desc: &AntumbraDeviceDesc) -> Result<Device, Failure>
         // SAFETY: as above.
         extensions.push(CString::from(unsafe { CStr::from_ptr(*name) }));
     }
+    // SAFETY: as above.
+    let queue = unsafe { host_queue(desc.queue) }?;
     let callbacks = desc.allocation_callbacks;
     let has_cache = desc.pipeline_cache != vk::PipelineCache::null();
     // SAFETY: as above.
@@ -281,7 +290,7 @@ pub(crate) unsafe fn adopt(desc: &AntumbraDeviceDesc) -> Result<Device, Failure>
             features,
             allocation_callbacks: (!callbacks.is_null()).then(|| *callbacks),
             pipeline_cache: has_cache.then_some(desc.pipeline_cache),
-            queue: None,
+            queue,
             options: DeviceOptions::default(),
         })?)
     }

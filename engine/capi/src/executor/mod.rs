@@ -3,5 +3,6 @@
 
 pub mod device;
 pub mod frame;
+pub mod queue;
 pub mod scene;
 pub mod target;

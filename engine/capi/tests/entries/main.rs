@@ -6,6 +6,8 @@
 mod executor;
 mod guards;
 mod handles;
+#[cfg(feature = "renderer")]
+mod renderer;
 mod threads;
 mod values;
 mod versions;

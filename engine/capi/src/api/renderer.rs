@@ -1,0 +1,318 @@
+//! Functions of renderers.
+
+use cull::ObjectId;
+use gpu::Purpose;
+use scene::{MeshId, Object, ObjectChange};
+
+use crate::api::device::write_needs;
+use crate::context::{AntumbraContext, entry};
+use crate::error::{AntumbraError, AntumbraResult};
+use crate::executor::device::{AntumbraAdapterDesc, AntumbraFeatures, AntumbraRequirements};
+use crate::pointers::{Output, check_output, output_slice, read, slice};
+use crate::renderer::description::{
+    AntumbraMeshDesc, AntumbraMeshObject, AntumbraRendererDesc, AntumbraTransform, prepare,
+};
+use crate::renderer::frame::{
+    AntumbraFinishedImage, AntumbraRenderDesc, AntumbraRenderer, AntumbraRendererStats,
+    HostedRenderer,
+};
+
+/// Writes what `antumbra_requirements` does, for devices that are adopted with a queue.
+///
+/// # Safety
+/// The rules of the interface; the handles are valid.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_requirements(
+    context: *const AntumbraContext,
+    adapter: *const AntumbraAdapterDesc,
+    features: *const AntumbraFeatures,
+    requirements: *mut AntumbraRequirements,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |_| write_needs(adapter, features, requirements, Purpose::Renderer))
+    }
+}
+
+/// Creates a renderer of a scene, and uploads the scene. What games need besides is in Rust alone:
+/// textures, materials, lights beside the sun, transparent, skinned and animated meshes, levels of
+/// detail, several views, glTF files.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_create(
+    context: *const AntumbraContext,
+    desc: *const AntumbraRendererDesc,
+    renderer: *mut AntumbraRenderer,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            check_output("renderer", renderer)?;
+            let desc = read("desc", desc)?;
+            let device = context.devices.find(desc.device)?.read()?.clone();
+            let (options, scene) = (desc.options()?, desc.scene()?);
+            let new = HostedRenderer::new(&device, &scene, &options)?;
+            *renderer = context.renderers.insert(new)?;
+            Ok(())
+        })
+    }
+}
+
+/// Destroys a renderer. What frames in flight use is freed when they are over: nothing waits. Its
+/// image is used no longer. A handle of 0 is no error.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_destroy(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe { entry(context, error, |context| context.renderers.destroy(renderer)) }
+}
+
+/// Renders a frame and submits it. Waits for the frame that used its memory `frames_in_flight`
+/// frames ago, and for nothing else.
+///
+/// # Safety
+/// The rules of the interface. The image of the frame before is in its state again, and its other
+/// users are over when the frame executes. The callbacks of the queue do what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_render(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    desc: *const AntumbraRenderDesc,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let desc = read("desc", desc)?;
+            let camera = read("desc.camera", desc.camera)?;
+            context.renderers.find(renderer)?.write()?.render(&desc, &camera)
+        })
+    }
+}
+
+/// Writes the image of the newest frame. `BAD_ARGUMENT` before the first one.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_image(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    image: *mut AntumbraFinishedImage,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let output = Output::new("image", image)?;
+            let finished = context.renderers.find(renderer)?.write()?.renderer.finished_image()?;
+            output.write(&finished.into());
+            Ok(())
+        })
+    }
+}
+
+/// Draws images of another size from now on, with what is known of earlier frames. Nothing waits.
+/// The image of earlier frames is used no longer.
+///
+/// # Safety
+/// The rules of the interface. Commands of the host that use the image are over.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_resize(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    width: u32,
+    height: u32,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let renderer = context.renderers.find(renderer)?;
+            let mut renderer = renderer.write()?;
+            Ok(renderer.renderer.resize([width, height])?)
+        })
+    }
+}
+
+/// Adds objects and writes their ids, which may be those of objects that were removed. There must
+/// be room: `spare_objects`. After an error nothing was added.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_add_objects(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    objects: *const AntumbraMeshObject,
+    count: usize,
+    ids: *mut u32,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let objects = slice("objects", objects, count)?.iter().map(Object::from);
+            let ids = output_slice("ids", ids, count)?;
+            let changes: Vec<_> = objects.map(|object| ObjectChange::Add { object }).collect();
+            let renderer = context.renderers.find(renderer)?;
+            let report = renderer.write()?.renderer.update(&changes)?;
+            for (id, added) in ids.iter_mut().zip(report.added) {
+                id.write(added.0);
+            }
+            Ok(())
+        })
+    }
+}
+
+/// Removes objects. After an error nothing was removed.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_remove_objects(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    objects: *const u32,
+    count: usize,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let objects = slice("objects", objects, count)?.iter().map(|id| ObjectId(*id));
+            let changes: Vec<_> = objects.map(|object| ObjectChange::Remove { object }).collect();
+            context.renderers.find(renderer)?.write()?.renderer.update(&changes)?;
+            Ok(())
+        })
+    }
+}
+
+/// Moves objects: object `objects[i]` has the transform `transforms[i]` from the next frame on.
+/// After an error nothing has moved.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_move_objects(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    objects: *const u32,
+    transforms: *const AntumbraTransform,
+    count: usize,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let objects = slice("objects", objects, count)?.iter().map(|id| ObjectId(*id));
+            let transforms = slice("transforms", transforms, count)?.iter().map(Into::into);
+            let moves = objects.zip(transforms);
+            let changes: Vec<_> =
+                moves.map(|(object, transform)| ObjectChange::Move { object, transform }).collect();
+            context.renderers.find(renderer)?.write()?.renderer.update(&changes)?;
+            Ok(())
+        })
+    }
+}
+
+/// Adds meshes and writes their ids, which may be those of meshes that were removed. There must be
+/// room: `spare_meshes`, `spare_vertices` and `spare_indices`. Objects can have them at once, and
+/// are drawn once they are on the GPU: frames copy them bit by bit. After an error nothing was
+/// added.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_add_meshes(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    meshes: *const *const AntumbraMeshDesc,
+    count: usize,
+    ids: *mut u32,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let ids = output_slice("ids", ids, count)?;
+            let meshes = prepare(meshes, count)?;
+            let renderer = context.renderers.find(renderer)?;
+            let added = renderer.write()?.renderer.add_meshes(meshes)?;
+            for (id, added) in ids.iter_mut().zip(added) {
+                id.write(added.0);
+            }
+            Ok(())
+        })
+    }
+}
+
+/// Removes meshes that no object has. After an error nothing was removed.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_remove_meshes(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    meshes: *const u32,
+    count: usize,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let meshes = slice("meshes", meshes, count)?;
+            let meshes: Vec<_> = meshes.iter().map(|id| MeshId(*id)).collect();
+            let renderer = context.renderers.find(renderer)?;
+            let mut renderer = renderer.write()?;
+            Ok(renderer.renderer.remove_meshes(&meshes)?)
+        })
+    }
+}
+
+/// Writes the counts of the newest frame whose results are known.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_stats(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    stats: *mut AntumbraRendererStats,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let output = Output::new("stats", stats)?;
+            output.write(&context.renderers.find(renderer)?.write()?.stats());
+            Ok(())
+        })
+    }
+}
+
+/// Waits until all frames of the renderer are over. For the end and for measurements, not for a
+/// loop. The wait is bounded.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_wait(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe { entry(context, error, |context| context.renderers.find(renderer)?.write()?.wait()) }
+}

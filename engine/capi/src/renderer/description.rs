@@ -1,0 +1,323 @@
+//! The scene of a renderer as a host describes it.
+
+use glam::{Affine3A, Vec3};
+use render::{Costs, RendererOptions, SpareRoom};
+use scene::{
+    Light, Mesh, MeshId, Object, PreparedMesh, Scene, Vertex, bounds_of_vertices, pack_normal,
+    pack_unorm,
+};
+
+use crate::error::Failure;
+use crate::executor::device::AntumbraDevice;
+use crate::layout::{Versioned, layout};
+use crate::pointers::{read, slice};
+
+/// A vertex of a mesh.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AntumbraVertex {
+    /// Position in the space of the mesh (metres); y is up.
+    pub position: [f32; 3],
+    /// Unit normal.
+    pub normal: [f32; 3],
+    /// Linear red, green and blue, 0 to 1; then the share of the object's tint, 0 to 1.
+    pub colour: [f32; 4],
+}
+layout!(AntumbraVertex: position, normal, colour);
+
+/// A mesh, which any number of objects may have. It is copied.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraMeshDesc {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// Must be 0.
+    pub reserved: u32,
+    /// The vertices.
+    pub vertices: *const AntumbraVertex,
+    /// The number of vertices.
+    pub vertex_count: usize,
+    /// Three indices of vertices for each triangle, counter-clockwise seen from outside.
+    pub indices: *const u32,
+    /// The number of indices.
+    pub index_count: usize,
+}
+layout!(AntumbraMeshDesc: struct_size, reserved, vertices, vertex_count, indices, index_count);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraMeshDesc {
+    const REQUIRED_FIELDS: usize = 6;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        reserved: 0,
+        vertices: std::ptr::null(),
+        vertex_count: 0,
+        indices: std::ptr::null(),
+        index_count: 0,
+    };
+}
+
+/// A transform from the space of a mesh to the world.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AntumbraTransform {
+    /// The images of the x, y and z axis, then the place of the origin (metres).
+    pub columns: [f32; 12],
+}
+layout!(AntumbraTransform: columns);
+
+impl From<&AntumbraTransform> for Affine3A {
+    fn from(it: &AntumbraTransform) -> Self {
+        Self::from_cols_array(&it.columns)
+    }
+}
+
+/// A mesh somewhere in the world.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AntumbraMeshObject {
+    /// The mesh: its place among those of the `AntumbraRendererDesc`, or the id that
+    /// `antumbra_renderer_add_meshes` wrote.
+    pub mesh: u32,
+    /// Linear red, green and blue of 8 bits each, red in the lowest byte: a factor of the colour of
+    /// vertices, by their share.
+    pub tint: u32,
+    /// The place.
+    pub transform: AntumbraTransform,
+}
+layout!(AntumbraMeshObject: mesh, tint, transform);
+
+impl From<&AntumbraMeshObject> for Object {
+    fn from(it: &AntumbraMeshObject) -> Self {
+        Self { mesh: MeshId(it.mesh), transform: (&it.transform).into(), tint: it.tint }
+    }
+}
+
+/// A sun, the light of the sky, and the background. Colours are linear.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct AntumbraSunlight {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// Vector to the sun; of any length above 0.
+    pub towards_sun: [f32; 3],
+    /// Light on surfaces that face the sun.
+    pub sun: [f32; 3],
+    /// Light on surfaces that face up.
+    pub ambient_above: [f32; 3],
+    /// Light on surfaces that face down.
+    pub ambient_below: [f32; 3],
+    /// The colour of the background.
+    pub sky: [f32; 3],
+}
+layout!(AntumbraSunlight: struct_size, towards_sun, sun, ambient_above, ambient_below, sky);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraSunlight {
+    const REQUIRED_FIELDS: usize = 6;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        towards_sun: [0.0, 1.0, 0.0],
+        sun: [1.0; 3],
+        ambient_above: [0.0; 3],
+        ambient_below: [0.0; 3],
+        sky: [0.0; 3],
+    };
+}
+
+impl AntumbraSunlight {
+    fn light(&self) -> Result<Light, Failure> {
+        let Self { sun, ambient_above, ambient_below, sky, .. } = *self;
+        let towards_sun = Vec3::from(self.towards_sun).try_normalize();
+        let are_finite =
+            [sun, ambient_above, ambient_below, sky].iter().flatten().all(|it| it.is_finite());
+        match towards_sun.filter(|_| are_finite) {
+            Some(towards_sun) => Ok(Light { towards_sun, sun, ambient_above, ambient_below, sky }),
+            None => Err(Failure::argument(
+                "desc.light has a number that is not finite, or towards_sun is 0",
+            )),
+        }
+    }
+}
+
+/// Tests that cost more than they are expected to save are left out, by prices that are measured
+/// when the renderer is made.
+pub const ANTUMBRA_COSTS_MEASURED: u32 = 0;
+/// All that may be hidden is tested.
+pub const ANTUMBRA_COSTS_IGNORED: u32 = 1;
+
+/// The options of a renderer, and the scene that it begins with.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraRendererDesc {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// Frames that may be in flight at once, at least 1 and at most 16.
+    pub frames_in_flight: u32,
+    /// The device, which was adopted with a queue.
+    pub device: AntumbraDevice,
+    /// Width of the image (pixels).
+    pub width: u32,
+    /// Height of the image (pixels).
+    pub height: u32,
+    /// The meshes.
+    pub meshes: *const *const AntumbraMeshDesc,
+    /// The number of meshes.
+    pub mesh_count: usize,
+    /// The objects, neighbours near each other. Their ids are their places.
+    pub objects: *const AntumbraMeshObject,
+    /// The number of objects.
+    pub object_count: usize,
+    /// The light; null for a clear afternoon. Default: null.
+    pub light: *const AntumbraSunlight,
+    /// The most occlusion queries of a frame, 0 for 8192; objects for which none is left are drawn.
+    /// Default: 0.
+    pub query_budget: usize,
+    /// An `ANTUMBRA_COSTS_..`. Default: `ANTUMBRA_COSTS_MEASURED`.
+    pub costs: u32,
+    /// Room for objects that are added later. Default: 0.
+    pub spare_objects: u32,
+    /// Room for meshes that are added later. Default: 0.
+    pub spare_meshes: u32,
+    /// Room for their vertices. Default: 0.
+    pub spare_vertices: u32,
+    /// Room for their indices. Default: 0.
+    pub spare_indices: u32,
+    /// The most bytes of added meshes that a frame copies to the GPU, 0 for 1048576. Default: 0.
+    pub upload_bytes_per_frame: u32,
+}
+layout!(AntumbraRendererDesc: struct_size, frames_in_flight, device, width, height, meshes,
+    mesh_count, objects, object_count, light, query_budget, costs, spare_objects, spare_meshes,
+    spare_vertices, spare_indices, upload_bytes_per_frame);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraRendererDesc {
+    const REQUIRED_FIELDS: usize = 9;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        frames_in_flight: 2,
+        device: AntumbraDevice { id: 0 },
+        width: 0,
+        height: 0,
+        meshes: std::ptr::null(),
+        mesh_count: 0,
+        objects: std::ptr::null(),
+        object_count: 0,
+        light: std::ptr::null(),
+        query_budget: 0,
+        costs: ANTUMBRA_COSTS_MEASURED,
+        spare_objects: 0,
+        spare_meshes: 0,
+        spare_vertices: 0,
+        spare_indices: 0,
+        upload_bytes_per_frame: 0,
+    };
+}
+
+impl AntumbraRendererDesc {
+    /// Returns the options.
+    pub(crate) fn options(&self) -> Result<RendererOptions, Failure> {
+        if self.frames_in_flight == 0 {
+            return Err(Failure::argument("desc.frames_in_flight must be above 0"));
+        }
+        let costs = match self.costs {
+            ANTUMBRA_COSTS_MEASURED => Costs::Measured,
+            ANTUMBRA_COSTS_IGNORED => Costs::Ignored,
+            other => {
+                return Err(Failure::argument(format_args!(
+                    "there is no ANTUMBRA_COSTS_.. {other}"
+                )));
+            }
+        };
+        let default = RendererOptions::default();
+        let given = |number: usize, default| if number == 0 { default } else { number };
+        let upload_bytes = self.upload_bytes_per_frame as usize;
+        Ok(RendererOptions {
+            size: [self.width, self.height],
+            frames_in_flight: self.frames_in_flight as usize,
+            query_budget: given(self.query_budget, default.query_budget),
+            costs,
+            spare_objects: self.spare_objects as usize,
+            spare: SpareRoom {
+                meshes: self.spare_meshes,
+                vertices: self.spare_vertices,
+                indices: self.spare_indices,
+                ..default.spare
+            },
+            upload_bytes_per_frame: given(upload_bytes, default.upload_bytes_per_frame),
+            ..default
+        })
+    }
+
+    /// Returns the scene, which may be one that cannot be drawn.
+    ///
+    /// # Safety
+    /// As the rules of the interface.
+    pub(crate) unsafe fn scene(&self) -> Result<Scene, Failure> {
+        // SAFETY: the caller's promise, here and below.
+        let (meshes, objects) = unsafe {
+            let objects = slice("desc.objects", self.objects, self.object_count)?;
+            (meshes_of("desc.meshes", self.meshes, self.mesh_count)?, objects)
+        };
+        let light = match self.light.is_null() {
+            true => Light::afternoon(),
+            // SAFETY: as above.
+            false => unsafe { read("desc.light", self.light) }?.light()?,
+        };
+        Ok(Scene {
+            name: "scene".to_owned(),
+            meshes,
+            objects: objects.iter().map(Object::from).collect(),
+            light,
+            surfaces: None,
+        })
+    }
+}
+
+/// Copies meshes.
+///
+/// # Safety
+/// As the rules of the interface.
+unsafe fn meshes_of(
+    name: &str,
+    meshes: *const *const AntumbraMeshDesc,
+    count: usize,
+) -> Result<Vec<Mesh>, Failure> {
+    // SAFETY: the caller's promise, here and below.
+    let meshes = unsafe { slice(name, meshes, count) }?;
+    let copy = |(number, mesh): (usize, &*const AntumbraMeshDesc)| {
+        let name = format!("{name}[{number}]");
+        // SAFETY: as above.
+        unsafe {
+            let it = read(&name, *mesh)?;
+            let vertices = slice("vertices of a mesh", it.vertices, it.vertex_count)?;
+            let indices = slice("indices of a mesh", it.indices, it.index_count)?;
+            Ok(mesh_of(name, vertices, indices))
+        }
+    };
+    meshes.iter().enumerate().map(copy).collect()
+}
+
+/// Copies and checks meshes that are added to a renderer.
+///
+/// # Safety
+/// As the rules of the interface.
+pub(crate) unsafe fn prepare(
+    meshes: *const *const AntumbraMeshDesc,
+    count: usize,
+) -> Result<Vec<PreparedMesh>, Failure> {
+    // SAFETY: the caller's promise.
+    let meshes = unsafe { meshes_of("meshes", meshes, count) }?;
+    meshes.into_iter().map(|mesh| PreparedMesh::new(mesh).map_err(Failure::argument)).collect()
+}
+
+fn mesh_of(name: String, vertices: &[AntumbraVertex], indices: &[u32]) -> Mesh {
+    let packed = vertices.iter().map(|vertex| Vertex {
+        position: vertex.position,
+        normal: pack_normal(Vec3::from(vertex.normal)),
+        colour: pack_unorm(vertex.colour),
+    });
+    let vertices: Vec<Vertex> = packed.collect();
+    let bounds = bounds_of_vertices(&vertices);
+    Mesh { name, vertices, indices: indices.to_vec(), bounds, has_backs: false }
+}

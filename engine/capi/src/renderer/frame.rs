@@ -1,0 +1,222 @@
+//! The renderer of a host, its frames and their images.
+
+use std::collections::VecDeque;
+
+use cull::FrameId;
+use gpu::{Device, FinishedImage, vk};
+use render::{FrameRequest, Renderer, RendererOptions, ViewState, Viewpoint};
+use scene::Scene;
+
+use crate::decisions::camera::AntumbraCamera;
+use crate::decisions::culler::{ANTUMBRA_STRATEGY_ANTUMBRA, strategy};
+use crate::error::Failure;
+use crate::executor::target::AntumbraImageState;
+use crate::layout::{Versioned, layout};
+use crate::table::handle;
+
+/// A renderer: a scene on a host's device, and one view of it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AntumbraRenderer {
+    /// The number of the handle; 0 for none.
+    pub id: u64,
+}
+handle!(AntumbraRenderer = "renderer");
+
+/// A frame to be rendered.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraRenderDesc {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// An `ANTUMBRA_STRATEGY_..`, which may be another one in each frame: frustum culling alone
+    /// draws the same image.
+    pub strategy: u32,
+    /// The camera, with reversed depth. Its `sub_pixel_bits` have no meaning here.
+    pub camera: *const AntumbraCamera,
+}
+layout!(AntumbraRenderDesc: struct_size, strategy, camera);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraRenderDesc {
+    const REQUIRED_FIELDS: usize = 3;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        strategy: ANTUMBRA_STRATEGY_ANTUMBRA,
+        camera: std::ptr::null(),
+    };
+}
+
+/// The image of the newest frame. It is the renderer's until that is resized or destroyed.
+///
+/// Commands that are submitted to the same queue after the frame use it behind a barrier from
+/// `state`. On other queues they first wait for `value` of the semaphore `timeline`. Before the
+/// next frame is rendered, a barrier on the queue of the renderer brings it back to `state`.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct AntumbraFinishedImage {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// The format of the view, which decodes the colours. Views of the image can also have
+    /// `VK_FORMAT_R8G8B8A8_UNORM`.
+    pub format: vk::Format,
+    /// The image, of 8 bits per channel, which may be sampled and copied.
+    pub image: vk::Image,
+    /// A view of it.
+    pub view: vk::ImageView,
+    /// Width (pixels).
+    pub width: u32,
+    /// Height (pixels).
+    pub height: u32,
+    /// The state that the frame leaves it in.
+    pub state: AntumbraImageState,
+    /// The timeline semaphore of the device, which the library owns.
+    pub timeline: vk::Semaphore,
+    /// The value of the semaphore at which the image is finished.
+    pub value: u64,
+}
+layout!(AntumbraFinishedImage: struct_size, format, image, view, width, height, state, timeline,
+    value);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraFinishedImage {
+    const REQUIRED_FIELDS: usize = 9;
+    // SAFETY: all of it are numbers, of which 0 is a value.
+    const DEFAULT: Self =
+        Self { struct_size: size_of::<Self>() as u32, ..unsafe { std::mem::zeroed() } };
+}
+
+impl From<FinishedImage> for AntumbraFinishedImage {
+    fn from(it: FinishedImage) -> Self {
+        let FinishedImage { image, view, format, size: [width, height], state, timeline, tick } =
+            it;
+        let state = AntumbraImageState {
+            layout: state.layout,
+            reserved: 0,
+            stages: state.stages,
+            access: state.access,
+        };
+        let struct_size = size_of::<Self>() as u32;
+        Self { struct_size, format, image, view, width, height, state, timeline, value: tick.0 }
+    }
+}
+
+/// The counts of the newest frame whose results are known, and of meshes on their way.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct AntumbraRendererStats {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// 1 while some mesh is on its way to the GPU: its objects are not drawn yet. Else 0.
+    pub is_uploading: u32,
+    /// The frame, counted from 1; 0 if none is known.
+    pub frame: u64,
+    /// The objects of the scene in that frame.
+    pub total: u64,
+    /// The objects among them that the GPU drew.
+    pub drawn: u64,
+    /// The objects among those that were drawn because a box showed.
+    pub revealed: u64,
+    /// The boxes that were tested.
+    pub tests: u64,
+}
+layout!(AntumbraRendererStats: struct_size, is_uploading, frame, total, drawn, revealed, tests);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraRendererStats {
+    const REQUIRED_FIELDS: usize = 7;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        is_uploading: 0,
+        frame: 0,
+        total: 0,
+        drawn: 0,
+        revealed: 0,
+        tests: 0,
+    };
+}
+
+/// The counts of a frame that are known when it is submitted.
+struct SubmittedFrame {
+    frame: FrameId,
+    total: u64,
+    tests: u64,
+}
+
+/// A renderer with its view.
+pub(crate) struct HostedRenderer {
+    pub renderer: Renderer,
+    view: ViewState,
+    /// The frames whose results are not known yet.
+    submitted: VecDeque<SubmittedFrame>,
+    stats: AntumbraRendererStats,
+}
+
+impl HostedRenderer {
+    pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Failure> {
+        if !device.has_queue() {
+            let message = "desc.device was adopted without a queue, and a renderer submits: name \
+                           one in AntumbraDeviceDesc";
+            return Err(Failure::argument(message));
+        }
+        let renderer = Renderer::new(device, scene, options)?;
+        let view = renderer.new_view()?;
+        let stats = AntumbraRendererStats::DEFAULT;
+        Ok(Self { renderer, view, submitted: VecDeque::new(), stats })
+    }
+
+    /// Renders a frame and submits it.
+    pub fn render(
+        &mut self,
+        desc: &AntumbraRenderDesc,
+        camera: &AntumbraCamera,
+    ) -> Result<(), Failure> {
+        let [width, height] = self.renderer.size();
+        if [camera.width, camera.height] != [width, height] {
+            return Err(Failure::argument(format_args!(
+                "desc.camera is for an image of {}x{} pixels, and the renderer has one of {width}x\
+                 {height}: call antumbra_renderer_resize",
+                camera.width, camera.height
+            )));
+        }
+        let viewpoint = Viewpoint::Matrix(camera.projection()?);
+        let request = FrameRequest::new(strategy(desc.strategy)?, viewpoint);
+        let report = self.renderer.render(&mut self.view, &request)?;
+        let hierarchy = self.renderer.hierarchy();
+        let total = hierarchy.leaf_objects().len() - hierarchy.free_leaves();
+        self.submitted.push_back(SubmittedFrame {
+            frame: self.view.plan().frame,
+            total: total as u64,
+            tests: u64::from(report.tests),
+        });
+        self.take_outcomes();
+        Ok(())
+    }
+
+    /// Waits until all frames are over.
+    pub fn wait(&mut self) -> Result<(), Failure> {
+        Ok(self.renderer.drain(&mut self.view)?)
+    }
+
+    /// Returns the newest counts.
+    pub fn stats(&mut self) -> AntumbraRendererStats {
+        self.take_outcomes();
+        let is_uploading = u32::from(self.renderer.is_uploading());
+        AntumbraRendererStats { is_uploading, ..self.stats }
+    }
+
+    fn take_outcomes(&mut self) {
+        for outcome in self.view.take_outcomes() {
+            // Frames before it whose results are lost have no outcome.
+            while self.submitted.front().is_some_and(|it| it.frame < outcome.frame) {
+                self.submitted.pop_front();
+            }
+            let is_it = |it: &&SubmittedFrame| it.frame == outcome.frame;
+            let Some(it) = self.submitted.front().filter(is_it) else { continue };
+            self.stats.frame = outcome.frame.0;
+            self.stats.drawn = outcome.draws;
+            self.stats.revealed = outcome.revealed;
+            (self.stats.total, self.stats.tests) = (it.total, it.tests);
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Functions of renderers with handles that are none; no Vulkan is needed to say so.
+
+use std::ptr::{null, null_mut};
+
+use antumbra_capi::api::renderer::*;
+use antumbra_capi::context::AntumbraContext;
+use antumbra_capi::decisions::camera::AntumbraCamera;
+use antumbra_capi::error::AntumbraResult::{self, BadPointer, Ok, UnknownHandle};
+use antumbra_capi::executor::device::AntumbraDevice;
+use antumbra_capi::layout::Versioned;
+use antumbra_capi::renderer::description::AntumbraRendererDesc;
+use antumbra_capi::renderer::frame::*;
+
+use crate::Host;
+
+type Call<'a> = (&'a str, &'a dyn Fn(*const AntumbraContext, u64) -> AntumbraResult);
+
+#[test]
+fn every_function_of_the_renderer_checks_its_handles() {
+    let host = Host::new();
+    let r = |id| AntumbraRenderer { id };
+    let e = null_mut;
+    let camera = AntumbraCamera::DEFAULT;
+    let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::DEFAULT };
+    // SAFETY: of all closures: pointers to values that live as long as the call, or null.
+    let calls: [Call; 12] = unsafe {
+        [
+            ("create", &|x, id| {
+                let desc =
+                    AntumbraRendererDesc { device: AntumbraDevice { id }, ..Versioned::DEFAULT };
+                antumbra_renderer_create(x, &desc, &mut r(0), e())
+            }),
+            ("destroy", &|x, id| antumbra_renderer_destroy(x, r(id), e())),
+            ("render", &|x, id| antumbra_renderer_render(x, r(id), &frame, e())),
+            ("image", &|x, id| {
+                let mut image = AntumbraFinishedImage::DEFAULT;
+                antumbra_renderer_image(x, r(id), &mut image, e())
+            }),
+            ("resize", &|x, id| antumbra_renderer_resize(x, r(id), 8, 8, e())),
+            ("add_objects", &|x, id| {
+                antumbra_renderer_add_objects(x, r(id), null(), 0, null_mut(), e())
+            }),
+            ("remove_objects", &|x, id| antumbra_renderer_remove_objects(x, r(id), null(), 0, e())),
+            ("move_objects", &|x, id| {
+                antumbra_renderer_move_objects(x, r(id), null(), null(), 0, e())
+            }),
+            ("add_meshes", &|x, id| {
+                antumbra_renderer_add_meshes(x, r(id), null(), 0, null_mut(), e())
+            }),
+            ("remove_meshes", &|x, id| antumbra_renderer_remove_meshes(x, r(id), null(), 0, e())),
+            ("stats", &|x, id| {
+                let mut stats = AntumbraRendererStats::DEFAULT;
+                antumbra_renderer_stats(x, r(id), &mut stats, e())
+            }),
+            ("wait", &|x, id| antumbra_renderer_wait(x, r(id), e())),
+        ]
+    };
+    for (name, call) in calls {
+        assert_eq!(call(null(), 5), BadPointer, "{name}");
+        for id in [5, u64::MAX, host.hierarchy.id, host.culler.id] {
+            assert_eq!(call(host.context, id), UnknownHandle, "{name} {id:#x}");
+        }
+        let nothing = if name == "destroy" { Ok } else { UnknownHandle };
+        assert_eq!(call(host.context, 0), nothing, "{name}");
+    }
+    let no_camera = AntumbraRenderDesc::DEFAULT;
+    // SAFETY: null is refused.
+    unsafe {
+        let x = host.context;
+        let results = [
+            antumbra_renderer_requirements(x, null(), null(), null_mut(), e()),
+            antumbra_renderer_create(x, null(), &mut r(0), e()),
+            antumbra_renderer_create(x, &Versioned::DEFAULT, null_mut(), e()),
+            antumbra_renderer_render(x, r(0), null(), e()),
+            antumbra_renderer_render(x, r(0), &no_camera, e()),
+            antumbra_renderer_image(x, r(0), null_mut(), e()),
+            antumbra_renderer_add_objects(x, r(0), null(), 1, null_mut(), e()),
+            antumbra_renderer_remove_objects(x, r(0), null(), 1, e()),
+            antumbra_renderer_move_objects(x, r(0), null(), null(), 1, e()),
+            antumbra_renderer_add_meshes(x, r(0), null(), 1, null_mut(), e()),
+            antumbra_renderer_remove_meshes(x, r(0), null(), 1, e()),
+            antumbra_renderer_stats(x, r(0), null_mut(), e()),
+        ];
+        assert_eq!(results, [BadPointer; 12]);
+    }
+}

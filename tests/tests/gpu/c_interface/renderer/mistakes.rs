@@ -1,0 +1,126 @@
+//! Mistakes of a host with a renderer, each named, and the frame after them.
+
+use std::ptr::null;
+
+use ash::vk;
+use capi::api::renderer::*;
+use capi::decisions::camera::{ANTUMBRA_DEPTH_STANDARD, AntumbraCamera};
+use capi::error::AntumbraResult::{BadArgument, BadPointer, BadStructSize, Ok, Unsupported};
+use capi::executor::queue::AntumbraQueueDesc;
+use capi::layout::Versioned;
+use capi::renderer::description::*;
+use capi::renderer::frame::*;
+use gpu::{FeatureStructures, Purpose};
+use tests::Driver;
+use tests::host_device::Host;
+
+use super::super::{adopt_with, expect, no_error, text};
+use super::{CHost, SIZE, adopt, box_of, camera, hold, mesh_desc, objects, vertices_of};
+
+#[test]
+fn a_device_that_cannot_have_a_renderer_is_refused_by_name() {
+    let host = Host::new(Driver::Lavapipe, Purpose::Renderer);
+    let mut c = CHost::new(&host);
+    let queue = AntumbraQueueDesc { queue: host.queue, ..Versioned::DEFAULT };
+    let no_timelines = |all: &mut FeatureStructures| all.vulkan_12.timeline_semaphore = vk::FALSE;
+    let (refused, _, error) = adopt(&host, c.context, &queue, no_timelines);
+    expect(refused, Unsupported, "timelineSemaphore", &error);
+    for (queue, result, words) in [
+        (AntumbraQueueDesc::DEFAULT, BadPointer, "desc.queue.queue"),
+        (AntumbraQueueDesc { lock: Some(hold), ..queue }, BadArgument, "both or none"),
+        (AntumbraQueueDesc { struct_size: 12, ..queue }, BadStructSize, "AntumbraQueueDesc"),
+    ] {
+        let (refused, _, error) = adopt(&host, c.context, &queue, |_| {});
+        expect(refused, result, words, &error);
+    }
+    let (adopted, without_queue, _) = adopt_with(&host, c.context, |_| {}, |_| {});
+    assert_eq!(adopted, Ok);
+    let with_queue = std::mem::replace(&mut c.device, without_queue);
+    let (refused, _) =
+        c.create(&AntumbraRendererDesc { width: 8, height: 8, ..Versioned::DEFAULT });
+    expect(refused, BadArgument, "adopted without a queue", &c.error);
+    c.device = with_queue;
+    c.finish();
+    host.finish();
+}
+
+#[test]
+fn mistakes_of_a_scene_and_of_a_frame_are_named() {
+    let host = Host::new(Driver::Lavapipe, Purpose::Renderer);
+    let mut c = CHost::new(&host);
+    let mesh = box_of([0.5; 3]);
+    let (vertices, objects) = (vertices_of(&mesh), objects());
+    let it = mesh_desc(&vertices, &mesh.indices);
+    let good_meshes = [&raw const it];
+    let good = AntumbraRendererDesc {
+        width: SIZE[0],
+        height: SIZE[1],
+        meshes: good_meshes.as_ptr(),
+        mesh_count: 1,
+        objects: objects.as_ptr(),
+        object_count: 3,
+        ..Versioned::DEFAULT
+    };
+    let mut broken = vertices.clone();
+    broken[0].position[1] = f32::NAN;
+    for (mesh, result, words) in [
+        (mesh_desc(&vertices, &[0, 1, 36]), BadArgument, "desc.meshes[0]"),
+        (mesh_desc(&vertices, &[0, 1]), BadArgument, "no multiple of 3"),
+        (mesh_desc(&broken, &[0, 1, 2]), BadArgument, "not a finite number"),
+        (AntumbraMeshDesc { vertices: null(), ..it }, BadPointer, "vertices of a mesh is null"),
+        (AntumbraMeshDesc { struct_size: 20, ..it }, BadStructSize, "AntumbraMeshDesc"),
+    ] {
+        let meshes = [&raw const mesh];
+        let (refused, _) = c.create(&AntumbraRendererDesc { meshes: meshes.as_ptr(), ..good });
+        expect(refused, result, words, &c.error);
+    }
+    let foreign = AntumbraMeshObject { mesh: 1, ..objects[0] };
+    let dark = AntumbraSunlight { towards_sun: [0.0; 3], ..Versioned::DEFAULT };
+    for (desc, result, words) in [
+        (AntumbraRendererDesc { meshes: [null()].as_ptr(), ..good }, BadPointer, "desc.meshes[0]"),
+        (AntumbraRendererDesc { objects: null(), ..good }, BadPointer, "desc.objects"),
+        (AntumbraRendererDesc { objects: &foreign, ..good }, BadArgument, "object 0"),
+        (AntumbraRendererDesc { light: &dark, ..good }, BadArgument, "towards_sun"),
+        (AntumbraRendererDesc { width: 0, ..good }, BadArgument, "0"),
+        (AntumbraRendererDesc { frames_in_flight: 0, ..good }, BadArgument, "frames_in_flight"),
+        (AntumbraRendererDesc { frames_in_flight: 17, ..good }, BadArgument, "17 frames"),
+        (AntumbraRendererDesc { costs: 5, ..good }, BadArgument, "ANTUMBRA_COSTS_.. 5"),
+        (AntumbraRendererDesc { struct_size: 28, ..good }, BadStructSize, "AntumbraRendererDesc"),
+    ] {
+        let (refused, _) = c.create(&desc);
+        expect(refused, result, words, &c.error);
+    }
+    let (created, renderer) = c.create(&good);
+    assert_eq!(created, Ok, "{}", text(&c.error));
+    let (x, error) = (c.context, &mut no_error());
+    let (mut image, mut id) = (AntumbraFinishedImage::DEFAULT, 9);
+    let camera = camera();
+    // SAFETY: pointers to values on this stack.
+    unsafe {
+        let result = antumbra_renderer_image(x, renderer, &mut image, error);
+        expect(result, BadArgument, "not there yet", error);
+        let result = antumbra_renderer_add_objects(x, renderer, &objects[0], 1, &mut id, error);
+        expect(result, BadArgument, "spare_objects", error);
+        let meshes = good_meshes.as_ptr();
+        let result = antumbra_renderer_add_meshes(x, renderer, meshes, 1, &mut id, error);
+        expect(result, BadArgument, "meshes", error);
+        let result = antumbra_renderer_remove_objects(x, renderer, &7, 1, error);
+        expect(result, BadArgument, "object", error);
+        let result = antumbra_renderer_resize(x, renderer, 0, 5, error);
+        expect(result, BadArgument, "0", error);
+        assert_eq!(id, 9);
+        for (camera, strategy, words) in [
+            (AntumbraCamera { width: 8, ..camera }, 1, "antumbra_renderer_resize"),
+            (AntumbraCamera { depth: ANTUMBRA_DEPTH_STANDARD, ..camera }, 1, "reversed depth"),
+            (AntumbraCamera { clip_from_world: [0.0; 16], ..camera }, 1, ""),
+            (camera, 9, "STRATEGY_.. 9"),
+        ] {
+            let desc = AntumbraRenderDesc { strategy, camera: &camera, ..Versioned::DEFAULT };
+            let result = antumbra_renderer_render(x, renderer, &desc, error);
+            expect(result, BadArgument, words, error);
+        }
+    }
+    c.same_image(renderer);
+    c.finish();
+    host.finish();
+}
