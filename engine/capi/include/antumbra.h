@@ -1409,6 +1409,10 @@ typedef struct AntumbraViewStats {
      * The objects among them that were drawn because a box showed.
      */
     uint64_t revealed;
+    /**
+     * The occlusion queries in the newest plan of the view, which may be of a later frame.
+     */
+    uint64_t queries;
 } AntumbraViewStats;
 #endif
 
@@ -1622,6 +1626,11 @@ typedef struct AntumbraFrameDesc {
      * Ends a rendering. Default: null.
      */
     AntumbraRenderingCallback end_rendering;
+    /**
+     * The most occlusion queries of all views together, in place of the budgets of each: what a
+     * view leaves goes to those with more to test. 0 for none. Default: 0.
+     */
+    size_t query_budget;
 } AntumbraFrameDesc;
 #endif
 

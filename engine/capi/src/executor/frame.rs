@@ -2,7 +2,7 @@
 
 use std::ffi::c_void;
 
-use cull::View;
+use cull::{QueryShares, View};
 use gpu::{Attachments, Commands, Device, Frame, FrameNumbers, RenderTarget, Target, Tick, vk};
 use occlusion::{BucketId, HostScene, ObjectPass, ObjectRenderer, Rendering, ShaderSet, execute};
 
@@ -13,6 +13,7 @@ use crate::decisions::culler::{ANTUMBRA_STRATEGY_ANTUMBRA, strategy};
 use crate::error::Failure;
 use crate::layout::{Versioned, layout};
 use crate::pointers::{read, slice};
+use crate::table::Table;
 
 /// The draws that follow a call of [`AntumbraBindCallback`].
 #[repr(C)]
@@ -111,9 +112,12 @@ pub struct AntumbraFrameDesc {
     pub begin_rendering: AntumbraRenderingCallback,
     /// Ends a rendering. Default: null.
     pub end_rendering: AntumbraRenderingCallback,
+    /// The most occlusion queries of all views together, in place of the budgets of each: what a
+    /// view leaves goes to those with more to test. 0 for none. Default: 0.
+    pub query_budget: usize,
 }
 layout!(AntumbraFrameDesc: struct_size, view_count, views, commands, current, safe, bind, user,
-    begin_rendering, end_rendering);
+    begin_rendering, end_rendering, query_budget);
 
 // SAFETY: the first field is the size.
 unsafe impl Versioned for AntumbraFrameDesc {
@@ -129,6 +133,7 @@ unsafe impl Versioned for AntumbraFrameDesc {
         user: std::ptr::null_mut(),
         begin_rendering: None,
         end_rendering: None,
+        query_budget: 0,
     };
 }
 
@@ -231,19 +236,19 @@ pub(crate) unsafe fn record(
     // SAFETY: as above.
     let mut frame = unsafe { scene.frames.begin_in(desc.commands, numbers) }?;
     scene.scene.upload(&mut frame)?;
-    for view in views {
-        // SAFETY: as above.
-        unsafe {
-            let view = read("a view of desc.views", *view)?;
-            let hosted = scene.views.find(view.view)?;
-            let parts = Parts {
-                device: &scene.device,
-                scene: &mut scene.scene,
-                shaders: &scene.shaders,
-                attachments: &scene.attachments,
-                frames_in_flight,
-            };
-            record_view(&mut frame, parts, &mut *hosted.write()?, (desc, &view))?;
+    let mut parts = Parts {
+        device: &scene.device,
+        scene: &mut scene.scene,
+        views: &scene.views,
+        shaders: &scene.shaders,
+        attachments: &scene.attachments,
+        frames_in_flight,
+    };
+    // SAFETY: as above.
+    unsafe {
+        plan_views(&mut parts, &mut scene.shared_budget, (desc, views))?;
+        for view in views {
+            record_view(&mut frame, &mut parts, (desc, &read("a view of desc.views", *view)?))?;
         }
     }
     let tick = frame.end()?;
@@ -259,26 +264,76 @@ pub(crate) unsafe fn record(
     Ok(())
 }
 
-/// The parts of a scene that the recording of a view needs.
+/// The parts of a scene that planning and recording a view need.
 struct Parts<'a> {
     device: &'a Device,
     scene: &'a mut HostScene,
+    views: &'a Table<HostedView, AntumbraView>,
     shaders: &'a ShaderSet,
     attachments: &'a Attachments,
     frames_in_flight: usize,
 }
 
-/// Records a view into a frame.
+/// One budget of queries for the views of a scene.
+#[derive(Default)]
+pub(crate) struct SharedBudget {
+    shares: QueryShares,
+    /// The queries in the newest plan of each view of a frame.
+    used: Vec<usize>,
+}
+
+/// Plans the views of a frame, by budgets of their own or by that of the frame.
 ///
 /// # Safety
 /// As [`record`].
-unsafe fn record_view(
-    frame: &mut Frame<'_>,
-    parts: Parts<'_>,
-    hosted: &mut HostedView,
-    (desc, view): (&AntumbraFrameDesc, &AntumbraViewFrame),
+unsafe fn plan_views(
+    parts: &mut Parts<'_>,
+    SharedBudget { shares, used }: &mut SharedBudget,
+    (desc, views): (&AntumbraFrameDesc, &[*const AntumbraViewFrame]),
 ) -> Result<(), Failure> {
-    let Parts { device, scene, shaders, attachments, frames_in_flight } = parts;
+    used.clear();
+    for view in views {
+        // SAFETY: the caller's promise.
+        let view = unsafe { read("a view of desc.views", *view) }?;
+        used.push(match desc.query_budget {
+            // SAFETY: as above.
+            0 => unsafe { plan_view(parts, &view, view.query_budget) }?,
+            _ => parts.views.find(view.view)?.write()?.query_count(),
+        });
+    }
+    if desc.query_budget == 0 {
+        return Ok(());
+    }
+    let mut outcome = Ok(());
+    shares.plan_views(
+        desc.query_budget,
+        used,
+        |used| *used,
+        |number, used, share| {
+            // SAFETY: as above.
+            let planned = unsafe {
+                read("a view of desc.views", views[number])
+                    .and_then(|view| plan_view(parts, &view, share))
+            };
+            match planned {
+                Ok(queries) => *used = queries,
+                Err(failure) => outcome = Err(failure),
+            }
+        },
+    );
+    outcome
+}
+
+/// Plans a view, and returns the number of its queries.
+///
+/// # Safety
+/// As [`record`].
+unsafe fn plan_view(
+    parts: &mut Parts<'_>,
+    view: &AntumbraViewFrame,
+    query_budget: usize,
+) -> Result<usize, Failure> {
+    let Parts { device, scene, views, attachments, frames_in_flight, .. } = parts;
     // SAFETY: the caller's promise, here and below.
     let (camera, target) = unsafe {
         let target = read("view.target", view.target)?;
@@ -292,19 +347,44 @@ unsafe fn record_view(
         return Err(Failure::argument(message));
     }
     let (eye, strategy) = (camera.view()?, strategy(view.strategy)?);
-    let bind = desc.bind.ok_or_else(|| Failure::null("desc.bind"))?;
-    let HostedView { state, target: cached, .. } = hosted;
+    let hosted = views.find(view.view)?;
+    let mut hosted = hosted.write()?;
+    let HostedView { state, target: cached, .. } = &mut *hosted;
     // SAFETY: as above.
     let target = unsafe { cached.update(device, &target, attachments) }?;
     let state = match state {
         Some(state) => state,
-        None => state.insert(new_state(device, scene, target, frames_in_flight)?),
+        None => state.insert(new_state(device, scene, target, *frames_in_flight)?),
     };
     let (hierarchy, executor) = scene.parts_mut();
     state.collect(device.completed()?, hierarchy, &executor.leaves);
-    state.plan_frame(hierarchy, &executor.leaves, strategy, (&eye, view.query_budget));
+    state.plan_frame(hierarchy, &executor.leaves, strategy, (&eye, query_budget));
+    Ok(state.plan().query_count())
+}
+
+/// Records a planned view into a frame.
+///
+/// # Safety
+/// As [`record`].
+unsafe fn record_view(
+    frame: &mut Frame<'_>,
+    Parts { device, scene, views, shaders, attachments, .. }: &mut Parts<'_>,
+    (desc, view): (&AntumbraFrameDesc, &AntumbraViewFrame),
+) -> Result<(), Failure> {
+    let bind = desc.bind.ok_or_else(|| Failure::null("desc.bind"))?;
+    let hosted = views.find(view.view)?;
+    let mut hosted = hosted.write()?;
+    let HostedView { state: Some(state), target: cached, .. } = &mut *hosted else {
+        return Ok(());
+    };
+    // SAFETY: the caller's promise.
+    let (eye, target) = unsafe {
+        let target = read("view.target", view.target)?;
+        let eye = read("view.camera", view.camera)?.view()?;
+        (eye, cached.update(device, &target, attachments)?)
+    };
     let mut objects = HostObjects { desc, bind, view: view.view, target };
-    execute(frame, executor, state, &mut objects, (shaders, &eye))?;
+    execute(frame, scene.parts_mut().1, state, &mut objects, (shaders, &eye))?;
     target.restore(frame.commands());
     Ok(())
 }

@@ -8,6 +8,7 @@ use occlusion::{
 };
 
 use super::device::AntumbraDevice;
+use super::frame::SharedBudget;
 use super::target::{AntumbraAttachments, CachedTarget};
 use crate::decisions::hierarchy::{AntumbraAabb, usable};
 use crate::error::Failure;
@@ -141,8 +142,10 @@ pub struct AntumbraViewStats {
     pub objects: u64,
     /// The objects among them that were drawn because a box showed.
     pub revealed: u64,
+    /// The occlusion queries in the newest plan of the view, which may be of a later frame.
+    pub queries: u64,
 }
-layout!(AntumbraViewStats: struct_size, reserved, frame, objects, revealed);
+layout!(AntumbraViewStats: struct_size, reserved, frame, objects, revealed, queries);
 
 // SAFETY: the first field is the size.
 unsafe impl Versioned for AntumbraViewStats {
@@ -153,6 +156,7 @@ unsafe impl Versioned for AntumbraViewStats {
         frame: 0,
         objects: 0,
         revealed: 0,
+        queries: 0,
     };
 }
 
@@ -173,7 +177,13 @@ impl HostedView {
             self.stats.objects = outcome.draws;
             self.stats.revealed = outcome.revealed;
         }
+        self.stats.queries = self.query_count() as u64;
         self.stats
+    }
+
+    /// Returns the number of queries in the newest plan.
+    pub fn query_count(&self) -> usize {
+        self.state.as_ref().map_or(0, |state| state.plan().query_count())
     }
 }
 
@@ -198,6 +208,7 @@ pub(crate) struct HostedScene {
     pub shaders: ShaderSet,
     pub attachments: Attachments,
     pub views: Table<HostedView, AntumbraView>,
+    pub shared_budget: SharedBudget,
     objects: Vec<ObjectId>,
 }
 
@@ -238,6 +249,7 @@ impl HostedScene {
             shaders,
             attachments,
             views: Table::new(salt),
+            shared_budget: SharedBudget::default(),
             objects: Vec::new(),
             device,
         })

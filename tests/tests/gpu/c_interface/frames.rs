@@ -26,6 +26,7 @@ struct FrameOptions {
     samples: vk::SampleCountFlags,
     renderings: RenderingOwner,
     predication: u32,
+    query_budget: usize,
 }
 
 impl Default for FrameOptions {
@@ -35,12 +36,14 @@ impl Default for FrameOptions {
             samples: vk::SampleCountFlags::TYPE_1,
             renderings: RenderingOwner::Engine,
             predication: ANTUMBRA_PREDICATION_BEST,
+            query_budget: 0,
         }
     }
 }
 
-/// Draws a walk in which objects go and change their buckets.
-fn compare(driver: Driver, options: &FrameOptions) {
+/// Draws a walk in which objects go and change their buckets, and returns the most queries of a
+/// frame.
+fn compare(driver: Driver, options: &FrameOptions) -> u64 {
     let host = Host::new(driver, Purpose::Executor);
     let mut drawing = DrawingHost::new(&host, options);
     for frame in 0..FRAMES {
@@ -52,9 +55,12 @@ fn compare(driver: Driver, options: &FrameOptions) {
         drawing.draw(frame);
     }
     let what = format!("{driver:?}, {options:?}");
-    let fewest = drawing.finish(&what);
-    assert!(fewest.iter().all(|objects| (1..600).contains(objects)), "{what}: {fewest:?}");
+    let (fewest, most_queries) = drawing.finish(&what);
+    // Objects for which no query is left are drawn.
+    let most = if options.query_budget == 0 { 600 } else { u64::MAX };
+    assert!(fewest.iter().all(|objects| (1..most).contains(objects)), "{what}: {fewest:?}");
     host.finish();
+    most_queries
 }
 
 #[test]
@@ -97,5 +103,15 @@ fn depth_of_16_and_24_bits_and_beside_a_stencil_is_exact_in_c() {
         for depth in formats {
             compare(driver, &FrameOptions { depth, ..FrameOptions::default() });
         }
+    }
+}
+
+#[test]
+fn views_share_one_budget_of_queries_in_c() {
+    for driver in Driver::ALL {
+        let apart = compare(driver, &FrameOptions::default());
+        let query_budget = apart as usize / 2;
+        let together = compare(driver, &FrameOptions { query_budget, ..FrameOptions::default() });
+        assert!((1..=apart / 2).contains(&together), "{together} of {apart}");
     }
 }

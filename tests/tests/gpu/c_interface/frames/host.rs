@@ -50,7 +50,11 @@ pub struct DrawingHost<'a> {
     /// The copies of the images of each frame.
     copies: Vec<[[OwnBuffer; 2]; VIEWS]>,
     /// The fewest objects that the GPU drew in a frame of each view.
-    pub fewest: [u64; VIEWS],
+    fewest: [u64; VIEWS],
+    /// The budget of queries of all views together, if any.
+    query_budget: usize,
+    /// The most queries of all views together in a frame.
+    most_queries: u64,
 }
 
 /// The state that callbacks read while a frame is recorded.
@@ -141,6 +145,8 @@ impl<'a> DrawingHost<'a> {
             commands: HostCommands::new(host, IN_FLIGHT),
             copies: Vec::new(),
             fewest: [u64::MAX; VIEWS],
+            query_budget: options.query_budget,
+            most_queries: 0,
         };
         // SAFETY: pointers to values on this stack, and to those of `new`.
         unsafe {
@@ -269,6 +275,7 @@ impl<'a> DrawingHost<'a> {
             user: from_mut(&mut recording).cast(),
             begin_rendering: owns_renderings.then_some(begin),
             end_rendering: owns_renderings.then_some(end),
+            query_budget: self.query_budget,
             ..Versioned::DEFAULT
         };
         // SAFETY: a command buffer of the host that is being recorded; the frames up to the safe
@@ -278,7 +285,7 @@ impl<'a> DrawingHost<'a> {
         self.check(recorded);
         self.draw_all(commands, &views);
         self.commands.end(Runs::Once).unwrap();
-        self.note_fewest();
+        self.note_counts();
     }
 
     /// Draws all objects without culling, and copies all images.
@@ -314,8 +321,10 @@ impl<'a> DrawingHost<'a> {
         self.copies.push(copies);
     }
 
-    /// Notes the number of objects that the last known frame of each view drew.
-    fn note_fewest(&mut self) {
+    /// Notes the number of objects that the last known frame of each view drew, and the queries of
+    /// this frame.
+    fn note_counts(&mut self) {
+        let mut queries = 0;
         for (view, fewest) in self.views.iter().zip(&mut self.fewest) {
             let mut stats = AntumbraViewStats::DEFAULT;
             // SAFETY: values on this stack.
@@ -326,11 +335,14 @@ impl<'a> DrawingHost<'a> {
             if stats.frame > 0 {
                 *fewest = stats.objects.min(*fewest);
             }
+            queries += stats.queries;
         }
+        self.most_queries = self.most_queries.max(queries);
     }
 
-    /// Compares the images of all frames, and destroys everything.
-    pub fn finish(mut self, what: &str) -> [u64; VIEWS] {
+    /// Compares the images of all frames, and destroys everything. Returns the fewest objects in a
+    /// frame of each view, and the most queries in a frame.
+    pub fn finish(mut self, what: &str) -> ([u64; VIEWS], u64) {
         let host = self.host;
         host.wait_idle();
         for (frame, views) in self.copies.iter().enumerate() {
@@ -353,6 +365,6 @@ impl<'a> DrawingHost<'a> {
         self.images.into_iter().flatten().for_each(|images| images.destroy(host));
         self.pipeline.destroy(host);
         self.commands.destroy();
-        self.fewest
+        (self.fewest, self.most_queries)
     }
 }
