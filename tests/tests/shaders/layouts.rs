@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use gpu::{DrawLink, IndirectDraw, LISTED_LEAVES, Reveal};
+use gpu::{DrawLink, IndirectDraw, LISTED_LEAVES, Required, Reveal};
 use spirq::prelude::*;
 use spirq::ty::Type;
 use spirq::var::Variable;
@@ -215,4 +215,16 @@ fn the_skinning_pass_reads_and_writes_values() {
     assert_eq!(size_of::<scene::SurfaceVertex>(), 10 * 4);
     assert_eq!(offset_of!(scene::Vertex, normal), 3 * 4);
     assert_eq!(offset_of!(scene::SurfaceVertex, tangent), 2 * 4);
+}
+
+#[test]
+fn the_required_storage_buffers_are_the_most_that_a_stage_binds() {
+    // The layout of a pipeline has all buffers up to the last one in each of its stages.
+    let bound = |name: &str| interface(name).0.last().map_or(0, |(binding, ..)| binding + 1);
+    let most = shaders::PASSES.into_iter().chain(OF_GPU).map(|shader| bound(shader.name)).max();
+    let most = most.unwrap();
+    let asked = include_str!("../../../engine/gpu/src/core/capabilities.rs");
+    assert!(asked.contains(&format!("STAGE_STORAGE_BUFFERS: u32 = {most};")), "{most} are bound");
+    let told = Required::StorageBuffers.name();
+    assert!(told.ends_with(&format!("of at least {most}")), "{told}, but {most} are bound");
 }
