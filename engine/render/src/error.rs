@@ -179,6 +179,14 @@ pub enum Error {
         /// The reason, and the advice.
         reason: &'static str,
     },
+    /// A material that cannot be added or removed.
+    #[error("material {index} of those named cannot be added or removed, so none was: {reason}")]
+    Material {
+        /// Its place among those of the call.
+        index: usize,
+        /// The reason, and the advice.
+        reason: &'static str,
+    },
     /// More of something than there is room for.
     #[error(
         "there is no room for {wanted} {what}, at most {left} in one piece, so nothing was added: give the renderer more with `RendererOptions::spare`, or remove others"

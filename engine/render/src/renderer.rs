@@ -63,7 +63,7 @@ pub struct RendererOptions {
     /// Together with the scene's objects they must fit into a hierarchy and the device.
     pub spare_objects: usize,
     /// Room for what is added later beside objects ([`Renderer::add_meshes`],
-    /// [`Renderer::add_lights`]).
+    /// [`Renderer::add_materials`], [`Renderer::add_lights`]).
     pub spare: SpareRoom,
     /// The most bytes of meshes that a frame copies to the GPU; 0 counts as 1.
     pub upload_bytes_per_frame: usize,

@@ -1,7 +1,7 @@
 //! Checks that the surfaces of a scene belong to it and can be drawn: with a scene that passes, no
 //! shader reads out of bounds or meets a value that is not finite.
 
-use super::surface::{Material, MorphTarget, SkinWeights, SkinnedMesh, Surfaces, TextureUse};
+use super::surface::{MorphTarget, SkinWeights, SkinnedMesh, Surfaces};
 use super::{Scene, SceneError, bounds_of_transformed};
 
 /// The slack of the sum of a vertex's weights, which are rounded to as little as eight bits each,
@@ -45,7 +45,8 @@ pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), S
         }
     }
     for (index, material) in surfaces.materials.iter().enumerate() {
-        check_material(surfaces, material, ("material", index))?;
+        let checked = material.check(surfaces.textures.len());
+        checked.or_else(|fault| broken(("material", index), fault))?;
     }
     if !surfaces.exposure.is_finite() {
         return broken(("exposure", 0), "it is not a finite number");
@@ -92,41 +93,6 @@ fn check_sprites(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
         return broken(("skinned mesh", index), "its mesh is one of sprites");
     }
     Ok(())
-}
-
-fn check_material(surfaces: &Surfaces, material: &Material, part: Part) -> Result<(), SceneError> {
-    let uses: [&Option<TextureUse>; 5] = [
-        &material.base_colour_texture,
-        &material.metallic_roughness_texture,
-        &material.normal_texture,
-        &material.occlusion_texture,
-        &material.emission_texture,
-    ];
-    for texture in uses.into_iter().flatten() {
-        if texture.texture.0 as usize >= surfaces.textures.len() {
-            return broken(part, "the scene does not have one of its textures");
-        }
-        if texture.uv_set > 1 {
-            return broken(part, "a texture lies by another set of coordinates than 0 and 1");
-        }
-        if !texture.transform.is_finite() {
-            return broken(part, "the transform of a texture has a number that is not finite");
-        }
-    }
-    let cutoff = match material.alpha {
-        super::Alpha::Mask { cutoff } => cutoff,
-        super::Alpha::Opaque | super::Alpha::Blend => 0.0,
-    };
-    let numbers = [
-        material.metallic,
-        material.roughness,
-        material.normal_scale,
-        material.occlusion_strength,
-        cutoff,
-    ];
-    let are_all =
-        are_finite(&numbers) && are_finite(&material.base_colour) && are_finite(&material.emission);
-    if are_all { Ok(()) } else { broken(part, "one of its numbers is not finite") }
 }
 
 fn check_transparent(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {

@@ -117,6 +117,43 @@ pub struct Material {
     pub is_unlit: bool,
 }
 
+impl Material {
+    /// Checks that a scene with so many textures can have the material.
+    ///
+    /// # Errors
+    /// The first fault, as the end of a sentence: a texture or a set of texture coordinates that is
+    /// not there, a number that is not finite.
+    pub fn check(&self, texture_count: usize) -> Result<(), &'static str> {
+        let uses: [&Option<TextureUse>; 5] = [
+            &self.base_colour_texture,
+            &self.metallic_roughness_texture,
+            &self.normal_texture,
+            &self.occlusion_texture,
+            &self.emission_texture,
+        ];
+        for texture in uses.into_iter().flatten() {
+            if texture.texture.0 as usize >= texture_count {
+                return Err("the scene does not have one of its textures");
+            }
+            if texture.uv_set > 1 {
+                return Err("a texture lies by another set of coordinates than 0 and 1");
+            }
+            if !texture.transform.is_finite() {
+                return Err("the transform of a texture has a number that is not finite");
+            }
+        }
+        let cutoff = match self.alpha {
+            Alpha::Mask { cutoff } => cutoff,
+            Alpha::Opaque | Alpha::Blend => 0.0,
+        };
+        let numbers =
+            [self.metallic, self.roughness, self.normal_scale, self.occlusion_strength, cutoff];
+        let mut numbers = numbers.iter().chain(&self.base_colour).chain(&self.emission);
+        let are_finite = numbers.all(|number| number.is_finite());
+        if are_finite { Ok(()) } else { Err("one of its numbers is not finite") }
+    }
+}
+
 impl Default for Material {
     /// Returns the default of glTF 2.0.
     fn default() -> Self {

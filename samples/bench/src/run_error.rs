@@ -99,6 +99,7 @@ impl From<render::Error> for RunError {
             | render::Error::Pose { .. }
             | render::Error::Light { .. }
             | render::Error::Mesh { .. }
+            | render::Error::Material { .. }
             | render::Error::NoRoom { .. }
             | render::Error::DrawsAmongTests(_)
             | render::Error::Change { .. } => Self::machine(error),

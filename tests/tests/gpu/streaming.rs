@@ -1,19 +1,25 @@
-//! Meshes that come and go while a renderer runs: it looks like one that was made with them.
+//! Meshes and materials that come and go while a renderer runs: it looks like one that was made
+//! with them.
+
+mod refusals;
 
 use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
 
 use cull::{Camera, DetailPolicy, ObjectId, Projection, Strategy};
-use glam::{Affine3A, Vec3, vec3};
-use gpu::{Device, Readback};
+use glam::{Affine2, Affine3A, Vec2, Vec3, vec2, vec3};
+use gpu::{Device, Purpose, Readback};
 use render::{Costs, Error, FrameRequest, Renderer, RendererOptions, SpareRoom, ViewState};
 use scene::{
-    Alpha, LodLevel, Material, MaterialId, Mesh, MeshId, Object, ObjectChange, PreparedMesh, Scene,
-    SurfaceMesh, SurfaceVertex, Surfaces,
+    Alpha, Encoding, Image, ImageId, LodLevel, Material, MaterialId, Mesh, MeshId, Object,
+    ObjectChange, PreparedMesh, Sampler, Scene, SurfaceMesh, SurfaceVertex, Surfaces, Texture,
+    TextureId, TextureUse,
 };
-use tests::run_on_all;
+use tests::host_device::Host;
 use tests::stage::Random;
 use tests::studio::snorm16;
 use tests::walk::pixels_that_differ;
+use tests::{Driver, run_on_all};
 
 const SIZE: [u32; 2] = [96, 64];
 const SPARE: SpareRoom = SpareRoom {
@@ -23,7 +29,10 @@ const SPARE: SpareRoom = SpareRoom {
     vertices: 400,
     indices: 700,
     levels: 12,
+    materials: 5,
 };
+/// The materials that the renderer begins with.
+const FIRST_MATERIALS: u32 = 3;
 const FINEST: DetailPolicy = DetailPolicy { error_pixels: 0.0, hysteresis: 0.0 };
 const COARSE: DetailPolicy = DetailPolicy { error_pixels: 2.0, hysteresis: 0.0 };
 
@@ -35,7 +44,7 @@ enum Kind {
 }
 
 /// Returns a mesh of some triangles in a box of two metres; with surfaces it has a coarser level.
-fn some_mesh(random: &mut Random, kind: Kind) -> PreparedMesh {
+fn some_mesh(random: &mut Random, kind: Kind, material: MaterialId) -> PreparedMesh {
     let corner = |random: &mut Random| [0; 3].map(|_| random.below(2_001) as f32 / 1_000.0 - 1.0);
     let triangles = 1 + random.below(30) as usize;
     let colour = [0; 3].map(|_| random.below(256) as f32 / 255.0);
@@ -51,21 +60,55 @@ fn some_mesh(random: &mut Random, kind: Kind) -> PreparedMesh {
                     error_m: 0.3,
                 }],
             };
-            let surface = surface_of(&mesh, random.below(2));
+            let surface = surface_of(&mesh, material);
             PreparedMesh::with_surface(mesh, surface, levels).unwrap()
         }
     }
 }
 
-fn surface_of(mesh: &Mesh, material: u32) -> SurfaceMesh {
+/// Returns a material of any kind that does not blend.
+fn some_material(random: &mut Random) -> Material {
+    let part = |random: &mut Random| random.below(256) as f32 / 255.0;
+    let colours = [(); 3].map(|()| random.below(3));
+    let texture_use = |random: &mut Random, texture| {
+        let scale = Vec2::splat(1.0 + random.below(4) as f32 / 3.0);
+        let transform = Affine2::from_scale_angle_translation(scale, 0.5, vec2(0.1, 0.2));
+        let transform = if random.below(2) == 0 { Affine2::IDENTITY } else { transform };
+        TextureUse { texture: TextureId(texture), uv_set: 0, transform }
+    };
+    Material {
+        base_colour: [part(random), part(random), part(random), 1.0],
+        base_colour_texture: (colours[0] == 0).then(|| texture_use(random, 0)),
+        metallic: part(random),
+        roughness: part(random),
+        metallic_roughness_texture: (colours[1] == 0).then(|| texture_use(random, 1)),
+        emission: if colours[2] == 0 { [0.0; 3] } else { [0.2, 0.1, part(random)] },
+        alpha: match random.below(3) {
+            0 => Alpha::Mask { cutoff: 0.5 },
+            _ => Alpha::Opaque,
+        },
+        is_unlit: random.below(4) == 0,
+        ..Material::default()
+    }
+}
+
+/// Returns an image of four by four texels, some of them with an alpha of 0.
+fn image(name: &str, step: usize) -> Image {
+    let texel =
+        |at: usize| [(at * step % 256) as u8, 90, 200, if at.is_multiple_of(5) { 0 } else { 255 }];
+    let rgba8: Vec<u8> = (0..16).flat_map(texel).collect();
+    Image { name: name.into(), size: [4, 4], rgba8 }
+}
+
+fn surface_of(mesh: &Mesh, material: MaterialId) -> SurfaceMesh {
     let vertex = |vertex: &scene::Vertex| SurfaceVertex {
         normal: snorm16(scene::unpack_normal(vertex.normal).normalize_or_zero(), 0),
         tangent: snorm16(Vec3::X, 1),
-        uv: [[0.0; 2]; 2],
+        uv: [[vertex.position[0], vertex.position[1]]; 2],
         colour: [u16::MAX; 4],
     };
     let vertices = mesh.vertices.iter().map(vertex).collect();
-    SurfaceMesh { vertices, material: MaterialId(material) }
+    SurfaceMesh { vertices, material }
 }
 
 /// Returns a wall with a mesh beside it, as the renderer begins.
@@ -78,8 +121,21 @@ fn first_scene(kind: Kind) -> Scene {
     let glass = Material { alpha: Alpha::Blend, ..Material::default() };
     let red =
         Material { base_colour: [0.8, 0.1, 0.1, 1.0], emission: [0.2; 3], ..Material::default() };
+    let texture =
+        |image, encoding| Texture { image: ImageId(image), encoding, sampler: Sampler::default() };
+    let texture_use = |texture| {
+        let texture = TextureId(texture);
+        Some(TextureUse { texture, uv_set: 0, transform: Affine2::IDENTITY })
+    };
+    let glass = Material {
+        base_colour_texture: texture_use(0),
+        metallic_roughness_texture: texture_use(1),
+        ..glass
+    };
     let surfaces = Surfaces {
-        meshes: meshes.iter().map(|mesh| surface_of(mesh, 0)).collect(),
+        meshes: meshes.iter().map(|mesh| surface_of(mesh, MaterialId(0))).collect(),
+        images: vec![image("colours", 37), image("numbers", 11)],
+        textures: vec![texture(0, Encoding::Srgb), texture(1, Encoding::Linear)],
         materials: vec![Material { emission: [0.1, 0.2, 0.3], ..Material::default() }, red, glass],
         ..Surfaces::default()
     };
@@ -113,10 +169,12 @@ struct Stream {
     views: [ViewState; 2],
     images: [Readback; 2],
     meshes: BTreeMap<MeshId, PreparedMesh>,
+    materials: BTreeMap<MaterialId, Material>,
     objects: BTreeMap<ObjectId, Object>,
     frame: u32,
     added: u32,
     refused: u32,
+    refused_materials: u32,
 }
 
 impl Stream {
@@ -138,10 +196,12 @@ impl Stream {
             images: [(); 2].map(|()| Readback::new(device, SIZE).unwrap()),
             renderer,
             meshes: scene.meshes.iter().enumerate().map(prepared).collect(),
+            materials: BTreeMap::new(),
             objects: ids.zip(scene.objects.iter().copied()).collect(),
             frame: 0,
             added: 0,
             refused: 0,
+            refused_materials: 0,
         }
     }
 
@@ -151,10 +211,49 @@ impl Stream {
         Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 }
     }
 
+    /// Returns a material for a mesh that comes, a new one where there is room.
+    fn material(&mut self, random: &mut Random) -> MaterialId {
+        let new = some_material(random);
+        if self.kind == Kind::Plain || random.below(3) == 0 {
+            return MaterialId(random.below(2));
+        }
+        match self.renderer.add_materials(std::slice::from_ref(&new)) {
+            Ok(ids) => {
+                assert!(self.materials.insert(ids[0], new).is_none(), "{ids:?} were there");
+                ids[0]
+            }
+            Err(Error::NoRoom { .. }) => {
+                self.refused_materials += 1;
+                let there: Vec<_> = self.materials.keys().copied().collect();
+                there[random.below(there.len() as u32) as usize]
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    /// Removes the materials that came and that no mesh has.
+    fn remove_materials(&mut self) {
+        let used = |id: &MaterialId| {
+            let mut meshes = self.meshes.values();
+            meshes.any(|mesh| mesh.surface().is_some_and(|surface| surface.material == *id))
+        };
+        let (kept, gone): (Vec<_>, Vec<_>) = self.materials.keys().copied().partition(used);
+        for id in kept {
+            let error = self.renderer.remove_materials(&[id]).unwrap_err().to_string();
+            assert!(error.contains("meshes have it"), "{error}");
+        }
+        self.renderer.remove_materials(&gone).unwrap();
+        self.materials.retain(|id, _| !gone.contains(id));
+    }
+
     /// Adds meshes with an object each, some of them behind the wall.
     fn add(&mut self, random: &mut Random) {
         let kind = self.kind;
-        let meshes: Vec<_> = (0..1 + random.below(3)).map(|_| some_mesh(random, kind)).collect();
+        let mut meshes = Vec::new();
+        for _ in 0..1 + random.below(3) {
+            let material = self.material(random);
+            meshes.push(some_mesh(random, kind, material));
+        }
         match self.renderer.add_meshes(meshes.clone()) {
             Ok(ids) => {
                 self.added += ids.len() as u32;
@@ -191,6 +290,7 @@ impl Stream {
         }
         self.renderer.remove_meshes(&[id]).unwrap();
         self.meshes.remove(&id);
+        self.remove_materials();
     }
 
     /// Draws a frame with culling and without, which look the same, and returns the image.
@@ -234,8 +334,16 @@ impl Stream {
         let numbers: BTreeMap<MeshId, u32> = self.meshes.keys().copied().zip(0..).collect();
         scene.meshes = self.meshes.values().map(|it| it.mesh().clone()).collect();
         if let Some(surfaces) = &mut scene.surfaces {
-            surfaces.meshes =
-                self.meshes.values().map(|it| it.surface().unwrap().clone()).collect();
+            surfaces.materials.extend(self.materials.values().cloned());
+            let renamed = |material: MaterialId| match self.materials.range(..material).count() {
+                _ if material.0 < FIRST_MATERIALS => material,
+                before => MaterialId(FIRST_MATERIALS + before as u32),
+            };
+            let surface = |mesh: &PreparedMesh| {
+                let surface = mesh.surface().unwrap().clone();
+                SurfaceMesh { material: renamed(surface.material), ..surface }
+            };
+            surfaces.meshes = self.meshes.values().map(surface).collect();
             surfaces.levels = self.meshes.values().map(|it| it.levels().to_vec()).collect();
         }
         let object = |it: &Object| Object { mesh: MeshId(numbers[&it.mesh]), ..*it };
@@ -249,6 +357,7 @@ impl Stream {
             views: [view, other],
             images,
             meshes,
+            materials: BTreeMap::new(),
             objects,
             frame: self.frame,
             ..Self { kind: self.kind, ..Self::new(device, self.kind) }
@@ -258,71 +367,43 @@ impl Stream {
     }
 }
 
+/// Lets meshes come and go, and compares now and then.
+fn stream(device: &Device, kind: Kind, rounds: u32) -> Stream {
+    let mut random = Random::new(17);
+    let mut stream = Stream::new(device, kind);
+    for round in 0..rounds {
+        stream.add(&mut random);
+        (0..random.below(3)).for_each(|_| drop(stream.draw()));
+        (0..1 + random.below(2)).for_each(|_| stream.remove(&mut random));
+        if round % 8 == 7 {
+            stream.compare(device);
+        }
+    }
+    stream
+}
+
 #[test]
 fn meshes_that_come_and_go_look_as_if_they_had_always_been_there() {
     run_on_all(|device| {
         for kind in [Kind::Plain, Kind::Surfaces] {
-            let mut random = Random::new(17);
-            let mut stream = Stream::new(device, kind);
-            for round in 0..48 {
-                stream.add(&mut random);
-                (0..random.below(3)).for_each(|_| drop(stream.draw()));
-                (0..1 + random.below(2)).for_each(|_| stream.remove(&mut random));
-                if round % 8 == 7 {
-                    stream.compare(device);
-                }
-            }
+            let stream = stream(device, kind, 48);
             // The room is taken again and again, in pieces of all sizes.
             assert!(stream.added > 5 * SPARE.meshes, "{} meshes came", stream.added);
             assert!(stream.refused > 0, "there was always room");
+            let had_materials = kind == Kind::Surfaces;
+            assert_eq!(stream.refused_materials > 0, had_materials, "room for materials");
         }
     });
 }
 
 #[test]
-fn a_mesh_that_does_not_fit_is_refused_by_name_and_changes_nothing() {
-    run_on_all(|device| {
-        let mut random = Random::new(5);
-        let spare = SpareRoom { meshes: 1, ..SPARE };
-        let [plain, surfaces] = [Kind::Plain, Kind::Surfaces].map(first_scene);
-        let mut plain = Renderer::new(device, &plain, &options(spare)).unwrap();
-        let mut lit = Renderer::new(device, &surfaces, &options(spare)).unwrap();
-        let [bare, whole] = [Kind::Plain, Kind::Surfaces].map(|it| some_mesh(&mut random, it));
-        let of = |material| {
-            let surface = surface_of(whole.mesh(), material);
-            PreparedMesh::with_surface(whole.mesh().clone(), surface, Vec::new()).unwrap()
-        };
-        let refused = |renderer: &mut Renderer, meshes: Vec<PreparedMesh>, reason: &str| {
-            let error = renderer.add_meshes(meshes).unwrap_err().to_string();
-            assert!(error.contains(reason), "{error}");
-        };
-        refused(&mut plain, vec![whole.clone()], "mesh 0 of those named");
-        refused(&mut lit, vec![whole.clone(), bare.clone()], "mesh 1 of those named");
-        refused(&mut lit, vec![of(2)], "blends");
-        refused(&mut lit, vec![of(3)], "does not have its material");
-        refused(&mut plain, vec![bare.clone(); 2], "no room for 1 meshes");
-        let added = plain.add_meshes(vec![bare.clone()]).unwrap();
-        refused(&mut plain, vec![bare.clone()], "RendererOptions::spare");
-        let twice = plain.remove_meshes(&[added[0], added[0]]).unwrap_err().to_string();
-        assert!(twice.contains("named twice"), "{twice}");
-        let unknown = plain.remove_meshes(&[added[0], MeshId(77)]).unwrap_err().to_string();
-        assert!(unknown.contains("no such mesh"), "{unknown}");
-        let scene = first_scene(Kind::Surfaces);
-        for (spare, reason) in [
-            (SpareRoom { meshes: u32::MAX, ..SPARE }, "no memory for meshes"),
-            (SpareRoom { levels: u32::MAX, ..SPARE }, "no memory for meshes"),
-            (SpareRoom { vertices: u32::MAX, ..SPARE }, "vertices, with room"),
-            (SpareRoom { indices: u32::MAX, ..SPARE }, "indices, with room"),
-            (SpareRoom { lights: u32::MAX, ..SPARE }, "lights"),
-        ] {
-            let error = Renderer::new(device, &scene, &options(spare)).err().unwrap().to_string();
-            assert!(error.contains(reason), "{error}");
-        }
-        plain.remove_meshes(&added).unwrap();
-        assert!(!plain.is_uploading() && !plain.is_resident(added[0]));
-        let gone = Object { mesh: added[0], ..object(0, Vec3::ZERO) };
-        let error = plain.update(&[ObjectChange::Add { object: gone }]).unwrap_err().to_string();
-        assert!(error.contains("no such mesh"), "{error}");
-        assert_eq!(plain.add_meshes(vec![bare]).unwrap(), added);
-    });
+fn meshes_come_and_go_on_a_hosts_device() {
+    for driver in Driver::ALL {
+        let host = Host::new(driver, Purpose::Renderer);
+        let device = host.adopt(Some(host.share_queue(Arc::new(Mutex::new(())) as _)));
+        assert!(stream(&device, Kind::Surfaces, 16).added > SPARE.meshes);
+        drop(device);
+        assert!(host.messages().is_empty(), "{:#?}", host.messages());
+        host.finish();
+    }
 }

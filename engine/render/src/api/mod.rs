@@ -5,6 +5,7 @@ mod finished_image;
 mod inspect;
 mod lights;
 mod lod;
+mod materials;
 mod meshes;
 mod moves;
 mod overlay;

@@ -167,7 +167,7 @@ impl Geometry {
     pub(crate) fn check_mesh(&self, mesh: &PreparedMesh) -> Result<(), &'static str> {
         match (&self.surfaces, mesh.surface()) {
             (None, None) => Ok(()),
-            (Some(surfaces), Some(surface)) => surfaces.check_material(surface.material),
+            (Some(surfaces), Some(surface)) => surfaces.material_slots.check_mesh(surface.material),
             (Some(_), None) => Err("the scene has surfaces and the mesh has none"),
             (None, Some(_)) => Err("the scene has no surfaces and the mesh has one"),
         }
@@ -191,7 +191,7 @@ impl Geometry {
         }
         self.lods.set(id, place.levels.start, mesh.levels());
         if let (Some(surfaces), Some(surface)) = (&mut self.surfaces, mesh.surface()) {
-            surfaces.set_mesh_material(id, surface.material);
+            surfaces.set_mesh_material(id, Some(surface.material));
         }
         self.uploads.push(id, mesh, place);
         Ok(id)
@@ -206,6 +206,9 @@ impl Geometry {
             *bounds = Aabb::EMPTY;
         }
         self.lods.set(mesh, 0, &[]);
+        if let Some(surfaces) = &mut self.surfaces {
+            surfaces.set_mesh_material(mesh, None);
+        }
         self.uploads.cancel(mesh);
     }
 

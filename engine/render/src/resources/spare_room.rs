@@ -25,6 +25,10 @@ pub struct SpareRoom {
     pub indices: u32,
     /// Coarser levels of meshes.
     pub levels: u32,
+    /// Materials of a scene with surfaces: 224 bytes each, with those of the transforms of their
+    /// textures. With any, the pipelines are compiled for holes, emission, unlit materials and
+    /// textures of all kinds, which costs every pixel a little.
+    pub materials: u32,
 }
 
 /// The ranges of one array that are taken.

@@ -1,15 +1,12 @@
 //! The material table: the shaders' data of materials, and the features that a scene uses.
 
-use std::collections::HashMap;
-
 use bytemuck::{Pod, Zeroable};
 use glam::Affine2;
-use scene::limits::MAX_TEXTURE_TRANSFORMS;
-use scene::{Alpha, Material, Surfaces, TextureUse};
+use scene::{Alpha, Encoding, Material, Surfaces, TextureUse};
 
 use crate::error::Error;
-use crate::resources::limits;
 use crate::shading::surfaces::pages::PagePlan;
+use crate::shading::surfaces::texture_transforms::TextureTransforms;
 
 /// One material as `material.glsl` declares it.
 #[repr(C)]
@@ -31,23 +28,17 @@ pub(crate) struct MaterialEntry {
 
 const _: () = assert!(size_of::<MaterialEntry>() == 64);
 
-/// The transform from texture coordinates to those of one texture, as `texels.glsl` declares it.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct TransformEntry {
-    axes: [f32; 4],
-    origin: [f32; 4],
-}
-
-const _: () = assert!(size_of::<TransformEntry>() == 32);
-
 /// A packed texture without a page.
 const NO_TEXTURE: u32 = 15;
 const UNLIT_FLAG: u32 = 1 << 16;
-/// All materials of a scene; the last one is for meshes that name none.
+/// The textures of a material: each may have a transform of its own.
+const TEXTURES: usize = 5;
+
+/// All materials of a scene, and room for more; the last one is for meshes that name none.
 pub(crate) struct MaterialTable {
     pub(crate) entries: Vec<MaterialEntry>,
-    pub(crate) transforms: Vec<TransformEntry>,
+    pub(crate) transforms: TextureTransforms,
+    plan: PagePlan,
 }
 
 /// The features that the materials and lights of a scene use. Pipelines are compiled for them, so
@@ -67,20 +58,70 @@ pub(crate) struct Features {
 }
 
 impl MaterialTable {
-    /// Packs the materials, whose textures are in the places of `plan`.
-    pub(crate) fn new(surfaces: &Surfaces, plan: &PagePlan) -> Result<Self, Error> {
-        let mut transforms = Transforms::default();
-        transforms.number_of(Affine2::IDENTITY);
+    /// Packs the materials, whose textures are in the places of `plan`, with room for `spare` more.
+    pub(crate) fn new(surfaces: &Surfaces, plan: PagePlan, spare: u32) -> Result<Self, Error> {
+        let mut transforms = TextureTransforms::new();
         let fallback = Material::default();
-        let all = surfaces.materials.iter().chain([&fallback]);
-        let entries = all.map(|material| entry_of(material, plan, &mut transforms)).collect();
-        limits::check(
-            "different texture transforms",
-            transforms.entries.len() as u64 - 1,
-            MAX_TEXTURE_TRANSFORMS as u64,
-            "let materials share transforms, or bake them into texture coordinates",
-        )?;
-        Ok(Self { entries, transforms: transforms.entries })
+        let fallbacks = std::iter::repeat_n(&fallback, spare as usize + 1);
+        let all = surfaces.materials.iter().chain(fallbacks);
+        let entries = all.map(|material| entry_of(material, &plan, &mut transforms)).collect();
+        transforms.keep_room((spare as usize).saturating_mul(TEXTURES))?;
+        Ok(Self { entries, transforms, plan })
+    }
+
+    /// Returns the number of the scene's textures.
+    pub(crate) fn texture_count(&self) -> usize {
+        self.plan.places.len()
+    }
+
+    /// Returns the reason why passes that are compiled for `features` cannot draw a material.
+    pub(crate) fn check(
+        &self,
+        material: &Material,
+        features: &Features,
+    ) -> Result<(), &'static str> {
+        let mut uses = textures_of(material).into_iter().flatten();
+        if uses.any(|texture_use| place_of(texture_use, &self.plan).is_none()) {
+            return Err("no material of the scene that the renderer began with uses one of its \
+                        textures, so that it is not on the GPU");
+        }
+        if Features::of([material].into_iter(), &self.plan).are_within(features) {
+            return Ok(());
+        }
+        Err("it samples numbers as colours, or colours as numbers: base colours and emission are \
+             `Encoding::Srgb`, all others `Encoding::Linear`")
+    }
+
+    /// Refuses a material if there is no room for the transforms of its textures.
+    ///
+    /// # Errors
+    /// [`Error::NoRoom`].
+    pub(crate) fn check_room(&self, material: &Material) -> Result<(), Error> {
+        let uses = textures_of(material).into_iter().flatten();
+        self.transforms.check_room(uses.map(|texture_use| texture_use.transform))
+    }
+
+    /// Packs a material that was [checked](MaterialTable::check) and that there is
+    /// [room](MaterialTable::check_room) for at its place.
+    pub(crate) fn set(&mut self, number: u32, material: &Material) {
+        let entry = entry_of(material, &self.plan, &mut self.transforms);
+        if let Some(there) = self.entries.get_mut(number as usize) {
+            *there = entry;
+        }
+    }
+
+    /// Gives the transforms of a material's textures back.
+    pub(crate) fn free(&mut self, material: &Material) {
+        for texture_use in textures_of(material).into_iter().flatten() {
+            if place_of(texture_use, &self.plan).is_some() {
+                self.transforms.free(texture_use.transform);
+            }
+        }
+    }
+
+    /// Returns the entry of a material.
+    pub(crate) fn entry(&self, number: u32) -> MaterialEntry {
+        self.entries.get(number as usize).copied().unwrap_or_else(MaterialEntry::zeroed)
     }
 }
 
@@ -106,6 +147,36 @@ impl Features {
         found
     }
 
+    /// Returns the features that any material without blending may use, with these lights and with
+    /// textures for what they are made for.
+    pub(crate) fn of_any(self, plan: &PagePlan) -> Self {
+        let pages = |encoding: Encoding| {
+            let pages = plan.pages.iter().enumerate();
+            let pages = pages.filter(move |(_, page)| page.encoding == encoding);
+            pages.fold(0, |bits, (page, _)| bits | 1 << page)
+        };
+        let [colours, numbers] = [Encoding::Srgb, Encoding::Linear].map(pages);
+        let of_kind = [colours, numbers, numbers, numbers, colours];
+        Self {
+            is_masked: true,
+            is_unlit: true,
+            is_emissive: true,
+            is_transformed: true,
+            pages: std::array::from_fn(|kind| self.pages[kind] | of_kind[kind]),
+            ..self
+        }
+    }
+
+    /// Returns true if passes compiled for `others` draw materials with these features.
+    fn are_within(&self, others: &Self) -> bool {
+        let has = |mine: bool, theirs: bool| !mine || theirs;
+        has(self.is_masked, others.is_masked)
+            && has(self.is_unlit, others.is_unlit)
+            && has(self.is_emissive, others.is_emissive)
+            && has(self.is_transformed, others.is_transformed)
+            && self.pages.iter().zip(others.pages).all(|(mine, theirs)| mine & !theirs == 0)
+    }
+
     /// Returns the specialisation constants of `surface_constants.glsl`.
     pub(crate) fn constants(&self, is_transparent: bool) -> [(u32, u32); 13] {
         let [base_colour, metallic_roughness, normal, occlusion, emission] = self.pages;
@@ -128,27 +199,7 @@ impl Features {
     }
 }
 
-/// The numbers of texture transforms; equal ones share one.
-#[derive(Default)]
-struct Transforms {
-    entries: Vec<TransformEntry>,
-    numbers: HashMap<[u32; 6], u32>,
-}
-
-impl Transforms {
-    fn number_of(&mut self, transform: Affine2) -> u32 {
-        // An invalid transform would move texels to nowhere.
-        let transform = if transform.is_finite() { transform } else { Affine2::IDENTITY };
-        let [a, b, c, d, x, y] = transform.to_cols_array();
-        let entries = &mut self.entries;
-        *self.numbers.entry([a, b, c, d, x, y].map(f32::to_bits)).or_insert_with(|| {
-            entries.push(TransformEntry { axes: [a, b, c, d], origin: [x, y, 0.0, 0.0] });
-            entries.len() as u32 - 1
-        })
-    }
-}
-
-fn textures_of(material: &Material) -> [Option<TextureUse>; 5] {
+fn textures_of(material: &Material) -> [Option<TextureUse>; TEXTURES] {
     [
         material.base_colour_texture,
         material.metallic_roughness_texture,
@@ -163,12 +214,16 @@ fn place_of(texture_use: TextureUse, plan: &PagePlan) -> Option<(usize, u32)> {
     plan.places.get(texture_use.texture.0 as usize).copied().flatten()
 }
 
-fn entry_of(material: &Material, plan: &PagePlan, transforms: &mut Transforms) -> MaterialEntry {
+fn entry_of(
+    material: &Material,
+    plan: &PagePlan,
+    transforms: &mut TextureTransforms,
+) -> MaterialEntry {
     let mut packed = |texture_use: Option<TextureUse>| {
         let placed = texture_use.and_then(|used| Some((used, place_of(used, plan)?)));
         let Some((texture_use, (page, layer))) = placed else { return NO_TEXTURE };
         let set = u32::from(texture_use.uv_set.min(1));
-        page as u32 | set << 4 | layer << 5 | transforms.number_of(texture_use.transform) << 16
+        page as u32 | set << 4 | layer << 5 | transforms.take(texture_use.transform) << 16
     };
     let [base, metallic_roughness, normal, occlusion, emission] =
         textures_of(material).map(&mut packed);

@@ -5,11 +5,13 @@ mod light_lists;
 mod light_tree;
 mod lights;
 mod marked;
+mod material_slots;
 mod materials;
 mod page_groups;
 mod page_upload;
 mod pages;
 mod resources;
+mod texture_transforms;
 
 pub use lights::reach_m;
 pub use resources::{SurfaceOptions, SurfaceResources};

@@ -4,8 +4,8 @@ use cull::{Aabb, Hierarchy, HierarchyError, ObjectId};
 use gpu::{Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, vk};
 use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS, MAX_PAGES};
 use scene::{
-    Alpha, LightId, LightKind, MaterialId, MeshId, Object, PunctualLight, Scene, SurfaceVertex,
-    Surfaces, TransparentId,
+    Alpha, LightId, LightKind, Material, MaterialId, MeshId, Object, PunctualLight, Scene,
+    SurfaceVertex, Surfaces, TransparentId,
 };
 
 use crate::error::Error;
@@ -17,6 +17,7 @@ use crate::shading::scene_degradations::SceneDegradations;
 use crate::shading::surfaces::light_lists::{LIST_VALUES, LightLists};
 use crate::shading::surfaces::lights::{LightEntry, LightTable, dark_light};
 use crate::shading::surfaces::marked::Marked;
+use crate::shading::surfaces::material_slots::MaterialSlots;
 use crate::shading::surfaces::materials::{Features, MaterialEntry, MaterialTable};
 use crate::shading::surfaces::page_upload::{plan, upload_pages};
 use crate::shading::surfaces::pages::PagePlan;
@@ -54,8 +55,7 @@ pub struct SurfaceResources {
     pages: Vec<TextureArray>,
     features: [Features; 2],
     mesh_materials: Vec<u32>,
-    /// True for each material that lets the background through.
-    is_blended: Vec<bool>,
+    pub(crate) material_slots: MaterialSlots,
     /// For each mesh the place of its sprites behind the instances, 0 without any.
     mesh_sprites: Vec<u32>,
     /// The material of meshes that name none.
@@ -89,7 +89,6 @@ impl SurfaceResources {
         check(scene, surfaces)?;
         let plan = plan(device, surfaces)?;
         let pages = upload_pages(device, surfaces, &plan, options)?;
-        let materials = MaterialTable::new(surfaces, &plan)?;
         let table = LightTable::new(surfaces, &options.spare);
         let first_transparent_slot = hierarchy.leaf_objects().len() as u32;
         let slots = first_transparent_slot as usize + surfaces.transparent.len();
@@ -107,8 +106,13 @@ impl SurfaceResources {
         // Without lights nobody reads the lists.
         let lists = if light_lists.has_lights() { light_lists.all_values() } else { Vec::new() };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        let default_material = surfaces.materials.len() as u32;
-        let material_of = |material: u32| material.min(default_material);
+        let degradations = degradations_of(&plan, &table);
+        let features = features(surfaces, &plan, (&table, &light_lists), &options.spare);
+        let materials = MaterialTable::new(surfaces, plan, options.spare.materials)?;
+        let default_material = materials.entries.len() as u32 - 1;
+        let of_scene = surfaces.materials.len() as u32;
+        let material_of =
+            |material: u32| if material < of_scene { material } else { default_material };
         let mesh_materials = surfaces.meshes.iter().map(|mesh| material_of(mesh.material.0));
         let to_come = options.spare.meshes as usize;
         let to_come = std::iter::repeat_n(default_material, to_come);
@@ -119,22 +123,20 @@ impl SurfaceResources {
                 vk::BufferUsageFlags::VERTEX_BUFFER | storage,
             )?,
             materials: device.upload("materials", &materials.entries, storage)?,
-            transforms: device.upload("texture transforms", &materials.transforms, storage)?,
+            transforms: device.upload(
+                "texture transforms",
+                materials.transforms.entries(),
+                storage,
+            )?,
             lights: device.upload("lights", &table.entries(), storage)?,
             lists: device.upload("light lists", &lists, storage)?,
             pages,
-            features: features(surfaces, &plan, (&table, &light_lists), &options.spare),
+            features,
             mesh_materials: mesh_materials.chain(to_come).collect(),
-            is_blended: surfaces.materials.iter().map(|it| it.alpha == Alpha::Blend).collect(),
+            material_slots: MaterialSlots::new(surfaces, materials, &options.spare),
             mesh_sprites: sprites::places(scene, hierarchy.leaf_objects().len()),
             default_material,
-            degradations: SceneDegradations {
-                dark_suns: table.dark_suns,
-                shrunk_images: plan.shrunk,
-                enlarged_images: plan.resampled - plan.shrunk,
-                borrowed_samplers: plan.resampled_by_others,
-                crowded_objects: 0,
-            },
+            degradations,
             dirty_lights: Marked::none_of(table.lights.len()),
             table,
             light_lists,
@@ -164,19 +166,16 @@ impl SurfaceResources {
         [material, slot, self.light_lists.count(slot), sprites]
     }
 
-    /// Returns the reason why a mesh that comes cannot have a material.
-    pub(crate) fn check_material(&self, material: MaterialId) -> Result<(), &'static str> {
-        match self.is_blended.get(material.0 as usize) {
-            None => Err("the scene does not have its material"),
-            Some(true) => Err("its material blends, and transparent meshes cannot be added"),
-            Some(false) => Ok(()),
-        }
+    /// Returns the reason why a material cannot be added.
+    pub(crate) fn check_material(&self, material: &Material) -> Result<(), &'static str> {
+        self.material_slots.check(material, &self.features[0])
     }
 
-    /// Sets the material of a mesh that no object has.
-    pub(crate) fn set_mesh_material(&mut self, mesh: MeshId, material: MaterialId) {
+    /// Sets the material of a mesh that no object has; `None` for a mesh that is gone.
+    pub(crate) fn set_mesh_material(&mut self, mesh: MeshId, material: Option<MaterialId>) {
+        let now = material.map_or(self.default_material, |material| material.0);
         if let Some(there) = self.mesh_materials.get_mut(mesh.0 as usize) {
-            *there = material.0;
+            self.material_slots.count_user(std::mem::replace(there, now), now);
         }
     }
 
@@ -290,6 +289,8 @@ impl SurfaceResources {
         frame: &mut Frame<'_>,
         scatter: &ScatterPass,
     ) -> Result<(), Error> {
+        let to = [&self.materials, &self.transforms].map(Buffer::whole);
+        self.material_slots.upload_changes(frame, scatter, to)?;
         let dirty = self.light_lists.dirty();
         if !dirty.is_empty() {
             let uploads = frame.uploads();
@@ -321,6 +322,7 @@ impl SurfaceResources {
 
     /// Notes that the frame of the last [`SurfaceResources::upload_changes`] was submitted.
     pub(crate) fn submitted(&mut self) {
+        self.material_slots.submitted();
         self.light_lists.submitted();
         self.dirty_lights.drain().for_each(drop);
     }
@@ -361,6 +363,9 @@ fn surface_vertices(
     Ok(vertices)
 }
 
+/// The bytes of a material on its way to the GPU, and of its place.
+const MATERIAL_BYTES: usize = size_of::<Material>() + 2 * size_of::<MaterialEntry>() + 8;
+
 /// Refuses more elements than the tables of the shaders hold.
 fn check_counts(
     device: &Device,
@@ -370,8 +375,10 @@ fn check_counts(
 ) -> Result<(), Error> {
     let transparent = surfaces.transparent.len() as u64;
     check_lights(surfaces, spare)?;
-    let materials = (surfaces.materials.len() as u64 + 1, size_of::<MaterialEntry>() as u64);
-    limits::check_storage(device, "materials", materials, "let meshes share materials")?;
+    let materials = surfaces.materials.len() as u64 + u64::from(spare.materials) + 1;
+    let entries = (materials, size_of::<MaterialEntry>() as u64);
+    limits::check_storage(device, "materials, with room", entries, "let meshes share materials")?;
+    limits::check_memory("materials", materials as usize, MATERIAL_BYTES)?;
     const SPLIT: &str = "split the scene, or join objects that stand still";
     let instances = (transparent, scene::limits::INSTANCE_BYTES);
     limits::check_storage(device, "transparent objects", instances, SPLIT)?;
@@ -427,6 +434,16 @@ fn check(scene: &Scene, surfaces: &Surfaces) -> Result<(), Error> {
     }
 }
 
+fn degradations_of(plan: &PagePlan, table: &LightTable) -> SceneDegradations {
+    SceneDegradations {
+        shrunk_images: plan.shrunk,
+        enlarged_images: plan.resampled - plan.shrunk,
+        borrowed_samplers: plan.resampled_by_others,
+        dark_suns: table.dark_suns,
+        crowded_objects: 0,
+    }
+}
+
 fn features(
     surfaces: &Surfaces,
     plan: &PagePlan,
@@ -439,11 +456,13 @@ fn features(
             |material: &&scene::Material| (material.alpha == Alpha::Blend) == is_transparent;
         let materials = surfaces.materials.iter().filter(is_of_class).chain([&fallback]);
         let is_spot = |light: &PunctualLight| matches!(light.kind, LightKind::Spot { .. });
-        Features {
+        let features = Features {
             directional_lights: table.directional,
             has_local_lights: lists.has_lights(),
             has_spots: spare.lights > 0 || table.lights.iter().any(is_spot),
             ..Features::of(materials, plan)
-        }
+        };
+        let has_room = spare.materials > 0 && !is_transparent;
+        if has_room { features.of_any(plan) } else { features }
     })
 }

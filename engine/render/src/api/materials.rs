@@ -1,0 +1,64 @@
+//! Materials that come and go while the renderer runs.
+
+use scene::{Material, MaterialId};
+
+use crate::error::Error;
+use crate::renderer::Renderer;
+
+impl Renderer {
+    /// Adds materials, and returns their ids in the same order: all of them, or none. Meshes that
+    /// are added can have them at once; the next frame uploads them. An id may have belonged to a
+    /// material that was removed. There must be room
+    /// ([`RendererOptions::spare`](crate::RendererOptions::spare)).
+    ///
+    /// Their textures are those of the scene that the renderer began with.
+    ///
+    /// # Errors
+    /// [`Error::Material`] for a scene without surfaces, a material that blends, has a number that
+    /// is not finite or a texture that is not there; [`Error::NoRoom`].
+    pub fn add_materials(&mut self, materials: &[Material]) -> Result<Vec<MaterialId>, Error> {
+        let Some(surfaces) = &mut self.passes.geometry.surfaces else {
+            return refused(materials.len(), "the scene has no surfaces");
+        };
+        for (index, material) in materials.iter().enumerate() {
+            let checked = surfaces.check_material(material);
+            checked.map_err(|reason| Error::Material { index, reason })?;
+        }
+        let slots = &mut surfaces.material_slots;
+        let mut added = Vec::with_capacity(materials.len());
+        for material in materials {
+            match slots.add(material) {
+                Ok(id) => added.push(id),
+                Err(error) => {
+                    added.into_iter().for_each(|id| slots.remove(id));
+                    return Err(error);
+                }
+            }
+        }
+        Ok(added)
+    }
+
+    /// Removes materials: all of them, or none. Their places are free at once.
+    ///
+    /// # Errors
+    /// [`Error::Material`] for one that is not there or named twice, or that a mesh has.
+    pub fn remove_materials(&mut self, materials: &[MaterialId]) -> Result<(), Error> {
+        let Some(surfaces) = &mut self.passes.geometry.surfaces else {
+            return refused(materials.len(), "the scene has no surfaces").map(drop);
+        };
+        let slots = &mut surfaces.material_slots;
+        for (index, material) in materials.iter().enumerate() {
+            let is_new = !materials[..index].contains(material);
+            let checked = slots.check_removal(*material);
+            let checked = checked.and(if is_new { Ok(()) } else { Err("it is named twice") });
+            checked.map_err(|reason| Error::Material { index, reason })?;
+        }
+        materials.iter().for_each(|material| slots.remove(*material));
+        Ok(())
+    }
+}
+
+/// Refuses the first of some materials; none are no mistake.
+fn refused(count: usize, reason: &'static str) -> Result<Vec<MaterialId>, Error> {
+    if count == 0 { Ok(Vec::new()) } else { Err(Error::Material { index: 0, reason }) }
+}

@@ -1,0 +1,161 @@
+//! The materials of a scene and those that come later: their places in the table of the shaders.
+
+use gpu::{BufferSlice, Frame};
+use occlusion::{ScatterIo, ScatterPass};
+use scene::{Alpha, Material, MaterialId, Surfaces};
+
+use crate::error::Error;
+use crate::resources::spare_room::{SpareRanges, SpareRoom};
+use crate::shading::surfaces::marked::Marked;
+use crate::shading::surfaces::materials::{Features, MaterialEntry, MaterialTable};
+use crate::shading::surfaces::texture_transforms::TransformEntry;
+
+/// The place of a material.
+#[derive(Clone, Debug, Default)]
+struct MaterialSlot {
+    /// The material, if there is one.
+    material: Option<Material>,
+    /// The number of meshes that have it.
+    users: u32,
+}
+
+/// The places of all materials.
+pub(crate) struct MaterialSlots {
+    table: MaterialTable,
+    slots: Vec<MaterialSlot>,
+    ids: SpareRanges,
+    dirty: Marked,
+}
+
+impl MaterialSlots {
+    /// Notes the materials of a scene, and the room between them and the one of meshes that name
+    /// none.
+    pub(crate) fn new(surfaces: &Surfaces, table: MaterialTable, spare: &SpareRoom) -> Self {
+        let slot =
+            |material: &Material| MaterialSlot { material: Some(material.clone()), users: 0 };
+        let mut slots: Vec<MaterialSlot> = surfaces.materials.iter().map(slot).collect();
+        slots.resize(slots.len() + spare.materials as usize, MaterialSlot::default());
+        for mesh in &surfaces.meshes {
+            if let Some(slot) = slots.get_mut(mesh.material.0 as usize) {
+                slot.users += 1;
+            }
+        }
+        let used = surfaces.materials.len() as u32;
+        Self {
+            ids: SpareRanges::behind("materials", used, spare.materials),
+            dirty: Marked::none_of(slots.len()),
+            slots,
+            table,
+        }
+    }
+
+    fn material(&self, material: MaterialId) -> Option<&Material> {
+        self.slots.get(material.0 as usize)?.material.as_ref()
+    }
+
+    /// Returns the reason why a mesh that comes cannot have a material.
+    pub(crate) fn check_mesh(&self, material: MaterialId) -> Result<(), &'static str> {
+        match self.material(material) {
+            None => Err("the scene does not have its material"),
+            Some(material) if material.alpha == Alpha::Blend => {
+                Err("its material blends, and transparent meshes cannot be added")
+            }
+            Some(_) => Ok(()),
+        }
+    }
+
+    /// Returns the reason why a material cannot be added to a scene that is drawn by passes with
+    /// these features.
+    pub(crate) fn check(
+        &self,
+        material: &Material,
+        features: &Features,
+    ) -> Result<(), &'static str> {
+        if material.alpha == Alpha::Blend {
+            return Err("it blends, and transparent objects cannot be added");
+        }
+        material.check(self.table.texture_count())?;
+        self.table.check(material, features)
+    }
+
+    /// Takes a place for a material that was checked. The next frame has it.
+    ///
+    /// # Errors
+    /// [`Error::NoRoom`].
+    pub(crate) fn add(&mut self, material: &Material) -> Result<MaterialId, Error> {
+        self.table.check_room(material)?;
+        let id = self.ids.take(1)?.start;
+        if let Some(slot) = self.slots.get_mut(id as usize) {
+            *slot = MaterialSlot { material: Some(material.clone()), users: 0 };
+        }
+        self.table.set(id, material);
+        self.dirty.mark_dirty(id);
+        Ok(MaterialId(id))
+    }
+
+    /// Returns the reason why a material cannot be removed.
+    pub(crate) fn check_removal(&self, material: MaterialId) -> Result<(), &'static str> {
+        match self.slots.get(material.0 as usize) {
+            None | Some(MaterialSlot { material: None, .. }) => {
+                Err("the renderer has no such material")
+            }
+            Some(MaterialSlot { users: 1.., .. }) => Err("meshes have it: remove those first"),
+            Some(_) => Ok(()),
+        }
+    }
+
+    /// Frees the place of a material that no mesh has.
+    pub(crate) fn remove(&mut self, material: MaterialId) {
+        let slot = self.slots.get_mut(material.0 as usize);
+        if let Some(gone) = slot.and_then(|slot| slot.material.take()) {
+            self.table.free(&gone);
+            self.ids.free(material.0..material.0 + 1);
+        }
+    }
+
+    /// Notes that a mesh has another material.
+    pub(crate) fn count_user(&mut self, before: u32, now: u32) {
+        if let Some(slot) = self.slots.get_mut(before as usize) {
+            slot.users = slot.users.saturating_sub(1);
+        }
+        if let Some(slot) = self.slots.get_mut(now as usize) {
+            slot.users += 1;
+        }
+    }
+
+    /// Records the upload of materials that came, before anything of `frame` reads them.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn upload_changes(
+        &self,
+        frame: &mut Frame<'_>,
+        scatter: &ScatterPass,
+        [materials, transforms]: [BufferSlice; 2],
+    ) -> Result<(), Error> {
+        let dirty = self.dirty.list();
+        if !dirty.is_empty() {
+            let entries = dirty.iter().map(|material| self.table.entry(*material));
+            let uploads = frame.uploads();
+            let (leaves, elements) = (uploads.push(dirty)?, uploads.push_iter(entries)?);
+            let io = ScatterIo { leaves, elements, array: materials };
+            let bytes = size_of::<MaterialEntry>();
+            scatter.record(frame.commands(), dirty.len() as u32, [(io, bytes)]);
+        }
+        let (dirty, entries) = self.table.transforms.dirty();
+        if !dirty.is_empty() {
+            let uploads = frame.uploads();
+            let (leaves, elements) = (uploads.push(dirty)?, uploads.push_iter(entries)?);
+            let io = ScatterIo { leaves, elements, array: transforms };
+            let bytes = size_of::<TransformEntry>();
+            scatter.record(frame.commands(), dirty.len() as u32, [(io, bytes)]);
+        }
+        Ok(())
+    }
+
+    /// Notes that the frame of the last [`MaterialSlots::upload_changes`] was submitted.
+    pub(crate) fn submitted(&mut self) {
+        self.dirty.drain().for_each(drop);
+        self.table.transforms.submitted();
+    }
+}

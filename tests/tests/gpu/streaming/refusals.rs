@@ -1,0 +1,98 @@
+//! Meshes and materials that there is no room for, or that a scene cannot show.
+
+use super::*;
+
+#[test]
+fn a_mesh_that_does_not_fit_is_refused_by_name_and_changes_nothing() {
+    run_on_all(|device| {
+        let mut random = Random::new(5);
+        let spare = SpareRoom { meshes: 1, ..SPARE };
+        let [plain, surfaces] = [Kind::Plain, Kind::Surfaces].map(first_scene);
+        let mut plain = Renderer::new(device, &plain, &options(spare)).unwrap();
+        let mut lit = Renderer::new(device, &surfaces, &options(spare)).unwrap();
+        let [bare, whole] =
+            [Kind::Plain, Kind::Surfaces].map(|it| some_mesh(&mut random, it, MaterialId(0)));
+        let of = |material| {
+            let surface = surface_of(whole.mesh(), MaterialId(material));
+            PreparedMesh::with_surface(whole.mesh().clone(), surface, Vec::new()).unwrap()
+        };
+        let refused = |renderer: &mut Renderer, meshes: Vec<PreparedMesh>, reason: &str| {
+            let error = renderer.add_meshes(meshes).unwrap_err().to_string();
+            assert!(error.contains(reason), "{error}");
+        };
+        refused(&mut plain, vec![whole.clone()], "mesh 0 of those named");
+        refused(&mut lit, vec![whole.clone(), bare.clone()], "mesh 1 of those named");
+        refused(&mut lit, vec![of(2)], "blends");
+        refused(&mut lit, vec![of(3)], "does not have its material");
+        refused(&mut plain, vec![bare.clone(); 2], "no room for 1 meshes");
+        let added = plain.add_meshes(vec![bare.clone()]).unwrap();
+        refused(&mut plain, vec![bare.clone()], "RendererOptions::spare");
+        let twice = plain.remove_meshes(&[added[0], added[0]]).unwrap_err().to_string();
+        assert!(twice.contains("named twice"), "{twice}");
+        let unknown = plain.remove_meshes(&[added[0], MeshId(77)]).unwrap_err().to_string();
+        assert!(unknown.contains("no such mesh"), "{unknown}");
+        let scene = first_scene(Kind::Surfaces);
+        for (spare, reason) in [
+            (SpareRoom { meshes: u32::MAX, ..SPARE }, "no memory for meshes"),
+            (SpareRoom { levels: u32::MAX, ..SPARE }, "no memory for meshes"),
+            (SpareRoom { vertices: u32::MAX, ..SPARE }, "vertices, with room"),
+            (SpareRoom { indices: u32::MAX, ..SPARE }, "indices, with room"),
+            (SpareRoom { lights: u32::MAX, ..SPARE }, "lights"),
+            (SpareRoom { materials: u32::MAX, ..SPARE }, "materials, with room"),
+        ] {
+            let error = Renderer::new(device, &scene, &options(spare)).err().unwrap().to_string();
+            assert!(error.contains(reason), "{error}");
+        }
+        plain.remove_meshes(&added).unwrap();
+        assert!(!plain.is_uploading() && !plain.is_resident(added[0]));
+        let gone = Object { mesh: added[0], ..object(0, Vec3::ZERO) };
+        let error = plain.update(&[ObjectChange::Add { object: gone }]).unwrap_err().to_string();
+        assert!(error.contains("no such mesh"), "{error}");
+        assert_eq!(plain.add_meshes(vec![bare]).unwrap(), added);
+    });
+}
+
+#[test]
+fn a_material_that_cannot_be_drawn_is_refused_by_name_and_changes_nothing() {
+    run_on_all(|device| {
+        let scene = first_scene(Kind::Surfaces);
+        let mut renderer = Renderer::new(device, &scene, &options(SPARE)).unwrap();
+        let plain = first_scene(Kind::Plain);
+        let mut plain = Renderer::new(device, &plain, &options(SPARE)).unwrap();
+        let good = Material::default();
+        let used = |texture, scale: f32| {
+            let transform = Affine2::from_scale(Vec2::splat(scale));
+            Some(TextureUse { texture: TextureId(texture), uv_set: 0, transform })
+        };
+        for (bad, reason) in [
+            (Material { alpha: Alpha::Blend, ..good.clone() }, "it blends"),
+            (Material { roughness: f32::NAN, ..good.clone() }, "not finite"),
+            (Material { base_colour_texture: used(2, 1.0), ..good.clone() }, "one of its textures"),
+            (Material { base_colour_texture: used(1, 1.0), ..good.clone() }, "Encoding::Srgb"),
+            (Material { normal_texture: used(0, 1.0), ..good.clone() }, "Encoding::Linear"),
+        ] {
+            let error = renderer.add_materials(&[good.clone(), bad]).unwrap_err().to_string();
+            assert!(error.contains("material 1") && error.contains(reason), "{error}");
+        }
+        let error = plain.add_materials(std::slice::from_ref(&good)).unwrap_err().to_string();
+        assert!(error.contains("no surfaces"), "{error}");
+        assert!(plain.add_materials(&[]).unwrap().is_empty());
+        let many = vec![good.clone(); SPARE.materials as usize + 1];
+        let error = renderer.add_materials(&many).unwrap_err().to_string();
+        assert!(error.contains("no room for 1 materials"), "{error}");
+        let added = renderer.add_materials(&many[1..]).unwrap();
+        let twice = renderer.remove_materials(&[added[1], added[1]]).unwrap_err().to_string();
+        assert!(twice.contains("named twice"), "{twice}");
+        let unknown = renderer.remove_materials(&[added[1], MaterialId(77)]).unwrap_err();
+        assert!(unknown.to_string().contains("no such material"), "{unknown}");
+        renderer.remove_materials(&added).unwrap();
+        assert!(renderer.remove_materials(&added[..1]).is_err());
+        // Transforms go with the last material that has them: there is room for 25.
+        for round in 0..40 {
+            let texture = used(0, 1.5 + round as f32);
+            let scaled = Material { base_colour_texture: texture, ..good.clone() };
+            let ids = renderer.add_materials(&[scaled]).unwrap();
+            renderer.remove_materials(&ids).unwrap();
+        }
+    });
+}
