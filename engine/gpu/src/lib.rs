@@ -107,6 +107,7 @@ pub use crate::query::predicates::{
 };
 pub use crate::query::query_ring::QueryRing;
 pub use crate::record::access::{Access, MemoryBarrier};
+pub use crate::record::api::textures::TextureRows;
 pub use crate::record::attachments::{
     Attachments, COLOURS_MAX, ColourFormats, HostPass, NearDepth,
 };

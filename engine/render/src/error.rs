@@ -179,6 +179,14 @@ pub enum Error {
         /// The reason, and the advice.
         reason: &'static str,
     },
+    /// A texture that cannot be added or removed.
+    #[error("texture {index} of those named cannot be added or removed, so none was: {reason}")]
+    Texture {
+        /// Its place among those of the call.
+        index: usize,
+        /// The reason, and the advice.
+        reason: &'static str,
+    },
     /// A material that cannot be added or removed.
     #[error("material {index} of those named cannot be added or removed, so none was: {reason}")]
     Material {

@@ -60,7 +60,7 @@ pub use occlusion::{Costs, FrameOutcome, Rect, ShaderSet};
 pub use passes::FlatVertex;
 pub use renderer::{MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use resources::object_bounds::object_bounds;
-pub use resources::spare_room::SpareRoom;
+pub use resources::spare_room::{SpareRoom, TextureRoom};
 pub use shading::scene_degradations::SceneDegradations;
 pub use shading::surfaces;
 pub use update::UpdateReport;

@@ -63,9 +63,10 @@ pub struct RendererOptions {
     /// Together with the scene's objects they must fit into a hierarchy and the device.
     pub spare_objects: usize,
     /// Room for what is added later beside objects ([`Renderer::add_meshes`],
-    /// [`Renderer::add_materials`], [`Renderer::add_lights`]).
+    /// [`Renderer::add_textures`], [`Renderer::add_materials`], [`Renderer::add_lights`]).
     pub spare: SpareRoom,
-    /// The most bytes of meshes that a frame copies to the GPU; 0 counts as 1.
+    /// The most bytes of meshes and textures that a frame copies to the GPU; at least one
+    /// byte of a mesh, or one row of a texture.
     pub upload_bytes_per_frame: usize,
 }
 

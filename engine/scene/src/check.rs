@@ -1,8 +1,9 @@
 //! Checks that the surfaces of a scene belong to it and can be drawn: with a scene that passes, no
 //! shader reads out of bounds or meets a value that is not finite.
 
+use super::error::SceneError;
 use super::surface::{MorphTarget, SkinWeights, SkinnedMesh, Surfaces};
-use super::{Scene, SceneError, bounds_of_transformed};
+use super::{Scene, bounds_of_transformed};
 
 /// The slack of the sum of a vertex's weights, which are rounded to as little as eight bits each,
 /// eight of them or more.

@@ -15,11 +15,13 @@
 #![forbid(unsafe_code)]
 
 mod check;
+mod error;
 pub mod limits;
 mod mesh;
 mod outwardness;
 mod pose_bounds;
 mod prepared_mesh;
+mod prepared_texture;
 mod sprites;
 mod surface;
 #[cfg(test)]
@@ -31,6 +33,7 @@ use std::f32::consts::PI;
 use cull::Aabb;
 use glam::{Affine3A, Vec3, vec3};
 
+pub use error::SceneError;
 pub use mesh::{
     Mesh, MeshId, Object, Vertex, bounds_of_transformed, bounds_of_vertices, pack_normal,
     pack_unorm, unpack_normal, unpack_unorm,
@@ -38,6 +41,7 @@ pub use mesh::{
 pub use outwardness::{ENCLOSING, outwardness};
 pub use pose_bounds::PoseBounds;
 pub use prepared_mesh::PreparedMesh;
+pub use prepared_texture::PreparedTexture;
 pub use sprites::{MAX_SPRITES, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
 pub use surface::{
     Alpha, Encoding, Filter, Image, ImageId, LightId, LightKind, LodLevel, Material, MaterialId,
@@ -51,37 +55,6 @@ pub const FOV_Y_RAD: f32 = 60.0 * PI / 180.0;
 
 /// The default of the distance of the near plane, in metres.
 pub const NEAR_M: f32 = 0.2;
-
-/// A part of a scene that cannot be drawn.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SceneError {
-    /// A mesh that cannot be drawn.
-    #[error("the mesh \"{mesh}\" cannot be drawn: {fault}")]
-    BrokenMesh {
-        /// The mesh's name.
-        mesh: String,
-        /// The fault, as the end of a sentence.
-        fault: &'static str,
-    },
-    /// Surfaces that cannot be drawn.
-    #[error("{part} {index} of the surfaces cannot be drawn: {fault}")]
-    BrokenSurfaces {
-        /// The kind of part: a mesh, a material, a light...
-        part: &'static str,
-        /// Its place among its kind.
-        index: usize,
-        /// The fault, as the end of a sentence.
-        fault: &'static str,
-    },
-    /// An object that cannot be drawn.
-    #[error("object {index} cannot be drawn: {fault}")]
-    BrokenObject {
-        /// Its place in [`Scene::objects`].
-        index: usize,
-        /// The fault, as the end of a sentence.
-        fault: &'static str,
-    },
-}
 
 /// One directional light, and the ambient light. All colours are linear.
 #[derive(Clone, Copy, Debug, PartialEq)]

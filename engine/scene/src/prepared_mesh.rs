@@ -2,7 +2,8 @@
 
 use cull::Aabb;
 
-use super::{LodLevel, Mesh, Scene, SceneError, SurfaceMesh, Surfaces};
+use super::error::SceneError;
+use super::{LodLevel, Mesh, Scene, SurfaceMesh, Surfaces};
 
 /// A mesh that was checked, with its surface and its coarser levels: all that a renderer uploads
 /// for it. It is made on any thread, so that nothing is left to do between two frames but to hand

@@ -100,6 +100,7 @@ impl From<render::Error> for RunError {
             | render::Error::Light { .. }
             | render::Error::Mesh { .. }
             | render::Error::Material { .. }
+            | render::Error::Texture { .. }
             | render::Error::NoRoom { .. }
             | render::Error::DrawsAmongTests(_)
             | render::Error::Change { .. } => Self::machine(error),

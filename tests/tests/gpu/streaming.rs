@@ -2,165 +2,28 @@
 //! with them.
 
 mod refusals;
+mod scenes;
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-use cull::{Camera, DetailPolicy, ObjectId, Projection, Strategy};
-use glam::{Affine2, Affine3A, Vec2, Vec3, vec2, vec3};
+use cull::{Camera, ObjectId, Projection, Strategy};
+use glam::{Vec3, vec3};
 use gpu::{Device, Purpose, Readback};
-use render::{Costs, Error, FrameRequest, Renderer, RendererOptions, SpareRoom, ViewState};
+use render::{Error, FrameRequest, Renderer, SpareRoom, ViewState};
 use scene::{
-    Alpha, Encoding, Image, ImageId, LodLevel, Material, MaterialId, Mesh, MeshId, Object,
-    ObjectChange, PreparedMesh, Sampler, Scene, SurfaceMesh, SurfaceVertex, Surfaces, Texture,
-    TextureId, TextureUse,
+    Encoding, ImageId, Material, MaterialId, Mesh, MeshId, Object, ObjectChange, PreparedMesh,
+    PreparedTexture, SurfaceMesh, Surfaces, Texture, TextureId, TextureUse,
 };
 use tests::host_device::Host;
 use tests::stage::Random;
-use tests::studio::snorm16;
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run_on_all};
 
-const SIZE: [u32; 2] = [96, 64];
-const SPARE: SpareRoom = SpareRoom {
-    lights: 0,
-    directional_lights: 0,
-    meshes: 9,
-    vertices: 400,
-    indices: 700,
-    levels: 12,
-    materials: 5,
+use self::scenes::{
+    COARSE, FINEST, FIRST_MATERIALS, FIRST_TEXTURES, Kind, SIZE, SPARE, first_scene, object,
+    options, some_material, some_mesh, some_texture, spare, uses,
 };
-/// The materials that the renderer begins with.
-const FIRST_MATERIALS: u32 = 3;
-const FINEST: DetailPolicy = DetailPolicy { error_pixels: 0.0, hysteresis: 0.0 };
-const COARSE: DetailPolicy = DetailPolicy { error_pixels: 2.0, hysteresis: 0.0 };
-
-/// The scenes: one whose vertices hold the whole appearance, and one with surfaces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Plain,
-    Surfaces,
-}
-
-/// Returns a mesh of some triangles in a box of two metres; with surfaces it has a coarser level.
-fn some_mesh(random: &mut Random, kind: Kind, material: MaterialId) -> PreparedMesh {
-    let corner = |random: &mut Random| [0; 3].map(|_| random.below(2_001) as f32 / 1_000.0 - 1.0);
-    let triangles = 1 + random.below(30) as usize;
-    let colour = [0; 3].map(|_| random.below(256) as f32 / 255.0);
-    let corners: Vec<_> = (0..triangles * 3).map(|_| (corner(random), colour)).collect();
-    let mesh = Mesh::of_triangles("some", &corners);
-    match kind {
-        Kind::Plain => PreparedMesh::new(mesh).unwrap(),
-        Kind::Surfaces => {
-            let levels = match random.below(3) {
-                0 => Vec::new(),
-                _ => vec![LodLevel {
-                    indices: mesh.indices[..triangles / 2 * 3].to_vec(),
-                    error_m: 0.3,
-                }],
-            };
-            let surface = surface_of(&mesh, material);
-            PreparedMesh::with_surface(mesh, surface, levels).unwrap()
-        }
-    }
-}
-
-/// Returns a material of any kind that does not blend.
-fn some_material(random: &mut Random) -> Material {
-    let part = |random: &mut Random| random.below(256) as f32 / 255.0;
-    let colours = [(); 3].map(|()| random.below(3));
-    let texture_use = |random: &mut Random, texture| {
-        let scale = Vec2::splat(1.0 + random.below(4) as f32 / 3.0);
-        let transform = Affine2::from_scale_angle_translation(scale, 0.5, vec2(0.1, 0.2));
-        let transform = if random.below(2) == 0 { Affine2::IDENTITY } else { transform };
-        TextureUse { texture: TextureId(texture), uv_set: 0, transform }
-    };
-    Material {
-        base_colour: [part(random), part(random), part(random), 1.0],
-        base_colour_texture: (colours[0] == 0).then(|| texture_use(random, 0)),
-        metallic: part(random),
-        roughness: part(random),
-        metallic_roughness_texture: (colours[1] == 0).then(|| texture_use(random, 1)),
-        emission: if colours[2] == 0 { [0.0; 3] } else { [0.2, 0.1, part(random)] },
-        alpha: match random.below(3) {
-            0 => Alpha::Mask { cutoff: 0.5 },
-            _ => Alpha::Opaque,
-        },
-        is_unlit: random.below(4) == 0,
-        ..Material::default()
-    }
-}
-
-/// Returns an image of four by four texels, some of them with an alpha of 0.
-fn image(name: &str, step: usize) -> Image {
-    let texel =
-        |at: usize| [(at * step % 256) as u8, 90, 200, if at.is_multiple_of(5) { 0 } else { 255 }];
-    let rgba8: Vec<u8> = (0..16).flat_map(texel).collect();
-    Image { name: name.into(), size: [4, 4], rgba8 }
-}
-
-fn surface_of(mesh: &Mesh, material: MaterialId) -> SurfaceMesh {
-    let vertex = |vertex: &scene::Vertex| SurfaceVertex {
-        normal: snorm16(scene::unpack_normal(vertex.normal).normalize_or_zero(), 0),
-        tangent: snorm16(Vec3::X, 1),
-        uv: [[vertex.position[0], vertex.position[1]]; 2],
-        colour: [u16::MAX; 4],
-    };
-    let vertices = mesh.vertices.iter().map(vertex).collect();
-    SurfaceMesh { vertices, material }
-}
-
-/// Returns a wall with a mesh beside it, as the renderer begins.
-fn first_scene(kind: Kind) -> Scene {
-    let [a, b] = [[-2.0, -2.0, 0.0], [2.0, -2.0, 0.0]];
-    let [c, d] = [[2.0, 2.0, 0.0], [-2.0, 2.0, 0.0]];
-    let wall = Mesh::of_triangles("wall", &[a, b, c, a, c, d].map(|it| (it, [0.5; 3])));
-    let beside = Mesh::of_triangles("beside", &[a, b, c].map(|it| (it, [0.9, 0.2, 0.1])));
-    let meshes = vec![wall, beside];
-    let glass = Material { alpha: Alpha::Blend, ..Material::default() };
-    let red =
-        Material { base_colour: [0.8, 0.1, 0.1, 1.0], emission: [0.2; 3], ..Material::default() };
-    let texture =
-        |image, encoding| Texture { image: ImageId(image), encoding, sampler: Sampler::default() };
-    let texture_use = |texture| {
-        let texture = TextureId(texture);
-        Some(TextureUse { texture, uv_set: 0, transform: Affine2::IDENTITY })
-    };
-    let glass = Material {
-        base_colour_texture: texture_use(0),
-        metallic_roughness_texture: texture_use(1),
-        ..glass
-    };
-    let surfaces = Surfaces {
-        meshes: meshes.iter().map(|mesh| surface_of(mesh, MaterialId(0))).collect(),
-        images: vec![image("colours", 37), image("numbers", 11)],
-        textures: vec![texture(0, Encoding::Srgb), texture(1, Encoding::Linear)],
-        materials: vec![Material { emission: [0.1, 0.2, 0.3], ..Material::default() }, red, glass],
-        ..Surfaces::default()
-    };
-    let mut scene = Scene::single(meshes[0].clone());
-    scene.objects = vec![object(0, Vec3::ZERO), object(1, vec3(2.5, 0.0, -1.0))];
-    scene.meshes = meshes;
-    scene.surfaces = (kind == Kind::Surfaces).then_some(surfaces);
-    scene
-}
-
-fn object(mesh: u32, at: Vec3) -> Object {
-    Object { mesh: MeshId(mesh), transform: Affine3A::from_translation(at), tint: u32::MAX }
-}
-
-fn options(spare: SpareRoom) -> RendererOptions {
-    RendererOptions {
-        size: SIZE,
-        costs: Costs::Ignored,
-        spare_objects: 40,
-        spare,
-        // Several frames for most meshes.
-        upload_bytes_per_frame: 900,
-        ..Default::default()
-    }
-}
 
 /// A renderer, and what it should show.
 struct Stream {
@@ -170,17 +33,20 @@ struct Stream {
     images: [Readback; 2],
     meshes: BTreeMap<MeshId, PreparedMesh>,
     materials: BTreeMap<MaterialId, Material>,
+    textures: BTreeMap<TextureId, PreparedTexture>,
     objects: BTreeMap<ObjectId, Object>,
     frame: u32,
     added: u32,
     refused: u32,
     refused_materials: u32,
+    added_textures: u32,
+    refused_textures: u32,
 }
 
 impl Stream {
     fn new(device: &Device, kind: Kind) -> Self {
         let scene = first_scene(kind);
-        let renderer = Renderer::new(device, &scene, &options(SPARE)).unwrap();
+        let renderer = Renderer::new(device, &scene, &options(spare(kind))).unwrap();
         let ids = (0..).map(ObjectId);
         let prepared = |(number, mesh): (usize, &Mesh)| {
             let surface = scene.surfaces.as_ref().map(|all| all.meshes[number].clone());
@@ -197,11 +63,14 @@ impl Stream {
             renderer,
             meshes: scene.meshes.iter().enumerate().map(prepared).collect(),
             materials: BTreeMap::new(),
+            textures: BTreeMap::new(),
             objects: ids.zip(scene.objects.iter().copied()).collect(),
             frame: 0,
             added: 0,
             refused: 0,
             refused_materials: 0,
+            added_textures: 0,
+            refused_textures: 0,
         }
     }
 
@@ -211,10 +80,33 @@ impl Stream {
         Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 }
     }
 
+    /// Returns textures of colours and of numbers, new ones where there is room.
+    fn textures(&mut self, random: &mut Random) -> [TextureId; 2] {
+        let new = some_texture(random);
+        match self.renderer.add_textures(vec![new.clone()]) {
+            Ok(ids) => {
+                self.added_textures += 1;
+                assert!(self.textures.insert(ids[0], new).is_none(), "{ids:?} were there");
+            }
+            Err(Error::NoRoom { .. }) => self.refused_textures += 1,
+            Err(error) => panic!("{error}"),
+        }
+        [(Encoding::Srgb, 0), (Encoding::Linear, 1)].map(|(encoding, first)| {
+            let mut there: Vec<_> = self.textures.iter().collect();
+            there.retain(|(_, texture)| texture.encoding() == encoding);
+            let ids = std::iter::once(TextureId(first)).chain(there.iter().map(|(id, _)| **id));
+            ids.last().unwrap()
+        })
+    }
+
     /// Returns a material for a mesh that comes, a new one where there is room.
     fn material(&mut self, random: &mut Random) -> MaterialId {
-        let new = some_material(random);
-        if self.kind == Kind::Plain || random.below(3) == 0 {
+        if self.kind == Kind::Plain {
+            return MaterialId(0);
+        }
+        let textures = self.textures(random);
+        let new = some_material(random, textures);
+        if random.below(3) == 0 {
             return MaterialId(random.below(2));
         }
         match self.renderer.add_materials(std::slice::from_ref(&new)) {
@@ -244,6 +136,14 @@ impl Stream {
         }
         self.renderer.remove_materials(&gone).unwrap();
         self.materials.retain(|id, _| !gone.contains(id));
+        let used = |id: &TextureId| self.materials.values().any(|it| uses(it).contains(id));
+        let (kept, gone): (Vec<_>, Vec<_>) = self.textures.keys().copied().partition(used);
+        for id in kept {
+            let error = self.renderer.remove_textures(&[id]).unwrap_err().to_string();
+            assert!(error.contains("materials use it"), "{error}");
+        }
+        self.renderer.remove_textures(&gone).unwrap();
+        self.textures.retain(|id, _| !gone.contains(id));
     }
 
     /// Adds meshes with an object each, some of them behind the wall.
@@ -321,6 +221,28 @@ impl Stream {
         self.renderer.render(&mut self.views[number], &request).unwrap();
     }
 
+    /// Adds the textures and materials that came to those of the first scene.
+    fn add_textures_to(&self, surfaces: &mut Surfaces) {
+        for (number, texture) in (FIRST_TEXTURES..).zip(self.textures.values()) {
+            surfaces.images.push(texture.image().clone());
+            let (encoding, sampler) = (texture.encoding(), texture.sampler());
+            surfaces.textures.push(Texture { image: ImageId(number), encoding, sampler });
+        }
+        let renamed = |texture_use: TextureUse| {
+            let texture = texture_use.texture;
+            let texture = match self.textures.range(..texture).count() {
+                _ if texture.0 < FIRST_TEXTURES => texture,
+                before => TextureId(FIRST_TEXTURES + before as u32),
+            };
+            TextureUse { texture, ..texture_use }
+        };
+        surfaces.materials.extend(self.materials.values().map(|material| Material {
+            base_colour_texture: material.base_colour_texture.map(renamed),
+            metallic_roughness_texture: material.metallic_roughness_texture.map(renamed),
+            ..material.clone()
+        }));
+    }
+
     /// Draws until everything is there, and compares with a renderer that is made of it.
     fn compare(&mut self, device: &Device) {
         let mut frames = 0;
@@ -334,7 +256,7 @@ impl Stream {
         let numbers: BTreeMap<MeshId, u32> = self.meshes.keys().copied().zip(0..).collect();
         scene.meshes = self.meshes.values().map(|it| it.mesh().clone()).collect();
         if let Some(surfaces) = &mut scene.surfaces {
-            surfaces.materials.extend(self.materials.values().cloned());
+            self.add_textures_to(surfaces);
             let renamed = |material: MaterialId| match self.materials.range(..material).count() {
                 _ if material.0 < FIRST_MATERIALS => material,
                 before => MaterialId(FIRST_MATERIALS + before as u32),
@@ -358,6 +280,7 @@ impl Stream {
             images,
             meshes,
             materials: BTreeMap::new(),
+            textures: BTreeMap::new(),
             objects,
             frame: self.frame,
             ..Self { kind: self.kind, ..Self::new(device, self.kind) }
@@ -392,6 +315,8 @@ fn meshes_that_come_and_go_look_as_if_they_had_always_been_there() {
             assert!(stream.refused > 0, "there was always room");
             let had_materials = kind == Kind::Surfaces;
             assert_eq!(stream.refused_materials > 0, had_materials, "room for materials");
+            assert_eq!(stream.added_textures > 10, had_materials, "textures came");
+            assert_eq!(stream.refused_textures > 0, had_materials, "room for textures");
         }
     });
 }

@@ -7,8 +7,9 @@ use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::of_device;
-use crate::memory::buffer::Buffer;
+use crate::memory::buffer::BufferSlice;
 use crate::memory::image::Image;
+use crate::memory::resample::resampled;
 use crate::record::access::{Access, LayoutChange};
 use crate::record::commands::Commands;
 
@@ -48,14 +49,14 @@ pub struct TextureArrayInfo<'a> {
 }
 
 /// Layers of one size, format and sampler. It can be bound once each was
-/// [written](crate::TextureUploads).
+/// [written or reserved](crate::TextureUploads).
 pub struct TextureArray {
     device: Device,
     image: Image,
     sampler: vk::Sampler,
     pub(super) size: [u32; 2],
     pub(super) format: vk::Format,
-    pub(super) levels: u32,
+    pub(crate) levels: u32,
     pub(super) mip_making: MipMaking,
     pub(super) layers: Vec<Layer>,
 }
@@ -128,7 +129,26 @@ impl TextureArray {
         self.layers.len() as u32
     }
 
-    /// Returns true if all layers were written.
+    /// Returns true if the device makes the mip maps.
+    pub(crate) fn blits_levels(&self) -> bool {
+        self.mip_making == MipMaking::Blits && self.levels > 1
+    }
+
+    /// Returns the mip maps of a whole layer from its second on, if the CPU makes them; none
+    /// otherwise.
+    pub fn levels_by_cpu(&self, rgba8: &[u8]) -> Vec<Vec<u8>> {
+        let mut levels: Vec<Vec<u8>> = Vec::new();
+        if self.mip_making == MipMaking::Cpu {
+            for level in 1..self.levels {
+                let [from, to] = [level - 1, level].map(|level| self.level_size(level));
+                let above = levels.last().map_or(rgba8, Vec::as_slice);
+                levels.push(resampled(above, from, to, self.format));
+            }
+        }
+        levels
+    }
+
+    /// Returns true if all layers were written or reserved.
     pub fn is_filled(&self) -> bool {
         self.layers.iter().all(|layer| layer.rows == self.size[1])
     }
@@ -141,11 +161,11 @@ impl TextureArray {
         }
     }
 
-    pub(super) fn level_size(&self, level: u32) -> [u32; 2] {
+    pub(crate) fn level_size(&self, level: u32) -> [u32; 2] {
         self.size.map(|side| (side >> level).max(1))
     }
 
-    pub(super) fn change(
+    pub(crate) fn change(
         &self,
         layer: u32,
         levels: std::ops::Range<u32>,
@@ -161,26 +181,27 @@ impl TextureArray {
         LayoutChange::of_part(self.image.raw, part, from, to)
     }
 
-    /// Copies whole rows from the staging buffer to a level.
-    pub(super) fn copy_rows(
+    /// Copies whole rows from the beginning of a slice to a level.
+    pub(crate) fn copy_rows(
         &self,
         commands: &Commands,
-        staging: &Buffer,
+        from: BufferSlice,
         layer: u32,
         level: u32,
         rows: std::ops::Range<u32>,
     ) {
         let [width, _] = self.level_size(level);
         let region = vk::BufferImageCopy::default()
+            .buffer_offset(from.offset_bytes)
             .image_subresource(level_of(layer, level))
             .image_offset(vk::Offset3D { x: 0, y: rows.start as i32, z: 0 })
             .image_extent(vk::Extent3D { width, height: rows.end - rows.start, depth: 1 });
-        // SAFETY: the caller's rows lie in the level and in the staging buffer; the level is in the
-        // layout named.
+        // SAFETY: the caller's rows lie in the level and in the slice; the level is in the layout
+        // named.
         unsafe {
             commands.device().raw().cmd_copy_buffer_to_image(
                 commands.raw(),
-                staging.whole().raw,
+                from.raw,
                 self.image.raw,
                 vk::ImageLayout::TRANSFER_DST_OPTIMAL,
                 &[region],
@@ -189,7 +210,7 @@ impl TextureArray {
     }
 
     /// Makes each level of a layer out of the one before it, and makes all ready to be sampled.
-    pub(super) fn blit_levels(&self, commands: &Commands, layer: u32) {
+    pub(crate) fn blit_levels(&self, commands: &Commands, layer: u32) {
         for level in 1..self.levels {
             let source = level - 1..level;
             commands.change_layouts([self.change(

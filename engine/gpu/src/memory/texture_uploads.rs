@@ -5,7 +5,6 @@ use ash::vk;
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::memory::buffer::{Buffer, MemoryKind};
-use crate::memory::resample::resampled;
 use crate::memory::texture_array::{MipMaking, TextureArray};
 use crate::record::access::{Access, MemoryBarrier};
 
@@ -80,6 +79,38 @@ impl TextureUploads {
         self.write_rows(array, layer, rgba8)
     }
 
+    /// Makes layers that nothing was written to ready to be bound, with texels that are not
+    /// defined, for [`Commands::write_texture`](crate::Commands::write_texture).
+    ///
+    /// # Errors
+    /// [`Error::WrongCommands`] for layers that are missing or were written; [`Error::Foreign`] for
+    /// an array of another device; a failed call.
+    pub fn reserve(
+        &mut self,
+        array: &mut TextureArray,
+        layers: std::ops::Range<u32>,
+    ) -> Result<(), Error> {
+        self.device.check(array, "texture uploads (`TextureUploads`)")?;
+        let reserved = array.layers.get(layers.start as usize..layers.end as usize);
+        if !reserved.is_some_and(|reserved| reserved.iter().all(|layer| layer.rows == 0)) {
+            return Err(Error::WrongCommands("layers are reserved that are not there or written"));
+        }
+        if layers.is_empty() {
+            return Ok(());
+        }
+        let changed: &TextureArray = array;
+        self.device.run_once("texture room", |commands| {
+            for layer in layers.clone() {
+                let change = [Access::Nothing, Access::FragmentSample];
+                commands.change_layouts([changed.change(layer, 0..changed.levels, change)]);
+            }
+        })?;
+        let rows = array.size[1];
+        let reserved = array.layers.get_mut(layers.start as usize..layers.end as usize);
+        reserved.into_iter().flatten().for_each(|layer| layer.rows = rows);
+        Ok(())
+    }
+
     /// Writes rows that fit the staging buffer.
     fn write_piece(
         &mut self,
@@ -105,7 +136,7 @@ impl TextureUploads {
                     [Access::Nothing, Access::CopyWrite],
                 )]);
             }
-            written.copy_rows(commands, staging, layer, 0, rows);
+            written.copy_rows(commands, staging.whole(), layer, 0, rows);
             if is_last && !has_more {
                 written.blit_levels(commands, layer);
             }
@@ -129,14 +160,10 @@ impl TextureUploads {
     /// Makes the levels of a layer on the CPU, and makes all ready to be sampled.
     fn write_levels(&mut self, array: &mut TextureArray, layer: u32) -> Result<(), Error> {
         let place = layer as usize;
-        let mut pixels = array
-            .layers
-            .get_mut(place)
-            .map(|layer| std::mem::take(&mut layer.kept))
-            .unwrap_or_default();
-        for level in 1..array.levels {
-            let [from, to] = [level - 1, level].map(|level| array.level_size(level));
-            pixels = resampled(&pixels, from, to, array.format);
+        let kept = array.layers.get_mut(place).map(|layer| std::mem::take(&mut layer.kept));
+        let levels = array.levels_by_cpu(&kept.unwrap_or_default());
+        for (level, pixels) in (1..).zip(levels) {
+            let to = array.level_size(level);
             let row_bytes = to[0] as usize * 4;
             let piece_rows = (STAGING_BYTES as usize / row_bytes).max(1);
             for (piece, bytes) in pixels.chunks(piece_rows * row_bytes).enumerate() {
@@ -145,7 +172,7 @@ impl TextureUploads {
                 self.stage(bytes);
                 let (staging, array) = (&self.staging, &*array);
                 self.device.run_once("texture level", |commands| {
-                    array.copy_rows(commands, staging, layer, level, rows);
+                    array.copy_rows(commands, staging.whole(), layer, level, rows);
                     commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
                 })?;
             }

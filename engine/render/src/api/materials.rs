@@ -11,7 +11,8 @@ impl Renderer {
     /// material that was removed. There must be room
     /// ([`RendererOptions::spare`](crate::RendererOptions::spare)).
     ///
-    /// Their textures are those of the scene that the renderer began with.
+    /// Their textures are those that the renderer began with and those that were
+    /// [added](Renderer::add_textures).
     ///
     /// # Errors
     /// [`Error::Material`] for a scene without surfaces, a material that blends, has a number that

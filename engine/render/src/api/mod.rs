@@ -15,5 +15,6 @@ mod poses;
 mod present;
 mod render;
 mod snapshot;
+mod textures;
 mod update;
 mod visible_set;

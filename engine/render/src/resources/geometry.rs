@@ -20,10 +20,10 @@ use crate::resources::joined_meshes::JoinedMeshes;
 use crate::resources::limits::{check_memory, check_storage};
 use crate::resources::lod::{LodTable, stretch};
 use crate::resources::mesh_slots::{MeshSlots, Residency, draws_of};
-use crate::resources::mesh_uploads::{MeshArrays, MeshUploads};
 use crate::resources::skinned_meshes::{SkinnedVertices, are_skinned, skinned_vertices};
 use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites;
+use crate::resources::upload_queue::{UploadQueue, UploadTargets};
 use crate::shading::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// Memory that a renderer takes for each object while it is made (bytes): its instance, by object
@@ -48,7 +48,7 @@ pub(crate) struct Geometry {
     /// The draws of meshes, and of their coarser levels behind those.
     mesh_draws: Arc<[MeshDraw]>,
     pub(crate) meshes: MeshSlots,
-    pub(crate) uploads: MeshUploads,
+    pub(crate) uploads: UploadQueue,
     /// Objects whose meshes are on their way.
     waiting: Vec<ObjectId>,
     mesh_bounds: Vec<Aabb>,
@@ -97,7 +97,7 @@ impl Geometry {
             (skinned_vertices(scene), size_of::<SurfaceVertex>() as u64),
             "make those meshes simpler, or fewer",
         )?;
-        let options = SurfaceOptions { spare: *spare, ..Default::default() };
+        let options = SurfaceOptions { spare: spare.clone(), ..Default::default() };
         let surfaces = SurfaceResources::upload(device, scene, hierarchy, &options)?;
         let mut object_meshes = vec![NO_MESH; leaf_count];
         let mut object_instances = vec![Instance::default(); leaf_count];
@@ -137,7 +137,7 @@ impl Geometry {
             instances: device.upload("instances", &instances, storage)?,
             mesh_bounds,
             meshes,
-            uploads: MeshUploads::new(frame_bytes),
+            uploads: UploadQueue::new(frame_bytes),
             waiting: Vec::new(),
             surfaces,
             mesh_draws,
@@ -193,7 +193,7 @@ impl Geometry {
         if let (Some(surfaces), Some(surface)) = (&mut self.surfaces, mesh.surface()) {
             surfaces.set_mesh_material(id, Some(surface.material));
         }
-        self.uploads.push(id, mesh, place);
+        self.uploads.push_mesh(id, mesh, place);
         Ok(id)
     }
 
@@ -209,7 +209,7 @@ impl Geometry {
         if let Some(surfaces) = &mut self.surfaces {
             surfaces.set_mesh_material(mesh, None);
         }
-        self.uploads.cancel(mesh);
+        self.uploads.cancel_mesh(mesh);
     }
 
     fn set_mesh_draw(&mut self, id: MeshDrawId, draw: MeshDraw, leaves: &mut LeafTable) {
@@ -398,12 +398,13 @@ impl Geometry {
         hierarchy: &Hierarchy,
         executor: &mut PlanExecutor,
     ) -> Result<(), Error> {
-        let arrays = MeshArrays {
+        let targets = UploadTargets {
             vertices: self.vertices.whole(),
             surfaces: self.surfaces.as_ref().map(SurfaceResources::vertices),
             indices: self.indices.whole(),
+            pages: self.surfaces.as_ref().map_or(&[], SurfaceResources::own_pages),
         };
-        self.uploads.record(frame, arrays)?;
+        self.uploads.record(frame, targets)?;
         executor.leaves.begin();
         let (leaves, scatter) = (&executor.leaves, &executor.passes.scatter);
         if let Some(surfaces) = &self.surfaces {

@@ -3,12 +3,13 @@
 use std::ops::Range;
 
 use range_alloc::RangeAllocator;
+use scene::{Encoding, PreparedTexture, Sampler};
 
 use crate::error::Error;
 
 /// Room that a renderer keeps for what is added while it runs, beside that of what is removed:
 /// nothing is made larger then. By default there is none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SpareRoom {
     /// Point and spot lights of a scene with surfaces: 48 bytes each. With any, the pipelines are
     /// compiled for both kinds.
@@ -29,6 +30,32 @@ pub struct SpareRoom {
     /// textures. With any, the pipelines are compiled for holes, emission, unlit materials and
     /// textures of all kinds, which costs every pixel a little.
     pub materials: u32,
+    /// Textures of a scene with surfaces, for materials that come later: a page for each kind.
+    /// Together with those of the scene there are at most
+    /// [`MAX_PAGES`](scene::limits::MAX_PAGES), so that images of the scene may be resampled to
+    /// share a page.
+    pub textures: Vec<TextureRoom>,
+}
+
+/// Room for textures of one kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TextureRoom {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The meaning of the bytes.
+    pub encoding: Encoding,
+    /// The sampling.
+    pub sampler: Sampler,
+    /// The number of textures: four bytes per pixel each, and a third more for mip maps.
+    pub layers: u32,
+}
+
+impl TextureRoom {
+    /// Returns true for a texture of this kind.
+    pub(crate) fn takes(&self, texture: &PreparedTexture) -> bool {
+        let kind = (texture.image().size, texture.encoding(), texture.sampler());
+        kind == (self.size, self.encoding, self.sampler)
+    }
 }
 
 /// The ranges of one array that are taken.

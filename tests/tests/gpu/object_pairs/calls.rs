@@ -77,6 +77,12 @@ pub fn rows() -> Vec<Row> {
             "Device",
             |ours, theirs| text(ours.uploads.write_rows(&mut theirs.array, 0, &[0; 16])),
         ),
+        row(
+            "TextureUploads::reserve",
+            "a texture array (`TextureArray`)",
+            "Device",
+            |ours, theirs| text(ours.uploads.reserve(&mut theirs.array, 0..1)),
+        ),
     ];
     rows.extend(frames());
     rows

@@ -1,6 +1,6 @@
 //! Calls that record: the recording fails, and with it the submit.
 
-use gpu::{Counting, QueryIndex};
+use gpu::{Counting, QueryIndex, TextureRows};
 
 use super::Row;
 use super::side::{SOURCE, Side, recorded};
@@ -24,6 +24,8 @@ pub fn rows() -> Vec<Row> {
     [binds(), buffers(), images(), rings(), predicates()].into_iter().flatten().collect()
 }
 
+const ROW: TextureRows = TextureRows { layer: 0, level: 0, first: 0, count: 1 };
+
 fn binds() -> Vec<Row> {
     vec![
         row("Commands::bind", PIPELINE, |ours, theirs| {
@@ -42,6 +44,17 @@ fn binds() -> Vec<Row> {
             recorded(&ours.device(), |commands| {
                 commands.bind_arrays(&ours.graphics, &[], &[&theirs.array]);
             })
+        }),
+        row("Commands::write_texture", "a texture array (`TextureArray`)", |ours, theirs| {
+            let slice = ours.slice();
+            recorded(&ours.device(), |commands| commands.write_texture(&theirs.array, ROW, slice))
+        }),
+        row("Commands::write_texture", BUFFER, |ours, theirs| {
+            let slice = theirs.slice();
+            recorded(&ours.device(), |commands| commands.write_texture(&ours.array, ROW, slice))
+        }),
+        row("Commands::make_texture_levels", "a texture array (`TextureArray`)", |ours, theirs| {
+            recorded(&ours.device(), |commands| commands.make_texture_levels(&theirs.array, 0))
         }),
         row("Commands::bind_compute", PIPELINE, |ours, theirs| {
             let slices = [ours.slice(); 3];

@@ -1,6 +1,17 @@
 //! Meshes and materials that there is no room for, or that a scene cannot show.
 
-use super::*;
+use glam::{Affine2, Vec2, Vec3};
+use render::{Renderer, SpareRoom, TextureRoom};
+use scene::{
+    Alpha, Encoding, Image, Material, MaterialId, MeshId, Object, ObjectChange, PreparedMesh,
+    PreparedTexture, Sampler, TextureId, TextureUse,
+};
+use tests::run_on_all;
+use tests::stage::Random;
+
+use super::scenes::{
+    Kind, SPARE, first_scene, object, options, rooms, some_mesh, spare, surface_of,
+};
 
 #[test]
 fn a_mesh_that_does_not_fit_is_refused_by_name_and_changes_nothing() {
@@ -8,7 +19,7 @@ fn a_mesh_that_does_not_fit_is_refused_by_name_and_changes_nothing() {
         let mut random = Random::new(5);
         let spare = SpareRoom { meshes: 1, ..SPARE };
         let [plain, surfaces] = [Kind::Plain, Kind::Surfaces].map(first_scene);
-        let mut plain = Renderer::new(device, &plain, &options(spare)).unwrap();
+        let mut plain = Renderer::new(device, &plain, &options(spare.clone())).unwrap();
         let mut lit = Renderer::new(device, &surfaces, &options(spare)).unwrap();
         let [bare, whole] =
             [Kind::Plain, Kind::Surfaces].map(|it| some_mesh(&mut random, it, MaterialId(0)));
@@ -93,6 +104,62 @@ fn a_material_that_cannot_be_drawn_is_refused_by_name_and_changes_nothing() {
             let scaled = Material { base_colour_texture: texture, ..good.clone() };
             let ids = renderer.add_materials(&[scaled]).unwrap();
             renderer.remove_materials(&ids).unwrap();
+        }
+    });
+}
+
+#[test]
+fn a_texture_that_there_is_no_room_for_is_refused_by_name_and_changes_nothing() {
+    run_on_all(|device| {
+        let scene = first_scene(Kind::Surfaces);
+        let mut renderer = Renderer::new(device, &scene, &options(spare(Kind::Surfaces))).unwrap();
+        let plain = first_scene(Kind::Plain);
+        let mut plain = Renderer::new(device, &plain, &options(SPARE)).unwrap();
+        let of = |size: [u32; 2], encoding| {
+            let image = Image { name: "one".into(), size, rgba8: vec![200; 4 * 16] };
+            PreparedTexture::new(image, encoding, Sampler::default())
+        };
+        let broken = of([4, 3], Encoding::Srgb).unwrap_err().to_string();
+        assert!(broken.contains("four bytes for each pixel"), "{broken}");
+        let good = of([4, 4], Encoding::Srgb).unwrap();
+        for other in [of([8, 2], Encoding::Srgb), of([4, 4], Encoding::Linear)] {
+            let error = renderer.add_textures(vec![good.clone(), other.unwrap()]).unwrap_err();
+            let error = error.to_string();
+            assert!(
+                error.contains("texture 1") && error.contains("SpareRoom::textures"),
+                "{error}"
+            );
+        }
+        let error = plain.add_textures(vec![good.clone()]).unwrap_err().to_string();
+        assert!(error.contains("no surfaces"), "{error}");
+        let error = renderer.add_textures(vec![good.clone(); 3]).unwrap_err().to_string();
+        assert!(error.contains("no room for 1 textures of this kind"), "{error}");
+        let added = renderer.add_textures(vec![good.clone(); 2]).unwrap();
+        assert!(renderer.is_uploading());
+        let refused = |renderer: &mut Renderer, ids: &[TextureId], reason: &str| {
+            let error = renderer.remove_textures(ids).unwrap_err().to_string();
+            assert!(error.contains(reason), "{error}");
+        };
+        refused(&mut renderer, &[added[0], added[0]], "named twice");
+        refused(&mut renderer, &[added[0], TextureId(77)], "no such texture");
+        refused(&mut renderer, &[TextureId(0)], "began with");
+        renderer.remove_textures(&added).unwrap();
+        assert!(!renderer.is_uploading(), "it is on its way no more");
+        refused(&mut renderer, &added[..1], "no such texture");
+        let gone = TextureUse { texture: added[0], uv_set: 0, transform: Affine2::IDENTITY };
+        let material = Material { base_colour_texture: Some(gone), ..Material::default() };
+        let error = renderer.add_materials(&[material]).unwrap_err().to_string();
+        assert!(error.contains("not on the GPU"), "{error}");
+        let room = |size, layers| TextureRoom { size, layers, ..rooms()[0] };
+        for (textures, reason) in [
+            (vec![room([4, 4], 1); 12], "kinds of textures that may come"),
+            (vec![room([4, 4], u32::MAX)], "textures of one kind"),
+            (vec![room([0, 4], 1)], "the width of the texture"),
+            (vec![room([4, 4], 0)], "the number of layers"),
+        ] {
+            let spare = SpareRoom { textures, ..SPARE };
+            let error = Renderer::new(device, &scene, &options(spare)).err().unwrap().to_string();
+            assert!(error.contains(reason), "{error}");
         }
     });
 }

@@ -2,3 +2,4 @@
 
 mod binding;
 mod draws;
+pub(crate) mod textures;

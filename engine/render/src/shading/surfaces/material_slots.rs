@@ -2,12 +2,13 @@
 
 use gpu::{BufferSlice, Frame};
 use occlusion::{ScatterIo, ScatterPass};
-use scene::{Alpha, Material, MaterialId, Surfaces};
+use scene::{Alpha, Material, MaterialId, Surfaces, TextureId};
 
 use crate::error::Error;
 use crate::resources::spare_room::{SpareRanges, SpareRoom};
 use crate::shading::surfaces::marked::Marked;
 use crate::shading::surfaces::materials::{Features, MaterialEntry, MaterialTable};
+use crate::shading::surfaces::texture_slots::TexturePlace;
 use crate::shading::surfaces::texture_transforms::TransformEntry;
 
 /// The place of a material.
@@ -91,6 +92,16 @@ impl MaterialSlots {
         self.table.set(id, material);
         self.dirty.mark_dirty(id);
         Ok(MaterialId(id))
+    }
+
+    /// Notes the place of a texture that comes, and that it has none when it goes.
+    pub(crate) fn place_texture(&mut self, texture: TextureId, place: Option<TexturePlace>) {
+        self.table.place_texture(texture, place);
+    }
+
+    /// Returns true if a material uses a texture.
+    pub(crate) fn uses_texture(&self, texture: TextureId) -> bool {
+        self.table.uses_texture(texture)
     }
 
     /// Returns the reason why a material cannot be removed.

@@ -2,10 +2,11 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::Affine2;
-use scene::{Alpha, Encoding, Material, Surfaces, TextureUse};
+use scene::{Alpha, Encoding, Material, Surfaces, TextureId, TextureUse};
 
 use crate::error::Error;
 use crate::shading::surfaces::pages::PagePlan;
+use crate::shading::surfaces::texture_slots::TexturePlace;
 use crate::shading::surfaces::texture_transforms::TextureTransforms;
 
 /// One material as `material.glsl` declares it.
@@ -39,6 +40,8 @@ pub(crate) struct MaterialTable {
     pub(crate) entries: Vec<MaterialEntry>,
     pub(crate) transforms: TextureTransforms,
     plan: PagePlan,
+    /// By texture, the number of uses by materials.
+    texture_users: Vec<u32>,
 }
 
 /// The features that the materials and lights of a scene use. Pipelines are compiled for them, so
@@ -66,7 +69,9 @@ impl MaterialTable {
         let all = surfaces.materials.iter().chain(fallbacks);
         let entries = all.map(|material| entry_of(material, &plan, &mut transforms)).collect();
         transforms.keep_room((spare as usize).saturating_mul(TEXTURES))?;
-        Ok(Self { entries, transforms, plan })
+        let mut table = Self { entries, transforms, plan, texture_users: Vec::new() };
+        surfaces.materials.iter().for_each(|material| table.count_textures(material, 1));
+        Ok(table)
     }
 
     /// Returns the number of the scene's textures.
@@ -82,8 +87,10 @@ impl MaterialTable {
     ) -> Result<(), &'static str> {
         let mut uses = textures_of(material).into_iter().flatten();
         if uses.any(|texture_use| place_of(texture_use, &self.plan).is_none()) {
-            return Err("no material of the scene that the renderer began with uses one of its \
-                        textures, so that it is not on the GPU");
+            return Err(
+                "one of its textures is not on the GPU: it was removed, or no material of the \
+                        scene that the renderer began with used it",
+            );
         }
         if Features::of([material].into_iter(), &self.plan).are_within(features) {
             return Ok(());
@@ -105,13 +112,43 @@ impl MaterialTable {
     /// [room](MaterialTable::check_room) for at its place.
     pub(crate) fn set(&mut self, number: u32, material: &Material) {
         let entry = entry_of(material, &self.plan, &mut self.transforms);
+        self.count_textures(material, 1);
         if let Some(there) = self.entries.get_mut(number as usize) {
             *there = entry;
         }
     }
 
-    /// Gives the transforms of a material's textures back.
+    /// Notes the place of a texture.
+    pub(crate) fn place_texture(&mut self, texture: TextureId, place: Option<TexturePlace>) {
+        let number = texture.0 as usize;
+        let places = &mut self.plan.places;
+        places.resize(places.len().max(number + 1), None);
+        if let Some(there) = places.get_mut(number) {
+            *there = place.map(|place| (place.page, place.layer));
+        }
+    }
+
+    /// Returns true if a material uses a texture.
+    pub(crate) fn uses_texture(&self, texture: TextureId) -> bool {
+        self.texture_users.get(texture.0 as usize).is_some_and(|users| *users > 0)
+    }
+
+    fn count_textures(&mut self, material: &Material, change: i32) {
+        for texture_use in textures_of(material).into_iter().flatten() {
+            let number = texture_use.texture.0 as usize;
+            if number < self.plan.places.len() {
+                let users = &mut self.texture_users;
+                users.resize(users.len().max(number + 1), 0);
+                if let Some(users) = users.get_mut(number) {
+                    *users = users.saturating_add_signed(change);
+                }
+            }
+        }
+    }
+
+    /// Gives the textures of a material back, and their transforms.
     pub(crate) fn free(&mut self, material: &Material) {
+        self.count_textures(material, -1);
         for texture_use in textures_of(material).into_iter().flatten() {
             if place_of(texture_use, &self.plan).is_some() {
                 self.transforms.free(texture_use.transform);

@@ -1,6 +1,7 @@
 //! Surfaces on the GPU: textures in pages, materials, lights, and the lights that reach each
 //! object.
 
+mod checks;
 mod light_lists;
 mod light_tree;
 mod lights;
@@ -11,10 +12,12 @@ mod page_groups;
 mod page_upload;
 mod pages;
 mod resources;
+mod texture_slots;
 mod texture_transforms;
 
 pub use lights::reach_m;
 pub use resources::{SurfaceOptions, SurfaceResources};
+pub(crate) use texture_slots::TexturePlace;
 
 #[cfg(test)]
 mod light_tests;

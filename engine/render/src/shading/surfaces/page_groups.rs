@@ -4,7 +4,6 @@
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 
-use scene::limits::MAX_PAGES;
 use scene::{Encoding, ImageId, Sampler, Wrap};
 
 /// The bytes that pages may take even if their images are smaller.
@@ -70,15 +69,19 @@ pub(super) fn most_texels(groups: &[Group]) -> u64 {
 
 /// Joins groups until their pages are few enough and take no more than `most_texels`. Only the
 /// number of pages can fail, where there are more images of an encoding than all pages hold.
-pub(super) fn joined(groups: Vec<Group>, max_layers: u32, most_texels: u64) -> Vec<Group> {
+pub(super) fn joined(
+    groups: Vec<Group>,
+    (max_layers, max_pages): (u32, usize),
+    most_texels: u64,
+) -> Vec<Group> {
     let mut groups = without_copies(groups, most_texels);
     let pages = |groups: &[Group]| groups.iter().map(|it| it.pages(max_layers)).sum::<usize>();
-    if groups.len() > MOST_PAIRED && pages(&groups) > MAX_PAGES {
+    if groups.len() > MOST_PAIRED && pages(&groups) > max_pages {
         groups = by_classes(groups, most_texels);
     }
-    debug_assert!(groups.len() <= MOST_PAIRED || pages(&groups) <= MAX_PAGES);
+    debug_assert!(groups.len() <= MOST_PAIRED || pages(&groups) <= max_pages);
     let mut total = groups.iter().map(Group::texels).sum::<u64>();
-    while pages(&groups) > MAX_PAGES {
+    while pages(&groups) > max_pages {
         let pairs = (0..groups.len()).flat_map(|from| (0..groups.len()).map(move |to| (from, to)));
         let possible = pairs.filter(|(from, to)| from != to).flat_map(|(from, to)| {
             let room = most_texels.saturating_sub(total);

@@ -6,16 +6,33 @@ use scene::{Encoding, Filter, Sampler, Surfaces, Wrap};
 
 use crate::error::Error;
 use crate::resources::limits;
+use crate::resources::spare_room::TextureRoom;
 use crate::shading::surfaces::pages::{Page, PagePlan};
 use crate::shading::surfaces::resources::SurfaceOptions;
 
 /// Plans the page of each image.
-pub(super) fn plan(device: &Device, surfaces: &Surfaces) -> Result<PagePlan, Error> {
+pub(super) fn plan(
+    device: &Device,
+    surfaces: &Surfaces,
+    rooms: &[TextureRoom],
+) -> Result<PagePlan, Error> {
     let limits = &device.adapter().limits;
     let (max_side, max_layers) = (limits.max_image_dimension2_d, limits.max_image_array_layers);
-    let plan = PagePlan::new(surfaces, max_side, max_layers);
-    if plan.pages.len() > MAX_PAGES {
-        let most = MAX_PAGES as u64 * u64::from(max_layers.min(MAX_LAYERS));
+    limits::check(
+        "kinds of textures that may come",
+        rooms.len() as u64,
+        MAX_PAGES as u64 - 1,
+        "keep room for fewer sizes and samplers",
+    )?;
+    for room in rooms {
+        let layers = u64::from(max_layers.min(MAX_LAYERS));
+        const FEWER: &str = "keep room for fewer, or twice for textures of this kind";
+        limits::check("textures of one kind", room.layers.into(), layers, FEWER)?;
+    }
+    let max_pages = MAX_PAGES - rooms.len();
+    let mut plan = PagePlan::new(surfaces, [max_side, max_layers], max_pages);
+    if plan.pages.len() > max_pages {
+        let most = max_pages as u64 * u64::from(max_layers.min(MAX_LAYERS));
         let wanted = plan.pages.iter().map(|page| page.layers.len() as u64).sum();
         return Err(Error::SceneTooLarge {
             what: "images, colours and numbers apart",
@@ -24,6 +41,7 @@ pub(super) fn plan(device: &Device, surfaces: &Surfaces) -> Result<PagePlan, Err
             instead: "join small images to larger ones",
         });
     }
+    plan.add_room(rooms);
     Ok(plan)
 }
 
@@ -63,13 +81,21 @@ pub(super) fn upload_pages(
                 )?;
             }
         }
+        let used = page.layers.len() as u32;
+        uploads.reserve(&mut array, used..used + page.spare)?;
         pages.push(array);
     }
     if pages.is_empty() {
         let sampler = Sampler { between_levels: None, ..Sampler::default() };
-        let white = Page { size: [1, 1], encoding: Encoding::Linear, sampler, layers: Vec::new() };
+        let white = Page {
+            size: [1, 1],
+            encoding: Encoding::Linear,
+            sampler,
+            layers: Vec::new(),
+            spare: 1,
+        };
         let info = array_info("no texture", &white, 1.0, MipMaking::Blits);
-        let mut array = TextureArray::new(device, &TextureArrayInfo { layers: 1, ..info })?;
+        let mut array = TextureArray::new(device, &info)?;
         uploads.write(&mut array, 0, &[255; 4])?;
         pages.push(array);
     }
@@ -105,7 +131,7 @@ fn array_info<'a>(
     TextureArrayInfo {
         name,
         size: page.size,
-        layers: page.layers.len() as u32,
+        layers: page.layers.len() as u32 + page.spare,
         format: format_of(page.encoding),
         wrap: page.sampler.wrap.map(wrap),
         magnified: filter(page.sampler.magnified),

@@ -6,6 +6,7 @@ use std::collections::{HashMap, HashSet};
 use scene::limits::MAX_LAYERS;
 use scene::{Encoding, ImageId, Sampler, Surfaces, Texture, TextureId};
 
+use crate::resources::spare_room::TextureRoom;
 use crate::shading::surfaces::page_groups::{Group, joined, most_texels};
 
 /// Images of one size, encoding and sampler.
@@ -19,6 +20,8 @@ pub struct Page {
     pub sampler: Sampler,
     /// The image on each layer, resampled where its size is another.
     pub layers: Vec<ImageId>,
+    /// Layers behind those for textures that come later.
+    pub spare: u32,
 }
 
 /// The place of each texture of a scene.
@@ -44,17 +47,16 @@ impl PagePlan {
     /// most `max_side` pixels per side and `max_layers` layers. Textures of the same image and
     /// sampler share a layer. Images beyond the device's size are halved until they fit.
     ///
-    /// Where there would be more than [`MAX_PAGES`](scene::limits::MAX_PAGES), the two pages whose
-    /// union costs least become one: first those of the same sampler and aspect, so that images are
-    /// made larger before any is made smaller; then those of the same wrapping; samplers are given
-    /// up last, encodings never. Where there are very many, those of similar sizes are joined
-    /// first.
+    /// Where there would be more than `max_pages`, the two pages whose union costs least become
+    /// one: first those of the same sampler and aspect, so that images are made larger before any
+    /// is made smaller; then those of the same wrapping; samplers are given up last, encodings
+    /// never. Where there are very many, those of similar sizes are joined first.
     ///
     /// All pages together take at most twice the memory of their images, or
     /// [`SMALL_PAGES_BYTES`](super::page_groups::SMALL_PAGES_BYTES) if more. An image that is
     /// sampled as colours and as numbers counts twice.
     #[must_use]
-    pub fn new(surfaces: &Surfaces, max_side: u32, max_layers: u32) -> Self {
+    pub fn new(surfaces: &Surfaces, [max_side, max_layers]: [u32; 2], max_pages: usize) -> Self {
         let max_layers = max_layers.clamp(1, MAX_LAYERS);
         let used = used_textures(surfaces);
         let size_of = |texture: &Texture| {
@@ -82,7 +84,7 @@ impl PagePlan {
             })
             .collect();
         let most_texels = most_texels(&groups);
-        let groups = joined(groups, max_layers, most_texels);
+        let groups = joined(groups, (max_layers, max_pages), most_texels);
         let mut plan = Self::default();
         let mut page_groups: HashMap<usize, usize> = HashMap::new();
         let mut layers: HashMap<(usize, ImageId), (usize, u32)> = HashMap::new();
@@ -109,6 +111,15 @@ impl PagePlan {
         plan
     }
 
+    /// Adds a page for each kind of textures that may come later.
+    pub(crate) fn add_room(&mut self, rooms: &[TextureRoom]) {
+        let page = |room: &TextureRoom| {
+            let TextureRoom { size, encoding, sampler, layers } = *room;
+            Page { size, encoding, sampler, layers: Vec::new(), spare: layers }
+        };
+        self.pages.extend(rooms.iter().map(page));
+    }
+
     fn count_resampled(&mut self, surfaces: &Surfaces) {
         let layers =
             self.pages.iter().flat_map(|page| page.layers.iter().map(|it| (page.size, it)));
@@ -129,6 +140,7 @@ impl PagePlan {
             encoding,
             sampler,
             layers: layers.to_vec(),
+            spare: 0,
         }));
         first
     }

@@ -2,36 +2,38 @@
 
 use cull::{Aabb, Hierarchy, HierarchyError, ObjectId};
 use gpu::{Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, vk};
-use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS, MAX_PAGES};
+use scene::limits::MAX_PAGES;
 use scene::{
-    Alpha, LightId, LightKind, Material, MaterialId, MeshId, Object, PunctualLight, Scene,
-    SurfaceVertex, Surfaces, TransparentId,
+    Alpha, LightId, LightKind, Material, MaterialId, MeshId, Object, PreparedTexture,
+    PunctualLight, Scene, SurfaceVertex, Surfaces, TextureId, TransparentId,
 };
 
 use crate::error::Error;
 use crate::resources::limits;
 use crate::resources::skinned_meshes::mesh_order;
-use crate::resources::spare_room::SpareRoom;
+use crate::resources::spare_room::{SpareRoom, TextureRoom};
 use crate::resources::sprites;
 use crate::shading::scene_degradations::SceneDegradations;
+use crate::shading::surfaces::checks::{check, check_counts};
 use crate::shading::surfaces::light_lists::{LIST_VALUES, LightLists};
 use crate::shading::surfaces::lights::{LightEntry, LightTable, dark_light};
 use crate::shading::surfaces::marked::Marked;
 use crate::shading::surfaces::material_slots::MaterialSlots;
-use crate::shading::surfaces::materials::{Features, MaterialEntry, MaterialTable};
+use crate::shading::surfaces::materials::{Features, MaterialTable};
 use crate::shading::surfaces::page_upload::{plan, upload_pages};
 use crate::shading::surfaces::pages::PagePlan;
+use crate::shading::surfaces::texture_slots::{TexturePlace, TextureSlots};
 use occlusion::{ScatterIo, ScatterPass};
 
 /// The options of the upload of surfaces.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceOptions {
     /// The most samples of textures along grazing surfaces; `None` takes 8, and 1 on a CPU, where
     /// each costs as much as another texture.
     pub anisotropy: Option<f32>,
     /// The maker of the mip maps.
     pub mip_making: MipMaking,
-    /// Room for meshes and lights that come later.
+    /// Room for what comes later.
     pub spare: SpareRoom,
 }
 
@@ -56,6 +58,7 @@ pub struct SurfaceResources {
     features: [Features; 2],
     mesh_materials: Vec<u32>,
     pub(crate) material_slots: MaterialSlots,
+    pub(crate) texture_slots: TextureSlots,
     /// For each mesh the place of its sprites behind the instances, 0 without any.
     mesh_sprites: Vec<u32>,
     /// The material of meshes that name none.
@@ -87,7 +90,7 @@ impl SurfaceResources {
         let Some(surfaces) = &scene.surfaces else { return Ok(None) };
         check_counts(device, surfaces, hierarchy, &options.spare)?;
         check(scene, surfaces)?;
-        let plan = plan(device, surfaces)?;
+        let plan = plan(device, surfaces, &options.spare.textures)?;
         let pages = upload_pages(device, surfaces, &plan, options)?;
         let table = LightTable::new(surfaces, &options.spare);
         let first_transparent_slot = hierarchy.leaf_objects().len() as u32;
@@ -108,6 +111,7 @@ impl SurfaceResources {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let degradations = degradations_of(&plan, &table);
         let features = features(surfaces, &plan, (&table, &light_lists), &options.spare);
+        let texture_slots = texture_slots(surfaces, &plan, &options.spare.textures);
         let materials = MaterialTable::new(surfaces, plan, options.spare.materials)?;
         let default_material = materials.entries.len() as u32 - 1;
         let of_scene = surfaces.materials.len() as u32;
@@ -134,6 +138,7 @@ impl SurfaceResources {
             features,
             mesh_materials: mesh_materials.chain(to_come).collect(),
             material_slots: MaterialSlots::new(surfaces, materials, &options.spare),
+            texture_slots,
             mesh_sprites: sprites::places(scene, hierarchy.leaf_objects().len()),
             default_material,
             degradations,
@@ -177,6 +182,44 @@ impl SurfaceResources {
         if let Some(there) = self.mesh_materials.get_mut(mesh.0 as usize) {
             self.material_slots.count_user(std::mem::replace(there, now), now);
         }
+    }
+
+    /// Takes a place for a texture that was checked.
+    ///
+    /// # Errors
+    /// [`Error::NoRoom`].
+    pub(crate) fn add_texture(
+        &mut self,
+        texture: &PreparedTexture,
+    ) -> Result<(TextureId, TexturePlace), Error> {
+        let (id, place) = self.texture_slots.add(texture)?;
+        self.material_slots.place_texture(id, Some(place));
+        Ok((id, place))
+    }
+
+    /// Returns the mip maps of a texture that the device does not make.
+    pub(crate) fn levels_by_cpu(
+        &self,
+        place: TexturePlace,
+        texture: &PreparedTexture,
+    ) -> Vec<Vec<u8>> {
+        let page = self.pages.get(place.page);
+        page.map(|page| page.levels_by_cpu(&texture.image().rgba8)).unwrap_or_default()
+    }
+
+    /// Returns the reason why a texture cannot be removed.
+    pub(crate) fn check_texture_removal(&self, texture: TextureId) -> Result<(), &'static str> {
+        self.texture_slots.check_removal(texture)?;
+        match self.material_slots.uses_texture(texture) {
+            true => Err("materials use it: remove those first"),
+            false => Ok(()),
+        }
+    }
+
+    /// Frees the place of a texture that no material uses.
+    pub(crate) fn remove_texture(&mut self, texture: TextureId) {
+        self.texture_slots.remove(texture);
+        self.material_slots.place_texture(texture, None);
     }
 
     /// Returns true if a mesh is made of sprites.
@@ -338,6 +381,11 @@ impl SurfaceResources {
         [&self.materials, &self.transforms, &self.lights, &self.lists].map(Buffer::whole)
     }
 
+    /// Returns the pages that there are.
+    pub(crate) fn own_pages(&self) -> &[TextureArray] {
+        &self.pages
+    }
+
     /// Returns as many pages as shaders declare; missing ones are the first one.
     pub(crate) fn pages(&self) -> Vec<&TextureArray> {
         let first = self.pages.first();
@@ -363,75 +411,9 @@ fn surface_vertices(
     Ok(vertices)
 }
 
-/// The bytes of a material on its way to the GPU, and of its place.
-const MATERIAL_BYTES: usize = size_of::<Material>() + 2 * size_of::<MaterialEntry>() + 8;
-
-/// Refuses more elements than the tables of the shaders hold.
-fn check_counts(
-    device: &Device,
-    surfaces: &Surfaces,
-    hierarchy: &Hierarchy,
-    spare: &SpareRoom,
-) -> Result<(), Error> {
-    let transparent = surfaces.transparent.len() as u64;
-    check_lights(surfaces, spare)?;
-    let materials = surfaces.materials.len() as u64 + u64::from(spare.materials) + 1;
-    let entries = (materials, size_of::<MaterialEntry>() as u64);
-    limits::check_storage(device, "materials, with room", entries, "let meshes share materials")?;
-    limits::check_memory("materials", materials as usize, MATERIAL_BYTES)?;
-    const SPLIT: &str = "split the scene, or join objects that stand still";
-    let instances = (transparent, scene::limits::INSTANCE_BYTES);
-    limits::check_storage(device, "transparent objects", instances, SPLIT)?;
-    let is_local = |light: &PunctualLight| light.kind != LightKind::Directional;
-    if spare.lights > 0 || surfaces.lights.iter().any(is_local) {
-        let slots = hierarchy.leaf_objects().len() as u64 + transparent;
-        let lists = (slots, LIST_VALUES as u64 * 4);
-        limits::check_storage(device, "objects in the light of lamps", lists, SPLIT)?;
-    }
-    Ok(())
-}
-
-/// Refuses more lights, with the room for more, than the light table takes.
-fn check_lights(surfaces: &Surfaces, spare: &SpareRoom) -> Result<(), Error> {
-    let [local, directional] = [spare.lights, spare.directional_lights].map(u64::from);
-    let lights = surfaces.lights.len() as u64 + local + directional;
-    const LESS: &str = "leave lights out, the weakest first, or keep room for fewer";
-    limits::check("lights", lights, MAX_LIGHTS as u64, LESS)?;
-    let is_sun = |light: &&PunctualLight| light.kind == LightKind::Directional;
-    let suns = surfaces.lights.iter().filter(is_sun).count().min(MAX_DIRECTIONAL_LIGHTS) as u64;
-    const FEWER: &str = "keep room for fewer with `RendererOptions::spare`";
-    limits::check(
-        "directional lights that may shine",
-        suns + directional,
-        MAX_DIRECTIONAL_LIGHTS as u64,
-        FEWER,
-    )
-}
-
-/// Refuses surfaces that do not belong to the scene.
-fn check(scene: &Scene, surfaces: &Surfaces) -> Result<(), Error> {
-    let broken = |mesh: usize| {
-        let beside = surfaces.meshes.get(mesh).map(|mesh| mesh.vertices.len());
-        beside != scene.meshes.get(mesh).map(|mesh| mesh.vertices.len())
-    };
-    if let Some(mesh) =
-        (0..scene.meshes.len().max(surfaces.meshes.len())).find(|mesh| broken(*mesh))
-    {
-        let name = scene.meshes.get(mesh).map(|mesh| mesh.name.clone()).unwrap_or_default();
-        let fault = "it has not as many surface vertices as vertices";
-        return Err(scene::SceneError::BrokenMesh { mesh: name, fault }.into());
-    }
-    let pixels = |image: &scene::Image| u64::from(image.size[0]) * u64::from(image.size[1]);
-    let is_whole =
-        |image: &scene::Image| pixels(image) > 0 && pixels(image) * 4 == image.rgba8.len() as u64;
-    match surfaces.images.iter().find(|image| !is_whole(image)) {
-        Some(image) => Err(Error::Image {
-            image: image.name.clone(),
-            size: image.size,
-            bytes: image.rgba8.len(),
-        }),
-        None => Ok(()),
-    }
+fn texture_slots(surfaces: &Surfaces, plan: &PagePlan, rooms: &[TextureRoom]) -> TextureSlots {
+    let first_page = plan.pages.len().saturating_sub(rooms.len());
+    TextureSlots::new(surfaces.textures.len() as u32, first_page, rooms)
 }
 
 fn degradations_of(plan: &PagePlan, table: &LightTable) -> SceneDegradations {

@@ -1,0 +1,71 @@
+//! Recording of copies to texture arrays that are sampled all the while.
+
+use crate::memory::buffer::BufferSlice;
+use crate::memory::texture_array::TextureArray;
+use crate::record::access::Access;
+use crate::record::commands::{Commands, Failure};
+
+/// Rows of one level of a layer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TextureRows {
+    /// The layer.
+    pub layer: u32,
+    /// The mip level; 0 is the whole image.
+    pub level: u32,
+    /// The first row, from the top.
+    pub first: u32,
+    /// The number of rows.
+    pub count: u32,
+}
+
+impl Commands {
+    /// Copies rows to a layer that was [written](crate::TextureUploads::write) or
+    /// [reserved](crate::TextureUploads::reserve): four bytes per pixel, from the beginning of
+    /// `from`. Waits for draws recorded before that sample the array, and draws recorded later wait
+    /// for it.
+    ///
+    /// The frame fails where the rows do not lie in the array or their bytes not in `from`.
+    pub fn write_texture(&self, array: &TextureArray, rows: TextureRows, from: BufferSlice) {
+        if self.admit(array).is_err() || !self.admit_all([&from]) {
+            return;
+        }
+        let TextureRows { layer, level, first, count } = rows;
+        let [width, height] = array.level_size(level);
+        let is_there = array.is_filled()
+            && layer < array.layers()
+            && level < array.levels
+            && first.checked_add(count).is_some_and(|end| end <= height)
+            && u64::from(width) * 4 * u64::from(count) <= from.size_bytes;
+        if !is_there {
+            self.fail(Failure::Wrong("rows are copied to a texture array that has none there"));
+            return;
+        }
+        if count == 0 {
+            return;
+        }
+        let levels = level..level + 1;
+        let sampled = [Access::FragmentSample, Access::CopyWrite];
+        self.change_layouts([array.change(layer, levels.clone(), sampled)]);
+        array.copy_rows(self, from, layer, level, first..first + count);
+        let copied = [Access::CopyWrite, Access::FragmentSample];
+        self.change_layouts([array.change(layer, levels, copied)]);
+    }
+
+    /// Makes the mip maps of a layer, whose rows were all [copied](Commands::write_texture), if the
+    /// device makes them ([`TextureArray::levels_by_cpu`]).
+    pub fn make_texture_levels(&self, array: &TextureArray, layer: u32) {
+        if self.admit(array).is_err() {
+            return;
+        }
+        if !array.is_filled() || layer >= array.layers() {
+            self.fail(Failure::Wrong("mip maps are made of a layer that is not there"));
+            return;
+        }
+        if array.blits_levels() {
+            let all = 0..array.levels;
+            let sampled = [Access::FragmentSample, Access::CopyWrite];
+            self.change_layouts([array.change(layer, all, sampled)]);
+            array.blit_levels(self, layer);
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! Meshes and textures on their way to the GPU: some bytes with each frame, the first that came
+//! first. So a mesh that has arrived is never without the textures of its material.
+
+use std::collections::VecDeque;
+
+use gpu::{Access, BufferSlice, Frame, MemoryBarrier, TextureArray, TextureRows};
+use scene::{MeshId, PreparedMesh, PreparedTexture, SurfaceVertex, TextureId, Vertex};
+
+use crate::error::Error;
+use crate::resources::mesh_slots::MeshPlace;
+use crate::shading::surfaces::TexturePlace;
+
+/// The arrays that meshes and textures are copied to.
+#[derive(Clone, Copy)]
+pub(crate) struct UploadTargets<'a> {
+    pub(crate) vertices: BufferSlice,
+    /// The surfaces of a scene that has them.
+    pub(crate) surfaces: Option<BufferSlice>,
+    pub(crate) indices: BufferSlice,
+    pub(crate) pages: &'a [TextureArray],
+}
+
+/// A mesh or a texture that is not on the GPU as a whole.
+enum PendingUpload {
+    Mesh { id: MeshId, mesh: PreparedMesh, place: MeshPlace },
+    Texture { id: TextureId, texture: PreparedTexture, place: TexturePlace, levels: Vec<Vec<u8>> },
+}
+
+/// Bytes that go to one place.
+struct Section<'a> {
+    bytes: &'a [u8],
+    to: Destination,
+}
+
+#[derive(Clone, Copy)]
+enum Destination {
+    Array(BufferSlice),
+    Level { place: TexturePlace, level: u32, row_bytes: usize },
+}
+
+/// A copy of a frame.
+#[derive(Clone, Copy)]
+enum QueuedCopy {
+    Buffer {
+        from: BufferSlice,
+        to: BufferSlice,
+    },
+    Rows {
+        from: BufferSlice,
+        page: usize,
+        rows: TextureRows,
+    },
+    /// The mip maps of a texture whose rows are all there.
+    Levels(TexturePlace),
+}
+
+/// The queue of meshes and textures.
+pub(crate) struct UploadQueue {
+    /// The most bytes of a frame, but for a row of a texture.
+    frame_bytes: usize,
+    queue: VecDeque<PendingUpload>,
+    /// The bytes of the first one that frames have copied.
+    copied: usize,
+    /// The number of whole ones and the bytes of the next one, once the newest frame is submitted.
+    recorded: (usize, usize),
+    arrived: Vec<MeshId>,
+    copies: Vec<QueuedCopy>,
+}
+
+impl UploadQueue {
+    /// Creates an empty queue.
+    pub(crate) fn new(frame_bytes: usize) -> Self {
+        Self {
+            frame_bytes: frame_bytes.max(1),
+            queue: VecDeque::new(),
+            copied: 0,
+            recorded: (0, 0),
+            arrived: Vec::new(),
+            copies: Vec::new(),
+        }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.queue.is_empty()
+    }
+
+    pub(crate) fn push_mesh(&mut self, id: MeshId, mesh: PreparedMesh, place: MeshPlace) {
+        self.queue.push_back(PendingUpload::Mesh { id, mesh, place });
+    }
+
+    /// Adds a texture, with the mip maps that the device does not make.
+    pub(crate) fn push_texture(
+        &mut self,
+        id: TextureId,
+        texture: PreparedTexture,
+        (place, levels): (TexturePlace, Vec<Vec<u8>>),
+    ) {
+        self.queue.push_back(PendingUpload::Texture { id, texture, place, levels });
+    }
+
+    /// Forgets a mesh.
+    pub(crate) fn cancel_mesh(&mut self, mesh: MeshId) {
+        self.cancel(|pending| matches!(pending, PendingUpload::Mesh { id, .. } if *id == mesh));
+    }
+
+    /// Forgets a texture.
+    pub(crate) fn cancel_texture(&mut self, texture: TextureId) {
+        self.cancel(
+            |pending| matches!(pending, PendingUpload::Texture { id, .. } if *id == texture),
+        );
+    }
+
+    fn cancel(&mut self, is_gone: impl Fn(&PendingUpload) -> bool) {
+        if self.queue.front().is_some_and(&is_gone) {
+            self.copied = 0;
+        }
+        self.queue.retain(|pending| !is_gone(pending));
+    }
+
+    /// Records the copies of a frame, behind everything that may read what lay there. They count
+    /// once the frame is [submitted](UploadQueue::submitted).
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        targets: UploadTargets<'_>,
+    ) -> Result<(), Error> {
+        self.plan_copies(frame, targets)?;
+        if self.copies.is_empty() {
+            return Ok(());
+        }
+        frame.commands().pass("stream meshes and textures", |commands| {
+            commands.barrier(MemoryBarrier::between(&[Access::Any], &[Access::CopyWrite]));
+            for copy in &self.copies {
+                match *copy {
+                    QueuedCopy::Buffer { from, to } => commands.copy_buffer(from, to),
+                    QueuedCopy::Rows { from, page, rows } => {
+                        if let Some(page) = targets.pages.get(page) {
+                            commands.write_texture(page, rows, from);
+                        }
+                    }
+                    QueuedCopy::Levels(TexturePlace { page, layer }) => {
+                        if let Some(page) = targets.pages.get(page) {
+                            commands.make_texture_levels(page, layer);
+                        }
+                    }
+                }
+            }
+            commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
+        });
+        Ok(())
+    }
+
+    /// Chooses the copies of a frame, and writes what they copy to its memory.
+    fn plan_copies(
+        &mut self,
+        frame: &mut Frame<'_>,
+        targets: UploadTargets<'_>,
+    ) -> Result<(), Error> {
+        let Self { frame_bytes, queue, copied, recorded, copies, .. } = self;
+        *recorded = (0, *copied);
+        copies.clear();
+        let mut left = *frame_bytes;
+        for pending in &*queue {
+            let mut begin = 0;
+            for Section { bytes, to } in pending.sections(targets) {
+                let first = recorded.1.saturating_sub(begin).min(bytes.len());
+                let wanted = bytes.len() - first;
+                let count = to.bytes_within(left, wanted, copies.is_empty());
+                if count > 0 {
+                    let from = frame.uploads().push(&bytes[first..first + count])?;
+                    copies.push(to.copy(from, first, count));
+                }
+                // What comes behind must not overtake the rest.
+                left = if count < wanted { 0 } else { left.saturating_sub(count) };
+                (begin, recorded.1) = (begin + bytes.len(), recorded.1 + count);
+            }
+            if recorded.1 < begin {
+                break;
+            }
+            if let PendingUpload::Texture { place, .. } = pending {
+                copies.push(QueuedCopy::Levels(*place));
+            }
+            *recorded = (recorded.0 + 1, 0);
+        }
+        Ok(())
+    }
+
+    /// Notes that the frame of the last [`UploadQueue::record`] was submitted.
+    pub(crate) fn submitted(&mut self) {
+        let (whole, copied) = std::mem::take(&mut self.recorded);
+        self.arrived.extend(self.queue.drain(..whole).filter_map(|pending| match pending {
+            PendingUpload::Mesh { id, .. } => Some(id),
+            PendingUpload::Texture { .. } => None,
+        }));
+        self.copied = copied;
+    }
+
+    /// Takes the meshes that are whole for all frames from now on.
+    pub(crate) fn take_arrived(&mut self) -> Vec<MeshId> {
+        std::mem::take(&mut self.arrived)
+    }
+}
+
+impl PendingUpload {
+    /// Returns the bytes of the mesh or the texture, and the place that each run of them goes to.
+    fn sections(&self, targets: UploadTargets<'_>) -> impl Iterator<Item = Section<'_>> {
+        let (mesh, texture) = match self {
+            Self::Mesh { mesh, place, .. } => (Some((mesh, place)), None),
+            Self::Texture { texture, place, levels, .. } => (None, Some((texture, *place, levels))),
+        };
+        let targets = [Some(targets.vertices), targets.surfaces, Some(targets.indices)];
+        let of_mesh = mesh.into_iter().flat_map(move |it| sections_of_mesh(it, targets));
+        of_mesh.chain(texture.into_iter().flat_map(sections_of_texture))
+    }
+}
+
+fn sections_of_mesh<'a>(
+    (mesh, place): (&'a PreparedMesh, &'a MeshPlace),
+    [vertices, surfaces, indices]: [Option<BufferSlice>; 3],
+) -> impl Iterator<Item = Section<'a>> {
+    let first = u64::from(place.vertices.start);
+    let section = |bytes, array: BufferSlice, begin: u64| {
+        let to = array.part(begin, array.size_bytes.saturating_sub(begin));
+        Section { bytes, to: Destination::Array(to) }
+    };
+    let bytes = bytemuck::cast_slice(&mesh.mesh().vertices);
+    let vertices = vertices.map(|array| section(bytes, array, first * size_of::<Vertex>() as u64));
+    let surface = mesh.surface().zip(surfaces).map(|(surface, array)| {
+        let bytes = bytemuck::cast_slice(&surface.vertices);
+        section(bytes, array, first * size_of::<SurfaceVertex>() as u64)
+    });
+    let levels = mesh.levels().iter().map(|level| &level.indices);
+    let parts = std::iter::once(&mesh.mesh().indices).chain(levels).zip(&place.indices);
+    let indices = parts.filter_map(move |(part, place)| {
+        let begin = u64::from(place.start) * size_of::<u32>() as u64;
+        Some(section(bytemuck::cast_slice(part), indices?, begin))
+    });
+    vertices.into_iter().chain(surface).chain(indices)
+}
+
+fn sections_of_texture<'a>(
+    (texture, place, levels): (&'a PreparedTexture, TexturePlace, &'a Vec<Vec<u8>>),
+) -> impl Iterator<Item = Section<'a>> {
+    let image = texture.image();
+    let levels = levels.iter().map(Vec::as_slice);
+    (0..).zip(std::iter::once(image.rgba8.as_slice()).chain(levels)).map(move |(level, bytes)| {
+        let row_bytes = (image.size[0] >> level).max(1) as usize * 4;
+        Section { bytes, to: Destination::Level { place, level, row_bytes } }
+    })
+}
+
+impl Destination {
+    /// Returns the number of bytes to copy of those `wanted` where `left` may be copied: whole rows
+    /// of a texture, at least one where nothing else is copied.
+    fn bytes_within(self, left: usize, wanted: usize, is_first: bool) -> usize {
+        match self {
+            Self::Array(_) => left.min(wanted),
+            Self::Level { row_bytes, .. } => {
+                let rows = (left / row_bytes).max(usize::from(is_first));
+                (rows * row_bytes).min(wanted)
+            }
+        }
+    }
+
+    fn copy(self, from: BufferSlice, first: usize, count: usize) -> QueuedCopy {
+        match self {
+            Self::Array(array) => {
+                QueuedCopy::Buffer { from, to: array.part(first as u64, count as u64) }
+            }
+            Self::Level { place: TexturePlace { page, layer }, level, row_bytes } => {
+                let [first, count] = [first, count].map(|bytes| (bytes / row_bytes) as u32);
+                QueuedCopy::Rows { from, page, rows: TextureRows { layer, level, first, count } }
+            }
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! The places of textures that come later, on pages that are kept for them.
+
+use scene::{PreparedTexture, TextureId};
+
+use crate::error::Error;
+use crate::resources::spare_room::{SpareRanges, TextureRoom};
+
+/// The place of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct TexturePlace {
+    pub(crate) page: usize,
+    pub(crate) layer: u32,
+}
+
+/// A page for textures of one size, encoding and sampler.
+#[derive(Debug)]
+struct SparePage {
+    room: TextureRoom,
+    page: usize,
+    layers: SpareRanges,
+}
+
+/// The pages that are kept, and the textures on them.
+#[derive(Debug)]
+pub(crate) struct TextureSlots {
+    pages: Vec<SparePage>,
+    ids: SpareRanges,
+    /// The number of the scene's textures: others have greater ids.
+    of_scene: u32,
+    /// By texture behind those of the scene.
+    places: Vec<Option<TexturePlace>>,
+}
+
+impl TextureSlots {
+    /// Keeps the pages from `first_page` on, and ids behind those of the scene's textures.
+    pub(crate) fn new(of_scene: u32, first_page: usize, rooms: &[TextureRoom]) -> Self {
+        let page = |(page, room): (usize, &TextureRoom)| SparePage {
+            room: *room,
+            page,
+            layers: SpareRanges::behind("textures of this kind", 0, room.layers),
+        };
+        let all = rooms.iter().fold(0_u32, |all, room| all.saturating_add(room.layers));
+        Self {
+            pages: (first_page..).zip(rooms).map(page).collect(),
+            ids: SpareRanges::behind("textures", of_scene, all),
+            of_scene,
+            places: vec![None; all as usize],
+        }
+    }
+
+    /// Returns the reason why a texture cannot be added, but for the lack of room.
+    pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), &'static str> {
+        if self.pages.iter().any(|page| page.room.takes(texture)) {
+            return Ok(());
+        }
+        Err("no room is kept for its size, encoding and sampler (`SpareRoom::textures`)")
+    }
+
+    /// Takes a place for a texture that was checked.
+    ///
+    /// # Errors
+    /// [`Error::NoRoom`].
+    pub(crate) fn add(
+        &mut self,
+        texture: &PreparedTexture,
+    ) -> Result<(TextureId, TexturePlace), Error> {
+        let mut full = Error::NoRoom { what: "textures of this kind", wanted: 1, left: 0 };
+        for SparePage { page, layers, .. } in
+            self.pages.iter_mut().filter(|page| page.room.takes(texture))
+        {
+            match layers.take(1) {
+                Ok(layer) => {
+                    let id = self.ids.take(1)?.start;
+                    let place = TexturePlace { page: *page, layer: layer.start };
+                    if let Some(there) = self.places.get_mut((id - self.of_scene) as usize) {
+                        *there = Some(place);
+                    }
+                    return Ok((TextureId(id), place));
+                }
+                Err(error) => full = error,
+            }
+        }
+        Err(full)
+    }
+
+    /// Returns the reason why a texture cannot be removed, but for its materials.
+    pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), &'static str> {
+        let Some(number) = texture.0.checked_sub(self.of_scene) else {
+            return Err("it belongs to the scene that the renderer began with, and stays");
+        };
+        match self.places.get(number as usize).copied().flatten() {
+            Some(_) => Ok(()),
+            None => Err("the renderer has no such texture"),
+        }
+    }
+
+    /// Frees the place of a texture that no material uses.
+    pub(crate) fn remove(&mut self, texture: TextureId) {
+        let number = texture.0.checked_sub(self.of_scene);
+        let place = number.and_then(|number| self.places.get_mut(number as usize));
+        let Some(TexturePlace { page, layer }) = place.and_then(Option::take) else { return };
+        self.ids.free(texture.0..texture.0 + 1);
+        if let Some(page) = self.pages.iter_mut().find(|it| it.page == page) {
+            page.layers.free(layer..layer + 1);
+        }
+    }
+}
