@@ -1,4 +1,4 @@
-//! Runs ci/compare and ci/demo with stand-ins for the programs: the scripts' own decisions.
+//! Runs ci/compare, ci/demo and ci/verify with stand-ins for the programs: the scripts' own decisions.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -8,13 +8,18 @@ use std::sync::Mutex;
 
 use harness::{Scratch, stderr};
 
-/// A stand-in that knows some strategies; a walk leaves its options in the place of its report.
+/// A stand-in that knows some strategies; a walk leaves its options in the place of its report, and
+/// beside the program.
 const WALKTHROUGH: &str = r#"#!/bin/sh
-case " $* " in *" --list-strategies "*) printf 'frustum\nantumbra\nideal\n'; exit ;; esac
+case " $* " in *" --list-strategies "*) 
+    for name in frustum antumbra next_frame naive ideal; do echo "$name  exact  its description"; done
+    exit ;;
+esac
 case "$*" in *ideal*--moving*) echo "error: --strategy ideal and --moving 10 do not go together" >&2; exit 2 ;; esac
 words="$*"
+echo "$words" >>"$0.walks"
 while [ "$#" -gt 1 ]; do
-    [ "$1" != --report ] || { mkdir -p "$(dirname "$2")"; echo "$words" >"$2"; }
+    [ "$1" != --report ] || { mkdir -p "$(dirname "$2")"; printf '%s\n"frames_verified": 3,\n' "$words" >"$2"; }
     shift
 done
 "#;
@@ -41,6 +46,7 @@ fn tree(name: &str, script: &str) -> Scratch {
     let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ci").join(script);
     program(&scratch.0.join("ci").join(script), &fs::read_to_string(ours).expect("the script"));
     program(&scratch.0.join("ci/setup"), "#!/bin/sh\n");
+    program(&scratch.0.join("ci/env"), "ANTUMBRA_NEW_LAYER_PATH=nowhere\n");
     program(&scratch.0.join("bin/cargo"), CARGO);
     program(&scratch.0.join("target/release/walkthrough"), WALKTHROUGH);
     program(&scratch.0.join("target/release/compare"), "#!/bin/sh\n");
@@ -131,6 +137,28 @@ fn moving_objects_are_compared_for_one_eye_and_for_two() {
         assert!(words.contains(options) && words.contains("--verify every"), "{words}");
         assert_eq!(words.contains("ideal"), name == "views", "{words}");
     }
+}
+
+#[test]
+fn what_is_verified_is_every_exact_strategy_of_the_program() {
+    let scratch = tree("script-verify", "verify");
+    let output = run(&scratch, "verify", &["2"]);
+    assert_ends_with(&output, 0);
+    let walks = scratch.0.join("target/release/walkthrough.walks");
+    let walks = fs::read_to_string(walks).expect("it walked");
+    for walk in walks.lines() {
+        let moving = walk.contains("--moving");
+        let strategies = if moving { "frustum,antumbra" } else { "frustum,antumbra,ideal" };
+        assert!(walk.contains(&format!("--strategy {strategies} --verify every")), "{walk}");
+    }
+    assert!(walks.contains("--moving") && walks.contains("--projection orthographic"));
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(told.matches(": 3 images compared, 0 pixels wrong").count(), walks.lines().count());
+    // A program that compares nothing is no proof.
+    program(&scratch.0.join("target/release/walkthrough"), "#!/bin/sh\n");
+    let output = run(&scratch, "verify", &["2"]);
+    assert_ends_with(&output, 1);
+    assert!(stderr(&output).contains("no image was compared"), "{}", stderr(&output));
 }
 
 #[test]
