@@ -1,4 +1,5 @@
-//! Runs ci/compare, ci/demo and ci/verify with stand-ins for the programs: the scripts' own decisions.
+//! Runs ci/compare, ci/demo and ci/verify with stand-ins for the programs: the scripts' own
+//! decisions.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
