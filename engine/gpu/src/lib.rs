@@ -63,6 +63,7 @@ pub use crate::api::open::open;
 pub use crate::api::open::open_with_window;
 pub use crate::core::adapter::Adapter;
 pub use crate::core::capabilities::{Capabilities, Optional, Purpose, Required};
+pub use crate::core::deletion::RecordingId;
 pub use crate::core::device::{Device, WaitCounts};
 pub use crate::core::error::Error;
 pub use crate::core::features::{FeatureStructures, Features};

@@ -19,6 +19,9 @@ pub enum Error {
         "this view was made for another scene's leaves: each view goes with the `LeafTable` that it was made for"
     )]
     ForeignView,
+    /// A frame without the changes of the scene that it draws.
+    #[error(transparent)]
+    NotUploaded(#[from] NotUploaded),
     /// Buckets where there are none, or others.
     #[error(transparent)]
     Buckets(#[from] BucketError),
@@ -56,6 +59,13 @@ pub struct CannotCount {
     "the plan of this frame has draws among its tests, and the host takes them as lists: create the view's `Culler` with `DrawPhases::Two`"
 )]
 pub struct DrawsAmongTests;
+
+/// A frame without the changes of the scene that it draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the scene has changes that this frame does not upload: call `HostScene::upload` (or `LeafTable::upload`) once in each frame, and execute no plan in a frame where it fails"
+)]
+pub struct NotUploaded;
 
 /// An error about the buckets of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

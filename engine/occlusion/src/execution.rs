@@ -21,9 +21,9 @@ use recording::Recording;
 /// at once to the layers of the target. The owner of the objects is called with the first.
 ///
 /// # Errors
-/// A view of another scene; a target with other attachments than the passes were compiled for, or
-/// with another number of views; a depth that the plan's tests cannot read; no memory, a failed
-/// call.
+/// A view of another scene; [`Error::NotUploaded`]; a target with other attachments than the passes
+/// were compiled for, or with another number of views; a depth that the plan's tests cannot read; no
+/// memory, a failed call.
 pub fn execute<'v>(
     frame: &mut Frame<'_>,
     executor: &mut PlanExecutor,

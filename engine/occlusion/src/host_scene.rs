@@ -71,7 +71,7 @@ impl HostScene {
     /// # Errors
     /// [`BucketError::Unknown`](crate::BucketError::Unknown), and nothing is changed;
     /// [`Error::Hierarchy`] for the first bad box, and those before it may have been added, as
-    /// `added` tells; those of [`LeafTable::set_draws`].
+    /// `added` tells.
     pub fn add(
         &mut self,
         objects: &[HostObject<'_>],
@@ -99,8 +99,7 @@ impl HostScene {
     /// Takes objects out.
     ///
     /// # Errors
-    /// [`Error::Hierarchy`] for the first that is not there, and those before it are gone; those of
-    /// [`LeafTable::set_draws`].
+    /// [`Error::Hierarchy`] for the first that is not there, and those before it are gone.
     pub fn remove(&mut self, objects: &[ObjectId]) -> Result<(), Error> {
         let mut gone = Vec::with_capacity(objects.len());
         let outcome = objects.iter().try_for_each(|object| {
@@ -140,16 +139,19 @@ impl HostScene {
 
     /// Records the upload of all changes since the last frame, before anything of `frame` reads
     /// them, and mends the hierarchy where moving has worn it. Once per frame. Changes stay marked
-    /// until a frame that was [submitted](HostScene::submitted) is known to have run.
+    /// until a frame that was [submitted](HostScene::submitted) is known to have run. Where more
+    /// objects came than there was room for, the buffers are replaced.
     ///
     /// # Errors
-    /// No memory, a failed call.
+    /// [`gpu::Error::TooLarge`] for more draws than the device takes; no memory, a failed call.
+    /// Nothing is lost: plans are [refused](Error::NotUploaded) in this frame, and the next upload
+    /// tries again.
     pub fn upload(&mut self, frame: &mut Frame<'_>) -> Result<(), Error> {
         self.reordered.clear();
         self.hierarchy.restructure(&mut self.reordered);
         let PlanExecutor { passes, leaves } = &mut self.executor;
         leaves.reorder(&self.hierarchy, &self.reordered)?;
-        leaves.begin();
+        leaves.begin()?;
         leaves.upload(frame, &self.hierarchy, &passes.scatter, None)
     }
 

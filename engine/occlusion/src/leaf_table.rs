@@ -14,10 +14,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId};
 use gpu::{
-    Buffer, BufferSlice, Device, DrawLink, Frame, IndirectDraw, Predicates, Predication, Tick, vk,
+    Buffer, BufferSlice, Device, DrawLink, Frame, IndirectDraw, Predicates, Predication,
+    RecordingId, Tick, vk,
 };
 
-use crate::error::Error;
+use crate::error::{Error, NotUploaded};
 use crate::passes::{LeafLinks, ProxyBox, ScatterIo, ScatterPass};
 pub use api::bucketed::BucketTableInfo;
 pub use bucket_cells::{BucketDraw, BucketId};
@@ -63,7 +64,8 @@ pub struct LeafTable {
     firsts: Option<Buffer>,
     pub(crate) predicates: Predicates,
     pub(crate) layout: DrawLayout,
-    /// The number of cells that the buffers have room for.
+    /// The numbers of leaves and of cells that the buffers have room for.
+    leaf_capacity: u32,
     cell_capacity: u32,
     counts: LeafCounts,
     pub(crate) changes: DrawChanges,
@@ -71,6 +73,8 @@ pub struct LeafTable {
     /// Cells whose command or link changed, where leaves have any number.
     dirty_cells: DirtyList<u32>,
     uploads: UploadFrames,
+    /// The frame that uploads everything marked, until it is submitted.
+    uploaded_in: Option<RecordingId>,
     /// The disorders of frames that were seen.
     disorders: u64,
 }
@@ -119,12 +123,14 @@ impl LeafTable {
             firsts: None,
             predicates: Predicates::new(device, predication, &commands, frames_in_flight)?,
             counts: LeafCounts::new(counts()),
+            leaf_capacity: count,
             cell_capacity: count,
             layout: DrawLayout::OnePerLeaf(draws),
             changes: DrawChanges::new(objects.len()),
             dirty: DirtyList::new(objects.len(), |leaf| leaf.0),
             dirty_cells: DirtyList::new(0, |cell| *cell),
             uploads: UploadFrames::default(),
+            uploaded_in: None,
             disorders: device.disorders(),
         })
     }
@@ -207,9 +213,16 @@ impl LeafTable {
         self.dirty.items()
     }
 
-    /// Forgets the changes that are known to be in GPU memory: those of frames that ran in their
-    /// order. After frames in another order, which a host may cause, every leaf is uploaded again.
-    pub fn begin(&mut self) {
+    /// Begins the uploads of a frame: makes room for what came, and forgets the changes that are
+    /// known to be in GPU memory: those of frames that ran in their order. After frames in another
+    /// order, which a host may cause, every leaf is uploaded again.
+    ///
+    /// # Errors
+    /// [`gpu::Error::TooLarge`] for more draws than the device takes; no memory; a failed call.
+    /// Nothing is lost: the next call tries again.
+    pub fn begin(&mut self) -> Result<(), Error> {
+        self.uploaded_in = None;
+        self.make_room()?;
         let disorders = self.device.disorders();
         if std::mem::replace(&mut self.disorders, disorders) != disorders {
             self.dirty.push_all((0..self.layout.leaf_count()).map(LeafIndex));
@@ -219,6 +232,7 @@ impl LeafTable {
             self.changes.forget();
         }
         self.forget_uploaded();
+        Ok(())
     }
 
     fn forget_uploaded(&mut self) {
@@ -229,11 +243,36 @@ impl LeafTable {
     }
 
     /// Records the upload of the stale leaves, before anything of `frame` reads them. They stay
-    /// stale until a frame that was [submitted](LeafTable::submitted) is known to have run.
+    /// stale until a frame that was [submitted](LeafTable::submitted) is known to have run, and
+    /// plans are executed in no frame that lacks them.
     ///
     /// # Errors
     /// No memory.
     pub fn upload(
+        &mut self,
+        frame: &mut Frame<'_>,
+        hierarchy: &Hierarchy,
+        scatter: &ScatterPass,
+        beside: Option<LeafElements>,
+    ) -> Result<(), Error> {
+        self.upload_leaves(frame, hierarchy, scatter, beside)?;
+        self.uploaded_in = Some(frame.commands().recording());
+        Ok(())
+    }
+
+    /// Refuses a frame that reads changed leaves and does not upload them.
+    ///
+    /// # Errors
+    /// [`Error::NotUploaded`].
+    pub(crate) fn check_uploaded(&self, frame: &Frame<'_>) -> Result<(), Error> {
+        let is_changed = !self.dirty().is_empty() || !self.dirty_cells.items().is_empty();
+        match is_changed && self.uploaded_in != Some(frame.commands().recording()) {
+            true => Err(NotUploaded.into()),
+            false => Ok(()),
+        }
+    }
+
+    fn upload_leaves(
         &self,
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
@@ -291,11 +330,14 @@ impl LeafTable {
         Ok(())
     }
 
-    /// Notes that the frame of the last [`LeafTable::upload`] was submitted.
+    /// Notes that the frame of the last [`LeafTable::upload`] was submitted. Without an upload that
+    /// succeeded, everything marked stays so.
     pub fn submitted(&mut self, tick: Tick) {
-        self.dirty.sent(tick);
-        self.dirty_cells.sent(tick);
-        self.uploads.sent(tick);
+        if self.uploaded_in.take().is_some() {
+            self.dirty.sent(tick);
+            self.dirty_cells.sent(tick);
+            self.uploads.sent(tick);
+        }
         self.forget_uploaded();
     }
 }

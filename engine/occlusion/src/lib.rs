@@ -82,7 +82,9 @@ mod visible_draws;
 pub use costs::calibration::{CalibrationScene, Costs, PATCH_TRIANGLES, cost_table, measure};
 pub use costs::frame_times::FrameTimes;
 pub use draw_lists::DrawList;
-pub use error::{BucketError, CannotCount, DrawsAmongTests, Error, TargetError, WrongAttachments};
+pub use error::{
+    BucketError, CannotCount, DrawsAmongTests, Error, NotUploaded, TargetError, WrongAttachments,
+};
 pub use execution::{ListedTests, execute, list_draws};
 pub use executor::PlanExecutor;
 pub use host_scene::{HostObject, HostScene};

@@ -189,6 +189,7 @@ impl VisibilityState {
         leaves: &LeafTable,
         views: u32,
     ) -> Result<(), Error> {
+        leaves.check_uploaded(frame)?;
         self.follow_draws(leaves);
         let Self { rings, layout, plan, generation, .. } = self;
         rings.queries.set_views(views)?;
@@ -320,13 +321,14 @@ impl VisibilityState {
     /// Begins a frame that is not planned: an empty plan without tests.
     ///
     /// # Errors
-    /// No memory, a failed call.
+    /// [`Error::NotUploaded`]; no memory, a failed call.
     pub fn begin_unplanned(
         &mut self,
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
         leaves: &LeafTable,
     ) -> Result<(), Error> {
+        leaves.check_uploaded(frame)?;
         self.plan_known(hierarchy, leaves, &[]);
         let Self { rings, plan, generation, .. } = self;
         rings.queries.begin(frame, &[])?;

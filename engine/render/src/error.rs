@@ -224,6 +224,9 @@ pub enum Error {
     /// A target that does not fit the plan.
     #[error(transparent)]
     Target(#[from] occlusion::TargetError),
+    /// A frame without the changes of the scene that it draws.
+    #[error(transparent)]
+    NotUploaded(#[from] occlusion::NotUploaded),
     /// A plan with draws among its tests, and a host that takes its draws as lists.
     #[error(transparent)]
     DrawsAmongTests(#[from] occlusion::DrawsAmongTests),
@@ -244,6 +247,7 @@ impl From<occlusion::Error> for Error {
             occlusion::Error::Attachments(error) => Self::Attachments(error),
             occlusion::Error::Target(error) => Self::Target(error),
             occlusion::Error::DrawsAmongTests(error) => Self::DrawsAmongTests(error),
+            occlusion::Error::NotUploaded(error) => Self::NotUploaded(error),
             occlusion::Error::ForeignView => Self::ForeignRenderer { thing: FOREIGN_VIEW },
             occlusion::Error::NoShaderCompiler(folder) => Self::NoShaderCompiler(folder),
         }

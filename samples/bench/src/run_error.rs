@@ -103,6 +103,7 @@ impl From<render::Error> for RunError {
             | render::Error::Texture { .. }
             | render::Error::NoRoom { .. }
             | render::Error::DrawsAmongTests(_)
+            | render::Error::NotUploaded(_)
             | render::Error::Change { .. } => Self::machine(error),
         }
     }

@@ -2,6 +2,7 @@
 //! buckets, compared with all draws while objects come, go and move in bulk.
 
 mod boxes;
+mod growth;
 mod host;
 
 use boxes::Part;

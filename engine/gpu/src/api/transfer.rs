@@ -3,7 +3,7 @@
 use ash::vk;
 use bytemuck::Pod;
 
-use crate::core::deletion::{Recording, Retired};
+use crate::core::deletion::{RecordingId, Retired};
 use crate::core::device::{Device, WaitFor};
 use crate::core::error::Error;
 use crate::core::order::Order;
@@ -99,7 +99,7 @@ fn record_once(
     device: &Device,
     pool: vk::CommandPool,
     name: &str,
-    recording: Recording,
+    recording: RecordingId,
     descriptors: vk::DescriptorPool,
     record: impl FnOnce(&Commands),
 ) -> Result<Commands, Error> {

@@ -33,15 +33,15 @@ pub(crate) trait RetiredObject: Send {
 /// The identity of one recording among all of its device, those of reused command buffers included.
 /// Recordings are numbered from 1 in the order in which they are opened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub(crate) struct Recording(u64);
+pub struct RecordingId(u64);
 
 /// Retired objects, in the order in which they are freed.
 pub(crate) struct DeletionQueue<T> {
-    newest: Recording,
+    newest: RecordingId,
     /// Recordings that are neither submitted nor given up, oldest first.
-    open: Vec<Recording>,
+    open: Vec<RecordingId>,
     /// Objects that these may use: no recording opened after the one named uses them.
-    recorded: VecDeque<(Recording, T)>,
+    recorded: VecDeque<(RecordingId, T)>,
     /// Objects that only the GPU may still use, until a tick.
     submitted: VecDeque<(Tick, T)>,
 }
@@ -49,7 +49,7 @@ pub(crate) struct DeletionQueue<T> {
 impl<T> DeletionQueue<T> {
     pub(crate) fn new() -> Self {
         Self {
-            newest: Recording::default(),
+            newest: RecordingId::default(),
             open: Vec::new(),
             recorded: VecDeque::new(),
             submitted: VecDeque::new(),
@@ -57,14 +57,14 @@ impl<T> DeletionQueue<T> {
     }
 
     /// Begins a recording: what is retired until it is closed outlives it.
-    pub(crate) fn open(&mut self) -> Recording {
+    pub(crate) fn open(&mut self) -> RecordingId {
         self.newest.0 += 1;
         self.open.push(self.newest);
         self.newest
     }
 
     /// Ends a recording that was submitted at `submitted` or before, or never will be.
-    pub(crate) fn close(&mut self, recording: Recording, submitted: Tick) {
+    pub(crate) fn close(&mut self, recording: RecordingId, submitted: Tick) {
         self.open.retain(|open| *open != recording);
         let oldest = self.open.first().copied();
         while let Some((newest, _)) = self.recorded.front()

@@ -10,7 +10,7 @@ use gpu_allocator::vulkan::Allocator;
 use crate::core::adapter::Adapter;
 use crate::core::capabilities::Capabilities;
 use crate::core::clock::ClockSource;
-use crate::core::deletion::{Recording, Retired};
+use crate::core::deletion::{RecordingId, Retired};
 use crate::core::device_shared::{DeviceShared, wait_bounded};
 use crate::core::error::{Called, Error};
 use crate::core::executions::Executions;
@@ -384,7 +384,7 @@ impl Device {
 /// will be none.
 pub(crate) struct OpenRecording {
     device: Device,
-    pub(crate) number: Recording,
+    pub(crate) number: RecordingId,
 }
 
 impl Drop for OpenRecording {

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::core::deletion::{Recording, Retired};
+use crate::core::deletion::{RecordingId, Retired};
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::of_device;
@@ -30,7 +30,7 @@ enum State {
     /// Undefined contents, as after creation.
     Fresh,
     /// Cleared by the recording, which may never be submitted.
-    Cleared(Recording),
+    Cleared(RecordingId),
     /// Defined contents: the recording was submitted.
     Known,
 }

@@ -4,7 +4,7 @@
 //! A slot belongs to one frame until its tick is over, so that what the frame wrote to the slot's
 //! memory may be read then, and not before. Nothing here knows the kind of test.
 
-use crate::core::deletion::Recording;
+use crate::core::deletion::RecordingId;
 use crate::core::tick::Tick;
 use crate::record::frames::SlotIndex;
 
@@ -23,7 +23,7 @@ pub(crate) struct Slot<T, M> {
     /// The caller's tags, returned with the results.
     pub(crate) tags: Vec<T>,
     /// The recording that the slot was begun for.
-    recording: Recording,
+    recording: RecordingId,
     is_recording: bool,
     /// The frame whose answers this slot holds; none while recording and once they are collected.
     in_flight: Option<Tick>,
@@ -37,7 +37,7 @@ impl<T, M: Default> Ring<T, M> {
             number,
             memory: M::default(),
             tags: Vec::new(),
-            recording: Recording::default(),
+            recording: RecordingId::default(),
             is_recording: false,
             in_flight: None,
             is_undefined: false,
@@ -105,14 +105,14 @@ impl<T, M: Default> Ring<T, M> {
 
 impl<T, M> Slot<T, M> {
     /// Begins to record a frame with its tags. Results that nobody collected are dropped.
-    pub(crate) fn begin(&mut self, recording: Recording, tags: impl Iterator<Item = T>) {
+    pub(crate) fn begin(&mut self, recording: RecordingId, tags: impl Iterator<Item = T>) {
         (self.recording, self.is_recording, self.in_flight) = (recording, true, None);
         self.tags.clear();
         self.tags.extend(tags);
     }
 
     /// Returns true for the recording that the slot was begun for.
-    pub(crate) fn is_begun_for(&self, recording: Recording) -> bool {
+    pub(crate) fn is_begun_for(&self, recording: RecordingId) -> bool {
         self.recording == recording
     }
 
@@ -129,7 +129,7 @@ mod tests {
     /// Records a frame in a slot and submits it as the tick.
     fn frame(ring: &mut Ring<char, ()>, slot: usize, tag: char, tick: u64) {
         let (slot, _) = ring.turn_to(SlotIndex(slot), |_| false);
-        slot.begin(Recording::default(), [tag].into_iter());
+        slot.begin(RecordingId::default(), [tag].into_iter());
         ring.submitted(Tick(tick));
     }
 
@@ -157,7 +157,7 @@ mod tests {
         frame(&mut ring, 0, 'a', 1);
         let (slot, was_given_up) = ring.turn_to(SlotIndex(0), |_| false);
         assert!(!was_given_up);
-        slot.begin(Recording::default(), ['b'].into_iter());
+        slot.begin(RecordingId::default(), ['b'].into_iter());
         assert!(ring.current().is_recording());
         assert_eq!(collected(&mut ring, 9), "", "it is being recorded");
     }
@@ -166,7 +166,7 @@ mod tests {
     fn a_frame_that_is_given_up_is_known_and_never_answers() {
         let mut ring = Ring::new(2);
         let (slot, _) = ring.turn_to(SlotIndex(0), |_| false);
-        slot.begin(Recording::default(), ['a'].into_iter());
+        slot.begin(RecordingId::default(), ['a'].into_iter());
         frame(&mut ring, 1, 'b', 1);
         assert!(ring.turn_to(SlotIndex(0), |_| false).1);
         assert_eq!(collected(&mut ring, 9), "b");

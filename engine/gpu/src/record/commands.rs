@@ -6,7 +6,7 @@ use std::sync::Arc;
 use ash::vk;
 use bytemuck::Pod;
 
-use crate::core::deletion::Recording;
+use crate::core::deletion::RecordingId;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::OfDevice;
@@ -36,7 +36,7 @@ pub(crate) enum Failure {
 pub struct Commands {
     device: Device,
     raw: vk::CommandBuffer,
-    recording: Recording,
+    recording: RecordingId,
     descriptors: vk::DescriptorPool,
     timer: Option<Arc<PassTimer>>,
     failed: Cell<Option<Failure>>,
@@ -48,7 +48,7 @@ impl Commands {
     pub(crate) fn new(
         device: &Device,
         raw: vk::CommandBuffer,
-        recording: Recording,
+        recording: RecordingId,
         descriptors: vk::DescriptorPool,
         timer: Option<Arc<PassTimer>>,
     ) -> Self {
@@ -77,7 +77,8 @@ impl Commands {
         self.descriptors
     }
 
-    pub(crate) fn recording(&self) -> Recording {
+    /// Returns the identity of the recording: that of a frame with all its pieces.
+    pub fn recording(&self) -> RecordingId {
         self.recording
     }
 

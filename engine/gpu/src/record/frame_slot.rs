@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use crate::core::deletion::{Recording, Retired};
+use crate::core::deletion::{RecordingId, Retired};
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::order::Order;
@@ -82,7 +82,7 @@ impl Slot {
             device: device.clone(),
             own,
             descriptors: vec![descriptors],
-            commands: Commands::new(device, buffer, Recording::default(), descriptors, None),
+            commands: Commands::new(device, buffer, RecordingId::default(), descriptors, None),
             uploads: Uploads::new(device, &name),
             name,
             timer: None,
@@ -98,7 +98,7 @@ impl Slot {
     /// slot's tick is over.
     pub(super) fn restart(
         &mut self,
-        recording: Recording,
+        recording: RecordingId,
         timing: SlotTiming,
         hosts: Option<vk::CommandBuffer>,
     ) -> Result<(), Error> {

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::core::deletion::Recording;
+use crate::core::deletion::RecordingId;
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::ownership::of_device;
@@ -31,7 +31,7 @@ pub struct Target {
     can_copy_depth: bool,
     // The recording that uses the images, and what it last used them for. What it recorded may
     // never be submitted, so the next one must not build on it.
-    recording: Option<Recording>,
+    recording: Option<RecordingId>,
     submitted: Option<Tick>,
 }
 

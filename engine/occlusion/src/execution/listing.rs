@@ -63,7 +63,8 @@ pub struct ListedTests<'v> {
 ///
 /// # Errors
 /// [`Error::DrawsAmongTests`] for the plan of a culler without
-/// [`DrawPhases::Two`](cull::DrawPhases::Two); a view of another scene; no memory, a failed call.
+/// [`DrawPhases::Two`](cull::DrawPhases::Two); a view of another scene; [`Error::NotUploaded`]; no
+/// memory, a failed call.
 pub fn list_draws<'v>(
     frame: &mut Frame<'_>,
     executor: &mut PlanExecutor,

@@ -29,8 +29,9 @@ impl<T> DirtyList<T> {
         Self { items: Vec::new(), uploaded_in: vec![UploadFrame::Past; count], number }
     }
 
-    /// Makes room for more things.
+    /// Makes room for `count` things at least.
     pub(super) fn grow(&mut self, count: usize) {
+        let count = count.max(self.uploaded_in.len());
         self.uploaded_in.resize(count, UploadFrame::Past);
     }
 
@@ -49,11 +50,11 @@ impl<T> DirtyList<T> {
         }
     }
 
-    /// Notes that all things changed, which are `all`.
+    /// Notes that `all` changed, and no others are to be uploaded.
     pub(super) fn push_all(&mut self, all: impl Iterator<Item = T>) {
-        self.uploaded_in.fill(UploadFrame::Next);
+        self.uploaded_in.fill(UploadFrame::Past);
         self.items.clear();
-        self.items.extend(all);
+        all.for_each(|item| self.push(item));
     }
 
     /// Notes that a frame that uploads all of them was submitted as `tick`.
@@ -103,8 +104,9 @@ mod tests {
         assert!(list.items().is_empty());
         list.push(2);
         assert_eq!(list.items(), [2]);
-        list.push_all(0..4);
+        list.push_all(0..3);
         list.forget(Tick(100));
+        list.push(3);
         assert_eq!(list.items(), [0, 1, 2, 3]);
     }
 }

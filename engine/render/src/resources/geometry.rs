@@ -405,8 +405,9 @@ impl Geometry {
             pages: self.surfaces.as_ref().map_or(&[], SurfaceResources::own_pages),
         };
         self.uploads.record(frame, targets)?;
-        executor.leaves.begin();
-        let (leaves, scatter) = (&executor.leaves, &executor.passes.scatter);
+        let PlanExecutor { passes, leaves } = executor;
+        let scatter = &passes.scatter;
+        leaves.begin()?;
         if let Some(surfaces) = &self.surfaces {
             surfaces.upload_changes(frame, scatter)?;
         }

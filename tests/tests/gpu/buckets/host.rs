@@ -9,8 +9,8 @@ use cull::{
 use glam::Vec3;
 use gpu::{Buffer, Device, FrameRing, MemoryKind, Predication, Readback, vk};
 use occlusion::{
-    BucketDraw, BucketTableInfo, HostObject, HostScene, LeafCount, OcclusionPasses, ProxyBox,
-    ShaderSet, TransparentList, VisibilityState, execute, list_draws,
+    BucketDraw, BucketTableInfo, Error, HostObject, HostScene, LeafCount, OcclusionPasses,
+    ProxyBox, ShaderSet, TransparentList, VisibilityState, execute, list_draws,
 };
 
 use super::boxes::{
@@ -238,6 +238,30 @@ impl Host {
         let tick = frame.submit(None).unwrap();
         state.submitted(tick, &executor.leaves, None);
         self.scene.submitted(tick);
+    }
+
+    /// Submits a frame that uploads nothing of the scene, and says that it did.
+    pub fn forget_to_upload(&mut self) {
+        let tick = self.frames.begin().unwrap().submit(None).unwrap();
+        self.device.drain().unwrap();
+        self.scene.submitted(tick);
+    }
+
+    /// Uploads in a frame; returns the error if that fails, and then checks that nothing of the
+    /// scene is drawn in this frame, which is submitted all the same.
+    pub fn upload_alone(&mut self, camera: &Camera) -> Result<(), Error> {
+        let view = View::new(camera, SIZE, self.device.adapter().limits.sub_pixel_precision_bits);
+        let mut frame = self.frames.begin().unwrap();
+        let uploaded = self.scene.upload(&mut frame);
+        if uploaded.is_err() {
+            let ((hierarchy, executor), state) = (self.scene.parts_mut(), &mut self.state);
+            state.plan_frame(hierarchy, &executor.leaves, Strategy::FRUSTUM, (&view, 0));
+            let io = (&self.shaders, &view);
+            let refused = execute(&mut frame, executor, state, &mut self.culled, io).unwrap_err();
+            assert!(matches!(refused, Error::NotUploaded(_)), "{refused}");
+        }
+        self.scene.submitted(frame.submit(None).unwrap());
+        uploaded
     }
 
     /// Returns the number of revealed draws in the lists of all frames, which are over.

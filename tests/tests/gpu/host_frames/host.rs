@@ -280,7 +280,7 @@ impl<'a> HostLoop<'a> {
         let mut frame = unsafe { frames.begin_in(raw, numbers) }.unwrap();
         let bits = device.adapter().limits.sub_pixel_precision_bits;
         let view = self.lens.view(camera, current, SIZE, bits);
-        executor.leaves.begin();
+        executor.leaves.begin().unwrap();
         let PlanExecutor { passes, leaves } = executor;
         leaves.upload(&mut frame, hierarchy, &passes.scatter, None).unwrap();
         state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);

@@ -51,16 +51,18 @@ impl LeafTable {
             firsts: Some(firsts),
             predicates: Predicates::linked(device, predication, cell_capacity, frames_in_flight)?,
             layout: DrawLayout::Bucketed(Box::new(cells)),
+            leaf_capacity: leaf_count as u32,
             cell_capacity,
             counts: LeafCounts::default(),
             changes: DrawChanges::new(cell_capacity as usize),
             dirty: DirtyList::new(leaf_count, |leaf| leaf.0),
             dirty_cells: DirtyList::new(cell_capacity as usize, |cell| *cell),
             uploads: UploadFrames::default(),
+            uploaded_in: None,
             disorders: device.disorders(),
         };
         table.count_all(leaf_count);
-        table.follow_cells()?;
+        table.follow_cells();
         Ok(table)
     }
 
@@ -68,15 +70,14 @@ impl LeafTable {
     /// the other.
     ///
     /// # Errors
-    /// [`BucketError::Unknown`], and nothing is changed; [`BucketError::OneDrawPerLeaf`];
-    /// [`gpu::Error::TooLarge`] for more draws than the device takes, no memory or a failed call:
-    /// the table must not be used any more.
+    /// [`BucketError::Unknown`] and [`BucketError::OneDrawPerLeaf`], and nothing is changed.
     pub fn set_draws(&mut self, changed: &[(LeafIndex, &[BucketDraw])]) -> Result<(), Error> {
         changed.iter().try_for_each(|(_, draws)| self.check_draws(draws))?;
         let Self { layout: DrawLayout::Bucketed(cells), counts, .. } = self else { return Ok(()) };
         cells.replace(changed);
         recount(counts, cells, changed.iter().map(|(leaf, _)| *leaf));
-        self.follow_cells()
+        self.follow_cells();
+        Ok(())
     }
 
     /// Refuses draws in buckets that the table does not have.
@@ -110,7 +111,8 @@ impl LeafTable {
         };
         cells.reorder(ranges, hierarchy.leaf_objects());
         recount(counts, cells, ranges.iter().flat_map(|range| range.iter()));
-        self.follow_cells()
+        self.follow_cells();
+        Ok(())
     }
 
     /// Follows a hierarchy that was rebuilt, with more leaves or fewer. Objects keep their draws.
@@ -123,13 +125,40 @@ impl LeafTable {
         };
         cells.resize(hierarchy.leaf_objects());
         let leaf_count = hierarchy.leaf_objects().len();
-        let [boxes, firsts] = leaf_buffers(&self.device, leaf_count)?;
-        (self.boxes, self.firsts) = (boxes, Some(firsts));
         self.dirty = DirtyList::new(leaf_count, |leaf| leaf.0);
-        self.dirty_cells = DirtyList::new(self.cell_capacity as usize, |cell| *cell);
         self.changes.forget();
         self.count_all(leaf_count);
-        self.follow_cells()
+        self.follow_cells();
+        Ok(())
+    }
+
+    /// Makes larger buffers, where leaves or draws came that there is no room for: all of them or
+    /// none. They are uploaded as a whole then.
+    ///
+    /// # Errors
+    /// As for [`LeafTable::begin`].
+    pub(crate) fn make_room(&mut self) -> Result<(), Error> {
+        let DrawLayout::Bucketed(cells) = &self.layout else { return Ok(()) };
+        let (leaf_count, cell_count) = (cells.leaf_count(), cells.cell_count());
+        let buffers = match leaf_count > self.leaf_capacity {
+            true => Some(leaf_buffers(&self.device, leaf_count as usize)?),
+            false => None,
+        };
+        if cell_count > self.cell_capacity {
+            let half_more = self.cell_capacity.saturating_add(self.cell_capacity / 2);
+            let capacity = cell_count.max(half_more);
+            self.predicates.grow(capacity)?;
+            self.cell_capacity = capacity;
+            self.dirty_cells.grow(capacity as usize);
+            self.dirty_cells.push_all(0..cell_count);
+            self.changes.forget();
+        }
+        if let Some([boxes, firsts]) = buffers {
+            (self.boxes, self.firsts) = (boxes, Some(firsts));
+            self.leaf_capacity = leaf_count;
+            self.dirty.push_all((0..leaf_count).map(LeafIndex));
+        }
+        Ok(())
     }
 
     fn count_all(&mut self, leaf_count: usize) {
@@ -137,18 +166,11 @@ impl LeafTable {
         *counts = LeafCounts::new((0..leaf_count as u32).map(|it| layout.count(LeafIndex(it))));
     }
 
-    /// Marks what changed in the cells, and makes room for as many as there are.
-    fn follow_cells(&mut self) -> Result<(), Error> {
+    /// Marks what changed in the cells.
+    fn follow_cells(&mut self) {
         let Self { layout, dirty, dirty_cells, changes, .. } = self;
-        let DrawLayout::Bucketed(cells) = layout else { return Ok(()) };
-        if cells.cell_count() > self.cell_capacity {
-            self.cell_capacity =
-                cells.cell_count().max(self.cell_capacity.saturating_add(self.cell_capacity / 2));
-            self.predicates.grow(self.cell_capacity)?;
-            dirty_cells.grow(self.cell_capacity as usize);
-            (0..cells.cell_count()).for_each(|cell| dirty_cells.push(cell));
-            changes.forget();
-        }
+        let DrawLayout::Bucketed(cells) = layout else { return };
+        dirty_cells.grow(cells.cell_count() as usize);
         let mut noted = std::mem::take(&mut cells.changes);
         let mut mark = |cell: u32| {
             dirty_cells.push(cell);
@@ -160,7 +182,6 @@ impl LeafTable {
             cells.cells_of(leaf).for_each(|(_, cell)| mark(cell));
         });
         cells.changes = noted;
-        Ok(())
     }
 }
 
