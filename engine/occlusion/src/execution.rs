@@ -22,8 +22,8 @@ use recording::Recording;
 ///
 /// # Errors
 /// A view of another scene; [`Error::NotUploaded`]; a target with other attachments than the passes
-/// were compiled for, or with another number of views; a depth that the plan's tests cannot read; no
-/// memory, a failed call.
+/// were compiled for, or with another number of views; a depth that the plan's tests cannot read;
+/// no memory, a failed call.
 pub fn execute<'v>(
     frame: &mut Frame<'_>,
     executor: &mut PlanExecutor,
