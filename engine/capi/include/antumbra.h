@@ -129,6 +129,20 @@
 
 #if defined(ANTUMBRA_VULKAN)
 /**
+ * The executor draws: it calls the host to bind what the draws of a bucket need.
+ */
+#define ANTUMBRA_DRAWS_BY_CALLBACK 0
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The host draws from lists, before and behind the tests that the executor records.
+ */
+#define ANTUMBRA_DRAWS_BY_LISTS 1
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
  * Hidden draws are skipped by the best way that the device has.
  */
 #define ANTUMBRA_PREDICATION_BEST 0
@@ -1305,6 +1319,14 @@ typedef struct AntumbraSceneDesc {
      * An `ANTUMBRA_PREDICATION_..`. Default: `ANTUMBRA_PREDICATION_BEST`.
      */
     uint32_t predication;
+    /**
+     * An `ANTUMBRA_DRAWS_..`. Default: `ANTUMBRA_DRAWS_BY_CALLBACK`.
+     */
+    uint32_t draws;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
 } AntumbraSceneDesc;
 #endif
 
@@ -1414,6 +1436,76 @@ typedef struct AntumbraViewStats {
      */
     uint64_t queries;
 } AntumbraViewStats;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The indexed indirect draws of one bucket: for `vkCmdDrawIndexedIndirectCount`, or
+ * `vkCmdDrawIndexedIndirect` without a count.
+ */
+typedef struct AntumbraDrawList {
+    /**
+     * The bucket.
+     */
+    uint32_t bucket;
+    /**
+     * The most commands that there may be, above 0: `VkDrawIndexedIndirectCommand`s without gaps.
+     */
+    uint32_t most;
+    /**
+     * The buffer of the commands.
+     */
+    VkBuffer commands;
+    /**
+     * The offset of the first command in bytes.
+     */
+    uint64_t commands_offset;
+    /**
+     * The buffer of the number of commands, 32 bits; null for all. Where the device counts no
+     * draws, some of all commands are empty.
+     */
+    VkBuffer count;
+    /**
+     * The offset of the number in bytes.
+     */
+    uint64_t count_offset;
+} AntumbraDrawList;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The draws of a view in the newest frame, a list per bucket, in the order of their buckets.
+ *
+ * The order on the queue is: the visible draws, in renderings of the host that clear; the command
+ * buffer of the frame; the revealed draws, in renderings that keep what is there. The buffers live
+ * until the frame is over.
+ */
+typedef struct AntumbraDrawLists {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The draws that are taken as visible; as long as the view is not recorded again.
+     */
+    const struct AntumbraDrawList *visible;
+    /**
+     * The number of their lists.
+     */
+    size_t visible_count;
+    /**
+     * The draws that the tests of the frame reveal; as long as the view is not recorded again.
+     */
+    const struct AntumbraDrawList *revealed;
+    /**
+     * The number of their lists.
+     */
+    size_t revealed_count;
+} AntumbraDrawLists;
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
@@ -1611,7 +1703,7 @@ typedef struct AntumbraFrameDesc {
      */
     uint64_t safe;
     /**
-     * Binds what draws need.
+     * Binds what draws need. Not called, and may be null, where the host draws from lists.
      */
     AntumbraBindCallback bind;
     /**
@@ -2189,8 +2281,24 @@ AntumbraResult antumbra_view_stats(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
+ * Writes where the draws of a view in the newest frame are, for a scene with
+ * `ANTUMBRA_DRAWS_BY_LISTS`. There are none before the first frame.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_view_lists(const struct AntumbraContext *context,
+                                   struct AntumbraScene scene,
+                                   struct AntumbraView view,
+                                   struct AntumbraDrawLists *lists,
+                                   struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
  * Records a frame of a scene into a command buffer of the host: changes of the scene, then draws
- * and tests of all views. Never waits, and never submits.
+ * and tests of all views. Never waits, and never submits. Where the host draws from lists, tests
+ * alone: each image is entered with the visible draws in it.
  *
  * The host submits the command buffer at most once, and frames in the order of their numbers. If
  * it does not, what such a frame draws is undefined, and nothing else is: its answers are ignored.

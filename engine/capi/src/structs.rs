@@ -11,7 +11,7 @@ use crate::decisions::plan::{
 };
 use crate::error::AntumbraError;
 #[cfg(feature = "vulkan")]
-use crate::executor::{device, frame, queue, scene, target};
+use crate::executor::{device, frame, lists, queue, scene, target};
 use crate::layout::StructLayout;
 #[cfg(feature = "renderer")]
 use crate::renderer::{description, frame as rendered};
@@ -66,6 +66,10 @@ pub const STRUCTS: &[StructLayout] = &[
     StructLayout::of::<scene::AntumbraView>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<scene::AntumbraViewStats>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<lists::AntumbraDrawList>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of::<lists::AntumbraDrawLists>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<target::AntumbraAttachments>(),
     #[cfg(feature = "vulkan")]

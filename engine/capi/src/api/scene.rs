@@ -4,6 +4,7 @@ use crate::context::{AntumbraContext, entry};
 use crate::decisions::hierarchy::AntumbraAabb;
 use crate::error::{AntumbraError, AntumbraResult};
 use crate::executor::frame::{AntumbraFrameDesc, record};
+use crate::executor::lists::AntumbraDrawLists;
 use crate::executor::scene::{
     AntumbraObject, AntumbraObjectDraw, AntumbraScene, AntumbraSceneDesc, AntumbraView,
     AntumbraViewStats, HostedScene,
@@ -214,8 +215,35 @@ pub unsafe extern "C" fn antumbra_view_stats(
     }
 }
 
+/// Writes where the draws of a view in the newest frame are, for a scene with
+/// `ANTUMBRA_DRAWS_BY_LISTS`. There are none before the first frame.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_view_lists(
+    context: *const AntumbraContext,
+    scene: AntumbraScene,
+    view: AntumbraView,
+    lists: *mut AntumbraDrawLists,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let output = Output::new("lists", lists)?;
+            let scene = context.scenes.find(scene)?;
+            let scene = scene.read()?;
+            let view = scene.views.find(view)?;
+            output.write(&view.read()?.lists.described());
+            Ok(())
+        })
+    }
+}
+
 /// Records a frame of a scene into a command buffer of the host: changes of the scene, then draws
-/// and tests of all views. Never waits, and never submits.
+/// and tests of all views. Never waits, and never submits. Where the host draws from lists, tests
+/// alone: each image is entered with the visible draws in it.
 ///
 /// The host submits the command buffer at most once, and frames in the order of their numbers. If
 /// it does not, what such a frame draws is undefined, and nothing else is: its answers are ignored.

@@ -2,9 +2,11 @@
 
 use std::ffi::c_void;
 
-use cull::{QueryShares, View};
+use cull::{DrawPhases, QueryShares, View};
 use gpu::{Attachments, Commands, Device, Frame, FrameNumbers, RenderTarget, Target, Tick, vk};
-use occlusion::{BucketId, HostScene, ObjectPass, ObjectRenderer, Rendering, ShaderSet, execute};
+use occlusion::{
+    BucketId, HostScene, ObjectPass, ObjectRenderer, Rendering, ShaderSet, execute, list_draws,
+};
 
 use super::scene::{AntumbraView, HostedScene, HostedView, new_state};
 use super::target::{AntumbraTargetDesc, near_depth};
@@ -104,7 +106,7 @@ pub struct AntumbraFrameDesc {
     /// The newest frame that is over on the GPU with all before it, or will never be submitted; 0
     /// for none.
     pub safe: u64,
-    /// Binds what draws need.
+    /// Binds what draws need. Not called, and may be null, where the host draws from lists.
     pub bind: AntumbraBindCallback,
     /// The first argument of all callbacks.
     pub user: *mut c_void,
@@ -242,6 +244,7 @@ pub(crate) unsafe fn record(
         views: &scene.views,
         shaders: &scene.shaders,
         attachments: &scene.attachments,
+        draw_phases: scene.draw_phases,
         frames_in_flight,
     };
     // SAFETY: as above.
@@ -271,6 +274,7 @@ struct Parts<'a> {
     views: &'a Table<HostedView, AntumbraView>,
     shaders: &'a ShaderSet,
     attachments: &'a Attachments,
+    draw_phases: DrawPhases,
     frames_in_flight: usize,
 }
 
@@ -333,7 +337,7 @@ unsafe fn plan_view(
     view: &AntumbraViewFrame,
     query_budget: usize,
 ) -> Result<usize, Failure> {
-    let Parts { device, scene, views, attachments, frames_in_flight, .. } = parts;
+    let Parts { device, scene, views, attachments, draw_phases, frames_in_flight, .. } = parts;
     // SAFETY: the caller's promise, here and below.
     let (camera, target) = unsafe {
         let target = read("view.target", view.target)?;
@@ -354,7 +358,10 @@ unsafe fn plan_view(
     let target = unsafe { cached.update(device, &target, attachments) }?;
     let state = match state {
         Some(state) => state,
-        None => state.insert(new_state(device, scene, target, *frames_in_flight)?),
+        None => {
+            let options = (*frames_in_flight, *draw_phases);
+            state.insert(new_state(device, scene, target, options)?)
+        }
     };
     let (hierarchy, executor) = scene.parts_mut();
     state.collect(device.completed()?, hierarchy, &executor.leaves);
@@ -368,13 +375,12 @@ unsafe fn plan_view(
 /// As [`record`].
 unsafe fn record_view(
     frame: &mut Frame<'_>,
-    Parts { device, scene, views, shaders, attachments, .. }: &mut Parts<'_>,
+    Parts { device, scene, views, shaders, attachments, draw_phases, .. }: &mut Parts<'_>,
     (desc, view): (&AntumbraFrameDesc, &AntumbraViewFrame),
 ) -> Result<(), Failure> {
-    let bind = desc.bind.ok_or_else(|| Failure::null("desc.bind"))?;
     let hosted = views.find(view.view)?;
     let mut hosted = hosted.write()?;
-    let HostedView { state: Some(state), target: cached, .. } = &mut *hosted else {
+    let HostedView { state: Some(state), target: cached, lists, .. } = &mut *hosted else {
         return Ok(());
     };
     // SAFETY: the caller's promise.
@@ -383,8 +389,19 @@ unsafe fn record_view(
         let eye = read("view.camera", view.camera)?.view()?;
         (eye, cached.update(device, &target, attachments)?)
     };
-    let mut objects = HostObjects { desc, bind, view: view.view, target };
-    execute(frame, scene.parts_mut().1, state, &mut objects, (shaders, &eye))?;
+    let (_, executor) = scene.parts_mut();
+    match draw_phases {
+        DrawPhases::PerRound => {
+            let bind = desc.bind.ok_or_else(|| Failure::null("desc.bind"))?;
+            let mut objects = HostObjects { desc, bind, view: view.view, target };
+            execute(frame, executor, state, &mut objects, (shaders, &eye))?;
+        }
+        DrawPhases::Two => {
+            let tests = list_draws(frame, executor, state, &eye)?;
+            tests.record(frame, executor, state, (target, shaders))?;
+            lists.update(state);
+        }
+    }
     target.restore(frame.commands());
     Ok(())
 }

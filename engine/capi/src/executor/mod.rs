@@ -3,6 +3,7 @@
 
 pub mod device;
 pub mod frame;
+pub mod lists;
 pub mod queue;
 pub mod scene;
 pub mod target;

@@ -1,6 +1,6 @@
 //! The scene of a host: objects with draws in its own pipelines.
 
-use cull::{Aabb, CullConfig, Culler, ObjectId};
+use cull::{Aabb, CullConfig, Culler, DrawPhases, ObjectId, TesterSupport};
 use gpu::{Attachments, Device, FrameRing, IndirectDraw, Predication, Target};
 use occlusion::{
     BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, OcclusionPasses, ShaderSet,
@@ -9,6 +9,7 @@ use occlusion::{
 
 use super::device::AntumbraDevice;
 use super::frame::SharedBudget;
+use super::lists::{ANTUMBRA_DRAWS_BY_CALLBACK, ANTUMBRA_DRAWS_BY_LISTS, KeptLists};
 use super::target::{AntumbraAttachments, CachedTarget};
 use crate::decisions::hierarchy::{AntumbraAabb, usable};
 use crate::error::Failure;
@@ -62,9 +63,13 @@ pub struct AntumbraSceneDesc {
     pub draw_capacity: u32,
     /// An `ANTUMBRA_PREDICATION_..`. Default: `ANTUMBRA_PREDICATION_BEST`.
     pub predication: u32,
+    /// An `ANTUMBRA_DRAWS_..`. Default: `ANTUMBRA_DRAWS_BY_CALLBACK`.
+    pub draws: u32,
+    /// Must be 0.
+    pub reserved: u32,
 }
 layout!(AntumbraSceneDesc: struct_size, frames_in_flight, device, attachments, bucket_count,
-    object_capacity, draw_capacity, predication);
+    object_capacity, draw_capacity, predication, draws, reserved);
 
 // SAFETY: the first field is the size.
 unsafe impl Versioned for AntumbraSceneDesc {
@@ -78,6 +83,8 @@ unsafe impl Versioned for AntumbraSceneDesc {
         object_capacity: 0,
         draw_capacity: 0,
         predication: ANTUMBRA_PREDICATION_BEST,
+        draws: ANTUMBRA_DRAWS_BY_CALLBACK,
+        reserved: 0,
     };
 }
 
@@ -165,6 +172,7 @@ pub(crate) struct HostedView {
     /// The history; made for the first target.
     pub state: Option<VisibilityState>,
     pub target: CachedTarget,
+    pub lists: KeptLists,
     stats: AntumbraViewStats,
 }
 
@@ -192,10 +200,10 @@ pub(crate) fn new_state(
     device: &Device,
     scene: &HostScene,
     target: &Target,
-    frames_in_flight: usize,
+    (frames_in_flight, draw_phases): (usize, DrawPhases),
 ) -> Result<VisibilityState, Failure> {
     let (hierarchy, executor) = (scene.hierarchy(), scene.executor());
-    let testers = executor.testers(device, target);
+    let testers = TesterSupport { draw_phases, ..executor.testers(device, target) };
     let culler = Culler::with_testers(CullConfig::default(), testers);
     Ok(VisibilityState::new(device, hierarchy, &executor.leaves, frames_in_flight, culler)?)
 }
@@ -207,6 +215,8 @@ pub(crate) struct HostedScene {
     pub frames: FrameRing,
     pub shaders: ShaderSet,
     pub attachments: Attachments,
+    /// Two where the host draws from lists.
+    pub draw_phases: DrawPhases,
     pub views: Table<HostedView, AntumbraView>,
     pub shared_budget: SharedBudget,
     objects: Vec<ObjectId>,
@@ -230,6 +240,18 @@ impl HostedScene {
                 return Err(Failure::argument(message));
             }
         };
+        let draw_phases = match desc.draws {
+            ANTUMBRA_DRAWS_BY_CALLBACK => DrawPhases::PerRound,
+            ANTUMBRA_DRAWS_BY_LISTS if attachments.pass.is_some() => {
+                let message = "ANTUMBRA_DRAWS_BY_LISTS is for dynamic rendering: the tests are \
+                               recorded by the library, so desc.attachments.render_pass must be null";
+                return Err(Failure::argument(message));
+            }
+            ANTUMBRA_DRAWS_BY_LISTS => DrawPhases::Two,
+            other => {
+                return Err(Failure::argument(format!("there is no ANTUMBRA_DRAWS_.. {other}")));
+            }
+        };
         if desc.frames_in_flight == 0 || desc.bucket_count == 0 {
             let message = "desc.frames_in_flight and desc.bucket_count must be above 0";
             return Err(Failure::argument(message));
@@ -248,6 +270,7 @@ impl HostedScene {
             frames: FrameRing::new(&device, frames_in_flight)?,
             shaders,
             attachments,
+            draw_phases,
             views: Table::new(salt),
             shared_budget: SharedBudget::default(),
             objects: Vec::new(),
@@ -297,6 +320,7 @@ impl HostedScene {
     /// Creates a view that knows nothing yet.
     pub fn add_view(&self) -> Result<AntumbraView, Failure> {
         let target = CachedTarget::default();
-        self.views.insert(HostedView { state: None, target, stats: AntumbraViewStats::DEFAULT })
+        let (lists, stats) = (KeptLists::default(), AntumbraViewStats::DEFAULT);
+        self.views.insert(HostedView { state: None, target, lists, stats })
     }
 }

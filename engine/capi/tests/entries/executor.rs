@@ -8,6 +8,7 @@ use antumbra_capi::context::AntumbraContext;
 use antumbra_capi::error::AntumbraResult::{self, BadPointer, Ok, UnknownHandle};
 use antumbra_capi::executor::device::*;
 use antumbra_capi::executor::frame::AntumbraFrameDesc;
+use antumbra_capi::executor::lists::AntumbraDrawLists;
 use antumbra_capi::executor::scene::*;
 use antumbra_capi::executor::target::AntumbraAttachments;
 use antumbra_capi::layout::Versioned;
@@ -25,7 +26,7 @@ fn every_function_of_the_executor_checks_its_handles() {
     let e = null_mut;
     let attachments = AntumbraAttachments::DEFAULT;
     // SAFETY: of all closures: pointers to values that live as long as the call, or null.
-    let calls: [Call; 12] = unsafe {
+    let calls: [Call; 13] = unsafe {
         [
             ("device_finished", &|x, id| antumbra_device_finished(x, d(id), e())),
             ("device_destroy", &|x, id| antumbra_device_destroy(x, d(id), e())),
@@ -48,6 +49,10 @@ fn every_function_of_the_executor_checks_its_handles() {
             ("view_stats", &|x, id| {
                 let mut stats = AntumbraViewStats::DEFAULT;
                 antumbra_view_stats(x, s(id), v, &mut stats, e())
+            }),
+            ("view_lists", &|x, id| {
+                let mut lists = AntumbraDrawLists::DEFAULT;
+                antumbra_view_lists(x, s(id), v, &mut lists, e())
             }),
             ("scene_record", &|x, id| {
                 antumbra_scene_record(x, s(id), &AntumbraFrameDesc::DEFAULT, e())
@@ -75,7 +80,8 @@ fn every_function_of_the_executor_checks_its_handles() {
             antumbra_scene_record(x, s(0), null(), e()),
             antumbra_view_create(x, s(0), null_mut(), e()),
             antumbra_view_stats(x, s(0), v, null_mut(), e()),
+            antumbra_view_lists(x, s(0), v, null_mut(), e()),
         ];
-        assert_eq!(results, [BadPointer; 8]);
+        assert_eq!(results, [BadPointer; 9]);
     }
 }

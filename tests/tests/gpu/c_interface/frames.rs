@@ -2,9 +2,11 @@
 
 mod host;
 mod images;
+mod lists;
 mod pipeline;
 
 use ash::vk;
+use capi::executor::lists::{ANTUMBRA_DRAWS_BY_CALLBACK, ANTUMBRA_DRAWS_BY_LISTS};
 use capi::executor::scene::{
     ANTUMBRA_PREDICATION_BEST, ANTUMBRA_PREDICATION_COUNTS, ANTUMBRA_PREDICATION_INSTANCES,
 };
@@ -27,6 +29,7 @@ struct FrameOptions {
     renderings: RenderingOwner,
     predication: u32,
     query_budget: usize,
+    draws: u32,
 }
 
 impl Default for FrameOptions {
@@ -37,6 +40,7 @@ impl Default for FrameOptions {
             renderings: RenderingOwner::Engine,
             predication: ANTUMBRA_PREDICATION_BEST,
             query_budget: 0,
+            draws: ANTUMBRA_DRAWS_BY_CALLBACK,
         }
     }
 }
@@ -55,6 +59,8 @@ fn compare(driver: Driver, options: &FrameOptions) -> u64 {
         drawing.draw(frame);
     }
     let what = format!("{driver:?}, {options:?}");
+    let has_lists = options.draws == ANTUMBRA_DRAWS_BY_LISTS;
+    assert_eq!(drawing.revealed_lists > 0, has_lists, "{what}");
     let (fewest, most_queries) = drawing.finish(&what);
     // Objects for which no query is left are drawn.
     let most = if options.query_budget == 0 { 600 } else { u64::MAX };
@@ -113,5 +119,15 @@ fn views_share_one_budget_of_queries_in_c() {
         let query_budget = apart as usize / 2;
         let together = compare(driver, &FrameOptions { query_budget, ..FrameOptions::default() });
         assert!((1..=apart / 2).contains(&together), "{together} of {apart}");
+    }
+}
+
+#[test]
+fn draws_that_a_host_records_from_lists_are_exact_in_c() {
+    for driver in Driver::ALL {
+        for samples in [vk::SampleCountFlags::TYPE_1, vk::SampleCountFlags::TYPE_4] {
+            let draws = ANTUMBRA_DRAWS_BY_LISTS;
+            compare(driver, &FrameOptions { draws, samples, ..FrameOptions::default() });
+        }
     }
 }

@@ -13,6 +13,7 @@ use capi::decisions::hierarchy::AntumbraAabb;
 use capi::error::{AntumbraError, AntumbraResult};
 use capi::executor::device::AntumbraDevice;
 use capi::executor::frame::*;
+use capi::executor::lists::{ANTUMBRA_DRAWS_BY_LISTS, AntumbraDrawLists};
 use capi::executor::scene::*;
 use capi::executor::target::{AntumbraAttachments, AntumbraImage, AntumbraTargetDesc};
 use capi::layout::Versioned;
@@ -25,6 +26,7 @@ use tests::host_walk::{boxes, camera};
 use tests::walk::pixels_that_differ;
 
 use super::images::{COLOUR, ViewImages, area};
+use super::lists;
 use super::pipeline::{BoxPipeline, INDICES};
 use super::{FrameOptions, SIZE};
 use crate::c_interface::{adopt, no_error, text};
@@ -47,6 +49,10 @@ pub struct DrawingHost<'a> {
     /// The images of each view, by our answers and of all draws.
     images: [[ViewImages; 2]; VIEWS],
     commands: HostCommands<'a>,
+    /// The command buffers of draws from lists, before the tests and behind them.
+    around_tests: [HostCommands<'a>; 2],
+    /// An `ANTUMBRA_DRAWS_..`.
+    draws: u32,
     /// The copies of the images of each frame.
     copies: Vec<[[OwnBuffer; 2]; VIEWS]>,
     /// The fewest objects that the GPU drew in a frame of each view.
@@ -55,6 +61,8 @@ pub struct DrawingHost<'a> {
     query_budget: usize,
     /// The most queries of all views together in a frame.
     most_queries: u64,
+    /// The lists of revealed draws of all frames.
+    pub revealed_lists: usize,
 }
 
 /// The state that callbacks read while a frame is recorded.
@@ -143,10 +151,13 @@ impl<'a> DrawingHost<'a> {
             pipeline: BoxPipeline::new(host, formats, options.samples, pass, &instances),
             images,
             commands: HostCommands::new(host, IN_FLIGHT),
+            around_tests: [(); 2].map(|()| HostCommands::new(host, IN_FLIGHT)),
+            draws: options.draws,
             copies: Vec::new(),
             fewest: [u64::MAX; VIEWS],
             query_budget: options.query_budget,
             most_queries: 0,
+            revealed_lists: 0,
         };
         // SAFETY: pointers to values on this stack, and to those of `new`.
         unsafe {
@@ -160,6 +171,7 @@ impl<'a> DrawingHost<'a> {
                 attachments: &attachments,
                 bucket_count: BUCKETS,
                 predication: options.predication,
+                draws: options.draws,
                 ..Versioned::DEFAULT
             };
             let made = antumbra_scene_create(new.context, &desc, &mut new.scene, &mut new.error);
@@ -248,7 +260,8 @@ impl<'a> DrawingHost<'a> {
             height,
             ..Versioned::DEFAULT
         });
-        let described: [[AntumbraImage; 2]; VIEWS] = images.map(ViewImages::described);
+        let described: [[AntumbraImage; 2]; VIEWS] =
+            images.map(|images| images.described(self.draws));
         let targets = described.each_ref().map(|[colour, depth]| AntumbraTargetDesc {
             depth: *depth,
             width,
@@ -271,7 +284,7 @@ impl<'a> DrawingHost<'a> {
             commands,
             current: numbers.current.0,
             safe: numbers.safe.0,
-            bind: Some(bind),
+            bind: (self.draws != ANTUMBRA_DRAWS_BY_LISTS).then_some(bind),
             user: from_mut(&mut recording).cast(),
             begin_rendering: owns_renderings.then_some(begin),
             end_rendering: owns_renderings.then_some(end),
@@ -283,9 +296,46 @@ impl<'a> DrawingHost<'a> {
         let recorded =
             unsafe { antumbra_scene_record(self.context, self.scene, &desc, &mut self.error) };
         self.check(recorded);
-        self.draw_all(commands, &views);
-        self.commands.end(Runs::Once).unwrap();
+        if self.draws == ANTUMBRA_DRAWS_BY_LISTS {
+            self.draw_lists(&views);
+        } else {
+            self.draw_all(commands, &views);
+            self.commands.end(Runs::Once).unwrap();
+        }
         self.note_counts();
+    }
+
+    /// Draws what the lists of the newest frame hold, around its tests, and all of it again.
+    fn draw_lists(&mut self, views: &[View; VIEWS]) {
+        let lists = self.views.map(|view| {
+            let mut lists = AntumbraDrawLists::DEFAULT;
+            let Self { context, scene, error, .. } = self;
+            // SAFETY: values on this stack.
+            let told = unsafe { antumbra_view_lists(*context, *scene, view, &mut lists, error) };
+            assert_eq!(told, AntumbraResult::Ok, "{}", text(error));
+            lists
+        });
+        self.revealed_lists += lists.iter().map(|it| it.revealed_count).sum::<usize>();
+        let draw = |it: &Self, commands, rendering| {
+            for ((view, lists), [culled, _]) in views.iter().zip(&lists).zip(&it.images) {
+                if rendering == Rendering::First {
+                    culled.prepare(it.host, commands);
+                }
+                let io = (culled, &it.pipeline);
+                lists::record(it.host, commands, io, (lists, view, rendering));
+                if rendering == Rendering::Next {
+                    culled.restore(it.host, commands);
+                }
+            }
+        };
+        let (before, _) = self.around_tests[0].begin();
+        draw(self, before, Rendering::First);
+        self.around_tests[0].end(Runs::Once).unwrap();
+        self.commands.end(Runs::Once).unwrap();
+        let (behind, _) = self.around_tests[1].begin();
+        draw(self, behind, Rendering::Next);
+        self.draw_all(behind, views);
+        self.around_tests[1].end(Runs::Once).unwrap();
     }
 
     /// Draws all objects without culling, and copies all images.
@@ -365,6 +415,7 @@ impl<'a> DrawingHost<'a> {
         self.images.into_iter().flatten().for_each(|images| images.destroy(host));
         self.pipeline.destroy(host);
         self.commands.destroy();
+        self.around_tests.into_iter().for_each(HostCommands::destroy);
         (self.fewest, self.most_queries)
     }
 }

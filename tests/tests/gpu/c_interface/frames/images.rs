@@ -1,6 +1,7 @@
 //! The images of a view of a host in C, and the renderings that the host begins itself.
 
 use ash::vk;
+use capi::executor::lists::ANTUMBRA_DRAWS_BY_LISTS;
 use capi::executor::target::{AntumbraImage, AntumbraImageState};
 use occlusion::Rendering;
 use tests::host_device::Host;
@@ -37,26 +38,35 @@ impl ViewImages {
         Self { colour, depth, resolved, passes }
     }
 
-    /// Returns colour and depth as C names them: fresh before, and the colour to be copied behind.
-    pub fn described(&self) -> [AntumbraImage; 2] {
-        let before = AntumbraImageState {
-            layout: vk::ImageLayout::UNDEFINED,
+    /// Returns colour and depth as C names them: fresh before, or with draws of the host in them,
+    /// and the colour to be copied behind, or drawn to.
+    pub fn described(&self, draws: u32) -> [AntumbraImage; 2] {
+        use vk::ImageLayout as L;
+        let any = |layout| AntumbraImageState {
+            layout,
             reserved: 0,
             stages: vk::PipelineStageFlags2::ALL_COMMANDS,
             access: vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
         };
         let copied = AntumbraImageState {
-            layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+            layout: L::TRANSFER_SRC_OPTIMAL,
             reserved: 0,
             stages: vk::PipelineStageFlags2::ALL_TRANSFER,
             access: vk::AccessFlags2::TRANSFER_READ,
         };
-        [(&self.colour, copied), (&self.depth, before)].map(|(own, exit)| AntumbraImage {
+        let (colour, depth) = match draws {
+            ANTUMBRA_DRAWS_BY_LISTS => {
+                let depth = any(L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL);
+                ([any(L::COLOR_ATTACHMENT_OPTIMAL); 2], [depth; 2])
+            }
+            _ => ([any(L::UNDEFINED), copied], [any(L::UNDEFINED); 2]),
+        };
+        [(&self.colour, colour), (&self.depth, depth)].map(|(own, [entry, exit])| AntumbraImage {
             image: own.image,
             view: own.view,
             format: own.format,
             usage: own.usage,
-            entry: before,
+            entry,
             exit,
         })
     }
@@ -81,11 +91,15 @@ impl ViewImages {
         if let Some(passes) = &self.passes {
             return passes.begin(commands, rendering);
         }
+        let load = match rendering {
+            Rendering::First => vk::AttachmentLoadOp::CLEAR,
+            Rendering::Next => vk::AttachmentLoadOp::LOAD,
+        };
         let attachment = |own: &OwnImage, image_layout| {
             vk::RenderingAttachmentInfo::default()
                 .image_view(own.view)
                 .image_layout(image_layout)
-                .load_op(vk::AttachmentLoadOp::CLEAR)
+                .load_op(load)
                 .store_op(vk::AttachmentStoreOp::STORE)
         };
         use vk::ImageLayout as L;

@@ -1,0 +1,90 @@
+//! A host in C that draws from lists: the visible draws before the tests, the revealed ones behind
+//! them, in command buffers of its own.
+
+use std::ptr::null;
+use std::slice::from_raw_parts;
+
+use ash::vk::{self, Handle};
+use capi::api::scene::{antumbra_scene_create, antumbra_view_lists};
+use capi::error::AntumbraResult;
+use capi::executor::lists::{ANTUMBRA_DRAWS_BY_LISTS, AntumbraDrawList, AntumbraDrawLists};
+use capi::executor::scene::{AntumbraScene, AntumbraSceneDesc};
+use capi::executor::target::AntumbraAttachments;
+use capi::layout::Versioned;
+use cull::View;
+use gpu::Purpose;
+use occlusion::Rendering;
+use tests::Driver;
+use tests::host_device::Host;
+
+use super::images::{ViewImages, area};
+use super::pipeline::BoxPipeline;
+use crate::c_interface::{CHost, FORMAT, expect};
+
+/// Returns the lists of the visible draws, or of the revealed ones.
+fn listed(lists: &AntumbraDrawLists, rendering: Rendering) -> &[AntumbraDrawList] {
+    let (first, count) = match rendering {
+        Rendering::First => (lists.visible, lists.visible_count),
+        Rendering::Next => (lists.revealed, lists.revealed_count),
+    };
+    // SAFETY: arrays of these lengths, until the view is recorded again.
+    unsafe { from_raw_parts(first, count) }
+}
+
+/// Records one rendering of a view.
+pub fn record(
+    host: &Host,
+    commands: vk::CommandBuffer,
+    (images, pipeline): (&ViewImages, &BoxPipeline),
+    (lists, view, rendering): (&AntumbraDrawLists, &View, Rendering),
+) {
+    let device = &host.device;
+    let [width, height] = super::SIZE.map(|pixels| pixels as f32);
+    let viewport = vk::Viewport { width, height, max_depth: 1.0, ..Default::default() };
+    let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
+    images.begin(host, commands, rendering);
+    // SAFETY: the rendering that was begun; buffers that live until the frame is over.
+    unsafe {
+        device.cmd_set_viewport(commands, 0, &[viewport]);
+        device.cmd_set_scissor(commands, 0, &[area()]);
+        for list in listed(lists, rendering) {
+            let AntumbraDrawList { bucket, most, commands: buffer, .. } = *list;
+            pipeline.bind(commands, view, bucket);
+            let (offset, count, at) = (list.commands_offset, list.count, list.count_offset);
+            match count == vk::Buffer::null() {
+                true => device.cmd_draw_indexed_indirect(commands, buffer, offset, most, stride),
+                false => device.cmd_draw_indexed_indirect_count(
+                    commands, buffer, offset, count, at, most, stride,
+                ),
+            }
+        }
+    }
+    images.end(host, commands);
+}
+
+#[test]
+fn scenes_that_cannot_hand_out_lists_are_refused_by_name() {
+    let host = Host::new(Driver::Lavapipe, Purpose::Executor);
+    let mut c = CHost::new(&host, null());
+    // Refused before anybody looks at it.
+    let render_pass = vk::RenderPass::from_raw(1);
+    let plain = AntumbraAttachments { depth_format: FORMAT, ..Versioned::DEFAULT };
+    let with_pass = AntumbraAttachments { render_pass, ..plain };
+    let by_lists = ANTUMBRA_DRAWS_BY_LISTS;
+    for (attachments, draws, words) in
+        [(&plain, 7, "ANTUMBRA_DRAWS_.. 7"), (&with_pass, by_lists, "render_pass must be null")]
+    {
+        let desc = AntumbraSceneDesc { device: c.device, attachments, draws, ..Versioned::DEFAULT };
+        let mut scene = AntumbraScene { id: 0 };
+        // SAFETY: values on this stack.
+        let made = unsafe { antumbra_scene_create(c.context, &desc, &mut scene, &mut c.error) };
+        expect(made, AntumbraResult::BadArgument, words, &c.error);
+    }
+    let mut lists = AntumbraDrawLists::DEFAULT;
+    // SAFETY: as above.
+    let told = unsafe { antumbra_view_lists(c.context, c.scene, c.view, &mut lists, &mut c.error) };
+    expect(told, AntumbraResult::Ok, "", &c.error);
+    assert_eq!((lists.visible_count, lists.revealed_count), (0, 0), "it draws by callback");
+    c.finish();
+    host.finish();
+}
