@@ -4,15 +4,16 @@
 use std::collections::BTreeMap;
 
 use ash::vk;
-use cull::{Aabb, Camera, CullConfig, Culler, ObjectId, Strategy, View};
+use cull::{Aabb, Camera, CullConfig, Culler, DrawPhases, ObjectId, Strategy, TesterSupport, View};
 use glam::Vec3;
 use gpu::{
     Attachments, Commands, Device, Frame, HostImage, HostImages, ImageState, IndirectDraw,
     NearDepth, Predication, RenderTarget, SlotIndex, Target, Tick,
 };
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, Error, HostObject, HostScene, ObjectPass,
+    BucketDraw, BucketId, BucketTableInfo, DrawList, Error, HostObject, HostScene, ObjectPass,
     ObjectRenderer, OcclusionPasses, ProxyBox, Rendering, ShaderSet, VisibilityState, execute,
+    list_draws,
 };
 
 use crate::host_commands::Runs;
@@ -45,6 +46,8 @@ pub struct BoxOptions {
     pub room: usize,
     /// The way that hidden draws are skipped; `None` takes the device's best.
     pub predication: Option<Predication>,
+    /// Two where the host draws from lists.
+    pub draw_phases: DrawPhases,
 }
 
 /// The owner of the renderings of a view.
@@ -64,6 +67,7 @@ impl Default for BoxOptions {
             renderings: RenderingOwner::Engine,
             room: 16,
             predication: None,
+            draw_phases: DrawPhases::PerRound,
         }
     }
 }
@@ -75,6 +79,7 @@ pub struct ComparedScene<'a> {
     /// The scene.
     pub scene: HostScene,
     shaders: ShaderSet,
+    draw_phases: DrawPhases,
     views: Vec<ComparedView>,
     /// The boxes by instance; those that are gone are nowhere.
     boxes: Vec<Aabb>,
@@ -122,6 +127,7 @@ impl<'a> ComparedScene<'a> {
         let view = |images: [_; 2]| {
             let [culled, all] = images.map(|it| BoxImages::new(device, &scene, it));
             let testers = scene.executor().testers(device, &culled.target);
+            let testers = TesterSupport { draw_phases: options.draw_phases, ..testers };
             let culler = Culler::with_testers(CullConfig::default(), testers);
             let (hierarchy, leaves) = (scene.hierarchy(), &scene.executor().leaves);
             let state = VisibilityState::new(device, hierarchy, leaves, IN_FLIGHT, culler);
@@ -135,6 +141,7 @@ impl<'a> ComparedScene<'a> {
             device: device.clone(),
             scene,
             shaders,
+            draw_phases: options.draw_phases,
             views,
             boxes: Vec::new(),
             unused: Vec::new(),
@@ -229,7 +236,16 @@ impl<'a> ComparedScene<'a> {
             all.boxes.set_boxes(boxes);
             state.collect(completed, hierarchy, &executor.leaves);
             state.plan_frame(hierarchy, &executor.leaves, strategy, (&view, 4096));
-            execute(frame, executor, state, culled, (&self.shaders, &view))?;
+            let shaders = &self.shaders;
+            match self.draw_phases {
+                DrawPhases::PerRound => execute(frame, executor, state, culled, (shaders, &view))?,
+                DrawPhases::Two => {
+                    let tests = list_draws(frame, executor, state, &view)?;
+                    culled.draw_lists(frame, state.visible_lists(), &view, Rendering::First);
+                    tests.record(frame, executor, state, (&mut culled.target, shaders))?;
+                    culled.draw_lists(frame, state.revealed_lists(), &view, Rendering::Next);
+                }
+            }
             culled.target.restore(frame.commands());
         }
         Ok(())
@@ -363,6 +379,27 @@ impl BoxImages {
         let attachments = attachments_of(&target, passes.as_ref());
         let boxes = NumberedBoxes::new(device, &scene.executor().leaves, attachments);
         Self { target, boxes, colour, depth, resolved, passes }
+    }
+
+    /// Draws lists in a rendering of the host.
+    fn draw_lists(
+        &mut self,
+        frame: &Frame<'_>,
+        lists: &[DrawList],
+        view: &View,
+        rendering: Rendering,
+    ) {
+        let commands = frame.commands();
+        self.target.prepare(commands);
+        self.begin_rendering(commands, view, rendering);
+        for list in lists {
+            self.bind(commands, view, list.bucket, ObjectPass::Visibility);
+            match list.count {
+                Some(count) => commands.draw_indirect_count(list.commands, count),
+                None => commands.draw_indirect(list.commands),
+            }
+        }
+        self.end_rendering(commands);
     }
 }
 

@@ -1461,8 +1461,8 @@ typedef struct AntumbraDrawList {
      */
     uint64_t commands_offset;
     /**
-     * The buffer of the number of commands, 32 bits; null for all. Where the device counts no
-     * draws, some of all commands are empty.
+     * The buffer of the number of commands, 32 bits. Null where the device counts no draws: some
+     * of all commands are empty then.
      */
     VkBuffer count;
     /**

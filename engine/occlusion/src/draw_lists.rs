@@ -23,8 +23,8 @@ pub struct DrawList {
     pub commands: BufferSlice,
     /// The most commands that there may be; `commands` has room for so many.
     pub most: u32,
-    /// The number of commands, 32 bits that the GPU writes; `None` for all. Where the device cannot
-    /// count so many ([`Optional::DrawIndirectCount`]), some of all commands are empty.
+    /// The number of commands, 32 bits in a buffer. `None` where the device cannot count so many
+    /// ([`Optional::DrawIndirectCount`]): some of all commands are empty then.
     pub count: Option<BufferSlice>,
 }
 
@@ -79,12 +79,16 @@ impl DrawLists {
         (layout, leaves): (&TestLayout, &LeafTable),
         visible: BufferSlice,
     ) -> Result<Option<ListDrawsIo>, Error> {
+        let limit = device.adapter().limits.max_draw_indirect_count;
+        let has_counts = device.capabilities().has(Optional::DrawIndirectCount);
         self.visible.clear();
-        self.visible.extend(layout.visible.buckets().iter().map(|it| DrawList {
-            bucket: it.bucket,
-            commands: commands(visible, &it.draws),
-            most: it.draws.len() as u32,
-            count: None,
+        // Lavapipe (Mesa 22.3) lets a draw without a count take that of the counted one before it.
+        let buckets = layout.visible.buckets();
+        let counts = frame.uploads().push_iter(buckets.iter().map(|it| it.draws.len() as u32))?;
+        self.visible.extend((0..).zip(buckets).map(|(list, it)| {
+            let most = it.draws.len() as u32;
+            let count = (has_counts && most <= limit).then(|| counts.part(list * 4, 4));
+            DrawList { bucket: it.bucket, commands: commands(visible, &it.draws), most, count }
         }));
         self.revealed.clear();
         self.lay_out(layout);
@@ -102,9 +106,7 @@ impl DrawLists {
         let counts = reserve(device, counts, ("list counts", usage), bytes)?;
         let bytes = self.ranges.len() as u64 * 4;
         let sizes = reserve(device, sizes, ("list sizes", usage), bytes)?;
-        let limit = device.adapter().limits.max_draw_indirect_count;
-        let is_counted =
-            device.capabilities().has(Optional::DrawIndirectCount) && last.end <= limit;
+        let is_counted = has_counts && last.end <= limit;
         if !is_counted {
             frame.commands().fill(all, 0);
         }

@@ -2,7 +2,7 @@
 //! brute force, while objects come and go in frames of which some never run.
 
 use ash::vk;
-use cull::{Camera, ObjectId, Strategy};
+use cull::{Camera, DrawPhases, ObjectId, Strategy};
 use glam::Vec3;
 use gpu::{Device, Features, FrameNumbers, FrameRing, Predication, Purpose, Tick};
 use tests::Driver;
@@ -129,6 +129,14 @@ fn several_views_with_several_samples_in_render_passes_of_the_host_are_exact() {
     for driver in Driver::ALL {
         let (samples, renderings) = (vk::SampleCountFlags::TYPE_4, RenderingOwner::Host);
         walk(driver, &BoxOptions { views: 2, samples, renderings, ..BoxOptions::default() });
+    }
+}
+
+#[test]
+fn several_views_that_a_host_draws_from_lists_are_exact() {
+    for driver in Driver::ALL {
+        let draw_phases = DrawPhases::Two;
+        walk(driver, &BoxOptions { views: 2, draw_phases, ..BoxOptions::default() });
     }
 }
 

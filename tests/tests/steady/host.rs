@@ -1,7 +1,7 @@
 //! A host with the executor in its command buffers: at rest and while boxes move, a frame makes no
 //! Vulkan object and allocates no memory.
 
-use cull::Strategy;
+use cull::{DrawPhases, Strategy};
 use glam::Vec3;
 use gpu::{Features, FrameRing, Purpose};
 use tests::Driver;
@@ -27,11 +27,17 @@ fn a_host_at_rest_makes_nothing_and_allocates_nothing() {
     let mut found = Vec::new();
     for driver in Driver::ALL {
         for strategy in strategies {
-            for moves in [Moves::Never, Moves::InEachFrame] {
-                let (made, allocated) = made_and_allocated(driver, strategy, moves);
+            for (moves, draw_phases) in [
+                (Moves::Never, DrawPhases::PerRound),
+                (Moves::InEachFrame, DrawPhases::PerRound),
+                (Moves::InEachFrame, DrawPhases::Two),
+            ] {
+                let options = BoxOptions { views: 2, draw_phases, ..Default::default() };
+                let (made, allocated) = made_and_allocated(driver, strategy, moves, &options);
                 if (made, allocated) != (0, 0) {
                     found.push(format!(
-                        "{driver:?} {strategy} {moves:?}: {made} made, {allocated} allocated"
+                        "{driver:?} {strategy} {moves:?} {draw_phases:?}: {made} made, \
+                         {allocated} allocated"
                     ));
                 }
             }
@@ -49,12 +55,16 @@ enum Moves {
 
 /// Returns the Vulkan objects that the engine made and its allocations, in frames of a host that
 /// has drawn for a while.
-fn made_and_allocated(driver: Driver, strategy: Strategy, moves: Moves) -> (usize, u64) {
+fn made_and_allocated(
+    driver: Driver,
+    strategy: Strategy,
+    moves: Moves,
+    options: &BoxOptions,
+) -> (usize, u64) {
     let (entry, purpose) = (Machine::default().entry(), Purpose::Executor);
     let host = Host::through(entry, driver, purpose, &[], Features::default());
     let device = host.adopt(None);
-    let mut scene =
-        ComparedScene::new(&host, &device, &BoxOptions { views: 2, ..Default::default() });
+    let mut scene = ComparedScene::new(&host, &device, options);
     let objects = scene.add(&boxes()[..400]).unwrap();
     let mut commands = HostCommands::new(&host, IN_FLIGHT);
     let mut ring = FrameRing::new(&device, IN_FLIGHT).unwrap();

@@ -23,8 +23,8 @@ pub struct AntumbraDrawList {
     pub commands: vk::Buffer,
     /// The offset of the first command in bytes.
     pub commands_offset: u64,
-    /// The buffer of the number of commands, 32 bits; null for all. Where the device counts no
-    /// draws, some of all commands are empty.
+    /// The buffer of the number of commands, 32 bits. Null where the device counts no draws: some
+    /// of all commands are empty then.
     pub count: vk::Buffer,
     /// The offset of the number in bytes.
     pub count_offset: u64,
