@@ -1137,8 +1137,8 @@ typedef struct AntumbraRenderDesc {
  */
 typedef struct AntumbraImageState {
     /**
-     * The layout. `VK_IMAGE_LAYOUT_UNDEFINED` on entry drops the contents; on exit it leaves the
-     * image as an attachment.
+     * The layout, which is not checked. `VK_IMAGE_LAYOUT_UNDEFINED` on entry drops the contents;
+     * on exit it leaves the image as an attachment.
      */
     VkImageLayout layout;
     /**
@@ -1564,11 +1564,11 @@ typedef struct AntumbraTargetDesc {
      */
     const struct AntumbraImage *colours;
     /**
-     * Width of the images (pixels).
+     * Width of all images (pixels). That the images are no smaller cannot be checked.
      */
     uint32_t width;
     /**
-     * Height of the images (pixels).
+     * Height of all images (pixels), as the width.
      */
     uint32_t height;
 } AntumbraTargetDesc;
@@ -2300,10 +2300,11 @@ AntumbraResult antumbra_view_lists(const struct AntumbraContext *context,
  * and tests of all views. Never waits, and never submits. Where the host draws from lists, tests
  * alone: each image is entered with the visible draws in it.
  *
- * The host submits the command buffer at most once, and frames in the order of their numbers. If
- * it does not, what such a frame draws is undefined, and nothing else is: its answers are ignored.
- * After an error the command buffer must not be submitted, and the next frame needs a higher
- * number.
+ * The host submits the command buffer at most once, and frames in the order of their numbers. A
+ * frame that is never submitted changes nothing: its answers are ignored. One that is submitted
+ * twice, the second run behind the first by a barrier or a semaphore, draws right images. One that
+ * is submitted behind a later one shows changed objects as the later frame left them. After an
+ * error the command buffer must not be submitted, and the next frame needs a higher number.
  *
  * # Safety
  * The rules of the interface. The command buffer is of the scene's device, for the queue family

@@ -61,7 +61,8 @@ pub(crate) struct Table<T, H> {
 }
 
 impl<T, H: Handle> Table<T, H> {
-    /// Creates a table; `salt` is another number for each context that lives at the same time.
+    /// Creates a table; `salt` is another number for each context or scene that lives at the same
+    /// time.
     pub fn new(salt: u64) -> Self {
         let kind = H::KIND.bytes().fold(0_u64, |sum, byte| sum * 31 + u64::from(byte));
         // The finalizer of SplitMix64: near salts become far generations.
@@ -74,7 +75,11 @@ impl<T, H: Handle> Table<T, H> {
 
     /// Adds an object and returns its handle.
     pub fn insert(&self, object: T) -> Result<H, Failure> {
-        let object = Some(Arc::new(RwLock::new(object)));
+        self.insert_with(|_| object)
+    }
+
+    /// Adds an object that is made for its handle, and returns the handle.
+    pub fn insert_with(&self, make: impl FnOnce(H) -> T) -> Result<H, Failure> {
         let mut slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
         let index = match slots.iter().position(|slot| slot.object.is_none()) {
             Some(free) => free,
@@ -87,8 +92,9 @@ impl<T, H: Handle> Table<T, H> {
             .ok()
             .and_then(|index| index.checked_add(1))
             .ok_or_else(|| Failure::argument(format_args!("too many objects: {}", H::KIND)))?;
-        slots[index].object = object;
-        Ok(H::from_id(u64::from(slots[index].generation) << 32 | u64::from(number)))
+        let handle = H::from_id(u64::from(slots[index].generation) << 32 | u64::from(number));
+        slots[index].object = Some(Arc::new(RwLock::new(make(handle))));
+        Ok(handle)
     }
 
     /// Returns an object.
@@ -128,8 +134,8 @@ fn unknown<H: Handle>(handle: H) -> Failure {
     let reason = match id {
         0 => format!("the handle of a {kind} is 0: create one first"),
         _ => format!(
-            "there is no {kind} {id:#x} in this context: it was destroyed, or belongs to another \
-             context"
+            "there is no {kind} {id:#x} here: it was destroyed, or belongs to another context or \
+             scene"
         ),
     };
     Failure::new(AntumbraResult::UnknownHandle, reason)

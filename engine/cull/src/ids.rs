@@ -1,6 +1,7 @@
 //! Newtypes for everything that is counted, so that a leaf is never taken for a node.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 /// An object of the scene: its position in the slice of boxes the hierarchy was built from. When an
 /// object is gone, its id is given to one that comes.
@@ -55,6 +56,18 @@ impl LeafRange {
 /// A frame of one [`Culler`](crate::Culler): the first that it plans is 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FrameId(pub u64);
+
+/// The identity of a hierarchy: what is made for one fits no other. Clones share it.
+#[derive(Clone, Debug, Default)]
+pub struct HierarchyId(Arc<()>);
+
+impl PartialEq for HierarchyId {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Eq for HierarchyId {}
 
 /// The count of the changes after which some nodes of a hierarchy stand for something else than
 /// before: rebuilds of all or of a part, and leaves that another object moved into.

@@ -67,6 +67,7 @@ pub use crate::core::deletion::RecordingId;
 pub use crate::core::device::{Device, WaitCounts};
 pub use crate::core::error::Error;
 pub use crate::core::features::{FeatureStructures, Features};
+pub use crate::core::frames_in_flight::MAX_FRAMES_IN_FLIGHT;
 pub use crate::core::host_device::{HostDevice, HostQueue};
 #[cfg(feature = "loaded")]
 pub use crate::core::instance::load_entry;

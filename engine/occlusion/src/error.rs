@@ -1,6 +1,6 @@
 //! The errors of the execution of plans.
 
-use crate::leaf_table::BucketId;
+use crate::leaf_table::{BucketId, MAX_BUCKETS};
 
 /// An error of the execution. Its text is a sentence for the user.
 #[derive(Debug, thiserror::Error)]
@@ -22,6 +22,9 @@ pub enum Error {
     /// A frame without the changes of the scene that it draws.
     #[error(transparent)]
     NotUploaded(#[from] NotUploaded),
+    /// A view without a plan that can be executed.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
     /// Buckets where there are none, or others.
     #[error(transparent)]
     Buckets(#[from] BucketError),
@@ -67,18 +70,44 @@ pub struct DrawsAmongTests;
 )]
 pub struct NotUploaded;
 
+/// An error about the plan of a view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PlanError {
+    /// No plan, or none that was not executed.
+    #[error(
+        "the view has no plan that was not executed yet: call `VisibilityState::plan_frame` once before each `execute` or `list_draws`"
+    )]
+    Missing,
+    /// A scene that changed after the plan was made.
+    #[error(
+        "the scene has changed since the frame was planned: change it and call `HostScene::upload` first, then `VisibilityState::plan_frame`"
+    )]
+    SceneChanged,
+    /// Views that the plan was not made for.
+    #[error(
+        "the plan was made for other views: give `execute` the views that `VisibilityState::plan_frame` got"
+    )]
+    OtherViews,
+}
+
 /// An error about the buckets of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BucketError {
     /// A bucket that the table does not have.
     #[error(
-        "a draw names bucket {} of {bucket_count}: create the `LeafTable` with as many buckets as there are pipelines",
+        "a draw names bucket {} of {bucket_count}: create the scene with as many buckets as there are pipelines",
         bucket.0
     )]
     Unknown {
         /// The bucket of the draw.
         bucket: BucketId,
         /// The number of buckets of the table.
+        bucket_count: u32,
+    },
+    /// More buckets than a table has room for.
+    #[error("{bucket_count} buckets are more than a table has ({MAX_BUCKETS}): share pipelines")]
+    TooMany {
+        /// The number of buckets.
         bucket_count: u32,
     },
     /// A change of draws in a table with one draw per leaf.
@@ -117,6 +146,19 @@ pub enum TargetError {
         views: usize,
         /// The views of the target's attachments.
         target: u32,
+    },
+    /// A view with pixels outside of the target.
+    #[error(
+        "the view has {}x{} pixels from {}, {} on, and the target has {}x{}: make the view for the size of the target",
+        size[0], size[1], origin[0], origin[1], target[0], target[1]
+    )]
+    ViewSize {
+        /// The size of the view.
+        size: [u32; 2],
+        /// The place of its upper left corner.
+        origin: [u32; 2],
+        /// The size of the target.
+        target: [u32; 2],
     },
     /// A plan with tests by compute shader, and a depth that cannot be copied.
     #[error(

@@ -4,7 +4,7 @@ mod io;
 mod listing;
 mod recording;
 
-use cull::MultiView;
+use cull::{MultiView, View};
 use gpu::{Frame, Target};
 
 use crate::error::{Error, TargetError, WrongAttachments};
@@ -21,9 +21,9 @@ use recording::Recording;
 /// at once to the layers of the target. The owner of the objects is called with the first.
 ///
 /// # Errors
-/// A view of another scene; [`Error::NotUploaded`]; a target with other attachments than the passes
-/// were compiled for, or with another number of views; a depth that the plan's tests cannot read;
-/// no memory, a failed call.
+/// [`Error::Plan`]; a view of another scene; [`Error::NotUploaded`]; a target with other
+/// attachments than the passes were compiled for, or with another number of views; a depth that the
+/// plan's tests cannot read; no memory, a failed call.
 pub fn execute<'v>(
     frame: &mut Frame<'_>,
     executor: &mut PlanExecutor,
@@ -31,8 +31,8 @@ pub fn execute<'v>(
     objects: &mut dyn ObjectRenderer,
     (shaders, views): (&ShaderSet, impl Into<MultiView<'v>>),
 ) -> Result<(), Error> {
-    state.check(&executor.leaves)?;
     let views: MultiView<'_> = views.into();
+    state.check_plan(&executor.leaves, views)?;
     check_target(executor, state, (objects.target(), views))?;
     make_compute_test(executor, state, (shaders, objects.target().size()))?;
     let io = FrameIo::write(frame, state, &mut executor.leaves, views)?;
@@ -54,6 +54,14 @@ fn check_target(
     if views.as_slice().len() as u64 != u64::from(attachments.views) {
         let (views, target) = (views.as_slice().len(), attachments.views);
         return Err(TargetError::Views { views, target }.into());
+    }
+    let is_inside = |view: &&View| {
+        let end = |side: usize| u64::from(view.origin[side]) + u64::from(view.size[side]);
+        (0..2).all(|side| end(side) <= u64::from(target.size()[side]))
+    };
+    if let Some(view) = views.as_slice().iter().find(|view| !is_inside(view)) {
+        let (size, origin, target) = (view.size, view.origin, target.size());
+        return Err(TargetError::ViewSize { size, origin, target }.into());
     }
     if state.layout.tests_by_compute() && !target.can_copy_depth() {
         return Err(TargetError::CannotCopyDepth.into());

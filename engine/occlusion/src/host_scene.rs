@@ -1,7 +1,7 @@
 //! The scene of a host: objects with draws in the host's own pipelines, which come, go and move in
 //! bulk.
 
-use cull::{Aabb, Hierarchy, LeafRange, ObjectId};
+use cull::{Aabb, Hierarchy, HierarchyError, LeafRange, MAX_OBJECTS, ObjectId};
 use gpu::{Device, Frame, Tick};
 
 use crate::error::Error;
@@ -41,7 +41,8 @@ impl HostScene {
         object_capacity: usize,
         draws: BucketTableInfo,
     ) -> Result<Self, Error> {
-        let boxes = vec![Aabb::EMPTY; object_capacity];
+        let mut boxes = Vec::new();
+        make_empty(&mut boxes, object_capacity)?;
         let hierarchy = Hierarchy::build(&boxes)?;
         let leaves = LeafTable::bucketed(device, &hierarchy, draws)?;
         let executor = PlanExecutor { passes, leaves };
@@ -69,9 +70,9 @@ impl HostScene {
     /// with its capacity.
     ///
     /// # Errors
-    /// [`BucketError::Unknown`](crate::BucketError::Unknown), and nothing is changed;
-    /// [`Error::Hierarchy`] for the first bad box, and those before it may have been added, as
-    /// `added` tells.
+    /// [`BucketError::Unknown`](crate::BucketError::Unknown); [`Error::Hierarchy`] for the first
+    /// bad box, by its place in `objects`, or more objects than a hierarchy holds. Nothing is
+    /// changed then.
     pub fn add(
         &mut self,
         objects: &[HostObject<'_>],
@@ -79,6 +80,11 @@ impl HostScene {
     ) -> Result<(), Error> {
         let leaves = &self.executor.leaves;
         objects.iter().try_for_each(|object| leaves.check_draws(object.draws))?;
+        if let Some(place) = objects.iter().position(|object| !object.bounds.is_usable()) {
+            let object = ObjectId(u32::try_from(place).unwrap_or(u32::MAX));
+            let bounds = objects[place].bounds;
+            return Err(HierarchyError::BadBox { object, bounds }.into());
+        }
         let first = added.len();
         let (room, free) = (self.hierarchy.leaf_objects().len(), self.hierarchy.free_leaves());
         // Most of a scene at once makes a better hierarchy than one object after the other.
@@ -133,7 +139,7 @@ impl HostScene {
     pub fn set_draws(&mut self, object: ObjectId, draws: &[BucketDraw]) -> Result<(), Error> {
         match self.hierarchy.leaf_of(object).filter(|_| self.hierarchy.contains(object)) {
             Some(leaf) => self.executor.leaves.set_draws(&[(leaf, draws)]),
-            None => Err(cull::HierarchyError::UnknownObject { object }.into()),
+            None => Err(HierarchyError::UnknownObject { object }.into()),
         }
     }
 
@@ -169,13 +175,12 @@ impl HostScene {
         let Self { hierarchy, boxes, .. } = self;
         let before = hierarchy.leaf_objects().len();
         let wanted = before - hierarchy.free_leaves() + objects.len();
-        let capacity = if wanted > before { wanted.max(before * 2) } else { before };
-        boxes.clear();
-        boxes.extend((0..before as u32).map(|object| {
-            let node = hierarchy.node_of(ObjectId(object));
-            node.map_or(Aabb::EMPTY, |node| hierarchy.bounds(node))
-        }));
-        boxes.resize(capacity, Aabb::EMPTY);
+        let twice = before.saturating_mul(2).min(MAX_OBJECTS);
+        let capacity = if wanted > before { wanted.max(twice) } else { before };
+        make_empty(boxes, capacity)?;
+        for (object, place) in (0..before as u32).map(ObjectId).zip(&mut *boxes) {
+            *place = hierarchy.node_of(object).map_or(Aabb::EMPTY, |node| hierarchy.bounds(node));
+        }
         let first = added.len();
         let free = (0..).map(ObjectId).zip(boxes).filter(|(id, _)| !hierarchy.contains(*id));
         for ((id, place), object) in free.zip(objects) {
@@ -188,4 +193,21 @@ impl HostScene {
         }
         self.executor.leaves.rebuilt(&self.hierarchy)
     }
+}
+
+/// The most memory that an object with a draw takes on the CPU, while the scene is built.
+const BYTES_PER_OBJECT: usize = 640;
+
+/// Makes all boxes empty, and as many as are wanted.
+///
+/// # Errors
+/// More than a hierarchy holds; no memory.
+fn make_empty(boxes: &mut Vec<Aabb>, count: usize) -> Result<(), HierarchyError> {
+    Hierarchy::check_capacity(count)?;
+    // All at once, and given back: an allocation that fails half-way would end the program.
+    let asked = Vec::<u8>::new().try_reserve_exact(count.saturating_mul(BYTES_PER_OBJECT));
+    asked.map_err(|_| HierarchyError::NoMemory { count })?;
+    boxes.clear();
+    boxes.resize(count, Aabb::EMPTY);
+    Ok(())
 }

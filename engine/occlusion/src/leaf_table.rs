@@ -12,7 +12,7 @@ mod upload_frames;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId};
+use cull::{Aabb, Hierarchy, HierarchyId, LeafIndex, LeafRange, ObjectId};
 use gpu::{
     Buffer, BufferSlice, Device, DrawLink, Frame, IndirectDraw, Predicates, Predication,
     RecordingId, Tick, vk,
@@ -21,7 +21,7 @@ use gpu::{
 use crate::error::{Error, NotUploaded};
 use crate::passes::{LeafLinks, ProxyBox, ScatterIo, ScatterPass};
 pub use api::bucketed::BucketTableInfo;
-pub use bucket_cells::{BucketDraw, BucketId};
+pub use bucket_cells::{BucketDraw, BucketId, MAX_BUCKETS};
 use changes::DrawChanges;
 pub use counts::LeafCount;
 use counts::LeafCounts;
@@ -57,6 +57,9 @@ impl LeafTableId {
 /// The leaves of one scene. Changed leaves are marked; the next frame uploads them.
 pub struct LeafTable {
     pub(crate) id: LeafTableId,
+    pub(crate) hierarchy: HierarchyId,
+    /// The number of changes, after each of which older plans cannot be executed.
+    pub(crate) version: u64,
     device: Device,
     /// One [`ProxyBox`] per leaf, not enlarged.
     boxes: Buffer,
@@ -118,6 +121,8 @@ impl LeafTable {
             (0..count).map(|leaf| draws.draw(LeafIndex(leaf))).collect();
         Ok(Self {
             id: LeafTableId::new(),
+            hierarchy: hierarchy.id().clone(),
+            version: 0,
             device: device.clone(),
             boxes: device.upload("leaf boxes", &boxes, vk::BufferUsageFlags::STORAGE_BUFFER)?,
             firsts: None,
@@ -205,6 +210,7 @@ impl LeafTable {
             self.counts.replace(leaf.0 as usize, before, now);
             self.changes.push(leaf.0);
         }
+        self.version += 1;
         self.dirty.push(leaf);
     }
 

@@ -83,14 +83,15 @@ pub use costs::calibration::{CalibrationScene, Costs, PATCH_TRIANGLES, cost_tabl
 pub use costs::frame_times::FrameTimes;
 pub use draw_lists::DrawList;
 pub use error::{
-    BucketError, CannotCount, DrawsAmongTests, Error, NotUploaded, TargetError, WrongAttachments,
+    BucketError, CannotCount, DrawsAmongTests, Error, NotUploaded, PlanError, TargetError,
+    WrongAttachments,
 };
 pub use execution::{ListedTests, execute, list_draws};
 pub use executor::PlanExecutor;
 pub use host_scene::{HostObject, HostScene};
 pub use leaf_table::{
     BucketDraw, BucketId, BucketTableInfo, LeafCount, LeafElements, LeafTable, LeafTableInfo,
-    MeshDraw, MeshDrawId,
+    MAX_BUCKETS, MeshDraw, MeshDrawId,
 };
 pub use method::{
     Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,

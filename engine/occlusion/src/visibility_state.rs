@@ -14,7 +14,7 @@ use gpu::{
 
 use crate::costs::sent_frames::SentFrames;
 use crate::draw_lists::{DrawList, DrawLists};
-use crate::error::Error;
+use crate::error::{Error, PlanError};
 use crate::leaf_table::{LeafCount, LeafTable, LeafTableId};
 use crate::method_state::MethodState;
 use crate::outcomes::{FrameOutcome, Outcomes};
@@ -33,6 +33,10 @@ pub struct VisibilityState {
     plan: FramePlan,
     /// The generation of the hierarchy that the plan is for.
     generation: Generation,
+    /// The scene that the plan was made for, until it is executed.
+    planned: Option<PlannedScene>,
+    /// The views that it was made for; none for any.
+    planned_views: Vec<View>,
     pub(crate) layout: TestLayout,
     /// The state of methods without plans.
     method_states: Vec<Box<dyn MethodState>>,
@@ -46,6 +50,15 @@ pub struct VisibilityState {
     newest: Vec<Answer>,
     outcomes: Outcomes,
     lists: DrawLists,
+}
+
+/// The scene of a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PlannedScene {
+    /// That of the view, after so many changes.
+    Own { version: u64 },
+    /// Another one.
+    Foreign,
 }
 
 /// The data on its way between a view and the GPU, a slot per frame in flight.
@@ -96,6 +109,8 @@ impl VisibilityState {
             frames_in_flight,
             plan: FramePlan::default(),
             generation: hierarchy.generation(),
+            planned: None,
+            planned_views: Vec::new(),
             layout: TestLayout::default(),
             method_states: Vec::new(),
             sent: SentFrames::new(frames_in_flight),
@@ -139,6 +154,25 @@ impl VisibilityState {
     /// [`Error::ForeignView`].
     pub fn check(&self, leaves: &LeafTable) -> Result<(), Error> {
         if self.table == leaves.id { Ok(()) } else { Err(Error::ForeignView) }
+    }
+
+    /// Refuses to execute the newest plan for anything but what it was made for, once.
+    ///
+    /// # Errors
+    /// [`Error::Plan`], [`Error::ForeignView`].
+    pub(crate) fn check_plan(&self, leaves: &LeafTable, views: MultiView<'_>) -> Result<(), Error> {
+        self.check(leaves)?;
+        let version = match self.planned.ok_or(PlanError::Missing)? {
+            PlannedScene::Own { version } => version,
+            PlannedScene::Foreign => return Err(Error::ForeignView),
+        };
+        if version != leaves.version {
+            return Err(PlanError::SceneChanged.into());
+        }
+        match self.planned_views.is_empty() || self.planned_views == views.as_slice() {
+            true => Ok(()),
+            false => Err(PlanError::OtherViews.into()),
+        }
     }
 
     /// Returns the device of the view.
@@ -190,6 +224,7 @@ impl VisibilityState {
         views: u32,
     ) -> Result<(), Error> {
         leaves.check_uploaded(frame)?;
+        self.planned = None;
         self.follow_draws(leaves);
         let Self { rings, layout, plan, generation, .. } = self;
         rings.queries.set_views(views)?;
@@ -291,7 +326,10 @@ impl VisibilityState {
         frames.map(move |frame| now.saturating_sub(frame))
     }
 
-    /// Plans the next frame of a view, or of several drawn at once, and lays out its tests.
+    /// Plans the next frame of a view, or of several drawn at once, and lays out its tests. To be
+    /// called once all changes of the scene are [uploaded](crate::HostScene::upload); the plan is
+    /// executed once, for these views. Nothing is planned for another scene than the view's own:
+    /// the execution is [refused](Error::ForeignView).
     pub fn plan_frame<'v>(
         &mut self,
         hierarchy: &Hierarchy,
@@ -299,21 +337,41 @@ impl VisibilityState {
         strategy: Strategy,
         (views, query_budget): (impl Into<MultiView<'v>>, usize),
     ) {
-        self.culler.plan(hierarchy, strategy, views, query_budget, &mut self.plan);
-        self.generation = hierarchy.generation();
-        self.layout.lay_out(&self.plan, leaves);
+        let views = views.into();
+        self.planned_views.clear();
+        self.planned_views.extend_from_slice(views.as_slice());
+        self.plan_by(hierarchy, leaves, |culler, plan| {
+            culler.plan(hierarchy, strategy, views, query_budget, plan);
+        });
     }
 
     /// Plans a frame of next-frame queries ([`Culler::plan_next_frame`]) and lays out its tests.
     pub fn plan_next_frame(&mut self, hierarchy: &Hierarchy, leaves: &LeafTable, view: &View) {
-        self.culler.plan_next_frame(hierarchy, view, &mut self.plan);
-        self.generation = hierarchy.generation();
-        self.layout.lay_out(&self.plan, leaves);
+        self.planned_views.clear();
+        self.planned_views.push(*view);
+        self.plan_by(hierarchy, leaves, |culler, plan| {
+            culler.plan_next_frame(hierarchy, view, plan);
+        });
     }
 
     /// Plans a frame of `visible` leaves and no test.
     pub fn plan_known(&mut self, hierarchy: &Hierarchy, leaves: &LeafTable, visible: &[LeafIndex]) {
-        self.culler.plan_known(hierarchy, visible, &mut self.plan);
+        self.planned_views.clear();
+        self.plan_by(hierarchy, leaves, |culler, plan| culler.plan_known(hierarchy, visible, plan));
+    }
+
+    fn plan_by(
+        &mut self,
+        hierarchy: &Hierarchy,
+        leaves: &LeafTable,
+        plan: impl FnOnce(&mut Culler, &mut FramePlan),
+    ) {
+        if leaves.id != self.table || *hierarchy.id() != leaves.hierarchy {
+            self.planned = Some(PlannedScene::Foreign);
+            return;
+        }
+        plan(&mut self.culler, &mut self.plan);
+        self.planned = Some(PlannedScene::Own { version: leaves.version });
         self.generation = hierarchy.generation();
         self.layout.lay_out(&self.plan, leaves);
     }
@@ -330,6 +388,7 @@ impl VisibilityState {
     ) -> Result<(), Error> {
         leaves.check_uploaded(frame)?;
         self.plan_known(hierarchy, leaves, &[]);
+        self.planned = None;
         let Self { rings, plan, generation, .. } = self;
         rings.queries.begin(frame, &[])?;
         rings.flags.begin(frame, std::iter::empty())?;

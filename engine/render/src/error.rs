@@ -227,6 +227,9 @@ pub enum Error {
     /// A frame without the changes of the scene that it draws.
     #[error(transparent)]
     NotUploaded(#[from] occlusion::NotUploaded),
+    /// A view without a plan that can be executed.
+    #[error(transparent)]
+    Plan(#[from] occlusion::PlanError),
     /// A plan with draws among its tests, and a host that takes its draws as lists.
     #[error(transparent)]
     DrawsAmongTests(#[from] occlusion::DrawsAmongTests),
@@ -248,6 +251,7 @@ impl From<occlusion::Error> for Error {
             occlusion::Error::Target(error) => Self::Target(error),
             occlusion::Error::DrawsAmongTests(error) => Self::DrawsAmongTests(error),
             occlusion::Error::NotUploaded(error) => Self::NotUploaded(error),
+            occlusion::Error::Plan(error) => Self::Plan(error),
             occlusion::Error::ForeignView => Self::ForeignRenderer { thing: FOREIGN_VIEW },
             occlusion::Error::NoShaderCompiler(folder) => Self::NoShaderCompiler(folder),
         }

@@ -104,6 +104,7 @@ impl From<render::Error> for RunError {
             | render::Error::NoRoom { .. }
             | render::Error::DrawsAmongTests(_)
             | render::Error::NotUploaded(_)
+            | render::Error::Plan(_)
             | render::Error::Change { .. } => Self::machine(error),
         }
     }

@@ -4,6 +4,7 @@
 mod boxes;
 mod growth;
 mod host;
+mod mistakes;
 
 use boxes::Part;
 use cull::{Aabb, Camera, ObjectId, Projection, Strategy};

@@ -7,6 +7,7 @@ mod loss;
 mod memory;
 mod messages;
 mod renderer;
+mod scenes;
 mod threads;
 
 use std::ffi::{CStr, c_char, c_void};

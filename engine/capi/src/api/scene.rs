@@ -10,6 +10,7 @@ use crate::executor::scene::{
     AntumbraViewStats, HostedScene,
 };
 use crate::pointers::{Output, check_output, output_slice, read, slice};
+use crate::table::Table;
 
 /// Creates a scene without objects.
 ///
@@ -29,9 +30,12 @@ pub unsafe extern "C" fn antumbra_scene_create(
             let desc = read("desc", desc)?;
             let attachments = read("desc.attachments", desc.attachments)?;
             let device = context.devices.find(desc.device)?.read()?.clone();
-            let salt = std::ptr::from_ref(context) as u64 + desc.device.id;
-            let new = HostedScene::new(device, &desc, &attachments, salt)?;
-            *scene = context.scenes.insert(new)?;
+            let mut new = HostedScene::new(device, &desc, &attachments)?;
+            // No view of this scene has the handle of another's.
+            *scene = context.scenes.insert_with(|handle| {
+                new.views = Table::new(std::ptr::from_ref(context) as u64 ^ handle.id);
+                new
+            })?;
             Ok(())
         })
     }
@@ -245,10 +249,11 @@ pub unsafe extern "C" fn antumbra_view_lists(
 /// and tests of all views. Never waits, and never submits. Where the host draws from lists, tests
 /// alone: each image is entered with the visible draws in it.
 ///
-/// The host submits the command buffer at most once, and frames in the order of their numbers. If
-/// it does not, what such a frame draws is undefined, and nothing else is: its answers are ignored.
-/// After an error the command buffer must not be submitted, and the next frame needs a higher
-/// number.
+/// The host submits the command buffer at most once, and frames in the order of their numbers. A
+/// frame that is never submitted changes nothing: its answers are ignored. One that is submitted
+/// twice, the second run behind the first by a barrier or a semaphore, draws right images. One that
+/// is submitted behind a later one shows changed objects as the later frame left them. After an
+/// error the command buffer must not be submitted, and the next frame needs a higher number.
 ///
 /// # Safety
 /// The rules of the interface. The command buffer is of the scene's device, for the queue family

@@ -12,7 +12,7 @@ use super::frame::SharedBudget;
 use super::lists::{ANTUMBRA_DRAWS_BY_CALLBACK, ANTUMBRA_DRAWS_BY_LISTS, KeptLists};
 use super::target::{AntumbraAttachments, CachedTarget};
 use crate::decisions::hierarchy::{AntumbraAabb, usable};
-use crate::error::Failure;
+use crate::error::{AntumbraResult, Failure};
 use crate::layout::{Versioned, layout};
 use crate::table::{Table, handle};
 
@@ -227,7 +227,6 @@ impl HostedScene {
         device: Device,
         desc: &AntumbraSceneDesc,
         attachments: &AntumbraAttachments,
-        salt: u64,
     ) -> Result<Self, Failure> {
         let attachments = attachments.attachments()?;
         let predication = match desc.predication {
@@ -271,7 +270,7 @@ impl HostedScene {
             shaders,
             attachments,
             draw_phases,
-            views: Table::new(salt),
+            views: Table::new(0),
             shared_budget: SharedBudget::default(),
             objects: Vec::new(),
             device,
@@ -284,8 +283,14 @@ impl HostedScene {
         objects: &[AntumbraObject],
         draws: &[AntumbraObjectDraw],
     ) -> Result<&[ObjectId], Failure> {
-        let draws: Vec<BucketDraw> = draws.iter().map(BucketDraw::from).collect();
-        let mut added = Vec::with_capacity(objects.len());
+        let (mut listed, mut added) = (Vec::new(), Vec::new());
+        let reserved = listed.try_reserve(draws.len()).and(added.try_reserve(objects.len()));
+        if reserved.is_err() {
+            let message = format!("no memory to add {} objects", objects.len());
+            return Err(Failure::new(AntumbraResult::NoMemory, message));
+        }
+        listed.extend(draws.iter().map(BucketDraw::from));
+        let draws = listed;
         for (number, object) in objects.iter().enumerate() {
             let first = object.first_draw as usize;
             let range = first..first.saturating_add(object.draw_count as usize);

@@ -17,8 +17,8 @@ pub const ANTUMBRA_COLOURS_MAX: usize = 8;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AntumbraImageState {
-    /// The layout. `VK_IMAGE_LAYOUT_UNDEFINED` on entry drops the contents; on exit it leaves the
-    /// image as an attachment.
+    /// The layout, which is not checked. `VK_IMAGE_LAYOUT_UNDEFINED` on entry drops the contents;
+    /// on exit it leaves the image as an attachment.
     pub layout: vk::ImageLayout,
     /// Must be 0.
     pub reserved: u32,
@@ -76,9 +76,9 @@ pub struct AntumbraTargetDesc {
     pub depth: AntumbraImage,
     /// The colours.
     pub colours: *const AntumbraImage,
-    /// Width of the images (pixels).
+    /// Width of all images (pixels). That the images are no smaller cannot be checked.
     pub width: u32,
-    /// Height of the images (pixels).
+    /// Height of all images (pixels), as the width.
     pub height: u32,
 }
 layout!(AntumbraTargetDesc: struct_size, colour_count, depth, colours, width, height);
@@ -143,6 +143,10 @@ impl AntumbraAttachments {
             return Err(Failure::argument(message));
         }
         let has_pass = self.render_pass != vk::RenderPass::null();
+        if !has_pass && self.subpass != 0 {
+            let message = "attachments.subpass is set, and attachments.render_pass is null";
+            return Err(Failure::argument(message));
+        }
         Ok(Attachments {
             colours: ColourFormats::new(colours),
             depth: self.depth_format,

@@ -88,8 +88,8 @@ pub enum ViewError {
     },
     /// Depth depends on the place in the image, as with an oblique near plane.
     #[error(
-        "the depth of the view's matrix is not constant in planes parallel to the image: clip \
-         against an oblique plane in a shader instead"
+        "the depth of the view's matrix is not constant in planes parallel to the image: was it \
+         transposed? An oblique near plane is for a shader to clip against"
     )]
     ObliqueDepth,
     /// Depth grows the other way, or w does, or the near plane lies behind the eye.

@@ -23,8 +23,7 @@ const JITTER_OF_BOX: f32 = 1.0 / 1024.0;
 /// Returns the shape of a good hierarchy over `boxes`. An [empty](Aabb::EMPTY) box makes a free
 /// leaf: free leaves lie together in a balanced subtree beside the rest, the last of the leaves.
 pub(super) fn topology(boxes: &[Aabb]) -> Result<Topology, HierarchyError> {
-    check_count(boxes.len())?;
-    check_memory(boxes.len())?;
+    check_capacity(boxes.len())?;
     let mut occupied = Vec::with_capacity(boxes.len());
     let mut free = Vec::new();
     for (object, bounds) in boxes.iter().enumerate() {
@@ -98,6 +97,12 @@ fn cluster(boxes: &[Aabb], occupied: Vec<u32>, nodes: &mut Vec<Split>) -> Option
         }
     }));
     Some(root)
+}
+
+/// Refuses more objects than a hierarchy holds, or than there is memory for.
+pub(super) fn check_capacity(count: usize) -> Result<(), HierarchyError> {
+    check_count(count)?;
+    check_memory(count)
 }
 
 fn check_count(count: usize) -> Result<(), HierarchyError> {

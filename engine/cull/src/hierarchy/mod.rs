@@ -13,7 +13,7 @@ mod topology;
 mod wear;
 
 use crate::geom::bounds::Aabb;
-use crate::ids::{Generation, LeafIndex, LeafRange, NodeId, ObjectId};
+use crate::ids::{Generation, HierarchyId, LeafIndex, LeafRange, NodeId, ObjectId};
 pub use api::changes::HierarchyWork;
 pub use error::{BUILD_BYTES_PER_OBJECT, HierarchyError, MAX_OBJECTS};
 pub(crate) use journal::{Change, FREE_LEAF, NEW_LEAF, Restructured};
@@ -27,6 +27,7 @@ pub(crate) use topology::{NO_NODE, Topology};
 /// An id of a node that is not in the hierarchy counts as an empty node; no accessor panics.
 #[derive(Clone, Debug)]
 pub struct Hierarchy {
+    id: HierarchyId,
     pub(crate) topology: Topology,
     nodes: refit::Nodes,
     generation: Generation,
@@ -54,6 +55,7 @@ impl Hierarchy {
         let nodes = refit::Nodes::new(&topology, boxes);
         let generation = Generation(0);
         Ok(Self {
+            id: HierarchyId::default(),
             births: vec![generation; topology.nodes.len()],
             arrivals: vec![generation; topology.leaf_objects.len()],
             topology,
@@ -66,6 +68,21 @@ impl Hierarchy {
             chosen: Vec::new(),
             work: HierarchyWork::default(),
         })
+    }
+
+    /// Refuses more objects than a hierarchy holds, or than there is memory for, before their boxes
+    /// are listed.
+    ///
+    /// # Errors
+    /// [`HierarchyError::TooMany`]; [`HierarchyError::NoMemory`].
+    pub fn check_capacity(count: usize) -> Result<(), HierarchyError> {
+        build::check_capacity(count)
+    }
+
+    /// Returns the identity.
+    #[must_use]
+    pub fn id(&self) -> &HierarchyId {
+        &self.id
     }
 
     /// Returns the number of changes after which some node stood for something else.

@@ -100,6 +100,14 @@ pub enum Error {
         /// The formats that are possible.
         needed: &'static str,
     },
+    /// Attachments of as many samples per pixel as the device cannot draw to.
+    #[error("attachments of {samples:?} samples per pixel; this device draws to {supported:?}")]
+    Samples {
+        /// The samples of the attachments.
+        samples: ash::vk::SampleCountFlags,
+        /// Those that the device draws to.
+        supported: ash::vk::SampleCountFlags,
+    },
     /// There is no display to open a window on, or its connection is gone.
     #[error(
         "there is no display to show a window on ({0}); start one, name it in DISPLAY or WAYLAND_DISPLAY, or draw without a window"
@@ -145,7 +153,7 @@ pub enum Error {
     HasQueue,
     /// The numbers of a host's frame do not follow those before.
     #[error(
-        "frame {current} cannot begin with all up to {safe} over: the last frame begun was {newest}, with all up to {over} over; numbers of frames must rise, and no frame is over before it begins"
+        "frame {current} cannot begin with all up to {safe} over: the last frame begun was {newest}, with all up to {over} over; numbers of frames must rise, `safe` must not fall, and no frame is over before it begins"
     )]
     FrameNumbers {
         /// The number of the frame.

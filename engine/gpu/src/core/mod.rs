@@ -11,6 +11,7 @@ pub(crate) mod error;
 pub(crate) mod executions;
 pub(crate) mod extensions;
 pub(crate) mod features;
+pub(crate) mod frames_in_flight;
 pub(crate) mod host_callbacks;
 pub(crate) mod host_device;
 pub(crate) mod instance;

@@ -14,6 +14,7 @@ use bytemuck::{Pod, Zeroable};
 use crate::core::capabilities::Optional;
 use crate::core::device::Device;
 use crate::core::error::Error;
+use crate::core::frames_in_flight::check_frames_in_flight;
 use crate::core::ownership::{OfDevice, OwnerId};
 use crate::core::tick::Tick;
 use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
@@ -76,6 +77,7 @@ impl<T: Copy> QueryRing<T> {
     /// # Errors
     /// None today; slots are made when they are first used.
     pub fn new(device: &Device, frames_in_flight: usize, name: &str) -> Result<Self, Error> {
+        check_frames_in_flight(frames_in_flight)?;
         Ok(Self {
             device: device.clone(),
             ring: Ring::new(frames_in_flight),

@@ -4,6 +4,7 @@ use std::fmt;
 
 use ash::vk;
 
+use crate::core::device::Device;
 use crate::core::error::Error;
 
 /// Colour: eight bits per channel, sRGB-encoded by the hardware.
@@ -146,6 +147,29 @@ impl Attachments {
         match self.views {
             0 | 1 => 0,
             views => u32::MAX >> (u32::BITS - views.min(u32::BITS)),
+        }
+    }
+
+    /// Refuses attachments that no pipeline of the device can draw to.
+    ///
+    /// # Errors
+    /// [`Error::TargetFormat`], [`Error::Samples`].
+    pub(crate) fn check(&self, device: &Device) -> Result<(), Error> {
+        check_formats(self.depth, self.colours.as_slice())?;
+        if !device.has_format_feature(self.depth, vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT)
+        {
+            let (what, needed) = ("depth".to_owned(), "this device cannot draw to it");
+            return Err(Error::TargetFormat { what, format: self.depth, needed });
+        }
+        let limits = &device.adapter().limits;
+        let supported = match self.colours.as_slice() {
+            [] => limits.framebuffer_depth_sample_counts,
+            _ => limits.framebuffer_depth_sample_counts & limits.framebuffer_color_sample_counts,
+        };
+        let samples = self.samples;
+        match samples.as_raw().count_ones() == 1 && supported.contains(samples) {
+            true => Ok(()),
+            false => Err(Error::Samples { samples, supported }),
         }
     }
 

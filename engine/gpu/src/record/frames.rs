@@ -11,6 +11,7 @@ use ash::vk;
 use crate::core::capabilities::Optional;
 use crate::core::device::{Device, OpenRecording, WaitFor};
 use crate::core::error::Error;
+use crate::core::frames_in_flight::check_frames_in_flight;
 use crate::core::order::Order;
 use crate::core::pending_uploads::PendingUpload;
 use crate::core::tick::Tick;
@@ -64,8 +65,10 @@ impl FrameRing {
     /// Creates a ring of `frames_in_flight` slots (at least one), without timing.
     ///
     /// # Errors
-    /// A failed call.
+    /// [`Error::TooLarge`] for more than
+    /// [`MAX_FRAMES_IN_FLIGHT`](crate::MAX_FRAMES_IN_FLIGHT); a failed call.
     pub fn new(device: &Device, frames_in_flight: usize) -> Result<Self, Error> {
+        check_frames_in_flight(frames_in_flight)?;
         let slots = (0..frames_in_flight.max(1)).map(|slot| Slot::new(device, slot));
         let slots: Vec<Slot> = slots.collect::<Result<_, _>>()?;
         let stamps = match device.has_queue() {
@@ -199,7 +202,7 @@ impl FrameRing {
     ) -> Result<Frame<'_>, Error> {
         let FrameNumbers { current, safe } = numbers;
         let used = self.slots.get(self.next).map_or(Tick::ZERO, |slot| slot.tick);
-        if used > safe {
+        if used > safe.max(self.device.completed()?) {
             let slots = self.slots.len();
             return Err(Error::TooManyFrames { current: current.0, used: used.0, slots });
         }

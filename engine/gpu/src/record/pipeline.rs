@@ -160,6 +160,7 @@ impl GraphicsPipeline {
     /// [`Error::Unsupported`] for a wireframe or several views where the device has no such thing;
     /// a failed call.
     pub fn new(device: &Device, info: &GraphicsPipelineInfo<'_>) -> Result<Self, Error> {
+        info.attachments.check(device)?;
         let needs = [
             (info.polygon == Polygon::Wireframe, Optional::Wireframe, "drawing a wireframe"),
             (info.attachments.views > 1, Optional::Multiview, "drawing several views at once"),

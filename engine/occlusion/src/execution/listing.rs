@@ -63,19 +63,19 @@ pub struct ListedTests<'v> {
 ///
 /// # Errors
 /// [`Error::DrawsAmongTests`] for the plan of a culler without
-/// [`DrawPhases::Two`](cull::DrawPhases::Two); a view of another scene; [`Error::NotUploaded`]; no
-/// memory, a failed call.
+/// [`DrawPhases::Two`](cull::DrawPhases::Two); a view of another scene; [`Error::Plan`],
+/// [`Error::NotUploaded`]; no memory, a failed call.
 pub fn list_draws<'v>(
     frame: &mut Frame<'_>,
     executor: &mut PlanExecutor,
     state: &mut VisibilityState,
     views: impl Into<MultiView<'v>>,
 ) -> Result<ListedTests<'v>, Error> {
-    state.check(&executor.leaves)?;
+    let views = views.into();
+    state.check_plan(&executor.leaves, views)?;
     if !state.plan().has_two_phases() {
         return Err(DrawsAmongTests.into());
     }
-    let views = views.into();
     let io = FrameIo::write(frame, state, &mut executor.leaves, views)?;
     let lists = state.list(frame, &executor.leaves, io.visible)?;
     Ok(ListedTests { views, io, lists })

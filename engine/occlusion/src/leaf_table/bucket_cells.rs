@@ -32,6 +32,9 @@ use regions::Regions;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BucketId(pub u32);
 
+/// The most buckets of a table.
+pub const MAX_BUCKETS: u32 = 1 << 16;
+
 /// A draw of an object. One without indices or instances draws nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BucketDraw {

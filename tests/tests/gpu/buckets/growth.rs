@@ -14,7 +14,7 @@ use super::host::{Host, Recorder};
 use super::{camera, wall};
 
 /// Returns a grid of objects of a draw each, behind and beside the wall.
-fn grid(count: usize) -> Vec<Vec<Part>> {
+pub fn grid(count: usize) -> Vec<Vec<Part>> {
     let part = |number: usize| {
         let low = vec3((number % 40) as f32 * 0.5 - 10.0, (number / 40) as f32 * 0.5 - 3.0, -9.0);
         vec![Part { bucket: number as u32 % 3, boxes: vec![Aabb::new(low, low + 0.4)] }]
@@ -22,7 +22,7 @@ fn grid(count: usize) -> Vec<Vec<Part>> {
     (0..count).map(part).collect()
 }
 
-fn assert_all_equal(device: &Device, host: &Host, what: &str) {
+pub fn assert_all_equal(device: &Device, host: &Host, what: &str) {
     device.drain().unwrap();
     for (frame, [culled, all]) in host.images.iter().enumerate() {
         let [culled, all] = [culled, all].map(|image| image.rgba8().unwrap());

@@ -6,7 +6,7 @@ use cull::{
     Aabb, Camera, CullConfig, Culler, DrawPhases, LeafIndex, ObjectId, Strategy, TesterSupport,
     View,
 };
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use gpu::{Buffer, Device, FrameRing, MemoryKind, Predication, Readback, vk};
 use occlusion::{
     BucketDraw, BucketTableInfo, Error, HostObject, HostScene, LeafCount, OcclusionPasses,
@@ -33,6 +33,18 @@ pub enum Recorder {
     /// By the host, which asks the plan for visible objects and draws what tests reveal frames
     /// later: the image is not exact.
     HostLate,
+}
+
+/// A mistake of a host in one frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mistake {
+    NoPlan,
+    SamePlanAgain,
+    SceneChangedBehindThePlan,
+    OtherView,
+    LargeView,
+    OtherHierarchy,
+    OtherLeaves,
 }
 
 /// Everything that a host keeps to draw its objects by our answers, and to draw all of them.
@@ -238,6 +250,44 @@ impl Host {
         let tick = frame.submit(None).unwrap();
         state.submitted(tick, &executor.leaves, None);
         self.scene.submitted(tick);
+    }
+
+    /// Records a frame in which the host is mistaken, and gives it up. Returns the error.
+    pub fn refused(&mut self, camera: &Camera, mistake: Mistake, other: &HostScene) -> Error {
+        let bits = self.device.adapter().limits.sub_pixel_precision_bits;
+        let view = View::new(camera, SIZE, bits);
+        let mut frame = self.frames.begin().unwrap();
+        if mistake == Mistake::SceneChangedBehindThePlan {
+            let hierarchy = self.scene.hierarchy();
+            let leaves = &self.scene.executor().leaves;
+            self.state.plan_frame(hierarchy, leaves, Strategy::ANTUMBRA, (&view, 4096));
+            let (wall, bounds) = (self.wall, Aabb::new(Vec3::ZERO, Vec3::ONE));
+            self.scene.move_to(&[(wall, bounds)]).unwrap();
+            self.scene.move_to(&[(wall, around(&self.parts[&wall].1))]).unwrap();
+        }
+        self.scene.upload(&mut frame).unwrap();
+        let ((hierarchy, executor), state) = (self.scene.parts_mut(), &mut self.state);
+        let (hierarchy, leaves) = match mistake {
+            Mistake::OtherHierarchy => (other.hierarchy(), &executor.leaves),
+            Mistake::OtherLeaves => (other.hierarchy(), &other.executor().leaves),
+            _ => (hierarchy, &executor.leaves),
+        };
+        let large = View::new(camera, SIZE.map(|pixels| pixels + 1), bits);
+        let side = View { view_proj: Mat4::IDENTITY, ..view };
+        let planned = if mistake == Mistake::LargeView { large } else { view };
+        if ![Mistake::NoPlan, Mistake::SceneChangedBehindThePlan].contains(&mistake) {
+            state.plan_frame(hierarchy, leaves, Strategy::ANTUMBRA, (&planned, 4096));
+        }
+        let executed = match mistake {
+            Mistake::LargeView => &large,
+            Mistake::OtherView => &side,
+            _ => &view,
+        };
+        let io = (&self.shaders, executed);
+        if mistake == Mistake::SamePlanAgain {
+            execute(&mut frame, executor, state, &mut self.culled, io).unwrap();
+        }
+        execute(&mut frame, executor, state, &mut self.culled, io).unwrap_err()
     }
 
     /// Submits a frame that uploads nothing of the scene, and says that it did.

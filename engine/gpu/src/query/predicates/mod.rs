@@ -21,6 +21,7 @@ use bytemuck::{Pod, Zeroable};
 use crate::core::capabilities::Optional;
 use crate::core::device::Device;
 use crate::core::error::Error;
+use crate::core::frames_in_flight::check_frames_in_flight;
 use crate::core::ownership::of_device;
 use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 use crate::record::access::{Access, MemoryBarrier};
@@ -106,6 +107,7 @@ impl Predicates {
         (draws, links): (Buffer, Option<Buffer>),
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
+        check_frames_in_flight(frames_in_flight)?;
         let shader = match predication {
             Predication::Conditional => None,
             Predication::Counts => Some(shaders::PREDICATE_COUNTS),
@@ -445,6 +447,12 @@ impl Predicates {
 
 /// Returns the buffers of so many linked draws.
 fn linked_buffers(device: &Device, count: u32) -> Result<[Buffer; 2], Error> {
+    let (wanted, limit) = (u64::from(count) * DRAW_BYTES, device.adapter().limits);
+    let limit = u64::from(limit.max_storage_buffer_range);
+    if wanted > limit {
+        let what = "the bytes of all draws".to_owned();
+        return Err(Error::TooLarge { what, wanted, limit });
+    }
     let buffer = |name, bytes: u64, usage| {
         Buffer::new(device, name, u64::from(count) * bytes, usage, MemoryKind::Device)
     };

@@ -3,7 +3,7 @@
 use cull::{Hierarchy, LeafIndex, LeafRange};
 use gpu::{Buffer, Device, MemoryKind, Predicates, Predication, vk};
 
-use super::super::bucket_cells::{BucketCells, BucketDraw};
+use super::super::bucket_cells::{BucketCells, BucketDraw, MAX_BUCKETS};
 use super::super::changes::DrawChanges;
 use super::super::counts::LeafCounts;
 use super::super::dirty_list::DirtyList;
@@ -16,7 +16,7 @@ use crate::passes::ProxyBox;
 /// The parameters of a table with buckets.
 #[derive(Clone, Copy, Debug)]
 pub struct BucketTableInfo {
-    /// The number of buckets.
+    /// The number of buckets, at most [`MAX_BUCKETS`](crate::MAX_BUCKETS).
     pub bucket_count: u32,
     /// The number of draws that there is room for at first. More room is made as draws come, by
     /// buffers that are half as large again.
@@ -40,12 +40,17 @@ impl LeafTable {
         info: BucketTableInfo,
     ) -> Result<Self, Error> {
         let BucketTableInfo { bucket_count, draw_capacity, predication, frames_in_flight } = info;
+        if bucket_count > MAX_BUCKETS {
+            return Err(BucketError::TooMany { bucket_count }.into());
+        }
         let leaf_count = hierarchy.leaf_objects().len();
         let [boxes, firsts] = leaf_buffers(device, leaf_count)?;
         let cells = BucketCells::new(bucket_count, hierarchy.leaf_objects());
         let cell_capacity = BucketCells::room_for(draw_capacity, bucket_count);
         let mut table = Self {
             id: LeafTableId::new(),
+            hierarchy: hierarchy.id().clone(),
+            version: 0,
             device: device.clone(),
             boxes,
             firsts: Some(firsts),
@@ -97,6 +102,7 @@ impl LeafTable {
 
     /// Notes that the object of a leaf was moved: the next frame uploads its box.
     pub fn mark_moved(&mut self, leaf: LeafIndex) {
+        self.version += 1;
         self.dirty.push(leaf);
     }
 
@@ -172,7 +178,9 @@ impl LeafTable {
         let DrawLayout::Bucketed(cells) = layout else { return };
         dirty_cells.grow(cells.cell_count() as usize);
         let mut noted = std::mem::take(&mut cells.changes);
+        let mut is_changed = false;
         let mut mark = |cell: u32| {
+            is_changed = true;
             dirty_cells.push(cell);
             changes.push(cell);
         };
@@ -182,6 +190,7 @@ impl LeafTable {
             cells.cells_of(leaf).for_each(|(_, cell)| mark(cell));
         });
         cells.changes = noted;
+        self.version += u64::from(is_changed);
     }
 }
 
@@ -195,6 +204,12 @@ fn recount(counts: &mut LeafCounts, cells: &BucketCells, leaves: impl Iterator<I
 
 /// Creates the buffers of so many leaves: their boxes and their first cells.
 fn leaf_buffers(device: &Device, leaf_count: usize) -> Result<[Buffer; 2], Error> {
+    let wanted = leaf_count as u64 * size_of::<ProxyBox>() as u64;
+    let limit = u64::from(device.adapter().limits.max_storage_buffer_range);
+    if wanted > limit {
+        let what = "the bytes of the boxes of all objects".to_owned();
+        return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
+    }
     let buffer = |name, element_bytes: usize| {
         let (bytes, usage) = (leaf_count * element_bytes, vk::BufferUsageFlags::STORAGE_BUFFER);
         Buffer::new(device, name, bytes as u64, usage, MemoryKind::Device)

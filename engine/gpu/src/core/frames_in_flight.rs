@@ -1,0 +1,18 @@
+//! The bound of frames in flight.
+
+use crate::core::error::Error;
+
+/// The most frames in flight.
+pub const MAX_FRAMES_IN_FLIGHT: usize = 64;
+
+/// Refuses more frames in flight than there may be.
+///
+/// # Errors
+/// [`Error::TooLarge`].
+pub(crate) fn check_frames_in_flight(frames_in_flight: usize) -> Result<(), Error> {
+    let (wanted, limit) = (frames_in_flight as u64, MAX_FRAMES_IN_FLIGHT as u64);
+    if wanted <= limit {
+        return Ok(());
+    }
+    Err(Error::TooLarge { what: "the number of frames in flight".to_owned(), wanted, limit })
+}
