@@ -254,7 +254,7 @@ unsafe extern "system" fn properties(
             (*properties).api_version = vk::make_api_version(0, 1, 2, 200);
         }
         if lacks(Required::StorageBuffers) {
-            (*properties).limits.max_per_stage_descriptor_storage_buffers = 4;
+            (*properties).limits.max_per_stage_descriptor_storage_buffers = 6;
         }
         if let Some(most) = machine(|machine| machine.most_draws) {
             (*properties).limits.max_draw_indirect_count = most;

@@ -212,6 +212,29 @@ fn lights_come_and_go_as_if_they_had_always_been_there() {
 }
 
 #[test]
+fn the_first_lights_of_a_dark_room_shine_as_if_they_had_always_been_there() {
+    run_on_all(|device| {
+        let mut scene = room();
+        scene.surfaces.as_mut().unwrap().lights.clear();
+        let spare = SpareRoom { lights: 2, directional_lights: 1, ..Default::default() };
+        let mut renderer = Renderer::new(device, &scene, &options(spare)).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let mut before = image(&mut renderer, &mut view);
+        assert_eq!(before, fresh(device, &scene));
+        for light in [comer(0), comer(1), comer(2)] {
+            renderer.add_lights(&[light]).unwrap();
+            scene.surfaces.as_mut().unwrap().lights.push(light);
+            let now = image(&mut renderer, &mut view);
+            assert_ne!(now, before, "{light:?} shows");
+            let expected = fresh(device, &scene);
+            let wrong = now.chunks(4).zip(expected.chunks(4)).filter(|(a, b)| a != b).count();
+            assert_eq!(wrong, 0, "{light:?}");
+            before = now;
+        }
+    });
+}
+
+#[test]
 fn lights_come_where_they_have_room_only() {
     run_on_all(|device| {
         let [lamp, spot, sun] = [0, 1, 2].map(comer);

@@ -322,6 +322,33 @@ fn meshes_that_come_and_go_look_as_if_they_had_always_been_there() {
 }
 
 #[test]
+fn a_host_copies_the_image_while_meshes_and_textures_arrive() {
+    for driver in Driver::ALL {
+        let host = Host::new(driver, Purpose::Renderer);
+        let lock = Arc::new(Mutex::new(()));
+        let device = host.adopt(Some(host.share_queue(Arc::clone(&lock) as _)));
+        let (mut stream, mut random) = (Stream::new(&device, Kind::Surfaces), Random::new(23));
+        let mut arriving = 0;
+        for _ in 0..24 {
+            stream.add(&mut random);
+            let camera = stream.camera();
+            stream.frame += 1;
+            stream.draw_by(Strategy::ANTUMBRA, 0, camera);
+            arriving += u32::from(stream.renderer.is_uploading());
+            // Nothing is waited for but the host's own copy.
+            let copied = host.copy(&*lock, &stream.renderer.finished_image().unwrap());
+            device.drain().unwrap();
+            assert!(copied == *stream.images[0].rgba8().unwrap(), "{driver:?}");
+            stream.remove(&mut random);
+        }
+        assert!(arriving > 6, "{arriving} frames with something on its way");
+        drop((stream, device));
+        assert!(host.messages().is_empty(), "{:#?}", host.messages());
+        host.finish();
+    }
+}
+
+#[test]
 fn meshes_come_and_go_on_a_hosts_device() {
     for driver in Driver::ALL {
         let host = Host::new(driver, Purpose::Renderer);

@@ -9,6 +9,7 @@
 #[cfg(feature = "shader-compiler")]
 mod host;
 mod renderer;
+mod streaming;
 mod swapchain;
 
 #[global_allocator]

@@ -22,7 +22,7 @@ const MODES: [(Driver, &[PresentMode]); 2] = [
 
 /// Returns the number of objects that were made, beside the recording of commands and the sets of a
 /// frame from its slot's pool: both begin again with every frame.
-fn made() -> usize {
+pub fn made() -> usize {
     const EVERY_FRAME: [&CStr; 4] = [
         c"vkBeginCommandBuffer",
         c"vkEndCommandBuffer",

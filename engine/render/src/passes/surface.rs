@@ -127,7 +127,9 @@ impl SurfacePass {
         let [steps_across, steps_up] = view.snap_steps;
         let [materials, transforms, lights, lists] = io.surfaces.buffers();
         let buffers = [io.instances, materials, transforms, lights, lists];
-        commands.bind_arrays(&self.pipeline, &buffers, &io.surfaces.pages());
+        let pages = io.surfaces.pages();
+        let pages = pages.as_ref().map_or(&[][..], |pages| &pages[..]);
+        commands.bind_arrays(&self.pipeline, &buffers, pages);
         commands.bind_geometry_beside([io.vertices, io.surfaces.vertices()], io.indices);
         commands.push_constants(
             &self.pipeline,

@@ -386,10 +386,10 @@ impl SurfaceResources {
         &self.pages
     }
 
-    /// Returns as many pages as shaders declare; missing ones are the first one.
-    pub(crate) fn pages(&self) -> Vec<&TextureArray> {
-        let first = self.pages.first();
-        (0..MAX_PAGES).filter_map(|page| self.pages.get(page).or(first)).collect()
+    /// Returns as many pages as shaders declare, missing ones being the first. `None` without any.
+    pub(crate) fn pages(&self) -> Option<[&TextureArray; MAX_PAGES]> {
+        let first = self.pages.first()?;
+        Some(std::array::from_fn(|page| self.pages.get(page).unwrap_or(first)))
     }
 }
 
