@@ -1,6 +1,7 @@
 //! The renderer in C, on a device and a queue of the host: its images are those of the renderer in
 //! Rust, and of frustum culling; what is in flight outlives its renderer.
 
+mod loss;
 mod mistakes;
 
 use std::ffi::c_void;
