@@ -86,6 +86,27 @@ impl View {
     /// one, the size of pixels, the depth of points. So a jitter is in all of them. Shaders use the
     /// matrix bit for bit, but for the sign of y where that is up.
     ///
+    /// ```
+    /// # use antumbra_cull as cull;
+    /// use cull::{ClipY, DepthConvention, View, ViewProjection};
+    /// use glam::{Mat4, Vec4, vec3};
+    ///
+    /// // Infinitely far, depth from 1 at the near plane to 0, y down as in Vulkan.
+    /// let (focal_length, aspect, near) = (1.7, 16.0 / 9.0, 0.1);
+    /// let projection = Mat4::from_cols(
+    ///     Vec4::X * (focal_length / aspect),
+    ///     Vec4::NEG_Y * focal_length,
+    ///     Vec4::NEG_W,
+    ///     Vec4::Z * near,
+    /// );
+    /// let eye = Mat4::from_translation(-vec3(0.0, 1.8, 5.0));
+    /// let matrix = projection * eye;
+    /// let matrix = ViewProjection { matrix, depth: DepthConvention::Reversed, y: ClipY::Down };
+    /// let view = View::from_matrix(&matrix, [1920, 1080], 8)?;
+    /// assert!((view.rays.origin - vec3(0.0, 1.8, 5.0)).length() < 1e-4);
+    /// # Ok::<(), cull::ViewError>(())
+    /// ```
+    ///
     /// # Errors
     /// A matrix that is no projection, or not by the conventions that come with it.
     pub fn from_matrix(
