@@ -54,6 +54,7 @@ pub unsafe extern "C" fn antumbra_renderer_create(
             check_output("renderer", renderer)?;
             let desc = read("desc", desc)?;
             let device = context.devices.find(desc.device)?.read()?.clone();
+            HostedRenderer::check_device(&device)?;
             let (options, scene) = (desc.options()?, desc.scene()?);
             let new = HostedRenderer::new(&device, &scene, &options)?;
             *renderer = context.renderers.insert(new)?;

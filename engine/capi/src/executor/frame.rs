@@ -353,7 +353,8 @@ unsafe fn plan_view(
     let (eye, strategy) = (camera.view()?, strategy(view.strategy)?);
     let hosted = views.find(view.view)?;
     let mut hosted = hosted.write()?;
-    let HostedView { state, target: cached, .. } = &mut *hosted;
+    let HostedView { state, target: cached, lists, .. } = &mut *hosted;
+    lists.clear();
     // SAFETY: as above.
     let target = unsafe { cached.update(device, &target, attachments) }?;
     let state = match state {

@@ -88,6 +88,12 @@ pub(crate) struct KeptLists {
 }
 
 impl KeptLists {
+    /// Forgets the lists of a frame before.
+    pub fn clear(&mut self) {
+        self.visible.clear();
+        self.revealed.clear();
+    }
+
     /// Copies the lists of the newest frame.
     pub fn update(&mut self, state: &VisibilityState) {
         let lists = [state.visible_lists(), state.revealed_lists()];

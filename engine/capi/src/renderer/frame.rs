@@ -153,12 +153,17 @@ pub(crate) struct HostedRenderer {
 }
 
 impl HostedRenderer {
-    pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Failure> {
-        if !device.has_queue() {
-            let message = "desc.device was adopted without a queue, and a renderer submits: name \
-                           one in AntumbraDeviceDesc";
-            return Err(Failure::argument(message));
+    /// Refuses a device that a renderer cannot submit to.
+    pub fn check_device(device: &Device) -> Result<(), Failure> {
+        if device.has_queue() {
+            return Ok(());
         }
+        let message = "desc.device was adopted without a queue, and a renderer submits: name \
+                       one in AntumbraDeviceDesc::queue";
+        Err(Failure::argument(message))
+    }
+
+    pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Failure> {
         let renderer = Renderer::new(device, scene, options)?;
         let view = renderer.new_view()?;
         let stats = AntumbraRendererStats::DEFAULT;

@@ -36,9 +36,9 @@ fn a_device_that_cannot_have_a_renderer_is_refused_by_name() {
     let (adopted, without_queue, _) = adopt_with(&host, c.context, |_| {}, |_| {});
     assert_eq!(adopted, Ok);
     let with_queue = std::mem::replace(&mut c.device, without_queue);
-    let (refused, _) =
-        c.create(&AntumbraRendererDesc { width: 8, height: 8, ..Versioned::DEFAULT });
-    expect(refused, BadArgument, "adopted without a queue", &c.error);
+    // Before anything else that is wrong, such as the size.
+    let (refused, _) = c.create(&Versioned::DEFAULT);
+    expect(refused, BadArgument, "AntumbraDeviceDesc::queue", &c.error);
     c.device = with_queue;
     c.finish();
     host.finish();
