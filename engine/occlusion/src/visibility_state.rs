@@ -1,11 +1,13 @@
 //! One view of a scene with its own visibility history: its culler, its tests on their way, and the
 //! plan of its newest frame.
 
+mod api;
+
 use std::any::Any;
 
 use cull::{
     Answer, Corrections, CostModel, Culler, FrameContents, FrameId, FramePlan, Generation,
-    Hierarchy, LeafIndex, LeafList, LeafRange, MultiView, ResultReader, Strategy, View,
+    Hierarchy, LeafList, LeafRange, ResultReader, View,
 };
 use gpu::{
     BufferSlice, Counting, Device, DrawRange, EnabledLeaves, FlagRing, Frame, FrameTime,
@@ -14,7 +16,7 @@ use gpu::{
 
 use crate::costs::sent_frames::SentFrames;
 use crate::draw_lists::{DrawList, DrawLists};
-use crate::error::{Error, PlanError};
+use crate::error::Error;
 use crate::leaf_table::{LeafCount, LeafTable, LeafTableId};
 use crate::method_state::MethodState;
 use crate::outcomes::{FrameOutcome, Outcomes};
@@ -154,25 +156,6 @@ impl VisibilityState {
     /// [`Error::ForeignView`].
     pub fn check(&self, leaves: &LeafTable) -> Result<(), Error> {
         if self.table == leaves.id { Ok(()) } else { Err(Error::ForeignView) }
-    }
-
-    /// Refuses to execute the newest plan for anything but what it was made for, once.
-    ///
-    /// # Errors
-    /// [`Error::Plan`], [`Error::ForeignView`].
-    pub(crate) fn check_plan(&self, leaves: &LeafTable, views: MultiView<'_>) -> Result<(), Error> {
-        self.check(leaves)?;
-        let version = match self.planned.ok_or(PlanError::Missing)? {
-            PlannedScene::Own { version } => version,
-            PlannedScene::Foreign => return Err(Error::ForeignView),
-        };
-        if version != leaves.version {
-            return Err(PlanError::SceneChanged.into());
-        }
-        match self.planned_views.is_empty() || self.planned_views == views.as_slice() {
-            true => Ok(()),
-            false => Err(PlanError::OtherViews.into()),
-        }
     }
 
     /// Returns the device of the view.
@@ -324,78 +307,6 @@ impl VisibilityState {
         let now = self.plan.frame.0;
         let frames = self.reader.results().iter().map(|result| result.answer.tag.frame.0);
         frames.map(move |frame| now.saturating_sub(frame))
-    }
-
-    /// Plans the next frame of a view, or of several drawn at once, and lays out its tests. To be
-    /// called once all changes of the scene are [uploaded](crate::HostScene::upload); the plan is
-    /// executed once, for these views. Nothing is planned for another scene than the view's own:
-    /// the execution is [refused](Error::ForeignView).
-    pub fn plan_frame<'v>(
-        &mut self,
-        hierarchy: &Hierarchy,
-        leaves: &LeafTable,
-        strategy: Strategy,
-        (views, query_budget): (impl Into<MultiView<'v>>, usize),
-    ) {
-        let views = views.into();
-        self.planned_views.clear();
-        self.planned_views.extend_from_slice(views.as_slice());
-        self.plan_by(hierarchy, leaves, |culler, plan| {
-            culler.plan(hierarchy, strategy, views, query_budget, plan);
-        });
-    }
-
-    /// Plans a frame of next-frame queries ([`Culler::plan_next_frame`]) and lays out its tests.
-    pub fn plan_next_frame(&mut self, hierarchy: &Hierarchy, leaves: &LeafTable, view: &View) {
-        self.planned_views.clear();
-        self.planned_views.push(*view);
-        self.plan_by(hierarchy, leaves, |culler, plan| {
-            culler.plan_next_frame(hierarchy, view, plan);
-        });
-    }
-
-    /// Plans a frame of `visible` leaves and no test.
-    pub fn plan_known(&mut self, hierarchy: &Hierarchy, leaves: &LeafTable, visible: &[LeafIndex]) {
-        self.planned_views.clear();
-        self.plan_by(hierarchy, leaves, |culler, plan| culler.plan_known(hierarchy, visible, plan));
-    }
-
-    fn plan_by(
-        &mut self,
-        hierarchy: &Hierarchy,
-        leaves: &LeafTable,
-        plan: impl FnOnce(&mut Culler, &mut FramePlan),
-    ) {
-        if leaves.id != self.table || *hierarchy.id() != leaves.hierarchy {
-            self.planned = Some(PlannedScene::Foreign);
-            return;
-        }
-        plan(&mut self.culler, &mut self.plan);
-        self.planned = Some(PlannedScene::Own { version: leaves.version });
-        self.generation = hierarchy.generation();
-        self.layout.lay_out(&self.plan, leaves);
-    }
-
-    /// Begins a frame that is not planned: an empty plan without tests.
-    ///
-    /// # Errors
-    /// [`Error::NotUploaded`]; no memory, a failed call.
-    pub fn begin_unplanned(
-        &mut self,
-        frame: &mut Frame<'_>,
-        hierarchy: &Hierarchy,
-        leaves: &LeafTable,
-    ) -> Result<(), Error> {
-        leaves.check_uploaded(frame)?;
-        self.plan_known(hierarchy, leaves, &[]);
-        self.planned = None;
-        let Self { rings, plan, generation, .. } = self;
-        rings.queries.begin(frame, &[])?;
-        rings.flags.begin(frame, std::iter::empty())?;
-        rings.computed.begin(frame, std::iter::empty())?;
-        let (nothing, draws) = (std::iter::empty::<DrawRange>(), leaves.copied_draws());
-        rings.leaf_draws.begin(frame, (plan.frame, *generation), nothing, &draws)?;
-        Ok(())
     }
 
     /// Takes the state of a method for this view, if it was

@@ -1,0 +1,3 @@
+//! The interface of views by concern.
+
+mod planning;
