@@ -101,7 +101,7 @@ pub use geom::projection::{ClipY, DepthConvention, ViewError, ViewProjection};
 pub use geom::rays::{ProjectionKind, Rays};
 pub use geom::view::View;
 pub use hierarchy::{
-    BUILD_BYTES_PER_OBJECT, Hierarchy, HierarchyError, HierarchyWork, MAX_OBJECTS,
+    BUILD_BYTES_PER_OBJECT, BoxChange, Hierarchy, HierarchyError, HierarchyWork, MAX_OBJECTS,
 };
 pub use history::record::NodeState;
 pub use history::results::{LeafList, PendingTest, ResultReader, TestResult};

@@ -7,7 +7,9 @@
     reason = "a test fails by panicking"
 )]
 
-use antumbra_cull::{Aabb, Hierarchy, HierarchyError, LeafIndex, LeafRange, NodeId, ObjectId};
+use antumbra_cull::{
+    Aabb, BoxChange, Hierarchy, HierarchyError, LeafIndex, LeafRange, NodeId, ObjectId,
+};
 use glam::Vec3;
 use proptest::prelude::*;
 
@@ -336,4 +338,29 @@ fn nothing_and_everything_gone_are_no_special_cases() {
     }
     check(&hierarchy, &boxes);
     assert_eq!(hierarchy.free_leaves(), 0);
+}
+
+#[test]
+fn changes_of_boxes_are_logged_with_both_boxes() {
+    let boxes = [0.0, 2.0, 4.0].map(|x| Aabb::new(Vec3::splat(x), Vec3::splat(x + 1.0)));
+    let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+    let begun = hierarchy.box_changes();
+    let moved = boxes[1].enlarged(0.5);
+    hierarchy.refit([(ObjectId(1), moved), (ObjectId(1), boxes[1])]).unwrap();
+    hierarchy.remove(ObjectId(2)).unwrap();
+    let inserted = hierarchy.insert(boxes[0]).unwrap();
+    let change = |object, before, after| BoxChange { object: ObjectId(object), before, after };
+    let log: Vec<BoxChange> = hierarchy.box_changes_since(begun).unwrap().copied().collect();
+    let wanted = [
+        change(1, boxes[1], moved),
+        change(1, moved, boxes[1]),
+        change(2, boxes[2], Aabb::EMPTY),
+        change(inserted.0, Aabb::EMPTY, boxes[0]),
+    ];
+    assert_eq!(log, wanted);
+    assert!(hierarchy.refit([(ObjectId(9), moved)]).is_err());
+    assert_eq!(hierarchy.box_changes_since(begun).unwrap().count(), 4, "nothing moved");
+    hierarchy.rebuild(&boxes).unwrap();
+    assert!(hierarchy.box_changes_since(begun).is_none());
+    assert_eq!(hierarchy.box_changes_since(hierarchy.box_changes()).unwrap().count(), 0);
 }

@@ -2,6 +2,7 @@
 //! subtree one contiguous range of leaves.
 
 mod api;
+mod box_log;
 mod build;
 mod error;
 pub(crate) mod front_to_back;
@@ -15,6 +16,7 @@ mod wear;
 use crate::geom::bounds::Aabb;
 use crate::ids::{Generation, HierarchyId, LeafIndex, LeafRange, NodeId, ObjectId};
 pub use api::changes::HierarchyWork;
+pub use box_log::BoxChange;
 pub use error::{BUILD_BYTES_PER_OBJECT, HierarchyError, MAX_OBJECTS};
 pub(crate) use journal::{Change, FREE_LEAF, NEW_LEAF, Restructured};
 pub(crate) use topology::{NO_NODE, Topology};
@@ -36,6 +38,7 @@ pub struct Hierarchy {
     /// The generation since which each id has stood for the same object, by object.
     arrivals: Vec<Generation>,
     journal: journal::Journal,
+    boxes: box_log::BoxLog,
     worn: restructure::Worn,
     refit_scratch: refit::Scratch,
     search: occupancy::Search,
@@ -62,6 +65,7 @@ impl Hierarchy {
             nodes,
             generation,
             journal: journal::Journal::default(),
+            boxes: box_log::BoxLog::default(),
             worn: restructure::Worn::default(),
             refit_scratch: refit::Scratch::default(),
             search: occupancy::Search::default(),

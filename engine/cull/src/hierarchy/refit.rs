@@ -1,5 +1,6 @@
 //! Moves boxes in a hierarchy whose shape stays: only ancestors of moved leaves are touched.
 
+use super::box_log::{BoxChange, BoxLog};
 use super::error::{HierarchyError, check};
 use super::topology::{NO_NODE, Topology};
 use super::wear::Wear;
@@ -69,19 +70,19 @@ pub(super) struct Scratch {
     is_stale: Vec<bool>,
 }
 
-/// Sets the boxes of `moved` objects, then those of their ancestors, the deepest first. Calls
-/// `touched` with every ancestor.
+/// Sets the boxes of `moved` objects, then those of their ancestors, the deepest first. Logs the
+/// moves, and calls `touched` with every ancestor.
 pub(super) fn refit(
     topology: &Topology,
     nodes: &mut Nodes,
-    scratch: &mut Scratch,
+    (scratch, log): (&mut Scratch, &mut BoxLog),
     moved: impl IntoIterator<Item = (ObjectId, Aabb)>,
     mut touched: impl FnMut(&Nodes, u32),
 ) -> Result<(), HierarchyError> {
     scratch.is_stale.resize(nodes.bounds.len(), false);
     let outcome = moved
         .into_iter()
-        .try_for_each(|(object, target)| place(topology, nodes, scratch, object, target));
+        .try_for_each(|(object, target)| place(topology, nodes, (scratch, log), object, target));
     // In pre-order children have larger numbers than their parents.
     scratch.stale.sort_unstable_by(|a, b| b.cmp(a));
     for node in scratch.stale.drain(..) {
@@ -96,12 +97,13 @@ pub(super) fn refit(
 fn place(
     topology: &Topology,
     nodes: &mut Nodes,
-    scratch: &mut Scratch,
+    (scratch, log): (&mut Scratch, &mut BoxLog),
     object: ObjectId,
     target: Aabb,
 ) -> Result<(), HierarchyError> {
     check(object.0 as usize, &target)?;
     let node = occupied(topology, nodes, object)?;
+    log.push(BoxChange { object, before: nodes.bounds[node as usize], after: target });
     nodes.place(node, target);
     let mut parent = topology.nodes[node as usize].parent;
     while parent != NO_NODE && !scratch.is_stale[parent as usize] {

@@ -1,6 +1,7 @@
 //! Changes of a hierarchy: objects move, go and come, and worn parts are rebuilt. The work grows
 //! with the changes, not with the scene.
 
+use super::super::box_log::BoxChange;
 use super::super::journal::{Change, FREE_LEAF, Journal, NEW_LEAF, Restructured};
 use super::super::refit::{Nodes, refit};
 use super::super::topology::Topology;
@@ -30,10 +31,10 @@ impl Hierarchy {
         &mut self,
         moved: impl IntoIterator<Item = (ObjectId, Aabb)>,
     ) -> Result<(), HierarchyError> {
-        let Self { topology, nodes, refit_scratch, worn, work, .. } = self;
+        let Self { topology, nodes, refit_scratch, boxes, worn, work, .. } = self;
         let moved = moved.into_iter().inspect(|_| work.placed_leaves += 1);
         let mut refitted = 0;
-        let outcome = refit(topology, nodes, refit_scratch, moved, |nodes, node| {
+        let outcome = refit(topology, nodes, (refit_scratch, boxes), moved, |nodes, node| {
             refitted += 1;
             worn.consider(topology, nodes, node, LEAVES_PER_UPDATE);
         });
@@ -47,7 +48,9 @@ impl Hierarchy {
     /// # Errors
     /// [`HierarchyError::UnknownObject`] if it is not there.
     pub fn remove(&mut self, object: ObjectId) -> Result<(), HierarchyError> {
+        let before = self.node_of(object).map_or(Aabb::EMPTY, |node| self.bounds(node));
         let node = occupancy::vacate(&self.topology, &mut self.nodes, object)?;
+        self.boxes.push(BoxChange { object, before, after: Aabb::EMPTY });
         self.refit_above(node);
         Ok(())
     }
@@ -67,6 +70,7 @@ impl Hierarchy {
         let leaf = self.topology.nodes[node as usize].first_leaf;
         let object = self.topology.leaf_objects[leaf as usize];
         self.arrivals[object.0 as usize] = generation;
+        self.boxes.push(BoxChange { object, before: Aabb::EMPTY, after: bounds });
         Ok(object)
     }
 
@@ -135,6 +139,7 @@ impl Hierarchy {
         };
         self.nodes = Nodes::new(&topology, boxes);
         self.topology = topology;
+        self.boxes.clear();
         self.worn = restructure::Worn::default();
         self.refit_scratch = super::super::refit::Scratch::default();
         self.work.rebuilt_leaves += boxes.len() as u64;
@@ -171,6 +176,20 @@ impl Hierarchy {
         self.contains(object)
             && generation <= self.generation
             && arrived.is_some_and(|arrived| *arrived <= generation)
+    }
+
+    /// Returns the number of changes of boxes so far, for [`Hierarchy::box_changes_since`].
+    #[must_use]
+    pub fn box_changes(&self) -> u64 {
+        self.boxes.count()
+    }
+
+    /// Returns the changes of objects' boxes after the first `count`, the oldest first: moves, also
+    /// to the same box, removals and insertions. `None` if they are not known any more: after a
+    /// [rebuild](Hierarchy::rebuild), or more changes than are held.
+    #[must_use]
+    pub fn box_changes_since(&self, count: u64) -> Option<impl Iterator<Item = &BoxChange>> {
+        self.boxes.since(count)
     }
 
     pub(crate) fn journal(&self) -> &Journal {

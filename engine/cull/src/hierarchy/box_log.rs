@@ -1,0 +1,86 @@
+//! The changes of objects' boxes, for those that keep something that depends on them, such as
+//! shadow maps. Each reader goes on where it stopped.
+
+use std::collections::VecDeque;
+
+use crate::geom::bounds::Aabb;
+use crate::ids::ObjectId;
+
+/// The most changes that are held: with more of them in a frame, readers do better to start afresh.
+const CHANGES_MAX: usize = 1 << 16;
+
+/// A change of an object's box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoxChange {
+    /// The object.
+    pub object: ObjectId,
+    /// Its box before; [empty](Aabb::EMPTY) if it was not there.
+    pub before: Aabb,
+    /// Its box afterwards; [empty](Aabb::EMPTY) if it is not there any more.
+    pub after: Aabb,
+}
+
+/// The latest changes. Bounded: a reader that reads too seldom has to start afresh.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BoxLog {
+    changes: VecDeque<BoxChange>,
+    /// The number of changes so far.
+    count: u64,
+}
+
+impl BoxLog {
+    pub(super) fn push(&mut self, change: BoxChange) {
+        if self.changes.len() == CHANGES_MAX {
+            self.changes.pop_front();
+        }
+        self.changes.push_back(change);
+        self.count += 1;
+    }
+
+    /// Forgets all changes: every reader has to start afresh.
+    pub(super) fn clear(&mut self) {
+        self.changes.clear();
+        self.count += 1;
+    }
+
+    pub(super) fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Returns the changes after the first `count`, the oldest first; `None` if not all of them are
+    /// held.
+    pub(super) fn since(&self, count: u64) -> Option<impl Iterator<Item = &BoxChange>> {
+        let wanted = usize::try_from(self.count.checked_sub(count)?).ok()?;
+        let first = self.changes.len().checked_sub(wanted)?;
+        Some(self.changes.range(first..))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn objects(log: &BoxLog, count: u64) -> Option<Vec<u32>> {
+        Some(log.since(count)?.map(|change| change.object.0).collect())
+    }
+
+    #[test]
+    fn readers_go_on_where_they_stopped_or_start_afresh() {
+        let mut log = BoxLog::default();
+        let change = |object| BoxChange {
+            object: ObjectId(object),
+            before: Aabb::EMPTY,
+            after: Aabb::EMPTY,
+        };
+        (0..5).for_each(|object| log.push(change(object)));
+        assert_eq!(objects(&log, 5), Some(vec![]));
+        assert_eq!(objects(&log, 3), Some(vec![3, 4]));
+        assert_eq!(objects(&log, 6), None, "that is the future");
+        log.clear();
+        assert_eq!(objects(&log, 5), None);
+        assert_eq!(objects(&log, 6), Some(vec![]));
+        (0..CHANGES_MAX as u32 + 1).for_each(|object| log.push(change(object)));
+        assert_eq!(objects(&log, 6), None);
+        assert_eq!(objects(&log, 7).map(|all| all.len()), Some(CHANGES_MAX));
+    }
+}
