@@ -65,6 +65,15 @@ fn cull_plans_one_draw_and_few_tests() {
 }
 
 #[test]
+fn shadow_maps_are_planned_once_and_then_the_moving_casters_alone() {
+    let printed = run("plan_maps", &[]);
+    let first = numbers(line(&printed, "frame 0:"));
+    assert_eq!(first[1], first[2], "{printed}");
+    let last = numbers(line(&printed, "frame 9:"));
+    assert!(last[1] < last[2] && last[3] < first[3] / 10, "{printed}");
+}
+
+#[test]
 fn scene_is_checked_and_changed() {
     let printed = run("check_scene", &[]);
     assert!(printed.starts_with("three sails: 3 triangles, 3 of 2097152 objects\n"), "{printed}");

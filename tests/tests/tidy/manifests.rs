@@ -5,7 +5,7 @@ use crate::{assert_catches, assert_obeyed, assert_permits};
 
 /// The crates that each crate may depend on, of all kinds of dependencies; only `gpu` may know
 /// Vulkan's.
-const ARROWS: [(&str, &[&str]); 15] = [
+const ARROWS: [(&str, &[&str]); 16] = [
     ("engine/animation/Cargo.toml", &["cull"]),
     (
         "engine/antumbra/Cargo.toml",
@@ -19,6 +19,7 @@ const ARROWS: [(&str, &[&str]); 15] = [
             "pacing",
             "render",
             "scene",
+            "shadows",
         ],
     ),
     ("engine/capi/Cargo.toml", &["cull", "gpu", "occlusion", "render", "scene"]),
@@ -28,8 +29,9 @@ const ARROWS: [(&str, &[&str]); 15] = [
     ("engine/methods/Cargo.toml", &["cull", "gpu", "occlusion"]),
     ("engine/occlusion/Cargo.toml", &["cull", "gpu", "shaders"]),
     ("engine/pacing/Cargo.toml", &[]),
-    ("engine/render/Cargo.toml", &["cull", "gpu", "occlusion", "scene"]),
+    ("engine/render/Cargo.toml", &["cull", "gpu", "occlusion", "scene", "shadows"]),
     ("engine/scene/Cargo.toml", &["cull"]),
+    ("engine/shadows/Cargo.toml", &["cull"]),
     ("samples/Cargo.toml", &["antumbra", "bench", "harness", "scenes", "tests"]),
     ("samples/bench/Cargo.toml", &["antumbra", "harness", "scenes"]),
     ("samples/scenes/Cargo.toml", &["cull", "scene"]),
@@ -38,7 +40,7 @@ const ARROWS: [(&str, &[&str]); 15] = [
 
 /// Finds dependencies between crates that [`ARROWS`] does not allow.
 pub fn arrows(files: &[SourceFile]) -> Vec<String> {
-    const OURS: [&str; 17] = [
+    const OURS: [&str; 18] = [
         "animation",
         "antumbra",
         "bench",
@@ -55,6 +57,7 @@ pub fn arrows(files: &[SourceFile]) -> Vec<String> {
         "scene",
         "scenes",
         "shaders",
+        "shadows",
         "tests",
     ];
     const VULKAN: [&str; 3] = ["ash", "ash-window", "gpu-allocator"];

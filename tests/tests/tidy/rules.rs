@@ -93,6 +93,7 @@ pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
             "engine/pacing/src/lib.rs",
             "engine/render/src/lib.rs",
             "engine/scene/src/lib.rs",
+            "engine/shadows/src/lib.rs",
             "samples/bench/src/lib.rs",
             "samples/scenes/src/lib.rs",
             "samples/src/lib.rs",

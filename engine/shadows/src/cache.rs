@@ -1,0 +1,351 @@
+//! The cache of shadow maps: which of them a frame must draw again, and with which casters.
+//!
+//! A map is the nearest depth of all casters that its face sees. It stays right until the face
+//! itself changes, or a caster that it sees, or saw: then it is drawn again. Where few casters
+//! change again and again, the others are kept in a layer of their own, of which the map is a copy
+//! with the moving casters on top. Nearest depths have no order, so that is the same map to the
+//! bit.
+//!
+//! Nobody says which casters move: the changes of the hierarchy do.
+
+use std::collections::HashMap;
+
+use cull::{Aabb, BoxChange, Hierarchy, LeafIndex, ObjectId};
+use glam::Vec3;
+
+use crate::face::{Face, FaceId, FaceSurroundings, face_count, faces_of, wanted_side};
+use crate::light::{ShadowLight, ShadowLightId};
+use crate::options::{MIN_SIDE, ShadowCaching, ShadowOptions};
+use crate::plan::{FaceWork, PlannedFace, PlannedLight, ShadowPlan};
+use crate::tiles::{Tile, TilePool};
+
+/// The frames after its last change in which a caster counts as moving.
+const RESTLESS_FRAMES: u64 = 32;
+
+/// The casters of a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Casters<'a> {
+    /// The hierarchy over them.
+    pub hierarchy: &'a Hierarchy,
+    /// The changes since the frame before; `None` if they are not known.
+    pub changes: Option<&'a [BoxChange]>,
+}
+
+/// The views of a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowViews<'a> {
+    /// The eye of each.
+    pub eyes: &'a [Vec3],
+    /// The bits of the device's sub-pixel grid (Vulkan's `subPixelPrecisionBits`).
+    pub sub_pixel_bits: u32,
+}
+
+/// The contents of a map.
+#[derive(Clone, Debug)]
+struct Map {
+    tile: Tile,
+    face: Face,
+    /// True while the texels are what they should be.
+    is_drawn: bool,
+    /// The casters that the resting layer leaves out, ascending, if there is such a layer.
+    moving: Option<Vec<ObjectId>>,
+    /// The newest frame with this face.
+    used: u64,
+}
+
+/// The maps of all lights, from frame to frame.
+#[derive(Debug)]
+pub struct ShadowCache {
+    options: ShadowOptions,
+    tiles: TilePool,
+    maps: HashMap<FaceId, Map>,
+    /// The side of each light's maps.
+    sides: HashMap<ShadowLightId, u32>,
+    /// The frame of the last change of each caster that is not at rest.
+    restless: HashMap<ObjectId, u64>,
+    frame: u64,
+    /// True from a plan until it was submitted.
+    is_pending: bool,
+    faces: Vec<Face>,
+}
+
+impl ShadowCache {
+    /// Creates a cache without maps, for options that were [checked](ShadowOptions::check).
+    #[must_use]
+    pub fn new(options: ShadowOptions) -> Self {
+        Self {
+            tiles: TilePool::new(options.layer_side(), options.layers_max),
+            options,
+            maps: HashMap::new(),
+            sides: HashMap::new(),
+            restless: HashMap::new(),
+            frame: 0,
+            is_pending: false,
+            faces: Vec::new(),
+        }
+    }
+
+    /// Returns the options.
+    #[must_use]
+    pub fn options(&self) -> &ShadowOptions {
+        &self.options
+    }
+
+    /// Forgets the contents of all maps: the next plan draws them again.
+    pub fn forget(&mut self) {
+        for map in self.maps.values_mut() {
+            (map.is_drawn, map.moving) = (false, None);
+        }
+    }
+
+    /// Notes that the newest plan was submitted. A plan that never is makes the next one draw all
+    /// maps again.
+    pub fn submitted(&mut self) {
+        self.is_pending = false;
+    }
+
+    /// Plans the maps of a frame. Lights that are not usable have none.
+    pub fn plan(
+        &mut self,
+        lights: &[ShadowLight],
+        casters: &Casters<'_>,
+        views: &ShadowViews<'_>,
+        plan: &mut ShadowPlan,
+    ) {
+        plan.clear();
+        self.frame += 1;
+        if std::mem::replace(&mut self.is_pending, true) || casters.changes.is_none() {
+            self.forget();
+        }
+        self.note_changes(casters.changes.unwrap_or_default());
+        let hierarchy = casters.hierarchy;
+        let scene = hierarchy.root().map_or(Aabb::EMPTY, |root| hierarchy.bounds(root));
+        if !scene.is_empty() {
+            let around =
+                FaceSurroundings { eyes: views.eyes, scene, sub_pixel_bits: views.sub_pixel_bits };
+            self.release_unused(lights);
+            for light in lights.iter().filter(|light| light.shape.is_usable()) {
+                self.plan_light(light, casters, &around, plan);
+            }
+        }
+        plan.layers = self.tiles.layers();
+    }
+
+    fn note_changes(&mut self, changes: &[BoxChange]) {
+        let frame = self.frame;
+        self.restless.extend(changes.iter().map(|change| (change.object, frame)));
+        if frame.is_multiple_of(RESTLESS_FRAMES) {
+            self.restless.retain(|_, changed| *changed + RESTLESS_FRAMES > frame);
+        }
+    }
+
+    fn is_restless(&self, object: ObjectId) -> bool {
+        let changed = self.restless.get(&object);
+        changed.is_some_and(|changed| *changed + RESTLESS_FRAMES > self.frame)
+    }
+
+    /// Gives the tiles of lights and views back that are gone.
+    fn release_unused(&mut self, lights: &[ShadowLight]) {
+        let Self { maps, tiles, sides, frame, .. } = self;
+        let mut there: Vec<ShadowLightId> = lights.iter().map(|light| light.id).collect();
+        there.sort_unstable();
+        maps.retain(|id, map| {
+            let is_used = map.used + 1 >= *frame && there.binary_search(&id.light).is_ok();
+            if !is_used {
+                tiles.give_back(map.tile);
+            }
+            is_used
+        });
+        sides.retain(|light, _| there.binary_search(light).is_ok());
+    }
+
+    fn plan_light(
+        &mut self,
+        light: &ShadowLight,
+        casters: &Casters<'_>,
+        around: &FaceSurroundings<'_>,
+        plan: &mut ShadowPlan,
+    ) {
+        let mut faces = std::mem::take(&mut self.faces);
+        let first = plan.faces.len();
+        let side = self.place(light, around, &mut faces);
+        if side.is_none() {
+            plan.unshadowed_lights += 1;
+        }
+        for face in faces.drain(..) {
+            self.plan_face(face, casters, plan);
+        }
+        self.faces = faces;
+        plan.lights.push(PlannedLight { light: light.id, faces: first..plan.faces.len() });
+    }
+
+    /// Finds tiles for all faces of a light: of the size that it should have, else smaller ones.
+    /// Returns their side, and lists the faces.
+    fn place(
+        &mut self,
+        light: &ShadowLight,
+        around: &FaceSurroundings<'_>,
+        faces: &mut Vec<Face>,
+    ) -> Option<u32> {
+        let options = self.options;
+        let wanted = wanted_side(&light.shape, &options);
+        let mut side = self.sides.get(&light.id).copied().unwrap_or(wanted).min(wanted);
+        while side >= MIN_SIDE {
+            faces.clear();
+            faces_of(light, (&options, side), around, |face| faces.push(face));
+            debug_assert_eq!(
+                faces.len() as u32,
+                face_count(&light.shape, &options, around.eyes.len())
+            );
+            if self.take_tiles(faces, side) {
+                self.sides.insert(light.id, side);
+                return Some(side);
+            }
+            side /= 2;
+        }
+        faces.clear();
+        None
+    }
+
+    /// Takes tiles for those faces of a light that have none of this size. Returns false, and
+    /// leaves the light without tiles, if there is not enough room.
+    fn take_tiles(&mut self, faces: &[Face], side: u32) -> bool {
+        let Self { maps, tiles, frame, .. } = self;
+        for face in faces {
+            if let Some(map) = maps.get(&face.id)
+                && map.tile.side != side
+            {
+                tiles.give_back(map.tile);
+                maps.remove(&face.id);
+            }
+        }
+        for face in faces {
+            if let Some(map) = maps.get_mut(&face.id) {
+                map.used = *frame;
+                continue;
+            }
+            let Some(tile) = tiles.take(side) else {
+                for face in faces {
+                    if let Some(map) = maps.remove(&face.id) {
+                        tiles.give_back(map.tile);
+                    }
+                }
+                return false;
+            };
+            let map = Map { tile, face: *face, is_drawn: false, moving: None, used: *frame };
+            maps.insert(face.id, map);
+        }
+        true
+    }
+
+    fn plan_face(&mut self, mut face: Face, casters: &Casters<'_>, plan: &mut ShadowPlan) {
+        let Some(mut map) = self.maps.remove(&face.id) else { return };
+        face.view.origin = map.tile.origin;
+        if map.face != face {
+            (map.face, map.is_drawn, map.moving) = (face, false, None);
+        }
+        let work = match self.options.caching {
+            ShadowCaching::Uncached => FaceWork::Draw(all(&face, casters, plan)),
+            ShadowCaching::Cached => self.work(&mut map, casters, plan),
+        };
+        map.is_drawn = true;
+        plan.faces.push(PlannedFace { face, tile: map.tile, work });
+        self.maps.insert(face.id, map);
+    }
+
+    /// Decides about one map, and notes what it then holds.
+    fn work(&self, map: &mut Map, casters: &Casters<'_>, plan: &mut ShadowPlan) -> FaceWork {
+        let face = map.face;
+        if !map.is_drawn {
+            map.moving = None;
+            return FaceWork::Draw(all(&face, casters, plan));
+        }
+        let mut changed: Vec<ObjectId> = casters
+            .changes
+            .unwrap_or_default()
+            .iter()
+            .filter(|change| face.sees(&change.before) || face.sees(&change.after))
+            .map(|change| change.object)
+            .collect();
+        if changed.is_empty() {
+            return FaceWork::Keep;
+        }
+        changed.sort_unstable();
+        changed.dedup();
+        let is_left_out =
+            |moving: &[ObjectId]| changed.iter().all(|object| moving.binary_search(object).is_ok());
+        let restless =
+            |moving: &[ObjectId]| moving.iter().filter(|object| self.is_restless(**object)).count();
+        // A layer without many casters that rest by now is not worth its copy any more.
+        let fits = |moving: &&Vec<ObjectId>| {
+            is_left_out(moving) && moving.len() <= 2 * restless(moving) + 8
+        };
+        if let Some(moving) = map.moving.as_ref().filter(fits) {
+            return FaceWork::Layered { resting: None, moving: some(&face, casters, moving, plan) };
+        }
+        self.draw_layers(map, changed, casters, plan)
+    }
+
+    /// Draws a map in two layers, or in one if most of its casters move.
+    fn draw_layers(
+        &self,
+        map: &mut Map,
+        changed: Vec<ObjectId>,
+        casters: &Casters<'_>,
+        plan: &mut ShadowPlan,
+    ) -> FaceWork {
+        let (face, hierarchy) = (map.face, casters.hierarchy);
+        let first = plan.casters.len();
+        face.casters(hierarchy, &mut plan.casters);
+        let object = |leaf: &LeafIndex| hierarchy.leaf_objects().get(leaf.0 as usize).copied();
+        let there = plan.casters.get(first..).unwrap_or_default().iter().filter_map(object);
+        let mut moving: Vec<ObjectId> =
+            there.filter(|object| self.is_restless(*object)).chain(changed).collect();
+        moving.sort_unstable();
+        moving.dedup();
+        let count = plan.casters.len() - first;
+        if 2 * moving.len() > count {
+            map.moving = None;
+            return FaceWork::Draw(first..plan.casters.len());
+        }
+        let is_moving = |leaf: &LeafIndex| {
+            object(leaf).is_some_and(|object| moving.binary_search(&object).is_ok())
+        };
+        let mut kept = first;
+        for place in first..plan.casters.len() {
+            if let Some(leaf) = plan.casters.get(place).copied().filter(|leaf| !is_moving(leaf)) {
+                plan.casters.swap(kept, place);
+                debug_assert_eq!(plan.casters.get(kept), Some(&leaf));
+                kept += 1;
+            }
+        }
+        plan.casters.truncate(kept);
+        let on_top = some(&face, casters, &moving, plan);
+        map.moving = Some(moving);
+        FaceWork::Layered { resting: Some(first..kept), moving: on_top }
+    }
+}
+
+/// Adds all casters of a face to a plan.
+fn all(face: &Face, casters: &Casters<'_>, plan: &mut ShadowPlan) -> std::ops::Range<usize> {
+    let first = plan.casters.len();
+    face.casters(casters.hierarchy, &mut plan.casters);
+    first..plan.casters.len()
+}
+
+/// Adds those of some objects that a face sees to a plan.
+fn some(
+    face: &Face,
+    casters: &Casters<'_>,
+    objects: &[ObjectId],
+    plan: &mut ShadowPlan,
+) -> std::ops::Range<usize> {
+    let (first, hierarchy) = (plan.casters.len(), casters.hierarchy);
+    let seen = objects.iter().filter_map(|object| {
+        let node = hierarchy.node_of(*object)?;
+        let is_seen = face.sees(&hierarchy.bounds(node));
+        is_seen.then(|| hierarchy.leaves(node).first)
+    });
+    plan.casters.extend(seen);
+    first..plan.casters.len()
+}

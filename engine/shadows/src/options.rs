@@ -1,0 +1,211 @@
+//! The options of shadows, and their checks.
+
+/// The way in which shadows are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ShadowMethod {
+    /// No shadows.
+    #[default]
+    Off,
+    /// Shadow maps: the depth as each light sees it.
+    Maps,
+}
+
+/// The filter of shadow maps. Each sample is a comparison with the four nearest texels, mixed by
+/// their distances.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ShadowFilter {
+    /// One sample: edges as wide as a texel.
+    Single,
+    /// Percentage-closer filtering of three by three samples, a texel apart.
+    Pcf3,
+    /// 64 samples of a disk as wide as the light's penumbra, at every pixel.
+    Fixed64,
+    /// The same disk, of which 8 samples of its edge decide whether the other 56 are taken
+    /// (Uralsky, "Efficient Soft-Edged Shadows Using Pixel Shader Branching", GPU Gems 2, chapter
+    /// 17).
+    #[default]
+    Adaptive,
+    /// A disk whose width follows from the distance to the blockers (Fernando, "Percentage-Closer
+    /// Soft Shadows", 2005): 8 samples find blockers, 12 filter.
+    Pcss12,
+    /// The same with 32 and 64 samples.
+    Pcss64,
+}
+
+impl ShadowFilter {
+    /// All filters, the cheapest first.
+    pub const ALL: [Self; 6] =
+        [Self::Single, Self::Pcf3, Self::Adaptive, Self::Pcss12, Self::Fixed64, Self::Pcss64];
+
+    /// Returns the name, as in reports and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Single => "single",
+            Self::Pcf3 => "pcf3",
+            Self::Fixed64 => "fixed64",
+            Self::Adaptive => "adaptive",
+            Self::Pcss12 => "pcss",
+            Self::Pcss64 => "pcss64",
+        }
+    }
+}
+
+/// The remedy against surfaces that shadow themselves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ShadowBias {
+    /// Every sample is compared with the depth of the receiver's plane there, and that by a texel's
+    /// slope nearer to the light.
+    #[default]
+    Plane,
+    /// The maps hold the surfaces that face away from the light. Needs closed meshes: those that
+    /// are open cast no shadow on the side of their fronts.
+    BackFaces,
+}
+
+/// The use of what earlier frames drew.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ShadowCaching {
+    /// A face is drawn again only if something in it changed.
+    #[default]
+    Cached,
+    /// Every face is drawn in every frame.
+    Uncached,
+}
+
+/// The most cascades of a directional light.
+pub const MAX_CASCADES: u32 = 8;
+
+/// The least side of a tile in texels.
+pub const MIN_SIDE: u32 = 16;
+
+/// The options of shadows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowOptions {
+    /// The way in which shadows are drawn.
+    pub method: ShadowMethod,
+    /// The filter of shadow maps.
+    pub filter: ShadowFilter,
+    /// The remedy against surfaces that shadow themselves.
+    pub bias: ShadowBias,
+    /// The use of what earlier frames drew.
+    pub caching: ShadowCaching,
+    /// Maps of a directional light, 1 to [`MAX_CASCADES`]: each reaches three times as far as the
+    /// one before.
+    pub cascades: u32,
+    /// The distance from the eye to which directional lights have shadows, in metres.
+    pub distance_m: f32,
+    /// The side of a directional light's maps in texels: a power of two from [`MIN_SIDE`] on, as
+    /// the two below.
+    pub sun_side: u32,
+    /// The side of a spot light's map in texels.
+    pub spot_side: u32,
+    /// The side of each of the six maps of a point light in texels.
+    pub point_side: u32,
+    /// The most layers of maps, each as large as the largest map. Lights that do not fit get
+    /// smaller maps, at last none.
+    pub layers_max: u32,
+}
+
+impl Default for ShadowOptions {
+    /// Returns no shadows; with a method, four cascades of 2048 texels to 200 m, and 128 MiB of
+    /// maps at most.
+    fn default() -> Self {
+        Self {
+            method: ShadowMethod::Off,
+            filter: ShadowFilter::default(),
+            bias: ShadowBias::default(),
+            caching: ShadowCaching::default(),
+            cascades: 4,
+            distance_m: 200.0,
+            sun_side: 2048,
+            spot_side: 512,
+            point_side: 256,
+            layers_max: 8,
+        }
+    }
+}
+
+/// An option that no device can fulfil.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ShadowOptionsError {
+    /// A number of cascades out of range.
+    #[error("a sun with {cascades} cascades is impossible: it has 1 to {MAX_CASCADES}")]
+    Cascades {
+        /// The number asked for.
+        cascades: u32,
+    },
+    /// A distance that gives cascades no size.
+    #[error(
+        "cascades that reach {distance_m} m have no size: give a distance above 0 and below 1e6 m"
+    )]
+    Distance {
+        /// The distance asked for.
+        distance_m: f32,
+    },
+    /// A side of a map that is no power of two, or too small.
+    #[error("a shadow map of {side} texels is impossible: give a power of two from {MIN_SIDE} on")]
+    Side {
+        /// The side asked for.
+        side: u32,
+    },
+    /// No layer at all.
+    #[error("shadow maps need at least one layer: raise `layers_max`")]
+    NoLayer,
+}
+
+impl ShadowOptions {
+    /// Returns the side of a layer: that of the largest map.
+    #[must_use]
+    pub fn layer_side(&self) -> u32 {
+        self.sun_side.max(self.spot_side).max(self.point_side)
+    }
+
+    /// Refuses options that no device can fulfil.
+    ///
+    /// # Errors
+    /// The first such option.
+    pub fn check(&self) -> Result<(), ShadowOptionsError> {
+        if !(1..=MAX_CASCADES).contains(&self.cascades) {
+            return Err(ShadowOptionsError::Cascades { cascades: self.cascades });
+        }
+        if !(self.distance_m > 0.0 && self.distance_m < 1.0e6) {
+            return Err(ShadowOptionsError::Distance { distance_m: self.distance_m });
+        }
+        let is_possible = |side: &u32| side.is_power_of_two() && *side >= MIN_SIDE;
+        let mut sides = [self.sun_side, self.spot_side, self.point_side].into_iter();
+        if let Some(side) = sides.find(|side| !is_possible(side)) {
+            return Err(ShadowOptionsError::Side { side });
+        }
+        if self.layers_max == 0 { Err(ShadowOptionsError::NoLayer) } else { Ok(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn impossible_options_are_named() {
+        let options = ShadowOptions::default();
+        assert_eq!(options.check(), Ok(()));
+        for cascades in [0, MAX_CASCADES + 1] {
+            let refused = ShadowOptions { cascades, ..options }.check();
+            assert_eq!(refused, Err(ShadowOptionsError::Cascades { cascades }));
+        }
+        for distance_m in [0.0, -1.0, f32::INFINITY, f32::NAN] {
+            assert!(ShadowOptions { distance_m, ..options }.check().is_err(), "{distance_m}");
+        }
+        for side in [0, 8, 1000, u32::MAX] {
+            for options in [
+                ShadowOptions { sun_side: side, ..options },
+                ShadowOptions { spot_side: side, ..options },
+                ShadowOptions { point_side: side, ..options },
+            ] {
+                assert_eq!(options.check(), Err(ShadowOptionsError::Side { side }));
+            }
+        }
+        let none = ShadowOptions { layers_max: 0, ..options };
+        assert_eq!(none.check(), Err(ShadowOptionsError::NoLayer));
+    }
+}
