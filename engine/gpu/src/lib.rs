@@ -81,12 +81,15 @@ pub use crate::core::timeline::Timeline;
 pub use crate::core::validation::{Message, ValidationLog};
 pub use crate::core::window_system::WindowSystem;
 pub use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
+pub use crate::memory::depth_layers::{DepthLayers, DepthTile};
 pub use crate::memory::dynamic_texture::DynamicTexture;
 pub use crate::memory::readback::{Pixels, Readback};
 pub use crate::memory::resample::resampled;
+pub use crate::memory::sampled_texture::SampledTexture;
 pub use crate::memory::texture_array::{MipMaking, TextureArray, TextureArrayInfo};
 pub use crate::memory::texture_uploads::TextureUploads;
 pub use crate::memory::upload::Uploads;
+pub use crate::memory::volume_texture::VolumeTexture;
 #[cfg(all(feature = "loaded", feature = "window"))]
 pub use crate::present::display_link::DisplayLink;
 #[cfg(feature = "window")]

@@ -12,6 +12,7 @@ use crate::core::tick::Tick;
 pub(crate) enum Retired {
     Buffer(vk::Buffer, Allocation),
     Image(vk::Image, vk::ImageView, Allocation),
+    ImageView(vk::ImageView),
     Pipeline(vk::Pipeline),
     PipelineLayout(vk::PipelineLayout),
     SetLayout(vk::DescriptorSetLayout),

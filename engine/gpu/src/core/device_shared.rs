@@ -75,6 +75,7 @@ impl DeviceShared {
                     self.raw.destroy_image(image, callbacks);
                     free(allocation);
                 }
+                Retired::ImageView(view) => self.raw.destroy_image_view(view, callbacks),
                 Retired::Pipeline(pipeline) => self.raw.destroy_pipeline(pipeline, callbacks),
                 Retired::PipelineLayout(layout) => {
                     self.raw.destroy_pipeline_layout(layout, callbacks)

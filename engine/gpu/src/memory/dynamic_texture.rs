@@ -2,12 +2,13 @@
 
 use ash::vk;
 
-use crate::core::deletion::{RecordingId, Retired};
+use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::of_device;
 use crate::memory::buffer::BufferSlice;
 use crate::memory::image::Image;
+use crate::memory::sampled_texture::{Contents, SampledTexture};
 use crate::record::access::{Access, LayoutChange};
 use crate::record::commands::{Commands, Failure};
 
@@ -21,18 +22,7 @@ pub struct DynamicTexture {
     sampler: vk::Sampler,
     size: [u32; 2],
     // The contents are undefined until the first write has been submitted.
-    state: State,
-}
-
-/// The contents that the newest recording left in a texture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum State {
-    /// Undefined contents, as after creation.
-    Fresh,
-    /// Cleared by the recording, which may never be submitted.
-    Cleared(RecordingId),
-    /// Defined contents: the recording was submitted.
-    Known,
+    contents: Contents,
 }
 
 of_device!(DynamicTexture: "a texture (`DynamicTexture`)");
@@ -64,7 +54,7 @@ impl DynamicTexture {
         let sampler = unsafe { device.raw().create_sampler(&info, device.callbacks()) }
             .called("vkCreateSampler")?;
         device.name(sampler, name);
-        Ok(Self { device: device.clone(), image, sampler, size, state: State::Fresh })
+        Ok(Self { device: device.clone(), image, sampler, size, contents: Contents::Undefined })
     }
 
     /// Returns its size in pixels.
@@ -121,32 +111,18 @@ impl DynamicTexture {
 
     /// Notes that the last recording has been submitted: only then do later recordings build on it.
     pub fn submitted(&mut self) {
-        if self.state != State::Fresh {
-            self.state = State::Known;
-        }
+        self.contents = self.contents.submitted();
     }
 
-    /// Returns true if `commands` may sample it.
-    pub(crate) fn is_known_to(&self, commands: &Commands) -> bool {
-        match self.state {
-            State::Fresh => false,
-            State::Cleared(recording) => recording == commands.recording(),
-            State::Known => true,
-        }
-    }
-
-    pub(crate) fn descriptor(&self) -> vk::DescriptorImageInfo {
-        vk::DescriptorImageInfo {
-            sampler: self.sampler,
-            image_view: self.image.view,
-            image_layout: Access::FragmentSample.layout(),
-        }
+    /// Returns the texture for shaders.
+    pub fn sampled(&self) -> SampledTexture<'_> {
+        SampledTexture::new(self.device.id(), self.image.view, self.sampler, self.contents)
     }
 
     /// Prepares it to be sampled, outside of rendering: transparent black, if nothing was ever
     /// written to it.
     pub fn prepare(&mut self, commands: &Commands) {
-        if commands.admit(self).is_err() || self.is_known_to(commands) {
+        if commands.admit(self).is_err() || self.contents.is_known_to(commands) {
             return;
         }
         let colour = vk::ImageAspectFlags::COLOR;
@@ -170,7 +146,7 @@ impl DynamicTexture {
             );
         }
         self.change(commands, Access::CopyWrite, Access::FragmentSample);
-        self.state = State::Cleared(commands.recording());
+        self.contents = Contents::OfRecording(commands.recording());
     }
 
     fn change(&self, commands: &Commands, from: Access, to: Access) {

@@ -70,6 +70,37 @@ impl Image {
         Self::with_view(device, name, &info, view)
     }
 
+    /// Creates a 2D array of depths, within the device's limits.
+    pub(crate) fn depth_array(
+        device: &Device,
+        name: &str,
+        (size, layers): ([u32; 2], u32),
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+    ) -> Result<Self, Error> {
+        let info = plain_image(format, size, [1, layers]).usage(usage);
+        let view = plain_view(format, vk::ImageAspectFlags::DEPTH, [1, layers])
+            .view_type(vk::ImageViewType::TYPE_2D_ARRAY);
+        Self::with_view(device, name, &info, view)
+    }
+
+    /// Creates an image of three dimensions, within the device's limits.
+    pub(crate) fn volume(
+        device: &Device,
+        name: &str,
+        [width, height, depth]: [u32; 3],
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+    ) -> Result<Self, Error> {
+        let info = plain_image(format, [width, height], [1, 1])
+            .image_type(vk::ImageType::TYPE_3D)
+            .extent(vk::Extent3D { width, height, depth })
+            .usage(usage);
+        let view = plain_view(format, vk::ImageAspectFlags::COLOR, [1, 1])
+            .view_type(vk::ImageViewType::TYPE_3D);
+        Self::with_view(device, name, &info, view)
+    }
+
     fn with_view(
         device: &Device,
         name: &str,

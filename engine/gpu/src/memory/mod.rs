@@ -1,10 +1,13 @@
 //! Buffers, images and textures, with uploads to the GPU and read-backs from it.
 
 pub(crate) mod buffer;
+pub(crate) mod depth_layers;
 pub(crate) mod dynamic_texture;
 pub(crate) mod image;
 pub(crate) mod readback;
 pub(crate) mod resample;
+pub(crate) mod sampled_texture;
 pub(crate) mod texture_array;
 pub(crate) mod texture_uploads;
 pub(crate) mod upload;
+pub(crate) mod volume_texture;

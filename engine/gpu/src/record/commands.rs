@@ -287,6 +287,22 @@ impl Commands {
         unsafe { self.device.raw().cmd_set_scissor(self.raw, 0, &[area]) };
     }
 
+    /// Sets the depth of `size` pixels from `origin` on, within the target, inside of a rendering.
+    /// Obeys predicates, as draws do.
+    pub fn clear_depth(&self, origin: [u32; 2], size: [u32; 2], depth: f32) {
+        let attachment = vk::ClearAttachment {
+            aspect_mask: vk::ImageAspectFlags::DEPTH,
+            color_attachment: 0,
+            clear_value: vk::ClearValue {
+                depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 },
+            },
+        };
+        let rect = Viewport::covering(origin, size).scissor();
+        let rect = vk::ClearRect { rect, base_array_layer: 0, layer_count: 1 };
+        // SAFETY: inside of rendering; the caller's area lies within the target.
+        unsafe { self.device.raw().cmd_clear_attachments(self.raw, &[attachment], &[rect]) };
+    }
+
     /// Sets every 32-bit value of `slice` to `value`: an [`crate::Access::CopyWrite`].
     pub fn fill(&self, slice: BufferSlice, value: u32) {
         let size = slice.size_bytes & !3;

@@ -87,7 +87,7 @@ impl FlatPass {
     /// Draws `draws` in their order, each cut to its part, in an image of `size` pixels.
     pub fn record(&self, commands: &Commands, io: &FlatIo<'_>, draws: &[FlatDraw], size: [u32; 2]) {
         let constants = Constants { clip_per_pixel: size.map(|side| 2.0 / side as f32) };
-        commands.bind_textured(&self.pipeline, &[], &[io.atlas]);
+        commands.bind_sampled(&self.pipeline, &[], &[io.atlas.sampled()], &[]);
         commands.push_constants(&self.pipeline, &constants);
         commands.bind_geometry(io.vertices, Some(io.indices));
         for draw in draws {

@@ -129,7 +129,7 @@ impl SurfacePass {
         let buffers = [io.instances, materials, transforms, lights, lists];
         let pages = io.surfaces.pages();
         let pages = pages.as_ref().map_or(&[][..], |pages| &pages[..]);
-        commands.bind_arrays(&self.pipeline, &buffers, pages);
+        commands.bind_sampled(&self.pipeline, &buffers, &[], pages);
         commands.bind_geometry_beside([io.vertices, io.surfaces.vertices()], io.indices);
         commands.push_constants(
             &self.pipeline,

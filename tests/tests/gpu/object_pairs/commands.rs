@@ -9,6 +9,7 @@ const BUFFER: &str = "a buffer (`BufferSlice`)";
 const PIPELINE: &str = "a pipeline";
 const TARGET: &str = "a target (`Target`)";
 const TEXTURE: &str = "a texture (`DynamicTexture`)";
+const SAMPLED: &str = "a texture (`SampledTexture`)";
 const QUERIES: &str = "a query ring (`QueryRing`)";
 const PAGES: &str = "blocking queries (`BlockingQueryPool`)";
 
@@ -35,14 +36,14 @@ fn binds() -> Vec<Row> {
             let slices = [theirs.slice()];
             recorded(&ours.device(), |commands| commands.bind(&ours.graphics, &slices))
         }),
-        row("Commands::bind_textured", TEXTURE, |ours, theirs| {
+        row("Commands::bind_sampled", SAMPLED, |ours, theirs| {
             recorded(&ours.device(), |commands| {
-                commands.bind_textured(&ours.graphics, &[], &[&theirs.texture]);
+                commands.bind_sampled(&ours.graphics, &[], &[theirs.texture.sampled()], &[]);
             })
         }),
-        row("Commands::bind_arrays", "a texture array (`TextureArray`)", |ours, theirs| {
+        row("Commands::bind_sampled", "a texture array (`TextureArray`)", |ours, theirs| {
             recorded(&ours.device(), |commands| {
-                commands.bind_arrays(&ours.graphics, &[], &[&theirs.array]);
+                commands.bind_sampled(&ours.graphics, &[], &[], &[&theirs.array]);
             })
         }),
         row("Commands::write_texture", "a texture array (`TextureArray`)", |ours, theirs| {

@@ -4,7 +4,7 @@ use ash::vk;
 use bytemuck::Pod;
 
 use crate::memory::buffer::BufferSlice;
-use crate::memory::dynamic_texture::DynamicTexture;
+use crate::memory::sampled_texture::SampledTexture;
 use crate::memory::texture_array::TextureArray;
 use crate::record::commands::{Commands, Failure};
 use crate::record::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
@@ -12,27 +12,19 @@ use crate::record::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
 impl Commands {
     /// Binds a graphics pipeline and the storage buffers it reads, in the order of its layout.
     pub fn bind(&self, pipeline: &GraphicsPipeline, storage: &[BufferSlice]) {
-        self.bind_textured(pipeline, storage, &[]);
+        self.bind_sampled(pipeline, storage, &[], &[]);
     }
 
-    /// Binds a graphics pipeline, the storage buffers it reads, and the textures it samples.
-    pub fn bind_textured(
+    /// Binds a graphics pipeline, the storage buffers it reads, the textures it samples, and the
+    /// texture arrays.
+    pub fn bind_sampled(
         &self,
         pipeline: &GraphicsPipeline,
         storage: &[BufferSlice],
-        textures: &[&DynamicTexture],
-    ) {
-        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, textures, &[]);
-    }
-
-    /// Binds a graphics pipeline, the storage buffers it reads, and the texture arrays it samples.
-    pub fn bind_arrays(
-        &self,
-        pipeline: &GraphicsPipeline,
-        storage: &[BufferSlice],
+        textures: &[SampledTexture<'_>],
         arrays: &[&TextureArray],
     ) {
-        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, &[], arrays);
+        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, textures, arrays);
     }
 
     /// Binds a compute pipeline and its storage buffers.
@@ -45,7 +37,7 @@ impl Commands {
         pipeline: &PipelineKind,
         point: vk::PipelineBindPoint,
         storage: &[BufferSlice],
-        textures: &[&DynamicTexture],
+        textures: &[SampledTexture<'_>],
         arrays: &[&TextureArray],
     ) {
         if !self.admit_bindings(pipeline, storage, textures, arrays) {
@@ -84,12 +76,12 @@ impl Commands {
         &self,
         pipeline: &PipelineKind,
         storage: &[BufferSlice],
-        textures: &[&DynamicTexture],
+        textures: &[SampledTexture<'_>],
         arrays: &[&TextureArray],
     ) -> bool {
         let are_ours = self.admit(pipeline).is_ok()
             && self.admit_all(storage)
-            && self.admit_all(textures.iter().copied())
+            && self.admit_all(textures)
             && self.admit_all(arrays.iter().copied());
         if !are_ours {
             return false;
@@ -98,7 +90,7 @@ impl Commands {
             self.fail(Failure::Wrong("a pipeline is bound with too many or too few buffers"));
             return false;
         }
-        let are_known = textures.iter().all(|texture| texture.is_known_to(self));
+        let are_known = textures.iter().all(|texture| texture.contents.is_known_to(self));
         if textures.len() != pipeline.textures as usize || !are_known {
             self.fail(Failure::Wrong("a pipeline is bound with textures that are not there"));
             return false;
@@ -116,7 +108,7 @@ impl Commands {
         &self,
         set: vk::DescriptorSet,
         storage: &[BufferSlice],
-        textures: &[&DynamicTexture],
+        textures: &[SampledTexture<'_>],
         arrays: &[&TextureArray],
     ) {
         let raw = self.device().raw();
@@ -135,7 +127,7 @@ impl Commands {
             unsafe { raw.update_descriptor_sets(&[write], &[]) };
         }
         for (binding, texture) in (storage.len() as u32..).zip(textures) {
-            let images = [texture.descriptor()];
+            let images = [texture.descriptor];
             let write = vk::WriteDescriptorSet::default()
                 .dst_set(set)
                 .dst_binding(binding)

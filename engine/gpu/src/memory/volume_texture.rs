@@ -1,0 +1,110 @@
+//! Textures of three dimensions that repeat in all directions: tables for shaders.
+
+use ash::vk;
+
+use crate::core::deletion::Retired;
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+use crate::core::ownership::of_device;
+use crate::memory::buffer::{Buffer, MemoryKind};
+use crate::memory::image::Image;
+use crate::memory::sampled_texture::{Contents, SampledTexture};
+use crate::record::access::{Access, LayoutChange};
+use crate::record::commands::Commands;
+
+/// Four signed 8-bit numbers per texel, from -1 to 1, read texel by texel.
+const FORMAT: vk::Format = vk::Format::R8G8B8A8_SNORM;
+
+/// A texture of three dimensions whose contents never change.
+pub struct VolumeTexture {
+    device: Device,
+    image: Image,
+    sampler: vk::Sampler,
+}
+
+of_device!(VolumeTexture: "a texture of three dimensions (`VolumeTexture`)");
+
+impl VolumeTexture {
+    /// Creates a texture of width, height and depth texels, which follow each other from left to
+    /// right, then downwards, then backwards. Waits for the copy: not for frames.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] for a size of 0 or beyond the device's limits, or with another number of
+    /// texels; no memory, a failed call.
+    pub fn new(
+        device: &Device,
+        size: [u32; 3],
+        texels: &[[i8; 4]],
+        name: &str,
+    ) -> Result<Self, Error> {
+        let limit = device.adapter().limits.max_image_dimension3_d;
+        let count = size.iter().map(|side| u64::from(*side)).product::<u64>();
+        let side = size.into_iter().find(|side| *side == 0 || *side > limit);
+        let wrong = side.map(|side| (u64::from(side), u64::from(limit)));
+        let wrong =
+            wrong.or((count != texels.len() as u64).then_some((texels.len() as u64, count)));
+        if let Some((wanted, limit)) = wrong {
+            let what = format!("a side, or the texels, of the texture {name}");
+            return Err(Error::TooLarge { what, wanted, limit });
+        }
+        let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+        let image = Image::volume(device, name, size, FORMAT, usage)?;
+        let mut made = Self { device: device.clone(), image, sampler: vk::Sampler::null() };
+        let repeat = vk::SamplerAddressMode::REPEAT;
+        let info = vk::SamplerCreateInfo::default()
+            .address_mode_u(repeat)
+            .address_mode_v(repeat)
+            .address_mode_w(repeat);
+        // SAFETY: a plain sampler.
+        made.sampler = unsafe { device.raw().create_sampler(&info, device.callbacks()) }
+            .called("vkCreateSampler")?;
+        device.name(made.sampler, name);
+        let bytes: &[u8] = bytemuck::cast_slice(texels);
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC;
+        let mut staging =
+            Buffer::new(device, "staging", bytes.len() as u64, usage, MemoryKind::Upload)?;
+        if let Some(place) = staging.bytes_mut().get_mut(..bytes.len()) {
+            place.copy_from_slice(bytes);
+        }
+        device.run_once("upload", |commands| made.copy(commands, &staging, size))?;
+        Ok(made)
+    }
+
+    fn copy(&self, commands: &Commands, staging: &Buffer, [width, height, depth]: [u32; 3]) {
+        let colour = vk::ImageAspectFlags::COLOR;
+        let change = |from, to| {
+            commands.change_layouts([LayoutChange::new(self.image.raw, colour, from, to)])
+        };
+        change(Access::Nothing, Access::CopyWrite);
+        let region = vk::BufferImageCopy::default()
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: colour,
+                layer_count: 1,
+                ..Default::default()
+            })
+            .image_extent(vk::Extent3D { width, height, depth });
+        // SAFETY: the buffer holds all texels of the image, which is in the layout named.
+        unsafe {
+            self.device.raw().cmd_copy_buffer_to_image(
+                commands.raw(),
+                staging.whole().raw(),
+                self.image.raw,
+                Access::CopyWrite.layout(),
+                &[region],
+            );
+        }
+        change(Access::CopyWrite, Access::FragmentSample);
+    }
+
+    /// Returns the texture for shaders.
+    pub fn sampled(&self) -> SampledTexture<'_> {
+        let contents = Contents::Defined;
+        SampledTexture::new(self.device.id(), self.image.view, self.sampler, contents)
+    }
+}
+
+impl Drop for VolumeTexture {
+    fn drop(&mut self) {
+        self.device.retire(Retired::Sampler(self.sampler));
+    }
+}
