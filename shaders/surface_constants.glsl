@@ -1,4 +1,4 @@
-// The constants of all draws of one surface pass: the view and the ambient light in 116 bytes of
+// The constants of all draws of one surface pass: the view and the ambient light in 120 bytes of
 // push constants, and the features that the scene uses, for which pipelines are compiled.
 
 layout(push_constant) uniform Constants {
@@ -7,6 +7,7 @@ layout(push_constant) uniform Constants {
     vec4 ambient_above; // w: steps of the sub-pixel grid from the middle of the image to its side
     vec4 ambient_below; // w: the same to its top
     float exposure;
+    uint shadow_view; // the number of this view among those that a directional light has maps for
 };
 
 layout(constant_id = 0) const bool MASKED = false;
@@ -23,3 +24,5 @@ layout(constant_id = 9) const uint METALLIC_ROUGHNESS_PAGES = 0;
 layout(constant_id = 10) const uint NORMAL_PAGES = 0;
 layout(constant_id = 11) const uint OCCLUSION_PAGES = 0;
 layout(constant_id = 12) const uint EMISSION_PAGES = 0;
+// One of the filters of `shadows.glsl`.
+layout(constant_id = 14) const uint SHADOW_FILTER = 0;

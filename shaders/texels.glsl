@@ -7,7 +7,12 @@ struct TextureTransform {
 };
 
 layout(std430, binding = 2) readonly buffer TextureTransforms { TextureTransform transforms[]; };
+#ifdef SHADOWED
+// Behind the buffers and textures of shadows.
+layout(binding = 10) uniform sampler2DArray pages[12];
+#else
 layout(binding = 5) uniform sampler2DArray pages[12];
+#endif
 
 const uint NO_PAGE = 15;
 

@@ -40,7 +40,7 @@ pub const PREDICATE_INSTANCES: Shader = shader!("predicate_instances.comp");
 pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 30] = [
+pub const PASSES: [Shader; 31] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -69,6 +69,7 @@ pub const PASSES: [Shader; 30] = [
     shader!("skinning.comp"),
     shader!("surface.vert"),
     shader!("surface.frag"),
+    shader!("surface_shadowed.frag"),
     shader!("surface_depth.vert"),
     shader!("surface_depth.frag"),
 ];

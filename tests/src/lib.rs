@@ -30,6 +30,7 @@ pub mod ways;
 pub mod weston;
 pub mod x11_window;
 pub mod xvfb;
+pub mod yard;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;

@@ -72,7 +72,7 @@ pub fn image(
     let over = upload("transparent draws", bytemuck::cast_slice(over), usage);
 
     let plain = OpaquePass::depth_only(device, &shaders).expect("a pass");
-    let pass = |kind| SurfacePass::new(device, &shaders, kind, &surfaces).expect("a pass");
+    let pass = |kind| SurfacePass::new(device, &shaders, kind, &surfaces, None).expect("a pass");
     let [masked, colour, transparent_pass] =
         [SurfaceKind::Depth, SurfaceKind::Colour, SurfaceKind::Transparent].map(pass);
     let sky = SkyPass::new(device, &shaders).expect("a pass");
@@ -82,6 +82,7 @@ pub fn image(
         indices: indices.whole(),
         instances: instances.whole(),
         surfaces: &surfaces,
+        shadows: None,
     };
     let mut target = Target::new(device, size, "studio").expect("a target");
     let readback = Readback::new(device, size).expect("an image");

@@ -32,6 +32,7 @@
 //! | [`render`] | the renderer: frames, views, updates, their explanations |
 //! | [`occlusion`] | the executor of the culler's plans, for programs that draw objects |
 //! | `methods` | the methods of the literature, with the feature `methods` |
+//! | [`shadows`] | the options of shadows, and their decisions as pure values |
 //! | [`gpu`] | devices, windows, images |
 //! | [`cull`] | cameras, strategies, the hierarchy; decisions as pure values |
 //! | `import`, `animation` | glTF files and their clips, with the feature `import` |
@@ -52,6 +53,7 @@ pub use occlusion;
 pub use pacing;
 pub use render;
 pub use scene;
+pub use shadows;
 
 pub use cull::{Camera, ObjectId, Projection, Strategy};
 #[cfg(feature = "window")]

@@ -80,6 +80,14 @@ pub enum Error {
     /// A table of costs with an impossible price.
     #[error(transparent)]
     Cost(#[from] cull::BadCost),
+    /// Options of shadows that no device can fulfil.
+    #[error(transparent)]
+    Shadows(#[from] ::shadows::ShadowOptionsError),
+    /// Shadows of a scene whose lights are not those of surfaces.
+    #[error(
+        "the scene has no surfaces, and only their lights cast shadows: give it some with `Scene::with_surfaces`, or leave shadows off"
+    )]
+    NoSurfacesForShadows,
     /// A frame without a view.
     #[error("a frame needs a view, or there is nothing to draw: name at least one `ViewTarget`")]
     NoView,

@@ -11,13 +11,14 @@ use scene::{Light, Scene, TransparentId};
 
 use crate::passes::pipelines::{DepthFirst, PassNeeds, Pipelines};
 use crate::passes::{OpaqueIo, SurfaceIo};
+use crate::renderer::RendererOptions;
 use crate::resources::geometry::{Geometry, bounds_in_world};
 use crate::resources::skinned_mesh_state::SkinnedMeshState;
 use crate::resources::skinned_meshes::{PoseUploads, Skinned, SkinnedMeshes};
-use crate::resources::spare_room::SpareRoom;
 use crate::shading::depth_first::{DARK, DepthPass, Shading};
 use crate::shading::surfaces::SurfaceResources;
 use crate::shading::transparent::{Transparent, TransparentObject};
+use crate::shadows::{ShadowMaps, Shadows};
 
 /// The passes and data that the objects of a scene are drawn with.
 pub(crate) struct FramePasses {
@@ -30,17 +31,20 @@ pub(crate) struct FramePasses {
     pub(crate) skinned_meshes: Option<SkinnedMeshes>,
     /// The transparent objects, if there are any.
     pub(crate) transparent: Option<Transparent>,
+    pub(crate) shadows: Shadows,
 }
 
 fn needs<'a>(
     geometry: &'a Geometry,
     transparent: Option<&Transparent>,
     skinned_meshes: Option<&SkinnedMeshes>,
+    shadows: &'a Shadows,
 ) -> PassNeeds<'a> {
     PassNeeds {
         surfaces: geometry.surfaces.as_ref(),
         has_transparent: transparent.is_some(),
         has_skinned_meshes: skinned_meshes.is_some(),
+        shadows: shadows.maps.as_ref().map(|_| &shadows.options),
     }
 }
 
@@ -117,25 +121,43 @@ impl FramePasses {
         shaders: &ShaderSet,
         (scene, hierarchy): (&Scene, &Hierarchy),
         target: Target,
-        (frames_in_flight, room): (usize, (&SpareRoom, usize)),
+        (frames_in_flight, options): (usize, &RendererOptions),
     ) -> Result<Self, crate::Error> {
+        let shadows = Shadows::new(device, options.shadows)?;
+        if shadows.maps.is_some() && scene.surfaces.is_none() {
+            return Err(crate::Error::NoSurfacesForShadows);
+        }
+        let room = (&options.spare, options.upload_bytes_per_frame);
         let geometry = Geometry::upload(device, scene, hierarchy, room)?;
         let transparent = Transparent::new(device, scene)?;
         let first_vertex = |mesh| geometry.first_vertex(mesh);
         let skinned_meshes = SkinnedMeshes::new(device, scene, frames_in_flight, first_vertex)?;
-        let needs = needs(&geometry, transparent.as_ref(), skinned_meshes.as_ref());
+        let needs = needs(&geometry, transparent.as_ref(), skinned_meshes.as_ref(), &shadows);
         let pipelines = Pipelines::compile(device, shaders, needs, None)?;
         let (device, light) = (device.clone(), scene.light);
-        Ok(Self { device, target, geometry, pipelines, light, skinned_meshes, transparent })
+        Ok(Self {
+            device,
+            target,
+            geometry,
+            pipelines,
+            light,
+            skinned_meshes,
+            transparent,
+            shadows,
+        })
     }
 
-    /// Compiles the same passes with other shaders.
+    /// Compiles the same passes with other shaders, or for other shadows.
     ///
     /// # Errors
     /// A shader that does not fit its pass, a failed call.
-    pub(crate) fn recompiled(&self, shaders: &ShaderSet) -> Result<Pipelines, Error> {
+    pub(crate) fn recompiled(
+        &self,
+        shaders: &ShaderSet,
+        shadows: &Shadows,
+    ) -> Result<Pipelines, Error> {
         let Self { geometry, transparent, skinned_meshes, .. } = self;
-        let needs = needs(geometry, transparent.as_ref(), skinned_meshes.as_ref());
+        let needs = needs(geometry, transparent.as_ref(), skinned_meshes.as_ref(), shadows);
         Pipelines::compile(&self.device, shaders, needs, Some(&self.pipelines))
     }
 
@@ -186,6 +208,7 @@ impl FramePasses {
             indices: self.geometry.indices.whole(),
             instances: self.geometry.instances.whole(),
             surfaces: self.geometry.surfaces.as_ref()?,
+            shadows: self.shadows.maps.as_ref().and_then(ShadowMaps::io),
         })
     }
 
@@ -331,11 +354,58 @@ impl FramePasses {
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
         executor: &mut PlanExecutor,
-        uploads: PoseUploads<'_>,
+        (uploads, views): (PoseUploads<'_>, &[View]),
     ) -> Result<(), crate::Error> {
         self.geometry.relight(hierarchy, &mut executor.leaves);
+        self.plan_shadows(hierarchy, views)?;
         self.geometry.upload_changes(frame, hierarchy, executor)?;
-        let Self { device, geometry, pipelines, skinned_meshes, transparent, .. } = self;
+        self.upload_poses(frame, hierarchy, uploads)?;
+        self.record_shadows(frame, hierarchy, executor)
+    }
+
+    /// Draws all shadow maps again in the next frame: casters changed and their boxes did not.
+    pub(crate) fn forget_shadow_maps(&mut self) {
+        if let Some(maps) = &mut self.shadows.maps {
+            maps.forget();
+        }
+    }
+
+    /// Selects the view whose draws follow, by its number in the frame.
+    pub(crate) fn begin_view(&mut self, number: u32) {
+        if let Some(maps) = &mut self.shadows.maps {
+            maps.begin_view(number);
+        }
+    }
+
+    /// Plans the shadow maps for the views of a frame.
+    fn plan_shadows(&mut self, hierarchy: &Hierarchy, views: &[View]) -> Result<(), crate::Error> {
+        let Shadows { maps, own, .. } = &mut self.shadows;
+        match (maps, &self.geometry.surfaces) {
+            (Some(maps), Some(surfaces)) => maps.plan(&surfaces.table, own, hierarchy, views),
+            _ => Ok(()),
+        }
+    }
+
+    /// Draws the shadow maps that were planned.
+    fn record_shadows(
+        &mut self,
+        frame: &mut Frame<'_>,
+        hierarchy: &Hierarchy,
+        executor: &PlanExecutor,
+    ) -> Result<(), crate::Error> {
+        let (Some(maps), Some(pass)) = (&mut self.shadows.maps, &self.pipelines.casters) else {
+            return Ok(());
+        };
+        maps.record(frame, (&self.geometry, hierarchy), (pass, executor.leaves.predicates()))
+    }
+
+    fn upload_poses(
+        &mut self,
+        frame: &mut Frame<'_>,
+        hierarchy: &Hierarchy,
+        uploads: PoseUploads<'_>,
+    ) -> Result<(), crate::Error> {
+        let Self { device, geometry, pipelines, skinned_meshes, transparent, shadows, .. } = self;
         let (Some(skinned_meshes), Some(pass), Some(vertices)) =
             (skinned_meshes, &pipelines.skinning, geometry.skinned())
         else {
@@ -350,17 +420,25 @@ impl FramePasses {
             let is_outside = |(containment, _)| containment == Containment::Outside;
             views.iter().any(|view| !is_outside(view.frustum.classify(&bounds, PlaneMask::ALL)))
         };
+        // A light may see what no view sees.
+        let casts = |state: &SkinnedMeshState| {
+            let leaf = || hierarchy.leaf_of(geometry.owner(state.mesh)?);
+            let maps = shadows.maps.as_ref().filter(|_| state.transparent.is_none());
+            maps.zip(leaf()).is_some_and(|(maps, leaf)| maps.draws(leaf))
+        };
         let is_seen = |state: &SkinnedMeshState| match (transform(state), uploads) {
             (None, _) => false,
             (Some(_), PoseUploads::All) => true,
+            _ if casts(state) => true,
             (Some(transform), PoseUploads::Seen(views)) => {
                 [state.bounds, state.shown_bounds].iter().any(|it| is_in(views, it, &transform))
             }
         };
         let leaf_of = |state: &SkinnedMeshState| {
             let PoseUploads::Seen(views) = uploads else { return None };
-            let can_be_tested =
-                state.transparent.is_none() && is_in(views, &state.bounds, &transform(state)?);
+            let can_be_tested = state.transparent.is_none()
+                && !casts(state)
+                && is_in(views, &state.bounds, &transform(state)?);
             can_be_tested.then(|| hierarchy.leaf_of(geometry.owner(state.mesh)?)).flatten()
         };
         let completed = device.completed()?;
@@ -414,6 +492,9 @@ impl FramePasses {
     pub(crate) fn submitted(&mut self, tick: Tick) {
         self.target.submitted();
         self.geometry.submitted();
+        if let Some(maps) = &mut self.shadows.maps {
+            maps.submitted();
+        }
         if let Some(skinned_meshes) = &mut self.skinned_meshes {
             skinned_meshes.submitted(tick);
         }

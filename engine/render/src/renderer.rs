@@ -1,5 +1,6 @@
 //! The renderer: one frame from top to bottom, from the results of earlier frames to the submit.
 
+use ::shadows::ShadowOptions;
 use cull::{
     Aabb, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, QueryShares, SceneCosts,
     Strategy, TesterSupport, View,
@@ -68,6 +69,8 @@ pub struct RendererOptions {
     /// The most bytes of meshes and textures that a frame copies to the GPU; at least one
     /// byte of a mesh, or one row of a texture.
     pub upload_bytes_per_frame: usize,
+    /// The shadows of the lights of surfaces.
+    pub shadows: ShadowOptions,
 }
 
 impl Default for RendererOptions {
@@ -85,6 +88,7 @@ impl Default for RendererOptions {
             spare_objects: 0,
             spare: SpareRoom::default(),
             upload_bytes_per_frame: 1 << 20,
+            shadows: ShadowOptions::default(),
         }
     }
 }
@@ -181,10 +185,8 @@ impl Renderer {
         let occlusion_passes = OcclusionPasses::new(device, &shaders, target.attachments())?;
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
-        let room = (&options.spare, options.upload_bytes_per_frame);
-        let slots_and_room = (slots, room);
         let mut passes =
-            FramePasses::new(device, &shaders, (scene, &hierarchy), target, slots_and_room)?;
+            FramePasses::new(device, &shaders, (scene, &hierarchy), target, (slots, options))?;
         let draws = hierarchy.leaf_objects().len() as u64;
         let threshold_samples = options.threshold_samples;
         let predication =

@@ -169,6 +169,8 @@ pub struct FrameReport {
     pub oldest_answer_frames: Option<u64>,
     /// The same of the youngest.
     pub youngest_answer_frames: Option<u64>,
+    /// The counts of shadow maps.
+    pub shadows: ::shadows::ShadowStats,
     /// The counts of the culler.
     pub plan: cull::PlanStats,
     /// Corrections of the prices ([`Renderer::costs`](crate::Renderer::costs)) by the cost model;

@@ -90,6 +90,8 @@ pub struct ShadowOptions {
     pub bias: ShadowBias,
     /// The use of what earlier frames drew.
     pub caching: ShadowCaching,
+    /// The width of penumbras in metres, at least 0, of lights that have none of their own.
+    pub penumbra_m: f32,
     /// Maps of a directional light, 1 to [`MAX_CASCADES`]: each reaches three times as far as the
     /// one before.
     pub cascades: u32,
@@ -116,6 +118,7 @@ impl Default for ShadowOptions {
             filter: ShadowFilter::default(),
             bias: ShadowBias::default(),
             caching: ShadowCaching::default(),
+            penumbra_m: 0.15,
             cascades: 4,
             distance_m: 200.0,
             sun_side: 2048,
@@ -142,6 +145,12 @@ pub enum ShadowOptionsError {
     Distance {
         /// The distance asked for.
         distance_m: f32,
+    },
+    /// A width of penumbras that is no length.
+    #[error("penumbras of {penumbra_m} m are impossible: give a width from 0 to below 1e3 m")]
+    Penumbra {
+        /// The width asked for.
+        penumbra_m: f32,
     },
     /// A side of a map that is no power of two, or too small.
     #[error("a shadow map of {side} texels is impossible: give a power of two from {MIN_SIDE} on")]
@@ -172,6 +181,9 @@ impl ShadowOptions {
         if !(self.distance_m > 0.0 && self.distance_m < 1.0e6) {
             return Err(ShadowOptionsError::Distance { distance_m: self.distance_m });
         }
+        if !(0.0..1.0e3).contains(&self.penumbra_m) {
+            return Err(ShadowOptionsError::Penumbra { penumbra_m: self.penumbra_m });
+        }
         let is_possible = |side: &u32| side.is_power_of_two() && *side >= MIN_SIDE;
         let mut sides = [self.sun_side, self.spot_side, self.point_side].into_iter();
         if let Some(side) = sides.find(|side| !is_possible(side)) {
@@ -195,6 +207,9 @@ mod tests {
         }
         for distance_m in [0.0, -1.0, f32::INFINITY, f32::NAN] {
             assert!(ShadowOptions { distance_m, ..options }.check().is_err(), "{distance_m}");
+        }
+        for penumbra_m in [-0.1, 1.0e3, f32::NAN] {
+            assert!(ShadowOptions { penumbra_m, ..options }.check().is_err(), "{penumbra_m}");
         }
         for side in [0, 8, 1000, u32::MAX] {
             for options in [

@@ -78,6 +78,8 @@ impl From<render::Error> for RunError {
             | render::Error::Image { .. }
             | render::Error::FramesInFlight { .. }
             | render::Error::Cost(_)
+            | render::Error::Shadows(_)
+            | render::Error::NoSurfacesForShadows
             | render::Error::CannotCount(_) => Self::user(error),
             render::Error::Hierarchy(_)
             | render::Error::NoMethod(_)

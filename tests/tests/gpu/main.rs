@@ -46,6 +46,7 @@ mod relight;
 #[cfg(feature = "shader-compiler")]
 mod reload;
 mod shading;
+mod shadow_maps;
 mod skinning;
 mod slivers;
 mod strategies;

@@ -100,12 +100,13 @@ impl Renderer {
         let surfaces = self.passes.geometry.surfaces.as_ref();
         let has_sprites = surfaces.is_some_and(SurfaceResources::has_sprites);
         let shaders = if has_sprites { shaders.with_sprites() } else { shaders };
-        let pipelines = self.passes.recompiled(&shaders)?;
+        let pipelines = self.passes.recompiled(&shaders, &self.passes.shadows)?;
         let executing = self.executor.passes.reloaded(&self.device, &shaders, self.size())?;
         let methods = self.reloaded_methods(&shaders)?;
         // Nothing fails from here on.
         (self.passes.pipelines, self.executor.passes) = (pipelines, executing);
         (self.methods, self.shaders) = (methods, shaders);
+        self.passes.forget_shadow_maps();
         Ok(())
     }
 }

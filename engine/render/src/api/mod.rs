@@ -14,6 +14,7 @@ mod poses;
 #[cfg(feature = "window")]
 mod present;
 mod render;
+mod shadows;
 mod snapshot;
 mod textures;
 mod update;

@@ -72,7 +72,7 @@ impl Renderer {
 
         let mut frame = frames.begin()?;
         note_times(&frame, &mut self.pass_times, &mut self.frame_times);
-        passes.upload_changes(&mut frame, hierarchy, executor, uploads)?;
+        passes.upload_changes(&mut frame, hierarchy, executor, (uploads, &views))?;
         if is_timed {
             frame.begin_timing();
         }
@@ -81,7 +81,10 @@ impl Renderer {
         let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
         let shares = (&mut self.query_shares, self.query_budget);
         plan_views(shares, (&mut **method, &mut scene), (targets, &views), request)?;
-        for (ViewTarget { state, visible, .. }, view) in targets.iter_mut().zip(&views) {
+        for (number, (ViewTarget { state, visible, .. }, view)) in
+            (0..).zip(targets.iter_mut().zip(&views))
+        {
+            passes.begin_view(number);
             report.transparent +=
                 passes.gather_transparent(&mut frame, executor, view, request.strategy)?;
             let wanted = method_request(*visible, view, request);
@@ -164,6 +167,7 @@ impl Renderer {
         report: &mut FrameReport,
     ) {
         report.add_skinned(self.passes.skinned());
+        report.shadows = self.passes.shadows.stats();
         let timed_views = is_timed.then_some(targets.len());
         for ViewTarget { state, .. } in targets.iter_mut() {
             state.submitted(report.tick, &self.executor.leaves, timed_views);

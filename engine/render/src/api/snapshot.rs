@@ -120,7 +120,8 @@ impl Renderer {
             Backdrop::Sky => (passes.sky(), self.debug_overlay),
         };
         let mut frame = frames.begin()?;
-        passes.upload_changes(&mut frame, hierarchy, executor, PoseUploads::All)?;
+        let uploads = (PoseUploads::All, std::slice::from_ref(&view));
+        passes.upload_changes(&mut frame, hierarchy, executor, uploads)?;
         passes.gather_transparent(&mut frame, executor, &view, Strategy::FRUSTUM)?;
         let draws = snapshot.upload(&mut frame, &executor.leaves)?;
         let io = sketch.upload(&mut frame)?;

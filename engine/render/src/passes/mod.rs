@@ -1,5 +1,6 @@
 //! The passes: each a struct with its pipeline, and an `Io` that lists its reads and writes.
 
+mod caster;
 mod count;
 mod flat;
 mod opaque;
@@ -10,6 +11,7 @@ mod skinning;
 mod sky;
 mod surface;
 
+pub use caster::{CasterIo, CasterPass};
 pub(crate) use count::CountPass;
 pub use flat::FlatVertex;
 pub(crate) use flat::{FlatDraw, FlatIo, FlatPass};

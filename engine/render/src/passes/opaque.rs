@@ -1,13 +1,15 @@
 //! The opaque pass: the colour of objects, under any strategy.
 
+use ::shadows::ShadowBias;
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    Polygon, StorageLayout, VertexLayout, vk,
+    Attachments, Blend, BufferSlice, Commands, DepthLayers, DepthMode, Device, GraphicsPipeline,
+    GraphicsPipelineInfo, Polygon, StorageLayout, VertexLayout, vk,
 };
 use scene::{Light, Vertex};
 
+use crate::passes::caster::culled_faces;
 use occlusion::{Error, ShaderSet};
 
 /// The pass that draws opaque objects: nearer ones win.
@@ -22,6 +24,7 @@ enum Kind {
     Depth,
     Colour,
     Wireframe,
+    Casters(ShadowBias),
 }
 
 /// The buffers of the pass: reads vertices, indices and instances; writes the colour and depth that
@@ -89,6 +92,14 @@ impl OpaquePass {
         Self::of_kind(device, shaders, Kind::Wireframe)
     }
 
+    /// Compiles a pass that draws casters of shadows to [`DepthLayers`].
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn casters(device: &Device, shaders: &ShaderSet, bias: ShadowBias) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, Kind::Casters(bias))
+    }
+
     fn of_kind(device: &Device, shaders: &ShaderSet, kind: Kind) -> Result<Self, Error> {
         let fragment = shaders.find("opaque.frag")?;
         let (name, fragment, depth, blend) = match kind {
@@ -101,6 +112,11 @@ impl OpaquePass {
                 DepthMode::TestOnly,
                 Blend::Opaque,
             ),
+            Kind::Casters(_) => ("casters", None, DepthMode::TestAndWrite, Blend::NoColour),
+        };
+        let (cull, attachments) = match kind {
+            Kind::Casters(bias) => (culled_faces(bias), DepthLayers::attachments()),
+            _ => (vk::CullModeFlags::BACK, Attachments::default()),
         };
         let polygon = if kind == Kind::Wireframe { Polygon::Wireframe } else { Polygon::Filled };
         let pipeline = GraphicsPipeline::new(
@@ -117,9 +133,10 @@ impl OpaquePass {
                 },
                 storage: StorageLayout::new::<Constants>(1),
                 polygon,
-                cull: vk::CullModeFlags::BACK,
+                cull,
                 depth,
                 blend,
+                attachments,
                 ..GraphicsPipelineInfo::of(name, shaders.find("opaque.vert")?)
             },
         )?;
@@ -128,10 +145,20 @@ impl OpaquePass {
 
     /// Binds everything; the caller then records draws, each a leaf or a range of leaves.
     pub fn bind(&self, commands: &Commands, io: &OpaqueIo, view: &View, light: &Light) {
-        let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
-        let [steps_across, steps_up] = view.snap_steps;
+        self.bind_inputs(commands, io);
+        self.set_view(commands, view, light);
+    }
+
+    /// Binds everything but the view.
+    pub(super) fn bind_inputs(&self, commands: &Commands, io: &OpaqueIo) {
         commands.bind(&self.pipeline, &[io.instances]);
         commands.bind_geometry(io.vertices, Some(io.indices));
+    }
+
+    /// Sets the view of the draws that follow.
+    pub(super) fn set_view(&self, commands: &Commands, view: &View, light: &Light) {
+        let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
+        let [steps_across, steps_up] = view.snap_steps;
         commands.push_constants(
             &self.pipeline,
             &Constants {

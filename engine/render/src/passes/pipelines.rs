@@ -1,10 +1,12 @@
 //! All passes of a renderer, compiled from one set of shaders.
 
+use ::shadows::ShadowOptions;
 use gpu::Device;
 use occlusion::{Error, ShaderSet};
 
 use crate::passes::{
-    CountPass, FlatPass, OpaquePass, OverlayPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass,
+    CasterPass, CountPass, FlatPass, OpaquePass, OverlayPass, SeenPass, SkinningPass, SurfaceKind,
+    SurfacePass,
 };
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
@@ -19,6 +21,8 @@ pub(crate) struct Pipelines {
     pub(crate) transparent: Option<SurfacePass>,
     /// The pass of skinned meshes, if there are any.
     pub(crate) skinning: Option<SkinningPass>,
+    /// The pass of the casters of shadow maps, if there are any.
+    pub(crate) casters: Option<CasterPass>,
     /// The opaque pass in two, for methods that draw depth first.
     pub(crate) depth_first: OnDemand<DepthFirst>,
     pub(crate) count: OnDemand<CountPass>,
@@ -34,6 +38,8 @@ pub(crate) struct PassNeeds<'a> {
     pub(crate) surfaces: Option<&'a SurfaceResources>,
     pub(crate) has_transparent: bool,
     pub(crate) has_skinned_meshes: bool,
+    /// The options of shadow maps, if there are any.
+    pub(crate) shadows: Option<&'a ShadowOptions>,
 }
 
 impl Pipelines {
@@ -47,19 +53,25 @@ impl Pipelines {
         needs: PassNeeds<'_>,
         former: Option<&Self>,
     ) -> Result<Self, Error> {
-        let PassNeeds { surfaces, has_transparent, has_skinned_meshes } = needs;
+        let PassNeeds { surfaces, has_transparent, has_skinned_meshes, shadows } = needs;
+        let filter = shadows.map(|shadows| shadows.filter);
         let transparent = surfaces.filter(|_| has_transparent);
         let transparent = transparent
-            .map(|it| SurfacePass::new(device, shaders, SurfaceKind::Transparent, it))
+            .map(|it| SurfacePass::new(device, shaders, SurfaceKind::Transparent, it, filter))
             .transpose()?;
         let skinning =
             has_skinned_meshes.then(|| SkinningPass::new(device, shaders)).transpose()?;
+        let casters = surfaces
+            .zip(shadows)
+            .map(|(surfaces, shadows)| CasterPass::new(device, shaders, surfaces, shadows.bias))
+            .transpose()?;
         let on_demand = Former { device, shaders, former };
         Ok(Self {
             opaque: OpaquePass::new(device, shaders)?,
-            shading: surfaces.map(|it| Shading::new(device, shaders, it)).transpose()?,
+            shading: surfaces.map(|it| Shading::new(device, shaders, it, filter)).transpose()?,
             transparent,
             skinning,
+            casters,
             depth_first: on_demand.again(|it| &it.depth_first, DepthFirst::new)?,
             count: on_demand.again(|it| &it.count, CountPass::new)?,
             seen: on_demand.again(|it| &it.seen, SeenPass::new)?,

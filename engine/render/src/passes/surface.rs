@@ -1,16 +1,19 @@
 //! The surface pass: the depth and the colour of objects made of metallic-roughness materials.
 
+use ::shadows::{ShadowBias, ShadowFilter};
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    StorageLayout, VertexLayout, vk,
+    Attachments, Blend, BufferSlice, Commands, DepthLayers, DepthMode, Device, GraphicsPipeline,
+    GraphicsPipelineInfo, StorageLayout, VertexLayout, vk,
 };
 use scene::limits::MAX_PAGES;
 use scene::{Light, SurfaceVertex};
 
+use crate::passes::caster::culled_faces;
 use crate::passes::opaque::POSITIONS;
 use crate::shading::surfaces::SurfaceResources;
+use crate::shadows::ShadowIo;
 use occlusion::{Error, ShaderSet};
 
 /// The output of a surface pass.
@@ -27,6 +30,8 @@ pub enum SurfaceKind {
     /// Transparent objects over the finished image, hidden by nearer surfaces; draw them back to
     /// front.
     Transparent,
+    /// The depth of casters of shadows, with the holes of masked materials, to [`DepthLayers`].
+    Casters(ShadowBias),
 }
 
 /// The pass that draws objects of a scene with surfaces. Compiled for the features that its
@@ -48,6 +53,8 @@ pub struct SurfaceIo<'a> {
     pub instances: BufferSlice,
     /// The scene's surfaces, with the second half of its vertices.
     pub surfaces: &'a SurfaceResources,
+    /// The shadows of its lights; for passes that were compiled with a filter, and for no others.
+    pub shadows: Option<ShadowIo<'a>>,
 }
 
 #[repr(C)]
@@ -58,9 +65,19 @@ struct Constants {
     ambient_above: [f32; 4],
     ambient_below: [f32; 4],
     exposure: f32,
+    shadow_view: u32,
 }
 
-const _: () = assert!(size_of::<Constants>() == 116);
+const _: () = assert!(size_of::<Constants>() == 120);
+
+/// The specialisation constant of `surface_constants.glsl` that selects a filter.
+const SHADOW_FILTER: u32 = 14;
+
+/// Buffers of the pass without shadows, and with them.
+const BUFFERS: [u32; 2] = [5, 7];
+
+/// Textures of shadows beside the pages: the maps twice, the samples of filters.
+const SHADOW_TEXTURES: u32 = 3;
 
 /// The attributes of a [`SurfaceVertex`]: normal, tangent, both sets of texture coordinates,
 /// colour.
@@ -73,7 +90,8 @@ const ATTRIBUTES: [(vk::Format, u32); 5] = [
 ];
 
 impl SurfacePass {
-    /// Compiles the pass for a scene.
+    /// Compiles the pass for a scene, with shadows if there is a filter for them; passes of depth
+    /// alone have none.
     ///
     /// # Errors
     /// A failed call.
@@ -82,6 +100,7 @@ impl SurfacePass {
         shaders: &ShaderSet,
         kind: SurfaceKind,
         surfaces: &SurfaceResources,
+        filter: Option<ShadowFilter>,
     ) -> Result<Self, Error> {
         let (name, shader, depth, blend) = match kind {
             SurfaceKind::Depth => {
@@ -91,30 +110,43 @@ impl SurfacePass {
             SurfaceKind::Transparent => {
                 ("transparent surface", "surface", DepthMode::TestOnly, Blend::Alpha)
             }
+            SurfaceKind::Casters(_) => {
+                ("masked casters", "surface_depth", DepthMode::TestAndWrite, Blend::NoColour)
+            }
+        };
+        let is_depth = shader == "surface_depth";
+        let filter = filter.filter(|_| !is_depth);
+        let fragment = if filter.is_some() { "surface_shadowed" } else { shader };
+        let (cull, attachments) = match kind {
+            SurfaceKind::Casters(bias) => (culled_faces(bias), DepthLayers::attachments()),
+            _ => (vk::CullModeFlags::BACK, Attachments::default()),
         };
         let is_transparent = kind == SurfaceKind::Transparent;
-        let constants = surfaces.features(is_transparent).constants(is_transparent);
-        let stage = |end: &str| {
-            shaders.find(&format!("{shader}.{end}")).map(|shader| shader.specialised(&constants))
+        let mut constants = surfaces.features(is_transparent).constants(is_transparent).to_vec();
+        constants.extend(filter.map(|filter| (SHADOW_FILTER, filter_number(filter))));
+        let stage = |name: &str, end: &str| {
+            shaders.find(&format!("{name}.{end}")).map(|shader| shader.specialised(&constants))
         };
         // Holes are a matter of texture coordinates and colours alone, the last three.
-        let attributes = &ATTRIBUTES[if kind == SurfaceKind::Depth { 2 } else { 0 }..];
+        let attributes = &ATTRIBUTES[if is_depth { 2 } else { 0 }..];
         let surface_vertices = VertexLayout {
             stride_bytes: size_of::<SurfaceVertex>() as u32,
             attributes,
             beside: None,
         };
-        let vertex = stage("vert")?;
+        let vertex = stage(shader, "vert")?;
         let info = GraphicsPipelineInfo {
-            fragment: Some(&stage("frag")?),
+            fragment: Some(&stage(fragment, "frag")?),
             vertices: VertexLayout { beside: Some(&surface_vertices), ..POSITIONS },
             storage: StorageLayout {
+                textures: if filter.is_some() { SHADOW_TEXTURES } else { 0 },
                 texture_arrays: MAX_PAGES as u32,
-                ..StorageLayout::new::<Constants>(5)
+                ..StorageLayout::new::<Constants>(BUFFERS[usize::from(filter.is_some())])
             },
-            cull: vk::CullModeFlags::BACK,
+            cull,
             depth,
             blend,
+            attachments,
             ..GraphicsPipelineInfo::of(name, &vertex)
         };
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
@@ -123,14 +155,39 @@ impl SurfacePass {
     /// Binds everything; the caller then records draws of one instance each, since a draw has one
     /// material.
     pub fn bind(&self, commands: &Commands, io: &SurfaceIo<'_>, view: &View, light: &Light) {
-        let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
-        let [steps_across, steps_up] = view.snap_steps;
+        self.bind_inputs(commands, io);
+        self.set_view(commands, io, view, light);
+    }
+
+    /// Binds everything but the view.
+    pub(super) fn bind_inputs(&self, commands: &Commands, io: &SurfaceIo<'_>) {
         let [materials, transforms, lights, lists] = io.surfaces.buffers();
-        let buffers = [io.instances, materials, transforms, lights, lists];
+        let own = [io.instances, materials, transforms, lights, lists];
         let pages = io.surfaces.pages();
         let pages = pages.as_ref().map_or(&[][..], |pages| &pages[..]);
-        commands.bind_sampled(&self.pipeline, &buffers, &[], pages);
+        match &io.shadows {
+            None => commands.bind_sampled(&self.pipeline, &own, &[], pages),
+            Some(shadows) => {
+                let [instances, materials, transforms, lights, lists] = own;
+                let [of_lights, of_faces] = [shadows.lights, shadows.faces];
+                let all = [instances, materials, transforms, lights, lists, of_lights, of_faces];
+                let textures = [shadows.maps, shadows.depths, shadows.disks];
+                commands.bind_sampled(&self.pipeline, &all, &textures, pages);
+            }
+        }
         commands.bind_geometry_beside([io.vertices, io.surfaces.vertices()], io.indices);
+    }
+
+    /// Sets the view of the draws that follow.
+    pub(super) fn set_view(
+        &self,
+        commands: &Commands,
+        io: &SurfaceIo<'_>,
+        view: &View,
+        light: &Light,
+    ) {
+        let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
+        let [steps_across, steps_up] = view.snap_steps;
         commands.push_constants(
             &self.pipeline,
             &Constants {
@@ -139,7 +196,20 @@ impl SurfacePass {
                 ambient_above: with(light.ambient_above, steps_across),
                 ambient_below: with(light.ambient_below, steps_up),
                 exposure: io.surfaces.exposure(),
+                shadow_view: io.shadows.as_ref().map_or(0, |shadows| shadows.view),
             },
         );
+    }
+}
+
+/// Returns the number of a filter in `shadows.glsl`.
+fn filter_number(filter: ShadowFilter) -> u32 {
+    match filter {
+        ShadowFilter::Single => 0,
+        ShadowFilter::Pcf3 => 1,
+        ShadowFilter::Adaptive => 2,
+        ShadowFilter::Pcss12 => 3,
+        ShadowFilter::Fixed64 => 4,
+        ShadowFilter::Pcss64 => 5,
     }
 }

@@ -244,6 +244,18 @@ impl Geometry {
         self.mesh_draws.get(mesh.0 as usize).map(|mesh| mesh.draw).unwrap_or_default()
     }
 
+    /// Returns the draw of an object as a caster of shadows: always its mesh itself, so that no
+    /// shadow depends on how far an eye is; nothing while the mesh is on its way.
+    pub(crate) fn caster_draw(&self, object: ObjectId, leaf: LeafIndex) -> IndirectDraw {
+        let mesh = MeshId(self.object_meshes.get(object.0 as usize).copied().unwrap_or(NO_MESH));
+        match self.meshes.residency(mesh) {
+            Residency::Resident | Residency::Kept => {
+                IndirectDraw { first_instance: leaf.0, instance_count: 1, ..self.mesh_draw(mesh) }
+            }
+            Residency::Free | Residency::Uploading => IndirectDraw::default(),
+        }
+    }
+
     /// Returns the vertex shader's data of a transparent object.
     pub(crate) fn transparent_instance(&self, id: TransparentId, object: &Object) -> Instance {
         let slot = |surfaces: &SurfaceResources| surfaces.first_transparent_slot() + id.0;

@@ -13,6 +13,7 @@
 //! they are farther than the depth at each of their samples, since proxies that are as near as the
 //! depth count as visible.
 
+use ::shadows::ShadowFilter;
 use gpu::Device;
 use occlusion::{Error, ShaderSet};
 
@@ -36,7 +37,7 @@ pub(crate) enum DepthPass {
 pub(crate) const DARK: [f32; 4] = [0.0; 4];
 
 impl Shading {
-    /// Compiles the passes.
+    /// Compiles the passes, with shadows if there is a filter for them.
     ///
     /// # Errors
     /// A failed call.
@@ -44,8 +45,9 @@ impl Shading {
         device: &Device,
         shaders: &ShaderSet,
         surfaces: &SurfaceResources,
+        filter: Option<ShadowFilter>,
     ) -> Result<Self, Error> {
-        let pass = |kind| SurfacePass::new(device, shaders, kind, surfaces);
+        let pass = |kind| SurfacePass::new(device, shaders, kind, surfaces, filter);
         let depth = match surfaces.is_masked() {
             true => DepthPass::Masked(pass(SurfaceKind::Depth)?),
             false => DepthPass::Whole(OpaquePass::depth_only(device, shaders)?),

@@ -16,6 +16,7 @@ mod texture_slots;
 mod texture_transforms;
 
 pub use lights::reach_m;
+pub(crate) use lights::{LightTable, is_bright};
 pub use resources::{SurfaceOptions, SurfaceResources};
 pub(crate) use texture_slots::TexturePlace;
 

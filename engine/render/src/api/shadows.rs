@@ -1,0 +1,64 @@
+//! The shadows of lights: their options, and those of single lights.
+
+use ::shadows::{ShadowOptions, ShadowStats};
+use scene::LightId;
+
+use crate::error::Error;
+use crate::renderer::Renderer;
+use crate::shadows::{LightShadow, Shadows};
+
+impl Renderer {
+    /// Returns the options of shadows.
+    pub fn shadows(&self) -> &ShadowOptions {
+        &self.passes.shadows.options
+    }
+
+    /// Returns the counts of the shadow maps of the newest frame.
+    pub fn shadow_stats(&self) -> ShadowStats {
+        self.passes.shadows.stats()
+    }
+
+    /// Draws shadows by other options from now on. Those of
+    /// [single lights](Renderer::set_light_shadow) stay. Compiles passes and makes new maps: not
+    /// for every frame.
+    ///
+    /// # Errors
+    /// [`Error::Shadows`]; [`Error::NoSurfacesForShadows`]; maps beyond the device's limits, no
+    /// memory, a failed call. Nothing has changed then.
+    pub fn set_shadows(&mut self, options: ShadowOptions) -> Result<(), Error> {
+        let shadows = Shadows::new(&self.device, options)?;
+        if shadows.maps.is_some() && self.passes.geometry.surfaces.is_none() {
+            return Err(Error::NoSurfacesForShadows);
+        }
+        self.passes.pipelines = self.passes.recompiled(&self.shaders, &shadows)?;
+        let own = std::mem::take(&mut self.passes.shadows.own);
+        self.passes.shadows = Shadows { own, ..shadows };
+        Ok(())
+    }
+
+    /// Sets the shadow of one light; `None` lets it have the shadow that the options say again. It
+    /// stays with the id: a light that is [added](Renderer::add_lights) later may get it.
+    ///
+    /// # Errors
+    /// [`Error::Light`] for a light that is not there, and for a width that is no number or
+    /// negative.
+    pub fn set_light_shadow(
+        &mut self,
+        light: LightId,
+        shadow: Option<LightShadow>,
+    ) -> Result<(), Error> {
+        let refused = |reason| Error::Light { light, reason };
+        let surfaces = self.passes.geometry.surfaces.as_ref();
+        let there = surfaces.and_then(|surfaces| surfaces.table.get(light));
+        there.ok_or(refused("the scene has no such light"))?;
+        if shadow.is_some_and(|it| !(it.penumbra_m >= 0.0 && it.penumbra_m.is_finite())) {
+            return Err(refused("the width of its penumbras must be a number of metres from 0 on"));
+        }
+        let own = &mut self.passes.shadows.own;
+        match shadow {
+            Some(shadow) => own.insert(light, shadow),
+            None => own.remove(&light),
+        };
+        Ok(())
+    }
+}

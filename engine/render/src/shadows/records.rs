@@ -1,0 +1,105 @@
+//! The shaders' data of shadow maps, as `shadows.glsl` declares it.
+
+use ::shadows::{Face, PlannedFace, ShadowLight, ShadowPlan};
+use bytemuck::{Pod, Zeroable};
+use cull::{ProjectionKind, View};
+use gpu::{BufferSlice, SampledTexture};
+
+/// The inputs of passes that draw with shadows: reads the maps and their data.
+#[derive(Clone, Copy)]
+pub struct ShadowIo<'a> {
+    /// One record per place in the table of lights, up to the last with shadows.
+    pub(crate) lights: BufferSlice,
+    /// One record per map.
+    pub(crate) faces: BufferSlice,
+    /// The maps, for comparisons.
+    pub(crate) maps: SampledTexture<'a>,
+    /// The same maps, for single depths.
+    pub(crate) depths: SampledTexture<'a>,
+    /// The samples of filters.
+    pub(crate) disks: SampledTexture<'a>,
+    /// The number of the view among those of the frame.
+    pub(crate) view: u32,
+}
+
+/// One light.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(super) struct LightRecord {
+    first_face: u32,
+    /// The number of its maps; of a directional light those of one view.
+    faces: u32,
+    penumbra_m: f32,
+    unused: u32,
+}
+
+/// One map.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(super) struct FaceRecord {
+    view_proj: [f32; 16],
+    /// Three columns of the inverse: they take planes of the world to those of clip space.
+    planes: [[f32; 4]; 3],
+    /// Origin and side in texels, layer.
+    tile: [f32; 4],
+    depth: [f32; 4],
+}
+
+const _: () = assert!(size_of::<LightRecord>() == 16);
+const _: () = assert!(size_of::<FaceRecord>() == 144);
+
+impl FaceRecord {
+    pub(super) fn of(planned: &PlannedFace) -> Self {
+        let PlannedFace { face: Face { view, .. }, tile, .. } = planned;
+        let inverse = view.view_proj.as_dmat4().inverse().as_mat4();
+        let [x, y] = tile.origin.map(|texel| texel as f32);
+        Self {
+            view_proj: view.view_proj.to_cols_array(),
+            planes: [0, 1, 2].map(|column| inverse.col(column).to_array()),
+            tile: [x, y, tile.side as f32, tile.layer as f32],
+            depth: depth_of(view),
+        }
+    }
+}
+
+/// Returns the depth as a function of the distance, its change over a tile on a slope of 1, and
+/// the tiles per metre.
+fn depth_of(view: &View) -> [f32; 4] {
+    let [constant, scaled] = view.rays.depth;
+    // The image is a square.
+    let side_m = 2.0 * view.rays.right.length();
+    let steepness = match view.rays.kind {
+        ProjectionKind::Orthographic => -scaled * side_m,
+        ProjectionKind::Perspective => side_m,
+    };
+    [constant, scaled, steepness, side_m.recip()]
+}
+
+/// Writes the records of all lights up to the last with maps, by their places in the table, for
+/// `views` views of the scene.
+pub(super) fn light_records(
+    plan: &ShadowPlan,
+    (lights, places): (&[ShadowLight], &[u32]),
+    views: u32,
+    records: &mut Vec<LightRecord>,
+) {
+    records.clear();
+    let mut planned = plan.lights.iter();
+    for (light, place) in lights.iter().zip(places).filter(|(light, _)| light.shape.is_usable()) {
+        let Some(planned) = planned.next() else { return };
+        debug_assert_eq!(planned.light, light.id);
+        let place = *place as usize;
+        if records.len() <= place && !planned.faces.is_empty() {
+            records.resize(place + 1, LightRecord::default());
+        }
+        let of_sun = if light.shape.reach().is_none() { views.max(1) } else { 1 };
+        if let Some(record) = records.get_mut(place) {
+            *record = LightRecord {
+                first_face: planned.faces.start as u32,
+                faces: planned.faces.len() as u32 / of_sun,
+                penumbra_m: light.penumbra_m,
+                unused: 0,
+            };
+        }
+    }
+}

@@ -1,0 +1,104 @@
+// The surface pass: metallic-roughness materials under punctual lights and a hemisphere of ambient
+// light; sRGB is encoded by the attachment. With SHADOWED defined, lights have shadow maps.
+#include "material.glsl"
+#include "surface_constants.glsl"
+#include "texels.glsl"
+#include "surface_alpha.glsl"
+#include "brdf.glsl"
+#include "lights.glsl"
+#include "tonemap.glsl"
+
+layout(location = 4) flat in uvec4 material_emission;
+layout(location = 5) flat in uvec4 material_details;
+layout(location = 6) in vec3 world_position;
+layout(location = 7) in vec3 world_normal;
+layout(location = 8) in vec4 world_tangent; // w: sign of the bitangent
+layout(location = 9) flat in uvec2 lights_of_object; // slot of the list, how many
+
+layout(location = 0) out vec4 colour;
+
+// The normal that is seen: the surface's own, or that of its texture in tangent space.
+vec3 shading_normal() {
+    vec3 n = unit_or(world_normal, vec3(0.0, 1.0, 0.0));
+    if (NORMAL_PAGES == 0u || !has_texture(material_details.x)) return n;
+    vec3 mapped = texel(NORMAL_PAGES, material_details.x, uvs).xyz * 2.0 - 1.0;
+    mapped.xy *= uintBitsToFloat(material_cuts.y);
+    vec3 t = unit_or(world_tangent.xyz, vec3(0.0));
+    vec3 b = cross(n, t) * world_tangent.w;
+    return unit_or(mapped.x * t + mapped.y * b + mapped.z * n, n);
+}
+
+// The ambient light: the hemisphere on the diffuse part, and, where it is mirrored, on the
+// specular one; rougher surfaces mirror more of what is around their normal.
+vec3 ambient(Brdf brdf, float roughness) {
+    float mirrored = reflect(-brdf.towards_eye, brdf.normal).y;
+    float specular_up = mix(mirrored, brdf.normal.y, roughness);
+    vec3 on_diffuse = mix(ambient_below.rgb, ambient_above.rgb, 0.5 + 0.5 * brdf.normal.y);
+    vec3 on_specular = mix(ambient_below.rgb, ambient_above.rgb, 0.5 + 0.5 * specular_up);
+    return brdf.diffuse * on_diffuse + brdf.specular * on_specular;
+}
+
+#ifdef SHADOWED
+#include "shadows.glsl"
+#endif
+
+vec3 direct(Brdf brdf) {
+    vec3 sum = vec3(0.0);
+#ifdef SHADOWED
+    // Before any branch, where derivatives are defined.
+    vec3 facet = facet_normal();
+#endif
+    for (uint number = 0; number < DIRECTIONAL_LIGHTS; ++number) {
+        PunctualLight light = lights[number];
+        vec3 arrived = light.intensity.rgb * reflected(brdf, -light.direction.xyz);
+#ifdef SHADOWED
+        if (arrived != vec3(0.0)) arrived *= sunlit(number, facet);
+#endif
+        sum += arrived;
+    }
+    if (LOCAL_LIGHTS) {
+        for (uint place = 0; place < lights_of_object.y; ++place) {
+            uint number = light_of_list(lights_of_object.x, place);
+            PunctualLight light = lights[number];
+            vec3 away = light.position.xyz - world_position;
+            // Nearer than a millimetre is as a millimetre.
+            float squared = max(dot(away, away), 1e-6);
+            float inverse_distance = inversesqrt(squared);
+            vec3 towards = away * inverse_distance;
+            vec3 arrived = arriving(light, towards, squared, inverse_distance) * reflected(brdf, towards);
+#ifdef SHADOWED
+            if (arrived != vec3(0.0)) arrived *= lit(number, away, facet);
+#endif
+            sum += arrived;
+        }
+    }
+    return sum;
+}
+
+void main() {
+    vec4 base = base_colour();
+    if (MASKED && is_hole(base)) discard;
+    float alpha = BLENDED ? clamp(base.a, 0.0, 1.0) : 1.0;
+
+    vec2 roughness_metallic = unpackUnorm2x16(material_factors.z);
+    if (METALLIC_ROUGHNESS_PAGES != 0u) {
+        roughness_metallic *= texel(METALLIC_ROUGHNESS_PAGES, material_cuts.w, uvs).gb;
+    }
+    float occlusion = 1.0;
+    if (OCCLUSION_PAGES != 0u) {
+        float strength = unpackUnorm2x16(material_factors.w).x;
+        occlusion += strength * (texel(OCCLUSION_PAGES, material_details.y, uvs).r - 1.0);
+    }
+    vec3 emission = vec3(0.0);
+    if (EMISSIVE) {
+        emission = uintBitsToFloat(material_emission.xyz);
+        if (EMISSION_PAGES != 0u) emission *= texel(EMISSION_PAGES, material_emission.w, uvs).rgb;
+    }
+    vec3 n = shading_normal();
+    vec3 v = unit_or(eye.xyz - world_position * eye.w, n);
+    Brdf brdf = brdf_of(base.rgb, roughness_metallic.y, roughness_metallic.x, n, v);
+    vec3 light = ambient(brdf, roughness_metallic.x) * occlusion + direct(brdf) + emission;
+    colour = vec4(tone_mapped(min(light * exposure, vec3(65504.0))), alpha);
+    // An unlit surface is its base colour: neither lit nor exposed, so not mapped either.
+    if (UNLIT && (material_factors.w & UNLIT_FLAG) != 0u) colour.rgb = base.rgb;
+}

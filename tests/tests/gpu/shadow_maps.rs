@@ -1,0 +1,81 @@
+//! Shadow maps in the renderer: images with them, against ray casting, against maps that are drawn
+//! afresh, and under every strategy.
+
+mod bad_options;
+mod cache;
+mod casters;
+mod raycast;
+
+use cull::{Camera, Strategy};
+use gpu::{Device, Readback};
+use render::{Costs, FrameRequest, Renderer, RendererOptions, SpareRoom, ViewState};
+use scene::Scene;
+use shadows::{ShadowFilter, ShadowMethod, ShadowOptions};
+use tests::{run_on_all, yard};
+
+const SIZE: [u32; 2] = [128, 96];
+
+/// Returns options for a small image.
+fn shadows() -> ShadowOptions {
+    ShadowOptions {
+        method: ShadowMethod::Maps,
+        distance_m: 60.0,
+        sun_side: 256,
+        spot_side: 256,
+        point_side: 128,
+        ..ShadowOptions::default()
+    }
+}
+
+fn renderer(device: &Device, scene: &Scene, shadows: ShadowOptions) -> Renderer {
+    let options = RendererOptions {
+        size: SIZE,
+        costs: Costs::Ignored,
+        spare_objects: 8,
+        spare: SpareRoom { lights: 4, ..SpareRoom::default() },
+        methods: methods::all(),
+        shadows,
+        ..RendererOptions::default()
+    };
+    Renderer::new(device, scene, &options).expect("a renderer")
+}
+
+/// Draws a frame and waits for its image.
+fn image(
+    renderer: &mut Renderer,
+    view: &mut ViewState,
+    strategy: Strategy,
+    camera: Camera,
+) -> Vec<u8> {
+    let image = Readback::new(renderer.device(), renderer.size()).unwrap();
+    let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
+    renderer.render(view, &request).unwrap();
+    renderer.drain(view).unwrap();
+    image.rgba8().unwrap().to_vec()
+}
+
+#[test]
+fn every_filter_darkens_the_same_places() {
+    run_on_all(|device| {
+        let scene = yard::scene(&yard::boxes(), yard::lights());
+        let mut draw = |shadows| {
+            let mut renderer = renderer(device, &scene, shadows);
+            let mut view = renderer.new_view().unwrap();
+            image(&mut renderer, &mut view, Strategy::FRUSTUM, yard::camera())
+        };
+        let lit = draw(ShadowOptions::default());
+        let fixed = draw(ShadowOptions { filter: ShadowFilter::Fixed64, ..shadows() });
+        for filter in ShadowFilter::ALL {
+            let shadowed = draw(ShadowOptions { filter, ..shadows() });
+            let darker = lit.iter().zip(&shadowed).filter(|(lit, it)| lit > it).count();
+            let brighter = lit.iter().zip(&shadowed).filter(|(lit, it)| lit < it).count();
+            assert!(darker * 8 > lit.len() && brighter == 0, "{filter:?}: {darker}, {brighter}");
+            let differences = fixed.iter().zip(&shadowed).map(|(a, b)| u64::from(a.abs_diff(*b)));
+            let mean = differences.sum::<u64>() as f64 / fixed.len() as f64;
+            assert!(mean < 6.0, "{filter:?} differs by {mean} from the full disk");
+            if filter == ShadowFilter::Adaptive {
+                assert!(mean < 1.0, "{mean}");
+            }
+        }
+    });
+}

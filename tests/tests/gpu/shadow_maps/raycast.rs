@@ -1,0 +1,126 @@
+//! Shadow maps against ray casting: where no edge of a shadow is near, both say the same.
+
+use cull::{Aabb, Camera, Strategy};
+use glam::{Vec3, vec3};
+use scene::{LightKind, PunctualLight};
+use shadows::{ShadowFilter, ShadowOptions};
+use tests::{run_on_all, yard};
+
+use super::{SIZE, image, renderer, shadows};
+
+/// Returns where a ray enters a box, if it does: the distance in lengths of `along`.
+fn hit(bounds: &Aabb, from: Vec3, along: Vec3) -> Option<f32> {
+    let (low, high) = ((bounds.min - from) / along, (bounds.max - from) / along);
+    let (near, far) = (low.min(high).max_element(), low.max(high).min_element());
+    (near <= far && far > 0.0).then_some(near.max(0.0))
+}
+
+fn is_blocked(boxes: &[Aabb], from: Vec3, along: Vec3, end: f32) -> bool {
+    boxes.iter().any(|bounds| hit(bounds, from, along).is_some_and(|at| at < end))
+}
+
+/// Returns the place on the boxes that a pixel shows, and the normal there.
+fn shown(boxes: &[Aabb], camera: &Camera, x: u32, y: u32) -> Option<(Vec3, Vec3)> {
+    let [width, height] = SIZE.map(|side| side as f32);
+    let half = 0.5_f32.tan();
+    let right = camera.forward.cross(camera.up).normalize();
+    let up = right.cross(camera.forward);
+    let across = ((x as f32 + 0.5) / width * 2.0 - 1.0) * half * width / height;
+    let down = ((y as f32 + 0.5) / height * 2.0 - 1.0) * half;
+    let along = camera.forward + right * across - up * down;
+    let nearest = boxes
+        .iter()
+        .filter_map(|bounds| Some((hit(bounds, camera.eye, along)?, bounds)))
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let place = camera.eye + along * nearest.0;
+    let (centre, half) = (nearest.1.centre(), nearest.1.half_extent());
+    let out = (place - centre) / half;
+    let axis = (0..3).max_by(|a, b| out[*a].abs().total_cmp(&out[*b].abs()))?;
+    let mut normal = Vec3::ZERO;
+    normal[axis] = out[axis].signum();
+    Some((place, normal))
+}
+
+/// Returns the direction to a light from a place, and how far along it the light is.
+fn towards(light: &PunctualLight, place: Vec3) -> (Vec3, f32) {
+    match light.kind {
+        LightKind::Directional => (-light.direction, f32::INFINITY),
+        _ => (light.position - place, 1.0),
+    }
+}
+
+/// The width in metres around a place that must be lit, or dark, as a whole: above the texels of
+/// these maps on these slopes.
+const APART_M: f32 = 0.35;
+
+/// Returns true if a place gets the light, false if it does not, `None` near an edge.
+fn is_lit(boxes: &[Aabb], light: &PunctualLight, place: Vec3, normal: Vec3) -> Option<bool> {
+    let (a, b) = normal.any_orthonormal_pair();
+    let around = (-2..=2).flat_map(|x| (-2..=2).map(move |y| (x as f32 * 0.5, y as f32 * 0.5)));
+    let mut seen = around.map(|(x, y)| {
+        let near = place + (a * x + b * y) * APART_M + normal * 1e-3;
+        let (along, end) = towards(light, near);
+        !is_blocked(boxes, near, along, end)
+    });
+    let first = seen.next()?;
+    seen.all(|other| other == first).then_some(first)
+}
+
+#[test]
+fn maps_agree_with_ray_casting_away_from_edges() {
+    run_on_all(|device| {
+        let (boxes, camera) = (yard::boxes(), yard::camera());
+        for light in yard::lights() {
+            let scene = yard::scene(&boxes, vec![light]);
+            let options = ShadowOptions {
+                filter: ShadowFilter::Single,
+                distance_m: 40.0,
+                sun_side: 1024,
+                spot_side: 1024,
+                point_side: 512,
+                ..shadows()
+            };
+            let mut renderer = renderer(device, &scene, options);
+            let mut view = renderer.new_view().unwrap();
+            let shadowed = image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
+            renderer.set_shadows(ShadowOptions::default()).unwrap();
+            let lit = image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
+            let (mut checked, mut dark) = (0, 0);
+            for (number, (lit, found)) in lit.chunks(4).zip(shadowed.chunks(4)).enumerate() {
+                let [x, y] = [number as u32 % SIZE[0], number as u32 / SIZE[0]];
+                let Some((place, normal)) = shown(&boxes, &camera, x, y) else { continue };
+                let (along, _) = towards(&light, place);
+                // Grazing light, and what the light hardly reaches, shows nothing.
+                let is_bright = lit[0] > 120 && along.normalize().dot(normal) > 0.15;
+                let Some(expected) = is_lit(&boxes, &light, place, normal).filter(|_| is_bright)
+                else {
+                    continue;
+                };
+                checked += 1;
+                dark += u32::from(!expected);
+                let is_lit = found == lit;
+                assert_eq!(is_lit, expected, "pixel {x}, {y} at {place} under {:?}", light.kind);
+            }
+            assert!(checked > 500 && dark > 20, "{checked} places, {dark} dark: {:?}", light.kind);
+        }
+    });
+}
+
+#[test]
+fn nothing_shadows_itself() {
+    run_on_all(|device| {
+        for direction in [vec3(-0.5, -0.8, -0.3), vec3(0.9, -0.4, 0.1), vec3(0.02, -1.0, 0.01)] {
+            let [sun, ..] = yard::lights().try_into().unwrap();
+            let light = PunctualLight { direction: direction.normalize(), ..sun };
+            let scene = yard::scene(&[yard::GROUND], vec![light]);
+            for filter in ShadowFilter::ALL {
+                let mut renderer = renderer(device, &scene, ShadowOptions { filter, ..shadows() });
+                let mut view = renderer.new_view().unwrap();
+                let shadowed = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+                renderer.set_shadows(ShadowOptions::default()).unwrap();
+                let lit = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+                assert!(shadowed == lit, "{filter:?} under light along {direction}");
+            }
+        }
+    });
+}
