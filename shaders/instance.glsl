@@ -3,9 +3,9 @@
 
 struct Instance {
     vec4 rows[3]; // object to world, row-major 3x4
-    // With surfaces: material, slot of its list of lights, number of lights. Without: the bits of
-    // the tint, linear; the vertex colour has its share. The last: place of its sprites, 0 without
-    // any.
+    // With surfaces: material, slot of its list of lights, number of lights in the lowest byte and
+    // the tint above. Without: the bits of the tint. A tint is linear; the vertex colour has its
+    // share. The last: place of its sprites, 0 without any.
     uvec4 tail;
 };
 
@@ -17,4 +17,13 @@ vec3 to_world(Instance instance, vec3 position) {
 vec3 direction_to_world(Instance instance, vec3 direction) {
     return vec3(dot(instance.rows[0].xyz, direction), dot(instance.rows[1].xyz, direction),
                 dot(instance.rows[2].xyz, direction));
+}
+
+// Of scenes with surfaces only.
+uint lights_of(Instance instance) {
+    return instance.tail.z & 0xFFu;
+}
+
+vec3 tint_of_object(Instance instance) {
+    return unpackUnorm4x8(instance.tail.z >> 8u).rgb;
 }

@@ -8,11 +8,12 @@
 #include "surface_constants.glsl"
 
 layout(location = 0) in vec3 position;
-layout(location = 1) in vec4 normal;  // w: whether the mesh has both sides of each triangle
-layout(location = 2) in vec4 tangent; // w: sign of the bitangent
-layout(location = 3) in vec2 uv_first;
-layout(location = 4) in vec2 uv_second;
-layout(location = 5) in vec4 colour; // linear
+layout(location = 1) in vec4 tint;    // w: share of the object's tint
+layout(location = 2) in vec4 normal;  // w: whether the mesh has both sides of each triangle
+layout(location = 3) in vec4 tangent; // w: sign of the bitangent
+layout(location = 4) in vec2 uv_first;
+layout(location = 5) in vec2 uv_second;
+layout(location = 6) in vec4 colour; // linear
 
 layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
 #include "sprites.glsl"
@@ -59,6 +60,7 @@ void main() {
     // around where it mirrors, and so would bitangents.
     vec3 own_normal = normal.xyz;
     vertex_colour = colour;
+    vertex_colour.rgb *= mix(vec3(1.0), tint_of_object(instance), tint.w);
     if (SPRITES && instance.tail.w != 0u) {
         sprite_look(instance, position, vertex_colour.rgb, own_normal);
         vertex_colour.a = 1.0;
@@ -83,7 +85,7 @@ void main() {
     world_tangent = vec4(tangent_turn * world_along, turn * tangent.w);
     uvs = vec4(uv_first, uv_second);
 
-    lights_of_object = instance.tail.yz;
+    lights_of_object = uvec2(instance.tail.y, lights_of(instance));
     uint material = instance.tail.x;
     material_factors = materials[material].factors;
     material_cuts = materials[material].cuts;

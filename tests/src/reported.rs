@@ -310,7 +310,7 @@ fn tiles() -> Provocation {
     let mut objects = Vec::new();
     let mut place = |number: u32, low: Vec3, size: Vec3| {
         let transform = Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, low);
-        objects.push(Object { mesh: MeshId(number % COLOURS), transform, tint: 0 });
+        objects.push(Object { mesh: MeshId(number % COLOURS), transform, tint: u32::MAX });
     };
     for y in [0.0, -6.0] {
         for tile in 0..49 {

@@ -38,7 +38,7 @@ pub fn image(
     let slots = (0..scene.objects.len() as u32).chain(first_transparent..);
     let instance = |(slot, object): (u32, &Object)| Instance {
         rows: rows_of(&object.transform),
-        tail: surfaces.instance_tail(object.mesh, slot),
+        tail: surfaces.instance_tail(object, slot),
     };
     let instances: Vec<Instance> =
         slots.zip(scene.objects.iter().chain(transparent)).map(instance).collect();
@@ -122,7 +122,7 @@ pub fn scene(
     let object = |(mesh, transform): (u32, &Affine3A)| Object {
         mesh: MeshId(mesh),
         transform: *transform,
-        tint: 0,
+        tint: u32::MAX,
     };
     Scene {
         name: "studio".to_owned(),

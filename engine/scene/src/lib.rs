@@ -27,6 +27,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 mod update;
+mod vertex_surfaces;
 
 use std::f32::consts::PI;
 
@@ -110,6 +111,17 @@ impl Scene {
             light: Light::afternoon(),
             surfaces: None,
         }
+    }
+
+    /// Returns the scene with [`Surfaces`], so that punctual lights shine on it: the colours of its
+    /// vertices on a matt material, and its sun as a directional light that is as bright. Tints of
+    /// objects and the ambient light stay as they are. Surfaces that are there stay, too.
+    #[must_use]
+    pub fn with_surfaces(mut self) -> Self {
+        if self.surfaces.is_none() {
+            self.surfaces = Some(vertex_surfaces::of_vertex_colours(&self));
+        }
+        self
     }
 
     /// Returns the mesh of an object, if the scene has it.

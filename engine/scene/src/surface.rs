@@ -41,7 +41,8 @@ pub struct SurfaceVertex {
     pub tangent: [i16; 4],
     /// Two sets of texture coordinates.
     pub uv: [[f32; 2]; 2],
-    /// **Linear** red, green, blue, alpha as unorm16: a factor of the base colour.
+    /// **Linear** red, green, blue, alpha as unorm16: a factor of the base colour, as the object's
+    /// tint is by the share in [`Vertex::colour`](super::Vertex::colour).
     pub colour: [u16; 4],
 }
 

@@ -58,4 +58,5 @@ mod ties;
 mod together;
 mod too_much;
 mod transparent;
+mod vertex_surfaces;
 mod views;

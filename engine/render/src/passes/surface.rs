@@ -89,6 +89,13 @@ const ATTRIBUTES: [(vk::Format, u32); 5] = [
     (vk::Format::R16G16B16A16_UNORM, 32),
 ];
 
+/// Of [`Vertex`](scene::Vertex)es their positions, and their colours for the share of the object's
+/// tint.
+const POSITIONS_AND_TINTS: VertexLayout<'static> = VertexLayout {
+    attributes: &[(vk::Format::R32G32B32_SFLOAT, 0), (vk::Format::R8G8B8A8_UNORM, 16)],
+    ..POSITIONS
+};
+
 impl SurfacePass {
     /// Compiles the pass for a scene, with shadows if there is a filter for them; passes of depth
     /// alone have none.
@@ -128,7 +135,10 @@ impl SurfacePass {
             shaders.find(&format!("{name}.{end}")).map(|shader| shader.specialised(&constants))
         };
         // Holes are a matter of texture coordinates and colours alone, the last three.
-        let attributes = &ATTRIBUTES[if is_depth { 2 } else { 0 }..];
+        let (first, attributes) = match is_depth {
+            true => (POSITIONS, &ATTRIBUTES[2..]),
+            false => (POSITIONS_AND_TINTS, &ATTRIBUTES[..]),
+        };
         let surface_vertices = VertexLayout {
             stride_bytes: size_of::<SurfaceVertex>() as u32,
             attributes,
@@ -137,7 +147,7 @@ impl SurfacePass {
         let vertex = stage(shader, "vert")?;
         let info = GraphicsPipelineInfo {
             fragment: Some(&stage(fragment, "frag")?),
-            vertices: VertexLayout { beside: Some(&surface_vertices), ..POSITIONS },
+            vertices: VertexLayout { beside: Some(&surface_vertices), ..first },
             storage: StorageLayout {
                 textures: if filter.is_some() { SHADOW_TEXTURES } else { 0 },
                 texture_arrays: MAX_PAGES as u32,

@@ -15,7 +15,7 @@ use scene::{
 };
 
 use crate::error::Error;
-use crate::resources::instance::Instance;
+use crate::resources::instance::{Instance, with_lights};
 use crate::resources::joined_meshes::JoinedMeshes;
 use crate::resources::limits::{check_memory, check_storage};
 use crate::resources::lod::{LodTable, stretch};
@@ -384,7 +384,8 @@ impl Geometry {
         if let Some(instance) = self.object_instances.get_mut(object.0 as usize)
             && is_other
         {
-            instance.tail[2] = surfaces.light_lists.count(object.0);
+            let count = surfaces.light_lists.count(object.0);
+            instance.tail[2] = with_lights(instance.tail[2], count);
         }
         is_other
     }
@@ -453,7 +454,7 @@ fn instance_of(id: ObjectId, object: &Object, surfaces: Option<&SurfaceResources
         let [red, green, blue, _] = unpack_unorm(object.tint).map(f32::to_bits);
         [red, green, blue, 0]
     };
-    let tail = surfaces.map_or_else(tint, |surfaces| surfaces.instance_tail(object.mesh, id.0));
+    let tail = surfaces.map_or_else(tint, |surfaces| surfaces.instance_tail(object, id.0));
     Instance { rows: rows_of(&object.transform), tail }
 }
 

@@ -12,3 +12,30 @@ pub(crate) struct Instance {
 }
 
 const _: () = assert!(size_of::<Instance>() == 64);
+
+/// Packs the number of an object's lights, at most 255, and its tint into the third value of an
+/// instance's tail in scenes with surfaces.
+pub(crate) fn lights_and_tint(lights: u32, tint: u32) -> u32 {
+    lights & 0xFF | tint << 8
+}
+
+/// Returns what [`lights_and_tint`] packed, with another number of lights.
+pub(crate) fn with_lights(packed: u32, lights: u32) -> u32 {
+    lights_and_tint(lights, packed >> 8)
+}
+
+#[cfg(test)]
+mod tests {
+    use scene::limits::MAX_LIGHTS_PER_OBJECT;
+
+    use super::*;
+
+    #[test]
+    fn lights_and_tint_do_not_disturb_each_other() {
+        const { assert!(MAX_LIGHTS_PER_OBJECT <= 0xFF) };
+        let packed = lights_and_tint(16, 0xFF_AABBCC);
+        assert_eq!(packed, 0xAABB_CC10);
+        assert_eq!(with_lights(packed, 3), 0xAABB_CC03);
+        assert_eq!(with_lights(lights_and_tint(0, u32::MAX), 0), 0xFFFF_FF00);
+    }
+}

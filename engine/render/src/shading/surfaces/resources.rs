@@ -9,6 +9,7 @@ use scene::{
 };
 
 use crate::error::Error;
+use crate::resources::instance::lights_and_tint;
 use crate::resources::limits;
 use crate::resources::skinned_meshes::mesh_order;
 use crate::resources::spare_room::{SpareRoom, TextureRoom};
@@ -163,12 +164,14 @@ impl SurfaceResources {
         self.first_transparent_slot
     }
 
-    /// Returns the last 16 bytes of the instance of an object, where other scenes have its tint.
-    pub fn instance_tail(&self, mesh: MeshId, slot: u32) -> [u32; 4] {
+    /// Returns the last 16 bytes of the instance of an object, where other scenes have its tint
+    /// alone.
+    pub fn instance_tail(&self, object: &Object, slot: u32) -> [u32; 4] {
+        let mesh = object.mesh;
         let material =
             self.mesh_materials.get(mesh.0 as usize).copied().unwrap_or(self.default_material);
         let sprites = self.mesh_sprites.get(mesh.0 as usize).copied().unwrap_or(0);
-        [material, slot, self.light_lists.count(slot), sprites]
+        [material, slot, lights_and_tint(self.light_lists.count(slot), object.tint), sprites]
     }
 
     /// Returns the reason why a material cannot be added.
