@@ -23,8 +23,10 @@ use glam::{Vec2, Vec3, vec2, vec3};
 use scene::{Light, Mesh, MeshId, Object, Scene};
 
 use self::buildings::Footprint;
+pub(super) use self::furniture::{LAMP_NAME, lamp_colours};
 use self::ground::{KERB_M, Middle, PAVEMENT_M};
 use self::layout::{Axis, Court, DIVISIONS, Plan, block_centre, boundary_m};
+pub(super) use self::palette::glass_colours;
 use self::palette::{Materials, TintKind, prop_tint, stone_tint, wall_tint};
 use self::props::Site;
 use super::error::GeneratorError;

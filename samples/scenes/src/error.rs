@@ -2,6 +2,8 @@
 
 use scene::SceneError;
 
+use super::lights::MAX_LAMPS;
+
 /// The most objects that a generated scene can have.
 pub const MAX_OBJECTS: u32 = 2_000_000;
 
@@ -32,6 +34,31 @@ pub enum GeneratorError {
     /// A walk in a scene that has no streets.
     #[error("the scene has no streets to walk along: choose the path fly")]
     NoStreets,
+    /// An hour that no day has.
+    #[error("'{text}' is no hour of the day: it takes 0 to 24, as in 17.5 or 17:30")]
+    Hour {
+        /// The hour that was asked for.
+        text: String,
+    },
+    /// A name that no set of lights has.
+    #[error(
+        "there are no lights '{name}': choose sun, torches or a number of street lamps, 1 to {MAX_LAMPS}"
+    )]
+    UnknownLights {
+        /// The name that was asked for.
+        name: String,
+    },
+    /// More lamps than the scene has.
+    #[error("the scene has {found} street lamps, not {asked}: ask for fewer, or for more objects")]
+    TooFewLamps {
+        /// The number that was asked for.
+        asked: u32,
+        /// The number of the scene's.
+        found: usize,
+    },
+    /// Torches of a file that has none.
+    #[error("the scene has neither point nor spot lights: choose the lights sun")]
+    NoTorches,
     /// A scene that cannot be drawn: it has no motion.
     #[error(transparent)]
     Scene(#[from] SceneError),

@@ -4,7 +4,7 @@
 //! faces, and objects on the ground hover 2 cm over it. So each pixel's colour does not depend on
 //! the order in which objects are drawn. Only the ground's tiles share edges, with bit-identical
 //! vertices. Transforms are quarter turns about y (exact: each column one of the axes) and uniform
-//! scales only.
+//! scales only. [`LightSet`] puts lights on them: the sun of an [`Hour`], torches, street lamps.
 //!
 //! ```
 //! use scenes::{CameraPath, PathKind};
@@ -22,6 +22,7 @@ mod city;
 mod error;
 mod field;
 mod generated;
+mod lights;
 mod motion;
 mod path;
 mod random;
@@ -33,6 +34,7 @@ pub use city::city;
 pub use error::{GeneratorError, MAX_OBJECTS, MotionError};
 pub use field::field;
 pub use generated::GeneratedScene;
+pub use lights::{GLOW_NAME, Hour, LightSet, MAX_LAMPS, sun_light};
 pub use motion::{Cast, Motion};
 pub use path::{CameraPath, PathKind};
 pub use routes::{Flight, Routes, Streets};

@@ -18,6 +18,20 @@ pub(super) fn lying(centre: Vec3) -> Affine3A {
     )
 }
 
+/// The name of lamp posts.
+pub(crate) const LAMP_NAME: &str = "street lamp";
+
+/// Returns the colours of a lamp's globes: below, above.
+fn globe() -> [Paint; 2] {
+    let glow = Paint::srgb(0xFF_F3D6);
+    [glow.shade(0.9), glow]
+}
+
+/// Returns the colours of the vertices of a lamp's globes.
+pub(crate) fn lamp_colours() -> [u32; 2] {
+    globe().map(Paint::packed)
+}
+
 /// Returns a lamp post with two globes.
 pub(super) fn lamp(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
@@ -41,12 +55,11 @@ pub(super) fn lamp(materials: &Materials) -> Mesh {
         6,
         coat,
     );
-    let glow = Paint::srgb(0xFF_F3D6);
     for x in [-0.55, 0.55] {
         builder.turned(&at(x, 4.42, 0.0), &[(0.05, 0.0), (0.12, 0.12), (0.0, 0.14)], 8, coat);
-        builder.ellipsoid(vec3(x, 4.76, 0.0), vec2(0.23, 0.23), [10, 7], [glow.shade(0.9), glow]);
+        builder.ellipsoid(vec3(x, 4.76, 0.0), vec2(0.23, 0.23), [10, 7], globe());
     }
-    builder.finish("street lamp")
+    builder.finish(LAMP_NAME)
 }
 
 /// Returns a bench with a slatted seat and back on cast-iron sides.

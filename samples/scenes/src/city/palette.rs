@@ -58,6 +58,11 @@ pub(super) fn stone_tint(random: &mut Random) -> u32 {
     Paint::srgb(random.pick(&[0xCDBFA6, 0xC4B49A, 0xD3C7B2])).packed()
 }
 
+/// Returns the colours of the vertices of window panes.
+pub(crate) fn glass_colours() -> [u32; 4] {
+    Materials::new().glass.map(Paint::packed)
+}
+
 /// The materials that meshes are made of.
 pub(crate) struct Materials {
     /// A wall, tinted by the object.

@@ -1,0 +1,134 @@
+//! Street lamps that shine: the nearest ones to the camera's path.
+
+use std::ops::RangeInclusive;
+
+use glam::{Vec3, vec3};
+use scene::{LightKind, Mesh, MeshId, Object, PunctualLight, Scene, Surfaces};
+
+use super::super::city::LAMP_NAME;
+use super::super::error::GeneratorError;
+use super::glow;
+
+/// The place of the light, in the space of a lamp: before the post, under its globes, where nothing
+/// of the lamp is between it and the ground.
+const LIGHT_PLACE: Vec3 = vec3(0.0, 4.36, 0.32);
+
+/// The direction of a spot light in that space: down, and somewhat away from the post.
+const SPOT_ALONG: Vec3 = vec3(0.0, -1.0, 0.22);
+
+/// Half angles of a spot's cone in radians: 35 and 62 degrees.
+const INNER_RAD: f32 = 0.61;
+const OUTER_RAD: f32 = 1.08;
+
+/// The intensity and the range of a spot light: a white pavement under it is a little brighter than
+/// white, and beyond the range there is nothing that one would see.
+const SPOT_CD: f32 = 85.0;
+const SPOT_RANGE_M: f32 = 20.0;
+
+/// The same of a point light, which shines on the walls, too.
+const TORCH_CD: f32 = 42.0;
+const TORCH_RANGE_M: f32 = 18.0;
+
+/// Sodium, and flames.
+const SPOT_COLOUR: [f32; 3] = [1.0, 0.80, 0.52];
+const TORCH_COLOUR: [f32; 3] = [1.0, 0.58, 0.26];
+
+/// The metres on the path that count as much as a metre beside it.
+const METRES_AHEAD: f32 = 4.0;
+
+/// The most places of a path that lamps are compared with.
+const MOST_EYES: usize = 256;
+
+/// The kind of light that a lamp is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LampKind {
+    /// A point light.
+    Torch,
+    /// A spot light that shines down.
+    Spot,
+}
+
+/// Returns a scene with surfaces with so many of its lamps lit, as many as it has of the range.
+///
+/// # Errors
+/// [`GeneratorError::TooFewLamps`].
+pub(super) fn light_lamps(
+    mut scene: Scene,
+    eyes: &[Vec3],
+    (kind, count): (LampKind, RangeInclusive<u32>),
+) -> Result<Scene, GeneratorError> {
+    let mut lamps = lamps_of(&scene);
+    if (lamps.len() as u64) < u64::from(*count.start()) {
+        return Err(GeneratorError::TooFewLamps { asked: *count.start(), found: lamps.len() });
+    }
+    let eyes = way_of(eyes);
+    let far = |(_, place): &(usize, Vec3)| {
+        let far = |(eye, walked_m): &(Vec3, f32)| eye.distance(*place) + walked_m / METRES_AHEAD;
+        eyes.iter().map(far).fold(f32::INFINITY, f32::min)
+    };
+    // The sort is stable: lamps as far away stay in the scene's order.
+    lamps.sort_by(|a, b| far(a).total_cmp(&far(b)));
+    lamps.truncate(*count.end() as usize);
+    let lit = glow::add_lit_lamp(&mut scene);
+    glow::light_windows(&mut scene);
+    let mut lights = Vec::with_capacity(lamps.len());
+    for (index, _) in lamps {
+        if let Some(object) = scene.objects.get_mut(index) {
+            lights.push(light_of(object, kind));
+            object.mesh = lit.unwrap_or(object.mesh);
+        }
+    }
+    if let Some(Surfaces { lights: of_scene, .. }) = &mut scene.surfaces {
+        of_scene.extend(lights);
+    }
+    Ok(scene)
+}
+
+/// Returns true for the mesh of a street lamp.
+pub(super) fn is_lamp(mesh: &Mesh) -> bool {
+    mesh.name == LAMP_NAME
+}
+
+/// Returns the id of the mesh of lamps.
+pub(super) fn lamp_mesh(scene: &Scene) -> Option<MeshId> {
+    scene.meshes.iter().position(is_lamp).map(|mesh| MeshId(mesh as u32))
+}
+
+/// Returns the lamps of a scene: places among its objects, and in the world.
+fn lamps_of(scene: &Scene) -> Vec<(usize, Vec3)> {
+    let objects = scene.objects.iter().enumerate();
+    let lamps = objects.filter(|(_, object)| scene.mesh_of(object).is_some_and(is_lamp));
+    lamps.map(|(index, object)| (index, object.transform.translation.into())).collect()
+}
+
+/// Returns some places of a path, and the metres walked to each.
+fn way_of(eyes: &[Vec3]) -> Vec<(Vec3, f32)> {
+    let Some(first) = eyes.first() else { return vec![(Vec3::ZERO, 0.0)] };
+    let (mut before, mut walked_m) = (*first, 0.0);
+    let eyes = eyes.iter().step_by(eyes.len().div_ceil(MOST_EYES).max(1));
+    let walk = |eye: &Vec3| {
+        walked_m += eye.distance(before);
+        before = *eye;
+        (*eye, walked_m)
+    };
+    eyes.map(walk).collect()
+}
+
+fn light_of(lamp: &Object, kind: LampKind) -> PunctualLight {
+    let (light_kind, colour, intensity, range_m) = match kind {
+        LampKind::Torch => (LightKind::Point, TORCH_COLOUR, TORCH_CD, TORCH_RANGE_M),
+        LampKind::Spot => {
+            let spot = LightKind::Spot { inner_rad: INNER_RAD, outer_rad: OUTER_RAD };
+            (spot, SPOT_COLOUR, SPOT_CD, SPOT_RANGE_M)
+        }
+    };
+    let along = lamp.transform.transform_vector3(SPOT_ALONG);
+    PunctualLight {
+        kind: light_kind,
+        colour,
+        intensity,
+        range_m: Some(range_m),
+        position: lamp.transform.transform_point3(LIGHT_PLACE),
+        direction: along.normalize_or(Vec3::NEG_Y),
+    }
+}

@@ -1,0 +1,134 @@
+//! Sets of lights for scenes: the sun by the hour of the day, torches, or a night with lamps.
+
+mod glow;
+mod hour;
+mod lamps;
+#[cfg(test)]
+mod tests;
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::Vec3;
+use scene::{LightKind, PunctualLight, Scene, Surfaces};
+
+pub use self::glow::GLOW_NAME;
+pub use self::hour::Hour;
+use self::lamps::{LampKind, light_lamps};
+use super::error::GeneratorError;
+
+/// The most lamps of [`LightSet::Lamps`].
+pub const MAX_LAMPS: u32 = 64;
+
+/// The most street lamps that are [`LightSet::Torches`].
+const MOST_TORCHES: u32 = 32;
+
+/// A set of lights, by name in [`FromStr`] and [`Display`](fmt::Display).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightSet {
+    /// `sun`: the sun of an hour, and no other light. A scene with suns of its own keeps these.
+    Sun(Hour),
+    /// `torches`: point lights at night. A scene with point or spot lights of its own keeps these;
+    /// else they hang at the nearest street lamps.
+    Torches,
+    /// A number, 1 to [`MAX_LAMPS`]: the nearest so many street lamps at night, as spot lights.
+    Lamps(u32),
+}
+
+impl FromStr for LightSet {
+    type Err = GeneratorError;
+
+    fn from_str(text: &str) -> Result<Self, GeneratorError> {
+        match text {
+            "sun" => Ok(Self::Sun(Hour::AFTERNOON)),
+            "torches" => Ok(Self::Torches),
+            _ => {
+                let lamps = text.parse().ok().filter(|lamps| (1..=MAX_LAMPS).contains(lamps));
+                let unknown = || GeneratorError::UnknownLights { name: text.to_owned() };
+                lamps.map(Self::Lamps).ok_or_else(unknown)
+            }
+        }
+    }
+}
+
+impl fmt::Display for LightSet {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sun(_) => formatter.write_str("sun"),
+            Self::Torches => formatter.write_str("torches"),
+            Self::Lamps(lamps) => write!(formatter, "{lamps}"),
+        }
+    }
+}
+
+impl LightSet {
+    /// Returns the scene with these lights and with surfaces that they shine on. `eyes` are places
+    /// along the path of the camera, in its order: lamps near its beginning are taken first.
+    ///
+    /// Lights of the scene that are not in the set stay, dark, so that all keep their ids.
+    ///
+    /// # Errors
+    /// [`GeneratorError::TooFewLamps`]: the scene has not so many street lamps.
+    pub fn light(self, scene: Scene, eyes: &[Vec3]) -> Result<Scene, GeneratorError> {
+        let is_plain = scene.surfaces.is_none();
+        match self {
+            Self::Sun(hour) if is_plain => {
+                Ok(Scene { light: hour.light(), ..scene }.with_surfaces())
+            }
+            Self::Sun(hour) => Ok(keep(scene, is_sun, || sun_of(hour))),
+            Self::Torches if is_plain => {
+                light_lamps(night(scene), eyes, (LampKind::Torch, 1..=MOST_TORCHES))
+            }
+            Self::Torches => {
+                let is_torch = |light: &PunctualLight| !is_sun(light);
+                let lights = scene.surfaces.iter().flat_map(|surfaces| &surfaces.lights);
+                if !lights.clone().any(is_torch) {
+                    return Err(GeneratorError::NoTorches);
+                }
+                Ok(keep(scene, is_torch, || None))
+            }
+            Self::Lamps(lamps) => light_lamps(night(scene), eyes, (LampKind::Spot, lamps..=lamps)),
+        }
+    }
+}
+
+/// Returns the scene with surfaces, under the moon.
+fn night(scene: Scene) -> Scene {
+    Scene { light: Hour::NIGHT.light(), ..scene }.with_surfaces()
+}
+
+fn is_sun(light: &PunctualLight) -> bool {
+    light.kind == LightKind::Directional
+}
+
+/// Returns the sun of an hour, or the moon, as a light; `None` at the horizon, where it is dark.
+fn sun_of(hour: Hour) -> Option<PunctualLight> {
+    sun_light(&hour.light())
+}
+
+/// Returns the sun of a plain scene's light as the light that [`Scene::with_surfaces`] makes of
+/// it; `None` if it does not shine.
+#[must_use]
+pub fn sun_light(light: &scene::Light) -> Option<PunctualLight> {
+    let nothing =
+        Scene { light: *light, ..Scene::single(scene::Mesh::of_triangles("nothing", &[])) };
+    nothing.with_surfaces().surfaces?.lights.first().copied()
+}
+
+/// Returns a scene with surfaces of whose lights only `is_kept` ones shine; `other` shines if there
+/// is none.
+fn keep(
+    mut scene: Scene,
+    is_kept: impl Fn(&PunctualLight) -> bool,
+    other: impl Fn() -> Option<PunctualLight>,
+) -> Scene {
+    if let Some(Surfaces { lights, .. }) = &mut scene.surfaces {
+        for light in lights.iter_mut().filter(|light| !is_kept(light)) {
+            light.intensity = 0.0;
+        }
+        if !lights.iter().any(is_kept) {
+            lights.extend(other());
+        }
+    }
+    scene
+}
