@@ -1,6 +1,6 @@
 // The shadows of lights: filtered comparisons with shadow maps (depth is reversed), as the crate
-// `shadows` plans them. The samples of a filter are those of a disk, jittered and stratified, another
-// disk for each pixel of a tile (Uralsky, GPU Gems 2, chapter 17).
+// `shadows` plans them. The samples of a filter are those of a disk, jittered and stratified,
+// another disk for each pixel of a tile (Uralsky, GPU Gems 2, chapter 17).
 
 struct ShadowLight {
     uint first_face;

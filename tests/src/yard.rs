@@ -7,7 +7,7 @@ use scene::{
     pack_unorm,
 };
 
-use crate::shapes::{box_at, box_scene, cube, surface_of};
+use crate::shapes::{box_at, cube, surface_of};
 
 /// The ground, as a box.
 pub const GROUND: Aabb =
@@ -33,7 +33,7 @@ pub fn boxes() -> Vec<Aabb> {
 }
 
 /// Returns a sun, a spot and a point light over the yard.
-pub fn lights() -> Vec<PunctualLight> {
+pub fn lights() -> [PunctualLight; 3] {
     let light = |kind, intensity, position, direction: Vec3, range_m| PunctualLight {
         kind,
         colour: [1.0, 0.95, 0.85],
@@ -43,7 +43,7 @@ pub fn lights() -> Vec<PunctualLight> {
         direction: direction.normalize(),
     };
     let spot = LightKind::Spot { inner_rad: 0.4, outer_rad: 0.6 };
-    vec![
+    [
         light(LightKind::Directional, 1.6, Vec3::ZERO, vec3(-0.5, -0.8, -0.35), None),
         light(spot, 60.0, vec3(-5.0, 6.0, 5.0), vec3(0.25, -0.8, -0.5), Some(20.0)),
         light(LightKind::Point, 20.0, vec3(3.5, 2.2, 0.4), Vec3::NEG_Y, Some(12.0)),
@@ -51,12 +51,12 @@ pub fn lights() -> Vec<PunctualLight> {
 }
 
 /// Returns a scene of boxes under lights.
-pub fn scene(boxes: &[Aabb], lights: Vec<PunctualLight>) -> Scene {
+pub fn scene(boxes: &[Aabb], lights: &[PunctualLight]) -> Scene {
     let mesh = cube(pack_unorm([1.0; 4]), 1);
     let surfaces = Surfaces {
         meshes: vec![surface_of(&mesh, MaterialId(0))],
         materials: vec![Material { metallic: 0.0, ..Material::default() }],
-        lights,
+        lights: lights.to_vec(),
         ..Surfaces::default()
     };
     let object =
@@ -68,7 +68,6 @@ pub fn scene(boxes: &[Aabb], lights: Vec<PunctualLight>) -> Scene {
         objects: boxes.iter().map(object).collect(),
         light,
         surfaces: Some(surfaces),
-        ..box_scene(&[])
     }
 }
 

@@ -1,5 +1,6 @@
 //! The passes that draw a scene's objects, as the executor and the methods see them.
 
+use ::shadows::ShadowOptions;
 use cull::{Aabb, Containment, Hierarchy, PlaneMask, Strategy, View};
 use glam::Affine3A;
 use gpu::{BufferSlice, Commands, Device, Frame, RenderTarget, Target, Tick, Viewport};
@@ -11,14 +12,14 @@ use scene::{Light, Scene, TransparentId};
 
 use crate::passes::pipelines::{DepthFirst, PassNeeds, Pipelines};
 use crate::passes::{OpaqueIo, SurfaceIo};
-use crate::renderer::RendererOptions;
 use crate::resources::geometry::{Geometry, bounds_in_world};
 use crate::resources::skinned_mesh_state::SkinnedMeshState;
 use crate::resources::skinned_meshes::{PoseUploads, Skinned, SkinnedMeshes};
+use crate::resources::spare_room::SpareRoom;
 use crate::shading::depth_first::{DARK, DepthPass, Shading};
 use crate::shading::surfaces::SurfaceResources;
 use crate::shading::transparent::{Transparent, TransparentObject};
-use crate::shadows::{ShadowMaps, Shadows};
+use crate::shadows::Shadows;
 
 /// The passes and data that the objects of a scene are drawn with.
 pub(crate) struct FramePasses {
@@ -44,7 +45,7 @@ fn needs<'a>(
         surfaces: geometry.surfaces.as_ref(),
         has_transparent: transparent.is_some(),
         has_skinned_meshes: skinned_meshes.is_some(),
-        shadows: shadows.maps.as_ref().map(|_| &shadows.options),
+        shadows: shadows.map_options(),
     }
 }
 
@@ -121,13 +122,9 @@ impl FramePasses {
         shaders: &ShaderSet,
         (scene, hierarchy): (&Scene, &Hierarchy),
         target: Target,
-        (frames_in_flight, options): (usize, &RendererOptions),
+        (frames_in_flight, (room, shadows)): (usize, ((&SpareRoom, usize), ShadowOptions)),
     ) -> Result<Self, crate::Error> {
-        let shadows = Shadows::new(device, options.shadows)?;
-        if shadows.maps.is_some() && scene.surfaces.is_none() {
-            return Err(crate::Error::NoSurfacesForShadows);
-        }
-        let room = (&options.spare, options.upload_bytes_per_frame);
+        let shadows = Shadows::new(device, shadows, scene.surfaces.is_some())?;
         let geometry = Geometry::upload(device, scene, hierarchy, room)?;
         let transparent = Transparent::new(device, scene)?;
         let first_vertex = |mesh| geometry.first_vertex(mesh);
@@ -208,7 +205,7 @@ impl FramePasses {
             indices: self.geometry.indices.whole(),
             instances: self.geometry.instances.whole(),
             surfaces: self.geometry.surfaces.as_ref()?,
-            shadows: self.shadows.maps.as_ref().and_then(ShadowMaps::io),
+            shadows: self.shadows.io(),
         })
     }
 
@@ -357,46 +354,11 @@ impl FramePasses {
         (uploads, views): (PoseUploads<'_>, &[View]),
     ) -> Result<(), crate::Error> {
         self.geometry.relight(hierarchy, &mut executor.leaves);
-        self.plan_shadows(hierarchy, views)?;
+        self.shadows.plan(&self.geometry, hierarchy, views)?;
         self.geometry.upload_changes(frame, hierarchy, executor)?;
         self.upload_poses(frame, hierarchy, uploads)?;
-        self.record_shadows(frame, hierarchy, executor)
-    }
-
-    /// Draws all shadow maps again in the next frame: casters changed and their boxes did not.
-    pub(crate) fn forget_shadow_maps(&mut self) {
-        if let Some(maps) = &mut self.shadows.maps {
-            maps.forget();
-        }
-    }
-
-    /// Selects the view whose draws follow, by its number in the frame.
-    pub(crate) fn begin_view(&mut self, number: u32) {
-        if let Some(maps) = &mut self.shadows.maps {
-            maps.begin_view(number);
-        }
-    }
-
-    /// Plans the shadow maps for the views of a frame.
-    fn plan_shadows(&mut self, hierarchy: &Hierarchy, views: &[View]) -> Result<(), crate::Error> {
-        let Shadows { maps, own, .. } = &mut self.shadows;
-        match (maps, &self.geometry.surfaces) {
-            (Some(maps), Some(surfaces)) => maps.plan(&surfaces.table, own, hierarchy, views),
-            _ => Ok(()),
-        }
-    }
-
-    /// Draws the shadow maps that were planned.
-    fn record_shadows(
-        &mut self,
-        frame: &mut Frame<'_>,
-        hierarchy: &Hierarchy,
-        executor: &PlanExecutor,
-    ) -> Result<(), crate::Error> {
-        let (Some(maps), Some(pass)) = (&mut self.shadows.maps, &self.pipelines.casters) else {
-            return Ok(());
-        };
-        maps.record(frame, (&self.geometry, hierarchy), (pass, executor.leaves.predicates()))
+        let Self { geometry, pipelines, shadows, .. } = self;
+        shadows.record(frame, (geometry, hierarchy), (pipelines, executor.leaves.predicates()))
     }
 
     fn upload_poses(
@@ -423,8 +385,7 @@ impl FramePasses {
         // A light may see what no view sees.
         let casts = |state: &SkinnedMeshState| {
             let leaf = || hierarchy.leaf_of(geometry.owner(state.mesh)?);
-            let maps = shadows.maps.as_ref().filter(|_| state.transparent.is_none());
-            maps.zip(leaf()).is_some_and(|(maps, leaf)| maps.draws(leaf))
+            state.transparent.is_none() && leaf().is_some_and(|leaf| shadows.draw(leaf))
         };
         let is_seen = |state: &SkinnedMeshState| match (transform(state), uploads) {
             (None, _) => false,
@@ -492,9 +453,7 @@ impl FramePasses {
     pub(crate) fn submitted(&mut self, tick: Tick) {
         self.target.submitted();
         self.geometry.submitted();
-        if let Some(maps) = &mut self.shadows.maps {
-            maps.submitted();
-        }
+        self.shadows.submitted();
         if let Some(skinned_meshes) = &mut self.skinned_meshes {
             skinned_meshes.submitted(tick);
         }

@@ -185,8 +185,9 @@ impl Renderer {
         let occlusion_passes = OcclusionPasses::new(device, &shaders, target.attachments())?;
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
-        let mut passes =
-            FramePasses::new(device, &shaders, (scene, &hierarchy), target, (slots, options))?;
+        let room = (&options.spare, options.upload_bytes_per_frame);
+        let made_of = (slots, (room, options.shadows));
+        let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, made_of)?;
         let draws = hierarchy.leaf_objects().len() as u64;
         let threshold_samples = options.threshold_samples;
         let predication =

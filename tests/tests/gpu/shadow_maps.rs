@@ -23,6 +23,7 @@ fn shadows() -> ShadowOptions {
         sun_side: 256,
         spot_side: 256,
         point_side: 128,
+        layers_max: 16,
         ..ShadowOptions::default()
     }
 }
@@ -57,8 +58,8 @@ fn image(
 #[test]
 fn every_filter_darkens_the_same_places() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), yard::lights());
-        let mut draw = |shadows| {
+        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let draw = |shadows| {
             let mut renderer = renderer(device, &scene, shadows);
             let mut view = renderer.new_view().unwrap();
             image(&mut renderer, &mut view, Strategy::FRUSTUM, yard::camera())
@@ -68,7 +69,9 @@ fn every_filter_darkens_the_same_places() {
         for filter in ShadowFilter::ALL {
             let shadowed = draw(ShadowOptions { filter, ..shadows() });
             let darker = lit.iter().zip(&shadowed).filter(|(lit, it)| lit > it).count();
-            let brighter = lit.iter().zip(&shadowed).filter(|(lit, it)| lit < it).count();
+            // The two are compiled apart: a last place may be rounded differently.
+            let is_brighter = |(lit, it): &(&u8, &u8)| u16::from(**lit) + 1 < u16::from(**it);
+            let brighter = lit.iter().zip(&shadowed).filter(is_brighter).count();
             assert!(darker * 8 > lit.len() && brighter == 0, "{filter:?}: {darker}, {brighter}");
             let differences = fixed.iter().zip(&shadowed).map(|(a, b)| u64::from(a.abs_diff(*b)));
             let mean = differences.sum::<u64>() as f64 / fixed.len() as f64;

@@ -14,8 +14,8 @@ use crate::record::attachments::{Attachments, COLOURS_MAX, ColourFormats, DEPTH_
 use crate::record::commands::Commands;
 use crate::record::render_target::{Load, RenderTarget};
 
-/// Layers of depth, reversed: 0 is the farthest. The contents outlast frames. Between two calls they
-/// are ready to be sampled.
+/// Layers of depth, reversed: 0 is the farthest. The contents outlast frames. Between two calls
+/// they are ready to be sampled.
 pub struct DepthLayers {
     device: Device,
     image: Image,
@@ -125,8 +125,8 @@ impl DepthLayers {
     }
 
     /// Records draws to layers, outside of rendering: `record` opens a rendering to each
-    /// [`DepthLayers::target`]. What is not drawn to stays; before the first draw of all, everything
-    /// is as far as possible.
+    /// [`DepthLayers::target`]. What is not drawn to stays; before the first draw of all,
+    /// everything is as far as possible.
     pub fn draw(&mut self, commands: &Commands, record: impl FnOnce(&Commands, &Self)) {
         if commands.admit(self).is_err() {
             return;

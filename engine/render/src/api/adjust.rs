@@ -106,7 +106,7 @@ impl Renderer {
         // Nothing fails from here on.
         (self.passes.pipelines, self.executor.passes) = (pipelines, executing);
         (self.methods, self.shaders) = (methods, shaders);
-        self.passes.forget_shadow_maps();
+        self.passes.shadows.forget();
         Ok(())
     }
 }

@@ -78,7 +78,7 @@ impl Renderer {
         let leaves = &mut self.executor.leaves;
         if self.passes.geometry.show_arrived(&self.hierarchy, leaves) {
             self.revision.advance();
-            self.passes.forget_shadow_maps();
+            self.passes.shadows.forget();
         }
     }
 }

@@ -84,7 +84,7 @@ impl Renderer {
         for (number, (ViewTarget { state, visible, .. }, view)) in
             (0..).zip(targets.iter_mut().zip(&views))
         {
-            passes.begin_view(number);
+            passes.shadows.begin_view(number);
             report.transparent +=
                 passes.gather_transparent(&mut frame, executor, view, request.strategy)?;
             let wanted = method_request(*visible, view, request);

@@ -26,13 +26,11 @@ impl Renderer {
     /// [`Error::Shadows`]; [`Error::NoSurfacesForShadows`]; maps beyond the device's limits, no
     /// memory, a failed call. Nothing has changed then.
     pub fn set_shadows(&mut self, options: ShadowOptions) -> Result<(), Error> {
-        let shadows = Shadows::new(&self.device, options)?;
-        if shadows.maps.is_some() && self.passes.geometry.surfaces.is_none() {
-            return Err(Error::NoSurfacesForShadows);
-        }
+        let has_surfaces = self.passes.geometry.surfaces.is_some();
+        let mut shadows = Shadows::new(&self.device, options, has_surfaces)?;
         self.passes.pipelines = self.passes.recompiled(&self.shaders, &shadows)?;
-        let own = std::mem::take(&mut self.passes.shadows.own);
-        self.passes.shadows = Shadows { own, ..shadows };
+        shadows.own = std::mem::take(&mut self.passes.shadows.own);
+        self.passes.shadows = shadows;
         Ok(())
     }
 

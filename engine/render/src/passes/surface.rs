@@ -38,6 +38,7 @@ pub enum SurfaceKind {
 /// materials and lights use.
 pub struct SurfacePass {
     pipeline: GraphicsPipeline,
+    has_shadows: bool,
 }
 
 /// The inputs of the pass: reads positions, surface vertices, indices, instances, materials,
@@ -53,7 +54,7 @@ pub struct SurfaceIo<'a> {
     pub instances: BufferSlice,
     /// The scene's surfaces, with the second half of its vertices.
     pub surfaces: &'a SurfaceResources,
-    /// The shadows of its lights; for passes that were compiled with a filter, and for no others.
+    /// The shadows of its lights, for passes that were compiled with a filter.
     pub shadows: Option<ShadowIo<'a>>,
 }
 
@@ -159,7 +160,7 @@ impl SurfacePass {
             attachments,
             ..GraphicsPipelineInfo::of(name, &vertex)
         };
-        Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
+        Ok(Self { pipeline: GraphicsPipeline::new(device, &info)?, has_shadows: filter.is_some() })
     }
 
     /// Binds everything; the caller then records draws of one instance each, since a draw has one
@@ -175,7 +176,7 @@ impl SurfacePass {
         let own = [io.instances, materials, transforms, lights, lists];
         let pages = io.surfaces.pages();
         let pages = pages.as_ref().map_or(&[][..], |pages| &pages[..]);
-        match &io.shadows {
+        match io.shadows.as_ref().filter(|_| self.has_shadows) {
             None => commands.bind_sampled(&self.pipeline, &own, &[], pages),
             Some(shadows) => {
                 let [instances, materials, transforms, lights, lists] = own;

@@ -12,7 +12,7 @@ use super::{image, renderer, shadows};
 #[test]
 fn impossible_options_are_refused_and_change_nothing() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), yard::lights());
+        let scene = yard::scene(&yard::boxes(), &yard::lights());
         let mut renderer = renderer(device, &scene, shadows());
         let mut view = renderer.new_view().unwrap();
         let before = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
@@ -54,7 +54,7 @@ fn scenes_without_surfaces_have_no_shadows_and_say_so() {
 
 /// Returns the yard under lights that are none, and under many.
 fn badly_lit(count: usize) -> Scene {
-    let [sun, spot, point] = yard::lights().try_into().unwrap();
+    let [sun, spot, point] = yard::lights();
     let mut lights = vec![
         PunctualLight { range_m: Some(0.0), ..point },
         PunctualLight { range_m: Some(f32::NAN), ..point },
@@ -70,7 +70,7 @@ fn badly_lit(count: usize) -> Scene {
         range_m: Some(2.0),
         ..point
     });
-    yard::scene(&yard::boxes(), lights)
+    yard::scene(&yard::boxes(), &lights)
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn impossible_lights_and_ten_thousand_of_them_do_no_harm() {
 #[test]
 fn lights_without_a_shadow_shine_through() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), yard::lights());
+        let scene = yard::scene(&yard::boxes(), &yard::lights());
         let single = ShadowOptions { filter: ShadowFilter::Single, ..shadows() };
         let mut renderer = renderer(device, &scene, single);
         let mut view = renderer.new_view().unwrap();

@@ -38,7 +38,7 @@ const FIGURE: ObjectId = ObjectId(1);
 
 /// Returns the yard with a figure: a cube with two joints that grows a bump.
 fn scene() -> Scene {
-    let mut scene = yard::scene(&yard::boxes(), yard::lights());
+    let mut scene = yard::scene(&yard::boxes(), &yard::lights());
     let mesh = shapes::cube(u32::MAX, 3);
     let surfaces = scene.surfaces.as_mut().unwrap();
     surfaces.meshes.push(shapes::surface_of(&mesh, MaterialId(0)));
@@ -83,7 +83,7 @@ fn changes(frame: u32, random: &mut Random, added: &mut Vec<ObjectId>) -> SceneU
         }
         _ => {}
     }
-    if frame % 3 != 0 {
+    if !frame.is_multiple_of(3) {
         let turn = Affine3A::from_rotation_y(frame as f32 * 0.1);
         update.joints = vec![Affine3A::IDENTITY, turn];
         update.weights = vec![random.unit()];
@@ -95,7 +95,7 @@ fn changes(frame: u32, random: &mut Random, added: &mut Vec<ObjectId>) -> SceneU
 
 /// Returns a light of the yard as it is in a frame: one moves at times.
 fn moved_light(frame: u32) -> PunctualLight {
-    let [.., point] = yard::lights().try_into().unwrap();
+    let [.., point] = yard::lights();
     let away = (frame / 40) as f32 * 0.3;
     PunctualLight { position: point.position + vec3(-away, 0.0, away), ..point }
 }
@@ -111,12 +111,8 @@ impl Side {
     }
 
     fn draw(&mut self, frame: u32, update: &SceneUpdate) -> (Vec<u8>, Vec<ObjectId>) {
-        let Self(renderer, view) = self;
-        let added = if update.objects.len() > 3 && self.0.hierarchy().free_leaves() == 0 {
-            Vec::new()
-        } else {
-            renderer.apply(update).unwrap().added
-        };
+        let has_room = update.objects.len() <= 3 || self.0.hierarchy().free_leaves() > 0;
+        let added = if has_room { self.0.apply(update).unwrap().added } else { Vec::new() };
         self.0.set_light(LightId(2), moved_light(frame)).unwrap();
         let mut camera = yard::camera();
         camera.eye += vec3(0.01, 0.0, -0.005) * frame as f32;

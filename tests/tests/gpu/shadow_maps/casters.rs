@@ -20,15 +20,15 @@ fn walking(frame: u32) -> Camera {
 #[test]
 fn every_exact_strategy_has_the_same_shadows() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), yard::lights());
+        let scene = yard::scene(&yard::boxes(), &yard::lights());
         for filter in [ShadowFilter::Adaptive, ShadowFilter::Pcss12] {
             let mut renderer = renderer(device, &scene, ShadowOptions { filter, ..shadows() });
             let strategies = [
                 Strategy::ANTUMBRA_QUERIES,
                 Strategy::ANTUMBRA_FLAGS,
                 Strategy::ANTUMBRA_COMPUTE,
-                Strategy::COHERENT,
-                Strategy::PYRAMID,
+                methods::COHERENT,
+                methods::PYRAMID,
             ];
             let supported = strategies.into_iter().filter(|it| renderer.supports(*it).is_ok());
             let supported: Vec<Strategy> = supported.collect();
@@ -51,7 +51,7 @@ fn every_exact_strategy_has_the_same_shadows() {
 #[test]
 fn each_of_two_views_has_the_cascades_of_its_own_eye() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), yard::lights());
+        let scene = yard::scene(&yard::boxes(), &yard::lights());
         let halves =
             [0, SIZE[0] / 2].map(|x| Rect { origin: [x, 0], size: [SIZE[0] / 2, SIZE[1]] });
         let far =
@@ -90,10 +90,10 @@ fn each_of_two_views_has_the_cascades_of_its_own_eye() {
 fn what_no_view_shows_casts_its_shadow() {
     run_on_all(|device| {
         // A plate high above, behind the eye, between the sun and the ground ahead.
-        let [sun, ..] = yard::lights().try_into().unwrap();
+        let [sun, ..] = yard::lights();
         let plate = Aabb::new(vec3(-2.0, 14.0, 3.0), vec3(6.0, 14.2, 12.0));
-        let lit = yard::scene(&[yard::GROUND], vec![sun]);
-        let shadowed = yard::scene(&[yard::GROUND, plate], vec![sun]);
+        let lit = yard::scene(&[yard::GROUND], &[sun]);
+        let shadowed = yard::scene(&[yard::GROUND, plate], &[sun]);
         let camera =
             Camera { eye: vec3(0.0, 4.0, 6.0), forward: vec3(-0.4, -0.9, -0.6), ..yard::camera() };
         let [lit, shadowed] = [lit, shadowed].map(|scene| {
@@ -109,11 +109,11 @@ fn what_no_view_shows_casts_its_shadow() {
 #[test]
 fn light_falls_through_the_holes_of_masked_materials() {
     run_on_all(|device| {
-        let [sun, ..] = yard::lights().try_into().unwrap();
+        let [sun, ..] = yard::lights();
         let plate = Aabb::new(vec3(-3.0, 3.0, -3.0), vec3(3.0, 3.1, 3.0));
         let draw = |alpha: f32, is_there: bool| {
             let boxes = [yard::GROUND, plate];
-            let mut scene = yard::scene(&boxes[..1 + usize::from(is_there)], vec![sun]);
+            let mut scene = yard::scene(&boxes[..1 + usize::from(is_there)], &[sun]);
             let mut leaf = scene.meshes[0].clone();
             leaf.name = "leaf".to_owned();
             scene.meshes.push(leaf);
@@ -148,7 +148,7 @@ fn light_falls_through_the_holes_of_masked_materials() {
 #[test]
 fn frames_that_are_never_submitted_leave_the_maps_right() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), yard::lights());
+        let scene = yard::scene(&yard::boxes(), &yard::lights());
         let mut renderer = renderer(device, &scene, shadows());
         let mut view = renderer.new_view().unwrap();
         let expected = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
