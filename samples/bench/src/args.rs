@@ -12,6 +12,7 @@ use crate::choices::{
     CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice, ProjectionChoice,
     ValidationChoice, Verify, enumerate, parse_named, parse_strategy,
 };
+use crate::light_args::LightArguments;
 use crate::options::{
     DEFAULT_IMAGES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
     MadeScene, PathChoice, SceneChoice, UsageError,
@@ -44,6 +45,8 @@ Examples:
       Every tenth object moves or comes and goes; each frame is compared.
   walkthrough --scene rooms.glb --path walk
       With the camera \"walk\" of a glTF file, all of whose clips play.
+  walkthrough --lights 16 --shadows maps,maps_uncached --filter pcf3,adaptive --verify every
+      At night under 16 street lamps: each way to make shadows with each filter.
   walkthrough --list-devices
       Lists the devices that --device can choose from.
 
@@ -59,6 +62,9 @@ pub struct Arguments {
     /// The numbers that city and field are made from.
     #[command(flatten)]
     pub made: MadeArguments,
+    /// Its lights and their shadows.
+    #[command(flatten)]
+    pub lighting: LightArguments,
     /// The camera's path: street (eye level), fly (from above), cut (every tenth frame jumps), or a
     /// file that city or viewer recorded (a name with .txt at its end or a slash). In a glTF file:
     /// a camera of that name, whose whole clip is walked once from end to end [default: street; in
@@ -285,8 +291,11 @@ impl Arguments {
                 Strategy::has_sample_threshold,
             )?;
         }
+        let shadows = self.lighting.choices(&self.scene)?;
         Ok(Options {
             scene,
+            lights: self.lighting.lights,
+            shadows,
             path,
             moving_percent: moving,
             frames,

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use antumbra::cull::Corrections;
 
 use crate::report::{AgeReport, CorrectionsReport, RunReport, kept_times};
+use crate::shadow_choice::ShadowChoice;
 use crate::statistics::{TimeSummary, median_count};
 use crate::strategy::Strategy;
 
@@ -23,6 +24,10 @@ pub struct FrameMeasurement {
     pub tests: u64,
     /// Occlusion queries issued.
     pub queries: u64,
+    /// Shadow maps that were drawn, wholly or in part.
+    pub shadow_faces: u64,
+    /// Draws of casters into shadow maps.
+    pub shadow_casters: u64,
     /// Draws that a predicate decided.
     pub predicated_draws: u64,
     /// Nodes of the hierarchy that the culler visited.
@@ -61,6 +66,7 @@ struct WarmUp {
 #[derive(Clone, Debug)]
 pub struct RunMeasurement {
     strategy: Strategy,
+    shadows: Option<ShadowChoice>,
     frames: Vec<FrameMeasurement>,
     warm_up: WarmUp,
     frames_verified: u64,
@@ -73,12 +79,19 @@ impl RunMeasurement {
     pub fn new(strategy: Strategy) -> Self {
         Self {
             strategy,
+            shadows: None,
             frames: Vec::new(),
             warm_up: WarmUp::default(),
             frames_verified: 0,
             pixels_wrong: 0,
             passes: BTreeMap::new(),
         }
+    }
+
+    /// Returns it as the run of one way to draw shadows.
+    #[must_use]
+    pub fn with_shadows(self, shadows: Option<ShadowChoice>) -> Self {
+        Self { shadows, ..self }
     }
 
     /// Returns true while there is no timed frame.
@@ -136,6 +149,10 @@ impl RunMeasurement {
         let timed_waits: u64 = self.frames.iter().map(|frame| frame.blocking_waits).sum();
         RunReport {
             strategy: self.strategy.name().to_owned(),
+            shadows: self.shadows.map(|it| it.way.name().to_owned()),
+            filter: self.shadows.map(|it| it.filter.name().to_owned()),
+            shadow_faces: self.shadows.and_then(|_| count(|frame| frame.shadow_faces)),
+            shadow_casters: self.shadows.and_then(|_| count(|frame| frame.shadow_casters)),
             frame_ms: times(|frame| frame.frame_ms),
             frame_times_ms: kept_times(self.frames.iter().map(|frame| frame.frame_ms)),
             cpu_ms: times(|frame| frame.cpu_ms),

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use scenes::LightSet;
 use serde::Serialize;
 use thiserror::Error;
 
@@ -11,6 +12,7 @@ use crate::choices::{
     CameraPathChoice, CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice,
     ProjectionChoice, ValidationChoice, Verify,
 };
+use crate::shadow_choice::ShadowChoice;
 use crate::strategy::Strategy;
 use crate::terminal::shown;
 
@@ -124,6 +126,11 @@ impl fmt::Display for PathChoice {
 pub struct Options {
     /// The scene to walk through: generated, or out of a file.
     pub scene: SceneChoice,
+    /// The lights on it; none where it has its own, or no surfaces that they could shine on.
+    pub lights: Option<LightSet>,
+    /// The ways to draw shadows, each with each strategy; empty where nothing is said about
+    /// lights: no shadows then.
+    pub shadows: Vec<ShadowChoice>,
     /// The camera's path.
     pub path: PathChoice,
     /// The number of eyes: 1, or a pair side by side; the frame has at least a column for each.

@@ -21,6 +21,9 @@ pub struct Report {
     pub device: DeviceReport,
     /// The scene that was drawn.
     pub scene: SceneReport,
+    /// The lights on the scene, as on the command line; absent where none were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lights: Option<String>,
     /// The name of the camera's path.
     pub path: String,
     /// The number of eyes, side by side in one frame; counts are of all together.
@@ -53,7 +56,7 @@ pub struct Report {
     pub build_ms: BuildReport,
     /// Strategies that could not run, and the reasons.
     pub left_out: Vec<LeftOut>,
-    /// The runs, one per strategy, in the order asked for.
+    /// The runs, in the order asked for: one per strategy, and per way to draw shadows.
     pub runs: Vec<RunReport>,
     /// "A/B": median frame time of A over that of B, for every ordered pair.
     pub ratios: BTreeMap<String, Option<f64>>,
@@ -183,6 +186,18 @@ impl From<Corrections> for CorrectionsReport {
 pub struct RunReport {
     /// The name of the strategy.
     pub strategy: String,
+    /// The way to make shadows; absent where nothing is said about lights, as the three below.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shadows: Option<String>,
+    /// The filter of shadow maps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub filter: Option<String>,
+    /// Shadow maps that were drawn, wholly or in part.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shadow_faces: Option<u64>,
+    /// Draws of casters into shadow maps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shadow_casters: Option<u64>,
     /// The time of a frame: from its beginning on the CPU to its end on the device, per frame in
     /// flight.
     pub frame_ms: TimeSummary,
@@ -237,6 +252,19 @@ pub struct RunReport {
     pub samples_below_threshold: u64,
 }
 
+/// Returns the names of runs: their strategies, and the shadows where these differ.
+pub fn labels(runs: &[RunReport]) -> Vec<String> {
+    let shadows = |run: &RunReport| (run.shadows.clone(), run.filter.clone());
+    let is_one = runs.windows(2).all(|pair| shadows(&pair[0]) == shadows(&pair[1]));
+    let label = |run: &RunReport| match shadows(run) {
+        (Some(shadows), Some(filter)) if !is_one => {
+            format!("{} {shadows} {filter}", run.strategy)
+        }
+        _ => run.strategy.clone(),
+    };
+    runs.iter().map(label).collect()
+}
+
 /// Returns "A/B" for every ordered pair of runs: median frame time of A over the median of B.
 pub fn ratios(runs: &[RunReport]) -> BTreeMap<String, Option<f64>> {
     pairs(runs, |a, b| ratio(a.frame_ms.median, b.frame_ms.median))
@@ -259,10 +287,11 @@ fn pairs(
     ratio: impl Fn(&RunReport, &RunReport) -> Option<f64>,
 ) -> BTreeMap<String, Option<f64>> {
     let mut ratios = BTreeMap::new();
-    for (a_place, a) in runs.iter().enumerate() {
-        for (b_place, b) in runs.iter().enumerate() {
+    let labels = labels(runs);
+    for (a_place, (a, a_label)) in runs.iter().zip(&labels).enumerate() {
+        for (b_place, (b, b_label)) in runs.iter().zip(&labels).enumerate() {
             if a_place != b_place {
-                let name = format!("{}/{}", a.strategy, b.strategy);
+                let name = format!("{a_label}/{b_label}");
                 ratios.insert(name, ratio(a, b));
             }
         }

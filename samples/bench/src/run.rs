@@ -164,6 +164,7 @@ pub fn walk_on(
     let report = Report {
         device: device_report(device.adapter()),
         scene: scene_report,
+        lights: options.lights.map(|lights| lights.to_string()),
         path: path_name,
         views: options.views,
         projection: options.projection.to_string(),

@@ -7,7 +7,7 @@ use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 
 use crate::choices::ProjectionChoice;
 use crate::options::LeftOut;
-use crate::report::{Report, RunReport};
+use crate::report::{Report, RunReport, labels};
 use crate::statistics::TimeSummary;
 use crate::strategy::{Strategy, named};
 
@@ -33,6 +33,7 @@ pub fn render(report: &Report, width: usize) -> String {
     let above = [head(report)];
     let below = [
         ratio_lines(report),
+        shadow_lines(report),
         cost_lines(report),
         pass_lines(report),
         note_lines(report),
@@ -78,8 +79,8 @@ fn block(report: &Report, columns: &[usize]) -> String {
     table.set_content_arrangement(ContentArrangement::Disabled);
     let centred = |column: &usize| Cell::new(COLUMNS[*column]).set_alignment(CellAlignment::Center);
     table.set_header([0].iter().chain(columns).map(centred));
-    for run in &report.runs {
-        let cells = row(run);
+    for (run, label) in report.runs.iter().zip(labels(&report.runs)) {
+        let cells = row(run, label);
         table.add_row([0].iter().chain(columns).map(|column| cells[*column].clone()));
     }
     for column in table.column_iter_mut().skip(1) {
@@ -88,9 +89,9 @@ fn block(report: &Report, columns: &[usize]) -> String {
     table.trim_fmt() + "\n"
 }
 
-fn row(run: &RunReport) -> [String; 10] {
+fn row(run: &RunReport, label: String) -> [String; 10] {
     [
-        run.strategy.clone(),
+        label,
         milliseconds(run.frame_ms.median),
         milliseconds(run.frame_ms.p95),
         milliseconds(run.cpu_ms.median),
@@ -133,6 +134,12 @@ fn more_lines(report: &Report) -> String {
         let frames = report.runs.iter().map(frames).collect::<Vec<_>>().join(", ");
         lines += &format!("\nCUT SHORT by a signal; frames timed: {frames}");
     }
+    if let Some(lights) = &report.lights {
+        lines += &match lights.parse::<u32>() {
+            Ok(lamps) => format!("\nat night, under {lamps} street lamps"),
+            Err(_) => format!("\nlights: {lights}"),
+        };
+    }
     if report.projection != ProjectionChoice::Perspective.to_string() {
         lines += &format!("\n{} cameras", report.projection);
     }
@@ -155,6 +162,20 @@ fn more_lines(report: &Report) -> String {
     lines
 }
 
+/// Returns a line for each run with shadows.
+fn shadow_lines(report: &Report) -> String {
+    let line = |(run, label): (&RunReport, String)| {
+        let drawn = run.shadow_faces.filter(|faces| *faces > 0 || run.shadow_casters > Some(0));
+        drawn.map(|faces| {
+            let casters = count(run.shadow_casters);
+            let faces = count(Some(faces));
+            format!("{label}: {faces} shadow maps and {casters} casters drawn per frame")
+        })
+    };
+    let lines = report.runs.iter().zip(labels(&report.runs)).filter_map(line);
+    lines.collect::<Vec<_>>().join("\n")
+}
+
 /// The most runs that are compared with each other, one by one.
 const FEW_RUNS: usize = 3;
 
@@ -163,11 +184,15 @@ const MEASURES: [Strategy; 3] = [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods:
 
 /// Returns a sentence for each pair, in the order of the runs; of many, one for each run.
 fn ratio_lines(report: &Report) -> String {
-    let names: Vec<&str> = report.runs.iter().map(|run| run.strategy.as_str()).collect();
+    let labels = labels(&report.runs);
+    let names: Vec<&str> = labels.iter().map(String::as_str).collect();
     let ratio = |a: &str, b: &str| report.ratios.get(&format!("{a}/{b}")).copied().flatten();
     if names.len() > FEW_RUNS {
         let line = |name: &&str| {
-            let to = |measure: Strategy| Some((ratio(name, measure.name())?, measure));
+            // Of runs with shadows those with the same ones.
+            let shadows = name.find(' ').map_or("", |end| &name[end..]);
+            let to =
+                |measure: Strategy| Some((ratio(name, &format!("{measure}{shadows}"))?, measure));
             let ratios = MEASURES.into_iter().filter_map(to);
             let parts: Vec<String> =
                 ratios.map(|(ratio, measure)| format!("{ratio:.2} times {measure}")).collect();

@@ -18,6 +18,7 @@ use crate::progress::WalkProgress;
 use crate::report::RunReport;
 use crate::run_error::RunError;
 use crate::schedule::{Schedule, WalkStep};
+use crate::shadow_choice::ShadowChoice;
 use crate::signals::Signals;
 use crate::stopwatch::Stopwatch;
 
@@ -34,15 +35,19 @@ pub struct Walk<'a> {
     schedule: Schedule,
     runs: Vec<Run>,
     reference: Eyes,
-    references: BTreeMap<u32, Vec<u8>>,
+    /// By the way to draw shadows and the frame.
+    references: BTreeMap<(usize, u32), Vec<u8>>,
+    /// The ways to draw shadows of the references.
+    reference_shadows: Vec<ShadowChoice>,
     images: Vec<Readback>,
     // The objects that own a pixel in each frame, for `ideal`.
     visible_sets: BTreeMap<u32, Vec<VisibleSet>>,
 }
 
-/// One strategy in the walk.
+/// One strategy in the walk, with one way to draw shadows.
 struct Run {
     strategy: Strategy,
+    shadows: ShadowChoice,
     eyes: Eyes,
     measurement: RunMeasurement,
 }
@@ -66,12 +71,16 @@ impl<'a> Walk<'a> {
         moving: &'a mut Moving,
         options: &Options,
     ) -> Result<Self, RunError> {
-        let run = |&strategy| -> Result<Run, RunError> {
+        let run = |(shadows, strategy): (Option<ShadowChoice>, Strategy)| -> Result<Run, RunError> {
             let eyes = Eyes::new(renderer, options.views, options.projection)?;
-            Ok(Run { strategy, eyes, measurement: RunMeasurement::new(strategy) })
+            let measurement = RunMeasurement::new(strategy).with_shadows(shadows);
+            Ok(Run { strategy, shadows: shadows.unwrap_or(ShadowChoice::OFF), eyes, measurement })
         };
+        let combinations = combinations(&options.shadows, &options.strategies);
+        let runs: Vec<Run> = combinations.into_iter().map(run).collect::<Result<_, _>>()?;
         Ok(Self {
-            runs: options.strategies.iter().map(run).collect::<Result<_, _>>()?,
+            schedule: Schedule::new(options.frames, runs.len()),
+            runs,
             reference: Eyes::new(renderer, options.views, options.projection)?,
             device: renderer.device().clone(),
             renderer,
@@ -81,8 +90,8 @@ impl<'a> Walk<'a> {
             projection: options.projection,
             verify: options.verify,
             frames_in_flight: usize::try_from(options.frames_in_flight).unwrap_or(usize::MAX),
-            schedule: Schedule::new(options.frames, options.strategies.len()),
             references: BTreeMap::new(),
+            reference_shadows: Vec::new(),
             images: Vec::new(),
             visible_sets: BTreeMap::new(),
         })
@@ -142,7 +151,11 @@ impl<'a> Walk<'a> {
         let verify = self.verify;
         // Those that warm up, too: with the first of them, a history begins.
         let compared = || turn.iter().filter(|step| verify.includes(step.frame));
-        self.draw_references(compared().map(|step| step.frame))?;
+        let own = turn.first().and_then(|step| self.runs.get(step.strategy));
+        let shadows = own.map_or(ShadowChoice::OFF, |run| run.shadows);
+        let frames = compared().map(|step| step.frame);
+        let reference = self.draw_references(shadows.reference(), frames)?;
+        self.renderer.set_shadows(shadows.options())?;
         while self.images.len() < compared().count() {
             self.images.push(Readback::new(&self.device, self.renderer.size())?);
         }
@@ -186,7 +199,8 @@ impl<'a> Walk<'a> {
         book(run, walked);
         let compared = turn.iter().take(drawn).filter(|step| verify.includes(step.frame));
         for (image, step) in self.images.iter().zip(compared) {
-            let reference = self.references.get(&step.frame).map_or(&[][..], Vec::as_slice);
+            let reference = self.references.get(&(reference, step.frame));
+            let reference = reference.map_or(&[][..], Vec::as_slice);
             let pixels_wrong = pixels_that_differ(reference, &image.rgba8()?);
             if step.timed {
                 run.measurement.verified(pixels_wrong);
@@ -197,24 +211,47 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Draws the reference images of `frames` with plain frustum culling, unless they exist from
-    /// another strategy's turn in the same round.
-    fn draw_references(&mut self, frames: impl Iterator<Item = u32>) -> Result<(), RunError> {
+    /// Draws the reference images of `frames` with plain frustum culling and these shadows, unless
+    /// they exist from another run's turn in the same round. Returns the number of these shadows.
+    fn draw_references(
+        &mut self,
+        shadows: ShadowChoice,
+        frames: impl Iterator<Item = u32>,
+    ) -> Result<usize, RunError> {
+        let number = self.reference_shadows.iter().position(|known| *known == shadows);
+        let number = number.unwrap_or_else(|| {
+            self.reference_shadows.push(shadows);
+            self.reference_shadows.len() - 1
+        });
         let frames: BTreeSet<u32> = frames.collect();
-        if frames.iter().all(|frame| self.references.contains_key(frame)) {
-            return Ok(());
+        if frames.iter().all(|frame| self.references.contains_key(&(number, *frame))) {
+            return Ok(number);
         }
-        self.references.clear();
+        // Those of other shadows in this round stay.
+        self.references.retain(|(of, frame), _| *of != number && frames.contains(frame));
+        self.renderer.set_shadows(shadows.options())?;
         let image = Readback::new(&self.device, self.renderer.size())?;
         for frame in frames {
             self.moving.show(self.renderer, frame)?;
             let (camera, wanted) = (self.path.frame_camera(frame), Some(&image));
             self.reference.render(self.renderer, Strategy::FRUSTUM, &camera, &[], wanted)?;
             self.reference.drain(self.renderer)?;
-            self.references.insert(frame, image.rgba8()?.to_vec());
+            self.references.insert((number, frame), image.rgba8()?.to_vec());
         }
-        Ok(())
+        Ok(number)
     }
+}
+
+/// Returns each way to draw shadows with each strategy; each strategy alone if there are no ways.
+fn combinations(
+    shadows: &[ShadowChoice],
+    strategies: &[Strategy],
+) -> Vec<(Option<ShadowChoice>, Strategy)> {
+    let ways: Vec<Option<ShadowChoice>> = match shadows {
+        [] => vec![None],
+        ways => ways.iter().copied().map(Some).collect(),
+    };
+    ways.iter().flat_map(|way| strategies.iter().map(|strategy| (*way, *strategy))).collect()
 }
 
 /// Returns what a frame's report says.
@@ -222,6 +259,8 @@ fn measurement_of(report: &FrameReport, strategy: Strategy) -> FrameMeasurement 
     FrameMeasurement {
         tests: report.tests.into(),
         queries: report.queries.into(),
+        shadow_faces: report.shadows.drawn_faces.into(),
+        shadow_casters: report.shadows.casters.into(),
         predicated_draws: report.predicated_draws.into(),
         nodes_visited: report.plan.nodes_visited.into(),
         untested_by_cost: report.plan.untested_by_cost.into(),
@@ -277,6 +316,7 @@ fn pixels_that_differ(reference: &[u8], image: &[u8]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shadow_choice::ShadowWay;
 
     #[test]
     fn turns_are_cut_where_the_schedule_cuts_them() {
@@ -291,6 +331,17 @@ mod tests {
             }
             assert_eq!(turns, 3 * strategies);
         }
+    }
+
+    #[test]
+    fn shadows_are_combined_with_strategies() {
+        let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA];
+        let alone = [(None, Strategy::FRUSTUM), (None, Strategy::ANTUMBRA)];
+        assert_eq!(combinations(&[], &strategies), alone);
+        let maps = ShadowChoice { way: ShadowWay::Maps, ..ShadowChoice::OFF };
+        let combined = combinations(&[ShadowChoice::OFF, maps], &strategies);
+        assert_eq!(combined.len(), 4);
+        assert_eq!(combined[2], (Some(maps), Strategy::FRUSTUM));
     }
 
     #[test]

@@ -58,6 +58,9 @@ impl WalkImages {
         folder: &Path,
         signals: &Signals,
     ) -> Result<(), RunError> {
+        if let Some(shadows) = options.shadows.last() {
+            renderer.set_shadows(shadows.options())?;
+        }
         let image = Readback::new(renderer.device(), renderer.size())?;
         let mut save = |name: String, is_explained: bool| {
             let written = image.rgba8().map_err(RunError::from).and_then(|pixels| {

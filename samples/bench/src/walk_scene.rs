@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use antumbra::glam::Vec3;
 use antumbra::import;
 use antumbra::import::SceneAnimator;
 use antumbra::scene::Scene;
@@ -69,6 +70,7 @@ impl WalkScene {
         };
         let path = CameraTrack::new(&options.path, &routes)?;
         let moving = Moving::new(&scene, options.moving_percent, seed)?;
+        let scene = lit(scene, &path, options)?;
         let path_name = options.path.to_string();
         Ok(Self { scene, seed, path, path_name, moving, file: None })
     }
@@ -121,9 +123,22 @@ impl WalkScene {
             (_, None) => CameraTrack::Around(orbit, options.frames),
         };
         let moving = Moving::played(animator, clock);
+        let scene = lit(scene, &path, options).map_err(|error| error.about(file))?;
         Ok(Self { scene, seed: 0, path, path_name, moving, file: Some(report) })
     }
 }
+
+/// Returns the scene under the lights that were asked for.
+fn lit(scene: Scene, path: &CameraTrack, options: &Options) -> Result<Scene, RunError> {
+    let Some(lights) = options.lights else { return Ok(scene) };
+    let step = options.frames.div_ceil(MOST_EYES).max(1) as usize;
+    let frames = (0..options.frames).step_by(step);
+    let eyes: Vec<Vec3> = frames.map(|frame| path.camera(frame).eye).collect();
+    Ok(lights.light(scene, &eyes)?)
+}
+
+/// The most places along a path that lamps are compared with.
+const MOST_EYES: u32 = 256;
 
 /// The source of the camera's path.
 enum Way {

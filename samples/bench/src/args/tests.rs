@@ -84,6 +84,8 @@ fn every_option_arrives() {
     assert_eq!(
         options,
         Options {
+            lights: None,
+            shadows: Vec::new(),
             costs: CostsChoice::Measured,
             time_passes: false,
             scene: SceneChoice::Made(MadeScene {

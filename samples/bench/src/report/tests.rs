@@ -2,8 +2,10 @@
 
 use super::*;
 use crate::measurement::{FrameMeasurement, RunMeasurement};
+use crate::shadow_choice::{ShadowChoice, ShadowWay};
 use crate::strategy::Strategy;
 use antumbra::cull;
+use antumbra::shadows::ShadowFilter;
 use serde_json::{Value, json};
 
 fn run(strategy: Strategy, frame_ms: &[f64]) -> RunReport {
@@ -16,6 +18,8 @@ fn run(strategy: Strategy, frame_ms: &[f64]) -> RunReport {
             triangles: 3000,
             tests: 3,
             queries: 2,
+            shadow_faces: 0,
+            shadow_casters: 0,
             predicated_draws: 1,
             nodes_visited: 9,
             untested_by_cost: 4,
@@ -49,6 +53,7 @@ pub(crate) fn example() -> Report {
             seed: 1,
             file: None,
         },
+        lights: None,
         path: "street".into(),
         views: 1,
         projection: "perspective".into(),
@@ -127,6 +132,28 @@ fn what_was_not_measured_is_null() {
     assert_eq!(json["runs"][0]["draws"], Value::Null);
     assert_eq!(json["runs"][1]["frame_ms"]["median"], Value::Null);
     assert_eq!(json["runs"][1]["frames_timed"], 1);
+}
+
+#[test]
+fn runs_with_shadows_say_which_and_have_ratios_by_them() {
+    let mut report = example();
+    report.lights = Some("sun".to_owned());
+    let with = |filter| {
+        let choice = ShadowChoice { way: ShadowWay::Maps, filter };
+        let mut run = RunMeasurement::new(Strategy::ANTUMBRA).with_shadows(Some(choice));
+        run.push(FrameMeasurement { frame_ms: 2.0, shadow_faces: 4, ..Default::default() });
+        run.report()
+    };
+    report.runs = vec![with(ShadowFilter::Pcf3), with(ShadowFilter::Adaptive)];
+    report.ratios = ratios(&report.runs);
+    let json: Value = serde_json::from_str(&report.to_json().unwrap()).unwrap();
+    assert_eq!(json["lights"], "sun");
+    let run = &json["runs"][1];
+    assert_eq!([&run["shadows"], &run["filter"]], ["maps", "adaptive"]);
+    assert_eq!((&run["shadow_faces"], &run["shadow_casters"]), (&json!(4), &json!(0)));
+    assert_eq!(json["ratios"]["antumbra maps pcf3/antumbra maps adaptive"], 1.0);
+    report.runs.truncate(1);
+    assert_eq!(labels(&report.runs), ["antumbra"], "one way needs no name");
 }
 
 #[test]

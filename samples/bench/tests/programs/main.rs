@@ -10,6 +10,7 @@
 mod bad_input;
 #[cfg(feature = "charts")]
 mod compare;
+mod lights;
 #[cfg(unix)]
 mod results;
 mod scene_files;

@@ -1,0 +1,144 @@
+//! The ways to draw shadows that a walk compares, by their names on the command line and in
+//! reports.
+
+use std::str::FromStr;
+
+use antumbra::shadows::{ShadowCaching, ShadowFilter, ShadowMethod, ShadowOptions};
+
+use crate::choices::{enumerate, unknown};
+
+/// A way to make shadows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ShadowWay {
+    /// `off`: none.
+    Off,
+    /// `maps`: shadow maps that are drawn again only where something changed.
+    Maps,
+    /// `maps_uncached`: shadow maps that are drawn afresh in each frame.
+    MapsUncached,
+}
+
+/// Names of ways that the renderer is to have, and has not.
+const MISSING: [&str; 3] = ["volumes", "maps_unculled", "volumes_unculled"];
+
+impl ShadowWay {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Off, Self::Maps, Self::MapsUncached];
+
+    /// Returns its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Maps => "maps",
+            Self::MapsUncached => "maps_uncached",
+        }
+    }
+
+    /// Returns the way whose images are right by construction: nothing is kept from earlier frames.
+    fn reference(self) -> Self {
+        match self {
+            Self::Off => Self::Off,
+            Self::Maps | Self::MapsUncached => Self::MapsUncached,
+        }
+    }
+}
+
+impl FromStr for ShadowWay {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let names = Self::ALL.map(Self::name);
+        if MISSING.contains(&text) {
+            let names = enumerate(&names);
+            return Err(format!("the renderer does not have '{text}' yet: there is {names}"));
+        }
+        let found = Self::ALL.into_iter().find(|way| way.name() == text);
+        found.ok_or_else(|| unknown("way to make shadows", text, &names))
+    }
+}
+
+/// Finds a filter by its name.
+///
+/// # Errors
+/// A sentence with all names.
+pub fn parse_filter(text: &str) -> Result<ShadowFilter, String> {
+    let names = ShadowFilter::ALL.map(ShadowFilter::name);
+    let found = ShadowFilter::ALL.into_iter().find(|filter| filter.name() == text);
+    found.ok_or_else(|| unknown("filter", text, &names))
+}
+
+/// A way to make shadows, and their filter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ShadowChoice {
+    /// The way to make them.
+    pub way: ShadowWay,
+    /// The filter of shadow maps.
+    pub filter: ShadowFilter,
+}
+
+impl ShadowChoice {
+    /// No shadows.
+    pub const OFF: Self = Self { way: ShadowWay::Off, filter: ShadowFilter::Adaptive };
+
+    /// Returns the choice whose images are right by construction, with the same filter; without
+    /// shadows all filters are one.
+    #[must_use]
+    pub fn reference(self) -> Self {
+        match self.way.reference() {
+            ShadowWay::Off => Self::OFF,
+            way => Self { way, ..self },
+        }
+    }
+
+    /// Returns the renderer's options.
+    #[must_use]
+    pub fn options(self) -> ShadowOptions {
+        let (method, caching) = match self.way {
+            ShadowWay::Off => (ShadowMethod::Off, ShadowCaching::Cached),
+            ShadowWay::Maps => (ShadowMethod::Maps, ShadowCaching::Cached),
+            ShadowWay::MapsUncached => (ShadowMethod::Maps, ShadowCaching::Uncached),
+        };
+        ShadowOptions { method, caching, filter: self.filter, ..ShadowOptions::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ways_and_filters_are_found_by_name_or_refused_in_a_sentence() {
+        for way in ShadowWay::ALL {
+            assert_eq!(way.name().parse(), Ok(way));
+        }
+        for filter in ShadowFilter::ALL {
+            assert_eq!(parse_filter(filter.name()), Ok(filter));
+        }
+        let refused = "volumes".parse::<ShadowWay>().unwrap_err();
+        assert_eq!(
+            refused,
+            "the renderer does not have 'volumes' yet: there is off, maps and maps_uncached"
+        );
+        let refused = "map".parse::<ShadowWay>().unwrap_err();
+        assert!(refused.ends_with("did you mean 'maps'?"), "{refused}");
+        let refused = parse_filter("pcf5").unwrap_err();
+        assert!(refused.contains("unknown filter 'pcf5'"), "{refused}");
+    }
+
+    #[test]
+    fn references_keep_nothing_of_earlier_frames() {
+        for filter in ShadowFilter::ALL {
+            for way in ShadowWay::ALL {
+                let reference = ShadowChoice { way, filter }.reference();
+                assert_eq!(reference.reference(), reference);
+                let options = reference.options();
+                assert_eq!(options.method == ShadowMethod::Off, way == ShadowWay::Off);
+                if way != ShadowWay::Off {
+                    assert_eq!(options.caching, ShadowCaching::Uncached);
+                    assert_eq!(options.filter, filter);
+                }
+                assert_eq!(options.check(), Ok(()));
+            }
+        }
+    }
+}

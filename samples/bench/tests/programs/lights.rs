@@ -1,0 +1,123 @@
+//! Runs `walkthrough` under lights with shadows: every combination is there and exact, and what
+//! cannot be is refused.
+
+use std::fs;
+use std::path::Path;
+
+use harness::{Scratch, stderr};
+use serde_json::Value;
+
+use crate::walkthrough;
+
+const SMALL: [&str; 9] = [
+    "--objects=400",
+    "--frames=12",
+    "--size=96x64",
+    "--strategy=frustum,antumbra",
+    "--costs=ignored",
+    "--verify=every",
+    "--validation=sync",
+    "--report=report.json",
+    "--quiet",
+];
+
+/// Walks through a small city on `device`, every frame compared, and returns the report.
+fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
+    let arguments = [&SMALL[..], &["--device", device], more].concat();
+    let output = walkthrough(&scratch.0, &arguments).output().expect("it starts");
+    let messages = stderr(&output);
+    assert_eq!(output.status.code(), Some(0), "needs `ci/setup --tests`, `. ci/env`: {messages}");
+    let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
+    let report: Value = serde_json::from_str(&report).expect("JSON");
+    assert_eq!(report["validation_messages"], 0);
+    report
+}
+
+fn runs_of(report: &Value) -> &[Value] {
+    report["runs"].as_array().expect("runs")
+}
+
+#[test]
+fn each_combination_is_a_run_that_is_exact_while_objects_move() {
+    let scratch = Scratch::new("combinations");
+    let more = ["--lights=4", "--shadows=off,maps,maps_uncached", "--moving=5"];
+    let report = walk(&scratch, "llvmpipe", &more);
+    assert_eq!(report["lights"], "4");
+    let runs = runs_of(&report);
+    let keys = |run: &Value| {
+        ["shadows", "filter", "strategy"].map(|key| run[key].as_str().expect("a name").to_owned())
+    };
+    let found: Vec<[String; 3]> = runs.iter().map(keys).collect();
+    let mut expected = Vec::new();
+    for shadows in ["off", "maps", "maps_uncached"] {
+        for strategy in ["frustum", "antumbra"] {
+            expected.push([shadows, "adaptive", strategy].map(str::to_owned));
+        }
+    }
+    assert_eq!(found, expected);
+    for (run, [shadows, ..]) in runs.iter().zip(&found) {
+        assert_eq!(run["pixels_wrong"], 0, "{shadows}");
+        assert_eq!((&run["frames_verified"], &run["frames_timed"]), (&12.into(), &12.into()));
+        let faces = run["shadow_faces"].as_u64().expect("a number");
+        match shadows.as_str() {
+            "off" => assert_eq!(faces, 0),
+            "maps_uncached" => assert!(faces > 4, "{faces}"),
+            _ => {}
+        }
+    }
+    let faces = |place: usize| runs[place]["shadow_faces"].as_u64().expect("a number");
+    assert!(faces(3) <= faces(5), "a cache draws no more maps");
+    assert!(report["ratios"]["antumbra maps adaptive/antumbra off adaptive"].is_number());
+}
+
+#[test]
+fn filters_run_on_the_other_driver_too() {
+    let scratch = Scratch::new("filters");
+    let more = ["--lights=sun", "--shadows=maps", "--filter=single,pcf3", "--strategy=antumbra"];
+    let report = walk(&scratch, "swiftshader", &more);
+    assert_eq!(report["lights"], "sun");
+    let filters: Vec<_> = runs_of(&report).iter().map(|run| &run["filter"]).collect();
+    assert_eq!(filters, ["single", "pcf3"]);
+    assert!(runs_of(&report).iter().all(|run| run["pixels_wrong"] == 0));
+}
+
+#[test]
+fn without_lights_nothing_is_said_about_them() {
+    let scratch = Scratch::new("unlit");
+    let report = walk(&scratch, "llvmpipe", &[]);
+    let run = &runs_of(&report)[0];
+    for absent in [&report["lights"], &run["shadows"], &run["filter"], &run["shadow_faces"]] {
+        assert_eq!(absent, &Value::Null);
+    }
+}
+
+fn refusal(folder: &Path, arguments: &[&str], exit_code: i32) -> String {
+    let arguments = [arguments, &["--quiet"]].concat();
+    let output = walkthrough(folder, &arguments).output().expect("it starts");
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(exit_code), "{arguments:?}: {message}");
+    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
+    message
+}
+
+#[test]
+fn lights_that_cannot_be_are_refused() {
+    let scratch = Scratch::new("bad-lights");
+    for (arguments, sentence) in [
+        (&["--lights", "0"][..], "1 to 64"),
+        (&["--lights", "65"], "1 to 64"),
+        (&["--lights", "10000"], "'10000'"),
+        (&["--lights", "moon"], "'moon'"),
+        (&["--lights", "-1"], "'-1'"),
+        (&["--lights", "sun", "--shadows", "volumes"], "'volumes' yet"),
+        (&["--lights", "sun", "--shadows", "mapps"], "did you mean 'maps'?"),
+        (&["--lights", "sun", "--shadows", "maps", "--filter", "pcf"], "unknown filter 'pcf'"),
+        (&["--shadows", "maps"], "needs lights"),
+        (&["--lights", "64", "--objects", "100"], "street lamps, not 64"),
+        (&["--lights", "torches", "--objects", "1"], "0 street lamps"),
+    ] {
+        let message = refusal(&scratch.0, arguments, 2);
+        assert!(message.contains(sentence), "{arguments:?}: {message}");
+        assert!(scratch.names(".").is_empty());
+    }
+}
