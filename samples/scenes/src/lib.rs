@@ -34,7 +34,7 @@ pub use city::city;
 pub use error::{GeneratorError, MAX_OBJECTS, MotionError};
 pub use field::field;
 pub use generated::GeneratedScene;
-pub use lights::{GLOW_NAME, Hour, LightSet, MAX_LAMPS, sun_light};
+pub use lights::{Daylight, GLOW_NAME, Hour, LightSet, MAX_LAMPS, sun_light};
 pub use motion::{Cast, Motion};
 pub use path::{CameraPath, PathKind};
 pub use routes::{Flight, Routes, Streets};

@@ -1,10 +1,13 @@
 //! The actions of keys and scripts.
 
 use antumbra::gpu::PresentMode;
+use antumbra::shadows::ShadowFilter;
 
 use bench::choices::parse_strategy;
 use bench::options::MAX_FRAMES_IN_FLIGHT;
+use bench::shadow_choice::{ShadowWay, parse_filter};
 use bench::strategy::Strategy;
+use scenes::{GeneratorError, Hour};
 
 /// An action between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +30,18 @@ pub enum Action {
     Compare,
     /// The name of the object at a pixel, or in the middle, and the reason why it is drawn or not.
     Identify(Option<[u32; 2]>),
+    /// The next hour of the day.
+    NextHour,
+    /// This hour of the day.
+    Hour(Hour),
+    /// The next way to make shadows.
+    NextShadows,
+    /// This way to make shadows.
+    Shadows(ShadowWay),
+    /// The next filter of shadow maps.
+    NextFilter,
+    /// This filter of shadow maps.
+    Filter(ShadowFilter),
     /// The view from above in a corner.
     TopDown,
     /// The boxes that are tested, coloured by their history.
@@ -70,7 +85,7 @@ pub enum Action {
 }
 
 /// The keys: their names, their actions as text, and their actions; in the order of [`GROUPS`].
-pub const KEYS: [(&str, &str, Action); 20] = [
+pub const KEYS: [(&str, &str, Action); 23] = [
     ("O", "list of scenes", Action::ListScenes),
     ("Ctrl+O", "open a file by its path", Action::OpenPath),
     ("F11", "full screen", Action::FullScreen),
@@ -87,6 +102,9 @@ pub const KEYS: [(&str, &str, Action); 20] = [
     ("X", "boxes that are tested", Action::Boxes),
     ("G", "wireframe", Action::Wireframe),
     ("T", "GPU time of passes", Action::TimePasses),
+    ("J", "an hour later", Action::NextHour),
+    ("Y", "shadows: maps, uncached, off", Action::NextShadows),
+    ("Z", "filter of shadows", Action::NextFilter),
     ("F", "frames in flight", Action::NextFramesInFlight),
     ("P", "present mode", Action::NextPresentMode),
     ("K", "screenshot", Action::Screenshot),
@@ -94,8 +112,8 @@ pub const KEYS: [(&str, &str, Action); 20] = [
 ];
 
 /// The titles of groups of keys, and the number of keys in each.
-pub const GROUPS: [(&str, usize); 4] =
-    [("Scene and window", 7), ("Culling", 4), ("Explanations", 5), ("Frames", 4)];
+pub const GROUPS: [(&str, usize); 5] =
+    [("Scene and window", 7), ("Culling", 4), ("Explanations", 5), ("Light", 3), ("Frames", 4)];
 
 /// More keys, for scenes out of files. Numbers look through their cameras.
 pub const FILE_KEYS: [(&str, &str, Action); 4] = [
@@ -156,6 +174,14 @@ impl Action {
                 ("compare", None) => Self::Compare,
                 ("identify", None) => Self::Identify(None),
                 ("identify", Some(pixel)) => Self::Identify(Some(parse_pixel(pixel)?)),
+                ("hour", None) => Self::NextHour,
+                ("hour", Some(hour)) => {
+                    Self::Hour(hour.parse().map_err(|error: GeneratorError| error.to_string())?)
+                }
+                ("shadows", None) => Self::NextShadows,
+                ("shadows", Some(way)) => Self::Shadows(way.parse()?),
+                ("filter", None) => Self::NextFilter,
+                ("filter", Some(name)) => Self::Filter(parse_filter(name)?),
                 ("top_down", None) => Self::TopDown,
                 ("boxes", None) => Self::Boxes,
                 ("wireframe", None) => Self::Wireframe,
@@ -190,13 +216,16 @@ impl Action {
     }
 }
 
-const NAMES: [&str; 26] = [
+const NAMES: [&str; 29] = [
     "strategy",
     "frames_in_flight",
     "present_mode",
     "freeze",
     "compare",
     "identify",
+    "hour",
+    "shadows",
+    "filter",
     "top_down",
     "boxes",
     "wireframe",
@@ -286,6 +315,9 @@ mod tests {
         assert_eq!(Action::parse("strategy pyramid"), Ok(Action::Strategy(methods::PYRAMID)));
         assert_eq!(Action::parse("frames_in_flight 4"), Ok(Action::FramesInFlight(4)));
         assert_eq!(Action::parse("camera 2"), Ok(Action::Camera(2)));
+        assert_eq!(Action::parse("hour 22"), Ok(Action::Hour(Hour::NIGHT)));
+        assert_eq!(Action::parse("shadows maps"), Ok(Action::Shadows(ShadowWay::Maps)));
+        assert_eq!(Action::parse("filter pcf3"), Ok(Action::Filter(ShadowFilter::Pcf3)));
         assert_eq!(Action::parse("identify 3,40"), Ok(Action::Identify(Some([3, 40]))));
         assert_eq!(Action::parse("present_mode fifo"), Ok(Action::PresentMode(PresentMode::Fifo)));
         for (text, reason) in [
@@ -297,6 +329,9 @@ mod tests {
             ("camera walk", "takes its number"),
             ("identify 160", "takes a pixel"),
             ("identify -1,2", "takes a pixel"),
+            ("hour 25", "'25' is no hour"),
+            ("shadows volumes", "'volumes' yet"),
+            ("filter soft", "unknown filter 'soft'"),
             ("jump", "unknown action 'jump'"),
             ("", "unknown action ''"),
             ("strategy pyramid now", "'now' is one word too many"),

@@ -7,7 +7,9 @@ use super::show::{ShowArguments, ShowOptions};
 use super::source::SceneSource;
 use bench::args::{MadeArguments, SceneArgument, parse_path, usage};
 use bench::options::{PathChoice, UsageError};
+use bench::shadow_choice::ShadowWay;
 use bench::terminal::shown;
+use scenes::Hour;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -15,6 +17,8 @@ Examples:
       Fly: W A S D, Q and E, look with a mouse button held.
   city --path street --strategy frustum
       Walks down the streets until you take over.
+  city --hour 19 --shadows maps
+      At dusk, with shadows; J, Y and Z change the hour and the shadows.
   city --headless --frames 60 --path street --out images
       The same frames as images, without a window.
   city --path my-path.txt --trace trace.json
@@ -52,6 +56,10 @@ pub struct CityArguments {
         help_heading = "Scene"
     )]
     pub path: Option<PathChoice>,
+    /// Hour of the day, such as 17.5 or 17:30: sun, sky, and street lamps at night [default: none,
+    /// all lit evenly; with --shadows an afternoon]
+    #[arg(long, value_name = "HOUR", help_heading = "Lights")]
+    pub hour: Option<Hour>,
     /// The options of showing it.
     #[command(flatten)]
     pub show: ShowArguments,
@@ -73,7 +81,10 @@ impl CityArguments {
                 ));
             }
         };
-        Ok((SceneSource::Made { made, path: self.path.clone() }, self.show.options()))
+        let show = self.show.options();
+        let casts_shadows = show.shadows.way != ShadowWay::Off;
+        let hour = self.hour.or(casts_shadows.then_some(Hour::AFTERNOON));
+        Ok((SceneSource::Made { made, path: self.path.clone(), hour }, show))
     }
 }
 
@@ -111,6 +122,19 @@ mod tests {
         assert_eq!((options.strategy, path_of(&[])), (Strategy::ANTUMBRA, None));
         let options = parse(&["--headless"]).unwrap();
         assert_eq!((options.hud, options.frames), (HudLevel::Off, Some(120)));
+    }
+
+    #[test]
+    fn shadows_need_an_hour_and_have_one() {
+        let hour_of = |line: &[&str]| match parse_all(line).unwrap().0 {
+            SceneSource::Made { hour, .. } => hour,
+            source => panic!("{source:?}"),
+        };
+        assert_eq!(hour_of(&[]), None);
+        assert_eq!(hour_of(&["--shadows", "maps"]), Some(Hour::AFTERNOON));
+        assert_eq!(hour_of(&["--hour", "22"]), Some(Hour::NIGHT));
+        let shadows = parse(&["--shadows", "maps_uncached", "--filter", "pcss"]).unwrap().shadows;
+        assert_eq!((shadows.way.name(), shadows.filter.name()), ("maps_uncached", "pcss"));
     }
 
     #[test]
@@ -154,6 +178,10 @@ mod tests {
             (["--frames", "0"], "0 is not in 1..=1000000"),
             (["--capture", "-1"], "-1 is not in 0..="),
             (["--size", "1x0"], "1280x720"),
+            (["--hour", "25"], "'25' is no hour of the day"),
+            (["--hour", "NaN"], "'NaN' is no hour of the day"),
+            (["--shadows", "volumes"], "'volumes' yet"),
+            (["--filter", "soft"], "unknown filter 'soft'"),
         ] {
             let refused = parse(&line).unwrap_err();
             assert!(refused.contains(reason), "{line:?}: {refused}");

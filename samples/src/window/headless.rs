@@ -55,8 +55,8 @@ fn draw(
 ) -> Result<(), RunError> {
     let size = [options.size.width, options.size.height];
     let loaded = match source {
-        SceneSource::Made { made, path } => {
-            LoadedScene::made(device, made, path.as_ref(), options, size)?
+        SceneSource::Made { made, path, hour } => {
+            LoadedScene::made(device, (made, path.as_ref(), *hour), options, size)?
         }
         SceneSource::File { file, settings } => {
             let bar = LoadingBar::for_terminal();

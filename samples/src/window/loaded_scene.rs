@@ -5,9 +5,10 @@ use std::ops::ControlFlow;
 use antumbra::glam::Vec3;
 use antumbra::gpu::Device;
 use antumbra::render::{Costs, Renderer, RendererOptions, ShaderSet};
-use antumbra::scene::{Mesh, Scene};
+use antumbra::scene::{LightMove, Mesh, Scene};
+use antumbra::shadows::ShadowOptions;
 use antumbra::{cull, import, methods, render, scene};
-use scenes::{GeneratedScene, Routes};
+use scenes::{Daylight, GeneratedScene, Hour, Routes};
 
 use super::scene_view::SceneView;
 use super::show::ShowOptions;
@@ -25,6 +26,8 @@ pub struct LoadedScene {
     pub renderer: Renderer,
     /// Its cameras, and its motion.
     pub scene_view: SceneView,
+    /// Its lights that change with the hour, if it has such.
+    pub daylight: Option<Daylight>,
 }
 
 impl LoadedScene {
@@ -36,8 +39,11 @@ impl LoadedScene {
         let mut scene = Scene::single(Mesh::of_triangles("nothing", &[]));
         scene.objects.clear();
         // Nothing is tested in it: what tests cost need not be measured.
-        let renderer_options =
-            RendererOptions { costs: Costs::Ignored, ..renderer_options(options, size)? };
+        let renderer_options = RendererOptions {
+            costs: Costs::Ignored,
+            shadows: ShadowOptions::default(),
+            ..renderer_options(options, size)?
+        };
         let renderer = Renderer::new(device, &scene, &renderer_options)?;
         let camera = cull::Camera {
             eye: Vec3::ZERO,
@@ -46,7 +52,7 @@ impl LoadedScene {
             projection: cull::Projection::perspective(scene::FOV_Y_RAD),
             near: scene::NEAR_M,
         };
-        Ok(Self { renderer, scene_view: SceneView::still("nothing", camera) })
+        Ok(Self { renderer, scene_view: SceneView::still("nothing", camera), daylight: None })
     }
 
     /// Makes a generated scene.
@@ -55,8 +61,7 @@ impl LoadedScene {
     /// Numbers from which no scene can be made; a path that it does not have; a device that fails.
     pub fn made(
         device: &Device,
-        made: &MadeScene,
-        path: Option<&PathChoice>,
+        (made, path, hour): (&MadeScene, Option<&PathChoice>, Option<Hour>),
         options: &ShowOptions,
         size: [u32; 2],
     ) -> Result<Self, RunError> {
@@ -69,12 +74,30 @@ impl LoadedScene {
             Some(track) => track.camera(0),
             None => start(&routes)?.camera(0),
         };
-        let renderer = Renderer::new(device, &scene, &renderer_options(options, size)?)?;
+        let (scene, daylight) = match hour {
+            None => (scene, None),
+            Some(hour) => {
+                let (scene, night) = Daylight::new(scene, &eyes(&routes), LAMPS)?;
+                (scene, Some(Daylight { hour, ..night }))
+            }
+        };
+        let renderer_options = RendererOptions {
+            shadows: match &daylight {
+                None => ShadowOptions::default(),
+                Some(_) => options.shadows.options(),
+            },
+            ..renderer_options(options, size)?
+        };
+        let mut renderer = Renderer::new(device, &scene, &renderer_options)?;
+        if let Some(daylight) = &daylight {
+            show_hour(&mut renderer, daylight)?;
+        }
         Ok(Self {
             renderer,
             scene_view: SceneView::still(&made.scene.to_string(), start)
                 .with_names(&scene)
                 .with_track(track),
+            daylight,
         })
     }
 
@@ -103,8 +126,36 @@ impl LoadedScene {
         let covered = if options.hud == HudLevel::Off { 0.0 } else { PANEL_SHARE };
         let mut scene_view = SceneView::of_file(file, imported, settings, (size, covered))?;
         scene_view.notes.extend(renderer.degradations().texts());
-        Ok(Self { renderer, scene_view })
+        Ok(Self { renderer, scene_view, daylight: None })
     }
+}
+
+/// The most street lamps that are on at night.
+const LAMPS: u32 = 16;
+
+/// The number of frames of a walk whose places are near lamps.
+const EYES: u32 = 600;
+
+/// Shows the lights of a scene as they are at its hour.
+///
+/// # Errors
+/// A light or a material that the renderer does not have.
+pub fn show_hour(renderer: &mut Renderer, daylight: &Daylight) -> Result<(), RunError> {
+    renderer.set_scene_light(daylight.hour.light());
+    for LightMove { light, to } in daylight.lights() {
+        renderer.set_light(light, to)?;
+    }
+    if let Some((id, material)) = daylight.material() {
+        renderer.set_material(id, &material)?;
+    }
+    Ok(())
+}
+
+/// Returns places along the streets, or over the scene where there are none.
+fn eyes(routes: &Routes) -> Vec<Vec3> {
+    let track = start(routes).ok();
+    let frames = track.iter().flat_map(|track| (0..EYES).map(|frame| track.camera(frame).eye));
+    frames.collect()
 }
 
 /// Returns the first camera: in a street, or above the scene where there are none.
@@ -121,6 +172,7 @@ fn renderer_options(options: &ShowOptions, size: [u32; 2]) -> Result<RendererOpt
         frames_in_flight: options.frames_in_flight as usize,
         shaders: shaders.transpose().map_err(render::Error::from)?,
         costs: options.costs.into(),
+        shadows: options.shadows.options(),
         ..RendererOptions::default()
     })
 }

@@ -62,9 +62,9 @@ impl Loading {
                 }
             };
             match &own {
-                SceneSource::Made { made, path } => {
+                SceneSource::Made { made, path, hour } => {
                     scene_file::report_progress(&mut progress_fn, "making the scene", None)?;
-                    LoadedScene::made(&device, made, path.as_ref(), &options, size)
+                    LoadedScene::made(&device, (made, path.as_ref(), *hour), &options, size)
                 }
                 SceneSource::File { file, settings } => LoadedScene::of_file(
                     &device,

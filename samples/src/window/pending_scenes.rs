@@ -32,8 +32,8 @@ impl PendingScenes {
         size: [u32; 2],
     ) -> Result<(Self, LoadedScene), RunError> {
         let loaded = match source {
-            SceneSource::Made { made, path } => {
-                LoadedScene::made(device, made, path.as_ref(), options, size)?
+            SceneSource::Made { made, path, hour } => {
+                LoadedScene::made(device, (made, path.as_ref(), *hour), options, size)?
             }
             SceneSource::File { .. } | SceneSource::Nothing { .. } => {
                 LoadedScene::empty(device, options, size)?

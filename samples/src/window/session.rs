@@ -37,6 +37,7 @@ use bench::recorded_path::RecordedPath;
 use bench::run_error::RunError;
 use bench::strategy::Strategy;
 use bench::terminal::{output::say_wrote, shown};
+use scenes::Daylight;
 
 /// A session: one run of a program.
 pub struct Session {
@@ -48,6 +49,8 @@ pub struct Session {
     pub(super) frame: u32,
     pub(super) fly: FlyCamera,
     pub(super) scene_view: SceneView,
+    /// The lights of the scene that change with the hour.
+    pub(super) daylight: Option<Daylight>,
     /// The progress of another scene that is loading.
     pub(super) awaited: Option<LoadingStatus>,
     pub(super) frozen: Option<VisibilitySnapshot>,
@@ -103,7 +106,7 @@ impl Session {
         files: Files,
         loaded: LoadedScene,
     ) -> Result<Self, RunError> {
-        let LoadedScene { mut renderer, scene_view } = loaded;
+        let LoadedScene { mut renderer, scene_view, daylight } = loaded;
         renderer.supports(options.strategy)?;
         if options.times_passes {
             renderer.time_passes()?;
@@ -117,6 +120,7 @@ impl Session {
             frame: 0,
             fly: FlyCamera::new(start, scene_view.speed_m),
             scene_view,
+            daylight,
             awaited: None,
             frozen: None,
             seen_from: start,

@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use antumbra::gpu::PresentMode;
 use antumbra::pacing;
+use antumbra::shadows::ShadowFilter;
 use bench::args::DeviceArguments;
 use bench::choices::{CostsChoice, DeviceChoice, ValidationChoice, parse_strategy};
 use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT};
+use bench::shadow_choice::{ShadowChoice, ShadowWay, parse_filter};
 use bench::strategy::Strategy;
 use clap::{Args, value_parser};
 
@@ -54,6 +56,13 @@ pub struct ShowArguments {
     /// Amount of text over the image at the start [default: on in a window]
     #[arg(long, value_name = "LEVEL", help_heading = "Frames")]
     pub hud: Option<HudLevel>,
+    /// Way to make shadows: off, maps, or maps_uncached, which are drawn afresh in each frame
+    #[arg(long, value_name = "WAY", default_value = "off", help_heading = "Lights")]
+    pub shadows: ShadowWay,
+    /// Filter of shadow maps: single, pcf3, adaptive, pcss, fixed64, pcss64
+    #[arg(long, value_name = "NAME", default_value = "adaptive", help_heading = "Lights")]
+    #[arg(value_parser = parse_filter)]
+    pub filter: ShadowFilter,
     /// Measure the GPU time of every pass from the start
     #[arg(long, help_heading = "Frames")]
     pub time_passes: bool,
@@ -98,6 +107,8 @@ pub struct ShowOptions {
     pub is_headless: bool,
     /// The amount of text at the start.
     pub hud: HudLevel,
+    /// The shadows at the start.
+    pub shadows: ShadowChoice,
     /// True if passes are timed at the start.
     pub times_passes: bool,
     /// The device that draws.
@@ -131,6 +142,7 @@ impl ShowArguments {
             frames: self.frames.or(self.headless.then_some(HEADLESS_FRAMES)),
             is_headless: self.headless,
             hud: self.hud.unwrap_or(hud),
+            shadows: ShadowChoice { way: self.shadows, filter: self.filter },
             times_passes: self.time_passes || self.trace.is_some(),
             device: self.device.choice(),
             validation: self.device.validation,

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use bench::options::{MadeScene, PathChoice};
+use scenes::Hour;
 
 /// The source of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +14,8 @@ pub enum SceneSource {
         made: MadeScene,
         /// The camera's own path.
         path: Option<PathChoice>,
+        /// The hour of its sun and lamps; without one it has no surfaces that cast shadows.
+        hour: Option<Hour>,
     },
     /// A scene in a glTF file.
     File {

@@ -4,8 +4,11 @@
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{Costs, FrameRequest, Renderer, RendererOptions};
-use scene::{LightKind, MeshId, Object, ObjectChange, PunctualLight, Scene, pack_unorm};
+use render::{Costs, Error, FrameRequest, Renderer, RendererOptions};
+use scene::{
+    Alpha, Light, LightKind, Material, MaterialId, MeshId, Object, ObjectChange, PunctualLight,
+    Scene, pack_unorm,
+};
 use scenes::{CameraPath, PathKind};
 use tests::run_on_all;
 use tests::shapes::{box_scene, cube};
@@ -98,6 +101,31 @@ fn tints_stay_while_lights_come_and_go() {
             scene.objects[object as usize].transform = transform;
         }
         let now = image(&mut moved, camera());
+        assert!(mean_difference(&before, &now) > 1.0);
+        assert_eq!(now, image(&mut renderer(device, &scene), camera()));
+    });
+}
+
+#[test]
+fn the_sky_and_a_material_change_as_if_they_had_always_been_so() {
+    run_on_all(|device| {
+        let mut scene = cubes([0xFF_FFFFFF; 4], TINTS).with_surfaces();
+        let mut changed = renderer(device, &scene);
+        let before = image(&mut changed, camera());
+        let ambient_above = [0.1, 0.3, 0.2];
+        scene.light = Light { ambient_above, sky: [0.2, 0.0, 0.1], ..scene.light };
+        let material = &mut scene.surfaces.as_mut().unwrap().materials[0];
+        material.base_colour = [0.5, 0.9, 0.4, 1.0];
+        changed.set_scene_light(scene.light);
+        changed.set_material(MaterialId(0), material).unwrap();
+        let bright = Material { emission: [1.0; 3], ..material.clone() };
+        let masked = Material { alpha: Alpha::Mask { cutoff: 0.5 }, ..material.clone() };
+        let broken = Material { roughness: f32::NAN, ..material.clone() };
+        for (id, refused) in [(0, bright), (0, masked), (0, broken), (9, material.clone())] {
+            let refused = changed.set_material(MaterialId(id), &refused).unwrap_err();
+            assert!(matches!(refused, Error::Material { .. }), "{refused}");
+        }
+        let now = image(&mut changed, camera());
         assert!(mean_difference(&before, &now) > 1.0);
         assert_eq!(now, image(&mut renderer(device, &scene), camera()));
     });

@@ -1,12 +1,18 @@
 //! Lights that come, change and go between frames.
 
-use scene::{LightId, LightKind, PunctualLight};
+use scene::{Light, LightId, LightKind, PunctualLight};
 
 use crate::error::Error;
 use crate::renderer::Renderer;
 use crate::shading::surfaces::SurfaceResources;
 
 impl Renderer {
+    /// Replaces the sun of a scene without surfaces, the ambient light and the colour of the sky.
+    /// The next frame shows it.
+    pub fn set_scene_light(&mut self, light: Light) {
+        self.passes.light = light;
+    }
+
     /// Adds lights to a scene with surfaces, and returns their ids in the same order. The next
     /// frame shows them; nothing waits. They take the room of removed ones and of
     /// [`RendererOptions::spare`](crate::RendererOptions::spare), so an id may have belonged to a

@@ -39,6 +39,22 @@ impl Renderer {
         Ok(added)
     }
 
+    /// Replaces a material by one of other colours and numbers. The next frame shows it, on every
+    /// mesh that has it.
+    ///
+    /// # Errors
+    /// [`Error::Material`] for one that is not there, one that is not opaque or is not to be,
+    /// since shadows and depth know its holes, and as for [`Renderer::add_materials`];
+    /// [`Error::NoRoom`] for its texture transforms. Nothing has changed then.
+    pub fn set_material(&mut self, material: MaterialId, to: &Material) -> Result<(), Error> {
+        let refused = |reason| Error::Material { index: material.0 as usize, reason };
+        let surfaces = self.passes.geometry.surfaces.as_mut();
+        let surfaces = surfaces.ok_or(refused("the scene has no surfaces"))?;
+        surfaces.check_material(to).map_err(refused)?;
+        surfaces.material_slots.check_replacement(material, to).map_err(refused)?;
+        surfaces.material_slots.replace(material, to)
+    }
+
     /// Removes materials: all of them, or none. Their places are free at once.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use glam::Vec3;
-use scene::{LightKind, PunctualLight, Scene, Surfaces};
+use scene::{LightId, LightKind, LightMove, Material, MaterialId, PunctualLight, Scene, Surfaces};
 
 pub use self::glow::GLOW_NAME;
 pub use self::hour::Hour;
@@ -89,6 +89,60 @@ impl LightSet {
             }
             Self::Lamps(lamps) => light_lamps(night(scene), eyes, (LampKind::Spot, lamps..=lamps)),
         }
+    }
+}
+
+/// The lights of a scene that is shown at any hour: those that one changes with the hour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Daylight {
+    /// The hour.
+    pub hour: Hour,
+    /// The street lamps as they shine at night, by their places among the scene's lights.
+    pub lamps: Vec<(LightId, PunctualLight)>,
+    /// The material that glows at night, as it does then.
+    pub glow: Option<(MaterialId, Material)>,
+}
+
+/// The id of the sun in scenes with [`Daylight`].
+const SUN: LightId = LightId(0);
+
+impl Daylight {
+    /// Returns a scene at night, with up to `lamps` of its street lamps on, and the lights that
+    /// change with the hour. A scene that has none is without lamps.
+    ///
+    /// # Errors
+    /// As [`LightSet::light`].
+    pub fn new(scene: Scene, eyes: &[Vec3], lamps: u32) -> Result<(Scene, Self), GeneratorError> {
+        let scene = light_lamps(night(scene), eyes, (LampKind::Spot, 0..=lamps))?;
+        let surfaces = scene.surfaces.as_ref();
+        let lights = surfaces.map_or(&[][..], |surfaces| &surfaces.lights);
+        let numbered = (0..).map(LightId).zip(lights);
+        let lamps = numbered.filter(|(_, light)| !is_sun(light)).map(|(id, light)| (id, *light));
+        let lamps = lamps.collect();
+        let materials = surfaces.map_or(&[][..], |surfaces| &surfaces.materials);
+        let glow = (0..).map(MaterialId).zip(materials).find(|(_, it)| it.name == GLOW_NAME);
+        let glow = glow.map(|(id, material)| (id, material.clone()));
+        Ok((scene, Self { hour: Hour::NIGHT, lamps, glow }))
+    }
+
+    /// Returns the lights as they are at its hour.
+    pub fn lights(&self) -> Vec<LightMove> {
+        let is_night = self.hour.is_night();
+        let lamp = |(light, lamp): &(LightId, PunctualLight)| {
+            let intensity = if is_night { lamp.intensity } else { 0.0 };
+            LightMove { light: *light, to: PunctualLight { intensity, ..*lamp } }
+        };
+        let sun = sun_of(self.hour).map(|to| LightMove { light: SUN, to });
+        let dark = || sun_of(Hour::NIGHT).map(|sun| PunctualLight { intensity: 0.0, ..sun });
+        let sun = sun.or_else(|| dark().map(|to| LightMove { light: SUN, to }));
+        sun.into_iter().chain(self.lamps.iter().map(lamp)).collect()
+    }
+
+    /// Returns the material that glows, as it is at its hour.
+    pub fn material(&self) -> Option<(MaterialId, Material)> {
+        let (id, glow) = self.glow.as_ref()?;
+        let emission = if self.hour.is_night() { glow.emission } else { [0.0; 3] };
+        Some((*id, Material { emission, ..glow.clone() }))
     }
 }
 

@@ -123,3 +123,24 @@ fn some_windows_glow_and_others_do_not() {
     }
     assert!(lit > 100 && dark > lit, "{lit} and {dark} vertices");
 }
+
+#[test]
+fn lamps_are_on_at_night_and_the_sun_follows_the_hour() {
+    let city = city(500, 1).unwrap();
+    let (scene, mut daylight) = Daylight::new(city.scene, &[], 16).unwrap();
+    assert_eq!(scene.validate(), Ok(()));
+    assert_eq!((daylight.lamps.len(), lights(&scene).len()), (16, 17));
+    for (change, light) in daylight.lights().iter().zip(lights(&scene)) {
+        assert_eq!(change.to, *light, "it begins at night");
+    }
+    daylight.hour = Hour::AFTERNOON;
+    let by_day = daylight.lights();
+    assert_eq!(by_day.len(), 17);
+    assert_eq!(by_day[0].to, sun_light(&Hour::AFTERNOON.light()).unwrap());
+    assert!(by_day[1..].iter().all(|lamp| lamp.to.intensity == 0.0));
+    assert_eq!(daylight.material().unwrap().1.emission, [0.0; 3]);
+    daylight.hour = "6".parse().unwrap();
+    assert_eq!(daylight.lights().len(), 17, "the sun stays a light when it is dark");
+    let (bare, daylight) = Daylight::new(field(1, 1).unwrap().scene, &[], 16).unwrap();
+    assert_eq!((bare.validate(), daylight.lamps.len()), (Ok(()), 0));
+}

@@ -31,6 +31,12 @@ impl Session {
             Action::Freeze => self.freeze()?,
             Action::Identify(pixel) => self.identify(pixel),
             Action::Compare => self.toggle_comparison()?,
+            Action::NextHour => self.set_hour(None)?,
+            Action::Hour(hour) => self.set_hour(Some(hour))?,
+            Action::NextShadows => self.choose_next_shadows(),
+            Action::Shadows(way) => self.choose_shadows(way),
+            Action::NextFilter => self.choose_next_filter(),
+            Action::Filter(filter) => self.choose_filter(filter),
             Action::TopDown => {
                 self.has_top_down = !self.has_top_down;
                 self.update_debug_overlay()?;

@@ -21,7 +21,7 @@ impl Session {
     /// # Errors
     /// A device that fails; then the previous scene stays.
     pub fn enter(&mut self, loaded: LoadedScene) -> Result<(), RunError> {
-        let LoadedScene { mut renderer, mut scene_view } = loaded;
+        let LoadedScene { mut renderer, mut scene_view, daylight } = loaded;
         if renderer.size() != self.renderer.size() {
             renderer.resize(self.renderer.size())?;
         }
@@ -44,6 +44,7 @@ impl Session {
         (self.renderer, self.history, self.strategy) = (renderer, history, strategy);
         self.fly = FlyCamera::new(scene_view.start, scene_view.speed_m);
         (self.seen_from, self.scene_view) = (scene_view.start, scene_view);
+        self.daylight = daylight;
         self.selection = Selection::default();
         // The letters of the text are on the old renderer.
         self.hud = None;

@@ -137,7 +137,10 @@ impl Opened {
             Choice::Strategy(strategy) => self.session.act(Action::Strategy(strategy))?,
             Choice::Made(scene) => {
                 let made = MadeScene { scene, objects: MADE_OBJECTS, seed: 1 };
-                self.load(&SceneSource::Made { made, path: None }, options);
+                self.load(
+                    &SceneSource::Made { made, path: None, hour: self.session.hour() },
+                    options,
+                );
             }
             Choice::File(file) => self.load(&another(file), options),
             Choice::TypePath => self.session.menu = Some(Menu::path()),

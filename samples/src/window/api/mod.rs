@@ -5,4 +5,5 @@ mod comparing;
 mod enter;
 mod hands;
 mod identify;
+mod lighting;
 mod page;

@@ -149,9 +149,10 @@ impl Session {
             None => self.toast.at(now),
         };
         let of_scene = self.scene_view.facts().filter(|_| self.hud_level == HudLevel::Detailed);
+        let light = self.light_facts().filter(|_| self.hud_level == HudLevel::Detailed);
         HudPage {
             overview: Some(known.overview(hint)),
-            details: of_scene.into_iter().chain(details).collect(),
+            details: of_scene.into_iter().chain(light).chain(details).collect(),
             legends: self.legends(),
             marks,
             signs,

@@ -124,6 +124,38 @@ impl MaterialSlots {
         }
     }
 
+    /// Returns the reason why a material cannot be replaced by another one that was checked.
+    pub(crate) fn check_replacement(
+        &self,
+        material: MaterialId,
+        to: &Material,
+    ) -> Result<(), &'static str> {
+        match self.material(material) {
+            None => Err("the renderer has no such material"),
+            Some(before) if [before.alpha, to.alpha] != [Alpha::Opaque; 2] => {
+                Err("only opaque materials can be replaced, by opaque ones")
+            }
+            Some(_) => Ok(()),
+        }
+    }
+
+    /// Replaces a material, after that was checked. The next frame has it.
+    ///
+    /// # Errors
+    /// [`Error::NoRoom`]; the material stays then.
+    pub(crate) fn replace(&mut self, material: MaterialId, to: &Material) -> Result<(), Error> {
+        let slot = self.slots.get_mut(material.0 as usize);
+        let Some(there) = slot.and_then(|slot| slot.material.as_mut()) else { return Ok(()) };
+        self.table.free(there);
+        let room = self.table.check_room(to);
+        if room.is_ok() {
+            *there = to.clone();
+        }
+        self.table.set(material.0, there);
+        self.dirty.mark_dirty(material.0);
+        room
+    }
+
     /// Notes that a mesh has another material.
     pub(crate) fn count_user(&mut self, before: u32, now: u32) {
         if let Some(slot) = self.slots.get_mut(before as usize) {

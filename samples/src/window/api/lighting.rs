@@ -1,0 +1,119 @@
+//! The hour of the day and the shadows of a session.
+
+use antumbra::shadows::{ShadowCaching, ShadowFilter, ShadowMethod};
+
+use crate::window::loaded_scene::show_hour;
+use crate::window::page_text::{Facts, fact};
+use crate::window::session::Session;
+use bench::run_error::RunError;
+use bench::shadow_choice::{ShadowChoice, ShadowWay};
+use scenes::Hour;
+
+/// The step of the hour.
+const STEP_MINUTES: i16 = 60;
+
+const NO_HOURS: &str =
+    "the hour changes in a city with surfaces: start it with --hour, as in `city --hour 14`";
+
+impl Session {
+    /// Returns the hour of the scene, if it has one.
+    pub(crate) fn hour(&self) -> Option<Hour> {
+        self.daylight.as_ref().map(|daylight| daylight.hour)
+    }
+
+    /// Shows the scene at an hour; the next one if none is given.
+    ///
+    /// # Errors
+    /// When the renderer refuses a light.
+    pub(crate) fn set_hour(&mut self, hour: Option<Hour>) -> Result<(), RunError> {
+        let Some(daylight) = &mut self.daylight else {
+            self.refuse(NO_HOURS.to_owned());
+            return Ok(());
+        };
+        daylight.hour = hour.unwrap_or_else(|| daylight.hour.later(STEP_MINUTES));
+        let hour = daylight.hour;
+        show_hour(&mut self.renderer, daylight)?;
+        self.tell(format!("the hour is {hour}"));
+        Ok(())
+    }
+
+    /// Returns the shadows as they are drawn.
+    fn shadows(&self) -> ShadowChoice {
+        let options = self.renderer.shadows();
+        let way = match (options.method, options.caching) {
+            (ShadowMethod::Off, _) => ShadowWay::Off,
+            (ShadowMethod::Maps, ShadowCaching::Cached) => ShadowWay::Maps,
+            (ShadowMethod::Maps, ShadowCaching::Uncached) => ShadowWay::MapsUncached,
+        };
+        ShadowChoice { way, filter: options.filter }
+    }
+
+    pub(crate) fn choose_shadows(&mut self, way: ShadowWay) {
+        self.draw_shadows(ShadowChoice { way, ..self.shadows() });
+    }
+
+    pub(crate) fn choose_next_shadows(&mut self) {
+        self.choose_shadows(next(&ShadowWay::ALL, self.shadows().way));
+    }
+
+    pub(crate) fn choose_filter(&mut self, filter: ShadowFilter) {
+        self.draw_shadows(ShadowChoice { filter, ..self.shadows() });
+    }
+
+    pub(crate) fn choose_next_filter(&mut self) {
+        self.choose_filter(next(&ShadowFilter::ALL, self.shadows().filter));
+    }
+
+    fn draw_shadows(&mut self, choice: ShadowChoice) {
+        match self.renderer.set_shadows(choice.options()) {
+            Ok(()) => self.tell(format!("shadows {}", text(choice))),
+            Err(error) => self.refuse(error.to_string()),
+        }
+    }
+
+    /// Returns the facts about light, if there is anything to say.
+    pub(crate) fn light_facts(&self) -> Option<Facts> {
+        let hour = self.hour().map(|hour| fact("hour", hour.to_string()));
+        let choice = self.shadows();
+        let stats = &self.report.shadows;
+        let shadows = (choice.way != ShadowWay::Off).then(|| {
+            [
+                fact("shadows", text(choice)),
+                fact("lights with shadows", stats.lights.to_string()),
+                fact("shadow maps drawn", format!("{} of {}", stats.drawn_faces, stats.faces)),
+                fact("casters drawn", stats.casters.to_string()),
+            ]
+        });
+        let facts: Facts = hour.into_iter().chain(shadows.into_iter().flatten()).collect();
+        (!facts.is_empty()).then_some(facts)
+    }
+}
+
+/// Returns the one after `current`; after the last the first.
+fn next<T: Copy + PartialEq>(all: &[T], current: T) -> T {
+    let following = all.iter().skip_while(|one| **one != current).nth(1);
+    following.or(all.first()).copied().unwrap_or(current)
+}
+
+fn text(choice: ShadowChoice) -> String {
+    match choice.way {
+        ShadowWay::Off => choice.way.name().to_owned(),
+        way => format!("{}, {}", way.name(), choice.filter.name()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_go_through_all_choices() {
+        let ways = [0, 1, 2].map(|step| next(&ShadowWay::ALL, ShadowWay::ALL[step]).name());
+        assert_eq!(ways, ["maps", "maps_uncached", "off"]);
+        let mut filter = ShadowFilter::Single;
+        for _ in ShadowFilter::ALL {
+            filter = next(&ShadowFilter::ALL, filter);
+        }
+        assert_eq!(filter, ShadowFilter::Single);
+    }
+}
