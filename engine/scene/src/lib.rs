@@ -119,7 +119,9 @@ impl Scene {
     #[must_use]
     pub fn with_surfaces(mut self) -> Self {
         if self.surfaces.is_none() {
-            self.surfaces = Some(vertex_surfaces::of_vertex_colours(&self));
+            let Light { towards_sun, sun, .. } = self.light;
+            let surfaces = vertex_surfaces::of_vertex_colours(&self.meshes, towards_sun, sun);
+            self.surfaces = Some(surfaces);
         }
         self
     }

@@ -132,3 +132,54 @@ fn three_corners_are_a_triangle() {
     assert_eq!(scene.triangles(), 1);
     Scene::single(Mesh::of_triangles("nothing", &[])).validate().unwrap();
 }
+
+/// Returns a red triangle without surfaces.
+fn plain_triangle() -> Scene {
+    let red = [1.0, 0.2, 0.0];
+    let corners = [([0.0, 0.0, 0.0], red), ([1.0, 0.0, 0.0], red), ([0.0, 1.0, 0.0], red)];
+    Scene::single(Mesh::of_triangles("triangle", &corners))
+}
+
+#[test]
+fn a_plain_scene_gets_its_colours_and_its_sun_as_surfaces() {
+    let plain = plain_triangle();
+    let lit = plain.clone().with_surfaces();
+    assert_eq!(lit.validate(), Ok(()));
+    assert_eq!((&lit.meshes, &lit.objects), (&plain.meshes, &plain.objects));
+    let surfaces = lit.surfaces.as_ref().unwrap();
+    let vertex = surfaces.meshes[0].vertices[0];
+    assert_eq!(vertex.normal, [0, 0, i16::MAX, 0]);
+    assert_eq!(vertex.colour, [u16::MAX, 51 * 257, 0, u16::MAX]);
+    let [sun] = surfaces.lights.as_slice() else { panic!("one light") };
+    assert_eq!(sun.kind, LightKind::Directional);
+    assert!((sun.direction + plain.light.towards_sun).length() < 1e-6);
+    let diffuse = sun.colour.map(|part| part * sun.intensity * vertex_surfaces::LET_THROUGH / PI);
+    for (found, expected) in diffuse.into_iter().zip(plain.light.sun) {
+        assert!((found - expected).abs() < 1e-5, "{diffuse:?}");
+    }
+    assert_eq!(lit.clone().with_surfaces(), lit, "surfaces that are there stay");
+}
+
+#[test]
+fn a_sun_that_does_not_shine_is_no_light() {
+    let plain = plain_triangle();
+    for (towards_sun, sun) in [
+        (Vec3::Y, [0.0; 3]),
+        (Vec3::Y, [f32::NAN; 3]),
+        (Vec3::Y, [f32::INFINITY, 1.0, 1.0]),
+        (Vec3::ZERO, [1.0; 3]),
+        (Vec3::NAN, [1.0; 3]),
+    ] {
+        let light = Light { towards_sun, sun, ..plain.light };
+        let lit = Scene { light, ..plain.clone() }.with_surfaces();
+        assert_eq!(lit.surfaces.unwrap().lights, [], "{towards_sun}, {sun:?}");
+    }
+}
+
+#[test]
+fn both_sides_of_a_mesh_are_kept() {
+    let mut plain = plain_triangle();
+    plain.meshes[0].has_backs = true;
+    let surfaces = plain.with_surfaces().surfaces.unwrap();
+    assert!(surfaces.meshes[0].vertices.iter().all(|vertex| vertex.normal[3] == i16::MAX));
+}

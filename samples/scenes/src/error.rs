@@ -2,10 +2,11 @@
 
 use scene::SceneError;
 
-use super::lights::MAX_LAMPS;
-
 /// The most objects that a generated scene can have.
 pub const MAX_OBJECTS: u32 = 2_000_000;
+
+/// The most street lamps of a set of lights.
+pub const MAX_LAMPS: u32 = 64;
 
 /// The reasons why a scene, a path or a motion cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

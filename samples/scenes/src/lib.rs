@@ -31,10 +31,10 @@ mod routes;
 mod tests;
 
 pub use city::city;
-pub use error::{GeneratorError, MAX_OBJECTS, MotionError};
+pub use error::{GeneratorError, MAX_LAMPS, MAX_OBJECTS, MotionError};
 pub use field::field;
 pub use generated::GeneratedScene;
-pub use lights::{Daylight, GLOW_NAME, Hour, LightSet, MAX_LAMPS, sun_light};
+pub use lights::{Daylight, GLOW_NAME, Hour, LightSet, sun_light};
 pub use motion::{Cast, Motion};
 pub use path::{CameraPath, PathKind};
 pub use routes::{Flight, Routes, Streets};

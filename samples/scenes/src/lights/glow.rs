@@ -1,4 +1,4 @@
-//! What glows at night: the globes of lamps that are lit, and some windows. A texture of three
+//! The glow of a night: the globes of lamps that are lit, and some windows. A texture of three
 //! colours says so, whose coordinates vertices have.
 
 use cull::Aabb;

@@ -22,11 +22,11 @@ const OUTER_RAD: f32 = 1.08;
 
 /// The intensity and the range of a spot light: a white pavement under it is a little brighter than
 /// white, and beyond the range there is nothing that one would see.
-const SPOT_CD: f32 = 85.0;
-const SPOT_RANGE_M: f32 = 20.0;
+const SPOT_CD: f32 = 130.0;
+const SPOT_RANGE_M: f32 = 24.0;
 
 /// The same of a point light, which shines on the walls, too.
-const TORCH_CD: f32 = 42.0;
+const TORCH_CD: f32 = 55.0;
 const TORCH_RANGE_M: f32 = 18.0;
 
 /// Sodium, and flames.

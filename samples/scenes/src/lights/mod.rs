@@ -15,10 +15,7 @@ use scene::{LightId, LightKind, LightMove, Material, MaterialId, PunctualLight, 
 pub use self::glow::GLOW_NAME;
 pub use self::hour::Hour;
 use self::lamps::{LampKind, light_lamps};
-use super::error::GeneratorError;
-
-/// The most lamps of [`LightSet::Lamps`].
-pub const MAX_LAMPS: u32 = 64;
+use super::error::{GeneratorError, MAX_LAMPS};
 
 /// The most street lamps that are [`LightSet::Torches`].
 const MOST_TORCHES: u32 = 32;
