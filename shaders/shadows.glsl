@@ -61,7 +61,8 @@ vec4 clip_of(ShadowFace face) {
 }
 
 // A surface is as deep elsewhere as its plane is. Between a sample and the four texels that it is
-// compared with, that changes by the slope over up to a texel.
+// compared with, that changes by the slope over up to a texel; the rest pays for vertices that a
+// rasteriser moves onto its grid of sub-pixels, which has 16 steps at least.
 Receiver receiver_of(ShadowFace face, vec4 clip, vec3 facet, float width, bool is_sun) {
     vec3 ndc = clip.xyz / clip.w;
     vec4 plane = vec4(facet, -dot(facet, world_position));
@@ -73,7 +74,7 @@ Receiver receiver_of(ShadowFace face, vec4 clip, vec3 facet, float width, bool i
     slope = steep > steepest ? slope * (steepest / steep) : slope;
     float texel = 1.0 / face.tile.z;
     float rounding = 2e-6 * (is_sun ? 1.0 : ndc.z);
-    float bias = 1.05 * (abs(slope.x) + abs(slope.y)) * texel + 0.05 * unit * texel + rounding;
+    float bias = 1.25 * (abs(slope.x) + abs(slope.y)) * texel + 0.1 * unit * texel + rounding;
     float radius = 0.5 * width * face.depth.w / (is_sun ? 1.0 : clip.w);
     return Receiver(ndc.xy * 0.5 + 0.5, ndc.z, slope, bias, radius);
 }
