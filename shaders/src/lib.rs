@@ -40,7 +40,7 @@ pub const PREDICATE_INSTANCES: Shader = shader!("predicate_instances.comp");
 pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 31] = [
+pub const PASSES: [Shader; 36] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -56,6 +56,11 @@ pub const PASSES: [Shader; 31] = [
     shader!("flat.frag"),
     shader!("seen.vert"),
     shader!("seen.frag"),
+    shader!("flare.vert"),
+    shader!("flare.frag"),
+    shader!("flare_block.vert"),
+    shader!("flare_block.frag"),
+    shader!("flare_veil.frag"),
     shader!("sky.vert"),
     shader!("sky.frag"),
     shader!("depth_grid.comp"),

@@ -223,6 +223,14 @@ pub enum Error {
         /// The reason, and the advice.
         reason: &'static str,
     },
+    /// A lens flare that cannot be drawn.
+    #[error("flare {index} of those named cannot be drawn, so none was changed: {reason}")]
+    Flare {
+        /// Its place among those of the call.
+        index: usize,
+        /// The reason, and the advice.
+        reason: &'static str,
+    },
     /// Draws in buckets; a renderer has one draw per object.
     #[error(transparent)]
     Buckets(#[from] occlusion::BucketError),

@@ -10,7 +10,7 @@ use occlusion::{
     Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor, MethodSupport,
     OcclusionPasses, PlanExecutor, PlannedMethod, Rect, ShaderSet, VisibilityState,
 };
-use scene::Scene;
+use scene::{LensFlare, Scene};
 
 use crate::calibration_scene;
 use crate::debug::debug_overlay::DebugOverlay;
@@ -128,6 +128,8 @@ pub struct Renderer {
     /// The object whose box is outlined.
     pub(crate) outlined: Option<ObjectId>,
     pub(crate) flat_overlay: Option<FlatOverlay>,
+    /// The lights that flare in every image.
+    pub(crate) flares: Vec<LensFlare>,
     pub(crate) debug_overlay: DebugOverlay,
     pub(crate) seen_leaves: Option<SeenLeaves>,
     pub(crate) methods: Vec<Box<dyn Method>>,
@@ -217,6 +219,7 @@ impl Renderer {
             shaders,
             outlined: None,
             flat_overlay: None,
+            flares: Vec::new(),
             debug_overlay: DebugOverlay::default(),
             seen_leaves: None,
             methods: methods_of(options),

@@ -8,6 +8,7 @@ use occlusion::{FrameOutcome, LeafTable, VisibilityState};
 
 use crate::debug::sample_counts::{COUNTING, SampleCounts, VisibleSamples, check_counts};
 use crate::error::Error;
+use crate::flares::{FlareCounts, FlareState};
 
 /// The identity of a renderer: objects made by one fit no other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -26,11 +27,13 @@ pub struct ViewState {
     pub(crate) renderer: RendererId,
     pub(crate) visibility: VisibilityState,
     pub(crate) counts: SampleCounts,
+    pub(crate) flares: FlareCounts,
 }
 
 impl ViewState {
     pub(crate) fn new(renderer: RendererId, visibility: VisibilityState) -> Self {
-        Self { renderer, visibility, counts: SampleCounts::default() }
+        let (counts, flares) = (SampleCounts::default(), FlareCounts::default());
+        Self { renderer, visibility, counts, flares }
     }
 
     /// Returns the plan of the newest frame.
@@ -42,6 +45,7 @@ impl ViewState {
     /// makes the past worthless, such as a jump to another place.
     pub fn reset(&mut self) {
         self.visibility.reset();
+        self.flares.reset();
     }
 
     /// Takes the outcomes of the frames whose results were read since the last call: the latest
@@ -76,10 +80,17 @@ impl ViewState {
         self.counts.newest()
     }
 
+    /// Returns the state of each flare ([`Renderer::set_flares`](crate::Renderer::set_flares)) in
+    /// the newest frame, in their order.
+    pub fn flares(&self) -> &[FlareState] {
+        self.flares.states()
+    }
+
     /// Reads every available result and updates the history. Never waits.
     pub(crate) fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
         self.visibility.collect(completed, hierarchy, leaves);
         self.counts.collect(completed, hierarchy, self.visibility.plan().frame);
+        self.flares.collect(completed);
     }
 
     /// Creates the rings again where another number of frames is in flight.
@@ -91,6 +102,7 @@ impl ViewState {
         if self.visibility.frames_in_flight() != frames_in_flight {
             self.visibility.set_frames_in_flight(frames_in_flight, leaves)?;
             self.counts.forget_ring();
+            self.flares.forget_ring();
         }
         Ok(())
     }
@@ -99,5 +111,6 @@ impl ViewState {
     pub(crate) fn submitted(&mut self, tick: Tick, leaves: &LeafTable, timed_views: Option<usize>) {
         self.visibility.submitted(tick, leaves, timed_views);
         self.counts.submitted(tick, self.visibility.plan().frame);
+        self.flares.submitted(tick);
     }
 }

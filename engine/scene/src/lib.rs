@@ -16,6 +16,7 @@
 
 mod check;
 mod error;
+mod flare;
 pub mod limits;
 mod mesh;
 mod outwardness;
@@ -35,6 +36,7 @@ use cull::Aabb;
 use glam::{Affine3A, Vec3, vec3};
 
 pub use error::SceneError;
+pub use flare::{FlarePlace, LensFlare};
 pub use mesh::{
     Mesh, MeshId, Object, Vertex, bounds_of_transformed, bounds_of_vertices, pack_normal,
     pack_unorm, unpack_normal, unpack_unorm,

@@ -40,6 +40,9 @@ pub const MAX_LIGHTS_PER_OBJECT: usize = 16;
 /// The most directional lights that shine: each reaches every pixel.
 pub const MAX_DIRECTIONAL_LIGHTS: usize = 4;
 
+/// The most lens flares of a renderer: each is counted in every frame.
+pub const MAX_FLARES: usize = 64;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -107,6 +107,7 @@ impl From<render::Error> for RunError {
             | render::Error::DrawsAmongTests(_)
             | render::Error::NotUploaded(_)
             | render::Error::Plan(_)
+            | render::Error::Flare { .. }
             | render::Error::Change { .. } => Self::machine(error),
         }
     }

@@ -22,6 +22,7 @@ mod detail;
 mod edge_on;
 mod exactness;
 mod explain;
+mod flares;
 mod flat;
 mod frame_loop;
 mod golden;

@@ -27,7 +27,8 @@ fn interface(name: &str) -> (Buffers, usize) {
                 if let Type::CombinedImageSampler(_) = ty {
                     // Pages are the last of all bindings.
                     let is_shadow = name == "surface_shadowed.frag" && desc_bind.bind() < 10;
-                    let is_array = name.starts_with("surface") && !is_shadow;
+                    let is_surface = name.starts_with("surface") || name == "flare_veil.frag";
+                    let is_array = is_surface && !is_shadow;
                     assert_eq!(
                         *nbind,
                         if is_array { scene::limits::MAX_PAGES as u32 } else { 1 },
@@ -124,6 +125,33 @@ fn flat_triangles_are_in_pixels() {
     let offsets =
         [offset_of!(render::FlatVertex, texture_position), offset_of!(render::FlatVertex, colour)];
     assert_eq!(offsets, [8, 16]);
+}
+
+#[test]
+fn flares_have_blocks_and_sprites() {
+    use render::passes::{FlareBlockRow, FlareSprite};
+    let offsets = vec![
+        offset_of!(FlareBlockRow, low),
+        offset_of!(FlareBlockRow, target_low),
+        offset_of!(FlareBlockRow, side),
+        offset_of!(FlareBlockRow, depth),
+        offset_of!(FlareBlockRow, first_cell),
+        offset_of!(FlareBlockRow, unused),
+    ];
+    let blocks = |binding| (binding, size_of::<FlareBlockRow>(), offsets.clone());
+    let veil = |binding| (binding, 4, vec![0]);
+    assert_eq!(interface("flare_block.vert"), (vec![blocks(0)], 12));
+    assert_eq!(interface("flare_block.frag"), (vec![blocks(0), veil(1)], 0));
+    let found = interface("flare_veil.frag").0;
+    assert!(found.ends_with(&[blocks(3), veil(4)]), "{found:?}");
+    let offsets = vec![
+        offset_of!(FlareSprite, middle),
+        offset_of!(FlareSprite, radius),
+        offset_of!(FlareSprite, colour),
+        offset_of!(FlareSprite, shape),
+    ];
+    assert_eq!(interface("flare.vert"), (vec![(0, size_of::<FlareSprite>(), offsets)], 0));
+    assert_eq!(interface("flare.frag"), (vec![], 0));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod adjust;
 mod finished_image;
+mod flares;
 mod inspect;
 mod lights;
 mod lod;

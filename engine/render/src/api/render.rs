@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use cull::{Aabb, Hierarchy, QueryShares, Strategy, View};
 use gpu::{Frame, PassTime, Readback};
 use occlusion::{FrameTimes, Method, MethodRequest, MethodScene, PlanExecutor, Rect};
+use scene::LensFlare;
 
 use crate::debug::debug_overlay::DebugOverlay;
 use crate::debug::flat_overlay::FlatOverlay;
@@ -12,6 +13,7 @@ use crate::debug::outline::record_outline;
 use crate::debug::sample_counts::count_samples;
 use crate::debug::visible_set::{VISIBLE_SET, VisibleSet};
 use crate::error::{Error, FOREIGN_VIEW};
+use crate::flares::record_flares;
 use crate::frame_passes::FramePasses;
 use crate::renderer::Renderer;
 use crate::resources::skinned_meshes::PoseUploads;
@@ -68,7 +70,8 @@ impl Renderer {
         let outlined = self.outlined_bounds();
         let views = self.take_views(targets)?;
         let uploads = self.pose_uploads(&views, targets);
-        let Self { device, frames, hierarchy, passes, executor, methods, shaders, .. } = self;
+        let Self { device, frames, hierarchy, passes, executor, methods, shaders, flares, .. } =
+            self;
 
         let mut frame = frames.begin()?;
         note_times(&frame, &mut self.pass_times, &mut self.frame_times);
@@ -89,12 +92,11 @@ impl Renderer {
                 passes.gather_transparent(&mut frame, executor, view, request.strategy)?;
             let wanted = method_request(*visible, view, request);
             let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
-            let ViewState { counts, visibility, .. } = &mut **state;
-            let stats = method.record(&mut frame, visibility, &mut scene, &wanted)?;
+            let stats = method.record(&mut frame, &mut state.visibility, &mut scene, &wanted)?;
             report.tests += stats.tests;
             report.queries += stats.queries;
-            let scene = (&*executor, &*hierarchy);
-            count_samples(passes, &mut frame, scene, (counts, visibility), view)?;
+            let scene = (&*executor, &*hierarchy, &flares[..]);
+            finish_view(passes, &mut frame, scene, state, view)?;
         }
         finish_image(&mut frame, passes, None, scene_image)?;
         let overlays = Overlays {
@@ -262,6 +264,19 @@ fn plan_views(
         method.plan(&mut state.visibility, scene, &wanted, share);
     });
     Ok(())
+}
+
+/// Records the end of a view, once everything of its frame is drawn: its counts, and its flares.
+fn finish_view(
+    passes: &mut FramePasses,
+    frame: &mut Frame<'_>,
+    (executor, hierarchy, flares): (&PlanExecutor, &Hierarchy, &[LensFlare]),
+    state: &mut ViewState,
+    view: &View,
+) -> Result<(), Error> {
+    let ViewState { counts, flares: flare_counts, visibility, .. } = state;
+    count_samples(passes, frame, (executor, hierarchy), (counts, visibility), view)?;
+    record_flares(passes, frame, (executor, flares), (flare_counts, visibility), view)
 }
 
 /// Returns the request for one view of a frame.

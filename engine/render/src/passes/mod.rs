@@ -2,6 +2,7 @@
 
 mod caster;
 mod count;
+mod flare;
 mod flat;
 mod opaque;
 mod overlay;
@@ -13,6 +14,8 @@ mod surface;
 
 pub use caster::{CasterIo, CasterPass};
 pub(crate) use count::CountPass;
+pub(crate) use flare::{FlareBlockIo, FlarePass, VEIL_LEVELS};
+pub use flare::{FlareBlockRow, FlareShape, FlareSprite};
 pub use flat::FlatVertex;
 pub(crate) use flat::{FlatDraw, FlatIo, FlatPass};
 pub use opaque::{OpaqueIo, OpaquePass};

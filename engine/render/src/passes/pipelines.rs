@@ -5,8 +5,8 @@ use gpu::Device;
 use occlusion::{Error, ShaderSet};
 
 use crate::passes::{
-    CasterPass, CountPass, FlatPass, OpaquePass, OverlayPass, SeenPass, SkinningPass, SurfaceKind,
-    SurfacePass,
+    CasterPass, CountPass, FlarePass, FlatPass, OpaquePass, OverlayPass, SeenPass, SkinningPass,
+    SurfaceKind, SurfacePass,
 };
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
@@ -26,6 +26,9 @@ pub(crate) struct Pipelines {
     /// The opaque pass in two, for methods that draw depth first.
     pub(crate) depth_first: OnDemand<DepthFirst>,
     pub(crate) count: OnDemand<CountPass>,
+    pub(crate) flares: OnDemand<FlarePass>,
+    /// The pass of transparent objects before flares, if there are both.
+    pub(crate) veil: Option<SurfacePass>,
     pub(crate) seen: OnDemand<SeenPass>,
     pub(crate) overlay: OnDemand<OverlayPass>,
     pub(crate) wireframe: OnDemand<OpaquePass>,
@@ -55,7 +58,8 @@ impl Pipelines {
     ) -> Result<Self, Error> {
         let PassNeeds { surfaces, has_transparent, has_skinned_meshes, shadows } = needs;
         let filter = shadows.map(|shadows| shadows.filter);
-        let transparent = surfaces.filter(|_| has_transparent);
+        let veiled = surfaces.filter(|_| has_transparent);
+        let transparent = veiled;
         let transparent = transparent
             .map(|it| SurfacePass::new(device, shaders, SurfaceKind::Transparent, it, filter))
             .transpose()?;
@@ -66,6 +70,12 @@ impl Pipelines {
             .map(|(surfaces, shadows)| CasterPass::new(device, shaders, surfaces, shadows.bias))
             .transpose()?;
         let on_demand = Former { device, shaders, former };
+        let veil = match (veiled, former.and_then(|former| former.veil.as_ref())) {
+            (Some(it), Some(_)) => {
+                Some(SurfacePass::new(device, shaders, SurfaceKind::Veil, it, None)?)
+            }
+            _ => None,
+        };
         Ok(Self {
             opaque: OpaquePass::new(device, shaders)?,
             shading: surfaces.map(|it| Shading::new(device, shaders, it, filter)).transpose()?,
@@ -74,6 +84,8 @@ impl Pipelines {
             casters,
             depth_first: on_demand.again(|it| &it.depth_first, DepthFirst::new)?,
             count: on_demand.again(|it| &it.count, CountPass::new)?,
+            flares: on_demand.again(|it| &it.flares, FlarePass::new)?,
+            veil,
             seen: on_demand.again(|it| &it.seen, SeenPass::new)?,
             overlay: on_demand.again(|it| &it.overlay, OverlayPass::new)?,
             wireframe: on_demand.again(|it| &it.wireframe, OpaquePass::wireframe)?,

@@ -32,6 +32,9 @@ pub enum SurfaceKind {
     Transparent,
     /// The depth of casters of shadows, with the holes of masked materials, to [`DepthLayers`].
     Casters(ShadowBias),
+    /// The light of lens flares that transparent objects take, added up in a buffer, in any order.
+    /// For devices with [`gpu::Optional::FragmentStores`].
+    Veil,
 }
 
 /// The pass that draws objects of a scene with surfaces. Compiled for the features that its
@@ -121,15 +124,22 @@ impl SurfacePass {
             SurfaceKind::Casters(_) => {
                 ("masked casters", "surface_depth", DepthMode::TestAndWrite, Blend::NoColour)
             }
+            SurfaceKind::Veil => {
+                ("veil of flares", "surface_depth", DepthMode::TestOnly, Blend::NoColour)
+            }
         };
         let is_depth = shader == "surface_depth";
         let filter = filter.filter(|_| !is_depth);
-        let fragment = if filter.is_some() { "surface_shadowed" } else { shader };
+        let fragment = match kind {
+            SurfaceKind::Veil => "flare_veil",
+            _ if filter.is_some() => "surface_shadowed",
+            _ => shader,
+        };
         let (cull, attachments) = match kind {
             SurfaceKind::Casters(bias) => (culled_faces(bias), DepthLayers::attachments()),
             _ => (vk::CullModeFlags::BACK, Attachments::default()),
         };
-        let is_transparent = kind == SurfaceKind::Transparent;
+        let is_transparent = matches!(kind, SurfaceKind::Transparent | SurfaceKind::Veil);
         let mut constants = surfaces.features(is_transparent).constants(is_transparent).to_vec();
         constants.extend(filter.map(|filter| (SHADOW_FILTER, filter_number(filter))));
         let stage = |name: &str, end: &str| {
@@ -174,6 +184,25 @@ impl SurfacePass {
     pub(super) fn bind_inputs(&self, commands: &Commands, io: &SurfaceIo<'_>) {
         let [materials, transforms, lights, lists] = io.surfaces.buffers();
         let own = [io.instances, materials, transforms, lights, lists];
+        self.bind_buffers(commands, io, own);
+    }
+
+    /// Binds everything for [`SurfaceKind::Veil`]: reads the blocks of flares and adds to their
+    /// veil, which lie where other kinds have lights and their lists.
+    pub fn bind_veil(
+        &self,
+        commands: &Commands,
+        io: &SurfaceIo<'_>,
+        [blocks, veil]: [BufferSlice; 2],
+        (view, light): (&View, &Light),
+    ) {
+        let [materials, transforms, ..] = io.surfaces.buffers();
+        let own = [io.instances, materials, transforms, blocks, veil];
+        self.bind_buffers(commands, &SurfaceIo { shadows: None, ..*io }, own);
+        self.set_view(commands, io, view, light);
+    }
+
+    fn bind_buffers(&self, commands: &Commands, io: &SurfaceIo<'_>, own: [BufferSlice; 5]) {
         let pages = io.surfaces.pages();
         let pages = pages.as_ref().map_or(&[][..], |pages| &pages[..]);
         match io.shadows.as_ref().filter(|_| self.has_shadows) {

@@ -209,10 +209,23 @@ impl Transparent {
         surfaces: SurfaceIo<'_>,
         (view, light): (&View, &Light),
     ) {
+        self.draw_bound(executor, commands, surfaces, &|commands, surfaces| {
+            pass.bind(commands, surfaces, view, light);
+        });
+    }
+
+    /// Draws the same with whatever `bind` binds.
+    pub(crate) fn draw_bound(
+        &self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        surfaces: SurfaceIo<'_>,
+        bind: &dyn Fn(&Commands, &SurfaceIo<'_>),
+    ) {
         let Some(instances) = self.instances else { return };
         let surfaces = SurfaceIo { instances, ..surfaces };
         self.list.draw(executor.leaves.predicates(), commands, &|commands, _| {
-            pass.bind(commands, &surfaces, view, light);
+            bind(commands, &surfaces);
         });
     }
 }

@@ -1,0 +1,69 @@
+//! The lights that flare in every image.
+
+use gpu::Optional;
+use scene::LensFlare;
+use scene::limits::MAX_FLARES;
+
+use crate::debug::sample_counts::check_counts;
+use crate::error::Error;
+use crate::passes::{SurfaceKind, SurfacePass};
+use crate::renderer::Renderer;
+
+impl Renderer {
+    /// Lets these lights flare in every image from now on, and no others: a glow and ghosts are
+    /// added over what the scene shows. How bright they are follows, some frames late, how much of
+    /// each light is visible ([`ViewState::flares`](crate::ViewState::flares)): opaque and masked
+    /// objects hide it, and transparent ones take their alpha. Nothing waits.
+    ///
+    /// A flare is known by its place in the list: to move a light, give the list again. A new one
+    /// fades in. Each costs a few small draws per frame and view; none cost nothing. Lights of the
+    /// scene flare by [`LensFlare::of_light`].
+    ///
+    /// Frames are the same under every exact strategy. On a device without
+    /// [`gpu::Optional::FragmentStores`], transparent objects let all light through.
+    ///
+    /// # Errors
+    /// [`Error::Flare`] for one that cannot be drawn; [`Error::SceneTooLarge`] for more than
+    /// [`MAX_FLARES`]; a device that cannot count ([`Renderer::supports_counts`]); a shader that
+    /// does not compile, a failed call. The flares are as before then.
+    pub fn set_flares(&mut self, flares: &[LensFlare]) -> Result<(), Error> {
+        if flares.len() > MAX_FLARES {
+            return Err(Error::SceneTooLarge {
+                what: "lens flares",
+                wanted: flares.len() as u64,
+                limit: MAX_FLARES as u64,
+                instead: "give those of the brightest and nearest lights",
+            });
+        }
+        for (index, flare) in flares.iter().enumerate() {
+            flare.check().map_err(|reason| Error::Flare { index, reason })?;
+        }
+        if !flares.is_empty() {
+            check_counts(&self.device, "lens flares")?;
+            self.prepare_flares()?;
+        }
+        self.flares.clear();
+        self.flares.extend_from_slice(flares);
+        Ok(())
+    }
+
+    /// Returns the lights that flare.
+    pub fn flares(&self) -> &[LensFlare] {
+        &self.flares
+    }
+
+    /// Compiles the passes of flares, unless they are compiled already.
+    fn prepare_flares(&mut self) -> Result<(), Error> {
+        let Self { device, shaders, passes, .. } = self;
+        let pipelines = &mut passes.pipelines;
+        pipelines.flares.prepare(device, shaders)?;
+        let can_veil = device.capabilities().has(Optional::FragmentStores);
+        let surfaces = passes.geometry.surfaces.as_ref();
+        let surfaces = surfaces.filter(|_| can_veil && pipelines.transparent.is_some());
+        if let (Some(surfaces), None) = (surfaces, &pipelines.veil) {
+            let pass = SurfacePass::new(device, shaders, SurfaceKind::Veil, surfaces, None)?;
+            pipelines.veil = Some(pass);
+        }
+        Ok(())
+    }
+}

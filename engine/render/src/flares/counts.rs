@@ -1,0 +1,162 @@
+//! The counts of a view's flares: laid out for a frame, read back some frames later without a wait.
+
+use cull::{FrameId, View};
+use gpu::{QueryIndex, QueryRing, Tick};
+use scene::LensFlare;
+
+use crate::flares::block::FlareBlock;
+use crate::flares::history::{FlareHistory, FlareSamples, FlareState};
+use crate::passes::{FlareBlockRow, FlareSprite, VEIL_LEVELS};
+
+/// The subject of a count. The queries of one flare follow each other in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum FlareCount {
+    Total,
+    Visible,
+    /// The light that the veil lets through, in levels: counted where there may be one.
+    Veiled,
+}
+
+/// A count on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct FlareTag {
+    count: FlareCount,
+    flare: u32,
+    frame: FrameId,
+    /// Samples of its whole block.
+    block: u32,
+    /// The history that it belongs to.
+    epoch: u32,
+}
+
+/// The counts of a frame, kept to allocate nothing in the steady state.
+#[derive(Default)]
+pub(super) struct FlareRequests {
+    pub(super) tags: Vec<FlareTag>,
+    /// The blocks, and the first of the queries of each.
+    pub(super) rows: Vec<FlareBlockRow>,
+    pub(super) queries: Vec<QueryIndex>,
+    /// The pixels of all blocks.
+    pub(super) cells: u32,
+    /// The upper left and the lower right corner of what covers all blocks, in the image of the
+    /// view.
+    pub(super) covering: [[u32; 2]; 2],
+}
+
+/// The flares of one view.
+#[derive(Default)]
+pub(crate) struct FlareCounts {
+    histories: Vec<FlareHistory>,
+    states: Vec<FlareState>,
+    pub(super) queries: Option<QueryRing<FlareTag>>,
+    /// True if the frame being recorded counts.
+    pub(super) is_asking: bool,
+    pub(super) asked: FlareRequests,
+    collected: Vec<(u32, FlareSamples)>,
+    /// The sprites of the frame being recorded, kept to allocate nothing.
+    pub(super) sprites: Vec<FlareSprite>,
+    epoch: u32,
+}
+
+impl FlareCounts {
+    /// Returns the states of all flares in the newest frame.
+    pub(crate) fn states(&self) -> &[FlareState] {
+        &self.states
+    }
+
+    /// Drops the ring. The next counting frame makes it again for the number of frames in flight
+    /// then.
+    pub(crate) fn forget_ring(&mut self) {
+        self.queries = None;
+    }
+
+    /// Forgets all counts, those on their way too.
+    pub(crate) fn reset(&mut self) {
+        self.histories.clear();
+        self.epoch = self.epoch.wrapping_add(1);
+    }
+
+    /// Reads the available results. Never waits.
+    pub(crate) fn collect(&mut self, completed: Tick) {
+        let Some(queries) = &mut self.queries else { return };
+        let (collected, epoch) = (&mut self.collected, self.epoch);
+        collected.clear();
+        queries.collect(completed, |tag, samples| {
+            if tag.epoch != epoch {
+                return;
+            }
+            let FlareTag { flare, frame, block, .. } = tag;
+            match (tag.count, collected.last_mut()) {
+                (FlareCount::Total, _) => {
+                    collected.push((flare, FlareSamples::of(frame, [samples, block])));
+                }
+                (FlareCount::Visible, Some((_, counts))) => counts.visible = samples,
+                (FlareCount::Veiled, Some((_, counts))) if counts.visible > 0 => {
+                    let all = counts.visible as f32 * VEIL_LEVELS as f32;
+                    counts.let_through = samples as f32 / all;
+                }
+                _ => {}
+            }
+        });
+        for (flare, counts) in self.collected.drain(..) {
+            if let Some(history) = self.histories.get_mut(flare as usize) {
+                history.take(counts);
+            }
+        }
+    }
+
+    /// Lays out the counts of `frame` in `view`: what is not in the image is known at once. With
+    /// `has_veil`, what transparent objects let through is counted too.
+    pub(super) fn lay_out(
+        &mut self,
+        flares: &[LensFlare],
+        view: &View,
+        (frame, has_veil): (FrameId, bool),
+    ) {
+        self.histories.resize_with(flares.len(), FlareHistory::default);
+        let asked = &mut self.asked;
+        asked.tags.clear();
+        asked.rows.clear();
+        asked.queries.clear();
+        asked.cells = 0;
+        asked.covering = [[u32::MAX; 2], [0; 2]];
+        for ((number, flare), history) in (0..).zip(flares).zip(&mut self.histories) {
+            let block = FlareBlock::of(flare, view);
+            let seen = block.and_then(|block| Some((block, block.area(view.size)?)));
+            let Some((block, area)) = seen else {
+                history.take(FlareSamples::of(frame, [0; 2]));
+                continue;
+            };
+            let samples = block.samples();
+            let tag =
+                |count| FlareTag { count, flare: number, frame, block: samples, epoch: self.epoch };
+            asked.queries.push(QueryIndex(asked.tags.len() as u32));
+            asked.rows.push(block.row(view.origin, asked.cells));
+            asked.tags.extend([FlareCount::Total, FlareCount::Visible].map(tag));
+            asked.tags.extend(has_veil.then(|| tag(FlareCount::Veiled)));
+            asked.cells += samples;
+            for axis in 0..2 {
+                let [low, high] = &mut asked.covering;
+                low[axis] = low[axis].min(area.origin[axis]);
+                high[axis] = high[axis].max(area.origin[axis] + area.size[axis]);
+            }
+        }
+    }
+
+    /// Decides how bright the flares are in frame `now`, by the counts of the frame that was so
+    /// many frames before it.
+    pub(super) fn advance(&mut self, now: FrameId, frames_in_flight: usize) {
+        self.states.clear();
+        let delay_frames = frames_in_flight as u64;
+        let histories = self.histories.iter_mut();
+        self.states.extend(histories.map(|history| history.advance(now, delay_frames)));
+    }
+
+    /// Notes that the frame was submitted.
+    pub(crate) fn submitted(&mut self, tick: Tick) {
+        if let Some(queries) = self.queries.as_mut().filter(|_| self.is_asking) {
+            queries.submitted(tick);
+        }
+        self.is_asking = false;
+    }
+}

@@ -1,0 +1,25 @@
+//! Lens flares ("Efficient Occlusion Culling", GPU Gems, 29.8): how much of a light shows, counted
+//! without a wait, decides how bright its flare is.
+//!
+//! ```text
+//! block    a square of pixels at the light's place and depth, larger where it is nearer
+//! count    its samples in the image, and those where the finished depth is not nearer
+//! veil     what transparent objects in front let through at each of its pixels
+//! history  the counts of the frame N frames ago, N being in flight: the brightness of this frame
+//! sprites  the glow and the ghosts, added to the finished image
+//! ```
+//!
+//! The counts are of the finished depth, which every exact strategy leaves the same, and a frame
+//! uses those of exactly N frames ago, also if younger ones happen to have arrived: so the image
+//! depends neither on culling nor on the time that the GPU takes.
+
+mod block;
+mod counts;
+mod history;
+mod record;
+mod sprites;
+
+pub use block::FlareBlock;
+pub(crate) use counts::FlareCounts;
+pub use history::{FlareSamples, FlareState};
+pub(crate) use record::record_flares;

@@ -1,0 +1,184 @@
+//! The flare pass: counts the samples of blocks at the places of lights, and adds glows and ghosts
+//! to a finished image.
+
+use bytemuck::{Pod, Zeroable};
+use cull::View;
+use gpu::{
+    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    Optional, StorageLayout,
+};
+
+use occlusion::{Error, ShaderSet};
+
+/// The levels by which the count of a veiled block knows what is let through at a pixel.
+pub(crate) const VEIL_LEVELS: u32 = 32;
+
+/// Two triangles.
+const SQUARE_VERTICES: u32 = 6;
+
+/// The pass of lens flares.
+pub struct FlarePass {
+    total: GraphicsPipeline,
+    visible: GraphicsPipeline,
+    /// Missing where fragment shaders cannot write what the veil is made of.
+    veiled: Option<GraphicsPipeline>,
+    sprites: GraphicsPipeline,
+}
+
+/// The samples of a block that are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BlockCount {
+    /// All in the image.
+    Total,
+    /// Those where the finished depth is not nearer.
+    Visible,
+    /// The same, [`VEIL_LEVELS`] times each, less what the veil takes.
+    Veiled,
+}
+
+/// The buffers of the counts: reads blocks, the veil and the finished depth; writes nothing.
+#[derive(Clone, Copy)]
+pub struct FlareBlockIo {
+    /// A [`FlareBlockRow`] per block.
+    pub blocks: BufferSlice,
+    /// The light that transparent objects take at each pixel of the blocks, where there are any.
+    pub veil: Option<BufferSlice>,
+}
+
+impl FlareBlockIo {
+    /// Returns the counts of each block, in the order of their queries.
+    pub fn kinds(&self) -> &'static [BlockCount] {
+        const KINDS: [BlockCount; 3] = [BlockCount::Total, BlockCount::Visible, BlockCount::Veiled];
+        let count = if self.veil.is_some() { 3 } else { 2 };
+        KINDS.get(..count).unwrap_or(&KINDS)
+    }
+}
+
+/// A block as the shaders see it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct FlareBlockRow {
+    /// Upper left corner in the image of the view (pixels).
+    pub low: [i32; 2],
+    /// The same in the target (pixels).
+    pub target_low: [i32; 2],
+    /// The length of a side (pixels).
+    pub side: u32,
+    /// The stored depth of the light.
+    pub depth: f32,
+    /// The number of its first pixel among those of all blocks.
+    pub first_cell: u32,
+    /// 0.
+    pub unused: u32,
+}
+
+/// The look of a sprite.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct FlareShape(u32);
+
+impl FlareShape {
+    /// Brightest in its middle.
+    pub const GLOW: Self = Self(0);
+    /// A disk with a bright rim.
+    pub const GHOST: Self = Self(1);
+}
+
+/// A soft sprite of a flare, as the shaders see it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct FlareSprite {
+    /// Its middle in normalised device coordinates.
+    pub middle: [f32; 2],
+    /// Its radius across and down, in normalised device coordinates.
+    pub radius: [f32; 2],
+    /// Linear red, green and blue that its brightest place adds.
+    pub colour: [f32; 3],
+    /// Its look.
+    pub shape: FlareShape,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    clip_per_pixel: [f32; 2],
+    levels: u32,
+}
+
+const _: () = assert!(size_of::<Constants>() == 12);
+const _: () = assert!(size_of::<FlareBlockRow>() == 32);
+const _: () = assert!(size_of::<FlareSprite>() == 32);
+
+impl FlarePass {
+    /// Compiles the pass.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        let block = shaders.find("flare_block.vert")?;
+        let counted = |name, depth| GraphicsPipelineInfo {
+            storage: StorageLayout::new::<Constants>(1),
+            depth,
+            ..GraphicsPipelineInfo::of(name, block)
+        };
+        let veiled = GraphicsPipelineInfo {
+            fragment: Some(shaders.find("flare_block.frag")?),
+            storage: StorageLayout::new::<Constants>(2),
+            ..counted("veiled flares", DepthMode::TestOnly)
+        };
+        let sprites = GraphicsPipelineInfo {
+            fragment: Some(shaders.find("flare.frag")?),
+            storage: StorageLayout { buffers: 1, ..StorageLayout::default() },
+            depth: DepthMode::Ignored,
+            // With an alpha of 0 this adds.
+            blend: Blend::Premultiplied,
+            ..GraphicsPipelineInfo::of("lens flares", shaders.find("flare.vert")?)
+        };
+        let pipeline = |info| GraphicsPipeline::new(device, &info);
+        let can_veil = device.capabilities().has(Optional::FragmentStores);
+        Ok(Self {
+            total: pipeline(counted("flares in the image", DepthMode::Ignored))?,
+            visible: pipeline(counted("visible flares", DepthMode::TestOnly))?,
+            veiled: can_veil.then(|| pipeline(veiled)).transpose()?,
+            sprites: pipeline(sprites)?,
+        })
+    }
+
+    /// Binds everything for one kind of count; the caller then records [`FlarePass::draw_block`]
+    /// for each block.
+    pub fn bind_blocks(
+        &self,
+        commands: &Commands,
+        kind: BlockCount,
+        io: &FlareBlockIo,
+        view: &View,
+    ) {
+        let bind = |pipeline, buffers: &[BufferSlice]| {
+            commands.bind(pipeline, buffers);
+            let clip_per_pixel = view.size.map(|side| 2.0 / side as f32);
+            commands.push_constants(pipeline, &Constants { clip_per_pixel, levels: levels(kind) });
+        };
+        match (kind, &self.veiled, io.veil) {
+            (BlockCount::Total, ..) => bind(&self.total, &[io.blocks]),
+            (BlockCount::Veiled, Some(pipeline), Some(veil)) => bind(pipeline, &[io.blocks, veil]),
+            _ => bind(&self.visible, &[io.blocks]),
+        }
+    }
+
+    /// Draws a block, for a query to count.
+    pub fn draw_block(&self, commands: &Commands, kind: BlockCount, number: u32) {
+        let levels = levels(kind);
+        commands.draw_instances(SQUARE_VERTICES, number * levels..(number + 1) * levels);
+    }
+
+    /// Adds sprites to the colour that is being rendered to.
+    pub fn draw_sprites(&self, commands: &Commands, sprites: BufferSlice, count: u32) {
+        commands.bind(&self.sprites, &[sprites]);
+        commands.draw_instances(SQUARE_VERTICES, 0..count);
+    }
+}
+
+/// Returns how many times a count draws each block.
+fn levels(kind: BlockCount) -> u32 {
+    if kind == BlockCount::Veiled { VEIL_LEVELS } else { 1 }
+}
