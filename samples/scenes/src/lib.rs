@@ -19,6 +19,7 @@
 
 mod builder;
 mod city;
+mod courtyard;
 mod error;
 mod field;
 mod generated;
@@ -31,10 +32,11 @@ mod routes;
 mod tests;
 
 pub use city::city;
+pub use courtyard::{Courtyard, YardMotion, courtyard};
 pub use error::{GeneratorError, MAX_LAMPS, MAX_OBJECTS, MotionError};
 pub use field::field;
 pub use generated::GeneratedScene;
-pub use lights::{Daylight, GLOW_NAME, Hour, LightSet, sun_light};
+pub use lights::{Daylight, GLOW_NAME, Hour, LampHours, LightSet, sun_light};
 pub use motion::{Cast, Motion};
 pub use path::{CameraPath, PathKind};
 pub use routes::{Flight, Routes, Streets};

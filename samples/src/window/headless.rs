@@ -58,6 +58,7 @@ fn draw(
         SceneSource::Made { made, path, hour } => {
             LoadedScene::made(device, (made, path.as_ref(), *hour), options, size)?
         }
+        SceneSource::Courtyard { hour } => LoadedScene::courtyard(device, *hour, options, size)?,
         SceneSource::File { file, settings } => {
             let bar = LoadingBar::for_terminal();
             LoadedScene::of_file(device, (file, settings), options, size, &mut |told| {

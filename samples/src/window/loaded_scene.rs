@@ -8,7 +8,7 @@ use antumbra::render::{Costs, Renderer, RendererOptions, ShaderSet};
 use antumbra::scene::{LightMove, Mesh, Scene};
 use antumbra::shadows::ShadowOptions;
 use antumbra::{cull, import, methods, render, scene};
-use scenes::{Daylight, GeneratedScene, Hour, Routes};
+use scenes::{Courtyard, Daylight, GeneratedScene, Hour, Routes};
 
 use super::scene_view::SceneView;
 use super::show::ShowOptions;
@@ -99,6 +99,24 @@ impl LoadedScene {
                 .with_track(track),
             daylight,
         })
+    }
+
+    /// Makes the courtyard, which moves.
+    ///
+    /// # Errors
+    /// A device that fails.
+    pub fn courtyard(
+        device: &Device,
+        hour: Hour,
+        options: &ShowOptions,
+        size: [u32; 2],
+    ) -> Result<Self, RunError> {
+        let Courtyard { scene, daylight, motion, camera } = scenes::courtyard(hour);
+        let mut renderer = Renderer::new(device, &scene, &renderer_options(options, size)?)?;
+        show_hour(&mut renderer, &daylight)?;
+        let scene_view = SceneView::still(&scene.name, camera).with_names(&scene);
+        let scene_view = scene_view.with_motion(motion);
+        Ok(Self { renderer, scene_view, daylight: Some(daylight) })
     }
 
     /// Loads a file, reports the progress, and gives up if the observer asks for it.

@@ -66,6 +66,9 @@ impl Loading {
                     scene_file::report_progress(&mut progress_fn, "making the scene", None)?;
                     LoadedScene::made(&device, (made, path.as_ref(), *hour), &options, size)
                 }
+                SceneSource::Courtyard { hour } => {
+                    LoadedScene::courtyard(&device, *hour, &options, size)
+                }
                 SceneSource::File { file, settings } => LoadedScene::of_file(
                     &device,
                     (file, settings),

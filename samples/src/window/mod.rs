@@ -45,6 +45,7 @@ pub mod script;
 mod selection;
 pub mod session;
 pub mod shader_watch;
+pub mod shadows_args;
 pub mod show;
 pub mod source;
 pub mod title;

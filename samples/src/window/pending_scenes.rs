@@ -35,13 +35,18 @@ impl PendingScenes {
             SceneSource::Made { made, path, hour } => {
                 LoadedScene::made(device, (made, path.as_ref(), *hour), options, size)?
             }
+            SceneSource::Courtyard { hour } => {
+                LoadedScene::courtyard(device, *hour, options, size)?
+            }
             SceneSource::File { .. } | SceneSource::Nothing { .. } => {
                 LoadedScene::empty(device, options, size)?
             }
         };
         let loading = match source {
             SceneSource::File { .. } => Some(Loading::start(device, source, options, size)?),
-            SceneSource::Made { .. } | SceneSource::Nothing { .. } => None,
+            SceneSource::Made { .. }
+            | SceneSource::Courtyard { .. }
+            | SceneSource::Nothing { .. } => None,
         };
         let is_first = loading.is_some();
         let is_invited = !matches!(source, SceneSource::Nothing { .. });

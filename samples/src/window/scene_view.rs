@@ -15,6 +15,7 @@ use bench::camera_path::CameraTrack;
 use bench::playback::{self, Clips};
 use bench::recorded_path::RecordedPath;
 use bench::run_error::RunError;
+use scenes::YardMotion;
 
 /// The time of the transition from one clip to another, in seconds.
 const FADE_S: f64 = 0.3;
@@ -57,6 +58,8 @@ pub struct SceneView {
     /// The camera that sees all of a file's scene.
     overview: Camera,
     life: Option<Life>,
+    /// The motion of the courtyard, and its time in seconds.
+    motion: Option<(YardMotion, f64)>,
 }
 
 /// The names of the meshes of a scene, for people.
@@ -106,6 +109,7 @@ impl SceneView {
             names: MeshNames::default(),
             overview: start,
             life: None,
+            motion: None,
         }
     }
 
@@ -113,6 +117,11 @@ impl SceneView {
     pub fn with_names(mut self, scene: &Scene) -> Self {
         self.names = MeshNames::of(scene);
         self
+    }
+
+    /// Returns the same view of the courtyard, in motion.
+    pub fn with_motion(self, motion: YardMotion) -> Self {
+        Self { motion: Some((motion, 0.0)), ..self }
     }
 
     /// Returns the name of an object's mesh; `None` for objects that were added later.
@@ -189,6 +198,7 @@ impl SceneView {
                 seconds: 0.0,
                 is_paused: false,
             }),
+            motion: None,
         })
     }
 
@@ -212,6 +222,11 @@ impl SceneView {
 
     /// Lets `seconds` pass; cameras move to their places.
     pub fn advance(&mut self, seconds: f32) {
+        if let Some((_, passed_s)) = &mut self.motion
+            && seconds.is_finite()
+        {
+            *passed_s += f64::from(seconds.clamp(0.0, LONGEST_STEP_S));
+        }
         let Some(life) = &mut self.life else { return };
         if !life.is_paused && seconds.is_finite() {
             life.seconds += f64::from(seconds.clamp(0.0, LONGEST_STEP_S));
@@ -229,6 +244,9 @@ impl SceneView {
         renderer: &mut Renderer,
         camera: Option<&Camera>,
     ) -> Result<(), RunError> {
+        if let Some((motion, passed_s)) = &self.motion {
+            renderer.apply(&motion.at(*passed_s))?;
+        }
         let Some(life) = &mut self.life else { return Ok(()) };
         let changes = match camera {
             Some(camera) => life.animator.changes_in(life.seconds, &[renderer.view_of(camera)]),

@@ -57,8 +57,9 @@ pub struct ShowArguments {
     #[arg(long, value_name = "LEVEL", help_heading = "Frames")]
     pub hud: Option<HudLevel>,
     /// Way to make shadows: off, maps, or maps_uncached, which are drawn afresh in each frame
-    #[arg(long, value_name = "WAY", default_value = "off", help_heading = "Lights")]
-    pub shadows: ShadowWay,
+    /// [default: off; in `shadows` maps]
+    #[arg(long, value_name = "WAY", help_heading = "Lights")]
+    pub shadows: Option<ShadowWay>,
     /// Filter of shadow maps: single, pcf3, adaptive, pcss, fixed64, pcss64
     #[arg(long, value_name = "NAME", default_value = "adaptive", help_heading = "Lights")]
     #[arg(value_parser = parse_filter)]
@@ -142,7 +143,10 @@ impl ShowArguments {
             frames: self.frames.or(self.headless.then_some(HEADLESS_FRAMES)),
             is_headless: self.headless,
             hud: self.hud.unwrap_or(hud),
-            shadows: ShadowChoice { way: self.shadows, filter: self.filter },
+            shadows: ShadowChoice {
+                way: self.shadows.unwrap_or(ShadowWay::Off),
+                filter: self.filter,
+            },
             times_passes: self.time_passes || self.trace.is_some(),
             device: self.device.choice(),
             validation: self.device.validation,

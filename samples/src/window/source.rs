@@ -17,6 +17,11 @@ pub enum SceneSource {
         /// The hour of its sun and lamps; without one it has no surfaces that cast shadows.
         hour: Option<Hour>,
     },
+    /// The courtyard, at this hour.
+    Courtyard {
+        /// The hour of its sun.
+        hour: Hour,
+    },
     /// A scene in a glTF file.
     File {
         /// The path of the file.
@@ -36,7 +41,7 @@ impl SceneSource {
     pub fn recorded_path(&self) -> Option<&PathBuf> {
         match self {
             Self::Made { path: Some(PathChoice::Recorded(file)), .. } => Some(file),
-            Self::Made { .. } | Self::Nothing { .. } => None,
+            Self::Made { .. } | Self::Courtyard { .. } | Self::Nothing { .. } => None,
             Self::File { settings, .. } => settings.recorded.as_ref(),
         }
     }
@@ -45,7 +50,7 @@ impl SceneSource {
     pub fn file(&self) -> Option<&PathBuf> {
         match self {
             Self::File { file, .. } => Some(file),
-            Self::Made { .. } | Self::Nothing { .. } => None,
+            Self::Made { .. } | Self::Courtyard { .. } | Self::Nothing { .. } => None,
         }
     }
 
@@ -53,6 +58,7 @@ impl SceneSource {
     pub fn name(&self) -> String {
         match self {
             Self::Made { made, .. } => made.scene.to_string(),
+            Self::Courtyard { .. } => "courtyard".to_owned(),
             Self::File { file, .. } => {
                 file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned()
             }
@@ -63,7 +69,7 @@ impl SceneSource {
     /// Returns the same settings for another file, which has other cameras.
     pub fn settings_for_another(&self) -> FileSource {
         match self {
-            Self::Made { .. } => FileSource::default(),
+            Self::Made { .. } | Self::Courtyard { .. } => FileSource::default(),
             Self::File { settings, .. } | Self::Nothing { settings } => {
                 FileSource { camera: None, recorded: None, ..settings.clone() }
             }

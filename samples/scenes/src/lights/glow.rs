@@ -45,6 +45,16 @@ pub(super) fn add_lit_lamp(scene: &mut Scene) -> Option<MeshId> {
     Some(MeshId(scene.meshes.len() as u32 - 1))
 }
 
+/// Lets a mesh glow, all of it.
+pub(crate) fn let_glow(scene: &mut Scene, mesh: MeshId) {
+    let Some(surfaces) = &mut scene.surfaces else { return };
+    let material = glow_material(surfaces);
+    if let Some(surface) = surfaces.meshes.get_mut(mesh.0 as usize) {
+        surface.material = material;
+        surface.vertices.iter_mut().for_each(|vertex| vertex.uv[0] = texel(1));
+    }
+}
+
 /// Lets some windows of buildings glow, the same ones in each building of a kind.
 pub(super) fn light_windows(scene: &mut Scene) {
     let Some(surfaces) = &mut scene.surfaces else { return };

@@ -13,6 +13,7 @@ use glam::Vec3;
 use scene::{LightId, LightKind, LightMove, Material, MaterialId, PunctualLight, Scene, Surfaces};
 
 pub use self::glow::GLOW_NAME;
+pub(crate) use self::glow::let_glow;
 pub use self::hour::Hour;
 use self::lamps::{LampKind, light_lamps};
 use super::error::{GeneratorError, MAX_LAMPS};
@@ -98,6 +99,17 @@ pub struct Daylight {
     pub lamps: Vec<(LightId, PunctualLight)>,
     /// The material that glows at night, as it does then.
     pub glow: Option<(MaterialId, Material)>,
+    /// The hours at which the lamps are on.
+    pub lamp_hours: LampHours,
+}
+
+/// The hours at which lamps are on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LampHours {
+    /// From dusk to dawn.
+    Night,
+    /// All hours.
+    Always,
 }
 
 /// The id of the sun in scenes with [`Daylight`].
@@ -119,14 +131,14 @@ impl Daylight {
         let materials = surfaces.map_or(&[][..], |surfaces| &surfaces.materials);
         let glow = (0..).map(MaterialId).zip(materials).find(|(_, it)| it.name == GLOW_NAME);
         let glow = glow.map(|(id, material)| (id, material.clone()));
-        Ok((scene, Self { hour: Hour::NIGHT, lamps, glow }))
+        Ok((scene, Self { hour: Hour::NIGHT, lamps, glow, lamp_hours: LampHours::Night }))
     }
 
     /// Returns the lights as they are at its hour.
     pub fn lights(&self) -> Vec<LightMove> {
-        let is_night = self.hour.is_night();
+        let are_on = self.hour.is_night() || self.lamp_hours == LampHours::Always;
         let lamp = |(light, lamp): &(LightId, PunctualLight)| {
-            let intensity = if is_night { lamp.intensity } else { 0.0 };
+            let intensity = if are_on { lamp.intensity } else { 0.0 };
             LightMove { light: *light, to: PunctualLight { intensity, ..*lamp } }
         };
         let sun = sun_of(self.hour).map(|to| LightMove { light: SUN, to });

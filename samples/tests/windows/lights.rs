@@ -1,0 +1,90 @@
+//! The hour of the day and shadows in `city` and `shadows`, without a window.
+
+use std::fs;
+
+use harness::{Scratch, pixels, program, stderr};
+
+const SHADOWS: &str = env!("CARGO_BIN_EXE_shadows");
+
+/// Runs a script with images of every frame; returns the log.
+fn run(program_file: &str, scratch: &Scratch, script: &str, arguments: &[&str]) -> String {
+    fs::write(scratch.0.join("script"), script).unwrap();
+    let all = ["--headless", "--size", "160x96", "--script", "script", "--out", "out"];
+    let rest = ["--device", "llvmpipe", "--validation", "sync", "--costs", "ignored"];
+    let mut command = program(program_file, &scratch.0, &[&all[..], &rest, arguments].concat());
+    command.env("RUST_LOG", "samples=info");
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    stderr(&output)
+}
+
+fn frame(scratch: &Scratch, number: u32) -> Vec<[u8; 3]> {
+    pixels(&scratch.0.join(format!("out/frame_{number:05}.png")))
+}
+
+fn brightness(image: &[[u8; 3]]) -> u64 {
+    image.iter().flatten().map(|part| u64::from(*part)).sum()
+}
+
+#[test]
+fn a_lit_city_has_hours_shadows_and_filters() {
+    let scratch = Scratch::new("lit-city");
+    let script = "1 shadows off\n2 shadows maps_uncached\n3 filter pcf3\n4 hour 22\n5 hour\n";
+    let lit = ["--objects", "400", "--hour", "14", "--shadows", "maps", "--frames", "6"];
+    let log = run(crate::CITY, &scratch, script, &lit);
+    for said in [
+        "shadows off",
+        "shadows maps_uncached, adaptive",
+        "shadows maps_uncached, pcf3",
+        "the hour is 22:00",
+        "the hour is 23:00",
+    ] {
+        assert!(log.contains(said), "{said}: {log}");
+    }
+    let images: Vec<Vec<[u8; 3]>> = (0..6).map(|number| frame(&scratch, number)).collect();
+    assert!(images[0] != images[1], "there are shadows");
+    assert!(brightness(&images[0]) < brightness(&images[1]), "and they are dark");
+    assert!(images[0] == images[2], "those of a cache are those without");
+    assert!(brightness(&images[4]) * 2 < brightness(&images[3]), "it is night");
+    assert!(images[4] != images[5], "the moon moves");
+}
+
+#[test]
+fn what_a_plain_city_has_no_lights_for_is_said() {
+    let scratch = Scratch::new("unlit-city");
+    let script = "1 hour\n1 shadows maps\n";
+    let log = run(crate::CITY, &scratch, script, &["--objects", "100", "--frames", "3"]);
+    assert!(log.contains("start it with --hour"), "{log}");
+    assert!(log.contains("the scene has no surfaces"), "{log}");
+}
+
+#[test]
+fn the_courtyard_moves_and_is_exact_with_each_filter() {
+    let scratch = Scratch::new("courtyard");
+    let filters = ["single", "pcf3", "adaptive", "pcss", "fixed64", "pcss64"];
+    let script: String =
+        (1..).zip(filters).map(|(frame, name)| format!("{} filter {name}\n", 2 * frame)).collect();
+    let log = run(SHADOWS, &scratch, &("1 compare\n".to_owned() + &script), &["--frames", "14"]);
+    for filter in filters {
+        assert!(log.contains(&format!("shadows maps, {filter}")), "{filter}: {log}");
+    }
+    assert!(log.contains("antumbra: 0 pixels differ in"), "{log}");
+    let [first, second] = [0, 1].map(|number| frame(&scratch, number));
+    assert!(first != second, "the lantern moves");
+}
+
+#[test]
+fn lights_that_cannot_be_are_refused() {
+    let scratch = Scratch::new("bad-lights");
+    for (program_file, arguments, sentence) in [
+        (SHADOWS, ["--hour", "30"], "'30' is no hour of the day"),
+        (SHADOWS, ["--shadows", "volumes"], "'volumes' yet"),
+        (crate::CITY, ["--hour", "NaN"], "'NaN' is no hour of the day"),
+        (crate::CITY, ["--filter", "soft"], "unknown filter 'soft'"),
+    ] {
+        let output = program(program_file, &scratch.0, &arguments).output().unwrap();
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(sentence) && !message.contains("panicked"), "{message}");
+    }
+}
