@@ -43,7 +43,8 @@ impl LensFlare {
     #[must_use]
     pub fn of_light(light: &PunctualLight) -> Option<Self> {
         let brightest = light.colour.into_iter().fold(0.0, f32::max);
-        let is_lit = brightest * light.intensity > 0.0 && light.intensity.is_finite();
+        let light_out = brightest * light.intensity;
+        let is_lit = light_out > 0.0 && light_out.is_finite();
         let (place, radius, glow) = match light.kind {
             LightKind::Directional => (FlarePlace::Towards(-light.direction), SUN_RADIUS_RAD, 0.5),
             LightKind::Point => (FlarePlace::At(light.position), LAMP_RADIUS_M, 0.15),
