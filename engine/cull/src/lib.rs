@@ -93,7 +93,7 @@ pub use cost::table::{BadCost, CostTable, SceneCosts};
 pub use culler::Culler;
 pub use geom::bounds::{Aabb, MAX_COORDINATE};
 pub use geom::camera::{Camera, Projection};
-pub use geom::detail::{DetailLevel, DetailPolicy};
+pub use geom::detail::{DetailBySamples, DetailLevel, DetailPolicy};
 pub use geom::frustum::{Containment, Frustum, PlaneMask};
 pub use geom::margin::Margin;
 pub use geom::multi_view::{MultiView, MultiViewError};

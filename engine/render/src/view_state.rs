@@ -45,6 +45,7 @@ impl ViewState {
     /// makes the past worthless, such as a jump to another place.
     pub fn reset(&mut self) {
         self.visibility.reset();
+        self.counts.forget_settled(self.visibility.plan().frame);
         self.flares.reset();
     }
 
@@ -110,7 +111,8 @@ impl ViewState {
     /// Notes that the newest frame was submitted.
     pub(crate) fn submitted(&mut self, tick: Tick, leaves: &LeafTable, timed_views: Option<usize>) {
         self.visibility.submitted(tick, leaves, timed_views);
-        self.counts.submitted(tick, self.visibility.plan().frame);
+        let (now, slots) = (self.visibility.plan().frame, self.visibility.frames_in_flight());
+        self.counts.submitted(tick, now, slots);
         self.flares.submitted(tick);
     }
 }

@@ -1,5 +1,7 @@
 //! Levels of detail: frames are exact with every strategy, and far objects have fewer triangles.
 
+mod by_samples;
+
 use cull::{Camera, DetailPolicy, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3};
 use gpu::{Device, Readback};
@@ -28,28 +30,31 @@ fn wood() -> Scene {
         tint: u32::MAX,
     };
     let mut scene = coloured_cubes(3, (0..200).map(object).collect());
-    let coarser = |indices: &[u32]| LodLevel {
-        indices: indices
-            .as_chunks::<6>()
-            .0
-            .iter()
-            .flat_map(|face| [face[0], face[1], face[2]])
-            .collect(),
-        error_m: 0.2,
-    };
-    let levels = scene.meshes.iter().map(|mesh| vec![coarser(&mesh.indices)]).collect();
+    let levels = scene.meshes.iter().map(|mesh| vec![coarser(&mesh.indices, 0.2)]).collect();
     scene.surfaces.as_mut().unwrap().levels = levels;
     scene
 }
 
-fn renderer(device: &Device) -> Renderer {
-    let options = RendererOptions {
+/// Returns a level that lacks half of each face.
+fn coarser(indices: &[u32], error_m: f32) -> LodLevel {
+    let (faces, _) = indices.as_chunks::<6>();
+    LodLevel {
+        indices: faces.iter().flat_map(|face| [face[0], face[1], face[2]]).collect(),
+        error_m,
+    }
+}
+
+fn options() -> RendererOptions {
+    RendererOptions {
         methods: methods::all(),
         size: SIZE,
         costs: Costs::Ignored,
         ..Default::default()
-    };
-    Renderer::new(device, &wood(), &options).unwrap()
+    }
+}
+
+fn renderer(device: &Device) -> Renderer {
+    Renderer::new(device, &wood(), &options()).unwrap()
 }
 
 fn render(
@@ -148,16 +153,10 @@ fn a_triangle_and_its_back_are_counted_as_one() {
     run_on_all(|device| {
         let scene = wood_from_both_sides();
         assert_eq!(scene.triangles(), 12 * 200);
-        let options = RendererOptions {
-            methods: methods::all(),
-            size: SIZE,
-            costs: Costs::Ignored,
-            ..Default::default()
-        };
-        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         // Draws that the CPU decides are counted there, those of the pyramid on the GPU.
         for (error_pixels, of_cube) in [(0.0, 12), (1e6, 6)] {
-            let policy = DetailPolicy { error_pixels, hysteresis: 0.0 };
+            let policy = DetailPolicy { error_pixels, hysteresis: 0.0, by_samples: None };
             renderer.choose_detail(&[camera(0)], &policy);
             assert_eq!(renderer.triangles_of(ObjectId(7)), of_cube);
             let mut finder = renderer.new_view().unwrap();

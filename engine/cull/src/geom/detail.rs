@@ -13,24 +13,61 @@ pub struct DetailPolicy {
     /// The share (0 to 1) by which the error of a coarser form must be below that: an object at the
     /// limit does not change to and fro.
     pub hysteresis: f32,
+    /// The rule for objects of which few samples are visible; `None` leaves all to the distance.
+    pub by_samples: Option<DetailBySamples>,
+}
+
+/// The rule by which an object of which little shows takes a coarser form than its distance allows
+/// ("Efficient Occlusion Culling", GPU Gems, 29.9).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DetailBySamples {
+    /// The number of visible samples of its box from which on the distance alone decides.
+    pub enough_samples: u32,
+    /// The factor, at least 1, by which its error may be larger where nothing of it shows.
+    pub most: f32,
+}
+
+impl Default for DetailBySamples {
+    /// Returns a square of 64 pixels, and a factor of 4.
+    fn default() -> Self {
+        Self { enough_samples: 64 * 64, most: 4.0 }
+    }
 }
 
 impl Default for DetailPolicy {
-    /// Returns half a pixel, and a hysteresis by which objects take a coarser form a quarter
-    /// farther away than they take the finer one.
+    /// Returns half a pixel by distance alone, and a hysteresis by which objects take a coarser
+    /// form a quarter farther away than they take the finer one.
     fn default() -> Self {
-        Self { error_pixels: 0.5, hysteresis: 0.2 }
+        Self { error_pixels: 0.5, hysteresis: 0.2, by_samples: None }
     }
 }
 
 impl DetailPolicy {
+    /// Returns the pixels per metre by which to [choose](DetailPolicy::choose) the form of an
+    /// object of which so many samples are visible: fewer than its distance says where that is
+    /// little. The error may grow as the width of what shows shrinks, the square root of the
+    /// samples. Where they are not known (`None`), or without a rule for them, the distance alone
+    /// decides.
+    ///
+    /// The hysteresis holds for samples as for distances: with the default, an object that took a
+    /// coarser form keeps it until half as many samples again are visible. It works if the samples
+    /// do not depend on the form, as those of its box do not.
+    #[must_use]
+    pub fn seen_pixels_per_metre(&self, pixels_per_metre: f32, visible: Option<u32>) -> f32 {
+        let (Some(rule), Some(visible)) = (self.by_samples, visible) else {
+            return pixels_per_metre;
+        };
+        let ratio = rule.enough_samples as f32 / visible.max(1) as f32;
+        pixels_per_metre / ratio.sqrt().clamp(1.0, rule.most.max(1.0))
+    }
+
     /// Returns the form of an object whose forms have the errors `errors_m` (metres in the world,
     /// ascending; the first belongs to the finest form), where a metre covers `pixels_per_metre`
     /// (as [`View::pixels_per_metre`](crate::View::pixels_per_metre) says) and the object has the
     /// form `now`.
     ///
-    /// It depends on nothing else, above all not on visibility: every renderer of the same frame
-    /// draws the same forms. Without errors, or with values that are not numbers, it is the finest.
+    /// It depends on nothing else, above all not on culling: every renderer of the same frame draws
+    /// the same forms. Without errors, or with values that are not numbers, it is the finest.
     #[must_use]
     pub fn choose(&self, pixels_per_metre: f32, errors_m: &[f32], now: DetailLevel) -> DetailLevel {
         let within = |limit_pixels: f32| {
@@ -51,9 +88,11 @@ mod tests {
     use crate::geom::bounds::Aabb;
     use crate::geom::camera::{Camera, Projection};
     use crate::geom::view::View;
+    use crate::rng::SplitMix64;
 
     const ERRORS_M: [f32; 4] = [0.0, 0.01, 0.02, 0.08];
-    const POLICY: DetailPolicy = DetailPolicy { error_pixels: 1.0, hysteresis: 0.2 };
+    const POLICY: DetailPolicy =
+        DetailPolicy { error_pixels: 1.0, hysteresis: 0.2, by_samples: None };
 
     fn settled(pixels_per_metre: f32) -> u8 {
         let choose = |now| POLICY.choose(pixels_per_metre, &ERRORS_M, DetailLevel(now)).0;
@@ -93,8 +132,68 @@ mod tests {
         assert_eq!(POLICY.choose(f32::NAN, &ERRORS_M, DetailLevel(3)), DetailLevel(0));
         assert_eq!(POLICY.choose(1.0, &[0.0, f32::NAN, 0.0], DetailLevel(9)), DetailLevel(0));
         assert_eq!(POLICY.choose(1.0, &[], DetailLevel(9)), DetailLevel(0));
-        let odd = DetailPolicy { error_pixels: f32::NAN, hysteresis: -3.0 };
+        let odd = DetailPolicy { error_pixels: f32::NAN, hysteresis: -3.0, by_samples: None };
         assert_eq!(odd.choose(1.0, &ERRORS_M, DetailLevel(1)), DetailLevel(0));
+    }
+
+    const SEEN: DetailPolicy = DetailPolicy {
+        by_samples: Some(DetailBySamples { enough_samples: 1000, most: 4.0 }),
+        ..POLICY
+    };
+
+    #[test]
+    fn fewer_visible_samples_never_give_a_finer_form() {
+        let mut rng = SplitMix64::new(11);
+        let mut coarser = 0;
+        for _ in 0..2_000 {
+            let pixels_per_metre = rng.unit() * 300.0;
+            let now = DetailLevel(rng.between(0, 3) as u8);
+            let choose = |visible: Option<u32>| {
+                let seen = SEEN.seen_pixels_per_metre(pixels_per_metre, visible);
+                SEEN.choose(seen, &ERRORS_M, now)
+            };
+            let by_distance = POLICY.choose(pixels_per_metre, &ERRORS_M, now);
+            assert_eq!(choose(None), by_distance);
+            assert_eq!(choose(Some(rng.between(1000, 9000))), by_distance);
+            let [few, more] = [rng.between(0, 1200), rng.between(0, 300)];
+            assert!(choose(Some(few)) >= choose(Some(few + more)));
+            coarser += u32::from(choose(Some(0)) > by_distance);
+        }
+        assert!(coarser > 300, "{coarser}");
+        assert_eq!(POLICY.seen_pixels_per_metre(7.0, Some(0)), 7.0);
+    }
+
+    #[test]
+    fn the_error_grows_up_to_its_bound() {
+        let seen = |visible| SEEN.seen_pixels_per_metre(100.0, Some(visible));
+        assert_eq!([seen(0), seen(10), seen(250), seen(1000)], [25.0, 25.0, 50.0, 100.0]);
+        for most in [f32::NAN, 0.0, -2.0] {
+            let by_samples = Some(DetailBySamples { most, enough_samples: 1000 });
+            let odd = DetailPolicy { by_samples, ..POLICY };
+            assert_eq!(odd.seen_pixels_per_metre(100.0, Some(1)), 100.0, "{most}");
+        }
+    }
+
+    #[test]
+    fn samples_at_a_threshold_do_not_make_a_form_flicker() {
+        let mut rng = SplitMix64::new(5);
+        for seed in 0..300 {
+            let pixels_per_metre = rng.unit() * 200.0 + 1.0;
+            let middle = rng.between(20, 1400) as f32;
+            let mut level = DetailLevel(rng.between(0, 3) as u8);
+            let mut changes = Vec::new();
+            for _ in 0..60 {
+                let visible = (middle * (0.82 + 0.36 * rng.unit())) as u32;
+                let seen = SEEN.seen_pixels_per_metre(pixels_per_metre, Some(visible));
+                let next = SEEN.choose(seen, &ERRORS_M, level);
+                changes.extend((next != level).then_some(next > level));
+                level = next;
+            }
+            // One way only, a level at most once.
+            let first = changes.first().copied();
+            assert!(changes.len() <= 3, "{seed}: {changes:?}");
+            assert!(changes.iter().all(|it| Some(*it) == first), "{seed}: {changes:?}");
+        }
     }
 
     #[test]

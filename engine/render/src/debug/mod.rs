@@ -6,6 +6,7 @@ pub(crate) mod outline;
 pub mod palette;
 pub(crate) mod pick;
 pub(crate) mod sample_counts;
+pub(crate) mod settled_counts;
 pub(crate) mod top_down;
 pub(crate) mod visibility_snapshot;
 pub(crate) mod visible_set;

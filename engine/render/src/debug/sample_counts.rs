@@ -1,15 +1,16 @@
 //! Counts of the visible samples of single objects: counted by the GPU where a view watches them,
 //! read back some frames later without a wait.
 //!
-//! For levels of detail, by the number of samples, and for lens flares, by the fraction of the
-//! light's proxy ("Efficient Occlusion Culling", GPU Gems, 29.8.2 and 29.9). After a frame is
-//! drawn, each watched object in the frustum is drawn again under a precise query, and so is its
-//! proxy, with the depth test and without. Counting does not change the image.
+//! For levels of detail ([`Renderer::choose_detail_seen`](crate::Renderer::choose_detail_seen)) and
+//! other decisions of a program ("Efficient Occlusion Culling", GPU Gems, 29.8.2 and 29.9). After a
+//! frame is drawn, each watched object in the frustum is drawn again under a precise query, and so
+//! is its proxy, with the depth test and without. Counting does not change the image.
 
 use cull::{Containment, FrameId, Generation, Hierarchy, ObjectId, PlaneMask, View};
 use gpu::{Commands, Counting, Device, Frame, IndirectDraw, Optional, QueryIndex, QueryRing, Tick};
 use occlusion::{LeafTable, PlanExecutor, ProxyBox, ProxyIo, ProxyPass, VisibilityState};
 
+use crate::debug::settled_counts::{SettledCounts, keep_newest};
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 
@@ -91,6 +92,7 @@ pub(crate) struct SampleCounts {
     watched: Vec<ObjectId>,
     /// The newest count of each object that has one, ascending by object.
     newest: Vec<VisibleSamples>,
+    settled: SettledCounts,
     queries: Option<QueryRing<CountTag>>,
     /// True if the frame being recorded counts.
     is_asking: bool,
@@ -127,8 +129,10 @@ impl SampleCounts {
         self.watched.extend_from_slice(objects);
         self.watched.sort_unstable();
         self.watched.dedup();
-        let Self { watched, newest, .. } = self;
-        newest.retain(|known| watched.binary_search(&known.object).is_ok());
+        let Self { watched, newest, settled, .. } = self;
+        let is_watched = |known: &VisibleSamples| watched.binary_search(&known.object).is_ok();
+        newest.retain(is_watched);
+        settled.retain(is_watched);
     }
 
     pub(crate) fn is_watching(&self) -> bool {
@@ -167,7 +171,10 @@ impl SampleCounts {
             self.keep(known);
         }
         self.collected = collected;
-        self.newest.retain(|known| hierarchy.is_same_object_since(known.object, known.generation));
+        let is_there =
+            |it: &VisibleSamples| hierarchy.is_same_object_since(it.object, it.generation);
+        self.newest.retain(is_there);
+        self.settled.retain(is_there);
         self.age(now);
     }
 
@@ -176,11 +183,8 @@ impl SampleCounts {
         if self.watched.binary_search(&known.object).is_err() {
             return;
         }
-        match self.newest.binary_search_by_key(&known.object, |newest| newest.object) {
-            Ok(place) if self.newest[place].frame < known.frame => self.newest[place] = known,
-            Ok(_) => {}
-            Err(place) => self.newest.insert(place, known),
-        }
+        keep_newest(&mut self.newest, known);
+        self.settled.take(known);
     }
 
     fn age(&mut self, now: FrameId) {
@@ -215,8 +219,19 @@ impl SampleCounts {
         self.asked = asked;
     }
 
+    /// Returns the counts by which levels of detail are chosen.
+    pub(crate) fn settled(&self) -> &SettledCounts {
+        &self.settled
+    }
+
+    /// Forgets the counts by which levels of detail are chosen, up to those of frame `now`.
+    pub(crate) fn forget_settled(&mut self, now: FrameId) {
+        self.settled.forget(now);
+    }
+
     /// Notes that the frame was submitted.
-    pub(crate) fn submitted(&mut self, tick: Tick, now: FrameId) {
+    pub(crate) fn submitted(&mut self, tick: Tick, now: FrameId, frames_in_flight: usize) {
+        self.settled.settle(now, frames_in_flight as u64);
         if let Some(queries) = self.queries.as_mut().filter(|_| self.is_asking) {
             queries.submitted(tick);
         }

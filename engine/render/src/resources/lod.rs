@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn an_object_takes_the_level_that_its_distance_allows() {
         let (lods, ..) = table();
-        let policy = DetailPolicy { error_pixels: 1.0, hysteresis: 0.0 };
+        let policy = DetailPolicy { error_pixels: 1.0, hysteresis: 0.0, by_samples: None };
         let choose = |mesh, now, scale| lods.select_lod(MeshId(mesh), now, scale, &policy);
         assert_eq!(choose(0, 0, 0.0), None, "it has but one");
         for now in [1, 3, 4] {

@@ -26,8 +26,12 @@ pub(super) const SPARE: SpareRoom = SpareRoom {
 pub(super) const FIRST_TEXTURES: u32 = 2;
 /// The materials that the renderer begins with.
 pub(super) const FIRST_MATERIALS: u32 = 3;
-pub(super) const FINEST: DetailPolicy = DetailPolicy { error_pixels: 0.0, hysteresis: 0.0 };
-pub(super) const COARSE: DetailPolicy = DetailPolicy { error_pixels: 2.0, hysteresis: 0.0 };
+pub(super) const FINEST: DetailPolicy = by_distance(0.0);
+pub(super) const COARSE: DetailPolicy = by_distance(2.0);
+
+const fn by_distance(error_pixels: f32) -> DetailPolicy {
+    DetailPolicy { error_pixels, hysteresis: 0.0, by_samples: None }
+}
 
 /// The scenes: one whose vertices hold the whole appearance, and one with surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
