@@ -2,6 +2,8 @@
 //! model with its extensions `KHR_materials_unlit`, `KHR_materials_emissive_strength`,
 //! `KHR_texture_transform` and `KHR_lights_punctual`.
 
+use std::collections::HashMap;
+
 use glam::{Affine2, Vec3};
 
 use super::{MeshId, Object, Sprites};
@@ -322,6 +324,33 @@ pub struct SkinnedMesh {
     pub targets: Vec<MorphTarget>,
 }
 
+impl SkinnedMesh {
+    /// Returns a number for each of so many vertices: those with the same number are always moved
+    /// alike from the same place, having the same joints, weights and displacements.
+    pub fn motions(&self, vertices: usize) -> Vec<u32> {
+        let mut known = HashMap::new();
+        let motion_of = |vertex: usize| {
+            let mut motion = Vec::new();
+            if let Some(skin) = &self.skin {
+                let sets = skin.sets as usize;
+                let joints = skin.joints.chunks(sets.max(1)).nth(vertex).unwrap_or_default();
+                let weights = skin.weights.chunks(sets.max(1)).nth(vertex).unwrap_or_default();
+                let hung = joints.as_flattened().iter().zip(weights.as_flattened());
+                for (joint, weight) in hung.filter(|(_, weight)| **weight != 0.0) {
+                    motion.extend([u32::from(*joint), weight.to_bits()]);
+                }
+            }
+            for target in &self.targets {
+                let by = target.positions.get(vertex).copied().unwrap_or_default();
+                motion.extend(by.map(|by| (by + 0.0).to_bits()));
+            }
+            let next = known.len() as u32;
+            *known.entry(motion).or_insert(next)
+        };
+        (0..vertices).map(motion_of).collect()
+    }
+}
+
 /// A coarser level of detail of a mesh, of the same vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LodLevel {
@@ -373,5 +402,29 @@ impl Default for Surfaces {
             levels: Vec::new(),
             exposure: 1.0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vertices_that_hang_and_morph_alike_move_alike() {
+        let up = [0.0, 1.0, 0.0];
+        let mesh = SkinnedMesh {
+            mesh: MeshId(0),
+            skin: Some(SkinWeights {
+                joint_count: 3,
+                joints: vec![[0, 1, 0, 0], [0, 1, 2, 0], [1, 0, 0, 0], [0, 1, 0, 0]],
+                weights: vec![[0.5, 0.5, 0.0, 0.0]; 4],
+                sets: 1,
+            }),
+            targets: vec![MorphTarget {
+                positions: vec![up, up, up, [-0.0; 3]],
+                ..MorphTarget::default()
+            }],
+        };
+        assert_eq!(mesh.motions(4), [0, 0, 1, 2]);
     }
 }

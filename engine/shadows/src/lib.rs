@@ -2,7 +2,8 @@
 //! image, their casters, and which of them a frame must draw again.
 //!
 //! No Vulkan, no clock, no unsafe code. [`ShadowCache::plan`] makes a [`ShadowPlan`], which an
-//! executor draws; [`JitterTexture`] holds the filter's samples.
+//! executor draws; [`JitterTexture`] holds the filter's samples. A [`VolumeMesh`] is what stencil
+//! shadow volumes are extruded from.
 //!
 //! ```
 //! # use antumbra_shadows as shadows;
@@ -48,6 +49,7 @@ mod light;
 mod options;
 mod plan;
 mod tiles;
+mod volumes;
 
 pub use cache::{Casters, ShadowCache, ShadowViews};
 pub use face::{Face, FaceId, cascade_reach_m};
@@ -59,3 +61,7 @@ pub use options::{
 };
 pub use plan::{FaceWork, PlannedFace, PlannedLight, ShadowPlan, ShadowStats};
 pub use tiles::{Tile, TilePool};
+pub use volumes::{
+    Caps, Counting, Extrusion, NearSpan, VolumeError, VolumeKind, VolumeMesh, VolumeSource,
+    VolumeTriangle,
+};

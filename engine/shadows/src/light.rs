@@ -1,6 +1,6 @@
 //! Lights with shadows, as far as their maps depend on them.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// The number of a light, which its owner chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -58,6 +58,16 @@ impl LightShape {
             Self::Spot { position, reach_m, .. } | Self::Point { position, reach_m } => {
                 Some((position, reach_m))
             }
+        }
+    }
+
+    /// Returns the light in homogeneous coordinates: a point with w = 1, or the direction towards it
+    /// with w = 0.
+    #[must_use]
+    pub fn homogeneous(&self) -> Vec4 {
+        match *self {
+            Self::Sun { towards } => towards.extend(0.0),
+            Self::Spot { position, .. } | Self::Point { position, .. } => position.extend(1.0),
         }
     }
 

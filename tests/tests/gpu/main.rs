@@ -48,6 +48,7 @@ mod relight;
 mod reload;
 mod shading;
 mod shadow_maps;
+mod shadow_volumes;
 mod skinning;
 mod slivers;
 mod strategies;

@@ -1,0 +1,200 @@
+//! The way of counting at a volume's boundary, and the caps that it needs.
+
+use cull::Aabb;
+use glam::{Vec3, Vec4};
+
+use super::mesh::VolumeKind;
+
+/// The part of a volume's boundary that changes the count of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Counting {
+    /// In front of what the pixel shows: where the depth test passes. Wrong with the eye in a
+    /// volume.
+    ZPass,
+    /// Behind and at what the pixel shows: where the depth test fails. Always right, and dearer.
+    ZFail,
+}
+
+/// The caps of a volume that are drawn beside its sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Caps {
+    /// None.
+    None,
+    /// The triangles themselves.
+    Near,
+    /// The triangles, and the same at infinity.
+    Both,
+}
+
+impl Counting {
+    /// Returns the caps that volumes need.
+    ///
+    /// In front of the picture lies no far cap ever, and no near cap of a closed mesh: its own
+    /// surface covers the cap. What is not closed may be seen from its back, which covers nothing.
+    #[must_use]
+    pub fn caps(self, kind: VolumeKind) -> Caps {
+        match (self, kind) {
+            (Self::ZFail, _) => Caps::Both,
+            (Self::ZPass, VolumeKind::Plain) => Caps::None,
+            (Self::ZPass, VolumeKind::Robust) => Caps::Near,
+        }
+    }
+}
+
+impl VolumeKind {
+    /// Returns the algorithm for a mesh of this kind in a box, for a light in homogeneous
+    /// coordinates: closed meshes need the robust one, too, if the light may be inside.
+    #[must_use]
+    pub fn towards(self, bounds: &Aabb, light: Vec4) -> Self {
+        let bounds = bounds.enlarged(rounding(bounds, light.truncate()));
+        match light.w > 0.0 && bounds.contains_point(light.truncate() / light.w) {
+            true => Self::Robust,
+            false => self,
+        }
+    }
+}
+
+/// The points that span the part of a view that its near plane cuts off, with the near plane's
+/// rectangle: its corners and the eye, or the corners before and behind of a parallel view.
+#[derive(Clone, Copy, Debug)]
+pub struct NearSpan<'a>(pub &'a [Vec3]);
+
+const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
+
+impl NearSpan<'_> {
+    /// Returns the way of counting that is right for casters in a box: [`Counting::ZFail`] if the
+    /// hull of the span and of a light may meet the box.
+    ///
+    /// The light is in homogeneous coordinates: a point with w = 1, or the direction towards it
+    /// with w = 0. The test looks for a plane between box and hull, so what is unclear, also for
+    /// numbers that are none, is counted by z-fail.
+    #[must_use]
+    pub fn counting(self, bounds: &Aabb, light: Vec4) -> Counting {
+        let reach = self.0.iter().fold(light.truncate().abs(), |most, at| most.max(at.abs()));
+        let bounds = bounds.enlarged(rounding(bounds, reach));
+        let axes = AXES.into_iter().chain(self.edge_normals(light)).chain(self.side_normals(light));
+        let is_apart = |axis: Vec3| {
+            self.is_beyond(&bounds, light, axis) || self.is_beyond(&bounds, light, -axis)
+        };
+        match axes.into_iter().any(is_apart) {
+            true => Counting::ZPass,
+            false => Counting::ZFail,
+        }
+    }
+
+    /// Returns the normals of planes along an edge of the box and a line to the light.
+    fn edge_normals(self, light: Vec4) -> impl Iterator<Item = Vec3> {
+        self.0.iter().flat_map(move |point| {
+            let to_light = light.truncate() - light.w * point;
+            AXES.map(|axis| axis.cross(to_light).normalize_or_zero())
+        })
+    }
+
+    /// Returns the normals of planes through the light and two points, and through three points.
+    fn side_normals(self, light: Vec4) -> impl Iterator<Item = Vec3> {
+        let pairs = self.0.iter().enumerate();
+        pairs.flat_map(move |(place, &a)| {
+            let rest = self.0.iter().skip(place + 1);
+            rest.enumerate().flat_map(move |(next, &b)| {
+                let to_light = light.truncate() - light.w * a;
+                let third = self.0.get(place + next + 2).map(|c| (b - a).cross(*c - a));
+                let corners = [Some((b - a).cross(to_light)), third];
+                corners.into_iter().flatten().map(Vec3::normalize_or_zero)
+            })
+        })
+    }
+
+    /// Returns true if the hull lies farther along an axis than the whole box.
+    fn is_beyond(self, bounds: &Aabb, light: Vec4, axis: Vec3) -> bool {
+        let most = bounds.centre().dot(axis) + bounds.half_extent().dot(axis.abs());
+        let towards = light.truncate().dot(axis);
+        let is_light_beyond = match light.w > 0.0 {
+            true => towards > most * light.w,
+            false => towards >= 0.0,
+        };
+        // No axis at all separates nothing.
+        axis != Vec3::ZERO
+            && !self.0.is_empty()
+            && is_light_beyond
+            && self.0.iter().all(|point| point.dot(axis) > most)
+    }
+}
+
+/// Returns the distance in metres by which a box is enlarged against the rounding of positions, of
+/// transforms and of these tests.
+fn rounding(bounds: &Aabb, reach: Vec3) -> f32 {
+    let largest = bounds.min.abs().max(bounds.max.abs()).max(reach.abs()).max_element();
+    1e-5 * largest.max(1e-3)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec3;
+
+    use super::*;
+
+    const SUN: Vec4 = Vec4::Y;
+
+    fn span() -> [Vec3; 5] {
+        [
+            vec3(0.0, 2.0, 0.0),
+            vec3(-0.1, 1.9, -0.1),
+            vec3(0.1, 1.9, -0.1),
+            vec3(0.1, 2.1, -0.1),
+            vec3(-0.1, 2.1, -0.1),
+        ]
+    }
+
+    fn of(low: Vec3, high: Vec3, light: Vec4) -> Counting {
+        NearSpan(&span()).counting(&Aabb::new(low, high), light)
+    }
+
+    #[test]
+    fn casters_between_eye_and_light_are_counted_by_z_fail() {
+        let roof = (vec3(-5.0, 4.0, -5.0), vec3(5.0, 4.5, 5.0));
+        assert_eq!(of(roof.0, roof.1, SUN), Counting::ZFail);
+        assert_eq!(of(roof.0 + Vec3::X * 5.2, roof.1 + Vec3::X * 9.0, SUN), Counting::ZPass);
+        // Below the eye it shades nothing up here.
+        assert_eq!(of(vec3(-5.0, 0.0, -5.0), vec3(5.0, 1.0, 5.0), SUN), Counting::ZPass);
+        assert_eq!(of(vec3(-5.0, 0.0, -5.0), vec3(5.0, 1.95, 5.0), SUN), Counting::ZFail);
+    }
+
+    #[test]
+    fn a_lamp_spans_a_pyramid() {
+        let lamp = vec3(4.0, 2.0, 0.0).extend(1.0);
+        let at = |x: f32| of(vec3(x, 1.5, -1.0), vec3(x + 0.2, 2.5, 1.0), lamp);
+        assert_eq!(
+            [at(2.0), at(4.5), at(-2.0)],
+            [Counting::ZFail, Counting::ZPass, Counting::ZPass]
+        );
+        // Beside the thin end of the pyramid, but within its box.
+        assert_eq!(of(vec3(3.0, 2.07, -0.1), vec3(3.2, 2.2, 0.1), lamp), Counting::ZPass);
+        let lamp = vec3(4.0, 6.0, 3.0).extend(1.0);
+        assert_eq!(of(vec3(2.5, 2.5, 0.2), vec3(3.5, 3.2, 0.9), lamp), Counting::ZPass);
+        assert_eq!(of(vec3(1.9, 3.9, 1.3), vec3(2.1, 4.1, 1.6), lamp), Counting::ZFail);
+    }
+
+    #[test]
+    fn what_is_unclear_is_counted_by_z_fail() {
+        let bounds = Aabb::new(Vec3::ZERO, Vec3::ONE);
+        assert_eq!(NearSpan(&[]).counting(&bounds, SUN), Counting::ZFail);
+        let lost = [Vec3::NAN; 5];
+        assert_eq!(NearSpan(&lost).counting(&bounds, SUN), Counting::ZFail);
+        assert_eq!(of(Vec3::splat(f32::NAN), Vec3::ONE, SUN), Counting::ZFail);
+        assert_eq!(of(Vec3::ZERO, Vec3::splat(f32::INFINITY), SUN), Counting::ZFail);
+        let point = [vec3(0.0, 9.0, 0.0)];
+        assert_eq!(NearSpan(&point).counting(&bounds, Vec4::NAN), Counting::ZFail);
+    }
+
+    #[test]
+    fn a_light_inside_needs_the_robust_algorithm() {
+        let bounds = Aabb::new(Vec3::ZERO, Vec3::ONE);
+        let of = |light| VolumeKind::Plain.towards(&bounds, light);
+        assert_eq!(of(Vec3::splat(0.5).extend(1.0)), VolumeKind::Robust);
+        assert_eq!(of(vec3(0.5, 1.0, 0.5).extend(1.0)), VolumeKind::Robust);
+        assert_eq!(of(vec3(0.5, 1.1, 0.5).extend(1.0)), VolumeKind::Plain);
+        assert_eq!(of(Vec3::splat(0.5).extend(0.0)), VolumeKind::Plain);
+        let robust = VolumeKind::Robust.towards(&bounds, SUN);
+        assert_eq!(robust, VolumeKind::Robust);
+    }
+}

@@ -1,0 +1,100 @@
+//! The triangles of a volume's boundary, as the geometry shader emits them.
+
+use glam::{Vec3, Vec4};
+
+use super::counting::Caps;
+use super::mesh::{VolumeKind, VolumeMesh};
+
+/// A triangle of the boundary of a shadow volume: corners in homogeneous coordinates,
+/// counter-clockwise seen from outside of the volume. Those at infinity have w = 0.
+pub type VolumeTriangle = [Vec4; 3];
+
+/// The extrusion of a mesh away from a light: the reference of the shaders, which do the same per
+/// triangle (`shaders/volume.glsl`).
+#[derive(Clone, Copy, Debug)]
+pub struct Extrusion {
+    /// The light in homogeneous coordinates: a point with w = 1, or the direction towards it with
+    /// w = 0.
+    pub light: Vec4,
+    /// The algorithm.
+    pub kind: VolumeKind,
+    /// The caps.
+    pub caps: Caps,
+    /// -1 where the transform mirrors the mesh, else 1: mirrored triangles have their outsides on
+    /// the other side.
+    pub handedness: f32,
+}
+
+impl Extrusion {
+    /// Returns the boundary of the volumes of a mesh whose vertices are at these places.
+    #[must_use]
+    pub fn volumes(&self, mesh: &VolumeMesh, positions: &[Vec3]) -> Vec<VolumeTriangle> {
+        let place = |vertex: u32| positions.get(vertex as usize).copied().unwrap_or_default();
+        let mut boundary = Vec::new();
+        for corners in mesh.triangles() {
+            self.add_triangle(corners, corners.map(place), &mut boundary);
+        }
+        boundary
+    }
+
+    fn add_triangle(&self, names: &[u32; 6], at: [Vec3; 6], boundary: &mut Vec<VolumeTriangle>) {
+        let [a, _, b, _, c, _] = at;
+        let [name_a, name_ab, name_b, name_bc, name_c, name_ca] = *names;
+        let faces = self.faces([(name_a, a), (name_b, b), (name_c, c)]);
+        if self.kind == VolumeKind::Plain && faces != (self.handedness > 0.0) {
+            return;
+        }
+        let towards_light = if faces { [a, b, c] } else { [a, c, b] };
+        if self.caps != Caps::None {
+            boundary.push(towards_light.map(|corner| corner.extend(1.0)));
+        }
+        if self.caps == Caps::Both && self.light.w > 0.0 {
+            let [a, b, c] = towards_light.map(|corner| self.at_infinity(corner));
+            boundary.push([a, c, b]);
+        }
+        let [_, ab, _, bc, _, ca] = at;
+        let edges = [
+            [(name_a, a), (name_ab, ab), (name_b, b)],
+            [(name_b, b), (name_bc, bc), (name_c, c)],
+            [(name_c, c), (name_ca, ca), (name_a, a)],
+        ];
+        for [from, far, to] in edges {
+            // The neighbour runs along the edge in the other direction.
+            if far.0 == from.0 || self.faces([to, from, far]) != faces {
+                self.add_side(if faces { [from.1, to.1] } else { [to.1, from.1] }, boundary);
+            }
+        }
+    }
+
+    fn add_side(&self, [from, to]: [Vec3; 2], boundary: &mut Vec<VolumeTriangle>) {
+        let [far_from, far_to] = [from, to].map(|corner| self.at_infinity(corner));
+        let [from, to] = [from, to].map(|corner| corner.extend(1.0));
+        boundary.push([from, far_from, to]);
+        if self.light.w > 0.0 {
+            boundary.push([to, far_from, far_to]);
+        }
+    }
+
+    /// Returns the point at infinity behind a corner, seen from the light.
+    fn at_infinity(&self, corner: Vec3) -> Vec4 {
+        (self.light.w * corner - self.light.truncate()).extend(0.0)
+    }
+
+    /// Returns true if a triangle of named corners faces the light.
+    ///
+    /// It is looked at as the own triangle and as the neighbour of three others, each of which must
+    /// find the same, also where rounding decides: so the arithmetic begins at the corner of the
+    /// least name, whichever comes first here.
+    fn faces(&self, corners: [(u32, Vec3); 3]) -> bool {
+        let [(a, at_a), (b, at_b), (c, at_c)] = corners;
+        let [p, q, r] = if a < b && a < c {
+            [at_a, at_b, at_c]
+        } else if b < c {
+            [at_b, at_c, at_a]
+        } else {
+            [at_c, at_a, at_b]
+        };
+        let to_light = self.light.truncate() - self.light.w * p;
+        (q - p).cross(r - p).dot(to_light) > 0.0
+    }
+}

@@ -1,0 +1,14 @@
+//! Shadow volumes: triangles with adjacency, what is extruded of them, and the way of counting.
+//!
+//! After Stich, Waechter, Keller, "Efficient and Robust Shadow Volumes Using Hierarchical Occlusion
+//! Culling and Geometry Shaders" (GPU Gems 3, chapter 11).
+
+mod adjacency;
+mod counting;
+mod extrude;
+mod mesh;
+mod weld;
+
+pub use counting::{Caps, Counting, NearSpan};
+pub use extrude::{Extrusion, VolumeTriangle};
+pub use mesh::{VolumeError, VolumeKind, VolumeMesh, VolumeSource};
