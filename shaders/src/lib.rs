@@ -77,6 +77,11 @@ pub const PASSES: [Shader; 36] = [
     shader!("surface_shadowed.frag"),
     shader!("surface_depth.vert"),
     shader!("surface_depth.frag"),
+    shader!("volume.vert"),
+    shader!("volume.geom"),
+    shader!("volume_extrude.comp"),
+    shader!("volume_extruded.vert"),
+    shader!("volume_mask.frag"),
 ];
 
 /// Returns the stage of that name among [`PASSES`].

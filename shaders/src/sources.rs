@@ -7,7 +7,8 @@ use sha2::{Digest, Sha256};
 
 /// Returns the names of all stages in `folder`, sorted.
 pub fn stages(folder: &Path) -> Result<Vec<String>> {
-    let stage = |name: &String| [".vert", ".frag", ".comp"].iter().any(|end| name.ends_with(end));
+    let ends = [".vert", ".geom", ".frag", ".comp"];
+    let stage = |name: &String| ends.iter().any(|end| name.ends_with(end));
     Ok(names(folder)?.into_iter().filter(stage).collect())
 }
 
@@ -17,7 +18,7 @@ pub fn stages(folder: &Path) -> Result<Vec<String>> {
 pub fn hashes(folder: &Path) -> Result<String> {
     let mut lines = String::new();
     for name in names(folder)? {
-        let shader = [".vert", ".frag", ".comp", ".glsl", ".spv"];
+        let shader = [".vert", ".geom", ".frag", ".comp", ".glsl", ".spv"];
         if shader.iter().any(|end| name.ends_with(end)) {
             let hash = Sha256::digest(std::fs::read(folder.join(&name))?);
             let hash: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();

@@ -122,13 +122,14 @@ pub use crate::record::frames::{Frame, FrameNumbers, FrameRing, SlotIndex};
 pub use crate::record::host_image::{HostImage, HostImages, ImageState};
 pub use crate::record::indirect::{DrawLink, DrawRange, IndirectDraw};
 pub use crate::record::pipeline::{
-    Blend, ComputePipeline, DepthMode, GraphicsPipeline, GraphicsPipelineInfo, Polygon,
-    StorageLayout, VertexLayout,
+    Blend, ComputePipeline, DepthMode, DepthRange, GraphicsPipeline, GraphicsPipelineInfo, Polygon,
+    StencilMode, StorageLayout, VertexLayout,
 };
 pub use crate::record::render_target::{Load, RenderTarget};
 pub use crate::record::shader::Spirv;
 #[cfg(feature = "shader-compiler")]
 pub use crate::record::shader::compile;
+pub use crate::record::stencil_target::StencilTarget;
 pub use crate::record::target::{Target, VIEWS_MAX};
 pub use crate::record::timing::{FrameTime, PassTime};
 pub use crate::record::viewport::Viewport;

@@ -6,7 +6,7 @@ use antumbra_shadows::{
     Caps, Counting, Extrusion, NearSpan, VolumeKind, VolumeMesh, VolumeSource, VolumeTriangle,
 };
 use cull::Aabb;
-use glam::{DMat3, DMat4, DVec3, DVec4, Vec3, Vec4, vec3};
+use glam::{DMat3, DMat4, DVec3, DVec4, Vec3, Vec4};
 
 #[path = "volumes/meshes.rs"]
 mod meshes;
@@ -121,9 +121,7 @@ fn check_seed(seed: u64, seen: &mut Seen) {
             _ => (random.direction() * (0.2 + 4.0 * random.unit())).extend(1.0),
         };
         let kind = volumes.kind().towards(&bounds, light);
-        let extrude = |kind, caps| {
-            Extrusion { light, kind, caps, handedness: 1.0 }.volumes(&volumes, positions)
-        };
+        let extrude = |kind, caps| Extrusion { light, kind, caps }.volumes(&volumes, positions);
         let closed = extrude(kind, Caps::Both);
         assert!(is_closed(&closed), "seed {seed}: the volumes are open");
         for _ in 0..12 {
@@ -194,33 +192,6 @@ fn counts_agree_with_rays_over_many_meshes() {
 }
 
 #[test]
-fn mirrored_closed_meshes_are_extruded_from_their_outsides() {
-    let mut random = Random(7);
-    for _ in 0..50 {
-        let mesh = SeededMesh::new(&mut random, Fault::None);
-        let SeededMesh { positions, triangles } = &mesh;
-        let source = VolumeSource { positions, triangles, motions: &[] };
-        let volumes = VolumeMesh::new(&source).expect("a mesh");
-        let mirrored: Vec<Vec3> = positions.iter().map(|at| vec3(-at.x, at.y, at.z)).collect();
-        let light = random.direction().extend(0.0);
-        let there = vec3(-light.x, light.y, light.z).extend(0.0);
-        let extrude = |light, handedness, positions: &[Vec3]| {
-            let (kind, caps) = (volumes.kind(), Caps::Near);
-            Extrusion { light, kind, caps, handedness }.volumes(&volumes, positions)
-        };
-        let found = extrude(there, -1.0, &mirrored);
-        assert!(is_closed_at_far_end(&found));
-        assert_eq!(found.len(), extrude(light, 1.0, positions).len());
-    }
-}
-
-/// Returns true if all edges that are not wholly at infinity cancel.
-fn is_closed_at_far_end(boundary: &[VolumeTriangle]) -> bool {
-    let finite = |corners: &&VolumeTriangle| corners.iter().filter(|at| at.w > 0.0).count() >= 1;
-    is_closed(&boundary.iter().filter(finite).copied().collect::<Vec<_>>())
-}
-
-#[test]
 fn skinned_meshes_stay_closed_in_any_pose() {
     let mut random = Random(11);
     for _ in 0..60 {
@@ -234,7 +205,7 @@ fn skinned_meshes_stay_closed_in_any_pose() {
             positions.iter().map(|at| *at + if at.y > 0.0 { Vec3::ONE } else { Vec3::X }).collect();
         let light = random.direction().extend(1.0) * Vec4::new(9.0, 9.0, 9.0, 1.0);
         for kind in [VolumeKind::Plain, VolumeKind::Robust] {
-            let extrusion = Extrusion { light, kind, caps: Caps::Both, handedness: 1.0 };
+            let extrusion = Extrusion { light, kind, caps: Caps::Both };
             assert!(is_closed(&extrusion.volumes(&volumes, &posed)));
         }
     }

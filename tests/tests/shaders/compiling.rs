@@ -107,7 +107,7 @@ fn stages_are_told_by_their_extension() {
     for name in ["proxy.vertex", "proxy", "instance.glsl"] {
         std::fs::copy(copy.0.join("proxy.vert"), copy.0.join(name)).unwrap();
         let error = copy.error_of(name);
-        assert!(error.contains(name) && error.contains(".vert, .frag or .comp"), "{error}");
+        assert!(error.contains(name) && error.contains(".vert, .geom, .frag or .comp"), "{error}");
     }
 }
 

@@ -131,6 +131,10 @@ pub enum Optional {
     Wireframe,
     /// Textures that stay sharp at grazing angles.
     Anisotropy,
+    /// Shaders that make triangles of triangles.
+    GeometryShaders,
+    /// Depths beyond the near and far plane that are clamped instead of cut off.
+    DepthClamp,
     /// Reading the clocks of GPU and CPU at once.
     CalibratedTimestamps,
     /// Frames in windows. This one and those below are there only if the instance was made for
@@ -146,7 +150,7 @@ pub enum Optional {
 
 impl Optional {
     /// All optional capabilities.
-    pub const ALL: [Optional; 13] = [
+    pub const ALL: [Optional; 15] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
@@ -155,6 +159,8 @@ impl Optional {
         Optional::Multiview,
         Optional::Wireframe,
         Optional::Anisotropy,
+        Optional::GeometryShaders,
+        Optional::DepthClamp,
         Optional::CalibratedTimestamps,
         Optional::Swapchain,
         Optional::PresentFences,
@@ -173,6 +179,8 @@ impl Optional {
             Optional::Multiview => "multiview",
             Optional::Wireframe => "fillModeNonSolid",
             Optional::Anisotropy => "samplerAnisotropy",
+            Optional::GeometryShaders => "geometryShader",
+            Optional::DepthClamp => "depthClamp",
             Optional::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
             Optional::Swapchain => "VK_KHR_swapchain",
             Optional::PresentFences => "VK_EXT_swapchain_maintenance1",
@@ -205,6 +213,8 @@ impl Optional {
             Optional::Multiview => Features { multiview: true, ..none },
             Optional::Wireframe => Features { fill_mode_non_solid: true, ..none },
             Optional::Anisotropy => Features { sampler_anisotropy: true, ..none },
+            Optional::GeometryShaders => Features { geometry_shader: true, ..none },
+            Optional::DepthClamp => Features { depth_clamp: true, ..none },
             Optional::PresentFences => Features { swapchain_maintenance1: true, ..none },
             Optional::PresentWait => Features { present_id: true, present_wait: true, ..none },
             Optional::Timestamps

@@ -56,6 +56,8 @@ features! {
         fragment_stores_and_atomics "fragmentStoresAndAtomics"
         fill_mode_non_solid "fillModeNonSolid"
         sampler_anisotropy "samplerAnisotropy"
+        geometry_shader "geometryShader"
+        depth_clamp "depthClamp"
     }
     vulkan_11 {
         multiview "multiview"

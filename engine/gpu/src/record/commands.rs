@@ -303,6 +303,20 @@ impl Commands {
         unsafe { self.device.raw().cmd_clear_attachments(self.raw, &[attachment], &[rect]) };
     }
 
+    /// Sets the stencil of `size` pixels from `origin` on, within the target, to 0, inside of a
+    /// rendering. Obeys predicates, as draws do.
+    pub fn clear_stencil(&self, origin: [u32; 2], size: [u32; 2]) {
+        let attachment = vk::ClearAttachment {
+            aspect_mask: vk::ImageAspectFlags::STENCIL,
+            color_attachment: 0,
+            clear_value: vk::ClearValue::default(),
+        };
+        let rect = Viewport::covering(origin, size).scissor();
+        let rect = vk::ClearRect { rect, base_array_layer: 0, layer_count: 1 };
+        // SAFETY: inside of rendering; the caller's area lies within the target.
+        unsafe { self.device.raw().cmd_clear_attachments(self.raw, &[attachment], &[rect]) };
+    }
+
     /// Sets every 32-bit value of `slice` to `value`: an [`crate::Access::CopyWrite`].
     pub fn fill(&self, slice: BufferSlice, value: u32) {
         let size = slice.size_bytes & !3;

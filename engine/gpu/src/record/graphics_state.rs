@@ -5,7 +5,9 @@ use ash::vk;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::record::attachments::{Attachments, COLOURS_MAX, NearDepth};
-use crate::record::pipeline::{Blend, DepthMode, GraphicsPipelineInfo, Polygon, VertexLayout};
+use crate::record::pipeline::{
+    Blend, DepthMode, DepthRange, GraphicsPipelineInfo, Polygon, StencilMode, VertexLayout,
+};
 
 /// Compiles a graphics pipeline with all its fixed states.
 pub(super) fn create_graphics(
@@ -32,6 +34,7 @@ pub(super) fn create_graphics(
     let (constant, slope) = depth_bias(info);
     let raster = vk::PipelineRasterizationStateCreateInfo::default()
         .polygon_mode(mode)
+        .depth_clamp_enable(info.range == DepthRange::Clamped)
         .depth_bias_enable(constant != 0.0)
         .depth_bias_constant_factor(constant)
         .depth_bias_slope_factor(slope)
@@ -41,7 +44,11 @@ pub(super) fn create_graphics(
     let samples = vk::PipelineMultisampleStateCreateInfo::default()
         .rasterization_samples(info.attachments.samples);
     let (write, compare) = depth_test(info.depth, near_depth);
+    let [front, back] = stencil_of_faces(info.stencil);
     let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+        .stencil_test_enable(info.stencil != StencilMode::Ignored)
+        .front(front)
+        .back(back)
         .depth_test_enable(true)
         .depth_write_enable(write)
         .depth_compare_op(compare);
@@ -88,8 +95,30 @@ fn depth_test(mode: DepthMode, near_depth: NearDepth) -> (bool, vk::CompareOp) {
         DepthMode::TestAndWrite => (true, nearer),
         DepthMode::TestEqualAndWrite => (true, as_near),
         DepthMode::TestOnly => (false, as_near),
+        DepthMode::TestNearer => (false, nearer),
         DepthMode::Equal => (false, vk::CompareOp::EQUAL),
         DepthMode::Ignored => (false, vk::CompareOp::ALWAYS),
+    }
+}
+
+/// Returns the use of the stencil by front and by back faces.
+fn stencil_of_faces(mode: StencilMode) -> [vk::StencilOpState; 2] {
+    use vk::StencilOp as Op;
+    let ignored = vk::StencilOpState { compare_mask: 0xFF, ..Default::default() };
+    let counted =
+        vk::StencilOpState { compare_op: vk::CompareOp::ALWAYS, write_mask: 0xFF, ..ignored };
+    let (more, less) = (Op::INCREMENT_AND_WRAP, Op::DECREMENT_AND_WRAP);
+    match mode {
+        StencilMode::Ignored => [ignored; 2],
+        StencilMode::CountPassing => {
+            [more, less].map(|pass_op| vk::StencilOpState { pass_op, ..counted })
+        }
+        StencilMode::CountFailing => {
+            [less, more].map(|depth_fail_op| vk::StencilOpState { depth_fail_op, ..counted })
+        }
+        StencilMode::Counted => {
+            [vk::StencilOpState { compare_op: vk::CompareOp::NOT_EQUAL, ..ignored }; 2]
+        }
     }
 }
 

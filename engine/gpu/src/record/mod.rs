@@ -16,6 +16,7 @@ pub(crate) mod pipeline;
 pub(crate) mod pools;
 pub(crate) mod render_target;
 pub(crate) mod shader;
+pub(crate) mod stencil_target;
 pub(crate) mod target;
 pub(crate) mod target_image;
 pub(crate) mod ticket;

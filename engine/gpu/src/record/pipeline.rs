@@ -22,6 +22,8 @@ pub enum DepthMode {
     /// A test for as near or nearer, with nothing stored. Proxies use it: equal depth counts as
     /// visible.
     TestOnly,
+    /// A test for nearer, with nothing stored.
+    TestNearer,
     /// A test for the same depth, with nothing stored, for objects that are drawn a second time.
     Equal,
     /// No test; nothing is stored.
@@ -41,6 +43,31 @@ pub enum Blend {
     Max,
     /// No colour output. Give no fragment shader then: a masked one would still run.
     NoColour,
+}
+
+/// The use of a stencil by a pipeline, where the attachments have one.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum StencilMode {
+    /// None.
+    #[default]
+    Ignored,
+    /// A count of front faces less back faces whose fragments pass the depth test, modulo 256.
+    CountPassing,
+    /// A count of back faces less front faces whose fragments fail the depth test, modulo 256.
+    CountFailing,
+    /// A test for a count other than 0, which stays as it is.
+    Counted,
+}
+
+/// The depths that a pipeline draws.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum DepthRange {
+    /// Those between the near and the far plane; what is beyond is cut off.
+    #[default]
+    Clipped,
+    /// All: what is beyond has the depth of the plane. For devices with
+    /// [`Optional::DepthClamp`](crate::Optional::DepthClamp).
+    Clamped,
 }
 
 /// The rasterisation of triangles.
@@ -86,13 +113,16 @@ pub struct GraphicsPipelineInfo<'a> {
     pub name: &'a str,
     /// The SPIR-V of the vertex stage.
     pub vertex: &'a Spirv,
+    /// Geometry shader, if there is one. For devices with
+    /// [`Optional::GeometryShaders`](crate::Optional::GeometryShaders).
+    pub geometry: Option<&'a Spirv>,
     /// Fragment shader; `None` draws depth only.
     pub fragment: Option<&'a Spirv>,
     /// The layout of the vertices in their buffers.
     pub vertices: VertexLayout<'a>,
     /// Buffers and constants.
     pub storage: StorageLayout,
-    /// Points, lines or triangles.
+    /// Points, lines or triangles, for geometry shaders with adjacency.
     pub topology: vk::PrimitiveTopology,
     /// The rasterisation of triangles.
     pub polygon: Polygon,
@@ -100,6 +130,10 @@ pub struct GraphicsPipelineInfo<'a> {
     pub cull: vk::CullModeFlags,
     /// The test of the depth, and its storage.
     pub depth: DepthMode,
+    /// The depths that are drawn.
+    pub range: DepthRange,
+    /// The use of the stencil.
+    pub stencil: StencilMode,
     /// The combination of the colour with the one that is there.
     pub blend: Blend,
     /// The attachments that it draws to.
@@ -120,6 +154,7 @@ impl<'a> GraphicsPipelineInfo<'a> {
         Self {
             name,
             vertex,
+            geometry: None,
             fragment: None,
             vertices: VertexLayout::default(),
             storage: StorageLayout::default(),
@@ -127,6 +162,8 @@ impl<'a> GraphicsPipelineInfo<'a> {
             polygon: Polygon::Filled,
             cull: vk::CullModeFlags::NONE,
             depth: DepthMode::TestOnly,
+            range: DepthRange::Clipped,
+            stencil: StencilMode::Ignored,
             blend: Blend::NoColour,
             attachments: Attachments::default(),
         }
@@ -149,6 +186,8 @@ pub(crate) struct PipelineKind {
     pub(crate) textures: u32,
     pub(crate) texture_arrays: u32,
     pub(crate) push_bytes: u32,
+    /// The stages that see buffers and constants.
+    pub(crate) stages: vk::ShaderStageFlags,
 }
 
 of_device!(PipelineKind: "a pipeline");
@@ -157,13 +196,15 @@ impl GraphicsPipeline {
     /// Compiles a pipeline.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a wireframe or several views where the device has no such thing;
-    /// a failed call.
+    /// [`Error::Unsupported`] for a wireframe, several views, a geometry shader or clamped depths
+    /// where the device has no such thing; a failed call.
     pub fn new(device: &Device, info: &GraphicsPipelineInfo<'_>) -> Result<Self, Error> {
         info.attachments.check(device)?;
         let needs = [
             (info.polygon == Polygon::Wireframe, Optional::Wireframe, "drawing a wireframe"),
             (info.attachments.views > 1, Optional::Multiview, "drawing several views at once"),
+            (info.geometry.is_some(), Optional::GeometryShaders, "a geometry shader"),
+            (info.range == DepthRange::Clamped, Optional::DepthClamp, "clamped depths"),
         ];
         for (is_needed, optional, wanted) in needs {
             if is_needed && !device.capabilities().has(optional) {
@@ -171,17 +212,20 @@ impl GraphicsPipeline {
                 return Err(Error::Unsupported { device, missing: optional.name(), wanted });
             }
         }
-        let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
+        use vk::ShaderStageFlags as Stage;
+        let mut stages = Stage::VERTEX | Stage::FRAGMENT;
+        if info.geometry.is_some() {
+            stages |= Stage::GEOMETRY;
+        }
         PipelineKind::new(device, info.name, info.storage, stages, |layout| {
-            info.vertex.with_stage(device, vk::ShaderStageFlags::VERTEX, |vertex| {
-                match info.fragment {
-                    None => create_graphics(device, info, layout, &[vertex]),
-                    Some(fragment) => {
-                        fragment.with_stage(device, vk::ShaderStageFlags::FRAGMENT, |fragment| {
-                            create_graphics(device, info, layout, &[vertex, fragment])
-                        })
-                    }
-                }
+            info.vertex.with_stage(device, Stage::VERTEX, |vertex| {
+                with_optional(device, info.geometry, Stage::GEOMETRY, |geometry| {
+                    with_optional(device, info.fragment, Stage::FRAGMENT, |fragment| {
+                        let all = [Some(vertex), geometry, fragment];
+                        let all: Vec<_> = all.into_iter().flatten().collect();
+                        create_graphics(device, info, layout, &all)
+                    })
+                })
             })
         })
         .map(Self)
@@ -214,6 +258,19 @@ impl ComputePipeline {
     }
 }
 
+/// Calls `make` with the module of a shader, if there is one.
+fn with_optional<R>(
+    device: &Device,
+    shader: Option<&Spirv>,
+    stage: vk::ShaderStageFlags,
+    make: impl FnOnce(Option<vk::PipelineShaderStageCreateInfo<'_>>) -> Result<R, Error>,
+) -> Result<R, Error> {
+    match shader {
+        None => make(None),
+        Some(shader) => shader.with_stage(device, stage, |stage| make(Some(stage))),
+    }
+}
+
 impl PipelineKind {
     fn new(
         device: &Device,
@@ -234,6 +291,7 @@ impl PipelineKind {
             textures: layout.textures,
             texture_arrays: layout.texture_arrays,
             push_bytes: layout.push_bytes,
+            stages,
         };
         let sets = [storage];
         let constants =

@@ -82,7 +82,7 @@ impl Spirv {
     }
 }
 
-/// Compiles the GLSL file `path`; its extension (`.vert`, `.frag`, `.comp`) names its stage, and
+/// Compiles the GLSL file `path`; its extension (`.vert`, `.geom`, `.frag`, `.comp`) names its stage, and
 /// `#include "name"` is looked for beside it.
 ///
 /// # Errors
@@ -93,10 +93,11 @@ pub fn compile(path: &std::path::Path) -> Result<Spirv, Error> {
     let refuse = |log: String| Error::ShaderCompile { name: name.clone(), log };
     let stage = match path.extension().and_then(|extension| extension.to_str()) {
         Some("vert") => shaderc::ShaderKind::Vertex,
+        Some("geom") => shaderc::ShaderKind::Geometry,
         Some("frag") => shaderc::ShaderKind::Fragment,
         Some("comp") => shaderc::ShaderKind::Compute,
         _ => {
-            return Err(refuse("its name must end in .vert, .frag or .comp".to_owned()));
+            return Err(refuse("its name must end in .vert, .geom, .frag or .comp".to_owned()));
         }
     };
     let source = std::fs::read_to_string(path).map_err(|error| refuse(error.to_string()))?;

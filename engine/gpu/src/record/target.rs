@@ -345,7 +345,7 @@ fn check_views(views: u32) -> Result<(), Error> {
 }
 
 /// Refuses sizes of 0 and beyond the limits of the device.
-fn check_size(device: &Device, size: [u32; 2]) -> Result<(), Error> {
+pub(super) fn check_size(device: &Device, size: [u32; 2]) -> Result<(), Error> {
     let limits = &device.adapter().limits;
     let largest = limits
         .max_image_dimension2_d

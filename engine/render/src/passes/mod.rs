@@ -11,6 +11,9 @@ mod seen;
 mod skinning;
 mod sky;
 mod surface;
+mod volume_constants;
+mod volume_extruder;
+mod volumes;
 
 pub use caster::{CasterIo, CasterPass};
 pub(crate) use count::CountPass;
@@ -25,3 +28,4 @@ pub(crate) use seen::{SeenIo, SeenPass};
 pub(crate) use skinning::{NOTHING, REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
 pub use sky::SkyPass;
 pub use surface::{SurfaceIo, SurfaceKind, SurfacePass};
+pub use volumes::{VolumeCaster, VolumeDraws, VolumeIo, VolumeLight, VolumePass, VolumePath};

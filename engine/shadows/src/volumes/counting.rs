@@ -1,7 +1,7 @@
 //! The way of counting at a volume's boundary, and the caps that it needs.
 
-use cull::Aabb;
-use glam::{Vec3, Vec4};
+use cull::{Aabb, ProjectionKind, Rays};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::mesh::VolumeKind;
 
@@ -55,9 +55,22 @@ impl VolumeKind {
 }
 
 /// The points that span the part of a view that its near plane cuts off, with the near plane's
-/// rectangle: its corners and the eye, or the corners before and behind of a parallel view.
+/// rectangle: its corners and the eye. None where that part has no end, as in a parallel view.
 #[derive(Clone, Copy, Debug)]
 pub struct NearSpan<'a>(pub &'a [Vec3]);
+
+impl NearSpan<'_> {
+    /// Returns the points of a view.
+    #[must_use]
+    pub fn points_of(rays: &Rays) -> Vec<Vec3> {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let corners = corners.map(|corner| rays.point(Vec2::from(corner), rays.near));
+        match rays.kind {
+            ProjectionKind::Perspective => corners.into_iter().chain([rays.origin]).collect(),
+            ProjectionKind::Orthographic => Vec::new(),
+        }
+    }
+}
 
 const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
 

@@ -20,9 +20,6 @@ pub struct Extrusion {
     pub kind: VolumeKind,
     /// The caps.
     pub caps: Caps,
-    /// -1 where the transform mirrors the mesh, else 1: mirrored triangles have their outsides on
-    /// the other side.
-    pub handedness: f32,
 }
 
 impl Extrusion {
@@ -41,7 +38,7 @@ impl Extrusion {
         let [a, _, b, _, c, _] = at;
         let [name_a, name_ab, name_b, name_bc, name_c, name_ca] = *names;
         let faces = self.faces([(name_a, a), (name_b, b), (name_c, c)]);
-        if self.kind == VolumeKind::Plain && faces != (self.handedness > 0.0) {
+        if self.kind == VolumeKind::Plain && !faces {
             return;
         }
         let towards_light = if faces { [a, b, c] } else { [a, c, b] };

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use glam::Vec3;
+use glam::{Mat3A, Vec3};
 
 use super::adjacency::{Neighbours, neighbours};
 use super::weld::weld;
@@ -35,8 +35,19 @@ pub enum VolumeKind {
 /// A mesh that shadow volumes are extruded from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VolumeMesh {
-    kind: VolumeKind,
+    enclosure: Enclosure,
     triangles: Vec<[u32; 6]>,
+}
+
+/// The side of its triangles on which the inside of a mesh lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Enclosure {
+    /// Their backs: each part is closed.
+    BehindBacks,
+    /// Their fronts, as of a mesh that a transform mirrors.
+    BehindFronts,
+    /// Neither.
+    None,
 }
 
 /// The error of building a [`VolumeMesh`].
@@ -79,8 +90,10 @@ impl VolumeMesh {
         }
         let welded = single_triangles(triangles, &weld(positions, motions));
         let neighbours = neighbours(&welded);
-        let is_plain = neighbours.is_manifold && is_outward(&welded, &neighbours, positions);
-        let kind = if is_plain { VolumeKind::Plain } else { VolumeKind::Robust };
+        let enclosure = match neighbours.is_manifold {
+            true => enclosure(&welded, &neighbours, positions),
+            false => Enclosure::None,
+        };
         let with_neighbours = welded.iter().zip(&neighbours.of).map(|(&[a, b, c], beside)| {
             let opposite = |place: usize, none: u32| {
                 let beside = beside.get(place).copied().flatten();
@@ -90,13 +103,25 @@ impl VolumeMesh {
             };
             [a, opposite(0, a), b, opposite(1, b), c, opposite(2, c)]
         });
-        Ok(Self { kind, triangles: with_neighbours.collect() })
+        Ok(Self { enclosure, triangles: with_neighbours.collect() })
     }
 
-    /// Returns the algorithm that it needs.
+    /// Returns the algorithm that it needs where it is not mirrored.
     #[must_use]
     pub fn kind(&self) -> VolumeKind {
-        self.kind
+        self.kind_under(&Mat3A::IDENTITY)
+    }
+
+    /// Returns the algorithm that it needs under a transform. What a transform mirrors must face
+    /// inwards to face outwards then.
+    #[must_use]
+    pub fn kind_under(&self, transform: &Mat3A) -> VolumeKind {
+        let determinant = transform.determinant();
+        match self.enclosure {
+            Enclosure::BehindBacks if determinant > 0.0 => VolumeKind::Plain,
+            Enclosure::BehindFronts if determinant < 0.0 => VolumeKind::Plain,
+            _ => VolumeKind::Robust,
+        }
     }
 
     /// Returns its triangles with adjacency: a corner, the far corner of the neighbour at the edge
@@ -130,13 +155,15 @@ fn single_triangles(triangles: &[u32], welded: &[u32]) -> Vec<[u32; 3]> {
     triangles.filter(is_single).collect()
 }
 
-/// Returns true if each part of a closed mesh encloses a positive volume.
-fn is_outward(triangles: &[[u32; 3]], neighbours: &Neighbours, positions: &[Vec3]) -> bool {
+/// Returns the side on which all parts of a closed mesh enclose a volume.
+fn enclosure(triangles: &[[u32; 3]], neighbours: &Neighbours, positions: &[Vec3]) -> Enclosure {
     let parts = neighbours.parts();
     let count = parts.iter().max().map_or(0, |last| *last as usize + 1);
     // Six times the volume, and the sum of its terms' sizes.
     let mut volumes = vec![(0.0, 0.0); count];
-    let Some(origin) = positions.first().map(|first| first.as_dvec3()) else { return true };
+    let Some(origin) = positions.first().map(|first| first.as_dvec3()) else {
+        return Enclosure::None;
+    };
     for (corners, part) in triangles.iter().zip(parts) {
         let place = |vertex: u32| positions.get(vertex as usize).copied().unwrap_or_default();
         let [a, b, c] = corners.map(|vertex| place(vertex).as_dvec3() - origin);
@@ -147,7 +174,12 @@ fn is_outward(triangles: &[[u32; 3]], neighbours: &Neighbours, positions: &[Vec3
         }
     }
     // Numbers that are none compare as false, and what is flat may face either way.
-    volumes.iter().all(|(volume, size)| *volume > 1e-9 * size)
+    let are_all = |sign: f64| volumes.iter().all(|(volume, size)| sign * volume > 1e-9 * size);
+    match (are_all(1.0), are_all(-1.0)) {
+        (true, false) => Enclosure::BehindBacks,
+        (false, true) => Enclosure::BehindFronts,
+        _ => Enclosure::None,
+    }
 }
 
 #[cfg(test)]
@@ -192,7 +224,11 @@ mod tests {
     fn what_is_inside_out_open_or_flat_is_robust() {
         let (positions, indices) = cube();
         let turned: Vec<u32> = indices.chunks(3).flat_map(|at| [at[0], at[2], at[1]]).collect();
-        assert_eq!(build(&positions, &turned).kind(), VolumeKind::Robust);
+        let inwards = build(&positions, &turned);
+        assert_eq!(inwards.kind(), VolumeKind::Robust);
+        let mirror = Mat3A::from_diagonal(vec3(-1.0, 1.0, 1.0));
+        assert_eq!(inwards.kind_under(&mirror), VolumeKind::Plain);
+        assert_eq!(build(&positions, &indices).kind_under(&mirror), VolumeKind::Robust);
         assert_eq!(build(&positions, &indices[3..]).kind(), VolumeKind::Robust);
         let flat: Vec<Vec3> = positions.iter().map(|at| vec3(at.x, 0.0, at.z)).collect();
         assert_eq!(build(&flat, &indices).kind(), VolumeKind::Robust);

@@ -151,21 +151,15 @@ impl Commands {
 
     /// Sets the push constants of a graphics pipeline.
     pub fn push_constants<T: Pod>(&self, pipeline: &GraphicsPipeline, constants: &T) {
-        let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        self.push_kind(&pipeline.0, stages, constants);
+        self.push_kind(&pipeline.0, constants);
     }
 
     /// Sets the push constants of a compute pipeline.
     pub fn push_compute_constants<T: Pod>(&self, pipeline: &ComputePipeline, constants: &T) {
-        self.push_kind(&pipeline.0, vk::ShaderStageFlags::COMPUTE, constants);
+        self.push_kind(&pipeline.0, constants);
     }
 
-    fn push_kind<T: Pod>(
-        &self,
-        pipeline: &PipelineKind,
-        stages: vk::ShaderStageFlags,
-        constants: &T,
-    ) {
+    fn push_kind<T: Pod>(&self, pipeline: &PipelineKind, constants: &T) {
         let bytes = bytemuck::bytes_of(constants);
         if self.admit(pipeline).is_err() {
             return;
@@ -174,6 +168,7 @@ impl Commands {
             self.fail(Failure::Wrong("the push constants have another size than the pipeline's"));
             return;
         }
+        let stages = pipeline.stages;
         // SAFETY: the layout has one range of this size for these stages.
         unsafe {
             self.device().raw().cmd_push_constants(self.raw(), pipeline.layout, stages, 0, bytes);

@@ -73,7 +73,7 @@ impl Commands {
     }
 
     /// Draws the one indirect command in `draw` (`VkDrawIndirectCommand`), without indices.
-    pub(crate) fn draw_unindexed_indirect(&self, draw: BufferSlice) {
+    pub fn draw_unindexed_indirect(&self, draw: BufferSlice) {
         if self.admit(&draw).is_ok() && self.is_sound() {
             // SAFETY: the slice holds one command and lies in its buffer.
             unsafe {

@@ -1,0 +1,124 @@
+//! A depth image with a stencil beside it: a copy of depths that are drawn elsewhere, against which
+//! shadow volumes are counted.
+
+use ash::vk;
+
+use crate::core::capabilities::Optional;
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::core::ownership::{OfDevice, of_device};
+use crate::memory::buffer::BufferSlice;
+use crate::memory::image::Image;
+use crate::record::access::{Access, LayoutChange};
+use crate::record::attachments::{Attachments, COLOURS_MAX, ColourFormats};
+use crate::record::commands::Commands;
+use crate::record::render_target::{Load, RenderTarget};
+use crate::record::target::check_size;
+
+/// The depth of a [`Target`](crate::Target), to the bit, and eight bits of stencil.
+const FORMAT: vk::Format = vk::Format::D32_SFLOAT_S8_UINT;
+
+/// Depths and a stencil, for pipelines with a [`StencilMode`](crate::StencilMode).
+pub struct StencilTarget {
+    device: Device,
+    image: Image,
+    size: [u32; 2],
+}
+
+of_device!(StencilTarget: "depths with a stencil (`StencilTarget`)");
+
+impl StencilTarget {
+    /// Creates a target of `size` pixels.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits; [`Error::Unsupported`] on
+    /// a device without [`Optional::DepthClamp`], which volumes need; [`Error::TargetFormat`] where
+    /// it cannot draw to 32-bit float depth with a stencil; no memory.
+    pub fn new(device: &Device, size: [u32; 2], name: &str) -> Result<Self, Error> {
+        check_size(device, size)?;
+        if !device.capabilities().has(Optional::DepthClamp) {
+            let (device, missing) = (device.adapter().name.clone(), Optional::DepthClamp.name());
+            return Err(Error::Unsupported { device, missing, wanted: "counting volumes" });
+        }
+        Self::attachments().check(device)?;
+        let usage =
+            vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST;
+        let image = Image::new(device, name, size, [FORMAT; 2], usage, both())?;
+        Ok(Self { device: device.clone(), image, size })
+    }
+
+    /// Returns the attachments that pipelines which draw to it are compiled for.
+    pub fn attachments() -> Attachments {
+        Attachments { colours: ColourFormats::new(&[]), depth: FORMAT, ..Attachments::default() }
+    }
+
+    /// Returns its size in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Copies the depth of `size` pixels, to the upper left corner, from 32-bit floats in rows from
+    /// the top without gaps, an [`Access::CopyRead`]; then the target can be drawn to. All else is
+    /// undefined: clear the stencil. Copies nothing from a slice that is too small, nor an area
+    /// larger than the image.
+    pub fn load_depth(&mut self, commands: &Commands, from: BufferSlice, size: [u32; 2]) {
+        if commands.admit(self).is_err() || commands.admit(&from).is_err() {
+            return;
+        }
+        let uses = [Access::CopyWrite, Access::Depth];
+        let fresh = LayoutChange::forgetting(self.image.raw, both(), &uses, Access::CopyWrite);
+        commands.change_layouts([fresh]);
+        let [width, height] = size;
+        let bytes = u64::from(width) * u64::from(height) * 4;
+        let fits = width <= self.size[0] && height <= self.size[1];
+        if bytes > 0 && from.size_bytes >= bytes && fits {
+            let region = vk::BufferImageCopy::default()
+                .buffer_offset(from.offset_bytes)
+                .image_subresource(vk::ImageSubresourceLayers {
+                    aspect_mask: vk::ImageAspectFlags::DEPTH,
+                    layer_count: 1,
+                    ..Default::default()
+                })
+                .image_extent(vk::Extent3D { width, height, depth: 1 });
+            // SAFETY: the slice holds the area, which lies within the image, in the layout named.
+            unsafe {
+                commands.device().raw().cmd_copy_buffer_to_image(
+                    commands.raw(),
+                    from.raw,
+                    self.image.raw,
+                    Access::CopyWrite.layout(),
+                    &[region],
+                );
+            }
+        }
+        commands.change_layouts([self.image.change(both(), Access::CopyWrite, Access::Depth)]);
+    }
+
+    /// Orders a rendering to the target after an earlier one.
+    pub fn prepare(&self, commands: &Commands) {
+        if commands.admit(self).is_ok() {
+            commands.change_layouts([self.image.change(both(), Access::Depth, Access::Depth)]);
+        }
+    }
+
+    /// Returns the upper left `size` pixels to draw to, with the contents that are there.
+    pub fn render_target(&self, size: [u32; 2]) -> RenderTarget {
+        RenderTarget {
+            device: self.device_id(),
+            colours: [vk::ImageView::null(); COLOURS_MAX],
+            colour_count: 0,
+            depth: self.image.view,
+            has_stencil: true,
+            view_mask: 0,
+            origin: [0, 0],
+            size: self.size,
+            colour_load: Load::Forget,
+            depth_load: Load::Keep,
+        }
+        .within([0, 0], size)
+    }
+}
+
+fn both() -> vk::ImageAspectFlags {
+    vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL
+}

@@ -1,0 +1,351 @@
+//! The volume pass: stencil shadow volumes against a depth that is there, and a mask of the pixels
+//! that are in the shadow of each light.
+//!
+//! ```text
+//! copy depth      depth -> depth with a stencil beside it
+//! per light       extrude casters (a geometry shader, or a compute pass before)
+//!                 count their boundaries in the stencil
+//!                 set the light's bits in the mask where the count is not 0
+//! ```
+
+use bytemuck::{Pod, Zeroable};
+use cull::View;
+use glam::Vec4;
+use gpu::{
+    Access, Buffer, BufferSlice, Commands, DepthMode, DepthRange, Device, Frame, GraphicsPipeline,
+    GraphicsPipelineInfo, IndirectDraw, MemoryBarrier, MemoryKind, Optional, StencilMode,
+    StencilTarget, StorageLayout, Target, VertexLayout, vk,
+};
+use occlusion::{Error, ShaderSet};
+use shadows::{Counting, VolumeKind};
+
+use super::opaque::POSITIONS;
+use super::volume_constants::{Group, VolumeConstants};
+use super::volume_extruder::{Batch, Extruder};
+
+/// The stage that extrudes volumes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VolumePath {
+    /// A geometry shader. For devices with [`Optional::GeometryShaders`].
+    GeometryShader,
+    /// A compute pass, which every device has.
+    Compute,
+}
+
+impl VolumePath {
+    /// Returns the path for a device.
+    pub fn of(device: &Device) -> Self {
+        match device.capabilities().has(Optional::GeometryShaders) {
+            true => Self::GeometryShader,
+            false => Self::Compute,
+        }
+    }
+}
+
+/// An object that casts a shadow.
+#[derive(Clone, Copy, Debug)]
+pub struct VolumeCaster {
+    /// Its triangles with adjacency, six indices each; the first instance is its leaf.
+    pub draw: IndirectDraw,
+    /// The algorithm, right for the mesh and the light.
+    pub kind: VolumeKind,
+    /// The way of counting, right for the eye.
+    pub counting: Counting,
+}
+
+/// A light and the objects that may shade what is seen.
+#[derive(Clone, Copy, Debug)]
+pub struct VolumeLight<'a> {
+    /// The light in homogeneous coordinates: a point with w = 1, or the direction towards it with
+    /// w = 0.
+    pub light: Vec4,
+    /// The bits that are set in the mask where it is in shadow.
+    pub bits: u32,
+    /// The layer of the mask.
+    pub layer: u32,
+    /// The objects.
+    pub casters: &'a [VolumeCaster],
+}
+
+/// The buffers of the pass: reads vertices, adjacency and instances; writes the mask.
+#[derive(Clone, Copy)]
+pub struct VolumeIo {
+    /// The vertices of all meshes, also a storage buffer for [`VolumePath::Compute`].
+    pub vertices: BufferSlice,
+    /// The adjacency of all meshes ([`shadows::VolumeMesh::triangles`]), 32-bit indices; also a
+    /// storage buffer for [`VolumePath::Compute`].
+    pub adjacency: BufferSlice,
+    /// One instance per leaf.
+    pub instances: BufferSlice,
+    /// 32 bits per pixel of the view, rows from the top without gaps, in as many layers as lights
+    /// name.
+    pub mask: BufferSlice,
+}
+
+/// The draws of the volumes of some lights in one frame.
+pub struct VolumeDraws {
+    lights: Vec<LightDraws>,
+}
+
+/// The draws of one light.
+struct LightDraws {
+    light: Vec4,
+    mask: MaskBits,
+    work: Vec<(Group, Work)>,
+}
+
+/// The bits of a light in the mask.
+#[derive(Clone, Copy)]
+struct MaskBits {
+    bits: u32,
+    layer: u32,
+}
+
+/// Casters of a group, on the GPU.
+enum Work {
+    /// Indirect draws, for the geometry shader.
+    Draws(BufferSlice),
+    /// Jobs of the compute pass.
+    Batch(Batch),
+}
+
+/// The pass that finds the pixels in shadow.
+pub struct VolumePass {
+    target: StencilTarget,
+    depths: Buffer,
+    passing: GraphicsPipeline,
+    failing: GraphicsPipeline,
+    mask: GraphicsPipeline,
+    extruder: Option<Extruder>,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct MaskConstants {
+    width: u32,
+    bits: u32,
+    first: u32,
+}
+
+const _: () = assert!(size_of::<MaskConstants>() == 12);
+
+const GROUPS: [Group; 4] = [
+    (Counting::ZPass, VolumeKind::Plain),
+    (Counting::ZPass, VolumeKind::Robust),
+    (Counting::ZFail, VolumeKind::Plain),
+    (Counting::ZFail, VolumeKind::Robust),
+];
+
+impl VolumePass {
+    /// Compiles the pass for views of at most `size` pixels.
+    ///
+    /// # Errors
+    /// A size beyond the device's limits, a device that lacks what the path or the stencil needs
+    /// ([`StencilTarget::new`]) or [`Optional::FragmentStores`], no memory, a failed call.
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        size: [u32; 2],
+        path: VolumePath,
+    ) -> Result<Self, Error> {
+        if !device.capabilities().has(Optional::FragmentStores) {
+            let (device, missing) = (device.adapter().name.clone(), Optional::FragmentStores);
+            let (missing, wanted) = (missing.name(), "a mask of shadows");
+            return Err(gpu::Error::Unsupported { device, missing, wanted }.into());
+        }
+        let target = StencilTarget::new(device, size, "shadow volumes")?;
+        let size_bytes = size.iter().map(|side| u64::from(*side)).product::<u64>() * 4;
+        let usage = vk::BufferUsageFlags::TRANSFER_DST | vk::BufferUsageFlags::TRANSFER_SRC;
+        let depths = Buffer::new(device, "depths", size_bytes, usage, MemoryKind::Device)?;
+        let is_compute = path == VolumePath::Compute;
+        let [passing, failing] = [StencilMode::CountPassing, StencilMode::CountFailing]
+            .map(|stencil| volume_pipeline(device, shaders, path, stencil));
+        let mask = GraphicsPipelineInfo {
+            fragment: Some(shaders.find("volume_mask.frag")?),
+            storage: StorageLayout::new::<MaskConstants>(1),
+            depth: DepthMode::Ignored,
+            stencil: StencilMode::Counted,
+            attachments: StencilTarget::attachments(),
+            ..GraphicsPipelineInfo::of("shadow mask", shaders.find("sky.vert")?)
+        };
+        let mask = GraphicsPipeline::new(device, &mask)?;
+        let extruder = is_compute.then(|| Extruder::new(device, shaders)).transpose()?;
+        Ok(Self { target, depths, passing: passing?, failing: failing?, mask, extruder })
+    }
+
+    /// Uploads the casters of lights, for [`VolumePass::record`] in the same frame.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn prepare(
+        &self,
+        frame: &mut Frame<'_>,
+        lights: &[VolumeLight<'_>],
+    ) -> Result<VolumeDraws, Error> {
+        let mut prepared = Vec::with_capacity(lights.len());
+        for light in lights {
+            let mask = MaskBits { bits: light.bits, layer: light.layer };
+            let mut work = Vec::new();
+            for group in GROUPS {
+                let casters = light.casters.iter().filter(|caster| is_in(caster, group));
+                let draws: Vec<IndirectDraw> = casters.map(|caster| caster.draw).collect();
+                if draws.is_empty() {
+                    continue;
+                }
+                if self.extruder.is_none() {
+                    work.push((group, Work::Draws(frame.uploads().push(&draws)?)));
+                    continue;
+                }
+                for jobs in Extruder::batches(draws.into_iter()) {
+                    work.push((group, Work::Batch(Batch::upload(frame, &jobs)?)));
+                }
+            }
+            prepared.push(LightDraws { light: light.light, mask, work });
+        }
+        Ok(VolumeDraws { lights: prepared })
+    }
+
+    /// Records the pass for a view: the mask gets each light's bits at the pixels that lie in the
+    /// volumes of its casters, and is 0 elsewhere. `from` holds the depth of the view and must be
+    /// prepared again to be drawn to. Of a view that is larger than the pass nothing is in shadow.
+    pub fn record(
+        &mut self,
+        commands: &Commands,
+        io: &VolumeIo,
+        (view, from): (&View, &mut Target),
+        draws: &VolumeDraws,
+    ) {
+        commands.pass("count shadow volumes", |commands| {
+            let fits = (0..2).all(|side| view.size[side] <= self.target.size()[side]);
+            self.load_depth(commands, io, view, from);
+            match &self.extruder {
+                _ if !fits => {}
+                None => self.draw_lights(commands, io, view, &draws.lights),
+                Some(extruder) => {
+                    for light in &draws.lights {
+                        self.draw_extruded(commands, io, view, (extruder, light));
+                    }
+                }
+            }
+            let uses = [Access::FragmentRead, Access::CopyRead];
+            commands.barrier(MemoryBarrier::between(&[Access::FragmentWrite], &uses));
+        });
+    }
+
+    /// Copies the depth of a view, and empties the mask.
+    fn load_depth(&mut self, commands: &Commands, io: &VolumeIo, view: &View, from: &mut Target) {
+        let between = MemoryBarrier::between;
+        let depths = self.depths.whole();
+        commands.barrier(between(&[Access::CopyRead, Access::FragmentRead], &[Access::CopyWrite]));
+        from.copy_depth_to(commands, view.origin, view.size, depths);
+        commands.fill(io.mask, 0);
+        let next = [Access::CopyRead, Access::FragmentWrite];
+        commands.barrier(between(&[Access::CopyWrite], &next));
+        self.target.load_depth(commands, depths, view.size);
+    }
+
+    /// Draws the volumes of all lights by the geometry shader.
+    fn draw_lights(&self, commands: &Commands, io: &VolumeIo, view: &View, lights: &[LightDraws]) {
+        commands.rendering(self.target.render_target(view.size), |commands| {
+            for light in lights {
+                commands.clear_stencil([0, 0], view.size);
+                for (group, work) in &light.work {
+                    let Work::Draws(draws) = work else { continue };
+                    let pipeline = self.pipeline(group.0);
+                    commands.bind(pipeline, &[io.instances]);
+                    commands.bind_geometry(io.vertices, Some(io.adjacency));
+                    let constants = VolumeConstants::new(view, light.light, *group);
+                    commands.push_constants(pipeline, &constants);
+                    commands.draw_indirect(*draws);
+                }
+                self.draw_mask(commands, io, view, light.mask);
+            }
+        });
+    }
+
+    /// Extrudes the volumes of a light batch by batch, and draws each.
+    fn draw_extruded(
+        &self,
+        commands: &Commands,
+        io: &VolumeIo,
+        view: &View,
+        (extruder, light): (&Extruder, &LightDraws),
+    ) {
+        let target = self.target.render_target(view.size);
+        self.target.prepare(commands);
+        commands.rendering(target, |commands| commands.clear_stencil([0, 0], view.size));
+        for (group, work) in &light.work {
+            let Work::Batch(batch) = work else { continue };
+            let constants = VolumeConstants::new(view, light.light, *group);
+            extruder.extrude(commands, io, batch, &constants);
+            self.target.prepare(commands);
+            commands.rendering(target, |commands| {
+                commands.bind(self.pipeline(group.0), &[]);
+                extruder.draw(commands);
+            });
+        }
+        self.target.prepare(commands);
+        commands.rendering(target, |commands| self.draw_mask(commands, io, view, light.mask));
+    }
+
+    fn draw_mask(&self, commands: &Commands, io: &VolumeIo, view: &View, mask: MaskBits) {
+        let [width, height] = view.size;
+        let MaskBits { bits, layer } = mask;
+        let first = layer.saturating_mul(width).saturating_mul(height);
+        commands.bind(&self.mask, &[io.mask]);
+        commands.push_constants(&self.mask, &MaskConstants { width, bits, first });
+        commands.draw(3, 0);
+    }
+
+    fn pipeline(&self, counting: Counting) -> &GraphicsPipeline {
+        match counting {
+            Counting::ZPass => &self.passing,
+            Counting::ZFail => &self.failing,
+        }
+    }
+}
+
+fn is_in(caster: &VolumeCaster, group: Group) -> bool {
+    (caster.counting, caster.kind) == group && caster.draw.index_count > 0
+}
+
+fn volume_pipeline(
+    device: &Device,
+    shaders: &ShaderSet,
+    path: VolumePath,
+    stencil: StencilMode,
+) -> Result<GraphicsPipeline, Error> {
+    let name = match stencil {
+        StencilMode::CountPassing => "shadow volumes, z-pass",
+        _ => "shadow volumes, z-fail",
+    };
+    let vertex = match path {
+        VolumePath::GeometryShader => "volume.vert",
+        VolumePath::Compute => "volume_extruded.vert",
+    };
+    let info = GraphicsPipelineInfo {
+        depth: DepthMode::TestNearer,
+        range: DepthRange::Clamped,
+        stencil,
+        attachments: StencilTarget::attachments(),
+        ..GraphicsPipelineInfo::of(name, shaders.find(vertex)?)
+    };
+    let info = match path {
+        VolumePath::GeometryShader => GraphicsPipelineInfo {
+            geometry: Some(shaders.find("volume.geom")?),
+            vertices: POSITIONS,
+            storage: StorageLayout::new::<VolumeConstants>(1),
+            topology: vk::PrimitiveTopology::TRIANGLE_LIST_WITH_ADJACENCY,
+            ..info
+        },
+        VolumePath::Compute => GraphicsPipelineInfo {
+            vertices: VertexLayout {
+                stride_bytes: size_of::<[f32; 4]>() as u32,
+                attributes: &[(vk::Format::R32G32B32A32_SFLOAT, 0)],
+                beside: None,
+            },
+            ..info
+        },
+    };
+    Ok(GraphicsPipeline::new(device, &info)?)
+}

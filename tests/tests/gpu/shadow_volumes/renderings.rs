@@ -1,0 +1,133 @@
+//! The depth of a world and the mask of its shadows, drawn by the engine's passes.
+
+use cull::{Camera, View};
+use glam::Vec4;
+use gpu::{Access, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, Target, vk};
+use occlusion::ShaderSet;
+use render::passes::{
+    OpaqueIo, OpaquePass, VolumeCaster, VolumeIo, VolumeLight, VolumePass, VolumePath,
+};
+use scene::Light;
+use shadows::{Counting, NearSpan};
+
+use super::world::World;
+
+/// Layers of the mask.
+const LAYERS: u32 = 2;
+
+/// The choice of the way of counting.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Choice {
+    /// The cheaper one where it is right.
+    ByEye,
+    /// Z-fail for all.
+    AllFail,
+}
+
+/// A world on a device, and the passes that draw it.
+pub struct Renderings {
+    size: [u32; 2],
+    vertices: Buffer,
+    indices: Buffer,
+    adjacency: Buffer,
+    instances: Buffer,
+    mask: Buffer,
+    readback: Buffer,
+    target: Target,
+    depth: OpaquePass,
+    volumes: VolumePass,
+    ring: FrameRing,
+}
+
+impl Renderings {
+    pub fn new(device: &Device, world: &World, size: [u32; 2], path: VolumePath) -> Self {
+        use vk::BufferUsageFlags as Usage;
+        let shaders = ShaderSet::embedded().unwrap();
+        let storage = Usage::STORAGE_BUFFER;
+        let index = Usage::INDEX_BUFFER;
+        let size_bytes = u64::from(size[0] * size[1] * 4 * LAYERS);
+        let both = storage | Usage::TRANSFER_SRC | Usage::TRANSFER_DST;
+        let memory =
+            |name, usage, kind| Buffer::new(device, name, size_bytes, usage, kind).unwrap();
+        let vertex = storage | Usage::VERTEX_BUFFER;
+        Self {
+            size,
+            vertices: device.upload("vertices", &world.vertices, vertex).unwrap(),
+            indices: device.upload("indices", &world.indices, index).unwrap(),
+            adjacency: device.upload("adjacency", &world.adjacency, index | storage).unwrap(),
+            instances: device.upload("instances", &world.instances, storage).unwrap(),
+            mask: memory("mask", both, MemoryKind::Device),
+            readback: memory("mask readback", Usage::TRANSFER_DST, MemoryKind::ReadBack),
+            target: Target::new(device, size, "target").unwrap(),
+            depth: OpaquePass::depth_only(device, &shaders).unwrap(),
+            volumes: VolumePass::new(device, &shaders, size, path).unwrap(),
+            ring: FrameRing::new(device, 2).unwrap(),
+        }
+    }
+
+    pub fn view(&self, device: &Device, camera: &Camera) -> View {
+        View::new(camera, self.size, device.adapter().limits.sub_pixel_precision_bits)
+    }
+
+    /// Returns the mask: one bit per light for each pixel.
+    pub fn draw(
+        &mut self,
+        device: &Device,
+        world: &World,
+        camera: &Camera,
+        lights: &[Vec4],
+        choice: Choice,
+    ) -> Vec<u32> {
+        let view = self.view(device, camera);
+        let span = NearSpan::points_of(&view.rays);
+        let casters = lights.iter().map(|light| {
+            let caster = |thing: &super::world::Thing| VolumeCaster {
+                draw: thing.volumes,
+                kind: thing.kind.towards(&thing.bounds, *light),
+                counting: match choice {
+                    Choice::ByEye => NearSpan(&span).counting(&thing.bounds, *light),
+                    Choice::AllFail => Counting::ZFail,
+                },
+            };
+            world.things.iter().map(caster).collect::<Vec<_>>()
+        });
+        let casters: Vec<_> = casters.collect();
+        let lights = lights.iter().zip(&casters).enumerate();
+        // The second light's layer is another one.
+        let lights: Vec<_> = lights
+            .map(|(number, (light, casters))| {
+                let (bits, layer) = (1 << number, number as u32 % LAYERS);
+                VolumeLight { light: *light, bits, layer, casters }
+            })
+            .collect();
+        let mut frame = self.ring.begin().unwrap();
+        let draws = self.volumes.prepare(&mut frame, &lights).unwrap();
+        let commands = frame.commands();
+        self.target.prepare(commands);
+        commands.rendering(self.target.render_target(Some([0.0; 4])), |commands| {
+            let io = OpaqueIo {
+                vertices: self.vertices.whole(),
+                indices: self.indices.whole(),
+                instances: self.instances.whole(),
+            };
+            self.depth.bind(commands, &io, &view, &Light::afternoon());
+            world.things.iter().for_each(|thing| commands.draw_indexed(&thing.draw));
+        });
+        let io = VolumeIo {
+            vertices: self.vertices.whole(),
+            adjacency: self.adjacency.whole(),
+            instances: self.instances.whole(),
+            mask: self.mask.whole(),
+        };
+        self.volumes.record(commands, &io, (&view, &mut self.target), &draws);
+        commands.copy_buffer(self.mask.whole(), self.readback.whole());
+        let to_host = MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
+        commands.barrier(to_host);
+        frame.submit(None).unwrap();
+        device.drain().unwrap();
+        let pixels = (self.size[0] * self.size[1]) as usize;
+        let values = self.readback.read::<u32>(0..pixels * LAYERS as usize);
+        let (first, second) = values.split_at(pixels);
+        first.iter().zip(second).map(|(first, second)| first | second).collect()
+    }
+}
