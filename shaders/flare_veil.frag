@@ -2,6 +2,7 @@
 // the light, at that pixel of the light's block.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#define PAGES_BINDING 5
 #include "material.glsl"
 #include "surface_constants.glsl"
 #include "texels.glsl"

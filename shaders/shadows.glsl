@@ -153,7 +153,8 @@ float share_of(ShadowFace face, Receiver at, bool is_sun) {
         return sum / 9.0;
     }
     at.radius = clamp(at.radius, texel, REACH_MAX);
-    if (SHADOW_FILTER == PCSS12 || SHADOW_FILTER == PCSS64) return soft(face, at, texel, is_sun);
+    if (SHADOW_FILTER == PCSS12) return soft(face, at, texel, is_sun);
+    if (SHADOW_FILTER == PCSS64) return soft(face, at, texel, is_sun);
     if (SHADOW_FILTER == FIXED64) return filtered(face, at, 0, PAIRS, 1) / float(2 * PAIRS);
     // Where the whole edge of the disk agrees, so does what lies within.
     float edge = filtered(face, at, 0, RING_PAIRS, 1);

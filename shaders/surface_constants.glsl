@@ -24,5 +24,7 @@ layout(constant_id = 9) const uint METALLIC_ROUGHNESS_PAGES = 0;
 layout(constant_id = 10) const uint NORMAL_PAGES = 0;
 layout(constant_id = 11) const uint OCCLUSION_PAGES = 0;
 layout(constant_id = 12) const uint EMISSION_PAGES = 0;
+// True if the ambient light comes from `environment.glsl`.
+layout(constant_id = 15) const bool ENVIRONMENT = false;
 // One of the filters of `shadows.glsl`.
 layout(constant_id = 14) const uint SHADOW_FILTER = 0;

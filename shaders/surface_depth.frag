@@ -1,6 +1,7 @@
 // The surface pass, depth only: cuts the holes of masked materials.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#define PAGES_BINDING 5
 #include "material.glsl"
 #include "surface_constants.glsl"
 #include "texels.glsl"

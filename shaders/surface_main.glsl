@@ -6,6 +6,7 @@
 #include "surface_alpha.glsl"
 #include "brdf.glsl"
 #include "lights.glsl"
+#include "environment.glsl"
 #include "tonemap.glsl"
 
 layout(location = 4) flat in uvec4 material_emission;
@@ -28,9 +29,16 @@ vec3 shading_normal() {
     return unit_or(mapped.x * t + mapped.y * b + mapped.z * n, n);
 }
 
-// The ambient light: the hemisphere on the diffuse part, and, where it is mirrored, on the
+// The ambient light: that of the environment, or the hemisphere on the diffuse part, and, where it is mirrored, on the
 // specular one; rougher surfaces mirror more of what is around their normal.
 vec3 ambient(Brdf brdf, float roughness) {
+    if (ENVIRONMENT) {
+        float n_v = abs(dot(brdf.normal, brdf.towards_eye));
+        vec2 share = mirrored_share(roughness, n_v);
+        vec3 around = glossy_from_around(reflect(-brdf.towards_eye, brdf.normal), roughness);
+        vec3 mirrored = around * (brdf.specular * share.x + share.y);
+        return brdf.diffuse * matt_from_around(brdf.normal) + mirrored;
+    }
     float mirrored = reflect(-brdf.towards_eye, brdf.normal).y;
     float specular_up = mix(mirrored, brdf.normal.y, roughness);
     vec3 on_diffuse = mix(ambient_below.rgb, ambient_above.rgb, 0.5 + 0.5 * brdf.normal.y);

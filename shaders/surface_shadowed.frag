@@ -2,4 +2,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define SHADOWED
+#define ENVIRONMENT_BINDING 10
+#define PAGES_BINDING 11
 #include "surface_main.glsl"

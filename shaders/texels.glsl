@@ -7,12 +7,7 @@ struct TextureTransform {
 };
 
 layout(std430, binding = 2) readonly buffer TextureTransforms { TextureTransform transforms[]; };
-#ifdef SHADOWED
-// Behind the buffers and textures of shadows.
-layout(binding = 10) uniform sampler2DArray pages[12];
-#else
-layout(binding = 5) uniform sampler2DArray pages[12];
-#endif
+layout(binding = PAGES_BINDING) uniform sampler2DArray pages[12];
 
 const uint NO_PAGE = 15;
 

@@ -40,7 +40,7 @@ pub const PREDICATE_INSTANCES: Shader = shader!("predicate_instances.comp");
 pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 36] = [
+pub const PASSES: [Shader; 42] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -63,6 +63,7 @@ pub const PASSES: [Shader; 36] = [
     shader!("flare_veil.frag"),
     shader!("sky.vert"),
     shader!("sky.frag"),
+    shader!("sky_around.frag"),
     shader!("depth_grid.comp"),
     shader!("compute_test.comp"),
     shader!("pyramid_build.comp"),

@@ -89,7 +89,7 @@ pub use crate::memory::sampled_texture::SampledTexture;
 pub use crate::memory::texture_array::{MipMaking, TextureArray, TextureArrayInfo};
 pub use crate::memory::texture_uploads::TextureUploads;
 pub use crate::memory::upload::Uploads;
-pub use crate::memory::volume_texture::VolumeTexture;
+pub use crate::memory::volume_texture::{VolumeTexels, VolumeTexture};
 #[cfg(all(feature = "loaded", feature = "window"))]
 pub use crate::present::display_link::DisplayLink;
 #[cfg(feature = "window")]

@@ -88,6 +88,11 @@ pub enum Error {
         "the scene has no surfaces, and only their lights cast shadows: give it some with `Scene::with_surfaces`, or leave shadows off"
     )]
     NoSurfacesForShadows,
+    /// Light from all around for a scene that has no surfaces.
+    #[error(
+        "the scene has no surfaces, and only they are lit from all around: give it some with `Scene::with_surfaces`"
+    )]
+    NoSurfacesForEnvironment,
     /// A frame without a view.
     #[error("a frame needs a view, or there is nothing to draw: name at least one `ViewTarget`")]
     NoView,

@@ -228,7 +228,7 @@ impl FramePasses {
         commands.pass("shade surfaces", |commands| {
             let target = self.target_of(view, None).cleared_to(DARK);
             commands.rendering(target, |commands| {
-                self.draw_surfaces(commands, view, self.sky(), draw);
+                self.draw_surfaces(commands, view, None, draw);
                 if let Some(transparent) = &self.transparent {
                     let viewport = Viewport::covering(view.origin, view.size);
                     transparent.list().test(&executor.passes, commands, (view, viewport));
@@ -242,7 +242,7 @@ impl FramePasses {
         &self,
         commands: &Commands,
         view: &View,
-        backdrop: [f32; 3],
+        backdrop: Option<[f32; 3]>,
         draw: impl FnOnce(&Commands),
     ) {
         let (Some(Shading { surfaces, sky, .. }), Some(io)) =
@@ -252,18 +252,25 @@ impl FramePasses {
         };
         surfaces.bind(commands, &io, view, &self.light);
         draw(commands);
-        sky.draw(commands, backdrop);
+        let around = &io.surfaces.environment;
+        match backdrop {
+            None if around.is_there() => {
+                let look = (view, io.surfaces.exposure());
+                sky.draw_around(commands, around.sampled(), look);
+            }
+            _ => sky.draw(commands, backdrop.unwrap_or(self.sky())),
+        }
     }
 
-    /// Draws all of the `draws`, a buffer and a count, in their own colours, before a backdrop, to
-    /// the [image's target](FramePasses::image_target).
+    /// Draws all of the `draws`, a buffer and a count, in their own colours, before a backdrop or
+    /// the sky, to the [image's target](FramePasses::image_target).
     pub(crate) fn draw_all(
         &self,
         executor: &PlanExecutor,
         commands: &Commands,
         view: &View,
         (draws, count): (BufferSlice, u32),
-        backdrop: [f32; 3],
+        backdrop: Option<[f32; 3]>,
     ) {
         let draw = |commands: &Commands| {
             if count > 0 {

@@ -21,6 +21,12 @@ pub enum SceneError {
         /// The fault, as the end of a sentence.
         fault: &'static str,
     },
+    /// Light from all around that is none.
+    #[error("the environment cannot be used: {fault}")]
+    BrokenEnvironment {
+        /// The fault, as the end of a sentence.
+        fault: &'static str,
+    },
     /// An object that cannot be drawn.
     #[error("object {index} cannot be drawn: {fault}")]
     BrokenObject {

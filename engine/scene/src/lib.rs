@@ -15,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 mod check;
+mod environment;
 mod error;
 mod flare;
 pub mod limits;
@@ -35,6 +36,7 @@ use std::f32::consts::PI;
 use cull::Aabb;
 use glam::{Affine3A, Vec3, vec3};
 
+pub use environment::{ENVIRONMENT_SIDE, Environment, GLOSSY_LEVELS, Sky};
 pub use error::SceneError;
 pub use flare::{FlarePlace, LensFlare};
 pub use mesh::{

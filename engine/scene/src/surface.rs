@@ -385,6 +385,8 @@ pub struct Surfaces {
     pub levels: Vec<Vec<LodLevel>>,
     /// Factor of all light before tone mapping; 1 shows a white surface under a lux of pi as white.
     pub exposure: f32,
+    /// The light from all around, and the sky; `None` takes the [ambient light](super::Light).
+    pub environment: Option<super::Environment>,
 }
 
 impl Default for Surfaces {
@@ -401,6 +403,7 @@ impl Default for Surfaces {
             sprites: Vec::new(),
             levels: Vec::new(),
             exposure: 1.0,
+            environment: None,
         }
     }
 }

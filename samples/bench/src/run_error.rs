@@ -80,6 +80,7 @@ impl From<render::Error> for RunError {
             | render::Error::Cost(_)
             | render::Error::Shadows(_)
             | render::Error::NoSurfacesForShadows
+            | render::Error::NoSurfacesForEnvironment
             | render::Error::CannotCount(_) => Self::user(error),
             render::Error::Hierarchy(_)
             | render::Error::NoMethod(_)

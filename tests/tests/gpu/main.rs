@@ -20,6 +20,7 @@ mod compute_test;
 mod counts;
 mod detail;
 mod edge_on;
+mod environment;
 mod exactness;
 mod explain;
 mod flares;

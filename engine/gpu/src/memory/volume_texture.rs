@@ -1,4 +1,4 @@
-//! Textures of three dimensions that repeat in all directions: tables for shaders.
+//! Textures of three dimensions: tables for shaders.
 
 use ash::vk;
 
@@ -12,8 +12,45 @@ use crate::memory::sampled_texture::{Contents, SampledTexture};
 use crate::record::access::{Access, LayoutChange};
 use crate::record::commands::Commands;
 
-/// Four signed 8-bit numbers per texel, from -1 to 1, read texel by texel.
-const FORMAT: vk::Format = vk::Format::R8G8B8A8_SNORM;
+/// The texels of a [`VolumeTexture`], which follow each other from left to right, then downwards,
+/// then backwards.
+#[derive(Debug, Clone, Copy)]
+pub enum VolumeTexels<'a> {
+    /// Numbers from -1 to 1, read texel by texel; the texture repeats in all directions.
+    Signed(&'a [[i8; 4]]),
+    /// The bits of 16-bit floats, mixed between texels; the edges go on.
+    Half(&'a [[u16; 4]]),
+}
+
+impl VolumeTexels<'_> {
+    fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Signed(texels) => bytemuck::cast_slice(texels),
+            Self::Half(texels) => bytemuck::cast_slice(texels),
+        }
+    }
+
+    fn count(&self) -> usize {
+        match self {
+            Self::Signed(texels) => texels.len(),
+            Self::Half(texels) => texels.len(),
+        }
+    }
+
+    fn format(&self) -> vk::Format {
+        match self {
+            Self::Signed(_) => vk::Format::R8G8B8A8_SNORM,
+            Self::Half(_) => vk::Format::R16G16B16A16_SFLOAT,
+        }
+    }
+
+    fn sampling(&self) -> (vk::Filter, vk::SamplerAddressMode) {
+        match self {
+            Self::Signed(_) => (vk::Filter::NEAREST, vk::SamplerAddressMode::REPEAT),
+            Self::Half(_) => (vk::Filter::LINEAR, vk::SamplerAddressMode::CLAMP_TO_EDGE),
+        }
+    }
+}
 
 /// A texture of three dimensions whose contents never change.
 pub struct VolumeTexture {
@@ -25,8 +62,7 @@ pub struct VolumeTexture {
 of_device!(VolumeTexture: "a texture of three dimensions (`VolumeTexture`)");
 
 impl VolumeTexture {
-    /// Creates a texture of width, height and depth texels, which follow each other from left to
-    /// right, then downwards, then backwards. Waits for the copy: not for frames.
+    /// Creates a texture of width, height and depth texels. Waits for the copy: not for frames.
     ///
     /// # Errors
     /// [`Error::TooLarge`] for a size of 0 or beyond the device's limits, or with another number of
@@ -34,7 +70,7 @@ impl VolumeTexture {
     pub fn new(
         device: &Device,
         size: [u32; 3],
-        texels: &[[i8; 4]],
+        texels: VolumeTexels<'_>,
         name: &str,
     ) -> Result<Self, Error> {
         let limit = device.adapter().limits.max_image_dimension3_d;
@@ -42,24 +78,26 @@ impl VolumeTexture {
         let side = size.into_iter().find(|side| *side == 0 || *side > limit);
         let wrong = side.map(|side| (u64::from(side), u64::from(limit)));
         let wrong =
-            wrong.or((count != texels.len() as u64).then_some((texels.len() as u64, count)));
+            wrong.or((count != texels.count() as u64).then_some((texels.count() as u64, count)));
         if let Some((wanted, limit)) = wrong {
             let what = format!("a side, or the texels, of the texture {name}");
             return Err(Error::TooLarge { what, wanted, limit });
         }
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
-        let image = Image::volume(device, name, size, FORMAT, usage)?;
+        let image = Image::volume(device, name, size, texels.format(), usage)?;
         let mut made = Self { device: device.clone(), image, sampler: vk::Sampler::null() };
-        let repeat = vk::SamplerAddressMode::REPEAT;
+        let (filter, beyond) = texels.sampling();
         let info = vk::SamplerCreateInfo::default()
-            .address_mode_u(repeat)
-            .address_mode_v(repeat)
-            .address_mode_w(repeat);
+            .mag_filter(filter)
+            .min_filter(filter)
+            .address_mode_u(beyond)
+            .address_mode_v(beyond)
+            .address_mode_w(beyond);
         // SAFETY: a plain sampler.
         made.sampler = unsafe { device.raw().create_sampler(&info, device.callbacks()) }
             .called("vkCreateSampler")?;
         device.name(made.sampler, name);
-        let bytes: &[u8] = bytemuck::cast_slice(texels);
+        let bytes = texels.bytes();
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let mut staging =
             Buffer::new(device, "staging", bytes.len() as u64, usage, MemoryKind::Upload)?;

@@ -1,6 +1,7 @@
 //! The renderer's calls, a file per concern; nothing below imports them.
 
 mod adjust;
+mod environment;
 mod finished_image;
 mod flares;
 mod inspect;

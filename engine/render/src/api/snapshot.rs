@@ -115,6 +115,10 @@ impl Renderer {
             Backdrop::Sky => self.outlined_bounds(),
         };
         let Self { frames, passes, executor, hierarchy, flat_overlay, .. } = self;
+        let before = match backdrop {
+            Backdrop::Dark => Some(BACKGROUND),
+            Backdrop::Sky => None,
+        };
         let (clear, debug_overlay) = match backdrop {
             Backdrop::Dark => (BACKGROUND, DebugOverlay::default()),
             Backdrop::Sky => (passes.sky(), self.debug_overlay),
@@ -130,7 +134,7 @@ impl Renderer {
         commands.pass(VIEW_FROM_ABOVE, |commands| {
             let from = passes.image_target(&view, clear);
             commands.rendering(from, |commands| {
-                passes.draw_all(executor, commands, &view, draws, clear);
+                passes.draw_all(executor, commands, &view, draws, before);
                 passes.draw_transparent(executor, commands, &view);
                 if let Some(overlay) = passes.pipelines.overlay.get() {
                     overlay.record(commands, &io, &view);

@@ -139,7 +139,7 @@ impl DebugOverlay {
         passes.target.prepare(frame.commands());
         frame.commands().pass(VIEW_FROM_ABOVE, |commands| {
             commands.rendering(passes.image_target(view, BACKGROUND), |commands| {
-                passes.draw_all(executor, commands, view, draws, BACKGROUND);
+                passes.draw_all(executor, commands, view, draws, Some(BACKGROUND));
                 if let Some(overlay) = passes.pipelines.overlay.get() {
                     overlay.record(commands, &io, view);
                 }

@@ -1,14 +1,18 @@
-//! The sky pass: a colour where nothing was drawn.
+//! The sky pass: a colour, or the light from all around, where nothing was drawn.
 
 use bytemuck::{Pod, Zeroable};
-use gpu::{Blend, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, StorageLayout};
+use cull::{ProjectionKind, View};
+use gpu::{
+    Blend, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, SampledTexture, StorageLayout,
+};
 
 use occlusion::{Error, ShaderSet};
 
 /// The pass that draws one triangle over all of the area at the farthest depth: it shows where
 /// nothing is nearer.
 pub struct SkyPass {
-    pipeline: GraphicsPipeline,
+    plain: GraphicsPipeline,
+    around: GraphicsPipeline,
 }
 
 #[repr(C)]
@@ -19,26 +23,77 @@ struct Constants {
 
 const _: () = assert!(size_of::<Constants>() == 16);
 
+/// Rays through the image, and their places in it.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct AroundConstants {
+    middle: [f32; 4],
+    right: [f32; 4],
+    down: [f32; 4],
+    size: [f32; 4],
+}
+
+const _: () = assert!(size_of::<AroundConstants>() == 64);
+
 impl SkyPass {
     /// Compiles the pass.
     ///
     /// # Errors
     /// A failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        let info = GraphicsPipelineInfo {
+        let plain = GraphicsPipelineInfo {
             fragment: Some(shaders.find("sky.frag")?),
             storage: StorageLayout::new::<Constants>(0),
             blend: Blend::Opaque,
             ..GraphicsPipelineInfo::of("sky", shaders.find("sky.vert")?)
         };
-        Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
+        let around = GraphicsPipelineInfo {
+            name: "sky around",
+            fragment: Some(shaders.find("sky_around.frag")?),
+            storage: StorageLayout { textures: 1, ..StorageLayout::new::<AroundConstants>(0) },
+            ..plain
+        };
+        Ok(Self {
+            plain: GraphicsPipeline::new(device, &plain)?,
+            around: GraphicsPipeline::new(device, &around)?,
+        })
     }
 
     /// Draws the sky in a linear colour, against the depth that is there.
     pub fn draw(&self, commands: &Commands, sky: [f32; 3]) {
         let [red, green, blue] = sky;
-        commands.bind(&self.pipeline, &[]);
-        commands.push_constants(&self.pipeline, &Constants { sky: [red, green, blue, 1.0] });
+        commands.bind(&self.plain, &[]);
+        commands.push_constants(&self.plain, &Constants { sky: [red, green, blue, 1.0] });
+        commands.draw(3, 0);
+    }
+
+    /// Draws an environment as a view sees it, with a factor of all light.
+    pub(crate) fn draw_around(
+        &self,
+        commands: &Commands,
+        environment: SampledTexture<'_>,
+        (view, exposure): (&View, f32),
+    ) {
+        let [x, y] = view.origin.map(|pixel| pixel as f32);
+        let [width, height] = view.size.map(|side| side as f32);
+        let constants = AroundConstants {
+            middle: view.rays.middle.extend(exposure).to_array(),
+            right: view.rays.right.extend(x).to_array(),
+            down: view.rays.down.extend(y).to_array(),
+            size: [width, height, 0.0, 0.0],
+        };
+        // The rays of an orthographic view are parallel.
+        let constants = match view.rays.kind {
+            ProjectionKind::Perspective => constants,
+            ProjectionKind::Orthographic => {
+                let still = |[.., edge]: [f32; 4]| [0.0, 0.0, 0.0, edge];
+                let middle = view.rays.forward.extend(exposure).to_array();
+                let (right, down) = (still(constants.right), still(constants.down));
+                AroundConstants { middle, right, down, ..constants }
+            }
+        };
+        commands.bind_sampled(&self.around, &[], &[environment], &[]);
+        commands.push_constants(&self.around, &constants);
         commands.draw(3, 0);
     }
 }

@@ -41,7 +41,18 @@ pub enum SurfaceKind {
 /// materials and lights use.
 pub struct SurfacePass {
     pipeline: GraphicsPipeline,
-    has_shadows: bool,
+    inputs: Inputs,
+}
+
+/// The inputs of a pass.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Inputs {
+    /// What cuts holes.
+    Holes,
+    /// All but shadows.
+    Lights,
+    /// All.
+    Shadows,
 }
 
 /// The inputs of the pass: reads positions, surface vertices, indices, instances, materials,
@@ -80,8 +91,12 @@ const SHADOW_FILTER: u32 = 14;
 /// Buffers of the pass without shadows, and with them.
 const BUFFERS: [u32; 2] = [5, 7];
 
-/// Textures of shadows beside the pages: the maps twice, the samples of filters.
-const SHADOW_TEXTURES: u32 = 3;
+/// Textures beside the pages: the environment, and of shadows the maps twice and the samples of
+/// filters.
+const TEXTURES: [u32; 2] = [1, 4];
+
+/// The specialisation constant of `surface_constants.glsl` for light from an environment.
+const ENVIRONMENT: u32 = 15;
 
 /// The attributes of a [`SurfaceVertex`]: normal, tangent, both sets of texture coordinates,
 /// colour.
@@ -141,6 +156,7 @@ impl SurfacePass {
         };
         let is_transparent = matches!(kind, SurfaceKind::Transparent | SurfaceKind::Veil);
         let mut constants = surfaces.features(is_transparent).constants(is_transparent).to_vec();
+        constants.push((ENVIRONMENT, u32::from(surfaces.environment.is_there())));
         constants.extend(filter.map(|filter| (SHADOW_FILTER, filter_number(filter))));
         let stage = |name: &str, end: &str| {
             shaders.find(&format!("{name}.{end}")).map(|shader| shader.specialised(&constants))
@@ -160,7 +176,7 @@ impl SurfacePass {
             fragment: Some(&stage(fragment, "frag")?),
             vertices: VertexLayout { beside: Some(&surface_vertices), ..first },
             storage: StorageLayout {
-                textures: if filter.is_some() { SHADOW_TEXTURES } else { 0 },
+                textures: if is_depth { 0 } else { TEXTURES[usize::from(filter.is_some())] },
                 texture_arrays: MAX_PAGES as u32,
                 ..StorageLayout::new::<Constants>(BUFFERS[usize::from(filter.is_some())])
             },
@@ -170,7 +186,12 @@ impl SurfacePass {
             attachments,
             ..GraphicsPipelineInfo::of(name, &vertex)
         };
-        Ok(Self { pipeline: GraphicsPipeline::new(device, &info)?, has_shadows: filter.is_some() })
+        let inputs = match (is_depth, filter) {
+            (true, _) => Inputs::Holes,
+            (false, None) => Inputs::Lights,
+            (false, Some(_)) => Inputs::Shadows,
+        };
+        Ok(Self { pipeline: GraphicsPipeline::new(device, &info)?, inputs })
     }
 
     /// Binds everything; the caller then records draws of one instance each, since a draw has one
@@ -205,13 +226,17 @@ impl SurfacePass {
     fn bind_buffers(&self, commands: &Commands, io: &SurfaceIo<'_>, own: [BufferSlice; 5]) {
         let pages = io.surfaces.pages();
         let pages = pages.as_ref().map_or(&[][..], |pages| &pages[..]);
-        match io.shadows.as_ref().filter(|_| self.has_shadows) {
-            None => commands.bind_sampled(&self.pipeline, &own, &[], pages),
-            Some(shadows) => {
+        let around = io.surfaces.environment.sampled();
+        match (self.inputs, &io.shadows) {
+            (Inputs::Holes, _) => commands.bind_sampled(&self.pipeline, &own, &[], pages),
+            (Inputs::Lights, _) | (Inputs::Shadows, None) => {
+                commands.bind_sampled(&self.pipeline, &own, &[around], pages);
+            }
+            (Inputs::Shadows, Some(shadows)) => {
                 let [instances, materials, transforms, lights, lists] = own;
                 let [of_lights, of_faces] = [shadows.lights, shadows.faces];
                 let all = [instances, materials, transforms, lights, lists, of_lights, of_faces];
-                let textures = [shadows.maps, shadows.depths, shadows.disks];
+                let textures = [shadows.maps, shadows.depths, shadows.disks, around];
                 commands.bind_sampled(&self.pipeline, &all, &textures, pages);
             }
         }

@@ -2,6 +2,7 @@
 //! the draws.
 
 pub(crate) mod depth_first;
+pub(crate) mod environment_texture;
 pub(crate) mod scene_degradations;
 pub mod surfaces;
 pub(crate) mod transparent;

@@ -10,7 +10,8 @@ use ::shadows::{
 use cull::{BoxChange, Hierarchy, LeafIndex, View};
 use glam::Vec3;
 use gpu::{
-    BufferSlice, Commands, DepthLayers, DepthTile, Device, Frame, Predicates, VolumeTexture,
+    BufferSlice, Commands, DepthLayers, DepthTile, Device, Frame, Predicates, VolumeTexels,
+    VolumeTexture,
 };
 use scene::LightId;
 
@@ -83,7 +84,10 @@ impl ShadowMaps {
             plan: ShadowPlan::default(),
             maps: DepthLayers::new(device, options.layer_side(), 1, "shadow maps")?,
             resting: None,
-            disks: VolumeTexture::new(device, [side, side, depth], &texels, "shadow disks")?,
+            disks: {
+                let texels = VolumeTexels::Signed(&texels);
+                VolumeTexture::new(device, [side, side, depth], texels, "shadow disks")?
+            },
             changes_read: 0,
             lights: Vec::new(),
             places: Vec::new(),

@@ -14,6 +14,7 @@ use crate::resources::limits;
 use crate::resources::skinned_meshes::mesh_order;
 use crate::resources::spare_room::{SpareRoom, TextureRoom};
 use crate::resources::sprites;
+use crate::shading::environment_texture::EnvironmentTexture;
 use crate::shading::scene_degradations::SceneDegradations;
 use crate::shading::surfaces::checks::{check, check_counts};
 use crate::shading::surfaces::light_lists::{LIST_VALUES, LightLists};
@@ -70,7 +71,8 @@ pub struct SurfaceResources {
     first_transparent_slot: u32,
     /// The hierarchy over the transparent objects, so that lights find them.
     transparent: Hierarchy,
-    exposure: f32,
+    pub(crate) exposure: f32,
+    pub(crate) environment: EnvironmentTexture,
     /// The degradations that are known once they are on the GPU.
     degradations: SceneDegradations,
 }
@@ -148,6 +150,7 @@ impl SurfaceResources {
             light_lists,
             first_transparent_slot,
             transparent,
+            environment: EnvironmentTexture::new(device, surfaces.environment.as_ref())?,
             exposure: if surfaces.exposure.is_finite() { surfaces.exposure.max(0.0) } else { 1.0 },
         }))
     }

@@ -1,0 +1,43 @@
+//! The light from all around, and the exposure.
+
+use scene::Environment;
+
+use crate::error::Error;
+use crate::renderer::Renderer;
+use crate::shading::environment_texture::EnvironmentTexture;
+
+impl Renderer {
+    /// Lights the surfaces from all around by an environment from now on, which is also the sky;
+    /// `None` by the [ambient light](scene::Light) again. Waits for a copy, and compiles passes
+    /// where there was no environment before or is none now: not for every frame.
+    ///
+    /// # Errors
+    /// [`Error::NoSurfacesForEnvironment`]; no memory, a failed call. Nothing has changed then.
+    pub fn set_environment(&mut self, environment: Option<&Environment>) -> Result<(), Error> {
+        let texture = EnvironmentTexture::new(&self.device, environment)?;
+        let surfaces = self.passes.geometry.surfaces.as_mut();
+        let surfaces = surfaces.ok_or(Error::NoSurfacesForEnvironment)?;
+        let before = std::mem::replace(&mut surfaces.environment, texture);
+        if before.is_there() == environment.is_some() {
+            return Ok(());
+        }
+        match self.passes.recompiled(&self.shaders, &self.passes.shadows) {
+            Ok(pipelines) => self.passes.pipelines = pipelines,
+            Err(error) => {
+                if let Some(surfaces) = &mut self.passes.geometry.surfaces {
+                    surfaces.environment = before;
+                }
+                return Err(error.into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the factor of all light before tone mapping, from 0 on; a number that is not finite
+    /// counts as 1. Nothing happens in scenes without surfaces.
+    pub fn set_exposure(&mut self, exposure: f32) {
+        if let Some(surfaces) = &mut self.passes.geometry.surfaces {
+            surfaces.exposure = if exposure.is_finite() { exposure.max(0.0) } else { 1.0 };
+        }
+    }
+}

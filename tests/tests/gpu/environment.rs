@@ -1,0 +1,175 @@
+//! Light from all around: surfaces and sky against a reference on the CPU, and what cannot be.
+
+use cull::{Camera, Strategy};
+use glam::{Vec3, vec3};
+use gpu::{Device, Readback};
+use render::{Costs, Error, FrameRequest, Renderer, RendererOptions};
+use scene::{Environment, Light, LightKind, Material, PunctualLight, Scene, Sky};
+use shadows::{ShadowMethod, ShadowOptions};
+use tests::reference::{decoded, encoded, tone_mapped};
+use tests::{run_on_all, shapes, yard};
+
+const SIZE: [u32; 2] = [64, 48];
+
+fn sky() -> Sky {
+    Sky {
+        towards_sun: vec3(0.4, 0.6, 0.3).normalize(),
+        zenith: [0.1, 0.25, 0.6],
+        horizon: [0.5, 0.55, 0.6],
+        ground: [0.12, 0.1, 0.08],
+        glow: [0.5, 0.4, 0.2],
+    }
+}
+
+/// Returns a floor of a material under an environment, without other light.
+fn floor(material: Material, environment: Option<Environment>) -> Scene {
+    let mut scene = yard::scene(&[yard::GROUND], &[]);
+    let surfaces = scene.surfaces.as_mut().unwrap();
+    surfaces.materials = vec![material];
+    surfaces.environment = environment;
+    scene.light = Light { ambient_above: [0.0; 3], ambient_below: [0.0; 3], ..Light::afternoon() };
+    scene
+}
+
+fn renderer(device: &Device, scene: &Scene) -> Renderer {
+    let options = RendererOptions { size: SIZE, costs: Costs::Ignored, ..Default::default() };
+    Renderer::new(device, scene, &options).unwrap()
+}
+
+fn image(renderer: &mut Renderer, strategy: Strategy, camera: Camera) -> Vec<u8> {
+    let mut view = renderer.new_view().unwrap();
+    let image = Readback::new(renderer.device(), SIZE).unwrap();
+    let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
+    renderer.render(&mut view, &request).unwrap();
+    renderer.drain(&mut view).unwrap();
+    image.rgba8().unwrap().to_vec()
+}
+
+/// Returns the direction that a pixel is seen in.
+fn direction(camera: &Camera, x: u32, y: u32) -> Vec3 {
+    let half = 0.5_f32.tan();
+    let right = camera.forward.cross(camera.up).normalize();
+    let up = right.cross(camera.forward);
+    let aspect = SIZE[0] as f32 / SIZE[1] as f32;
+    let across = ((x as f32 + 0.5) / SIZE[0] as f32 * 2.0 - 1.0) * half * aspect;
+    let down = ((y as f32 + 0.5) / SIZE[1] as f32 * 2.0 - 1.0) * half;
+    (camera.forward + right * across - up * down).normalize()
+}
+
+fn bytes(light: Vec3) -> [f64; 3] {
+    encoded(tone_mapped(light.as_dvec3()))
+}
+
+fn pixel(image: &[u8], x: u32, y: u32) -> [f64; 3] {
+    let at = ((y * SIZE[0] + x) * 4) as usize;
+    [0, 1, 2].map(|channel| f64::from(image[at + channel]))
+}
+
+fn assert_near(found: [f64; 3], expected: [f64; 3], place: &str) {
+    for channel in 0..3 {
+        let error = (found[channel] - expected[channel]).abs();
+        assert!(error < 2.5, "{place}: {found:?} and not {expected:?}");
+    }
+}
+
+#[test]
+fn the_sky_and_matt_and_metal_floors_are_those_of_the_reference() {
+    run_on_all(|device| {
+        let environment = Environment::of_sky(&sky()).unwrap();
+        let camera = Camera {
+            eye: vec3(0.0, 2.0, 3.0),
+            forward: vec3(0.3, -0.2, -1.0).normalize(),
+            ..yard::camera()
+        };
+        let matt =
+            Material { metallic: 0.0, base_colour: [0.5, 0.4, 0.3, 1.0], ..Material::default() };
+        let metal = Material { metallic: 1.0, roughness: 0.3, ..matt.clone() };
+        for material in [matt, metal] {
+            let scene = floor(material.clone(), Some(environment.clone()));
+            let image = image(&mut renderer(device, &scene), Strategy::ANTUMBRA, camera);
+            let (mut above, mut below) = (0, 0);
+            for y in 0..SIZE[1] {
+                for x in 0..SIZE[0] {
+                    let towards = direction(&camera, x, y);
+                    let place = format!("{x}, {y}");
+                    let found = pixel(&image, x, y);
+                    if towards.y > 0.02 {
+                        above += 1;
+                        assert_near(found, bytes(environment.glossy(towards, 0.0)), &place);
+                    }
+                    let hit = camera.eye - towards * (camera.eye.y / towards.y);
+                    if towards.y < -0.1 && hit.abs().max_element() < 15.0 {
+                        below += 1;
+                        assert_near(
+                            found,
+                            bytes(floor_light(&environment, &material, towards)),
+                            &place,
+                        );
+                    }
+                }
+            }
+            assert!(above > 500 && below > 500, "{above}, {below}");
+        }
+    });
+}
+
+/// Returns the light of a floor that is seen in a direction.
+fn floor_light(environment: &Environment, material: &Material, towards: Vec3) -> Vec3 {
+    let [red, green, blue, _] = material.base_colour;
+    let base = vec3(red, green, blue);
+    let (metallic, roughness) = (material.metallic, material.roughness);
+    let (diffuse, specular) = (base * (1.0 - metallic), Vec3::splat(0.04).lerp(base, metallic));
+    let n_v = -towards.y;
+    let r = [
+        1.0 - roughness,
+        0.0425 - 0.0275 * roughness,
+        1.04 - 0.572 * roughness,
+        0.022 * roughness - 0.04,
+    ];
+    let edge = (r[0] * r[0]).min((-9.28 * n_v).exp2()) * r[0] + r[1];
+    let [scale, offset] = [r[2] - 1.04 * edge, r[3] + 1.04 * edge];
+    let mirrored = environment.glossy(vec3(towards.x, -towards.y, towards.z), roughness);
+    diffuse * environment.matt(Vec3::Y) + mirrored * (specular * scale + offset)
+}
+
+#[test]
+fn culling_and_shadows_change_nothing_about_it() {
+    run_on_all(|device| {
+        let mut scene = yard::scene(&yard::boxes(), &yard::lights());
+        let surfaces = scene.surfaces.as_mut().unwrap();
+        surfaces.environment = Some(Environment::of_sky(&sky()).unwrap());
+        surfaces.lights.retain(|light: &PunctualLight| light.kind == LightKind::Directional);
+        let mut renderer = renderer(device, &scene);
+        for method in [ShadowMethod::Off, ShadowMethod::Maps] {
+            let options = ShadowOptions { method, sun_side: 256, ..ShadowOptions::default() };
+            renderer.set_shadows(options).unwrap();
+            let all = image(&mut renderer, Strategy::FRUSTUM, yard::camera());
+            let culled = image(&mut renderer, Strategy::ANTUMBRA, yard::camera());
+            assert!(all == culled, "{method:?}");
+        }
+    });
+}
+
+#[test]
+fn environments_come_and_go() {
+    run_on_all(|device| {
+        let environment = Environment::of_sky(&sky()).unwrap();
+        let scene = floor(Material::default(), None);
+        let mut changing = renderer(device, &scene);
+        let camera = yard::camera();
+        let dark = image(&mut changing, Strategy::ANTUMBRA, camera);
+        changing.set_environment(Some(&environment)).unwrap();
+        let lit = image(&mut changing, Strategy::ANTUMBRA, camera);
+        let other = floor(Material::default(), Some(environment));
+        assert!(lit == image(&mut renderer(device, &other), Strategy::ANTUMBRA, camera));
+        changing.set_exposure(0.0);
+        let unexposed = image(&mut changing, Strategy::ANTUMBRA, camera);
+        assert!(unexposed.chunks(4).all(|pixel| decoded(pixel[0]) == 0.0), "no light at all");
+        changing.set_exposure(f32::NAN);
+        changing.set_environment(None).unwrap();
+        assert!(dark == image(&mut changing, Strategy::ANTUMBRA, camera), "as it was");
+        let mut plain = renderer(device, &shapes::box_scene(&yard::boxes()));
+        let refused = plain.set_environment(Some(&Environment::of_sky(&sky()).unwrap()));
+        assert!(matches!(refused, Err(Error::NoSurfacesForEnvironment)));
+    });
+}
