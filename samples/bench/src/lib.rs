@@ -16,6 +16,7 @@ pub mod compare;
 pub mod destination;
 pub mod exit_status;
 pub mod eyes;
+pub mod image_difference;
 pub mod input_file;
 pub mod legend;
 pub mod light_args;

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use antumbra::cull::Corrections;
 
+use crate::image_difference::{ImageDifference, pixels_that_differ};
 use crate::report::{AgeReport, CorrectionsReport, RunReport, kept_times};
+use crate::schedule::WalkStep;
 use crate::shadow_choice::ShadowChoice;
 use crate::statistics::{TimeSummary, median_count};
 use crate::strategy::Strategy;
@@ -67,6 +69,7 @@ struct WarmUp {
 pub struct RunMeasurement {
     strategy: Strategy,
     shadows: Option<ShadowChoice>,
+    fixed64: ImageDifference,
     frames: Vec<FrameMeasurement>,
     warm_up: WarmUp,
     frames_verified: u64,
@@ -80,6 +83,7 @@ impl RunMeasurement {
         Self {
             strategy,
             shadows: None,
+            fixed64: ImageDifference::default(),
             frames: Vec::new(),
             warm_up: WarmUp::default(),
             frames_verified: 0,
@@ -125,6 +129,17 @@ impl RunMeasurement {
         self.pixels_wrong += pixels_wrong;
     }
 
+    /// Adds the comparison of a frame with its image by plain frustum culling and
+    /// that by the filter `fixed64`, which is empty where nothing is compared with it.
+    pub fn compare(&mut self, step: &WalkStep, image: &[u8], [reference, fixed64]: [&[u8]; 2]) {
+        let pixels_wrong = pixels_that_differ(reference, image);
+        match step.timed {
+            true => self.verified(pixels_wrong),
+            false => self.verified_warm_up(pixels_wrong),
+        }
+        self.fixed64.add(image, fixed64);
+    }
+
     /// Adds the GPU times of one frame's passes; passes with the same label are summed.
     pub fn timed_passes(&mut self, passes: impl IntoIterator<Item = (&'static str, f64)>) {
         let mut frame = BTreeMap::new();
@@ -153,6 +168,8 @@ impl RunMeasurement {
             filter: self.shadows.map(|it| it.filter.name().to_owned()),
             shadow_faces: self.shadows.and_then(|_| count(|frame| frame.shadow_faces)),
             shadow_casters: self.shadows.and_then(|_| count(|frame| frame.shadow_casters)),
+            fixed64_difference_mean: self.fixed64.mean(),
+            fixed64_difference_max: self.fixed64.most(),
             frame_ms: times(|frame| frame.frame_ms),
             frame_times_ms: kept_times(self.frames.iter().map(|frame| frame.frame_ms)),
             cpu_ms: times(|frame| frame.cpu_ms),

@@ -198,6 +198,13 @@ pub struct RunReport {
     /// Draws of casters into shadow maps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadow_casters: Option<u64>,
+    /// The mean difference of a channel from the same images with the filter `fixed64`, of 255;
+    /// absent where that filter is not among the compared ones, or no frame was compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fixed64_difference_mean: Option<f64>,
+    /// The greatest such difference of a channel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fixed64_difference_max: Option<u64>,
     /// The time of a frame: from its beginning on the CPU to its end on the device, per frame in
     /// flight.
     pub frame_ms: TimeSummary,

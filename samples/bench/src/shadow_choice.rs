@@ -90,6 +90,14 @@ impl ShadowChoice {
         }
     }
 
+    /// Returns the choice with 64 samples everywhere, nothing kept, with which images of other
+    /// filters are compared; `None` without shadows.
+    #[must_use]
+    pub fn fixed64(self) -> Option<Self> {
+        let is_off = self.way == ShadowWay::Off;
+        (!is_off).then(|| Self { filter: ShadowFilter::Fixed64, ..self.reference() })
+    }
+
     /// Returns the renderer's options.
     #[must_use]
     pub fn options(self) -> ShadowOptions {

@@ -40,6 +40,9 @@ pub struct Arguments {
     /// Folder with images for the page: of the report NAME.json, the first one in its folder NAME
     #[arg(long, value_name = "DIR")]
     pub images: Option<PathBuf>,
+    /// File for tables about lights and shadows as Markdown, instead of all else
+    #[arg(long, value_name = "FILE.md")]
+    pub shadows: Option<PathBuf>,
     /// Print the names of the walks that must be repeated before they can be judged, and end
     #[arg(long)]
     pub noisy: bool,

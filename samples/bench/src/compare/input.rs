@@ -65,6 +65,10 @@ pub struct Measured {
     pub device: MeasuredDevice,
     /// The scene that was drawn.
     pub scene: MeasuredScene,
+    /// The lights on the scene, if any were asked for.
+    pub lights: Option<String>,
+    /// The percentage of objects that were asked to move.
+    pub moving_percent: u32,
     /// The name of the camera's path.
     pub path: String,
     /// True if a signal ended the walk.
@@ -117,6 +121,20 @@ pub struct MeasuredScene {
 pub struct MeasuredRun {
     /// The name of the strategy.
     pub strategy: String,
+    /// The way to make shadows, where something is said about lights.
+    pub shadows: Option<String>,
+    /// The filter of shadow maps.
+    pub filter: Option<String>,
+    /// Shadow maps that were drawn per frame.
+    pub shadow_faces: Option<u64>,
+    /// Casters that were drawn into them.
+    pub shadow_casters: Option<u64>,
+    /// The mean difference of a channel from the same image with 64 samples everywhere, of 255.
+    pub fixed64_difference_mean: Option<f64>,
+    /// The greatest such difference.
+    pub fixed64_difference_max: Option<u64>,
+    /// The GPU time of each pass by its label, if it was measured.
+    pub passes_ms: BTreeMap<String, TimeSummary>,
     /// The time of a frame in milliseconds.
     pub frame_ms: TimeSummary,
     /// The time of every frame, in the order of the path.

@@ -19,6 +19,7 @@ pub mod page;
 pub mod palette;
 pub mod picture;
 pub mod plots;
+pub mod shadows;
 pub mod spread;
 #[cfg(test)]
 pub(crate) mod testing;
@@ -45,6 +46,9 @@ pub enum CompareError {
     /// Reports of different devices.
     #[error("the reports stem from {0}: put those of each device into a folder of its own")]
     Devices(String),
+    /// Reports none of which has shadows.
+    #[error("no report has lights: --shadows has nothing to show; see ci/compare --shadows")]
+    NoShadows,
     /// A picture that cannot be drawn, since there is nothing in it.
     #[error("no report of the city on path street compares strategies: --svg has nothing to show")]
     NoPicture,
@@ -58,7 +62,7 @@ impl CompareError {
     /// machine.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Input(_) | Self::Devices(_) | Self::NoPicture => 2,
+            Self::Input(_) | Self::Devices(_) | Self::NoShadows | Self::NoPicture => 2,
             Self::Draw(_) => 1,
         }
     }
@@ -71,8 +75,16 @@ impl CompareError {
 pub fn run(arguments: &Arguments) -> Result<Ending, CompareError> {
     let reports = read_folder(&arguments.reports)?;
     one_device(&reports)?;
-    let cases = Cases::of(&reports);
     let mut ending = Ending::default();
+    if let Some(file) = &arguments.shadows {
+        let tables = shadows::tables(&reports).ok_or(CompareError::NoShadows)?;
+        ending.attempt(print(&tables));
+        if ending.attempt(write_file(file, tables.as_bytes())).is_some() {
+            say_wrote(file);
+        }
+        return Ok(ending);
+    }
+    let cases = Cases::of(&reports);
     if arguments.noisy {
         let names = noise::to_repeat(&cases).into_iter().map(|name| name + "\n");
         ending.attempt(print(&names.collect::<String>()));

@@ -245,3 +245,25 @@ fn what_walkthrough_writes_is_read() {
     assert!(page.contains("times that of frustum"), "there is no ideal");
     assert!(page.contains("frames of 64x48") && page.contains("--objects=200"));
 }
+
+#[test]
+fn shadows_have_tables_of_their_own() {
+    let scratch = Scratch::new("compare-shadows");
+    write(&scratch, "plain.json", &report("fly", 10_000, &[("antumbra", 1.2)]));
+    let refused = compare(&scratch, &["reports", "--shadows", "shadows.md"]);
+    assert_refused(&refused, &["no report has lights", "ci/compare --shadows"]);
+    fs::remove_file(scratch.0.join("reports/plain.json")).expect("it was written");
+    let small = ["--quiet", "--objects=200", "--frames=12", "--size=64x48", "--device=llvmpipe"];
+    let lights = ["--lights=2", "--shadows=maps,maps_uncached", "--filter=pcf3,fixed64"];
+    let more = ["--strategy=antumbra", "--verify=6", "--time-passes", "--report=reports/lit.json"];
+    let output = walkthrough(&scratch.0, &[&small[..], &lights, &more].concat()).output();
+    let output = output.expect("it starts");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = compare(&scratch, &["reports", "--shadows", "shadows.md"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let tables = fs::read_to_string(scratch.0.join("shadows.md")).expect("it is there");
+    for title in ["## Filters", "## Cached maps", "## Number of lights"] {
+        assert!(tables.contains(title), "{title} is missing in {tables}");
+    }
+    assert!(tables.lines().filter(|line| line.contains("| pcf3 |")).count() >= 3, "{tables}");
+}

@@ -73,11 +73,14 @@ fn each_combination_is_a_run_that_is_exact_while_objects_move() {
 #[test]
 fn filters_run_on_the_other_driver_too() {
     let scratch = Scratch::new("filters");
-    let more = ["--lights=sun", "--shadows=maps", "--filter=single,pcf3", "--strategy=antumbra"];
+    let more = ["--lights=sun", "--shadows=maps", "--filter=single,fixed64", "--strategy=antumbra"];
     let report = walk(&scratch, "swiftshader", &more);
     assert_eq!(report["lights"], "sun");
     let filters: Vec<_> = runs_of(&report).iter().map(|run| &run["filter"]).collect();
-    assert_eq!(filters, ["single", "pcf3"]);
+    assert_eq!(filters, ["single", "fixed64"]);
+    let most = |run: &Value| run["fixed64_difference_max"].as_u64().expect("it was compared");
+    let [single, fixed64] = [0, 1].map(|place| most(&runs_of(&report)[place]));
+    assert!(single > 0 && fixed64 == 0, "{single}, {fixed64}");
     assert!(runs_of(&report).iter().all(|run| run["pixels_wrong"] == 0));
 }
 
