@@ -1,5 +1,5 @@
-// The light from all around, as `scene::Environment` holds it: levels of the square of an octahedron
-// behind each other, with a border of a texel.
+// The light from all around, as `scene::Environment` holds it: levels of the square of an
+// octahedron behind each other, with a border of a texel.
 
 layout(binding = ENVIRONMENT_BINDING) uniform sampler3D environment;
 

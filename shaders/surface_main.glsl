@@ -29,8 +29,8 @@ vec3 shading_normal() {
     return unit_or(mapped.x * t + mapped.y * b + mapped.z * n, n);
 }
 
-// The ambient light: that of the environment, or the hemisphere on the diffuse part, and, where it is mirrored, on the
-// specular one; rougher surfaces mirror more of what is around their normal.
+// The ambient light: that of the environment, or the hemisphere on the diffuse part, and, where it
+// is mirrored, on the specular one; rougher surfaces mirror more of what is around their normal.
 vec3 ambient(Brdf brdf, float roughness) {
     if (ENVIRONMENT) {
         float n_v = abs(dot(brdf.normal, brdf.towards_eye));

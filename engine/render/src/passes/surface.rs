@@ -47,12 +47,22 @@ pub struct SurfacePass {
 /// The inputs of a pass.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Inputs {
-    /// What cuts holes.
+    /// Materials and their textures, which cut holes.
     Holes,
     /// All but shadows.
     Lights,
     /// All.
     Shadows,
+}
+
+impl Inputs {
+    fn of(is_depth: bool, filter: Option<ShadowFilter>) -> Self {
+        match (is_depth, filter) {
+            (true, _) => Self::Holes,
+            (false, None) => Self::Lights,
+            (false, Some(_)) => Self::Shadows,
+        }
+    }
 }
 
 /// The inputs of the pass: reads positions, surface vertices, indices, instances, materials,
@@ -186,11 +196,7 @@ impl SurfacePass {
             attachments,
             ..GraphicsPipelineInfo::of(name, &vertex)
         };
-        let inputs = match (is_depth, filter) {
-            (true, _) => Inputs::Holes,
-            (false, None) => Inputs::Lights,
-            (false, Some(_)) => Inputs::Shadows,
-        };
+        let inputs = Inputs::of(is_depth, filter);
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)?, inputs })
     }
 
