@@ -1,6 +1,6 @@
-// What is extruded of a triangle: the same, to the bit, from every side of it, and in whichever
-// stage. The reference is `Extrusion` of the crate `shadows`. Includes need volume_constants.glsl
-// and snap.glsl.
+// The extrusion of a triangle: the same, to the bit, from every side of it, in whichever stage.
+// The reference is `Extrusion` of the crate `shadows`. Includes need volume_constants.glsl and
+// snap.glsl.
 
 // A corner of a triangle with adjacency.
 struct Corner {

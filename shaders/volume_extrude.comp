@@ -1,5 +1,5 @@
-// Shadow volumes: extrudes triangles with adjacency away from a light into a list of vertices, where
-// there is no geometry stage.
+// Shadow volumes: extrudes triangles with adjacency away from a light into a list of vertices,
+// where there is no geometry stage.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "instance.glsl"

@@ -62,6 +62,6 @@ pub use options::{
 pub use plan::{FaceWork, PlannedFace, PlannedLight, ShadowPlan, ShadowStats};
 pub use tiles::{Tile, TilePool};
 pub use volumes::{
-    Caps, Counting, Extrusion, NearSpan, VolumeError, VolumeKind, VolumeMesh, VolumeSource,
+    Caps, Extrusion, NearSpan, VolumeCounting, VolumeError, VolumeKind, VolumeMesh, VolumeSource,
     VolumeTriangle,
 };

@@ -61,8 +61,8 @@ impl LightShape {
         }
     }
 
-    /// Returns the light in homogeneous coordinates: a point with w = 1, or the direction towards it
-    /// with w = 0.
+    /// Returns the light in homogeneous coordinates: a point with w = 1, or the direction towards
+    /// it with w = 0.
     #[must_use]
     pub fn homogeneous(&self) -> Vec4 {
         match *self {

@@ -43,15 +43,7 @@ pub(super) fn create_graphics(
         .line_width(1.0);
     let samples = vk::PipelineMultisampleStateCreateInfo::default()
         .rasterization_samples(info.attachments.samples);
-    let (write, compare) = depth_test(info.depth, near_depth);
-    let [front, back] = stencil_of_faces(info.stencil);
-    let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-        .stencil_test_enable(info.stencil != StencilMode::Ignored)
-        .front(front)
-        .back(back)
-        .depth_test_enable(true)
-        .depth_write_enable(write)
-        .depth_compare_op(compare);
+    let depth = depth_stencil(info, near_depth);
     let blends = [blend_state(info.blend); COLOURS_MAX];
     let blends = blends.get(..colours.as_slice().len()).unwrap_or(&blends);
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(blends);
@@ -83,6 +75,22 @@ pub(super) fn create_graphics(
         .map_err(|(_, code)| code)
         .called("vkCreateGraphicsPipelines")
         .map(|pipelines| pipelines.first().copied().unwrap_or_default())
+}
+
+/// Returns the tests of depth and stencil.
+fn depth_stencil(
+    info: &GraphicsPipelineInfo<'_>,
+    near_depth: NearDepth,
+) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
+    let (write, compare) = depth_test(info.depth, near_depth);
+    let [front, back] = stencil_of_faces(info.stencil);
+    vk::PipelineDepthStencilStateCreateInfo::default()
+        .stencil_test_enable(info.stencil != StencilMode::Ignored)
+        .front(front)
+        .back(back)
+        .depth_test_enable(true)
+        .depth_write_enable(write)
+        .depth_compare_op(compare)
 }
 
 /// Returns the write of the depth and its comparison.

@@ -82,8 +82,8 @@ impl Spirv {
     }
 }
 
-/// Compiles the GLSL file `path`; its extension (`.vert`, `.geom`, `.frag`, `.comp`) names its stage, and
-/// `#include "name"` is looked for beside it.
+/// Compiles the GLSL file `path`; its extension (`.vert`, `.geom`, `.frag`, `.comp`) names its
+/// stage, and `#include "name"` is looked for beside it.
 ///
 /// # Errors
 /// [`Error::ShaderCompile`] with file and line of every mistake.

@@ -3,10 +3,10 @@
 use bytemuck::{Pod, Zeroable};
 use cull::{ProjectionKind, View};
 use glam::{Vec2, Vec4};
-use shadows::{Caps, Counting, VolumeKind};
+use shadows::{Caps, VolumeCounting, VolumeKind};
 
 /// Casters that are drawn alike.
-pub(super) type Group = (Counting, VolumeKind);
+pub(super) type Group = (VolumeCounting, VolumeKind);
 
 /// Mirrors `volume_constants.glsl`.
 #[repr(C)]

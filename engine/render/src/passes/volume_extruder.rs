@@ -1,5 +1,5 @@
-//! The compute pass that extrudes shadow volumes into a list of vertices, where there is no geometry
-//! stage.
+//! The compute pass that extrudes shadow volumes into a list of vertices, where there is no
+//! geometry stage.
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{

@@ -17,7 +17,7 @@ use gpu::{
     StencilTarget, StorageLayout, Target, VertexLayout, vk,
 };
 use occlusion::{Error, ShaderSet};
-use shadows::{Counting, VolumeKind};
+use shadows::{VolumeCounting, VolumeKind};
 
 use super::opaque::POSITIONS;
 use super::volume_constants::{Group, VolumeConstants};
@@ -50,7 +50,7 @@ pub struct VolumeCaster {
     /// The algorithm, right for the mesh and the light.
     pub kind: VolumeKind,
     /// The way of counting, right for the eye.
-    pub counting: Counting,
+    pub counting: VolumeCounting,
 }
 
 /// A light and the objects that may shade what is seen.
@@ -130,10 +130,10 @@ struct MaskConstants {
 const _: () = assert!(size_of::<MaskConstants>() == 12);
 
 const GROUPS: [Group; 4] = [
-    (Counting::ZPass, VolumeKind::Plain),
-    (Counting::ZPass, VolumeKind::Robust),
-    (Counting::ZFail, VolumeKind::Plain),
-    (Counting::ZFail, VolumeKind::Robust),
+    (VolumeCounting::ZPass, VolumeKind::Plain),
+    (VolumeCounting::ZPass, VolumeKind::Robust),
+    (VolumeCounting::ZFail, VolumeKind::Plain),
+    (VolumeCounting::ZFail, VolumeKind::Robust),
 ];
 
 impl VolumePass {
@@ -297,10 +297,10 @@ impl VolumePass {
         commands.draw(3, 0);
     }
 
-    fn pipeline(&self, counting: Counting) -> &GraphicsPipeline {
+    fn pipeline(&self, counting: VolumeCounting) -> &GraphicsPipeline {
         match counting {
-            Counting::ZPass => &self.passing,
-            Counting::ZFail => &self.failing,
+            VolumeCounting::ZPass => &self.passing,
+            VolumeCounting::ZFail => &self.failing,
         }
     }
 }

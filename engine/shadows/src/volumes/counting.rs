@@ -3,11 +3,11 @@
 use cull::{Aabb, ProjectionKind, Rays};
 use glam::{Vec2, Vec3, Vec4};
 
-use super::mesh::VolumeKind;
+use super::mesh::{VolumeKind, rounding};
 
 /// The part of a volume's boundary that changes the count of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Counting {
+pub enum VolumeCounting {
     /// In front of what the pixel shows: where the depth test passes. Wrong with the eye in a
     /// volume.
     ZPass,
@@ -26,7 +26,7 @@ pub enum Caps {
     Both,
 }
 
-impl Counting {
+impl VolumeCounting {
     /// Returns the caps that volumes need.
     ///
     /// In front of the picture lies no far cap ever, and no near cap of a closed mesh: its own
@@ -37,19 +37,6 @@ impl Counting {
             (Self::ZFail, _) => Caps::Both,
             (Self::ZPass, VolumeKind::Plain) => Caps::None,
             (Self::ZPass, VolumeKind::Robust) => Caps::Near,
-        }
-    }
-}
-
-impl VolumeKind {
-    /// Returns the algorithm for a mesh of this kind in a box, for a light in homogeneous
-    /// coordinates: closed meshes need the robust one, too, if the light may be inside.
-    #[must_use]
-    pub fn towards(self, bounds: &Aabb, light: Vec4) -> Self {
-        let bounds = bounds.enlarged(rounding(bounds, light.truncate()));
-        match light.w > 0.0 && bounds.contains_point(light.truncate() / light.w) {
-            true => Self::Robust,
-            false => self,
         }
     }
 }
@@ -75,14 +62,14 @@ impl NearSpan<'_> {
 const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
 
 impl NearSpan<'_> {
-    /// Returns the way of counting that is right for casters in a box: [`Counting::ZFail`] if the
-    /// hull of the span and of a light may meet the box.
+    /// Returns the way of counting that is right for casters in a box:
+    /// [`VolumeCounting::ZFail`] if the hull of the span and of a light may meet the box.
     ///
     /// The light is in homogeneous coordinates: a point with w = 1, or the direction towards it
     /// with w = 0. The test looks for a plane between box and hull, so what is unclear, also for
     /// numbers that are none, is counted by z-fail.
     #[must_use]
-    pub fn counting(self, bounds: &Aabb, light: Vec4) -> Counting {
+    pub fn counting(self, bounds: &Aabb, light: Vec4) -> VolumeCounting {
         let reach = self.0.iter().fold(light.truncate().abs(), |most, at| most.max(at.abs()));
         let bounds = bounds.enlarged(rounding(bounds, reach));
         let axes = AXES.into_iter().chain(self.edge_normals(light)).chain(self.side_normals(light));
@@ -90,8 +77,8 @@ impl NearSpan<'_> {
             self.is_beyond(&bounds, light, axis) || self.is_beyond(&bounds, light, -axis)
         };
         match axes.into_iter().any(is_apart) {
-            true => Counting::ZPass,
-            false => Counting::ZFail,
+            true => VolumeCounting::ZPass,
+            false => VolumeCounting::ZFail,
         }
     }
 
@@ -133,13 +120,6 @@ impl NearSpan<'_> {
     }
 }
 
-/// Returns the distance in metres by which a box is enlarged against the rounding of positions, of
-/// transforms and of these tests.
-fn rounding(bounds: &Aabb, reach: Vec3) -> f32 {
-    let largest = bounds.min.abs().max(bounds.max.abs()).max(reach.abs()).max_element();
-    1e-5 * largest.max(1e-3)
-}
-
 #[cfg(test)]
 mod tests {
     use glam::vec3;
@@ -158,18 +138,18 @@ mod tests {
         ]
     }
 
-    fn of(low: Vec3, high: Vec3, light: Vec4) -> Counting {
+    fn of(low: Vec3, high: Vec3, light: Vec4) -> VolumeCounting {
         NearSpan(&span()).counting(&Aabb::new(low, high), light)
     }
 
     #[test]
     fn casters_between_eye_and_light_are_counted_by_z_fail() {
         let roof = (vec3(-5.0, 4.0, -5.0), vec3(5.0, 4.5, 5.0));
-        assert_eq!(of(roof.0, roof.1, SUN), Counting::ZFail);
-        assert_eq!(of(roof.0 + Vec3::X * 5.2, roof.1 + Vec3::X * 9.0, SUN), Counting::ZPass);
+        assert_eq!(of(roof.0, roof.1, SUN), VolumeCounting::ZFail);
+        assert_eq!(of(roof.0 + Vec3::X * 5.2, roof.1 + Vec3::X * 9.0, SUN), VolumeCounting::ZPass);
         // Below the eye it shades nothing up here.
-        assert_eq!(of(vec3(-5.0, 0.0, -5.0), vec3(5.0, 1.0, 5.0), SUN), Counting::ZPass);
-        assert_eq!(of(vec3(-5.0, 0.0, -5.0), vec3(5.0, 1.95, 5.0), SUN), Counting::ZFail);
+        assert_eq!(of(vec3(-5.0, 0.0, -5.0), vec3(5.0, 1.0, 5.0), SUN), VolumeCounting::ZPass);
+        assert_eq!(of(vec3(-5.0, 0.0, -5.0), vec3(5.0, 1.95, 5.0), SUN), VolumeCounting::ZFail);
     }
 
     #[test]
@@ -178,25 +158,25 @@ mod tests {
         let at = |x: f32| of(vec3(x, 1.5, -1.0), vec3(x + 0.2, 2.5, 1.0), lamp);
         assert_eq!(
             [at(2.0), at(4.5), at(-2.0)],
-            [Counting::ZFail, Counting::ZPass, Counting::ZPass]
+            [VolumeCounting::ZFail, VolumeCounting::ZPass, VolumeCounting::ZPass]
         );
         // Beside the thin end of the pyramid, but within its box.
-        assert_eq!(of(vec3(3.0, 2.07, -0.1), vec3(3.2, 2.2, 0.1), lamp), Counting::ZPass);
+        assert_eq!(of(vec3(3.0, 2.07, -0.1), vec3(3.2, 2.2, 0.1), lamp), VolumeCounting::ZPass);
         let lamp = vec3(4.0, 6.0, 3.0).extend(1.0);
-        assert_eq!(of(vec3(2.5, 2.5, 0.2), vec3(3.5, 3.2, 0.9), lamp), Counting::ZPass);
-        assert_eq!(of(vec3(1.9, 3.9, 1.3), vec3(2.1, 4.1, 1.6), lamp), Counting::ZFail);
+        assert_eq!(of(vec3(2.5, 2.5, 0.2), vec3(3.5, 3.2, 0.9), lamp), VolumeCounting::ZPass);
+        assert_eq!(of(vec3(1.9, 3.9, 1.3), vec3(2.1, 4.1, 1.6), lamp), VolumeCounting::ZFail);
     }
 
     #[test]
     fn what_is_unclear_is_counted_by_z_fail() {
         let bounds = Aabb::new(Vec3::ZERO, Vec3::ONE);
-        assert_eq!(NearSpan(&[]).counting(&bounds, SUN), Counting::ZFail);
+        assert_eq!(NearSpan(&[]).counting(&bounds, SUN), VolumeCounting::ZFail);
         let lost = [Vec3::NAN; 5];
-        assert_eq!(NearSpan(&lost).counting(&bounds, SUN), Counting::ZFail);
-        assert_eq!(of(Vec3::splat(f32::NAN), Vec3::ONE, SUN), Counting::ZFail);
-        assert_eq!(of(Vec3::ZERO, Vec3::splat(f32::INFINITY), SUN), Counting::ZFail);
+        assert_eq!(NearSpan(&lost).counting(&bounds, SUN), VolumeCounting::ZFail);
+        assert_eq!(of(Vec3::splat(f32::NAN), Vec3::ONE, SUN), VolumeCounting::ZFail);
+        assert_eq!(of(Vec3::ZERO, Vec3::splat(f32::INFINITY), SUN), VolumeCounting::ZFail);
         let point = [vec3(0.0, 9.0, 0.0)];
-        assert_eq!(NearSpan(&point).counting(&bounds, Vec4::NAN), Counting::ZFail);
+        assert_eq!(NearSpan(&point).counting(&bounds, Vec4::NAN), VolumeCounting::ZFail);
     }
 
     #[test]

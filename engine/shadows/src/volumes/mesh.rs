@@ -2,7 +2,8 @@
 
 use std::collections::HashSet;
 
-use glam::{Mat3A, Vec3};
+use cull::Aabb;
+use glam::{Mat3A, Vec3, Vec4};
 
 use super::adjacency::{Neighbours, neighbours};
 use super::weld::weld;
@@ -30,6 +31,19 @@ pub enum VolumeKind {
     Plain,
     /// For any triangles: all are extruded, as if each faced the light.
     Robust,
+}
+
+impl VolumeKind {
+    /// Returns the algorithm for a mesh of this kind in a box, for a light in homogeneous
+    /// coordinates: closed meshes need the robust one, too, if the light may be inside.
+    #[must_use]
+    pub fn towards(self, bounds: &Aabb, light: Vec4) -> Self {
+        let bounds = bounds.enlarged(rounding(bounds, light.truncate()));
+        match light.w > 0.0 && bounds.contains_point(light.truncate() / light.w) {
+            true => Self::Robust,
+            false => self,
+        }
+    }
 }
 
 /// A mesh that shadow volumes are extruded from.
@@ -180,6 +194,13 @@ fn enclosure(triangles: &[[u32; 3]], neighbours: &Neighbours, positions: &[Vec3]
         (false, true) => Enclosure::BehindFronts,
         _ => Enclosure::None,
     }
+}
+
+/// Returns the distance in metres by which a box is enlarged against the rounding of positions, of
+/// transforms and of these tests.
+pub(super) fn rounding(bounds: &Aabb, reach: Vec3) -> f32 {
+    let largest = bounds.min.abs().max(bounds.max.abs()).max(reach.abs()).max_element();
+    1e-5 * largest.max(1e-3)
 }
 
 #[cfg(test)]

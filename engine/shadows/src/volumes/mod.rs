@@ -9,6 +9,6 @@ mod extrude;
 mod mesh;
 mod weld;
 
-pub use counting::{Caps, Counting, NearSpan};
+pub use counting::{Caps, NearSpan, VolumeCounting};
 pub use extrude::{Extrusion, VolumeTriangle};
 pub use mesh::{VolumeError, VolumeKind, VolumeMesh, VolumeSource};

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::world::World;
 
-/// What a pixel shows.
+/// The surface that a pixel shows.
 #[derive(Clone, Copy, PartialEq)]
 enum Seen {
     /// Nothing.

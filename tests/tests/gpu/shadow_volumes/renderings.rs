@@ -8,7 +8,7 @@ use render::passes::{
     OpaqueIo, OpaquePass, VolumeCaster, VolumeIo, VolumeLight, VolumePass, VolumePath,
 };
 use scene::Light;
-use shadows::{Counting, NearSpan};
+use shadows::{NearSpan, VolumeCounting};
 
 use super::world::World;
 
@@ -86,7 +86,7 @@ impl Renderings {
                 kind: thing.kind.towards(&thing.bounds, *light),
                 counting: match choice {
                     Choice::ByEye => NearSpan(&span).counting(&thing.bounds, *light),
-                    Choice::AllFail => Counting::ZFail,
+                    Choice::AllFail => VolumeCounting::ZFail,
                 },
             };
             world.things.iter().map(caster).collect::<Vec<_>>()

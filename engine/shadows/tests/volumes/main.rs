@@ -3,14 +3,12 @@
 #![allow(clippy::expect_used, reason = "a test fails by panicking")]
 
 use antumbra_shadows::{
-    Caps, Counting, Extrusion, NearSpan, VolumeKind, VolumeMesh, VolumeSource, VolumeTriangle,
+    Caps, Extrusion, NearSpan, VolumeCounting, VolumeKind, VolumeMesh, VolumeSource, VolumeTriangle,
 };
 use cull::Aabb;
 use glam::{DMat3, DMat4, DVec3, DVec4, Vec3, Vec4};
 
-#[path = "volumes/meshes.rs"]
 mod meshes;
-#[path = "volumes/random.rs"]
 mod random;
 
 use meshes::{Fault, SeededMesh};
@@ -150,7 +148,7 @@ fn check_seed(seed: u64, seen: &mut Seen) {
             seen.plain += u32::from(kind == VolumeKind::Plain);
             seen.robust += u32::from(kind == VolumeKind::Robust);
             let span = [eye, eye + 0.01 * random.direction(), eye + 0.01 * random.direction()];
-            if NearSpan(&span).counting(&bounds, light) == Counting::ZFail {
+            if NearSpan(&span).counting(&bounds, light) == VolumeCounting::ZFail {
                 continue;
             }
             // Surfaces that are drawn hide the near cap of a closed mesh; here nothing is drawn, so
