@@ -87,6 +87,21 @@ impl Light {
             sky: [0.36, 0.56, 0.80],
         }
     }
+
+    /// Returns a sky that fits this light: about its colour, and below as bright as its ambient
+    /// light.
+    #[must_use]
+    pub fn sky_around(&self) -> Sky {
+        let sky = Vec3::from_array(self.sky);
+        let pale = Vec3::splat(0.95 * sky.max_element());
+        Sky {
+            towards_sun: self.towards_sun.normalize_or(Vec3::Y),
+            zenith: (sky * 0.8).to_array(),
+            horizon: sky.lerp(pale, 0.5).to_array(),
+            ground: self.ambient_below,
+            glow: self.sun.map(|part| part * 0.2),
+        }
+    }
 }
 
 /// A world to draw.

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use antumbra::glam::Vec3;
 use antumbra::gpu::Device;
 use antumbra::render::{Costs, Renderer, RendererOptions, ShaderSet};
-use antumbra::scene::{LightMove, Mesh, Scene};
+use antumbra::scene::{Environment, Light, LightMove, Mesh, Scene};
 use antumbra::shadows::ShadowOptions;
 use antumbra::{cull, import, methods, render, scene};
 use scenes::{Courtyard, Daylight, GeneratedScene, Hour, Routes};
@@ -135,6 +135,9 @@ impl LoadedScene {
             scene_file::report_progress(progress_fn, "making levels of detail", None)?;
             imported.make_levels(&import::LevelOptions::default());
         }
+        if let Some(surfaces) = &mut imported.scene.surfaces {
+            surfaces.environment = Some(sky_of(&imported.scene.light)?);
+        }
         let hierarchy = scene_file::hierarchy(&imported.scene, progress_fn)?;
         scene_file::report_progress(progress_fn, "uploading it to the device", None)?;
         let renderer_options = renderer_options(options, size)?;
@@ -159,7 +162,9 @@ const EYES: u32 = 600;
 /// # Errors
 /// A light or a material that the renderer does not have.
 pub fn show_hour(renderer: &mut Renderer, daylight: &Daylight) -> Result<(), RunError> {
-    renderer.set_scene_light(daylight.hour.light());
+    let light = daylight.hour.light();
+    renderer.set_scene_light(light);
+    renderer.set_environment(Some(&sky_of(&light)?))?;
     for LightMove { light, to } in daylight.lights() {
         renderer.set_light(light, to)?;
     }
@@ -167,6 +172,11 @@ pub fn show_hour(renderer: &mut Renderer, daylight: &Daylight) -> Result<(), Run
         renderer.set_material(id, &material)?;
     }
     Ok(())
+}
+
+/// Returns the light of a sky that fits a scene's plain light.
+fn sky_of(light: &Light) -> Result<Environment, RunError> {
+    Ok(Environment::of_sky(&light.sky_around()).map_err(render::Error::from)?)
 }
 
 /// Returns places along the streets, or over the scene where there are none.

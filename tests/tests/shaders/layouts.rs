@@ -26,9 +26,13 @@ fn interface(name: &str) -> (Buffers, usize) {
                 assert_eq!(desc_bind.set(), 0, "{name}");
                 if let Type::CombinedImageSampler(_) = ty {
                     // Pages are the last of all bindings.
-                    let is_shadow = name == "surface_shadowed.frag" && desc_bind.bind() < 10;
+                    let first_array = match name {
+                        "surface_shadowed.frag" => 11,
+                        "surface.frag" => 6,
+                        _ => 0,
+                    };
                     let is_surface = name.starts_with("surface") || name == "flare_veil.frag";
-                    let is_array = is_surface && !is_shadow;
+                    let is_array = is_surface && desc_bind.bind() >= first_array;
                     assert_eq!(
                         *nbind,
                         if is_array { scene::limits::MAX_PAGES as u32 } else { 1 },

@@ -128,17 +128,28 @@ fn maps_agree_with_ray_casting_away_from_edges() {
 #[test]
 fn nothing_shadows_itself() {
     run_on_all(|device| {
-        for direction in [vec3(-0.5, -0.8, -0.3), vec3(0.9, -0.4, 0.1), vec3(0.02, -1.0, 0.01)] {
-            let [sun, ..] = yard::lights();
-            let light = PunctualLight { direction: direction.normalize(), ..sun };
-            let scene = yard::scene(&[yard::GROUND], &[light]);
+        let [sun, spot, point] = yard::lights();
+        let along = |direction: Vec3| PunctualLight { direction: direction.normalize(), ..sun };
+        let lights = [
+            along(vec3(-0.5, -0.8, -0.3)),
+            along(vec3(0.9, -0.4, 0.1)),
+            along(vec3(0.02, -1.0, 0.01)),
+            spot,
+            point,
+        ];
+        for light in lights {
+            let mut renderer = renderer(device, &yard::scene(&[yard::GROUND], &[light]), shadows());
+            let mut view = renderer.new_view().unwrap();
+            let mut draw = |options| {
+                renderer.set_shadows(options).unwrap();
+                image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera())
+            };
+            let lit = draw(ShadowOptions::default());
             for filter in ShadowFilter::ALL {
-                let mut renderer = renderer(device, &scene, ShadowOptions { filter, ..shadows() });
-                let mut view = renderer.new_view().unwrap();
-                let shadowed = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
-                renderer.set_shadows(ShadowOptions::default()).unwrap();
-                let lit = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
-                assert!(shadowed == lit, "{filter:?} under light along {direction}");
+                let shadowed = draw(ShadowOptions { filter, ..shadows() });
+                // The two passes are compiled apart: a last place may be rounded differently.
+                let wrong = lit.iter().zip(&shadowed).filter(|(a, b)| a.abs_diff(**b) > 1).count();
+                assert_eq!(wrong, 0, "{filter:?} under {light:?}");
             }
         }
     });
