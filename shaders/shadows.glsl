@@ -156,10 +156,16 @@ float share_of(ShadowFace face, Receiver at, bool is_sun) {
     if (SHADOW_FILTER == PCSS12) return soft(face, at, texel, is_sun);
     if (SHADOW_FILTER == PCSS64) return soft(face, at, texel, is_sun);
     if (SHADOW_FILTER == FIXED64) return filtered(face, at, 0, PAIRS, 1) / float(2 * PAIRS);
-    // Where the whole edge of the disk agrees, so does what lies within.
-    float edge = filtered(face, at, 0, RING_PAIRS, 1);
-    if (edge == 0.0 || edge == float(2 * RING_PAIRS)) return edge / float(2 * RING_PAIRS);
-    return (edge + filtered(face, at, RING_PAIRS, PAIRS - RING_PAIRS, 1)) / float(2 * PAIRS);
+    // Where the whole edge of the disk agrees, so does what lies within. One loop, which ends there:
+    // drivers that mask branches instead of skipping them skip the rest of a loop.
+    float sum = 0.0;
+    int pairs = PAIRS;
+    for (int pair = 0; pair < pairs; ++pair) {
+        sum += compared_pair(face, at, pair);
+        bool is_edge = pair + 1 == RING_PAIRS;
+        if (is_edge && (sum == 0.0 || sum == float(2 * RING_PAIRS))) pairs = RING_PAIRS;
+    }
+    return sum / float(2 * pairs);
 }
 
 // The share of a directional light: by the first cascade that holds the place and its filter.
