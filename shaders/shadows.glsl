@@ -156,8 +156,8 @@ float share_of(ShadowFace face, Receiver at, bool is_sun) {
     if (SHADOW_FILTER == PCSS12) return soft(face, at, texel, is_sun);
     if (SHADOW_FILTER == PCSS64) return soft(face, at, texel, is_sun);
     if (SHADOW_FILTER == FIXED64) return filtered(face, at, 0, PAIRS, 1) / float(2 * PAIRS);
-    // Where the whole edge of the disk agrees, so does what lies within. One loop, which ends there:
-    // drivers that mask branches instead of skipping them skip the rest of a loop.
+    // Where the whole edge of the disk agrees, so does what lies within. One loop, which ends
+    // there: drivers that mask branches instead of skipping them skip the rest of a loop.
     float sum = 0.0;
     int pairs = PAIRS;
     for (int pair = 0; pair < pairs; ++pair) {
