@@ -85,8 +85,14 @@ vec3 in_layer(ShadowFace face, vec2 place) {
     return vec3(texel / vec2(textureSize(shadow_maps, 0).xy), face.tile.w);
 }
 
+// The depth from which on a blocker shadows the receiver. Nothing is farther than the background,
+// which blocks nothing: receivers may lie beyond all casters.
+float nearest_blocked(Receiver at, vec2 away) {
+    return max(at.depth + dot(at.slope, away) + at.bias, 0.0);
+}
+
 float compared(ShadowFace face, Receiver at, vec2 away) {
-    float depth = at.depth + dot(at.slope, away) + at.bias;
+    float depth = nearest_blocked(at, away);
     return texture(shadow_maps, vec4(in_layer(face, at.place + away), depth));
 }
 
@@ -120,7 +126,7 @@ vec2 blockers(ShadowFace face, Receiver at, int pairs, bool is_sun) {
         for (int half_of = 0; half_of < 2; ++half_of) {
             vec2 away = half_of == 0 ? two.xy : two.zw;
             float found = textureLod(shadow_depths, in_layer(face, at.place + away), 0.0).r;
-            if (found > at.depth + dot(at.slope, away) + at.bias) {
+            if (found > nearest_blocked(at, away)) {
                 sum += distance_of(face, found, is_sun);
                 count += 1.0;
             }
@@ -136,7 +142,7 @@ float soft(ShadowFace face, Receiver at, float texel, bool is_sun) {
     float receiver = distance_of(face, at.depth, is_sun);
     float behind = max(receiver - blocked.x, 0.0);
     float share = is_sun ? behind / SUN_DISTANCE_M : behind / max(blocked.x, 1e-3);
-    at.radius = clamp(at.radius * min(share, 1.0), texel, REACH_MAX);
+    at.radius = max(min(at.radius * min(share, 1.0), REACH_MAX), texel);
     if (is_fine) return filtered(face, at, 0, PAIRS, 1) / float(2 * PAIRS);
     return filtered(face, at, 1, 6, 5) / 12.0;
 }
@@ -152,7 +158,7 @@ float share_of(ShadowFace face, Receiver at, bool is_sun) {
         }
         return sum / 9.0;
     }
-    at.radius = clamp(at.radius, texel, REACH_MAX);
+    at.radius = max(min(at.radius, REACH_MAX), texel);
     if (SHADOW_FILTER == PCSS12) return soft(face, at, texel, is_sun);
     if (SHADOW_FILTER == PCSS64) return soft(face, at, texel, is_sun);
     if (SHADOW_FILTER == FIXED64) return filtered(face, at, 0, PAIRS, 1) / float(2 * PAIRS);

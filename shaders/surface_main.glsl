@@ -48,14 +48,12 @@ vec3 ambient(Brdf brdf, float roughness) {
 
 #ifdef SHADOWED
 #include "shadows.glsl"
+// The normal of the triangle.
+vec3 facet;
 #endif
 
 vec3 direct(Brdf brdf) {
     vec3 sum = vec3(0.0);
-#ifdef SHADOWED
-    // Before any branch, where derivatives are defined.
-    vec3 facet = facet_normal();
-#endif
     for (uint number = 0; number < DIRECTIONAL_LIGHTS; ++number) {
         PunctualLight light = lights[number];
         vec3 arrived = light.intensity.rgb * reflected(brdf, -light.direction.xyz);
@@ -84,6 +82,10 @@ vec3 direct(Brdf brdf) {
 }
 
 void main() {
+#ifdef SHADOWED
+    // Before anything is discarded: derivatives are defined here.
+    facet = facet_normal();
+#endif
     vec4 base = base_colour();
     if (MASKED && is_hole(base)) discard;
     float alpha = BLENDED ? clamp(base.a, 0.0, 1.0) : 1.0;

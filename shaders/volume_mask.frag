@@ -14,5 +14,6 @@ layout(push_constant) uniform Constants {
 
 void main() {
     uvec2 pixel = uvec2(gl_FragCoord.xy);
-    atomicOr(mask[first + pixel.y * width + pixel.x], bits);
+    uint place = first + pixel.y * width + pixel.x;
+    if (place < mask.length()) atomicOr(mask[place], bits);
 }

@@ -361,7 +361,7 @@ impl FramePasses {
         (uploads, views): (PoseUploads<'_>, &[View]),
     ) -> Result<(), crate::Error> {
         self.geometry.relight(hierarchy, &mut executor.leaves);
-        self.shadows.plan(&self.geometry, hierarchy, views)?;
+        self.shadows.plan(&self.geometry, hierarchy, views);
         self.geometry.upload_changes(frame, hierarchy, executor)?;
         self.upload_poses(frame, hierarchy, uploads)?;
         let Self { geometry, pipelines, shadows, .. } = self;

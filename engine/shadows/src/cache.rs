@@ -59,8 +59,10 @@ pub struct ShadowCache {
     options: ShadowOptions,
     tiles: TilePool,
     maps: HashMap<FaceId, Map>,
-    /// The side of each light's maps.
-    sides: HashMap<ShadowLightId, u32>,
+    /// The sides of each light's maps: the one they should have, and the one they have.
+    sides: HashMap<ShadowLightId, [u32; 2]>,
+    /// True if maps may have a layer of resting casters.
+    keeps_resting: bool,
     /// The frame of the last change of each caster that is not at rest.
     restless: HashMap<ObjectId, u64>,
     frame: u64,
@@ -78,6 +80,7 @@ impl ShadowCache {
             options,
             maps: HashMap::new(),
             sides: HashMap::new(),
+            keeps_resting: true,
             restless: HashMap::new(),
             frame: 0,
             is_pending: false,
@@ -96,6 +99,21 @@ impl ShadowCache {
         for map in self.maps.values_mut() {
             (map.is_drawn, map.moving) = (false, None);
         }
+    }
+
+    /// Plans with so many layers at most from now on, and forgets all maps: there was no memory for
+    /// more.
+    pub fn limit_layers(&mut self, layers_max: u32) {
+        self.tiles = TilePool::new(self.options.layer_side(), layers_max);
+        self.maps.clear();
+        self.sides.clear();
+    }
+
+    /// Plans no layers of resting casters from now on, and forgets all maps: there was no memory
+    /// for them.
+    pub fn keep_no_resting_casters(&mut self) {
+        self.keeps_resting = false;
+        self.forget();
     }
 
     /// Notes that the newest plan was submitted. A plan that never is makes the next one draw all
@@ -147,6 +165,7 @@ impl ShadowCache {
     /// Gives the tiles of lights and views back that are gone.
     fn release_unused(&mut self, lights: &[ShadowLight]) {
         let Self { maps, tiles, sides, frame, .. } = self;
+        let mut has_more_room = false;
         let mut there: Vec<ShadowLightId> = lights.iter().map(|light| light.id).collect();
         there.sort_unstable();
         maps.retain(|id, map| {
@@ -154,9 +173,12 @@ impl ShadowCache {
             if !is_used {
                 tiles.give_back(map.tile);
             }
+            has_more_room |= !is_used;
             is_used
         });
-        sides.retain(|light, _| there.binary_search(light).is_ok());
+        // Those that were made smaller try again, once for each time that there is more room.
+        let is_whole = |[wanted, side]: &[u32; 2]| !has_more_room || wanted == side;
+        sides.retain(|light, it| is_whole(it) && there.binary_search(light).is_ok());
     }
 
     fn plan_light(
@@ -189,7 +211,8 @@ impl ShadowCache {
     ) -> Option<u32> {
         let options = self.options;
         let wanted = wanted_side(&light.shape, &options);
-        let mut side = self.sides.get(&light.id).copied().unwrap_or(wanted).min(wanted);
+        let known = self.sides.get(&light.id).filter(|[then, _]| *then == wanted);
+        let mut side = known.map_or(wanted, |[_, side]| *side);
         while side >= MIN_SIDE {
             faces.clear();
             faces_of(light, (&options, side), around, |face| faces.push(face));
@@ -198,7 +221,7 @@ impl ShadowCache {
                 face_count(&light.shape, &options, around.eyes.len())
             );
             if self.take_tiles(faces, side) {
-                self.sides.insert(light.id, side);
+                self.sides.insert(light.id, [wanted, side]);
                 return Some(side);
             }
             side /= 2;
@@ -219,19 +242,22 @@ impl ShadowCache {
                 maps.remove(&face.id);
             }
         }
+        // Looked at first, so that no layer is opened for a light that does not fit.
+        let missing = faces.iter().filter(|face| !maps.contains_key(&face.id)).count();
+        if missing > tiles.room(side) {
+            for face in faces {
+                if let Some(map) = maps.remove(&face.id) {
+                    tiles.give_back(map.tile);
+                }
+            }
+            return false;
+        }
         for face in faces {
             if let Some(map) = maps.get_mut(&face.id) {
                 map.used = *frame;
                 continue;
             }
-            let Some(tile) = tiles.take(side) else {
-                for face in faces {
-                    if let Some(map) = maps.remove(&face.id) {
-                        tiles.give_back(map.tile);
-                    }
-                }
-                return false;
-            };
+            let Some(tile) = tiles.take(side) else { return false };
             let map = Map { tile, face: *face, is_drawn: false, moving: None, used: *frame };
             maps.insert(face.id, map);
         }
@@ -304,7 +330,7 @@ impl ShadowCache {
         moving.sort_unstable();
         moving.dedup();
         let count = plan.casters.len() - first;
-        if 2 * moving.len() > count {
+        if 2 * moving.len() > count || !self.keeps_resting {
             map.moving = None;
             return FaceWork::Draw(first..plan.casters.len());
         }

@@ -105,13 +105,13 @@ pub struct ShadowOptions {
     /// The side of each of the six maps of a point light in texels.
     pub point_side: u32,
     /// The most layers of maps, each as large as the largest map. Lights that do not fit get
-    /// smaller maps, at last none.
+    /// smaller maps, at last none. Maps with resting casters of their own take as many again.
     pub layers_max: u32,
 }
 
 impl Default for ShadowOptions {
     /// Returns no shadows; with a method, four cascades of 2048 texels to 200 m, and 128 MiB of
-    /// maps at most.
+    /// maps at most, twice that while casters move among others that rest.
     fn default() -> Self {
         Self {
             method: ShadowMethod::Off,

@@ -39,6 +39,22 @@ impl TilePool {
         self.layers.len() as u32
     }
 
+    /// Returns the number of tiles with a side that can still be taken.
+    #[must_use]
+    pub fn room(&self, side: u32) -> usize {
+        if side == 0 || side > self.layer_side {
+            return 0;
+        }
+        let across = (self.layer_side / side) as usize;
+        let of_layer = |layer: &Layer| match layer.side {
+            0 => across * across,
+            used if used == side => layer.free.len(),
+            _ => 0,
+        };
+        let to_come = (self.layers_max as usize).saturating_sub(self.layers.len());
+        self.layers.iter().map(of_layer).sum::<usize>() + to_come * across * across
+    }
+
     /// Takes a tile with a side that is a power of two, up to a layer's; `None` if there is no
     /// room.
     pub fn take(&mut self, side: u32) -> Option<Tile> {
@@ -106,7 +122,11 @@ mod tests {
             if choice.is_multiple_of(3) && !tiles.is_empty() {
                 let tile = tiles.swap_remove(choice as usize % tiles.len());
                 pool.give_back(tile);
-            } else if let Some(tile) = pool.take(64 << (choice % 3)) {
+                continue;
+            }
+            let (side, before) = (64 << (choice % 3), pool.room(64 << (choice % 3)));
+            if let Some(tile) = pool.take(side) {
+                assert_eq!(pool.room(side) + 1, before);
                 assert!(tile.origin.iter().all(|texel| texel + tile.side <= 256));
                 assert!(tiles.iter().all(|other| !overlap(other, &tile)), "{tile:?}");
                 tiles.push(tile);

@@ -248,6 +248,37 @@ fn lights_beyond_the_room_get_smaller_maps_and_then_none() {
 }
 
 #[test]
+fn maps_grow_again_when_there_is_room() {
+    let mut random = Random(3);
+    let world = World::new(&mut random);
+    // Two lamps fill three layers with twelve maps; those of the third are smaller, in the fourth.
+    let options = ShadowOptions { layers_max: 4, sun_side: 512, ..options(ShadowCaching::Cached) };
+    let (mut cache, mut plan) = (ShadowCache::new(options), ShadowPlan::default());
+    let position = |lamp| vec3(lamp as f32 % 60.0, 4.0, 9.0);
+    let lamps: Vec<ShadowLight> = (0..3)
+        .map(|lamp| ShadowLight {
+            id: ShadowLightId(lamp),
+            shape: LightShape::Point { position: position(lamp), reach_m: 5.0 },
+            penumbra_m: 0.1,
+        })
+        .collect();
+    let casters = Casters { hierarchy: &world.hierarchy, changes: Some(&[]) };
+    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8 };
+    let mut side_of_last = |lamps: &[ShadowLight]| {
+        cache.plan(lamps, &casters, &eyes, &mut plan);
+        cache.submitted();
+        plan.faces.last().map(|face| face.tile.side)
+    };
+    assert_eq!(side_of_last(&lamps), Some(128));
+    assert_eq!(side_of_last(&lamps), Some(128), "nothing went");
+    let alone = &lamps[2..];
+    assert_eq!(side_of_last(alone), Some(256));
+    cache.limit_layers(0);
+    cache.plan(alone, &casters, &eyes, &mut plan);
+    assert_eq!((plan.faces.len(), plan.unshadowed_lights), (0, 1), "no room is no shadow");
+}
+
+#[test]
 fn impossible_lights_have_no_maps() {
     let mut random = Random(3);
     let world = World::new(&mut random);

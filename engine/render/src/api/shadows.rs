@@ -19,13 +19,16 @@ impl Renderer {
     }
 
     /// Draws shadows by other options from now on. Those of
-    /// [single lights](Renderer::set_light_shadow) stay. Compiles passes and makes new maps: not
-    /// for every frame.
+    /// [single lights](Renderer::set_light_shadow) stay. Compiles passes and makes new maps, unless
+    /// the options are those in use: not for every frame.
     ///
     /// # Errors
     /// [`Error::Shadows`]; [`Error::NoSurfacesForShadows`]; maps beyond the device's limits, no
     /// memory, a failed call. Nothing has changed then.
     pub fn set_shadows(&mut self, options: ShadowOptions) -> Result<(), Error> {
+        if options == self.passes.shadows.options {
+            return Ok(());
+        }
         let has_surfaces = self.passes.geometry.surfaces.is_some();
         let mut shadows = Shadows::new(&self.device, options, has_surfaces)?;
         self.passes.pipelines = self.passes.recompiled(&self.shaders, &shadows)?;
@@ -49,8 +52,10 @@ impl Renderer {
         let surfaces = self.passes.geometry.surfaces.as_ref();
         let there = surfaces.and_then(|surfaces| surfaces.table.get(light));
         there.ok_or(refused("the scene has no such light"))?;
-        if shadow.is_some_and(|it| !(it.penumbra_m >= 0.0 && it.penumbra_m.is_finite())) {
-            return Err(refused("the width of its penumbras must be a number of metres from 0 on"));
+        if shadow.is_some_and(|it| !(0.0..1.0e3).contains(&it.penumbra_m)) {
+            return Err(refused(
+                "the width of its penumbras must be a number of metres from 0 to below 1e3",
+            ));
         }
         let own = &mut self.passes.shadows.own;
         match shadow {

@@ -25,6 +25,9 @@ impl LightShadow {
     }
 }
 
+/// The farthest reach of a light, in metres: the brightest ones shine beyond all coordinates.
+const FARTHEST_M: f32 = 9.0e6;
+
 /// Lists the lights that shine and have shadows, each with its place in the table.
 pub(super) fn list(
     table: &LightTable,
@@ -54,12 +57,13 @@ pub(super) fn list(
 
 fn shape_of(light: &PunctualLight) -> LightShape {
     let PunctualLight { position, direction, .. } = *light;
+    let reach_m = reach_m(light).min(FARTHEST_M);
     let direction = direction.normalize_or_zero();
     match light.kind {
         LightKind::Directional => LightShape::Sun { towards: -direction },
-        LightKind::Point => LightShape::Point { position, reach_m: reach_m(light) },
+        LightKind::Point => LightShape::Point { position, reach_m },
         LightKind::Spot { outer_rad, .. } => {
-            LightShape::Spot { position, direction, outer_rad, reach_m: reach_m(light) }
+            LightShape::Spot { position, direction, outer_rad, reach_m }
         }
     }
 }

@@ -61,18 +61,9 @@ impl Shadows {
     }
 
     /// Plans the maps for the views of a frame.
-    ///
-    /// # Errors
-    /// No memory for more layers.
-    pub(crate) fn plan(
-        &mut self,
-        geometry: &Geometry,
-        hierarchy: &Hierarchy,
-        views: &[View],
-    ) -> Result<(), Error> {
-        match (&mut self.maps, &geometry.surfaces) {
-            (Some(maps), Some(surfaces)) => maps.plan(&surfaces.table, &self.own, hierarchy, views),
-            _ => Ok(()),
+    pub(crate) fn plan(&mut self, geometry: &Geometry, hierarchy: &Hierarchy, views: &[View]) {
+        if let (Some(maps), Some(surfaces)) = (&mut self.maps, &geometry.surfaces) {
+            maps.plan(&surfaces.table, &self.own, hierarchy, views);
         }
     }
 

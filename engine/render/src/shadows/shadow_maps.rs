@@ -37,6 +37,8 @@ pub(crate) struct ShadowMaps {
     maps: DepthLayers,
     /// The resting casters of maps in two layers, once there are such maps.
     resting: Option<DepthLayers>,
+    /// True if the newest frame recorded a use of them.
+    uses_resting: bool,
     disks: VolumeTexture,
     /// Changes of boxes that were read from the hierarchy so far.
     changes_read: u64,
@@ -56,6 +58,7 @@ struct Scratch {
     changes: Vec<BoxChange>,
     eyes: Vec<Vec3>,
     records: Vec<LightRecord>,
+    faces: Vec<FaceRecord>,
     tiles: Vec<DepthTile>,
     /// The casters of the plan, ascending.
     casters: Vec<LeafIndex>,
@@ -77,6 +80,12 @@ impl ShadowMaps {
     /// A side beyond the device's limits, no memory, a failed call.
     pub(crate) fn new(device: &Device, options: ShadowOptions) -> Result<Self, Error> {
         let JitterTexture { side, depth, texels } = JitterTexture::new(DISKS_SIDE);
+        let limit = device.adapter().limits.max_image_array_layers;
+        if options.layers_max > limit {
+            let what = "the number of layers of shadow maps".to_owned();
+            let (wanted, limit) = (options.layers_max.into(), limit.into());
+            return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
+        }
         Ok(Self {
             device: device.clone(),
             options,
@@ -84,6 +93,7 @@ impl ShadowMaps {
             plan: ShadowPlan::default(),
             maps: DepthLayers::new(device, options.layer_side(), 1, "shadow maps")?,
             resting: None,
+            uses_resting: false,
             disks: {
                 let texels = VolumeTexels::Signed(&texels);
                 VolumeTexture::new(device, [side, side, depth], texels, "shadow disks")?
@@ -108,17 +118,15 @@ impl ShadowMaps {
         self.cache.forget();
     }
 
-    /// Plans the maps for the views of a frame.
-    ///
-    /// # Errors
-    /// No memory for more layers.
+    /// Plans the maps for the views of a frame. Where there is no memory for more of them, lights
+    /// get smaller ones, at last none.
     pub(crate) fn plan(
         &mut self,
         table: &LightTable,
         own: &HashMap<LightId, LightShadow>,
         hierarchy: &Hierarchy,
         views: &[View],
-    ) -> Result<(), Error> {
+    ) {
         let Scratch { changes, eyes, casters: sorted, .. } = &mut self.scratch;
         let of_lights = (&mut self.lights, &mut self.places);
         super::light_shadow::list(table, (&self.options, own), of_lights.0, of_lights.1);
@@ -135,21 +143,32 @@ impl ShadowMaps {
         let eyes = ShadowViews { eyes, sub_pixel_bits };
         self.views = views.len() as u32;
         self.cache.plan(&self.lights, &casters, &eyes, &mut self.plan);
+        let side = self.options.layer_side();
         if self.plan.layers > self.maps.layers() {
-            let (side, layers) = (self.options.layer_side(), self.plan.layers);
-            self.maps = DepthLayers::new(&self.device, side, layers, "shadow maps")?;
-            self.resting = None;
-            // Into the new layers, all of them.
+            let layers = self.plan.layers;
+            match DepthLayers::new(&self.device, side, layers, "shadow maps") {
+                Ok(maps) => (self.maps, self.resting) = (maps, None),
+                Err(error) => {
+                    tracing::warn!("no room for more shadow maps, some get smaller: {error}");
+                    self.cache.limit_layers(self.maps.layers());
+                }
+            }
+            // Into other layers, all of them.
             self.cache.plan(&self.lights, &casters, &eyes, &mut self.plan);
         }
         if self.plan.has_layers() && self.resting.is_none() {
-            let (side, layers) = (self.options.layer_side(), self.maps.layers());
-            self.resting =
-                Some(DepthLayers::new(&self.device, side, layers, "resting shadow maps")?);
+            let layers = self.maps.layers();
+            match DepthLayers::new(&self.device, side, layers, "resting shadow maps") {
+                Ok(resting) => self.resting = Some(resting),
+                Err(error) => {
+                    tracing::warn!("no room for resting casters, maps are drawn whole: {error}");
+                    self.cache.keep_no_resting_casters();
+                    self.cache.plan(&self.lights, &casters, &eyes, &mut self.plan);
+                }
+            }
         }
         sorted.clone_from(&self.plan.casters);
         sorted.sort_unstable();
-        Ok(())
     }
 
     /// Returns true if the plan draws a leaf to some map.
@@ -169,18 +188,27 @@ impl ShadowMaps {
     ) -> Result<(), Error> {
         let Self { plan, lights, places, views, scratch, .. } = self;
         light_records(plan, (lights, places), *views, &mut scratch.records);
+        scratch.faces.clear();
+        scratch.faces.extend(plan.faces.iter().map(FaceRecord::of));
+        // Shaders find at least one of each: memory that nothing was written to holds anything.
+        if scratch.records.is_empty() {
+            scratch.records.push(LightRecord::default());
+        }
+        if scratch.faces.is_empty() {
+            scratch.faces.push(FaceRecord::default());
+        }
         let uploads = frame.uploads();
-        let faces = plan.faces.iter().map(FaceRecord::of);
-        self.buffers = Some([uploads.push(&scratch.records)?, uploads.push_iter(faces)?]);
+        self.buffers = Some([uploads.push(&scratch.records)?, uploads.push(&scratch.faces)?]);
         self.view = 0;
         let draw = |leaf: &LeafIndex| {
             let object = hierarchy.leaf_objects().get(leaf.0 as usize);
             object.map(|object| geometry.caster_draw(*object, *leaf)).unwrap_or_default()
         };
-        let draws = uploads.push_iter(plan.casters.iter().map(draw))?;
+        let draws = uploads.push_iter(self.plan.casters.iter().map(draw))?;
+        self.uses_resting = self.plan.has_layers();
         let commands = frame.commands();
         let casters = CasterDraws { geometry, pass, predicates, draws };
-        if plan.stats().drawn_faces == 0 {
+        if self.plan.stats().drawn_faces == 0 {
             self.maps.prepare(commands);
             return Ok(());
         }
@@ -235,7 +263,8 @@ impl ShadowMaps {
     pub(crate) fn submitted(&mut self) {
         self.cache.submitted();
         self.maps.submitted();
-        if let Some(resting) = &mut self.resting {
+        // What a frame before recorded, and was never submitted, stays undefined.
+        if let Some(resting) = self.resting.as_mut().filter(|_| self.uses_resting) {
             resting.submitted();
         }
     }

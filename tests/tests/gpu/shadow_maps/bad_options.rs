@@ -25,6 +25,7 @@ fn impossible_options_are_refused_and_change_nothing() {
             ShadowOptions { sun_side: 0, ..shadows() },
             ShadowOptions { point_side: 100, ..shadows() },
             ShadowOptions { layers_max: 0, ..shadows() },
+            ShadowOptions { layers_max: u32::MAX, ..shadows() },
             ShadowOptions { sun_side: largest.next_power_of_two() * 2, ..shadows() },
         ] {
             let error = renderer.set_shadows(bad).expect_err("refused").to_string();
@@ -34,6 +35,7 @@ fn impossible_options_are_refused_and_change_nothing() {
         assert!(renderer.set_light_shadow(LightId(99), width(0.1)).is_err());
         assert!(renderer.set_light_shadow(LightId(0), width(f32::NAN)).is_err());
         assert!(renderer.set_light_shadow(LightId(0), width(-1.0)).is_err());
+        assert!(renderer.set_light_shadow(LightId(0), width(1.0e30)).is_err());
         assert_eq!(*renderer.shadows(), shadows());
         let after = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
         assert!(before == after, "a refused option changed the image");
@@ -99,7 +101,15 @@ fn lights_without_a_shadow_shine_through() {
         for light in 0..3 {
             renderer.set_light_shadow(LightId(light), none).unwrap();
         }
-        let lit = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+        // Each slot held other shadows before.
+        let mut lit = Vec::new();
+        for _ in 0..2 * renderer.frames_in_flight() {
+            lit = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+            // A sum of a light and a share of it may be rounded differently in its last place.
+            let is_darker = |(lit, it): &(&u8, &u8)| u16::from(**lit) + 1 < u16::from(**it);
+            let darker = lit.iter().zip(&shadowed).filter(is_darker).count();
+            assert_eq!(darker, 0, "without shadows nothing is darker");
+        }
         renderer.set_shadows(ShadowOptions::default()).unwrap();
         let off = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
         assert!(lit == off && lit != shadowed, "without shadows all is as if there were no maps");
