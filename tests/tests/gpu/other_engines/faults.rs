@@ -99,7 +99,7 @@ fn shaders_with(fault: &Fault) -> ShaderSet {
         let path = entry.unwrap().path();
         if path
             .extension()
-            .is_some_and(|it| ["glsl", "vert", "frag", "comp"].iter().any(|e| it == *e))
+            .is_some_and(|it| ["glsl", "vert", "geom", "frag", "comp"].iter().any(|e| it == *e))
         {
             fs::copy(&path, folder.join(path.file_name().unwrap())).unwrap();
         }
