@@ -4,7 +4,7 @@ use cull::{Aabb, Camera, Strategy};
 use glam::vec3;
 use render::{Rect, ViewTarget, ViewsRequest};
 use scene::{Alpha, Material};
-use shadows::{ShadowFilter, ShadowOptions};
+use shadows::{ShadowBias, ShadowFilter, ShadowOptions};
 use tests::{run_on_all, yard};
 
 use super::{SIZE, image, renderer, shadows};
@@ -142,5 +142,24 @@ fn light_falls_through_the_holes_of_masked_materials() {
         let nothing = draw(1.0, false);
         assert!(draw(0.2, true) == nothing, "a hole everywhere casts no shadow");
         assert!(draw(0.8, true) != nothing, "a whole one does");
+    });
+}
+
+#[test]
+fn maps_of_back_faces_darken_the_same_places() {
+    run_on_all(|device| {
+        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let draw = |options| {
+            let mut renderer = renderer(device, &scene, options);
+            let mut view = renderer.new_view().unwrap();
+            image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera())
+        };
+        let lit = draw(ShadowOptions::default());
+        let planes = draw(shadows());
+        let backs = draw(ShadowOptions { bias: ShadowBias::BackFaces, ..shadows() });
+        let differing =
+            |a: &[u8], b: &[u8]| a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > 24).count();
+        let (shadowed, apart) = (differing(&lit, &planes), differing(&planes, &backs));
+        assert!(shadowed > 2000 && apart * 5 < shadowed, "{apart} of {shadowed} channels differ");
     });
 }
