@@ -237,7 +237,7 @@ impl Culler {
         if let Some(costs) = &costs {
             costs.drop_unpaid(scratch, &walk, &mut plan.stats);
         }
-        let is_cut = occluders::is_cut(scratch, &config);
+        let is_cut = !views.is_of_shadows() && occluders::is_cut(scratch, &config);
         if is_cut {
             occluders::draw_occluders(scratch, &walk, &mut plan.stats);
         }

@@ -92,6 +92,7 @@ pub use cost::cost_model::CostModel;
 pub use cost::table::{BadCost, CostTable, SceneCosts};
 pub use culler::Culler;
 pub use geom::bounds::{Aabb, MAX_COORDINATE};
+pub use geom::box_shadow_volumes::{BoxShadowVolumes, LightReach, VolumeLength};
 pub use geom::camera::{Camera, Projection};
 pub use geom::detail::{DetailBySamples, DetailLevel, DetailPolicy};
 pub use geom::frustum::{Containment, Frustum, PlaneMask};

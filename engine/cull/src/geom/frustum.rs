@@ -57,6 +57,10 @@ const PLANES: usize = 6;
 const NO_PLANE: (Vec3, f32) = (Vec3::ZERO, f32::NEG_INFINITY);
 
 impl Frustum {
+    /// The frustum that holds everything.
+    pub const EVERYTHING: Self =
+        Self { origin: Vec3::ZERO, coordinate: 0.0, planes: [NO_PLANE; PLANES] };
+
     /// Creates the frustum of a matrix (to clip space with y down) from the depth that it gives and
     /// the rays in it.
     #[must_use]
@@ -75,6 +79,14 @@ impl Frustum {
         let far = far_plane(far, w, far_terms, rays).map_or(NO_PLANE, plane);
         let planes = [plane(near), plane(w + x), plane(w - x), plane(w + y), plane(w - y), far];
         Self { origin: rays.origin, coordinate: rays.coordinate, planes }
+    }
+
+    /// Returns true if a convex body is outside by one plane: `most` gives the largest coordinate of
+    /// its points along a normal (metres).
+    pub(crate) fn is_outside(&self, most: impl Fn(Vec3) -> f32) -> bool {
+        let is_beyond =
+            |(normal, offset): &(Vec3, f32)| most(*normal) - normal.dot(self.origin) < *offset;
+        self.planes.iter().any(is_beyond)
     }
 
     /// Tests a box against the planes in `mask`; also returns the planes that its parts have to be

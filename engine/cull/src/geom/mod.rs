@@ -1,6 +1,7 @@
 //! Boxes, cameras, frustums, and the margin of proxies.
 
 pub(crate) mod bounds;
+pub(crate) mod box_shadow_volumes;
 pub(crate) mod camera;
 pub(crate) mod detail;
 pub(crate) mod frustum;

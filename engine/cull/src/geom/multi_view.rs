@@ -5,10 +5,13 @@
 //! rules of one view hold for each of them: a box is in the frustum if it is in one of them; it has
 //! a proxy if that lies beyond the near plane of every view that sees the box; the proxy has the
 //! largest margin that one of these needs.
+//!
+//! A plan of casters has one view, and the shadow volumes of boxes in place of the boxes.
 
 use thiserror::Error;
 
 use crate::geom::bounds::Aabb;
+use crate::geom::box_shadow_volumes::BoxShadowVolumes;
 use crate::geom::frustum::{Containment, PlaneMask};
 use crate::geom::outline::covered_pixels;
 use crate::geom::view::View;
@@ -16,7 +19,10 @@ use crate::geom::view::View;
 /// The views of one plan: one, or several that are drawn in one pass, each to its layer of the
 /// image. The eyes of a stereo pair, or the faces of a cube.
 #[derive(Clone, Copy, Debug)]
-pub struct MultiView<'a>(&'a [View]);
+pub struct MultiView<'a> {
+    views: &'a [View],
+    volumes: Option<&'a BoxShadowVolumes<'a>>,
+}
 
 /// The reason why views cannot be drawn in one pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -44,7 +50,7 @@ pub enum MultiViewError {
 
 impl<'a> From<&'a View> for MultiView<'a> {
     fn from(view: &'a View) -> Self {
-        Self(std::slice::from_ref(view))
+        Self { views: std::slice::from_ref(view), volumes: None }
     }
 }
 
@@ -65,28 +71,43 @@ impl<'a> MultiView<'a> {
         let common = |view: &View| (view.size, view.origin, view.depth);
         match views.iter().position(|view| common(view) != common(first)) {
             Some(number) => Err(MultiViewError::Unlike { number }),
-            None => Ok(Self(views)),
+            None => Ok(Self { views, volumes: None }),
         }
+    }
+
+    /// Takes a view whose plan is about the shadows of boxes in it: the leaves that it draws are
+    /// casters, and the proxies that it tests are [shadow volumes](BoxShadowVolumes).
+    #[must_use]
+    pub fn of_shadows(view: &'a View, volumes: &'a BoxShadowVolumes<'a>) -> Self {
+        Self { views: std::slice::from_ref(view), volumes: Some(volumes) }
+    }
+
+    /// Returns true if the plan is about shadows: what it draws hides nothing in the view.
+    pub(crate) fn is_of_shadows(self) -> bool {
+        self.volumes.is_some()
     }
 
     /// Returns the views, at least one.
     #[must_use]
     pub fn as_slice(self) -> &'a [View] {
-        self.0
+        self.views
     }
 
     /// Returns the first view: that of the image's size, place and direction of depth.
     #[must_use]
     pub fn first(self) -> &'a View {
-        &self.0[0]
+        &self.views[0]
     }
 
     /// Tests a box against the frustums by `masks`, which belong to a box around it. Returns its
     /// place, in whichever frustum it is farthest inside, and the masks for its parts.
     pub(crate) fn classify(self, bounds: &Aabb, masks: ViewMasks) -> (Containment, ViewMasks) {
+        if let Some(volumes) = self.volumes {
+            return (volumes.classify(bounds, self.first()), masks);
+        }
         let mut below = masks;
         let mut place = Containment::Outside;
-        for (view, mask) in self.0.iter().zip(&mut below.0) {
+        for (view, mask) in self.views.iter().zip(&mut below.0) {
             if *mask != PlaneMask::OUTSIDE {
                 let (of_view, remaining) = view.frustum.classify(bounds, *mask);
                 *mask = match of_view {
@@ -102,8 +123,11 @@ impl<'a> MultiView<'a> {
     /// Returns the box to test in place of `bounds`, or `None` if it must count as visible, because
     /// some of the proxy is too near for a view that sees the box. `masks` are those of the box.
     pub(crate) fn proxy(self, bounds: &Aabb, masks: ViewMasks) -> Option<Aabb> {
+        if let Some(volumes) = self.volumes {
+            return volumes.proxy(bounds, self.first());
+        }
         let seeing = || {
-            let views = self.0.iter().zip(masks.0);
+            let views = self.views.iter().zip(masks.0);
             views.filter(|(_, mask)| *mask != PlaneMask::OUTSIDE).map(|(view, _)| &view.margin)
         };
         // Written so that a NaN makes the box visible.
@@ -118,18 +142,18 @@ impl<'a> MultiView<'a> {
     /// Returns the square of the distance from the nearest eye to a box (square metres).
     pub(crate) fn distance_squared(self, bounds: &Aabb) -> f32 {
         let of = |view: &View| view.rays.distance_squared(bounds);
-        self.0[1..].iter().fold(of(self.first()), |nearest, view| nearest.min(of(view)))
+        self.views[1..].iter().fold(of(self.first()), |nearest, view| nearest.min(of(view)))
     }
 
     /// Returns how large an angle of 1 radian is at a distance (metres), where it is smallest.
     pub(crate) fn metres_per_radian(self, distance_m: f32) -> f32 {
         let of = |view: &View| view.rays.metres_per_radian(distance_m);
-        self.0[1..].iter().fold(of(self.first()), |least, view| least.min(of(view)))
+        self.views[1..].iter().fold(of(self.first()), |least, view| least.min(of(view)))
     }
 
     /// Returns about how many pixels a box covers in all views together.
     pub(crate) fn covered_pixels(self, bounds: &Aabb) -> f32 {
-        self.0.iter().map(|view| covered_pixels(view, bounds)).sum()
+        self.views.iter().map(|view| covered_pixels(view, bounds)).sum()
     }
 }
 

@@ -8,6 +8,7 @@
 )]
 
 mod blocking;
+mod casters;
 mod cost_model;
 mod device;
 mod exactness;

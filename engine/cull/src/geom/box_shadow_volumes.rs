@@ -1,0 +1,311 @@
+//! The shadow volumes of boxes: what a plan of casters tests in place of the boxes themselves.
+//!
+//! A caster matters to a view only if its shadow falls on something that the view sees. All of
+//! that lies in the shadow volume of the caster's box: the points whose way to the light meets the
+//! box. So the volume is the proxy. If no sample of it passes the depth test, every visible surface
+//! in its pixels is nearer than its front: none is in it, and the caster may be left out (Stich,
+//! Wächter, Keller, "Efficient and Robust Shadow Volumes Using Hierarchical Occlusion Culling and
+//! Geometry Shaders", GPU Gems 3, chapter 11).
+//!
+//! The volume of a box is the hull of two images of it: the box drawn towards the light, and the
+//! box drawn away from it until nothing that could receive its shadow is beyond. A point `v` is
+//! drawn by `k` to `v + k (w v - l)`, where `l` and `w` are the light in homogeneous coordinates:
+//! along its rays if it is a sun (w = 0), from the light as the centre else (w = 1).
+//!
+//! # Margins
+//! A receiver is lit by what a filter finds around it. A caster beside its ray to the light, by
+//! the reach of the filter, counts as well, and one that is deeper than the receiver by as much as
+//! the filter takes the receiver's plane to be. So the box is enlarged by the former
+//! ([`LightReach::spread_m`]), and its volume begins nearer to the light by the latter
+//! ([`LightReach::lead_m`]). What [`Margin`](crate::Margin) asks of proxies is added to the
+//! enlargement, for the farthest receiver: an enlarged box has a volume that is enlarged by as
+//! much at least everywhere.
+
+use glam::{Vec2, Vec3, Vec4};
+
+use crate::geom::bounds::Aabb;
+use crate::geom::frustum::{Containment, Frustum, PlaneMask};
+use crate::geom::margin::rounding;
+use crate::geom::view::View;
+
+/// The largest share of the distance to the light by which a box is drawn towards it, and the
+/// least share of the light's reach that a box must keep from it to have a volume of its own.
+const NEAREST_SHARES: [f32; 2] = [0.9, 1.0 / 64.0];
+
+/// The least margin of a volume in metres, and its share of the size of what is around: against the
+/// rounding of vertices far away, which clipping carries to the eye.
+const LEAST_MARGIN: [f32; 2] = [0.01, 2.0e-6];
+
+/// The rays of a light, and how far its shadows reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightReach {
+    /// The light in homogeneous coordinates: a point (metres) with w = 1, or the unit vector
+    /// towards a sun with w = 0.
+    pub light: Vec4,
+    /// The distance beyond which its shadows do not matter, in metres; infinite for a sun.
+    pub reach_m: f32,
+    /// The distance by which filters reach aside of a receiver's ray to the light, in metres.
+    pub spread_m: f32,
+    /// The distance by which a caster may be deeper than the receiver that it shadows, in metres.
+    pub lead_m: f32,
+}
+
+/// The lengths of the shadow volume of a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VolumeLength {
+    /// The factor by which the box is drawn towards the light.
+    pub towards: f32,
+    /// The factor by which it is drawn away from it.
+    pub away: f32,
+}
+
+/// The shadow volumes of boxes under one light, as one view tests them.
+#[derive(Clone, Debug)]
+pub struct BoxShadowVolumes<'a> {
+    reach: LightReach,
+    receivers: Aabb,
+    /// The volumes in which casters are drawn.
+    frusta: &'a [Frustum],
+    margin_m: f32,
+    /// A ball around what the near plane shows.
+    near: (Vec3, f32),
+}
+
+impl<'a> BoxShadowVolumes<'a> {
+    /// Creates the volumes for a view that sees `receivers` only. Of casters, only those in one of
+    /// the light's `frusta` count.
+    #[must_use]
+    pub fn new(view: &View, reach: LightReach, receivers: Aabb, frusta: &'a [Frustum]) -> Self {
+        let farthest_m = receivers
+            .corners()
+            .into_iter()
+            .map(|corner| view.rays.depth_m(corner))
+            .fold(view.rays.near, f32::max);
+        let [per_w, least] = view.margin.metres();
+        let span_m = 2.0 * receivers.half_extent().length() + receivers.largest_coordinate();
+        let least = least + LEAST_MARGIN[0] + LEAST_MARGIN[1] * span_m;
+        let margin_m = reach.spread_m + per_w * view.rays.kind.w(farthest_m) + least;
+        let centre = view.rays.point(Vec2::ZERO, view.rays.near);
+        let radius_m = [Vec2::ONE, Vec2::new(1.0, -1.0)]
+            .map(|corner| view.rays.point(corner, view.rays.near).distance(centre))
+            .into_iter()
+            .fold(least, f32::max);
+        Self { reach, receivers, frusta, margin_m, near: (centre, radius_m) }
+    }
+
+    /// Returns the light.
+    #[must_use]
+    pub fn light(&self) -> &LightReach {
+        &self.reach
+    }
+
+    /// Returns the lengths of the volume of a box that [`MultiView`](crate::MultiView) enlarged.
+    #[must_use]
+    pub fn length(&self, proxy: &Aabb) -> VolumeLength {
+        let LightReach { light, reach_m, lead_m, .. } = self.reach;
+        let l = light.truncate();
+        if light.w == 0.0 {
+            let spread = l.abs();
+            let highest = l.dot(proxy.centre()) + spread.dot(proxy.half_extent());
+            let lowest = l.dot(self.receivers.centre()) - spread.dot(self.receivers.half_extent());
+            return VolumeLength { towards: lead_m, away: (highest - lowest).max(0.0) };
+        }
+        let distance_m = proxy.distance_squared(l).sqrt();
+        if distance_m == 0.0 {
+            return VolumeLength { towards: 0.0, away: 0.0 };
+        }
+        VolumeLength {
+            towards: (lead_m / distance_m).min(NEAREST_SHARES[0]),
+            away: (reach_m / distance_m - 1.0).max(0.0),
+        }
+    }
+
+    /// Returns the box whose volume holds all shadows from `bounds`: enlarged by the margin, or,
+    /// where the light is in it or nearly so, the box around all that it lights, which is its own
+    /// volume.
+    fn enlarged(&self, bounds: &Aabb) -> Aabb {
+        let LightReach { light, reach_m, lead_m, .. } = self.reach;
+        let enlarged = bounds.enlarged(self.margin_m);
+        if light.w == 0.0 {
+            return enlarged;
+        }
+        let position = light.truncate();
+        let least_m = (lead_m / NEAREST_SHARES[0]).max(reach_m * NEAREST_SHARES[1]);
+        // Written so that a NaN takes the whole.
+        if enlarged.distance_squared(position) > least_m * least_m {
+            enlarged
+        } else {
+            Aabb::new(position, position).enlarged(reach_m + self.margin_m)
+        }
+    }
+
+    /// Returns `Outside` for a box that casts no shadow that the view could see, by the light's
+    /// reach, its frusta and the planes of the view.
+    pub(crate) fn classify(&self, bounds: &Aabb, view: &View) -> Containment {
+        let LightReach { light, reach_m, .. } = self.reach;
+        let is_lit =
+            light.w == 0.0 || bounds.distance_squared(light.truncate()) <= reach_m * reach_m;
+        let is_drawn =
+            |frustum: &Frustum| frustum.classify(bounds, PlaneMask::ALL).0 != Containment::Outside;
+        if bounds.is_empty() || !is_lit || !self.frusta.iter().any(is_drawn) {
+            return Containment::Outside;
+        }
+        let proxy = self.enlarged(bounds);
+        let VolumeLength { towards, away } = self.length(&proxy);
+        let l = light.truncate();
+        let most = |normal: Vec3| {
+            let of_box = normal.dot(proxy.centre()) + normal.abs().dot(proxy.half_extent());
+            let drawn = |k: f32| of_box + k * (light.w * of_box - normal.dot(l));
+            drawn(-towards).max(drawn(away))
+        };
+        match view.frustum.is_outside(most) {
+            true => Containment::Outside,
+            false => Containment::Intersects,
+        }
+    }
+
+    /// Returns the box whose volume is tested in place of `bounds`, or `None` if its shadows must
+    /// count as visible, because the near plane may cut the volume.
+    pub(crate) fn proxy(&self, bounds: &Aabb, view: &View) -> Option<Aabb> {
+        let proxy = self.enlarged(bounds);
+        let VolumeLength { towards, away } = self.length(&proxy);
+        let LightReach { light, .. } = self.reach;
+        let (centre, radius_m) = self.near;
+        // The points that are drawn to the centre: those on its ray to the light.
+        let (way, [first, last]) = if light.w == 0.0 {
+            (light.truncate(), [-towards, away])
+        } else {
+            let share = |k: f32| 1.0 - (1.0 + k).recip();
+            (light.truncate() - centre, [share(-towards), share(away)])
+        };
+        let around = proxy.enlarged(radius_m + rounding(&proxy, view.rays.coordinate));
+        // Written so that a NaN makes the shadows visible.
+        is_missed(&around, centre, way, [first, last]).then_some(proxy)
+    }
+}
+
+/// Returns true if no point `from + way * u`, with `u` in a range, is in a box.
+fn is_missed(bounds: &Aabb, from: Vec3, way: Vec3, [mut first, mut last]: [f32; 2]) -> bool {
+    if !(bounds.is_finite() && from.is_finite() && way.is_finite()) {
+        return false;
+    }
+    for axis in 0..3 {
+        let [low, high] = [bounds.min[axis] - from[axis], bounds.max[axis] - from[axis]];
+        if way[axis].abs() < f32::MIN_POSITIVE {
+            if low > 0.0 || high < 0.0 {
+                return true;
+            }
+            continue;
+        }
+        let (a, b) = (low / way[axis], high / way[axis]);
+        first = first.max(a.min(b));
+        last = last.min(a.max(b));
+    }
+    first > last
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::camera::{Camera, Projection};
+    use crate::rng::SplitMix64;
+
+    const RECEIVERS: Aabb = Aabb { min: Vec3::splat(-40.0), max: Vec3::splat(40.0) };
+
+    struct Numbers(SplitMix64);
+
+    impl Numbers {
+        fn between(&mut self, low: f32, high: f32) -> f32 {
+            low + (high - low) * (self.0.between(0, 1 << 20) as f32 / (1 << 20) as f32)
+        }
+
+        fn point(&mut self, half: f32) -> Vec3 {
+            Vec3::from_array([(); 3].map(|()| self.between(-half, half)))
+        }
+    }
+
+    fn reaches(numbers: &mut Numbers) -> LightReach {
+        let lead_m = numbers.between(0.0, 2.0);
+        let is_sun = numbers.between(0.0, 1.0) < 0.5;
+        let (light, reach_m) = if is_sun {
+            (numbers.point(1.0).normalize().extend(0.0), f32::INFINITY)
+        } else {
+            (numbers.point(20.0).extend(1.0), numbers.between(2.0, 60.0))
+        };
+        LightReach { light, reach_m, spread_m: 0.1, lead_m }
+    }
+
+    /// Returns true if a point is in the volume of an enlarged box: computed in 64 bits from its
+    /// definition, a point of the box that is drawn to it.
+    fn is_in_volume(proxy: &Aabb, length: VolumeLength, light: Vec4, point: Vec3) -> bool {
+        let (light, point) = (light.as_dvec4(), point.as_dvec3());
+        (0..=4000).any(|step| {
+            let [first, last] = [-length.towards, length.away].map(f64::from);
+            // Quadratic: dense where the volume begins.
+            let share = f64::from(step) / 4000.0;
+            let k = first + (last - first) * share * share;
+            let from = (point + k * light.truncate()) / (1.0 + k * light.w);
+            let slack = 1.0e-3 + 0.02 * share;
+            from.cmpge(proxy.min.as_dvec3() - slack).all()
+                && from.cmple(proxy.max.as_dvec3() + slack).all()
+        })
+    }
+
+    #[test]
+    fn what_a_view_sees_in_the_shadow_of_a_box_is_in_its_volume() {
+        let mut numbers = Numbers(SplitMix64::new(3));
+        let (mut seen, mut tested, mut cut) = (0, 0, 0);
+        for round in 0..10_000 {
+            let reach = reaches(&mut numbers);
+            let eye = numbers.point(30.0);
+            let forward = numbers.point(1.0);
+            let projection = Projection::perspective(1.2);
+            let camera = Camera { eye, forward, up: Vec3::Y, projection, near: 0.1 };
+            let view = View::new(&camera, [320, 180], 8);
+            let volumes = BoxShadowVolumes::new(&view, reach, RECEIVERS, &[]);
+            let size = numbers.point(4.0).abs() + 0.05;
+            let low = match round % 2 {
+                0 => numbers.point(25.0),
+                // Somewhere between the eye and the light.
+                _ => {
+                    let towards = reach.light.truncate() - eye * reach.light.w;
+                    eye + towards.normalize() * numbers.between(0.0, 20.0) - size * 0.5
+                }
+            };
+            let bounds = Aabb::new(low, low + size);
+            // A receiver behind a caster in the box.
+            let caster = low + size * (numbers.point(0.5) + 0.5);
+            let ray = caster * reach.light.w - reach.light.truncate();
+            let receiver = caster + ray * numbers.between(0.0, 4.0) * numbers.between(0.0, 1.0);
+            let from_light = receiver.distance(reach.light.truncate());
+            let is_lit = reach.light.w == 0.0 || from_light <= reach.reach_m;
+            let is_seen = view.frustum.classify(&Aabb::new(receiver, receiver), PlaneMask::ALL).0
+                != Containment::Outside;
+            if !is_lit || !is_seen || !RECEIVERS.contains_point(receiver) {
+                continue;
+            }
+            seen += 1;
+            let proxy = volumes.enlarged(&bounds);
+            let length = volumes.length(&proxy);
+            assert!(is_in_volume(&proxy, length, reach.light, receiver), "{reach:?} {bounds:?}");
+            let is_kept = view.frustum.is_outside(|normal| {
+                let l = reach.light.truncate();
+                let of_box = normal.dot(proxy.centre()) + normal.abs().dot(proxy.half_extent());
+                let drawn = |k: f32| of_box + k * (reach.light.w * of_box - normal.dot(l));
+                drawn(-length.towards).max(drawn(length.away))
+            });
+            assert!(!is_kept, "{reach:?} {bounds:?}");
+            // Where the near plane is in the volume there is no proxy.
+            let near = view.rays.point(Vec2::new(numbers.between(-1.0, 1.0), 0.5), view.rays.near);
+            if let Some(proxy) = volumes.proxy(&bounds, &view) {
+                tested += 1;
+                let tight = proxy.enlarged(-0.1);
+                let is_cut = !tight.is_empty() && is_in_volume(&tight, length, reach.light, near);
+                assert!(!is_cut, "{reach:?} {bounds:?}");
+            } else {
+                cut += 1;
+            }
+        }
+        assert!(seen > 500 && tested > 300 && cut > 30, "{seen} seen, {tested} tested, {cut} cut");
+    }
+}
