@@ -40,12 +40,13 @@ pub const PREDICATE_INSTANCES: Shader = shader!("predicate_instances.comp");
 pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 42] = [
+pub const PASSES: [Shader; 43] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
     shader!("proxy.frag"),
     shader!("proxy_multiview.vert"),
+    shader!("box_volume.vert"),
     shader!("leaf_box.vert"),
     shader!("leaf_box.frag"),
     shader!("leaf_box_multiview.vert"),

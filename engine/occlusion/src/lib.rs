@@ -102,9 +102,10 @@ pub use object_renderer::{
 };
 pub use outcomes::{FrameOutcome, Outcomes};
 pub use passes::{
-    ComputeTest, ComputeTestIo, EyeConstants, LeafBoxIo, LeafBoxPass, LeafLinks, ListDrawsIo,
-    ListDrawsPass, ListedRange, OcclusionPasses, ProxyBox, ProxyConstants, ProxyEyes, ProxyIo,
-    ProxyPass, ScatterIo, ScatterPass,
+    BoxVolume, BoxVolumeConstants, BoxVolumeIo, BoxVolumePass, ComputeTest, ComputeTestIo,
+    EyeConstants, LeafBoxIo, LeafBoxPass, LeafLinks, ListDrawsIo, ListDrawsPass, ListedRange,
+    OcclusionPasses, ProxyBox, ProxyConstants, ProxyEyes, ProxyIo, ProxyPass, ScatterIo,
+    ScatterPass,
 };
 pub use planned::PlannedMethod;
 pub use rect::Rect;

@@ -19,7 +19,7 @@ use crate::resources::spare_room::SpareRoom;
 use crate::shading::depth_first::{DARK, DepthPass, Shading};
 use crate::shading::surfaces::SurfaceResources;
 use crate::shading::transparent::{Transparent, TransparentObject};
-use crate::shadows::Shadows;
+use crate::shadows::{MapUses, Shadows};
 
 /// The passes and data that the objects of a scene are drawn with.
 pub(crate) struct FramePasses {
@@ -124,7 +124,7 @@ impl FramePasses {
         target: Target,
         (frames_in_flight, (room, shadows)): (usize, ((&SpareRoom, usize), ShadowOptions)),
     ) -> Result<Self, crate::Error> {
-        let shadows = Shadows::new(device, shadows, scene.surfaces.is_some())?;
+        let shadows = Shadows::new(device, shadows, (scene.surfaces.is_some(), frames_in_flight))?;
         let geometry = Geometry::upload(device, scene, hierarchy, room)?;
         let transparent = Transparent::new(device, scene)?;
         let first_vertex = |mesh| geometry.first_vertex(mesh);
@@ -221,6 +221,7 @@ impl FramePasses {
         if self.pipelines.shading.is_none() {
             return;
         }
+        self.draw_culled_maps(commands, view);
         if let Some(transparent) = &self.transparent {
             transparent.list().prepare(commands);
         }
@@ -236,6 +237,17 @@ impl FramePasses {
             });
         });
         self.record_transparent(executor, commands, view);
+    }
+
+    /// Draws the shadow maps that waited for the finished depth of the view.
+    fn draw_culled_maps(&mut self, commands: &Commands, view: &View) {
+        if !self.shadows.has_culled() {
+            return;
+        }
+        self.target.prepare(commands);
+        let target = self.target_of(view, None).depth_only();
+        let Self { geometry, pipelines, shadows, .. } = self;
+        shadows.record_culled(commands, (geometry, pipelines), (target, view));
     }
 
     fn draw_surfaces(
@@ -358,10 +370,13 @@ impl FramePasses {
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
         executor: &mut PlanExecutor,
-        (uploads, views): (PoseUploads<'_>, &[View]),
+        (uploads, views, uses): (PoseUploads<'_>, &[View], MapUses),
     ) -> Result<(), crate::Error> {
         self.geometry.relight(hierarchy, &mut executor.leaves);
-        self.shadows.plan(&self.geometry, hierarchy, views);
+        let opaque = hierarchy.root().map_or(Aabb::EMPTY, |root| hierarchy.bounds(root));
+        let transparent = self.transparent.as_ref().map_or(Aabb::EMPTY, Transparent::bounds);
+        let scene = (&self.geometry, hierarchy);
+        self.shadows.plan(scene, opaque.union(&transparent), views, uses)?;
         self.geometry.upload_changes(frame, hierarchy, executor)?;
         self.upload_poses(frame, hierarchy, uploads)?;
         let Self { geometry, pipelines, shadows, .. } = self;
@@ -454,13 +469,14 @@ impl FramePasses {
         if let Some(skinned_meshes) = &mut self.skinned_meshes {
             skinned_meshes.set_frames_in_flight(&self.device, frames_in_flight);
         }
+        self.shadows.set_frames_in_flight(frames_in_flight);
     }
 
     /// Notes that the frame of the last [`FramePasses::upload_changes`] was submitted.
     pub(crate) fn submitted(&mut self, tick: Tick) {
         self.target.submitted();
         self.geometry.submitted();
-        self.shadows.submitted();
+        self.shadows.submitted(tick);
         if let Some(skinned_meshes) = &mut self.skinned_meshes {
             skinned_meshes.submitted(tick);
         }

@@ -29,7 +29,12 @@ fn main() -> Result<(), HierarchyError> {
         let changes = [BoxChange { object: ObjectId(455), before, after }];
         before = after;
         let casters = Casters { hierarchy: &hierarchy, changes: Some(&changes) };
-        cache.plan(&lights, &casters, &ShadowViews { eyes: &[eye], sub_pixel_bits: 8 }, &mut plan);
+        cache.plan(
+            &lights,
+            &casters,
+            &ShadowViews { eyes: &[eye], sub_pixel_bits: 8, can_cull_casters: false },
+            &mut plan,
+        );
         cache.submitted();
         let stats = plan.stats();
         println!(

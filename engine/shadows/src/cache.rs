@@ -7,6 +7,10 @@
 //! bit.
 //!
 //! Nobody says which casters move: the changes of the hierarchy do.
+//!
+//! Where the face itself changes in frame after frame, its map is never kept. Then it need not hold
+//! casters whose shadows are not visible in this frame ([`FaceWork::Cull`]). The first frame in
+//! which the face stays draws all of them again.
 
 use std::collections::HashMap;
 
@@ -15,7 +19,7 @@ use glam::Vec3;
 
 use crate::face::{Face, FaceId, FaceSurroundings, face_count, faces_of, wanted_side};
 use crate::light::{ShadowLight, ShadowLightId};
-use crate::options::{MIN_SIDE, ShadowCaching, ShadowOptions};
+use crate::options::{CasterCulling, MIN_SIDE, ShadowCaching, ShadowOptions};
 use crate::plan::{FaceWork, PlannedFace, PlannedLight, ShadowPlan};
 use crate::tiles::{Tile, TilePool};
 
@@ -38,6 +42,9 @@ pub struct ShadowViews<'a> {
     pub eyes: &'a [Vec3],
     /// The bits of the device's sub-pixel grid (Vulkan's `subPixelPrecisionBits`).
     pub sub_pixel_bits: u32,
+    /// True if the executor can tell which casters shadow something visible: in frames of one view,
+    /// whose depth is complete before anything samples the maps.
+    pub can_cull_casters: bool,
 }
 
 /// The contents of a map.
@@ -47,6 +54,8 @@ struct Map {
     face: Face,
     /// True while the texels are what they should be.
     is_drawn: bool,
+    /// True if the face of the frame before was another one.
+    is_restless: bool,
     /// The casters that the resting layer leaves out, ascending, if there is such a layer.
     moving: Option<Vec<ObjectId>>,
     /// The newest frame with this face.
@@ -68,6 +77,8 @@ pub struct ShadowCache {
     frame: u64,
     /// True from a plan until it was submitted.
     is_pending: bool,
+    /// True if maps of the frame being planned may be drawn with some of their casters.
+    culls: bool,
     faces: Vec<Face>,
 }
 
@@ -84,6 +95,7 @@ impl ShadowCache {
             restless: HashMap::new(),
             frame: 0,
             is_pending: false,
+            culls: false,
             faces: Vec::new(),
         }
     }
@@ -132,6 +144,7 @@ impl ShadowCache {
     ) {
         plan.clear();
         self.frame += 1;
+        self.culls = views.can_cull_casters && self.options.culling == CasterCulling::Culled;
         if std::mem::replace(&mut self.is_pending, true) || casters.changes.is_none() {
             self.forget();
         }
@@ -258,7 +271,10 @@ impl ShadowCache {
                 continue;
             }
             let Some(tile) = tiles.take(side) else { return false };
-            let map = Map { tile, face: *face, is_drawn: false, moving: None, used: *frame };
+            let mut face = *face;
+            face.view.origin = tile.origin;
+            let map =
+                Map { tile, face, is_drawn: false, is_restless: false, moving: None, used: *frame };
             maps.insert(face.id, map);
         }
         true
@@ -267,14 +283,18 @@ impl ShadowCache {
     fn plan_face(&mut self, mut face: Face, casters: &Casters<'_>, plan: &mut ShadowPlan) {
         let Some(mut map) = self.maps.remove(&face.id) else { return };
         face.view.origin = map.tile.origin;
-        if map.face != face {
+        let is_other = map.face != face;
+        if is_other {
             (map.face, map.is_drawn, map.moving) = (face, false, None);
         }
+        let is_restless = std::mem::replace(&mut map.is_restless, is_other) && is_other;
+        let is_kept = self.options.caching == ShadowCaching::Cached && !is_restless;
         let work = match self.options.caching {
+            _ if self.culls && !is_kept => FaceWork::Cull(all(&face, casters, plan)),
             ShadowCaching::Uncached => FaceWork::Draw(all(&face, casters, plan)),
             ShadowCaching::Cached => self.work(&mut map, casters, plan),
         };
-        map.is_drawn = true;
+        map.is_drawn = !matches!(work, FaceWork::Cull(_));
         plan.faces.push(PlannedFace { face, tile: map.tile, work });
         self.maps.insert(face.id, map);
     }

@@ -19,7 +19,8 @@
 //! let mut hierarchy = Hierarchy::build(&crates.collect::<Vec<_>>())?;
 //! let shape = LightShape::Sun { towards: Vec3::Y };
 //! let lights = [ShadowLight { id: ShadowLightId(0), shape, penumbra_m: 0.1 }];
-//! let views = ShadowViews { eyes: &[vec3(0.0, 1.7, 5.0)], sub_pixel_bits: 8 };
+//! let eyes = &[vec3(0.0, 1.7, 5.0)];
+//! let views = ShadowViews { eyes, sub_pixel_bits: 8, can_cull_casters: false };
 //! let method = ShadowMethod::Maps;
 //! let options = ShadowOptions { method, cascades: 1, ..ShadowOptions::default() };
 //!
@@ -48,6 +49,7 @@ mod jitter;
 mod light;
 mod options;
 mod plan;
+mod reach;
 mod tiles;
 mod volumes;
 
@@ -56,10 +58,11 @@ pub use face::{Face, FaceId, cascade_reach_m};
 pub use jitter::{DISK_SAMPLES, JitterTexture};
 pub use light::{LightShape, ShadowLight, ShadowLightId, WIDEST_CONE_RAD};
 pub use options::{
-    MAX_CASCADES, MIN_SIDE, ShadowBias, ShadowCaching, ShadowFilter, ShadowMethod, ShadowOptions,
-    ShadowOptionsError,
+    CasterCulling, MAX_CASCADES, MIN_SIDE, ShadowBias, ShadowCaching, ShadowFilter, ShadowMethod,
+    ShadowOptions, ShadowOptionsError,
 };
 pub use plan::{FaceWork, PlannedFace, PlannedLight, ShadowPlan, ShadowStats};
+pub use reach::light_reach;
 pub use tiles::{Tile, TilePool};
 pub use volumes::{
     Caps, Extrusion, NearSpan, VolumeCounting, VolumeError, VolumeKind, VolumeMesh, VolumeSource,

@@ -73,6 +73,19 @@ pub enum ShadowCaching {
     Uncached,
 }
 
+/// The choice of casters for maps that are drawn in frame after frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum CasterCulling {
+    /// Only casters whose shadow can fall on something visible are drawn to maps that change in
+    /// frame after frame (Bittner, Mattausch, Silvennoinen, Wimmer, "Shadow Caster Culling for
+    /// Efficient Shadow Mapping", I3D 2011). Other maps hold all of their casters, as they are kept
+    /// for views to come. Needs frames of one view.
+    #[default]
+    Culled,
+    /// All casters in a map's view are drawn to it.
+    Unculled,
+}
+
 /// The most cascades of a directional light.
 pub const MAX_CASCADES: u32 = 8;
 
@@ -90,6 +103,8 @@ pub struct ShadowOptions {
     pub bias: ShadowBias,
     /// The use of what earlier frames drew.
     pub caching: ShadowCaching,
+    /// The choice of casters for maps that are drawn in frame after frame.
+    pub culling: CasterCulling,
     /// The width of penumbras in metres, at least 0, of lights that have none of their own.
     pub penumbra_m: f32,
     /// Maps of a directional light, 1 to [`MAX_CASCADES`]: each reaches three times as far as the
@@ -118,6 +133,7 @@ impl Default for ShadowOptions {
             filter: ShadowFilter::default(),
             bias: ShadowBias::default(),
             caching: ShadowCaching::default(),
+            culling: CasterCulling::default(),
             penumbra_m: 0.15,
             cascades: 4,
             distance_m: 200.0,

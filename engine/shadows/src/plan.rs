@@ -15,6 +15,9 @@ pub enum FaceWork {
     Keep,
     /// The map is cleared, and these casters are drawn.
     Draw(Range<usize>),
+    /// The map is cleared, and those of these casters are drawn that shadow something visible, once
+    /// that is known. They are in the order of the hierarchy's leaves.
+    Cull(Range<usize>),
     /// The layer of resting casters is drawn first, if it is not as it should be; then the map is a
     /// copy of it, with the moving casters drawn on top.
     Layered {
@@ -69,23 +72,32 @@ pub struct ShadowStats {
     pub faces: u32,
     /// Maps that are drawn, wholly or in part.
     pub drawn_faces: u32,
-    /// Draws of casters.
+    /// Maps among them whose casters are culled.
+    pub culled_faces: u32,
+    /// Casters in maps that are drawn, culled or not.
     pub casters: u32,
+    /// Triangles of the casters that are drawn, as far as the plan decides.
+    pub triangles: u64,
+    /// Triangles of culled casters that the tests of the newest frame with results revealed.
+    pub revealed_triangles: u64,
     /// Lights without maps, since there was no room.
     pub unshadowed_lights: u32,
 }
 
 impl ShadowPlan {
-    /// Returns the counts.
+    /// Returns the counts, without those of triangles: an executor knows them.
     #[must_use]
     pub fn stats(&self) -> ShadowStats {
         let is_drawn = |face: &&PlannedFace| face.work != FaceWork::Keep;
+        let is_culled = |face: &&PlannedFace| matches!(face.work, FaceWork::Cull(_));
         ShadowStats {
             lights: self.lights.iter().filter(|light| !light.faces.is_empty()).count() as u32,
             faces: self.faces.len() as u32,
             drawn_faces: self.faces.iter().filter(is_drawn).count() as u32,
+            culled_faces: self.faces.iter().filter(is_culled).count() as u32,
             casters: self.casters.len() as u32,
             unshadowed_lights: self.unshadowed_lights,
+            ..ShadowStats::default()
         }
     }
 

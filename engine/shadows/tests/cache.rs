@@ -121,6 +121,7 @@ impl Maps {
             let tile = planned.tile;
             match &planned.work {
                 FaceWork::Keep => {}
+                FaceWork::Cull(_) => unreachable!("nothing may be culled"),
                 FaceWork::Draw(all) => {
                     self.maps.insert(tile, casters(all));
                 }
@@ -179,7 +180,7 @@ fn walk(seed: u64, caching: ShadowCaching, lost_frames: bool) -> u64 {
         let eyes = [vec3(20.0 + 0.02 * frame as f32, 1.7, 25.0), vec3(40.0, 3.0, 10.0)];
         let eyes = &eyes[..1 + (frame / 300 % 2) as usize];
         let casters = Casters { hierarchy: &world.hierarchy, changes: Some(&world.changes) };
-        let eyes = ShadowViews { eyes, sub_pixel_bits: 8 };
+        let eyes = ShadowViews { eyes, sub_pixel_bits: 8, can_cull_casters: false };
         cache.plan(&lights(frame), &casters, &eyes, &mut plan);
         if lost_frames && frame % 37 == 5 {
             // Never drawn, and never submitted.
@@ -211,7 +212,7 @@ fn unknown_changes_draw_everything() {
     let world = World::new(&mut random);
     let (mut cache, mut plan) =
         (ShadowCache::new(options(ShadowCaching::Cached)), ShadowPlan::default());
-    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8 };
+    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, can_cull_casters: false };
     let mut drawn_faces = |changes| {
         let casters = Casters { hierarchy: &world.hierarchy, changes };
         cache.plan(&lights(0), &casters, &eyes, &mut plan);
@@ -238,7 +239,7 @@ fn lights_beyond_the_room_get_smaller_maps_and_then_none() {
         })
         .collect();
     let casters = Casters { hierarchy: &world.hierarchy, changes: Some(&[]) };
-    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8 };
+    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, can_cull_casters: false };
     cache.plan(&lamps, &casters, &eyes, &mut plan);
     let stats = plan.stats();
     assert_eq!(stats.lights + stats.unshadowed_lights, 400);
@@ -263,7 +264,7 @@ fn maps_grow_again_when_there_is_room() {
         })
         .collect();
     let casters = Casters { hierarchy: &world.hierarchy, changes: Some(&[]) };
-    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8 };
+    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, can_cull_casters: false };
     let mut side_of_last = |lamps: &[ShadowLight]| {
         cache.plan(lamps, &casters, &eyes, &mut plan);
         cache.submitted();
@@ -309,8 +310,35 @@ fn impossible_lights_have_no_maps() {
     cache.plan(
         &lights,
         &casters,
-        &ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8 },
+        &ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, can_cull_casters: false },
         &mut plan,
     );
     assert_eq!((plan.lights.len(), plan.faces.len()), (0, 0));
+}
+
+#[test]
+fn maps_of_a_light_that_keeps_moving_are_culled_and_whole_once_it_rests() {
+    let mut random = Random(5);
+    let world = World::new(&mut random);
+    let mut cache = ShadowCache::new(options(ShadowCaching::Cached));
+    let mut plan = ShadowPlan::default();
+    let casters = Casters { hierarchy: &world.hierarchy, changes: Some(&[]) };
+    let mut work = |step: u32, can_cull_casters| {
+        let position = vec3(20.0 + step as f32, 4.0, 9.0);
+        let shape = LightShape::Point { position, reach_m: 9.0 };
+        let lamp = ShadowLight { id: ShadowLightId(0), shape, penumbra_m: 0.1 };
+        let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, can_cull_casters };
+        cache.plan(&[lamp], &casters, &eyes, &mut plan);
+        cache.submitted();
+        let stats = plan.stats();
+        [stats.culled_faces, stats.drawn_faces]
+    };
+    assert_eq!(work(0, true), [0, 6], "it may rest from now on");
+    assert_eq!(work(1, true), [0, 6]);
+    assert_eq!(work(2, true), [6, 6], "the second move in a row");
+    assert_eq!(work(3, true), [6, 6]);
+    assert_eq!(work(4, false), [0, 6], "a frame of two views");
+    assert_eq!(work(5, true), [6, 6]);
+    assert_eq!(work(5, true), [0, 6], "maps without all casters are not kept");
+    assert_eq!(work(5, true), [0, 0]);
 }

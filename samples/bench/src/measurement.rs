@@ -28,8 +28,10 @@ pub struct FrameMeasurement {
     pub queries: u64,
     /// Shadow maps that were drawn, wholly or in part.
     pub shadow_faces: u64,
-    /// Draws of casters into shadow maps.
+    /// Casters in the shadow maps that were drawn, culled or not.
     pub shadow_casters: u64,
+    /// Triangles of casters that were drawn: of culled ones those that earlier tests revealed.
+    pub shadow_triangles: u64,
     /// Draws that a predicate decided.
     pub predicated_draws: u64,
     /// Nodes of the hierarchy that the culler visited.
@@ -168,6 +170,7 @@ impl RunMeasurement {
             filter: self.shadows.map(|it| it.filter.name().to_owned()),
             shadow_faces: self.shadows.and_then(|_| count(|frame| frame.shadow_faces)),
             shadow_casters: self.shadows.and_then(|_| count(|frame| frame.shadow_casters)),
+            shadow_triangles: self.shadows.and_then(|_| count(|frame| frame.shadow_triangles)),
             fixed64_difference_mean: self.fixed64.mean(),
             fixed64_difference_max: self.fixed64.most(),
             frame_ms: times(|frame| frame.frame_ms),

@@ -195,9 +195,12 @@ pub struct RunReport {
     /// Shadow maps that were drawn, wholly or in part.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadow_faces: Option<u64>,
-    /// Draws of casters into shadow maps.
+    /// Casters in the shadow maps that were drawn, culled or not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadow_casters: Option<u64>,
+    /// Triangles of casters that were drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shadow_triangles: Option<u64>,
     /// The mean difference of a channel from the same images with the filter `fixed64`, of 255;
     /// absent where that filter is not among the compared ones, or no frame was compared.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -3,7 +3,7 @@
 
 use std::str::FromStr;
 
-use antumbra::shadows::{ShadowCaching, ShadowFilter, ShadowMethod, ShadowOptions};
+use antumbra::shadows::{CasterCulling, ShadowCaching, ShadowFilter, ShadowMethod, ShadowOptions};
 
 use crate::choices::{enumerate, unknown};
 
@@ -14,16 +14,19 @@ pub enum ShadowWay {
     Off,
     /// `maps`: shadow maps that are drawn again only where something changed.
     Maps,
-    /// `maps_uncached`: shadow maps that are drawn afresh in each frame.
+    /// `maps_uncached`: shadow maps that are drawn afresh in each frame, with the casters that
+    /// matter.
     MapsUncached,
+    /// `maps_unculled`: shadow maps that are drawn afresh in each frame, with all casters.
+    MapsUnculled,
 }
 
 /// Names of ways that the renderer is to have, and has not.
-const MISSING: [&str; 3] = ["volumes", "maps_unculled", "volumes_unculled"];
+const MISSING: [&str; 2] = ["volumes", "volumes_unculled"];
 
 impl ShadowWay {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Off, Self::Maps, Self::MapsUncached];
+    pub const ALL: [Self; 4] = [Self::Off, Self::Maps, Self::MapsUncached, Self::MapsUnculled];
 
     /// Returns its name.
     pub fn name(self) -> &'static str {
@@ -31,14 +34,16 @@ impl ShadowWay {
             Self::Off => "off",
             Self::Maps => "maps",
             Self::MapsUncached => "maps_uncached",
+            Self::MapsUnculled => "maps_unculled",
         }
     }
 
-    /// Returns the way whose images are right by construction: nothing is kept from earlier frames.
+    /// Returns the way whose images are right by construction: nothing is kept from earlier frames,
+    /// and nothing left out.
     fn reference(self) -> Self {
         match self {
             Self::Off => Self::Off,
-            Self::Maps | Self::MapsUncached => Self::MapsUncached,
+            Self::Maps | Self::MapsUncached | Self::MapsUnculled => Self::MapsUnculled,
         }
     }
 }
@@ -101,12 +106,21 @@ impl ShadowChoice {
     /// Returns the renderer's options.
     #[must_use]
     pub fn options(self) -> ShadowOptions {
-        let (method, caching) = match self.way {
-            ShadowWay::Off => (ShadowMethod::Off, ShadowCaching::Cached),
-            ShadowWay::Maps => (ShadowMethod::Maps, ShadowCaching::Cached),
-            ShadowWay::MapsUncached => (ShadowMethod::Maps, ShadowCaching::Uncached),
+        let method = match self.way {
+            ShadowWay::Off => ShadowMethod::Off,
+            ShadowWay::Maps | ShadowWay::MapsUncached | ShadowWay::MapsUnculled => {
+                ShadowMethod::Maps
+            }
         };
-        ShadowOptions { method, caching, filter: self.filter, ..ShadowOptions::default() }
+        let caching = match self.way {
+            ShadowWay::Off | ShadowWay::Maps => ShadowCaching::Cached,
+            ShadowWay::MapsUncached | ShadowWay::MapsUnculled => ShadowCaching::Uncached,
+        };
+        let culling = match self.way {
+            ShadowWay::MapsUnculled => CasterCulling::Unculled,
+            _ => CasterCulling::Culled,
+        };
+        ShadowOptions { method, caching, culling, filter: self.filter, ..ShadowOptions::default() }
     }
 }
 
@@ -125,7 +139,8 @@ mod tests {
         let refused = "volumes".parse::<ShadowWay>().unwrap_err();
         assert_eq!(
             refused,
-            "the renderer does not have 'volumes' yet: there is off, maps and maps_uncached"
+            "the renderer does not have 'volumes' yet: there is off, maps, maps_uncached and \
+             maps_unculled"
         );
         let refused = "map".parse::<ShadowWay>().unwrap_err();
         assert!(refused.ends_with("did you mean 'maps'?"), "{refused}");
@@ -143,6 +158,7 @@ mod tests {
                 assert_eq!(options.method == ShadowMethod::Off, way == ShadowWay::Off);
                 if way != ShadowWay::Off {
                     assert_eq!(options.caching, ShadowCaching::Uncached);
+                    assert_eq!(options.culling, CasterCulling::Unculled);
                     assert_eq!(options.filter, filter);
                 }
                 assert_eq!(options.check(), Ok(()));

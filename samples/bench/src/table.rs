@@ -167,9 +167,12 @@ fn shadow_lines(report: &Report) -> String {
     let line = |(run, label): (&RunReport, String)| {
         let drawn = run.shadow_faces.filter(|faces| *faces > 0 || run.shadow_casters > Some(0));
         drawn.map(|faces| {
-            let casters = count(run.shadow_casters);
+            let [casters, triangles] = [run.shadow_casters, run.shadow_triangles].map(count);
             let faces = count(Some(faces));
-            format!("{label}: {faces} shadow maps and {casters} casters drawn per frame")
+            format!(
+                "{label}: {faces} shadow maps drawn per frame, with {casters} casters in them and \
+                 {triangles} triangles drawn"
+            )
         })
     };
     let lines = report.runs.iter().zip(labels(&report.runs)).filter_map(line);

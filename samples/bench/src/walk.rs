@@ -260,6 +260,7 @@ fn measurement_of(report: &FrameReport, strategy: Strategy) -> FrameMeasurement 
         queries: report.queries.into(),
         shadow_faces: report.shadows.drawn_faces.into(),
         shadow_casters: report.shadows.casters.into(),
+        shadow_triangles: report.shadows.triangles + report.shadows.revealed_triangles,
         predicated_draws: report.predicated_draws.into(),
         nodes_visited: report.plan.nodes_visited.into(),
         untested_by_cost: report.plan.untested_by_cost.into(),

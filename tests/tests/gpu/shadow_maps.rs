@@ -4,6 +4,7 @@
 mod bad_options;
 mod cache;
 mod casters;
+mod culling;
 mod raycast;
 
 use cull::{Camera, Strategy};

@@ -120,6 +120,15 @@ impl<'a> BoxShadowVolumes<'a> {
         }
     }
 
+    /// Returns the box around everything that a local light lights, to be tested as its own volume;
+    /// `None` if the near plane may cut it, and for a sun.
+    #[must_use]
+    pub fn whole(&self, view: &View) -> Option<Aabb> {
+        let position = self.reach.light.truncate();
+        let is_local = self.reach.light.w != 0.0;
+        is_local.then(|| self.proxy(&Aabb::new(position, position), view)).flatten()
+    }
+
     /// Returns the box whose volume holds all shadows from `bounds`: enlarged by the margin, or,
     /// where the light is in it or nearly so, the box around all that it lights, which is its own
     /// volume.

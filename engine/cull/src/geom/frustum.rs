@@ -81,8 +81,8 @@ impl Frustum {
         Self { origin: rays.origin, coordinate: rays.coordinate, planes }
     }
 
-    /// Returns true if a convex body is outside by one plane: `most` gives the largest coordinate of
-    /// its points along a normal (metres).
+    /// Returns true if a convex body is outside by one plane: `most` gives the largest coordinate
+    /// of its points along a normal (metres).
     pub(crate) fn is_outside(&self, most: impl Fn(Vec3) -> f32) -> bool {
         let is_beyond =
             |(normal, offset): &(Vec3, f32)| most(*normal) - normal.dot(self.origin) < *offset;

@@ -6,7 +6,7 @@ use antumbra_cull::{
     Frustum, Hierarchy, LightReach, MultiView, ObjectId, PlaneMask, Strategy, TesterSupport, View,
     VolumeLength,
 };
-use glam::{DVec2, DVec3, Vec2, Vec4};
+use glam::{DVec2, DVec3, Vec4};
 
 use crate::random::Random;
 use crate::scene::{Lens, PATHS, Path, Scene};
@@ -27,7 +27,7 @@ fn rays(view: &View) -> Vec<Ray> {
     let pixel = |number: u32| {
         let place = DVec2::new(f64::from(number % width), f64::from(number / width)) + 0.5;
         let ndc = place / DVec2::new(f64::from(width), f64::from(height)) * 2.0 - 1.0;
-        let at = |depth_m: f32| view.rays.point(Vec2::from(ndc.as_vec2()), depth_m).as_dvec3();
+        let at = |depth_m: f32| view.rays.point(ndc.as_vec2(), depth_m).as_dvec3();
         let from = at(view.rays.near);
         Ray { from, way: at(view.rays.near + 1.0) - from }
     };

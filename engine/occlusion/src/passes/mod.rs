@@ -1,6 +1,7 @@
 //! The passes of a plan: each a struct with its pipeline, and an `Io` of the buffers that it reads
 //! and writes.
 
+mod box_volume;
 mod compute_test;
 mod eyes;
 mod leaf_box;
@@ -12,6 +13,7 @@ use gpu::{Attachments, Device, Optional};
 
 use crate::error::Error;
 use crate::shader_set::ShaderSet;
+pub use box_volume::{BoxVolume, BoxVolumeConstants, BoxVolumeIo, BoxVolumePass};
 pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use eyes::{EyeConstants, ProxyEyes};
 pub use leaf_box::{LeafBoxIo, LeafBoxPass, LeafLinks};

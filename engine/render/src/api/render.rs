@@ -17,6 +17,7 @@ use crate::flares::record_flares;
 use crate::frame_passes::FramePasses;
 use crate::renderer::Renderer;
 use crate::resources::skinned_meshes::PoseUploads;
+use crate::shadows::MapUses;
 use crate::view_state::{RendererId, ViewState};
 use crate::views::{FrameReport, FrameRequest, ViewTarget, Viewpoint, ViewsRequest, finish_image};
 
@@ -69,13 +70,13 @@ impl Renderer {
         let is_timed = self.is_timed(request.strategy, targets);
         let outlined = self.outlined_bounds();
         let views = self.take_views(targets)?;
-        let uploads = self.pose_uploads(&views, targets);
+        let (uploads, map_uses) = (self.pose_uploads(&views, targets), self.map_uses());
         let Self { device, frames, hierarchy, passes, executor, methods, shaders, flares, .. } =
             self;
 
         let mut frame = frames.begin()?;
         note_times(&frame, &mut self.pass_times, &mut self.frame_times);
-        passes.upload_changes(&mut frame, hierarchy, executor, (uploads, &views))?;
+        passes.upload_changes(&mut frame, hierarchy, executor, (uploads, &views, map_uses))?;
         if is_timed {
             frame.begin_timing();
         }
@@ -177,6 +178,14 @@ impl Renderer {
         }
         // Their lessons are for the next frame.
         self.frame_times.teach(targets);
+    }
+
+    /// Returns the readers of shadow maps: the debug overlay may draw the scene from elsewhere.
+    fn map_uses(&self) -> MapUses {
+        match self.debug_overlay.is_empty() {
+            true => MapUses::ShadedView,
+            false => MapUses::Anywhere,
+        }
     }
 
     /// Returns the poses to upload for a frame of these views.

@@ -30,7 +30,8 @@ impl Renderer {
             return Ok(());
         }
         let has_surfaces = self.passes.geometry.surfaces.is_some();
-        let mut shadows = Shadows::new(&self.device, options, has_surfaces)?;
+        let needs = (has_surfaces, self.frames_in_flight());
+        let mut shadows = Shadows::new(&self.device, options, needs)?;
         self.passes.pipelines = self.passes.recompiled(&self.shaders, &shadows)?;
         shadows.own = std::mem::take(&mut self.passes.shadows.own);
         self.passes.shadows = shadows;

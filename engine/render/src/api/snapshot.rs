@@ -10,6 +10,7 @@ use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
 use crate::renderer::Renderer;
 use crate::resources::skinned_meshes::PoseUploads;
+use crate::shadows::MapUses;
 use crate::view_state::ViewState;
 use crate::views::finish_image;
 
@@ -124,7 +125,7 @@ impl Renderer {
             Backdrop::Sky => (passes.sky(), self.debug_overlay),
         };
         let mut frame = frames.begin()?;
-        let uploads = (PoseUploads::All, std::slice::from_ref(&view));
+        let uploads = (PoseUploads::All, std::slice::from_ref(&view), MapUses::Anywhere);
         passes.upload_changes(&mut frame, hierarchy, executor, uploads)?;
         passes.gather_transparent(&mut frame, executor, &view, Strategy::FRUSTUM)?;
         let draws = snapshot.upload(&mut frame, &executor.leaves)?;

@@ -1,8 +1,8 @@
 //! All passes of a renderer, compiled from one set of shaders.
 
-use ::shadows::ShadowOptions;
-use gpu::Device;
-use occlusion::{Error, ShaderSet};
+use ::shadows::{CasterCulling, ShadowOptions};
+use gpu::{Attachments, Device, Optional};
+use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
     CasterPass, CountPass, FlarePass, FlatPass, OpaquePass, OverlayPass, SeenPass, SkinningPass,
@@ -23,6 +23,8 @@ pub(crate) struct Pipelines {
     pub(crate) skinning: Option<SkinningPass>,
     /// The pass of the casters of shadow maps, if there are any.
     pub(crate) casters: Option<CasterPass>,
+    /// The pass that tests which casters matter, where they are culled.
+    pub(crate) shadow_tests: Option<BoxVolumePass>,
     /// The opaque pass in two, for methods that draw depth first.
     pub(crate) depth_first: OnDemand<DepthFirst>,
     pub(crate) count: OnDemand<CountPass>,
@@ -69,6 +71,14 @@ impl Pipelines {
             .zip(shadows)
             .map(|(surfaces, shadows)| CasterPass::new(device, shaders, surfaces, shadows.bias))
             .transpose()?;
+        let can_cull = |it: &&ShadowOptions| {
+            it.culling == CasterCulling::Culled
+                && device.capabilities().has(Optional::FragmentStores)
+        };
+        let shadow_tests = shadows
+            .filter(can_cull)
+            .map(|_| BoxVolumePass::new(device, shaders, Attachments::default()))
+            .transpose()?;
         let on_demand = Former { device, shaders, former };
         let veil = match (veiled, former.and_then(|former| former.veil.as_ref())) {
             (Some(it), Some(_)) => {
@@ -82,6 +92,7 @@ impl Pipelines {
             transparent,
             skinning,
             casters,
+            shadow_tests,
             depth_first: on_demand.again(|it| &it.depth_first, DepthFirst::new)?,
             count: on_demand.again(|it| &it.count, CountPass::new)?,
             flares: on_demand.again(|it| &it.flares, FlarePass::new)?,

@@ -114,6 +114,11 @@ impl Transparent {
         }))
     }
 
+    /// Returns the box around all objects.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.objects.iter().fold(Aabb::EMPTY, |around, object| around.union(&object.bounds))
+    }
+
     /// Finds the objects in the frustum of a view and sorts them: the farthest first, by the middle
     /// of their boxes, or by the visible side of the box of an object that encloses something; of
     /// equally far ones the first of the scene.

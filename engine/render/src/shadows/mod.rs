@@ -1,21 +1,26 @@
 //! Shadows: the maps of lights, drawn before the views of a frame and kept from frame to frame.
 
+mod caster_culling;
+mod culled_draws;
 mod light_shadow;
 mod records;
 mod shadow_maps;
+mod tile_draws;
 
 use std::collections::HashMap;
 
 use ::shadows::{ShadowMethod, ShadowOptions, ShadowStats};
-use cull::{Hierarchy, LeafIndex, View};
-use gpu::{Device, Frame, Predicates};
+use cull::{Aabb, Hierarchy, LeafIndex, View};
+use gpu::{Commands, Device, Frame, Predicates, RenderTarget, Tick};
 use scene::LightId;
 
 use crate::error::Error;
 use crate::passes::pipelines::Pipelines;
 use crate::resources::geometry::Geometry;
+use culled_draws::CastersInView;
 pub use light_shadow::LightShadow;
 pub use records::ShadowIo;
+pub(crate) use shadow_maps::MapUses;
 use shadow_maps::ShadowMaps;
 
 /// The shadows of a renderer's lights.
@@ -35,7 +40,7 @@ impl Shadows {
     pub(crate) fn new(
         device: &Device,
         options: ShadowOptions,
-        has_surfaces: bool,
+        (has_surfaces, frames_in_flight): (bool, usize),
     ) -> Result<Self, Error> {
         options.check()?;
         if options.method != ShadowMethod::Off && !has_surfaces {
@@ -43,7 +48,7 @@ impl Shadows {
         }
         let maps = match options.method {
             ShadowMethod::Off => None,
-            ShadowMethod::Maps => Some(ShadowMaps::new(device, options)?),
+            ShadowMethod::Maps => Some(ShadowMaps::new(device, options, frames_in_flight)?),
         };
         Ok(Self { options, own: HashMap::new(), maps })
     }
@@ -60,10 +65,49 @@ impl Shadows {
         }
     }
 
-    /// Plans the maps for the views of a frame.
-    pub(crate) fn plan(&mut self, geometry: &Geometry, hierarchy: &Hierarchy, views: &[View]) {
-        if let (Some(maps), Some(surfaces)) = (&mut self.maps, &geometry.surfaces) {
-            maps.plan(&surfaces.table, &self.own, hierarchy, views);
+    /// Plans the maps for the views of a frame, which see `receivers` at most.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub(crate) fn plan(
+        &mut self,
+        (geometry, hierarchy): (&Geometry, &Hierarchy),
+        receivers: Aabb,
+        views: &[View],
+        uses: MapUses,
+    ) -> Result<(), Error> {
+        let (Some(maps), Some(surfaces), Some(view)) =
+            (&mut self.maps, &geometry.surfaces, views.first())
+        else {
+            return Ok(());
+        };
+        let scene = CastersInView { hierarchy, geometry, receivers, view };
+        maps.plan((&surfaces.table, &self.own), &scene, views, uses)
+    }
+
+    /// Changes the number of frames in flight.
+    pub(crate) fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
+        if let Some(maps) = &mut self.maps {
+            maps.set_frames_in_flight(frames_in_flight);
+        }
+    }
+
+    /// Returns true if some maps wait for the finished depth of the view.
+    pub(crate) fn has_culled(&self) -> bool {
+        self.maps.as_ref().is_some_and(ShadowMaps::has_culled)
+    }
+
+    /// Draws the maps that wait for the finished depth of the view, which `target` holds.
+    pub(crate) fn record_culled(
+        &mut self,
+        commands: &Commands,
+        (geometry, pipelines): (&Geometry, &Pipelines),
+        target: (RenderTarget, &View),
+    ) {
+        if let (Some(maps), Some(tests), Some(casters)) =
+            (&mut self.maps, &pipelines.shadow_tests, &pipelines.casters)
+        {
+            maps.record_culled(commands, geometry, (tests, casters), target);
         }
     }
 
@@ -101,9 +145,9 @@ impl Shadows {
     }
 
     /// Notes that the frame of the last plan was submitted.
-    pub(crate) fn submitted(&mut self) {
+    pub(crate) fn submitted(&mut self, tick: Tick) {
         if let Some(maps) = &mut self.maps {
-            maps.submitted();
+            maps.submitted(tick);
         }
     }
 

@@ -1,32 +1,33 @@
 //! Shadow maps: planned as pure values by the crate `shadows`, drawn here in one pass.
 
 use std::collections::HashMap;
-use std::ops::Range;
 
 use ::shadows::{
-    Casters, FaceWork, JitterTexture, PlannedFace, ShadowCache, ShadowLight, ShadowOptions,
-    ShadowPlan, ShadowStats, ShadowViews,
+    CasterCulling as CullingOption, Casters, FaceWork, JitterTexture, PlannedFace, PlannedLight,
+    ShadowCache, ShadowFilter, ShadowLight, ShadowOptions, ShadowPlan, ShadowStats, ShadowViews,
+    light_reach,
 };
-use cull::{BoxChange, Hierarchy, LeafIndex, View};
+use cull::{BoxChange, BoxShadowVolumes, DepthConvention, Frustum, Hierarchy, LeafIndex, View};
 use glam::Vec3;
 use gpu::{
-    BufferSlice, Commands, DepthLayers, DepthTile, Device, Frame, Predicates, VolumeTexels,
-    VolumeTexture,
+    BufferSlice, Commands, DepthLayers, DepthTile, Device, Frame, Optional, Predicates,
+    RenderTarget, Tick, VolumeTexels, VolumeTexture,
 };
+use occlusion::BoxVolumePass;
 use scene::LightId;
 
 use crate::error::Error;
-use crate::passes::{CasterIo, CasterPass};
+use crate::passes::CasterPass;
 use crate::resources::geometry::Geometry;
 use crate::shading::surfaces::LightTable;
 use crate::shadows::LightShadow;
+use crate::shadows::caster_culling::CasterCulling;
+use crate::shadows::culled_draws::{CasterGroup, CastersInView, CulledGroup};
 use crate::shadows::records::{FaceRecord, LightRecord, ShadowIo, light_records};
+use crate::shadows::tile_draws::{CasterDraws, TileDraws, TileStart, begin_tile, caster_io};
 
 /// The side of the tile of disks, in pixels: neighbours filter with different ones.
 const DISKS_SIDE: u32 = 8;
-
-/// Bytes of an indirect draw.
-const DRAW_BYTES: u64 = size_of::<gpu::IndirectDraw>() as u64;
 
 /// The shadow maps of all lights.
 pub(crate) struct ShadowMaps {
@@ -48,6 +49,10 @@ pub(crate) struct ShadowMaps {
     views: u32,
     /// The view that is drawn next.
     view: u32,
+    /// The choice of casters, where options and device allow one.
+    culling: Option<CasterCulling>,
+    /// Triangles of the casters that are drawn whatever is visible.
+    triangles: u64,
     buffers: Option<[BufferSlice; 2]>,
     scratch: Scratch,
 }
@@ -64,13 +69,13 @@ struct Scratch {
     casters: Vec<LeafIndex>,
 }
 
-/// The part of the work for a map that is drawn to one image.
-#[derive(Clone)]
-enum TileDraws {
-    /// On a cleared tile.
-    Afresh(Range<usize>),
-    /// On what is there.
-    OnTop(Range<usize>),
+/// The readers of the maps of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MapUses {
+    /// The shading of the frame's views alone, each with its finished depth.
+    ShadedView,
+    /// Also images from elsewhere, such as debug views.
+    Anywhere,
 }
 
 impl ShadowMaps {
@@ -78,7 +83,11 @@ impl ShadowMaps {
     ///
     /// # Errors
     /// A side beyond the device's limits, no memory, a failed call.
-    pub(crate) fn new(device: &Device, options: ShadowOptions) -> Result<Self, Error> {
+    pub(crate) fn new(
+        device: &Device,
+        options: ShadowOptions,
+        frames_in_flight: usize,
+    ) -> Result<Self, Error> {
         let JitterTexture { side, depth, texels } = JitterTexture::new(DISKS_SIDE);
         let limit = device.adapter().limits.max_image_array_layers;
         if options.layers_max > limit {
@@ -86,7 +95,12 @@ impl ShadowMaps {
             let (wanted, limit) = (options.layers_max.into(), limit.into());
             return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
         }
+        let can_cull = options.culling == CullingOption::Culled
+            && device.capabilities().has(Optional::FragmentStores);
+        let culling = can_cull.then(|| CasterCulling::new(device, frames_in_flight));
         Ok(Self {
+            culling: culling.transpose()?,
+            triangles: 0,
             device: device.clone(),
             options,
             cache: ShadowCache::new(options),
@@ -110,7 +124,16 @@ impl ShadowMaps {
 
     /// Returns the counts of the newest plan.
     pub(crate) fn stats(&self) -> ShadowStats {
-        self.plan.stats()
+        let [drawn, revealed_triangles] =
+            self.culling.as_ref().map(CasterCulling::triangles).unwrap_or_default();
+        ShadowStats { triangles: self.triangles + drawn, revealed_triangles, ..self.plan.stats() }
+    }
+
+    /// Changes the number of frames in flight.
+    pub(crate) fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
+        if let Some(culling) = &mut self.culling {
+            culling.set_frames_in_flight(frames_in_flight);
+        }
     }
 
     /// Draws all maps again in the next frame: casters changed and their boxes did not.
@@ -120,13 +143,17 @@ impl ShadowMaps {
 
     /// Plans the maps for the views of a frame. Where there is no memory for more of them, lights
     /// get smaller ones, at last none.
+    ///
+    /// # Errors
+    /// A lost device.
     pub(crate) fn plan(
         &mut self,
-        table: &LightTable,
-        own: &HashMap<LightId, LightShadow>,
-        hierarchy: &Hierarchy,
+        (table, own): (&LightTable, &HashMap<LightId, LightShadow>),
+        scene: &CastersInView<'_>,
         views: &[View],
-    ) {
+        uses: MapUses,
+    ) -> Result<(), Error> {
+        let hierarchy = scene.hierarchy;
         let Scratch { changes, eyes, casters: sorted, .. } = &mut self.scratch;
         let of_lights = (&mut self.lights, &mut self.places);
         super::light_shadow::list(table, (&self.options, own), of_lights.0, of_lights.1);
@@ -140,7 +167,10 @@ impl ShadowMaps {
         eyes.extend(views.iter().map(|view| view.rays.origin));
         let casters = Casters { hierarchy, changes: are_known.then_some(&changes[..]) };
         let sub_pixel_bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        let eyes = ShadowViews { eyes, sub_pixel_bits };
+        let can_cull_casters = self.culling.is_some()
+            && uses == MapUses::ShadedView
+            && matches!(views, [view] if view.depth == DepthConvention::Reversed);
+        let eyes = ShadowViews { eyes, sub_pixel_bits, can_cull_casters };
         self.views = views.len() as u32;
         self.cache.plan(&self.lights, &casters, &eyes, &mut self.plan);
         let side = self.options.layer_side();
@@ -169,6 +199,16 @@ impl ShadowMaps {
         }
         sorted.clone_from(&self.plan.casters);
         sorted.sort_unstable();
+        if let Some(culling) = &mut self.culling {
+            culling.collect(self.device.completed()?, hierarchy);
+            culling.begin();
+            for planned in &self.plan.lights {
+                let light = self.lights.iter().find(|light| light.id == planned.light);
+                let Some(light) = light else { continue };
+                plan_casters(culling, (&self.plan, planned), (light, scene), self.options.filter);
+            }
+        }
+        Ok(())
     }
 
     /// Returns true if the plan draws a leaf to some map.
@@ -200,15 +240,28 @@ impl ShadowMaps {
         let uploads = frame.uploads();
         self.buffers = Some([uploads.push(&scratch.records)?, uploads.push(&scratch.faces)?]);
         self.view = 0;
-        let draw = |leaf: &LeafIndex| {
+        let draw_of = |leaf: &LeafIndex| {
             let object = hierarchy.leaf_objects().get(leaf.0 as usize);
             object.map(|object| geometry.caster_draw(*object, *leaf)).unwrap_or_default()
         };
-        let draws = uploads.push_iter(self.plan.casters.iter().map(draw))?;
+        let mut triangles = 0;
+        let draw = |leaf: &LeafIndex| {
+            let draw = draw_of(leaf);
+            triangles += u64::from(draw.index_count / 3);
+            draw
+        };
+        let ShadowStats { drawn_faces, culled_faces, .. } = self.plan.stats();
+        // Those of culled maps are written by their tests' numbers.
+        let casters = if drawn_faces == culled_faces { &[][..] } else { &self.plan.casters[..] };
+        let draws = uploads.push_iter(casters.iter().map(draw))?;
+        self.triangles = triangles;
+        if let Some(culling) = &mut self.culling {
+            culling.upload(frame, draw_of)?;
+        }
         self.uses_resting = self.plan.has_layers();
         let commands = frame.commands();
         let casters = CasterDraws { geometry, pass, predicates, draws };
-        if self.plan.stats().drawn_faces == 0 {
+        if drawn_faces == culled_faces {
             self.maps.prepare(commands);
             return Ok(());
         }
@@ -235,10 +288,61 @@ impl ShadowMaps {
             maps.copy_from(commands, resting, &scratch.tiles);
         }
         casters.draw(commands, maps, &plan.faces, |work| match work {
-            FaceWork::Keep => None,
+            FaceWork::Keep | FaceWork::Cull(_) => None,
             FaceWork::Draw(all) => Some(TileDraws::Afresh(all.clone())),
             FaceWork::Layered { moving, .. } => Some(TileDraws::OnTop(moving.clone())),
         });
+    }
+
+    /// Returns true if some maps of the newest frame are still to be drawn, with casters that tests
+    /// against the finished depth decide about.
+    pub(crate) fn has_culled(&self) -> bool {
+        self.culling.as_ref().is_some_and(|culling| !culling.groups().is_empty())
+    }
+
+    /// Draws the maps whose casters are culled, once `target` holds the finished depth of the view.
+    pub(crate) fn record_culled(
+        &mut self,
+        commands: &Commands,
+        geometry: &Geometry,
+        (tests, casters): (&BoxVolumePass, &CasterPass),
+        (target, view): (RenderTarget, &View),
+    ) {
+        let Some(culling) = self.culling.as_ref().filter(|it| !it.groups().is_empty()) else {
+            return;
+        };
+        commands.pass("test shadows", |commands| {
+            commands.rendering(target, |commands| culling.test(commands, tests, view));
+        });
+        commands.pass("resolve shadow tests", |commands| culling.resolve(commands));
+        let Some(io) = caster_io(geometry) else { return };
+        let faces = &self.plan.faces;
+        commands.pass("culled shadow maps", |commands| {
+            self.maps.draw(commands, |commands, layers| {
+                for layer in 0..layers.layers() {
+                    let planned = |it: &CulledGroup| {
+                        faces.get(it.number).filter(|face| face.tile.layer == layer)
+                    };
+                    let mut here = culling
+                        .groups()
+                        .iter()
+                        .filter_map(|it| Some((it, planned(it)?)))
+                        .peekable();
+                    let (Some(target), true) = (layers.target(layer), here.peek().is_some()) else {
+                        continue;
+                    };
+                    commands.rendering(target, |commands| {
+                        casters.bind(commands, &io);
+                        for (culled, face) in here {
+                            begin_tile(commands, face, TileStart::Cleared);
+                            casters.set_view(commands, &io, &face.face.view);
+                            culling.draw(commands, culled);
+                        }
+                    });
+                }
+            });
+        });
+        culling.read_back(commands);
     }
 
     /// Selects the view whose draws follow, by its number in the frame.
@@ -260,8 +364,11 @@ impl ShadowMaps {
     }
 
     /// Notes that the frame of the last plan was submitted.
-    pub(crate) fn submitted(&mut self) {
+    pub(crate) fn submitted(&mut self, tick: Tick) {
         self.cache.submitted();
+        if let Some(culling) = &mut self.culling {
+            culling.submitted(tick);
+        }
         self.maps.submitted();
         // What a frame before recorded, and was never submitted, stays undefined.
         if let Some(resting) = self.resting.as_mut().filter(|_| self.uses_resting) {
@@ -270,72 +377,28 @@ impl ShadowMaps {
     }
 }
 
-/// The draws of the casters of all maps of a frame.
-struct CasterDraws<'a> {
-    geometry: &'a Geometry,
-    pass: &'a CasterPass,
-    predicates: &'a Predicates,
-    /// One indirect command per caster of the plan.
-    draws: BufferSlice,
-}
-
-impl CasterDraws<'_> {
-    /// Draws what `part` names of each face, in one rendering per layer.
-    fn draw(
-        &self,
-        commands: &Commands,
-        layers: &mut DepthLayers,
-        faces: &[PlannedFace],
-        part: impl Fn(&FaceWork) -> Option<TileDraws>,
-    ) {
-        let Some(surfaces) = self.geometry.surfaces.as_ref() else { return };
-        let io = CasterIo {
-            vertices: self.geometry.vertices.whole(),
-            indices: self.geometry.indices.whole(),
-            instances: self.geometry.instances.whole(),
-            surfaces,
-        };
-        layers.draw(commands, |commands, layers| {
-            for layer in 0..layers.layers() {
-                let is_here = |face: &&PlannedFace| face.tile.layer == layer;
-                let mut work = faces
-                    .iter()
-                    .filter(is_here)
-                    .filter_map(|face| Some((face, part(&face.work)?)))
-                    .peekable();
-                let (Some(target), true) = (layers.target(layer), work.peek().is_some()) else {
-                    continue;
-                };
-                commands.rendering(target, |commands| {
-                    self.pass.bind(commands, &io);
-                    work.for_each(|(face, part)| self.draw_face(commands, &io, face, part));
-                });
-            }
-        });
-    }
-
-    fn draw_face(
-        &self,
-        commands: &Commands,
-        io: &CasterIo<'_>,
-        face: &PlannedFace,
-        part: TileDraws,
-    ) {
-        let (origin, size) = (face.tile.origin, [face.tile.side; 2]);
-        commands.set_viewport(&gpu::Viewport::covering(origin, size));
-        let casters = match part {
-            TileDraws::Afresh(casters) => {
-                commands.clear_depth(origin, size, 0.0);
-                casters
-            }
-            TileDraws::OnTop(casters) => casters,
-        };
-        if casters.is_empty() {
-            return;
+/// Plans the casters of those maps of a light that are culled.
+fn plan_casters(
+    culling: &mut CasterCulling,
+    (plan, planned): (&ShadowPlan, &PlannedLight),
+    (light, scene): (&ShadowLight, &CastersInView<'_>),
+    filter: ShadowFilter,
+) {
+    let faces =
+        || (planned.faces.start..).zip(plan.faces.get(planned.faces.clone()).unwrap_or(&[]));
+    let group = |(number, face): (usize, &PlannedFace)| match &face.work {
+        FaceWork::Cull(casters) => {
+            Some(CasterGroup { number, casters: plan.casters.get(casters.clone())? })
         }
-        self.pass.set_view(commands, io, &face.face.view);
-        let (first, count) = (casters.start as u64, casters.len() as u64);
-        let draws = self.draws.part(first * DRAW_BYTES, count * DRAW_BYTES);
-        self.predicates.draw_after_counted(commands, draws);
+        FaceWork::Keep | FaceWork::Draw(_) | FaceWork::Layered { .. } => None,
+    };
+    let groups: Vec<CasterGroup<'_>> = faces().filter_map(group).collect();
+    if groups.is_empty() {
+        return;
     }
+    let culled = || faces().filter(|face| group(*face).is_some()).map(|(_, face)| &face.face);
+    let frusta: Vec<Frustum> = culled().map(|face| face.view.frustum).collect();
+    let reach = light_reach(light, culled(), filter);
+    let volumes = BoxShadowVolumes::new(scene.view, reach, scene.receivers, &frusta);
+    culling.plan(light.id, (scene, &volumes), &groups);
 }

@@ -127,8 +127,10 @@ pub struct MeasuredRun {
     pub filter: Option<String>,
     /// Shadow maps that were drawn per frame.
     pub shadow_faces: Option<u64>,
-    /// Casters that were drawn into them.
+    /// Casters in them, culled or not.
     pub shadow_casters: Option<u64>,
+    /// Triangles of casters that were drawn.
+    pub shadow_triangles: Option<u64>,
     /// The mean difference of a channel from the same image with 64 samples everywhere, of 255.
     pub fixed64_difference_mean: Option<f64>,
     /// The greatest such difference.

@@ -1,10 +1,12 @@
-//! Tables about lights and shadows: filters, the cache of maps, and the number of lights.
+//! Tables about lights and shadows: filters, the cache of maps, the culling of casters, and the
+//! number of lights.
 
 use super::input::{Measured, MeasuredRun};
 use crate::statistics::ratio;
 
-/// The label of the pass that draws shadow maps.
-const MAPS_PASS: &str = "shadow maps";
+/// The labels of the passes that draw shadow maps.
+const MAPS_PASSES: [&str; 4] =
+    ["shadow maps", "test shadows", "resolve shadow tests", "culled shadow maps"];
 
 /// The filter that others are compared with.
 const FIXED: &str = "fixed64";
@@ -19,7 +21,7 @@ pub fn tables(reports: &[Measured]) -> Option<String> {
         "# Shadows\n\n{} ({}), {width}x{height}; times in milliseconds are medians.\n",
         device.name, device.driver
     );
-    let parts = [filters(&lit), cache(&lit), lights(&lit)];
+    let parts = [filters(&lit), cache(&lit), culling(&lit), lights(&lit)];
     Some(parts.into_iter().flatten().fold(head, |text, part| text + "\n" + &part))
 }
 
@@ -113,6 +115,40 @@ fn cache(reports: &[&Measured]) -> Option<String> {
     table("Cached maps and maps drawn afresh", &columns, rows)
 }
 
+/// Returns the runs with the casters that matter beside those with all casters, nothing kept.
+fn culling(reports: &[&Measured]) -> Option<String> {
+    let mut rows = Vec::new();
+    for report in reports {
+        let culled =
+            report.runs.iter().filter(|run| run.shadows.as_deref() == Some("maps_uncached"));
+        for run in culled {
+            let has_all = |other: &&MeasuredRun| {
+                other.shadows.as_deref() == Some("maps_unculled")
+                    && (&other.strategy, &other.filter) == (&run.strategy, &run.filter)
+            };
+            let Some(all) = report.runs.iter().find(has_all) else { continue };
+            let triangles = |run: &MeasuredRun| run.shadow_triangles.map(|it| it as f64);
+            rows.push(vec![
+                place(report),
+                format!("{} / {}", number(triangles(run), 0), number(triangles(all), 0)),
+                number(ratio(triangles(all), triangles(run)), 1),
+                format!("{} / {}", number(maps_ms(run), 2), number(maps_ms(all), 2)),
+                number(ratio(maps_ms(all), maps_ms(run)), 2),
+                number(ratio(all.frame_ms.median, run.frame_ms.median), 2),
+            ]);
+        }
+    }
+    let columns = [
+        "scene",
+        "triangles of casters, culled / all",
+        "times as few",
+        "GPU ms of the maps",
+        "times as fast",
+        "whole frame, times as fast",
+    ];
+    table("Culled casters and all casters, in maps drawn afresh", &columns, rows)
+}
+
 /// Returns the runs with street lamps by their number.
 fn lights(reports: &[&Measured]) -> Option<String> {
     let mut numbered: Vec<(u32, &Measured)> = Vec::new();
@@ -154,9 +190,11 @@ fn has_maps(run: &MeasuredRun) -> bool {
     run.shadows.as_deref().is_some_and(|shadows| shadows.starts_with("maps"))
 }
 
-/// Returns the GPU time of drawing shadow maps per frame, if passes were timed.
+/// Returns the GPU time of drawing shadow maps per frame, tests of casters included, if passes were
+/// timed.
 fn maps_ms(run: &MeasuredRun) -> Option<f64> {
-    run.passes_ms.get(MAPS_PASS)?.median
+    let times = MAPS_PASSES.iter().filter_map(|pass| run.passes_ms.get(*pass)?.median);
+    times.reduce(|sum, time| sum + time)
 }
 
 fn number(value: Option<f64>, digits: usize) -> String {
@@ -187,6 +225,7 @@ mod tests {
             "strategy": "antumbra", "shadows": shadows, "filter": filter,
             "frame_ms": summary(frame_ms), "cpu_ms": summary(1.0),
             "shadow_faces": 4, "shadow_casters": 200,
+            "shadow_triangles": if shadows == "maps_unculled" { 9000 } else { 1500 },
             "fixed64_difference_mean": 0.25, "fixed64_difference_max": 9,
             "passes_ms": {"shadow maps": summary(maps_ms)},
         })
@@ -213,13 +252,21 @@ mod tests {
                     run("maps", "fixed64", 15.0, 1.0),
                 ],
             ),
-            report("sun", &[run("maps", "pcf3", 4.0, 0.5), run("maps_uncached", "pcf3", 8.0, 4.0)]),
+            report(
+                "sun",
+                &[
+                    run("maps", "pcf3", 4.0, 0.5),
+                    run("maps_uncached", "pcf3", 8.0, 4.0),
+                    run("maps_unculled", "pcf3", 12.0, 6.0),
+                ],
+            ),
         ];
         let text = tables(&reports).unwrap();
         for expected in [
             "gpu (driver 1), 640x360",
             "| city of 100, street, 8 lamps | adaptive | 5.00 | 3.00 | 4.00 | 3.50 | 0.250 | 9 |",
             "| city of 100, street, sun | 1 % | 4 / 4 | 200 / 200 | 0.50 / 4.00 | 8.0 | 2.00 |",
+            "| city of 100, street, sun | 1500 / 9000 | 6.0 | 4.00 / 6.00 | 1.50 | 1.50 |",
         ] {
             assert!(text.contains(expected), "{expected}\n{text}");
         }

@@ -20,6 +20,7 @@ fn run(strategy: Strategy, frame_ms: &[f64]) -> RunReport {
             queries: 2,
             shadow_faces: 0,
             shadow_casters: 0,
+            shadow_triangles: 0,
             predicated_draws: 1,
             nodes_visited: 9,
             untested_by_cost: 4,
@@ -151,6 +152,7 @@ fn runs_with_shadows_say_which_and_have_ratios_by_them() {
     let run = &json["runs"][1];
     assert_eq!([&run["shadows"], &run["filter"]], ["maps", "adaptive"]);
     assert_eq!((&run["shadow_faces"], &run["shadow_casters"]), (&json!(4), &json!(0)));
+    assert_eq!(run["shadow_triangles"], json!(0));
     assert_eq!(json["ratios"]["antumbra maps pcf3/antumbra maps adaptive"], 1.0);
     report.runs.truncate(1);
     assert_eq!(labels(&report.runs), ["antumbra"], "one way needs no name");

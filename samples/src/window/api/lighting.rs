@@ -1,6 +1,6 @@
 //! The hour of the day and the shadows of a session.
 
-use antumbra::shadows::{ShadowCaching, ShadowFilter, ShadowMethod};
+use antumbra::shadows::{CasterCulling, ShadowCaching, ShadowFilter, ShadowMethod};
 
 use crate::window::loaded_scene::show_hour;
 use crate::window::page_text::{Facts, fact};
@@ -40,10 +40,11 @@ impl Session {
     /// Returns the shadows as they are drawn.
     fn shadows(&self) -> ShadowChoice {
         let options = self.renderer.shadows();
-        let way = match (options.method, options.caching) {
-            (ShadowMethod::Off, _) => ShadowWay::Off,
-            (ShadowMethod::Maps, ShadowCaching::Cached) => ShadowWay::Maps,
-            (ShadowMethod::Maps, ShadowCaching::Uncached) => ShadowWay::MapsUncached,
+        let way = match (options.method, options.caching, options.culling) {
+            (ShadowMethod::Off, ..) => ShadowWay::Off,
+            (ShadowMethod::Maps, ShadowCaching::Cached, _) => ShadowWay::Maps,
+            (ShadowMethod::Maps, _, CasterCulling::Culled) => ShadowWay::MapsUncached,
+            (ShadowMethod::Maps, _, CasterCulling::Unculled) => ShadowWay::MapsUnculled,
         };
         ShadowChoice { way, filter: options.filter }
     }
@@ -81,7 +82,11 @@ impl Session {
                 fact("shadows", text(choice)),
                 fact("lights with shadows", stats.lights.to_string()),
                 fact("shadow maps drawn", format!("{} of {}", stats.drawn_faces, stats.faces)),
-                fact("casters drawn", stats.casters.to_string()),
+                fact("casters in them", stats.casters.to_string()),
+                fact(
+                    "triangles of casters",
+                    (stats.triangles + stats.revealed_triangles).to_string(),
+                ),
             ]
         });
         let facts: Facts = hour.into_iter().chain(shadows.into_iter().flatten()).collect();
@@ -108,8 +113,8 @@ mod tests {
 
     #[test]
     fn keys_go_through_all_choices() {
-        let ways = [0, 1, 2].map(|step| next(&ShadowWay::ALL, ShadowWay::ALL[step]).name());
-        assert_eq!(ways, ["maps", "maps_uncached", "off"]);
+        let ways = [0, 1, 2, 3].map(|step| next(&ShadowWay::ALL, ShadowWay::ALL[step]).name());
+        assert_eq!(ways, ["maps", "maps_uncached", "maps_unculled", "off"]);
         let mut filter = ShadowFilter::Single;
         for _ in ShadowFilter::ALL {
             filter = next(&ShadowFilter::ALL, filter);

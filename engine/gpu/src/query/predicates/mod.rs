@@ -38,7 +38,8 @@ use predicate_list::PredicateList;
 const DRAW_USAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::from_raw(
     vk::BufferUsageFlags::INDIRECT_BUFFER.as_raw()
         | vk::BufferUsageFlags::STORAGE_BUFFER.as_raw()
-        | vk::BufferUsageFlags::TRANSFER_SRC.as_raw(),
+        | vk::BufferUsageFlags::TRANSFER_SRC.as_raw()
+        | vk::BufferUsageFlags::TRANSFER_DST.as_raw(),
 );
 
 /// The specialisation constant of shaders whose draws are linked; mirrors `draw_link.glsl`.
@@ -101,6 +102,22 @@ impl Predicates {
         Self::over(device, predication, (draws, Some(links)), frames_in_flight)
     }
 
+    /// Prepares `predication` (if `None`, the device's best for so many) for `count` draws of one
+    /// instance each, undefined until they are written.
+    ///
+    /// # Errors
+    /// As for [`Predicates::new`].
+    pub fn unlinked(
+        device: &Device,
+        predication: Option<Predication>,
+        count: u32,
+        frames_in_flight: usize,
+    ) -> Result<Self, Error> {
+        let predication = Predication::choose(device, predication, count.into(), 0)?;
+        let draws = (draw_buffer(device, count)?, None);
+        Self::over(device, predication, draws, frames_in_flight)
+    }
+
     fn over(
         device: &Device,
         predication: Predication,
@@ -140,14 +157,18 @@ impl Predicates {
         })
     }
 
-    /// Makes room for `count` linked draws. All of them are undefined then.
+    /// Makes room for `count` draws, linked or not as before. All of them are undefined then.
     ///
     /// # Errors
     /// [`Error::TooLarge`] for more draws than `predication` counts; no memory; a failed call.
     pub fn grow(&mut self, count: u32) -> Result<(), Error> {
         Predication::choose(&self.device, Some(self.predication), count.into(), 0)?;
-        let [draws, links] = linked_buffers(&self.device, count)?;
-        (self.draws, self.links) = (draws, Some(links));
+        if self.links.is_some() {
+            let [draws, links] = linked_buffers(&self.device, count)?;
+            (self.draws, self.links) = (draws, Some(links));
+        } else {
+            self.draws = draw_buffer(&self.device, count)?;
+        }
         Ok(())
     }
 
@@ -447,19 +468,23 @@ impl Predicates {
 
 /// Returns the buffers of so many linked draws.
 fn linked_buffers(device: &Device, count: u32) -> Result<[Buffer; 2], Error> {
+    let links = u64::from(count) * size_of::<DrawLink>() as u64;
+    let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+    Ok([
+        draw_buffer(device, count)?,
+        Buffer::new(device, "draw links", links, usage, MemoryKind::Device)?,
+    ])
+}
+
+/// Returns the buffer of so many draws.
+fn draw_buffer(device: &Device, count: u32) -> Result<Buffer, Error> {
     let (wanted, limit) = (u64::from(count) * DRAW_BYTES, device.adapter().limits);
     let limit = u64::from(limit.max_storage_buffer_range);
     if wanted > limit {
         let what = "the bytes of all draws".to_owned();
         return Err(Error::TooLarge { what, wanted, limit });
     }
-    let buffer = |name, bytes: u64, usage| {
-        Buffer::new(device, name, u64::from(count) * bytes, usage, MemoryKind::Device)
-    };
-    Ok([
-        buffer("indirect draws", DRAW_BYTES, DRAW_USAGE)?,
-        buffer("draw links", size_of::<DrawLink>() as u64, vk::BufferUsageFlags::STORAGE_BUFFER)?,
-    ])
+    Buffer::new(device, "indirect draws", wanted, DRAW_USAGE, MemoryKind::Device)
 }
 
 /// Returns the number of storage buffers of the compute shader: results, decisions, counts or

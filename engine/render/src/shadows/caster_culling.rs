@@ -1,0 +1,255 @@
+//! The choice of casters for maps that change in every frame: those whose shadow volumes show.
+//!
+//! ```text
+//! plan     per light, by a history of its own: casters to draw, and boxes to test
+//! upload   the draws: per map what is drawn, then what each test decides
+//! test     the shadow volumes of the boxes, against the finished depth of the view
+//! draw     the maps, each range under its predicate
+//! ```
+//!
+//! A local light with few casters has one test: of the box around all that it lights.
+
+use std::collections::HashMap;
+
+use ::shadows::ShadowLightId;
+use cull::{
+    BoxShadowVolumes, CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, LeafIndex, MultiView,
+    PendingTest, ResultReader, Strategy, TesterSupport, View,
+};
+use gpu::{
+    Access, Commands, Device, FlagRing, Frame, IndirectDraw, MemoryBarrier, Predicates,
+    ResultSource, Tick,
+};
+use occlusion::{BoxVolumeIo, BoxVolumePass};
+
+use crate::error::Error;
+use crate::shadows::culled_draws::{
+    CasterGroup, CastersInView, CulledDraws, CulledGroup, TestedCasters, TestedLight,
+};
+
+/// The most casters that a local light's one test decides about.
+const FEW_CASTERS: usize = 64;
+
+/// The most lights with a history. Others draw all of their casters.
+const HISTORIES_MAX: usize = 16;
+
+/// The frames after its last use in which a history is kept.
+const KEPT_FRAMES: u64 = 64;
+
+/// The most boxes that a light tests in a frame.
+const TESTS_MAX: usize = 1024;
+
+/// Bytes of an indirect draw.
+const DRAW_BYTES: u64 = size_of::<gpu::IndirectDraw>() as u64;
+
+/// The casters of the maps of one frame that are culled, and what is known of them.
+pub(super) struct CasterCulling {
+    device: Device,
+    histories: HashMap<ShadowLightId, LightHistory>,
+    frame: u64,
+    flags: FlagRing<PendingTest<TestedCasters>>,
+    reader: ResultReader<TestedCasters>,
+    predicates: Predicates,
+    capacity: u32,
+    draws: CulledDraws,
+    revealed_triangles: u64,
+    io: Option<BoxVolumeIo>,
+}
+
+/// A light's casters, as one view saw their shadows.
+struct LightHistory {
+    culler: Culler,
+    plan: FramePlan,
+    used: u64,
+}
+
+impl CasterCulling {
+    /// Creates an empty history for every light.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub(super) fn new(device: &Device, frames_in_flight: usize) -> Result<Self, Error> {
+        let source = ResultSource::Fragments;
+        let capacity = 1024;
+        Ok(Self {
+            device: device.clone(),
+            histories: HashMap::new(),
+            frame: 0,
+            flags: FlagRing::new(device, frames_in_flight, source, "shadow flags"),
+            reader: ResultReader::default(),
+            predicates: Predicates::unlinked(device, None, capacity, frames_in_flight)?,
+            capacity,
+            draws: CulledDraws::default(),
+            revealed_triangles: 0,
+            io: None,
+        })
+    }
+
+    /// Changes the number of frames in flight. Tests on their way have no result then.
+    pub(super) fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
+        let source = ResultSource::Fragments;
+        self.flags = FlagRing::new(&self.device, frames_in_flight, source, "shadow flags");
+        self.predicates.set_frames_in_flight(frames_in_flight);
+    }
+
+    /// Returns the groups to draw.
+    pub(super) fn groups(&self) -> &[CulledGroup] {
+        &self.draws.groups
+    }
+
+    /// Returns the triangles of casters that are drawn in any case, and of those that tests of the
+    /// newest frame with results revealed.
+    pub(super) fn triangles(&self) -> [u64; 2] {
+        [self.draws.triangles, self.revealed_triangles]
+    }
+
+    /// Reads the results of frames that are over.
+    pub(super) fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy) {
+        let Self { flags, reader, histories, revealed_triangles, .. } = self;
+        reader.clear();
+        flags.collect(completed, |tests, values| {
+            reader.read_flags(tests, values);
+            let shown = tests.iter().zip(values).filter(|(_, value)| **value != 0);
+            *revealed_triangles = shown.map(|(test, _)| u64::from(test.contents.triangles)).sum();
+        });
+        reader.finish();
+        for (light, history) in histories {
+            let of_light = reader.results().iter().filter(|it| it.contents.light == Some(*light));
+            history.culler.ingest(hierarchy, of_light.map(|result| result.answer));
+        }
+    }
+
+    /// Begins the plan of a frame.
+    pub(super) fn begin(&mut self) {
+        self.frame += 1;
+        self.draws.clear();
+        let frame = self.frame;
+        self.histories.retain(|_, history| history.used + KEPT_FRAMES > frame);
+    }
+
+    /// Plans groups of casters of a light.
+    pub(super) fn plan(
+        &mut self,
+        light: ShadowLightId,
+        (scene, volumes): (&CastersInView<'_>, &BoxShadowVolumes<'_>),
+        groups: &[CasterGroup<'_>],
+    ) {
+        let casters = groups.iter().map(|group| group.casters.len()).sum::<usize>();
+        let is_local = volumes.light().light.w != 0.0;
+        let has_room = self.histories.len() < HISTORIES_MAX || self.histories.contains_key(&light);
+        if casters == 0 {
+            self.draws.add_untested(scene, groups);
+        } else if is_local && (casters <= FEW_CASTERS || !has_room) {
+            self.draws.add_light(scene, volumes, groups);
+        } else if has_room {
+            let history = self.histories.entry(light).or_insert_with(LightHistory::new);
+            history.used = self.frame;
+            history.plan(scene, volumes);
+            self.draws.add_nodes(light, &history.plan, (scene, volumes), groups);
+        } else {
+            self.draws.add_untested(scene, groups);
+        }
+    }
+
+    /// Writes the plan into the memory of a frame; `draw` draws a caster.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub(super) fn upload(
+        &mut self,
+        frame: &mut Frame<'_>,
+        draw: impl Fn(&LeafIndex) -> IndirectDraw,
+    ) -> Result<(), Error> {
+        self.io = None;
+        let CulledDraws { leaves, boxes, tags, decided, .. } = &self.draws;
+        self.flags.begin(frame, tags.iter().copied())?;
+        if self.draws.groups.is_empty() {
+            return Ok(());
+        }
+        let count = leaves.len() as u32;
+        if count > self.capacity {
+            self.capacity = count.next_power_of_two();
+            self.predicates.grow(self.capacity)?;
+        }
+        let flags = self.flags.results();
+        for source in ResultSource::ALL {
+            let (results, decided) = match source {
+                ResultSource::Fragments => (flags, &decided[..]),
+                ResultSource::Queries | ResultSource::Compute => (None, &[][..]),
+            };
+            self.predicates.begin(frame, source, results, decided.iter().copied())?;
+        }
+        let uploads = frame.uploads();
+        let draws = uploads.push_iter(leaves.iter().map(draw))?;
+        let boxes = uploads.push(boxes)?;
+        self.io = flags.map(|flags| BoxVolumeIo { boxes, flags });
+        // The frame before may still draw and decide.
+        let uses = [Access::IndirectRead, Access::ComputeRead, Access::ComputeWrite];
+        let commands = frame.commands();
+        commands.barrier(MemoryBarrier::between(&uses, &[Access::CopyWrite]));
+        commands.copy_buffer(draws, self.predicates.draws());
+        let reset = [
+            Access::IndirectRead,
+            Access::ComputeRead,
+            Access::ComputeWrite,
+            Access::FragmentWrite,
+        ];
+        commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
+        Ok(())
+    }
+
+    /// Tests the boxes against the depth that is being rendered to.
+    pub(super) fn test(&self, commands: &Commands, pass: &BoxVolumePass, view: &View) {
+        let Some(io) = &self.io else { return };
+        commands.set_viewport(&gpu::Viewport::covering(view.origin, view.size));
+        for TestedLight { light, tests } in &self.draws.lights {
+            pass.draw(commands, io, (view, *light), tests.clone());
+        }
+    }
+
+    /// Turns the results into decisions. Outside of rendering.
+    pub(super) fn resolve(&self, commands: &Commands) {
+        let decisions = 0..self.draws.decided.len() as u32;
+        self.predicates.resolve(commands, &[(ResultSource::Fragments, decisions)], 0);
+    }
+
+    /// Draws the casters of a group.
+    pub(super) fn draw(&self, commands: &Commands, group: &CulledGroup) {
+        let (first, count) = (u64::from(group.always.start), group.always.len() as u64);
+        if count > 0 {
+            let draws = self.predicates.draws().part(first * DRAW_BYTES, count * DRAW_BYTES);
+            self.predicates.draw_after_counted(commands, draws);
+        }
+        for decision in group.decisions.clone() {
+            self.predicates.draw(commands, ResultSource::Fragments, decision);
+        }
+    }
+
+    /// Copies the results to mapped memory: the last use in a frame.
+    pub(super) fn read_back(&self, commands: &Commands) {
+        self.flags.read_back(commands);
+    }
+
+    /// Notes that the frame of the last plan was submitted.
+    pub(super) fn submitted(&mut self, tick: Tick) {
+        self.flags.submitted(tick);
+    }
+}
+
+impl LightHistory {
+    fn new() -> Self {
+        let testers =
+            TesterSupport { flags: true, draw_phases: DrawPhases::Two, ..Default::default() };
+        Self {
+            culler: Culler::with_testers(CullConfig::default(), testers),
+            plan: FramePlan::default(),
+            used: 0,
+        }
+    }
+
+    fn plan(&mut self, scene: &CastersInView<'_>, volumes: &BoxShadowVolumes<'_>) {
+        let views = MultiView::of_shadows(scene.view, volumes);
+        let (hierarchy, plan) = (scene.hierarchy, &mut self.plan);
+        self.culler.plan(hierarchy, Strategy::ANTUMBRA_FLAGS, views, TESTS_MAX, plan);
+    }
+}

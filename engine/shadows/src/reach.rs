@@ -1,0 +1,57 @@
+//! The reach of shadows as culling sees it: how far the filters of maps look around.
+
+use cull::LightReach;
+
+use crate::face::Face;
+use crate::light::ShadowLight;
+use crate::options::ShadowFilter;
+
+/// The steepest slope that filters follow; mirrors `SLOPE_MAX` of `shadows.glsl`.
+const SLOPE_MAX: f32 = 32.0;
+
+/// The texels around a sample that it is compared with, and those that vertices may be moved by.
+const AROUND_TEXELS: f32 = 2.5;
+
+/// The texels' slopes by which a receiver is moved towards the light; mirrors `receiver_of` of
+/// `shadows.glsl`.
+const BIAS_TEXELS: f32 = 1.25;
+
+/// Slopes of local lights are along the face's axis, which may be this much longer than the ray.
+const LOCAL_SLOPE: f32 = 2.0;
+
+/// Returns the radius of the disk that a filter samples, in metres; 0 where that is a few texels.
+fn radius_m(filter: ShadowFilter, penumbra_m: f32) -> f32 {
+    match filter {
+        ShadowFilter::Single | ShadowFilter::Pcf3 => 0.0,
+        ShadowFilter::Fixed64
+        | ShadowFilter::Adaptive
+        | ShadowFilter::Pcss12
+        | ShadowFilter::Pcss64 => 0.5 * penumbra_m,
+    }
+}
+
+/// Returns the reach of a light whose shadows are looked up in these faces.
+#[must_use]
+pub fn light_reach<'a>(
+    light: &ShadowLight,
+    faces: impl Iterator<Item = &'a Face>,
+    filter: ShadowFilter,
+) -> LightReach {
+    let reach = light.shape.reach();
+    let far_m = reach.map_or(1.0, |(_, reach_m)| reach_m);
+    let (mut least_m, mut most_m) = (f32::INFINITY, 0.0_f32);
+    for face in faces {
+        let texel_m = 2.0 * face.view.rays.right.length() / face.view.size[0].max(1) as f32;
+        // Texels of local lights grow from nothing.
+        least_m = least_m.min(if reach.is_some() { 0.0 } else { texel_m });
+        most_m = most_m.max(texel_m * far_m);
+    }
+    let radius_m = radius_m(filter, light.penumbra_m);
+    let slope = if reach.is_some() { SLOPE_MAX * LOCAL_SLOPE } else { SLOPE_MAX };
+    LightReach {
+        light: light.shape.homogeneous(),
+        reach_m: reach.map_or(f32::INFINITY, |(_, reach_m)| reach_m),
+        spread_m: radius_m.max(most_m) + AROUND_TEXELS * most_m,
+        lead_m: slope * (radius_m - BIAS_TEXELS * least_m).max(0.0) + most_m,
+    }
+}
