@@ -79,6 +79,8 @@ pub struct ShadowCache {
     is_pending: bool,
     /// True if maps of the frame being planned may be drawn with some of their casters.
     culls: bool,
+    /// True if the maps of a light got another size since the last look for room.
+    has_changed: bool,
     faces: Vec<Face>,
 }
 
@@ -96,6 +98,7 @@ impl ShadowCache {
             frame: 0,
             is_pending: false,
             culls: false,
+            has_changed: false,
             faces: Vec::new(),
         }
     }
@@ -177,8 +180,8 @@ impl ShadowCache {
 
     /// Gives the tiles of lights and views back that are gone.
     fn release_unused(&mut self, lights: &[ShadowLight]) {
-        let Self { maps, tiles, sides, frame, .. } = self;
-        let mut has_more_room = false;
+        let Self { maps, tiles, sides, frame, has_changed, .. } = self;
+        let mut has_more_room = std::mem::take(has_changed);
         let mut there: Vec<ShadowLightId> = lights.iter().map(|light| light.id).collect();
         there.sort_unstable();
         maps.retain(|id, map| {
@@ -224,8 +227,10 @@ impl ShadowCache {
     ) -> Option<u32> {
         let options = self.options;
         let wanted = wanted_side(&light.shape, &options);
-        let known = self.sides.get(&light.id).filter(|[then, _]| *then == wanted);
-        let mut side = known.map_or(wanted, |[_, side]| *side);
+        let before = self.sides.get(&light.id).copied();
+        let known = before.filter(|[then, _]| *then == wanted);
+        self.has_changed |= before.is_some() && known.is_none();
+        let mut side = known.map_or(wanted, |[_, side]| side);
         while side >= MIN_SIDE {
             faces.clear();
             faces_of(light, (&options, side), around, |face| faces.push(face));
@@ -240,6 +245,8 @@ impl ShadowCache {
             side /= 2;
         }
         faces.clear();
+        // Until there is more room.
+        self.sides.insert(light.id, [wanted, 0]);
         None
     }
 

@@ -76,6 +76,8 @@ pub struct ShadowStats {
     pub culled_faces: u32,
     /// Casters in maps that are drawn, culled or not.
     pub casters: u32,
+    /// Tests that decide about culled casters.
+    pub tests: u32,
     /// Triangles of the casters that are drawn, as far as the plan decides.
     pub triangles: u64,
     /// Triangles of culled casters that the tests of the newest frame with results revealed.
@@ -85,7 +87,7 @@ pub struct ShadowStats {
 }
 
 impl ShadowPlan {
-    /// Returns the counts, without those of triangles: an executor knows them.
+    /// Returns the counts, without those of triangles and tests: an executor knows them.
     #[must_use]
     pub fn stats(&self) -> ShadowStats {
         let is_drawn = |face: &&PlannedFace| face.work != FaceWork::Keep;

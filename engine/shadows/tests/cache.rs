@@ -342,3 +342,34 @@ fn maps_of_a_light_that_keeps_moving_are_culled_and_whole_once_it_rests() {
     assert_eq!(work(5, true), [0, 6], "maps without all casters are not kept");
     assert_eq!(work(5, true), [0, 0]);
 }
+
+#[test]
+fn a_light_without_room_gets_maps_when_another_needs_less() {
+    let mut random = Random(3);
+    let world = World::new(&mut random);
+    let options = ShadowOptions {
+        layers_max: 1,
+        sun_side: 256,
+        spot_side: 512,
+        ..options(ShadowCaching::Cached)
+    };
+    let (mut cache, mut plan) = (ShadowCache::new(options), ShadowPlan::default());
+    let casters = Casters { hierarchy: &world.hierarchy, changes: Some(&[]) };
+    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, can_cull_casters: false };
+    let (position, direction) = (vec3(20.0, 4.0, 9.0), Vec3::NEG_Y);
+    let light = |id, shape| ShadowLight { id: ShadowLightId(id), shape, penumbra_m: 0.1 };
+    let spot = |id, outer_rad| {
+        light(id, LightShape::Spot { position, direction, outer_rad, reach_m: 5.0 })
+    };
+    let mut sides = |first: ShadowLight| {
+        cache.plan(&[first, spot(1, 0.5)], &casters, &eyes, &mut plan);
+        cache.submitted();
+        (plan.unshadowed_lights, plan.stats().drawn_faces)
+    };
+    // One map fills the layer.
+    assert_eq!(sides(spot(0, 0.5)), (1, 1));
+    assert_eq!(sides(spot(0, 0.5)), (1, 0), "the other does not try again");
+    // Six maps of 256 texels do not fit: it has smaller ones, and leaves room.
+    assert_eq!(sides(light(0, LightShape::Point { position, reach_m: 5.0 })).0, 1);
+    assert_eq!(sides(light(0, LightShape::Point { position, reach_m: 5.0 })).0, 0);
+}

@@ -158,5 +158,6 @@ impl FlareCounts {
             queries.submitted(tick);
         }
         self.is_asking = false;
+        self.histories.iter_mut().for_each(FlareHistory::submitted);
     }
 }

@@ -78,6 +78,8 @@ pub(super) struct FlareHistory {
     /// Counts that no frame has used yet, the oldest first.
     arrived: VecDeque<FlareSamples>,
     state: FlareState,
+    /// The brightness in the newest frame that was submitted.
+    shown: f32,
 }
 
 impl FlareHistory {
@@ -100,9 +102,14 @@ impl FlareHistory {
         let fresh = |it: &FlareSamples| it.age_frames <= delay_frames + TOO_OLD_FRAMES;
         let known = self.state.samples.filter(fresh);
         let wanted = known.map_or(0.0, |samples| samples.fraction() * samples.in_image());
-        let change = wanted - self.state.brightness;
-        self.state.brightness += change.clamp(-FADE_A_FRAME, FADE_A_FRAME);
+        let change = wanted - self.shown;
+        self.state.brightness = self.shown + change.clamp(-FADE_A_FRAME, FADE_A_FRAME);
         self.state
+    }
+
+    /// Notes that the newest frame was submitted: one that never is changes no brightness.
+    pub(super) fn submitted(&mut self) {
+        self.shown = self.state.brightness;
     }
 }
 
@@ -149,6 +156,7 @@ mod tests {
                     }
                 }
                 states.push(history.advance(FrameId(now), 2));
+                history.submitted();
             }
             states
         });
@@ -171,7 +179,10 @@ mod tests {
             if now < 20 {
                 history.take(counted(now, if now < 10 { 16 } else { 6 }));
             }
+            // A frame that is never submitted comes before each.
+            history.advance(FrameId(now), 1);
             let state = history.advance(FrameId(now), 1);
+            history.submitted();
             assert!((state.brightness - before).abs() <= FADE_A_FRAME, "{now}");
             before = state.brightness;
             seen.push(state.brightness);

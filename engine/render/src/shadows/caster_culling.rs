@@ -97,6 +97,11 @@ impl CasterCulling {
         &self.draws.groups
     }
 
+    /// Returns the number of tests.
+    pub(super) fn tests(&self) -> u32 {
+        self.draws.tags.len() as u32
+    }
+
     /// Returns the triangles of casters that are drawn in any case, and of those that tests of the
     /// newest frame with results revealed.
     pub(super) fn triangles(&self) -> [u64; 2] {

@@ -126,7 +126,9 @@ impl ShadowMaps {
     pub(crate) fn stats(&self) -> ShadowStats {
         let [drawn, revealed_triangles] =
             self.culling.as_ref().map(CasterCulling::triangles).unwrap_or_default();
-        ShadowStats { triangles: self.triangles + drawn, revealed_triangles, ..self.plan.stats() }
+        let tests = self.culling.as_ref().map_or(0, CasterCulling::tests);
+        let triangles = self.triangles + drawn;
+        ShadowStats { tests, triangles, revealed_triangles, ..self.plan.stats() }
     }
 
     /// Changes the number of frames in flight.

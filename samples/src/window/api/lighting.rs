@@ -83,6 +83,7 @@ impl Session {
                 fact("lights with shadows", stats.lights.to_string()),
                 fact("shadow maps drawn", format!("{} of {}", stats.drawn_faces, stats.faces)),
                 fact("casters in them", stats.casters.to_string()),
+                fact("tests of casters", stats.tests.to_string()),
                 fact(
                     "triangles of casters",
                     (stats.triangles + stats.revealed_triangles).to_string(),

@@ -8,7 +8,7 @@ use glam::{Quat, Vec3, vec3};
 use render::{DebugOverlay, Renderer, ViewState};
 use scene::{LightId, PunctualLight, Scene};
 use shadows::{CasterCulling, ShadowCaching, ShadowFilter, ShadowOptions, ShadowStats};
-use tests::{Driver, run, yard};
+use tests::{Driver, run, run_on_all, yard};
 
 use super::{image, renderer, shadows};
 
@@ -176,5 +176,33 @@ fn what_looks_from_elsewhere_sees_all_casters() {
         side.0.set_debug_overlay(boxes).unwrap();
         side.draw(1, Strategy::ANTUMBRA);
         assert_eq!(side.stats().culled_faces, 0);
+    });
+}
+
+#[test]
+fn a_light_that_shines_on_nothing_visible_costs_one_test_and_no_triangle() {
+    run_on_all(|device| {
+        let [.., hidden] = lights(0)[..] else { panic!("no light") };
+        let scene = yard::scene(&boxes(), &[hidden]);
+        let culled = options(ShadowCaching::Uncached, CasterCulling::Culled);
+        let mut renderer = renderer(device, &scene, culled);
+        let mut view = renderer.new_view().unwrap();
+        let away = Camera { forward: vec3(-1.0, 0.2, 0.0), ..camera(0) };
+        let mut draw = |camera| {
+            // The counts of a frame are read in the next but one.
+            for _ in 0..3 {
+                image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
+            }
+            renderer.shadow_stats()
+        };
+        let stats = draw(camera(0));
+        assert!(stats.casters > 10 && stats.culled_faces == 6, "{stats:?}");
+        assert_eq!((stats.tests, stats.triangles, stats.revealed_triangles), (1, 0, 0));
+        let stats = draw(away);
+        assert_eq!((stats.tests, stats.triangles, stats.revealed_triangles), (1, 0, 0));
+        // In its light.
+        let stats = draw(Camera { eye: hidden.position + 0.5, ..camera(0) });
+        assert_eq!((stats.tests, stats.revealed_triangles), (0, 0));
+        assert!(stats.triangles > 100, "{stats:?}");
     });
 }

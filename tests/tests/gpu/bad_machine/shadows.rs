@@ -1,0 +1,125 @@
+//! Shadow maps on machines that fail: a frame that is lost between its plan and its submit leaves
+//! them right, and where there is no memory for more maps lights get smaller ones.
+
+use cull::{Aabb, ObjectId, Strategy};
+use glam::{Affine3A, vec3};
+use gpu::{Device, DeviceOptions, Readback};
+use render::{Costs, FrameRequest, Renderer, RendererOptions, SpareRoom, ViewState};
+use scene::{LightId, ObjectChange, SceneUpdate};
+use shadows::{ShadowMethod, ShadowOptions, ShadowStats};
+use tests::machine::{Fault, Machine, calls};
+use tests::{Driver, instance_with, yard};
+
+use super::vk;
+
+const FRAMES: u32 = 8;
+
+fn renderer(device: &Device) -> Renderer {
+    let [sun, ..] = yard::lights();
+    let options = RendererOptions {
+        size: [64, 48],
+        costs: Costs::Ignored,
+        spare: SpareRoom { lights: 4, ..SpareRoom::default() },
+        shadows: ShadowOptions {
+            method: ShadowMethod::Maps,
+            sun_side: 256,
+            spot_side: 256,
+            point_side: 128,
+            layers_max: 16,
+            ..ShadowOptions::default()
+        },
+        ..RendererOptions::default()
+    };
+    Renderer::new(device, &yard::scene(&yard::boxes(), &[sun]), &options).unwrap()
+}
+
+/// Changes the scene of a frame: two boxes move, at first and again; lights come, one of which
+/// moves.
+fn change(renderer: &mut Renderer, frame: u32) {
+    let [_, spot, point] = yard::lights();
+    if frame == 2 {
+        renderer.add_lights(&[spot, point]).unwrap();
+    }
+    if frame > 2 {
+        let position = point.position + vec3(0.1, 0.0, 0.0) * frame as f32;
+        renderer.set_light(LightId(2), scene::PunctualLight { position, ..point }).unwrap();
+    }
+    let moved = |object: u32| {
+        let low = vec3(object as f32, 0.5 + frame as f32 * 0.1, 0.0);
+        let transform: Affine3A = yard::transform_of(&Aabb::new(low, low + 0.8));
+        ObjectChange::Move { object: ObjectId(object), transform }
+    };
+    let objects = if frame % 4 == 3 { vec![] } else { vec![moved(4), moved(5)] };
+    renderer.apply(&SceneUpdate { objects, ..SceneUpdate::default() }).unwrap();
+}
+
+/// Draws a frame; `None` if it fails.
+fn draw(renderer: &mut Renderer, view: &mut ViewState, image: &Readback) -> Option<Vec<u8>> {
+    let request = FrameRequest {
+        image: Some(image),
+        ..FrameRequest::new(Strategy::ANTUMBRA, yard::camera())
+    };
+    renderer.render(view, &request).ok()?;
+    renderer.drain(view).ok()?;
+    Some(image.rgba8().unwrap().to_vec())
+}
+
+/// Draws all frames with a fault, and the last one again without. Returns the images, and the
+/// counts of the last.
+fn walk(device: &Device, fault: Option<Fault>) -> (Vec<Option<Vec<u8>>>, ShadowStats) {
+    Machine::default().install();
+    let mut renderer = renderer(device);
+    let mut view = renderer.new_view().unwrap();
+    let image = Readback::new(device, renderer.size()).unwrap();
+    let has_fault = fault.is_some();
+    Machine { faults: fault.into_iter().collect(), ..Machine::default() }.install();
+    let frames = (0..FRAMES).map(|frame| {
+        change(&mut renderer, frame);
+        draw(&mut renderer, &mut view, &image)
+    });
+    let mut images: Vec<_> = frames.collect();
+    if has_fault {
+        Machine::default().install();
+    }
+    images.push(draw(&mut renderer, &mut view, &image));
+    (images, renderer.shadow_stats())
+}
+
+#[test]
+fn lost_frames_and_missing_memory_leave_maps_right() {
+    let instance = instance_with(Machine::default().entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+    let loses = [
+        c"vkQueueSubmit2",
+        c"vkGetSemaphoreCounterValue",
+        c"vkCreateBuffer",
+        c"vkBindBufferMemory",
+    ];
+    let grows = [c"vkCreateImage", c"vkBindImageMemory", c"vkCreateImageView"];
+    let (expected, whole) = walk(&device, None);
+    let counts: Vec<usize> = loses.iter().chain(&grows).map(|call| calls(call)).collect();
+    assert!(counts.iter().all(|count| *count > 0), "{counts:?}");
+    let (mut lost, mut smaller) = (0, 0);
+    for (&call, count) in loses.iter().chain(&grows).zip(counts) {
+        for number in (0..count).step_by(count.div_ceil(10)) {
+            let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+            let fault = Fault { call, fails: number..number + 1, code };
+            let (images, stats) = walk(&device, Some(fault.clone()));
+            let has_grown = !grows.contains(&call);
+            for (frame, (found, expected)) in images.iter().zip(&expected).enumerate() {
+                lost += u32::from(found.is_none());
+                let is_right = found.is_none() || !has_grown || found == expected;
+                assert!(is_right, "frame {frame} with {fault:?}");
+            }
+            assert_eq!(stats.lights + stats.unshadowed_lights, whole.lights, "{fault:?}");
+            smaller += u32::from(images.last() != expected.last());
+            assert!(images.last().is_some_and(Option::is_some), "{fault:?}");
+        }
+    }
+    assert!(lost > 20 && smaller > 0, "{lost} frames lost, {smaller} walks with smaller maps");
+    drop(device);
+    let log = instance.validation_log().clone();
+    drop(instance);
+    assert_eq!(log.drain(), []);
+}
