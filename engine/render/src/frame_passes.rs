@@ -268,7 +268,7 @@ impl FramePasses {
         match backdrop {
             None if around.is_there() => {
                 let look = (view, io.surfaces.exposure());
-                sky.draw_around(commands, around.sampled(), look);
+                sky.draw_around(commands, around, look);
             }
             _ => sky.draw(commands, backdrop.unwrap_or(self.sky())),
         }

@@ -29,6 +29,20 @@ const LOBE_SAMPLES: u32 = 64;
 pub struct Environment {
     /// [`GLOSSY_LEVELS`] squares and one for matt surfaces, each of [`ENVIRONMENT_SIDE`] rows.
     texels: Vec<[f32; 3]>,
+    /// The sun's or the moon's disk, as it is seen.
+    disk: Option<SkyDisk>,
+}
+
+/// The disk of a sun or moon in the sky. It is seen and lights nothing: that is what lights are
+/// for, and its texels would be far larger than it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkyDisk {
+    /// Unit vector towards its middle.
+    pub towards: Vec3,
+    /// Half of the angle that it covers, in radians, above 0 and below 0.5; the sun's is 0.0047.
+    pub radius_rad: f32,
+    /// Its radiance, added to that of the sky.
+    pub radiance: [f32; 3],
 }
 
 /// A clear or hazy sky over a ground. All colours are linear.
@@ -131,7 +145,27 @@ impl Environment {
         }
         let lobe = matt_lobe();
         texels.extend(directions.iter().map(|it| mean(&sharp, *it, &lobe).to_array()));
-        Ok(Self { texels })
+        Ok(Self { texels, disk: None })
+    }
+
+    /// Returns the same with a disk in the sky.
+    ///
+    /// # Errors
+    /// [`SceneError::BrokenEnvironment`] for a disk that is no number, or has no direction or size.
+    pub fn with_disk(self, disk: SkyDisk) -> Result<Self, SceneError> {
+        let is_bright = disk.radiance.iter().all(|part| (0.0..=BRIGHTEST).contains(part));
+        let has_size = disk.radius_rad > 0.0 && disk.radius_rad < 0.5;
+        if !(disk.towards.is_normalized() && has_size && is_bright) {
+            let fault = "its disk has no direction, size or radiance";
+            return Err(SceneError::BrokenEnvironment { fault });
+        }
+        Ok(Self { disk: Some(disk), ..self })
+    }
+
+    /// Returns the disk in the sky, if there is one.
+    #[must_use]
+    pub fn disk(&self) -> Option<&SkyDisk> {
+        self.disk.as_ref()
     }
 
     /// Returns the texels: level by level, row by row.
@@ -293,6 +327,24 @@ mod tests {
         for direction in directions() {
             let again = direction_of(place_of(direction));
             assert!((again - direction).length() < 1e-5, "{direction} became {again}");
+        }
+    }
+
+    #[test]
+    fn disks_are_seen_and_light_nothing_or_are_refused() {
+        let sky = || Environment::of_radiance(|_| Vec3::ONE).expect("numbers");
+        let disk = SkyDisk { towards: Vec3::Y, radius_rad: 0.01, radiance: [9.0; 3] };
+        let with = sky().with_disk(disk).expect("a disk");
+        assert_eq!((with.disk(), with.texels()), (Some(&disk), sky().texels()));
+        for broken in [
+            SkyDisk { towards: Vec3::ZERO, ..disk },
+            SkyDisk { towards: Vec3::NAN, ..disk },
+            SkyDisk { radius_rad: 0.0, ..disk },
+            SkyDisk { radius_rad: f32::NAN, ..disk },
+            SkyDisk { radiance: [1.0, -1.0, 0.0], ..disk },
+            SkyDisk { radiance: [f32::INFINITY; 3], ..disk },
+        ] {
+            assert!(sky().with_disk(broken).is_err(), "{broken:?}");
         }
     }
 

@@ -36,7 +36,7 @@ use std::f32::consts::PI;
 use cull::Aabb;
 use glam::{Affine3A, Vec3, vec3};
 
-pub use environment::{ENVIRONMENT_SIDE, Environment, GLOSSY_LEVELS, Sky};
+pub use environment::{ENVIRONMENT_SIDE, Environment, GLOSSY_LEVELS, Sky, SkyDisk};
 pub use error::SceneError;
 pub use flare::{FlarePlace, LensFlare};
 pub use mesh::{

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use antumbra::glam::Vec3;
 use antumbra::gpu::Device;
 use antumbra::render::{Costs, Renderer, RendererOptions, ShaderSet};
-use antumbra::scene::{Environment, Light, LightMove, Mesh, Scene};
+use antumbra::scene::{Environment, Light, LightMove, Mesh, Scene, SkyDisk};
 use antumbra::shadows::ShadowOptions;
 use antumbra::{cull, import, methods, render, scene};
 use scenes::{Courtyard, Daylight, GeneratedScene, Hour, Routes};
@@ -174,9 +174,21 @@ pub fn show_hour(renderer: &mut Renderer, daylight: &Daylight) -> Result<(), Run
     Ok(())
 }
 
+/// Half of the angle that the sun's or the moon's disk covers: twice the true one, as in paintings.
+const DISK_RAD: f32 = 0.0094;
+
+/// The radiance of the disk, in that of a matt white surface in its light.
+const DISK_RADIANCE: f32 = 12.0;
+
 /// Returns the light of a sky that fits a scene's plain light.
 fn sky_of(light: &Light) -> Result<Environment, RunError> {
-    Ok(Environment::of_sky(&light.sky_around()).map_err(render::Error::from)?)
+    let disk = SkyDisk {
+        towards: light.towards_sun.normalize_or(Vec3::Y),
+        radius_rad: DISK_RAD,
+        radiance: light.sun.map(|part| part.max(0.0) * DISK_RADIANCE),
+    };
+    let sky = Environment::of_sky(&light.sky_around()).and_then(|sky| sky.with_disk(disk));
+    Ok(sky.map_err(render::Error::from)?)
 }
 
 /// Returns places along the streets, or over the scene where there are none.

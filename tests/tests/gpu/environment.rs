@@ -4,7 +4,7 @@ use cull::{Camera, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{Costs, Error, FrameRequest, Renderer, RendererOptions};
-use scene::{Environment, Light, LightKind, Material, PunctualLight, Scene, Sky};
+use scene::{Environment, Light, LightKind, Material, PunctualLight, Scene, Sky, SkyDisk};
 use shadows::{ShadowMethod, ShadowOptions};
 use tests::reference::{decoded, encoded, tone_mapped};
 use tests::{run_on_all, shapes, yard};
@@ -130,6 +130,36 @@ fn floor_light(environment: &Environment, material: &Material, towards: Vec3) ->
     let [scale, offset] = [r[2] - 1.04 * edge, r[3] + 1.04 * edge];
     let mirrored = environment.glossy(vec3(towards.x, -towards.y, towards.z), roughness);
     diffuse * environment.matt(Vec3::Y) + mirrored * (specular * scale + offset)
+}
+
+#[test]
+fn a_disk_is_where_it_should_be_and_as_large() {
+    run_on_all(|device| {
+        let sky = Environment::of_sky(&sky()).unwrap();
+        let camera = Camera { eye: vec3(0.0, 2.0, 3.0), forward: Vec3::NEG_Z, ..yard::camera() };
+        let towards = direction(&camera, 40, 12);
+        let disk = SkyDisk { towards, radius_rad: 0.06, radiance: [0.2, 0.9, 0.4] };
+        let environment = sky.clone().with_disk(disk).unwrap();
+        let material = Material::default();
+        let scenes = [sky.clone(), environment].map(|it| floor(material.clone(), Some(it)));
+        let [plain, found] =
+            scenes.map(|it| image(&mut renderer(device, &it), Strategy::ANTUMBRA, camera));
+        let mut inside = 0;
+        for y in 0..SIZE[1] {
+            for x in 0..SIZE[0] {
+                let seen = direction(&camera, x, y);
+                let away = seen.angle_between(towards);
+                if seen.y < 0.02 || away > disk.radius_rad {
+                    assert_eq!(pixel(&found, x, y), pixel(&plain, x, y), "{x}, {y}");
+                } else if away < 0.8 * disk.radius_rad {
+                    inside += 1;
+                    let light = sky.glossy(seen, 0.0) + Vec3::from_array(disk.radiance);
+                    assert_near(pixel(&found, x, y), bytes(light), &format!("{x}, {y}"));
+                }
+            }
+        }
+        assert!(inside > 10, "{inside}");
+    });
 }
 
 #[test]

@@ -2,11 +2,13 @@
 
 use bytemuck::{Pod, Zeroable};
 use cull::{ProjectionKind, View};
-use gpu::{
-    Blend, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, SampledTexture, StorageLayout,
-};
+use glam::Vec3;
+use gpu::{Blend, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, StorageLayout};
 
 use occlusion::{Error, ShaderSet};
+use scene::SkyDisk;
+
+use crate::shading::environment_texture::EnvironmentTexture;
 
 /// The pass that draws one triangle over all of the area at the farthest depth: it shows where
 /// nothing is nearer.
@@ -31,9 +33,14 @@ struct AroundConstants {
     right: [f32; 4],
     down: [f32; 4],
     size: [f32; 4],
+    disk: [f32; 4],
+    radiance: [f32; 4],
 }
 
-const _: () = assert!(size_of::<AroundConstants>() == 64);
+const _: () = assert!(size_of::<AroundConstants>() == 96);
+
+/// The share of its radius over which the edge of a disk fades.
+const DISK_EDGE: f32 = 0.15;
 
 impl SkyPass {
     /// Compiles the pass.
@@ -71,9 +78,16 @@ impl SkyPass {
     pub(crate) fn draw_around(
         &self,
         commands: &Commands,
-        environment: SampledTexture<'_>,
+        environment: &EnvironmentTexture,
         (view, exposure): (&View, f32),
     ) {
+        let radius_rad = environment.disk().map_or(0.0, |disk| disk.radius_rad);
+        // The part of a unit vector that lies along the middle of the disk, at both ends of its
+        // edge: small angles have no digits left in their cosine, so their distance is compared.
+        let [outer, inner] =
+            [1.0, 1.0 - DISK_EDGE].map(|share: f32| 2.0 * (0.5 * radius_rad * share).sin());
+        let nowhere = SkyDisk { towards: Vec3::Y, radius_rad, radiance: [0.0; 3] };
+        let disk = environment.disk().copied().unwrap_or(nowhere);
         let [x, y] = view.origin.map(|pixel| pixel as f32);
         let [width, height] = view.size.map(|side| side as f32);
         let constants = AroundConstants {
@@ -81,6 +95,8 @@ impl SkyPass {
             right: view.rays.right.extend(x).to_array(),
             down: view.rays.down.extend(y).to_array(),
             size: [width, height, 0.0, 0.0],
+            disk: disk.towards.extend(outer).to_array(),
+            radiance: Vec3::from_array(disk.radiance).extend(inner).to_array(),
         };
         // The rays of an orthographic view are parallel.
         let constants = match view.rays.kind {
@@ -92,7 +108,7 @@ impl SkyPass {
                 AroundConstants { middle, right, down, ..constants }
             }
         };
-        commands.bind_sampled(&self.around, &[], &[environment], &[]);
+        commands.bind_sampled(&self.around, &[], &[environment.sampled()], &[]);
         commands.push_constants(&self.around, &constants);
         commands.draw(3, 0);
     }

@@ -2,12 +2,13 @@
 
 use gpu::{Device, SampledTexture, VolumeTexels, VolumeTexture};
 use half::f16;
-use scene::{Environment, GLOSSY_LEVELS};
+use scene::{Environment, GLOSSY_LEVELS, SkyDisk};
 
 /// The levels of an [`Environment`] behind each other, or one dark texel without one.
 pub(crate) struct EnvironmentTexture {
     texture: VolumeTexture,
     is_there: bool,
+    disk: Option<SkyDisk>,
 }
 
 impl EnvironmentTexture {
@@ -27,12 +28,18 @@ impl EnvironmentTexture {
         let texels: Vec<[u16; 4]> = texels.into_iter().map(half).collect();
         let size = [side, side, levels];
         let texture = VolumeTexture::new(device, size, VolumeTexels::Half(&texels), "environment")?;
-        Ok(Self { texture, is_there: environment.is_some() })
+        let disk = environment.and_then(Environment::disk).copied();
+        Ok(Self { texture, is_there: environment.is_some(), disk })
     }
 
     /// Returns true if there is an environment.
     pub(crate) fn is_there(&self) -> bool {
         self.is_there
+    }
+
+    /// Returns the disk in the sky, if there is one.
+    pub(crate) fn disk(&self) -> Option<&SkyDisk> {
+        self.disk.as_ref()
     }
 
     /// Returns the texture for shaders.
