@@ -39,6 +39,9 @@ pub const PREDICATE_INSTANCES: Shader = shader!("predicate_instances.comp");
 /// The compute stage that adds the results of a query in the views of a rendering.
 pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 
+/// The compute stage that copies the farthest depth of each pixel with several samples.
+pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
+
 /// Every shader of the renderer's passes.
 pub const PASSES: [Shader; 43] = [
     shader!("opaque.vert"),

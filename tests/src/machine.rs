@@ -46,6 +46,8 @@ pub struct Machine {
     pub is_imprecise: bool,
     /// The most draws that a device draws or counts at once.
     pub most_draws: Option<u32>,
+    /// True if no device draws several samples per pixel.
+    pub has_one_sample: bool,
     /// True if windows have no pixel: they are minimised.
     pub is_minimised: bool,
     /// True if no device shows frames in windows.

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use cull::{Camera, Hierarchy, View};
 use glam::{Affine3A, Vec3};
-use gpu::{Device, Readback, Target, vk};
+use gpu::{Attachments, Device, Readback, Target, vk};
 use render::passes::{OpaqueIo, OpaquePass, SkyPass, SurfaceIo, SurfaceKind, SurfacePass};
 use render::surfaces::{SurfaceOptions, SurfaceResources};
 use render::{ShaderSet, object_bounds};
@@ -71,11 +71,14 @@ pub fn image(
     let draws = upload("draws", bytemuck::cast_slice(draws), usage);
     let over = upload("transparent draws", bytemuck::cast_slice(over), usage);
 
-    let plain = OpaquePass::depth_only(device, &shaders).expect("a pass");
-    let pass = |kind| SurfacePass::new(device, &shaders, kind, &surfaces, None).expect("a pass");
+    let plain = OpaquePass::depth_only(device, &shaders, Attachments::default()).expect("a pass");
+    let pass = |kind| {
+        SurfacePass::new(device, (&shaders, Attachments::default()), kind, &surfaces, None)
+            .expect("a pass")
+    };
     let [masked, colour, transparent_pass] =
         [SurfaceKind::Depth, SurfaceKind::Colour, SurfaceKind::Transparent].map(pass);
-    let sky = SkyPass::new(device, &shaders).expect("a pass");
+    let sky = SkyPass::new(device, &shaders, Attachments::default()).expect("a pass");
     let view = View::new(camera, size, device.adapter().limits.sub_pixel_precision_bits);
     let io = SurfaceIo {
         vertices: vertices.whole(),

@@ -76,7 +76,9 @@ fn make_compute_test(
     (shaders, size): (&ShaderSet, [u32; 2]),
 ) -> Result<(), Error> {
     if executor.passes.compute_test.is_none() && state.layout.tests_by_compute() {
-        executor.passes.compute_test = Some(ComputeTest::new(state.device(), shaders, size)?);
+        let test = ComputeTest::new(state.device(), shaders, size)?;
+        let samples = executor.passes.attachments().samples;
+        executor.passes.compute_test = Some(test.of_samples(samples));
     }
     Ok(())
 }

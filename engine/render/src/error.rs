@@ -66,6 +66,17 @@ pub enum Error {
     /// A strategy that does not count samples, and a threshold.
     #[error(transparent)]
     CannotCount(occlusion::CannotCount),
+    /// A strategy that tests what is hidden, several samples per pixel, and a device without
+    /// [`gpu::Optional::SampleDepths`].
+    #[error(
+        "the device {device} takes the depth of a sample from another place than its coverage, so `{strategy}` could lose some: draw with one sample per pixel, or with `frustum`"
+    )]
+    SampleDepths {
+        /// The device's name.
+        device: String,
+        /// The strategy.
+        strategy: cull::Strategy,
+    },
     /// More frames in flight than make sense.
     #[error(
         "{wanted} frames in flight are more than a renderer takes ({}): two or three keep a GPU busy, more only make answers older",

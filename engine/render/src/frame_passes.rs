@@ -36,12 +36,14 @@ pub(crate) struct FramePasses {
 }
 
 fn needs<'a>(
+    target: &Target,
     geometry: &'a Geometry,
     transparent: Option<&Transparent>,
     skinned_meshes: Option<&SkinnedMeshes>,
     shadows: &'a Shadows,
 ) -> PassNeeds<'a> {
     PassNeeds {
+        attachments: target.attachments(),
         surfaces: geometry.surfaces.as_ref(),
         has_transparent: transparent.is_some(),
         has_skinned_meshes: skinned_meshes.is_some(),
@@ -129,7 +131,8 @@ impl FramePasses {
         let transparent = Transparent::new(device, scene)?;
         let first_vertex = |mesh| geometry.first_vertex(mesh);
         let skinned_meshes = SkinnedMeshes::new(device, scene, frames_in_flight, first_vertex)?;
-        let needs = needs(&geometry, transparent.as_ref(), skinned_meshes.as_ref(), &shadows);
+        let needs =
+            needs(&target, &geometry, transparent.as_ref(), skinned_meshes.as_ref(), &shadows);
         let pipelines = Pipelines::compile(device, shaders, needs, None)?;
         let (device, light) = (device.clone(), scene.light);
         Ok(Self {
@@ -153,8 +156,8 @@ impl FramePasses {
         shaders: &ShaderSet,
         shadows: &Shadows,
     ) -> Result<Pipelines, Error> {
-        let Self { geometry, transparent, skinned_meshes, .. } = self;
-        let needs = needs(geometry, transparent.as_ref(), skinned_meshes.as_ref(), shadows);
+        let Self { target, geometry, transparent, skinned_meshes, .. } = self;
+        let needs = needs(target, geometry, transparent.as_ref(), skinned_meshes.as_ref(), shadows);
         Pipelines::compile(&self.device, shaders, needs, Some(&self.pipelines))
     }
 

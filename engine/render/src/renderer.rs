@@ -5,7 +5,7 @@ use cull::{
     Aabb, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, QueryShares, SceneCosts,
     Strategy, TesterSupport, View,
 };
-use gpu::{Device, FrameRing, PassTime, Predication, Target, Tick};
+use gpu::{Device, FrameRing, Optional, PassTime, Predication, SampleCount, Target, Tick};
 use occlusion::{
     Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor, MethodSupport,
     OcclusionPasses, PlanExecutor, PlannedMethod, Rect, ShaderSet, VisibilityState,
@@ -36,6 +36,9 @@ pub const MAX_FRAMES_IN_FLIGHT: usize = 16;
 pub struct RendererOptions {
     /// Size of the image in pixels.
     pub size: [u32; 2],
+    /// Samples per pixel. With several, edges are smooth, and every image that is shown or read
+    /// has their averages. Queries, thresholds and counts of samples count each of them.
+    pub samples: SampleCount,
     /// Frames that may be in flight at once, up to [`MAX_FRAMES_IN_FLIGHT`]; 0 counts as 1, and
     /// more than 4 only make results older.
     pub frames_in_flight: usize,
@@ -77,6 +80,7 @@ impl Default for RendererOptions {
     fn default() -> Self {
         Self {
             size: [1280, 720],
+            samples: SampleCount::One,
             frames_in_flight: 2,
             predication: None,
             shaders: None,
@@ -142,6 +146,7 @@ pub struct Renderer {
     cull_config: CullConfig,
     /// The threshold of the cullers of all views.
     threshold_samples: u32,
+    pub(crate) samples: SampleCount,
     pub(crate) query_budget: usize,
     pub(crate) query_shares: QueryShares,
     costs: Option<CostTable>,
@@ -183,7 +188,7 @@ impl Renderer {
         };
         let shaders = if has_sprites(scene) { shaders.with_sprites() } else { shaders };
         // First what fails on bad input, then what takes long.
-        let target = Target::new(device, options.size, "target")?;
+        let target = Target::multisampled(device, options.size, options.samples, "target")?;
         let occlusion_passes = OcclusionPasses::new(device, &shaders, target.attachments())?;
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
@@ -230,6 +235,7 @@ impl Renderer {
             frame_times,
             cull_config: options.cull_config,
             threshold_samples,
+            samples: options.samples,
             query_budget: options.query_budget,
             query_shares: QueryShares::default(),
             costs,
@@ -286,6 +292,13 @@ impl Renderer {
     pub(crate) fn method(&self, strategy: Strategy) -> Result<usize, Error> {
         let place = self.methods.iter().position(|method| method.strategies().contains(&strategy));
         let place = place.ok_or(Error::NoMethod(strategy))?;
+        let needs_depths = self.samples != SampleCount::One && strategy != Strategy::FRUSTUM;
+        if needs_depths && !self.device.capabilities().has(Optional::SampleDepths) {
+            return Err(Error::SampleDepths {
+                device: self.device.adapter().name.clone(),
+                strategy,
+            });
+        }
         let support = MethodSupport {
             device: &self.device,
             hierarchy: &self.hierarchy,
@@ -310,6 +323,11 @@ impl Renderer {
     /// Returns the size of the image in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.passes.target.size()
+    }
+
+    /// Returns the samples per pixel.
+    pub fn samples(&self) -> SampleCount {
+        self.samples
     }
 
     /// Returns the hierarchy over the scene's objects.

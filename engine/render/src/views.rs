@@ -204,8 +204,17 @@ impl FrameReport {
     }
 }
 
-/// Records the end of a frame after its views, under any strategy: the flat overlay, and the copy
-/// of the image if it is wanted.
+/// Records the copy of the image before anything is drawn over it, if that is wanted.
+pub(crate) fn finish_scene(
+    frame: &mut Frame<'_>,
+    passes: &mut FramePasses,
+    image: Option<&Readback>,
+) -> Result<(), Error> {
+    image.map_or(Ok(()), |image| finish_image(frame, passes, None, Some(image)))
+}
+
+/// Records the end of a frame after its views, under any strategy: the flat overlay, the averages
+/// of several samples, and the copy of the image if it is wanted.
 pub(crate) fn finish_image(
     frame: &mut Frame<'_>,
     FramePasses { pipelines, target, .. }: &mut FramePasses,
@@ -214,6 +223,9 @@ pub(crate) fn finish_image(
 ) -> Result<(), Error> {
     if let (Some(overlay), Some(pass)) = (overlay, pipelines.flat.get()) {
         overlay.record(frame, pass, target)?;
+    }
+    if target.needs_resolve() {
+        frame.commands().pass("resolve samples", |commands| target.resolve(commands));
     }
     if let Some(image) = image {
         frame.commands().pass("copy image", |commands| target.copy_to(commands, image));

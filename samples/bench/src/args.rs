@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use antumbra::gpu::SampleCount;
 use antumbra::methods;
 use clap::{Args, Parser, value_parser};
 
@@ -15,7 +16,7 @@ use crate::choices::{
 use crate::light_args::LightArguments;
 use crate::options::{
     DEFAULT_IMAGES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
-    MadeScene, PathChoice, SceneChoice, UsageError,
+    MadeScene, PathChoice, SceneChoice, UsageError, parse_samples,
 };
 use crate::strategy::{self, Strategy};
 use crate::terminal::shown;
@@ -91,6 +92,10 @@ pub struct Arguments {
     /// Size of the frames in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", help_heading = "Walk")]
     pub size: FrameSize,
+    /// Samples per pixel, 1 or 4: with 4, edges are smooth
+    #[arg(long, value_name = "1|4", default_value = "1", help_heading = "Walk")]
+    #[arg(value_parser = parse_samples)]
+    pub msaa: SampleCount,
 
     /// Strategies to compare: names from --list-strategies, or all that can run; `ideal` only where
     /// nothing moves [default: frustum,antumbra,ideal]
@@ -302,6 +307,7 @@ impl Arguments {
             views,
             projection: self.projection,
             size,
+            samples: self.msaa,
             strategies,
             left_out,
             verify: self.verify,

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use antumbra::gpu::SampleCount;
 use scenes::LightSet;
 use serde::Serialize;
 use thiserror::Error;
@@ -143,6 +144,8 @@ pub struct Options {
     pub frames: u32,
     /// Size of the frames; the device may have a lower limit.
     pub size: FrameSize,
+    /// Samples per pixel.
+    pub samples: SampleCount,
     /// The strategies to compare: at least one, each once, in the order asked for.
     pub strategies: Vec<Strategy>,
     /// Those of all strategies that cannot run here.
@@ -174,6 +177,15 @@ pub struct Options {
     pub images: u32,
     /// The frame that is also drawn from above, with frontier and frustum; none without a folder.
     pub top_down: Option<u32>,
+}
+
+/// Reads a number of samples per pixel.
+///
+/// # Errors
+/// A number that is neither 1 nor 4.
+pub fn parse_samples(text: &str) -> Result<SampleCount, String> {
+    let count = text.parse::<u32>().map_err(|_| "it takes 1 or 4".to_owned())?;
+    SampleCount::try_from(count).map_err(|error| error.to_string())
 }
 
 impl Options {

@@ -38,6 +38,8 @@ pub struct Report {
     pub frames: u32,
     /// Width and height of the frames in pixels.
     pub size: [u32; 2],
+    /// Samples per pixel.
+    pub samples_per_pixel: u32,
     /// True if a signal ended the walk: then a run may have fewer frames than `frames`.
     pub cut_short: bool,
     /// The number of frames that the CPU was allowed to be ahead.

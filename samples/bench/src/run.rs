@@ -173,6 +173,7 @@ pub fn walk_on(
         frames: options.frames,
         cut_short,
         size: [options.size.width, options.size.height],
+        samples_per_pixel: options.samples.count(),
         frames_in_flight: options.frames_in_flight,
         predicates: renderer.predication().name().to_owned(),
         threshold_pixels: options.threshold_pixels,
@@ -279,6 +280,7 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
     Ok(RendererOptions {
         methods: all_methods(options),
         size: [options.size.width, options.size.height],
+        samples: options.samples,
         frames_in_flight,
         predication: match options.predicates {
             PredicatesChoice::Auto => None,

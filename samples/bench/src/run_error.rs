@@ -81,6 +81,7 @@ impl From<render::Error> for RunError {
             | render::Error::Shadows(_)
             | render::Error::NoSurfacesForShadows
             | render::Error::NoSurfacesForEnvironment
+            | render::Error::SampleDepths { .. }
             | render::Error::CannotCount(_) => Self::user(error),
             render::Error::Hierarchy(_)
             | render::Error::NoMethod(_)

@@ -209,6 +209,7 @@ fn renderer_options(options: &ShowOptions, size: [u32; 2]) -> Result<RendererOpt
     Ok(RendererOptions {
         methods: methods::all(),
         size,
+        samples: options.samples,
         frames_in_flight: options.frames_in_flight as usize,
         shaders: shaders.transpose().map_err(render::Error::from)?,
         costs: options.costs.into(),

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use antumbra::gpu::PresentMode;
+use antumbra::gpu::{PresentMode, SampleCount};
 use antumbra::pacing;
 use antumbra::shadows::ShadowFilter;
 use bench::args::DeviceArguments;
 use bench::choices::{CostsChoice, DeviceChoice, ValidationChoice, parse_strategy};
-use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT};
+use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, parse_samples};
 use bench::shadow_choice::{ShadowChoice, ShadowWay, parse_filter};
 use bench::strategy::Strategy;
 use clap::{Args, value_parser};
@@ -24,6 +24,10 @@ pub struct ShowArguments {
     /// Size of the window, or of the frames, in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", help_heading = "Frames")]
     pub size: FrameSize,
+    /// Samples per pixel, 1 or 4: with 4, edges are smooth
+    #[arg(long, value_name = "1|4", default_value = "1", help_heading = "Frames")]
+    #[arg(value_parser = parse_samples)]
+    pub msaa: SampleCount,
     /// Strategy that decides about draws; `walkthrough --list-strategies` has the names
     #[arg(long, value_name = "NAME", default_value = "antumbra", help_heading = "Frames")]
     #[arg(value_parser = parse_product)]
@@ -92,6 +96,8 @@ pub struct ShowOptions {
     pub script: Option<PathBuf>,
     /// The size at the start.
     pub size: FrameSize,
+    /// Samples per pixel.
+    pub samples: SampleCount,
     /// The strategy at the start.
     pub strategy: Strategy,
     /// The costs of the cost model.
@@ -135,6 +141,7 @@ impl ShowArguments {
         ShowOptions {
             script: self.script.clone(),
             size: self.size,
+            samples: self.msaa,
             strategy: self.strategy,
             costs: self.costs,
             frames_in_flight: self.frames_in_flight,

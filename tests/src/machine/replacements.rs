@@ -256,6 +256,9 @@ unsafe extern "system" fn properties(
         if lacks(Required::StorageBuffers) {
             (*properties).limits.max_per_stage_descriptor_storage_buffers = 6;
         }
+        if machine(|machine| machine.has_one_sample) {
+            (*properties).limits.framebuffer_depth_sample_counts = vk::SampleCountFlags::TYPE_1;
+        }
         if let Some(most) = machine(|machine| machine.most_draws) {
             (*properties).limits.max_draw_indirect_count = most;
         }

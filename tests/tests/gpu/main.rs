@@ -37,6 +37,7 @@ mod ideal;
 mod learning;
 mod misuse;
 mod moving;
+mod msaa;
 mod multiview;
 mod object_pairs;
 mod other_engines;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use ash::vk;
 use cull::{Camera, CoherentOptions, FirstPass, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
-use gpu::{Device, DeviceOptions, Instance, Optional, Readback};
+use gpu::{Device, DeviceOptions, Instance, Optional, Readback, SampleCount};
 use render::{
     Costs, DebugOverlay, FlatVertex, FrameRequest, Rect, Renderer, RendererOptions, ShaderSet,
     ViewState,
@@ -59,10 +59,19 @@ struct Studio {
 
 impl Studio {
     fn new(device: &Device, has_surfaces: bool, shaders: Option<ShaderSet>) -> Self {
+        Self::sampled(device, (has_surfaces, SampleCount::One), shaders)
+    }
+
+    fn sampled(
+        device: &Device,
+        (has_surfaces, samples): (bool, SampleCount),
+        shaders: Option<ShaderSet>,
+    ) -> Self {
         let coherent = CoherentOptions { first_pass: FirstPass::DepthOnly, ..Default::default() };
         let options = RendererOptions {
             methods: [vec![methods::coherent(coherent)], methods::all()].concat(),
             size: SIZE,
+            samples,
             costs: Costs::Ignored,
             shaders,
             ..RendererOptions::default()
@@ -186,15 +195,20 @@ fn changed_shaders(name: &str) -> ShaderSet {
 fn every_pass_has_the_other_shaders() {
     let changed = changed_shaders("every");
     run_on_all(|device| {
-        for has_surfaces in [false, true] {
-            let mut studio = Studio::new(device, has_surfaces, None);
+        let (one, four) = (SampleCount::One, SampleCount::Four);
+        for kind in [(false, one), (true, one), (false, four), (true, four)] {
+            let mut studio = Studio::sampled(device, kind, None);
+            if studio.renderer.supports(Strategy::ANTUMBRA).is_err() {
+                assert!(!device.capabilities().has(Optional::SampleDepths), "{kind:?}");
+                continue;
+            }
             let before = studio.shown();
             studio.renderer.reload(changed.clone()).unwrap();
             let after = studio.shown();
-            let expected = Studio::new(device, has_surfaces, Some(changed.clone())).shown();
+            let expected = Studio::sampled(device, kind, Some(changed.clone())).shown();
             for ((before, after), expected) in before.iter().zip(&after).zip(&expected) {
-                assert!(before.1 != after.1, "{}, {has_surfaces}", before.0);
-                assert!(after.1 == expected.1, "{}, {has_surfaces}", after.0);
+                assert!(before.1 != after.1, "{}, {kind:?}", before.0);
+                assert!(after.1 == expected.1, "{}, {kind:?}", after.0);
             }
         }
     });

@@ -4,7 +4,8 @@
 use cull::{Aabb, Camera, View};
 use glam::Vec3;
 use gpu::{
-    BufferSlice, Device, FrameRing, IndirectDraw, QueryIndex, QueryRing, Target, Uploads, vk,
+    Attachments, BufferSlice, Device, FrameRing, IndirectDraw, QueryIndex, QueryRing, Target,
+    Uploads, vk,
 };
 use occlusion::{ProxyBox, ProxyIo, ShaderSet};
 use render::passes::{OpaqueIo, OpaquePass};
@@ -83,7 +84,8 @@ impl Copies {
 
 /// Returns the number of boxes that own a sample, and of those without a sample of their proxy.
 fn lost(device: &Device, seeds: u64, proxy_of: impl Fn(&View, &Aabb) -> Aabb) -> (usize, usize) {
-    let opaque = OpaquePass::new(device, &ShaderSet::embedded().unwrap()).unwrap();
+    let opaque =
+        OpaquePass::new(device, &ShaderSet::embedded().unwrap(), Attachments::default()).unwrap();
     let proxies = proxy_pass(device);
     // Rolled, so that edges are slanted: along an upright edge all vertices snap alike.
     let camera = Camera { up: Vec3::new(0.3, 1.0, 0.0), ..square_camera() };

@@ -165,7 +165,7 @@ fn predicates_read_results_and_ranges() {
     let boxes = (3, size_of::<gpu::vk::DrawIndirectCommand>(), vec![0, 4, 8, 12]);
     let draws = (2, size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
     let counts = (2, 4, vec![0]);
-    let [of_counts, of_instances, _] = OF_GPU.map(|shader| interface(shader.name));
+    let [of_counts, of_instances, ..] = OF_GPU.map(|shader| interface(shader.name));
     assert_eq!(of_counts, (vec![values.clone(), ranges.clone(), counts], 12));
     assert_eq!(of_instances, (vec![values, ranges, draws, boxes, links(4)], 12));
     let source = std::fs::read_to_string(crate::folder().join("predicate.glsl")).unwrap();

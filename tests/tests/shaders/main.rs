@@ -22,8 +22,12 @@ const REGENERATE: &str = "run `cargo --config ci/shaderc-debian.toml run -p antu
     --features shader-compiler --example compile_shaders` and commit what it writes";
 
 /// The shaders that `gpu` embeds for itself.
-const OF_GPU: [Shader; 3] =
-    [shaders::PREDICATE_COUNTS, shaders::PREDICATE_INSTANCES, shaders::SUM_QUERIES];
+const OF_GPU: [Shader; 4] = [
+    shaders::PREDICATE_COUNTS,
+    shaders::PREDICATE_INSTANCES,
+    shaders::SUM_QUERIES,
+    shaders::FARTHEST_DEPTHS,
+];
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shaders")

@@ -18,6 +18,14 @@
 //! covers `s` and passes the depth test wherever the object does. The box grown by `d` holds that
 //! ball around every point of the object, with the footprint taken at the farthest corner.
 //!
+//! # Several samples per pixel
+//! `s` is any place in a pixel, its middle or not: coverage and depth of each sample are those of
+//! its own place, of the object as of the proxy, and a test passes if one sample does. So the proof
+//! is the same with several samples per pixel, and no margin grows. A tester that does not
+//! rasterise has one depth per pixel, the farthest of its samples, and takes the sample to be
+//! anywhere in the pixel: `compute_test.comp` by its reach of half a pixel more, the depth pyramid
+//! since it covers whole pixels.
+//!
 //! # Rounding
 //! A quarter of a pixel on top pays for the rounding of a depth that is reversed and infinite: `q`
 //! is nearer than `p` by about that much of a footprint, some ten thousandths of `w`, and a 32-bit

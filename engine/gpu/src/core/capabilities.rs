@@ -131,6 +131,9 @@ pub enum Optional {
     Wireframe,
     /// Textures that stay sharp at grazing angles.
     Anisotropy,
+    /// Depths of several samples per pixel, each at the place that its coverage is taken from, as
+    /// Vulkan demands. Without it no test of a proxy is exact there.
+    SampleDepths,
     /// Shaders that make triangles of triangles.
     GeometryShaders,
     /// Depths beyond the near and far plane that are clamped instead of cut off.
@@ -150,7 +153,7 @@ pub enum Optional {
 
 impl Optional {
     /// All optional capabilities.
-    pub const ALL: [Optional; 15] = [
+    pub const ALL: [Optional; 16] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
@@ -159,6 +162,7 @@ impl Optional {
         Optional::Multiview,
         Optional::Wireframe,
         Optional::Anisotropy,
+        Optional::SampleDepths,
         Optional::GeometryShaders,
         Optional::DepthClamp,
         Optional::CalibratedTimestamps,
@@ -179,6 +183,7 @@ impl Optional {
             Optional::Multiview => "multiview",
             Optional::Wireframe => "fillModeNonSolid",
             Optional::Anisotropy => "samplerAnisotropy",
+            Optional::SampleDepths => "depths of samples at their own places",
             Optional::GeometryShaders => "geometryShader",
             Optional::DepthClamp => "depthClamp",
             Optional::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
@@ -197,6 +202,7 @@ impl Optional {
             | Optional::PreciseQueries
             | Optional::Timestamps
             | Optional::FragmentStores
+            | Optional::SampleDepths
             | Optional::Multiview => true,
             _ => purpose == Purpose::Renderer,
         }
@@ -218,6 +224,7 @@ impl Optional {
             Optional::PresentFences => Features { swapchain_maintenance1: true, ..none },
             Optional::PresentWait => Features { present_id: true, present_wait: true, ..none },
             Optional::Timestamps
+            | Optional::SampleDepths
             | Optional::CalibratedTimestamps
             | Optional::Swapchain
             | Optional::DisplayTiming => none,
@@ -244,11 +251,14 @@ impl Optional {
     }
 
     fn is_in(self, offer: &Offer) -> bool {
-        let needs_timestamps =
-            matches!(self, Optional::Timestamps | Optional::CalibratedTimestamps);
+        let is_flawed = match self {
+            Optional::Timestamps | Optional::CalibratedTimestamps => offer.timestamp_bits == 0,
+            Optional::Multiview => offer.draws_views_wrong(),
+            Optional::SampleDepths => offer.misplaces_sample_depths(),
+            _ => false,
+        };
         let has_any = |names: &&[&'static CStr]| names.iter().any(|name| offer.has(name));
-        (!needs_timestamps || offer.timestamp_bits > 0)
-            && !(self == Optional::Multiview && offer.draws_views_wrong)
+        !is_flawed
             && self.features().without(offer.features).is_empty()
             && self.extensions().iter().all(has_any)
     }

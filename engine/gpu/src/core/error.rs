@@ -108,6 +108,12 @@ pub enum Error {
         /// Those that the device draws to.
         supported: ash::vk::SampleCountFlags,
     },
+    /// A number of samples per pixel that the engine's own targets do not have.
+    #[error("{wanted} samples per pixel are not possible: take 1 or 4")]
+    SampleCount {
+        /// The number wanted.
+        wanted: u32,
+    },
     /// There is no display to open a window on, or its connection is gone.
     #[error(
         "there is no display to show a window on ({0}); start one, name it in DISPLAY or WAYLAND_DISPLAY, or draw without a window"

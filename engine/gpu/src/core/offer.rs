@@ -20,8 +20,8 @@ pub(crate) struct Offer {
     pub(crate) has_depth_32: bool,
     /// The most storage buffers that a shader stage may bind.
     pub(crate) stage_storage_buffers: u32,
-    /// True if the driver offers multiview and draws wrong images with it.
-    pub(crate) draws_views_wrong: bool,
+    /// The driver, if it says so.
+    driver: vk::DriverId,
 }
 
 /// The flags of a queue family that the engine can use.
@@ -91,7 +91,7 @@ impl Offer {
             stage_storage_buffers: properties.limits.max_per_stage_descriptor_storage_buffers,
             has_depth_32: depth.optimal_tiling_features.contains(needed),
             // SAFETY: as above.
-            draws_views_wrong: unsafe { draws_views_wrong(instance, physical, &properties) },
+            driver: unsafe { driver_of(instance, physical, &properties) },
             ..Self::default()
         }
     }
@@ -103,30 +103,43 @@ impl Offer {
         self.features = features;
     }
 
+    /// Returns true if the driver offers multiview and draws wrong images with it: Mesa's llvmpipe.
+    /// That of 22.3 draws most of what the later views show to the first layer; no other version
+    /// was tried.
+    pub(crate) fn draws_views_wrong(&self) -> bool {
+        self.driver == vk::DriverId::MESA_LLVMPIPE
+    }
+
+    /// Returns true if the driver takes the depth of a sample from another sample's place than its
+    /// coverage: Google's SwiftShader. Of a triangle that is seen edge-on, such a depth is nowhere
+    /// on it.
+    pub(crate) fn misplaces_sample_depths(&self) -> bool {
+        self.driver == vk::DriverId::GOOGLE_SWIFTSHADER
+    }
+
     /// Returns true if the extension may be used.
     pub(crate) fn has(&self, extension: &CStr) -> bool {
         self.extensions.iter().any(|there| there.as_c_str() == extension)
     }
 }
 
-/// Returns true for Mesa's llvmpipe. That of 22.3 draws most of what the later views show to the
-/// first layer; no other version was tried.
+/// Returns the driver of an adapter; none where Vulkan is too old to say.
 ///
 /// # Safety
 /// `physical` is of `instance`, with these properties.
-unsafe fn draws_views_wrong(
+unsafe fn driver_of(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
     properties: &vk::PhysicalDeviceProperties,
-) -> bool {
+) -> vk::DriverId {
     if properties.api_version < vk::API_VERSION_1_2 {
-        return false;
+        return vk::DriverId::default();
     }
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut chain = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
     // SAFETY: driver properties are core since 1.2, checked above.
     unsafe { instance.get_physical_device_properties2(physical, &mut chain) };
-    driver.driver_id == vk::DriverId::MESA_LLVMPIPE
+    driver.driver_id
 }
 
 /// Returns true if the instance has its half of a device extension.

@@ -144,6 +144,7 @@ impl DepthLayers {
             colours: [vk::ImageView::null(); COLOURS_MAX],
             colour_count: 0,
             depth: *self.views.get(layer as usize)?,
+            average: vk::ImageView::null(),
             has_stencil: false,
             view_mask: 0,
             origin: [0, 0],

@@ -54,6 +54,19 @@ impl Image {
         Self::with_view(device, name, &info, view)
     }
 
+    /// Creates an image of one layer with so many samples per pixel, which the device draws to.
+    pub(crate) fn multisampled(
+        device: &Device,
+        name: &str,
+        (size, samples): ([u32; 2], vk::SampleCountFlags),
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+        aspect: vk::ImageAspectFlags,
+    ) -> Result<Self, Error> {
+        let info = plain_image(format, size, [1, 1]).usage(usage).samples(samples);
+        Self::with_view(device, name, &info, plain_view(format, aspect, [1, 1]))
+    }
+
     /// Creates a 2D array of colours with so many levels and layers, all within the device's
     /// limits.
     pub(crate) fn array(

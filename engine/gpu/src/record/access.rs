@@ -29,6 +29,8 @@ pub enum Access {
     FragmentWrite,
     /// Image sampled by a fragment shader.
     FragmentSample,
+    /// Image sampled by a compute shader.
+    ComputeSample,
     /// Colour attachment: blended, cleared, loaded, stored.
     Colour,
     /// Depth attachment: tested and written, cleared, loaded, stored.
@@ -43,7 +45,7 @@ pub enum Access {
 
 impl Access {
     /// All accesses, for tests.
-    pub const ALL: [Access; 17] = [
+    pub const ALL: [Access; 18] = [
         Access::Nothing,
         Access::CopyRead,
         Access::CopyWrite,
@@ -56,6 +58,7 @@ impl Access {
         Access::ComputeWrite,
         Access::FragmentWrite,
         Access::FragmentSample,
+        Access::ComputeSample,
         Access::Colour,
         Access::Depth,
         Access::HostRead,
@@ -99,6 +102,9 @@ impl Access {
             }
             Access::FragmentSample => {
                 (S::FRAGMENT_SHADER, A::SHADER_SAMPLED_READ, none, L::SHADER_READ_ONLY_OPTIMAL)
+            }
+            Access::ComputeSample => {
+                (S::COMPUTE_SHADER, A::SHADER_SAMPLED_READ, none, L::SHADER_READ_ONLY_OPTIMAL)
             }
             Access::Colour => (
                 S::COLOR_ATTACHMENT_OUTPUT,

@@ -221,7 +221,7 @@ impl Commands {
         }
         let (colour_load, colour_store, colour_clear) = load_ops(target.colour_load);
         let (depth_load, depth_store, depth_clear) = load_ops(target.depth_load);
-        let colours = target.colours.map(|view| {
+        let mut colours = target.colours.map(|view| {
             vk::RenderingAttachmentInfo::default()
                 .image_view(view)
                 .image_layout(Access::Colour.layout())
@@ -239,6 +239,13 @@ impl Commands {
             .clear_value(vk::ClearValue {
                 depth_stencil: vk::ClearDepthStencilValue { depth: depth_clear, stencil: 0 },
             });
+        if target.average != vk::ImageView::null() {
+            let [first, ..] = &mut colours;
+            *first = first
+                .resolve_mode(vk::ResolveModeFlags::AVERAGE)
+                .resolve_image_view(target.average)
+                .resolve_image_layout(Access::Colour.layout());
+        }
         let area = Viewport::covering(target.origin, target.size);
         let mut info = vk::RenderingInfo::default()
             .render_area(area.scissor())

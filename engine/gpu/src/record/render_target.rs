@@ -12,6 +12,9 @@ pub struct RenderTarget {
     pub(crate) colours: [vk::ImageView; COLOURS_MAX],
     pub(crate) colour_count: usize,
     pub(crate) depth: vk::ImageView,
+    /// The image that the samples of the first colour are averaged into when the rendering ends;
+    /// null for none.
+    pub(crate) average: vk::ImageView,
     pub(crate) has_stencil: bool,
     pub(crate) view_mask: u32,
     pub(crate) origin: [u32; 2],

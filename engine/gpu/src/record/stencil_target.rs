@@ -108,6 +108,7 @@ impl StencilTarget {
             colours: [vk::ImageView::null(); COLOURS_MAX],
             colour_count: 0,
             depth: self.image.view,
+            average: vk::ImageView::null(),
             has_stencil: true,
             view_mask: 0,
             origin: [0, 0],

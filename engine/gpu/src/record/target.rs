@@ -7,31 +7,40 @@ use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::ownership::of_device;
 use crate::core::tick::Tick;
-use crate::memory::buffer::BufferSlice;
-use crate::memory::readback::Readback;
 use crate::record::access::Access;
 use crate::record::attachments::{
     Attachments, COLOUR_BYTES, COLOUR_FORMAT, COLOURS_MAX, ColourFormats, DEPTH_FORMAT,
     check_formats,
 };
-use crate::record::commands::{Commands, Failure};
+use crate::record::commands::Commands;
 use crate::record::finished_image::FinishedImage;
 use crate::record::host_image::{HostImages, ImageState};
+use crate::record::multisampling::Multisampling;
 use crate::record::render_target::{Load, RenderTarget};
+use crate::record::sample_count::SampleCount;
 use crate::record::target_image::TargetImage;
+
+/// The usage of the image that is shown and read: a host samples what was drawn.
+const FINISHED_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
+    vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw()
+        | vk::ImageUsageFlags::TRANSFER_SRC.as_raw()
+        | vk::ImageUsageFlags::SAMPLED.as_raw(),
+);
 
 /// A depth image and colour images of one size: one colour of ours, or what a host has.
 pub struct Target {
     device: Device,
-    colours: Vec<TargetImage>,
-    depth: TargetImage,
-    size: [u32; 2],
-    attachments: Attachments,
+    pub(super) colours: Vec<TargetImage>,
+    pub(super) depth: TargetImage,
+    pub(super) size: [u32; 2],
+    pub(super) attachments: Attachments,
+    /// The averages of the samples, where a pixel of ours has several.
+    pub(super) multisampling: Option<Multisampling>,
     /// True if the depth can be copied to a buffer of floats.
-    can_copy_depth: bool,
+    pub(super) can_copy_depth: bool,
     // The recording that uses the images, and what it last used them for. What it recorded may
     // never be submitted, so the next one must not build on it.
-    recording: Option<RecordingId>,
+    pub(super) recording: Option<RecordingId>,
     submitted: Option<Tick>,
 }
 
@@ -54,10 +63,6 @@ impl Target {
     pub fn layered(device: &Device, size: [u32; 2], views: u32, name: &str) -> Result<Self, Error> {
         check_size(device, size)?;
         check_views(views)?;
-        // A host samples what was drawn.
-        let colour_usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
-            | vk::ImageUsageFlags::TRANSFER_SRC
-            | vk::ImageUsageFlags::SAMPLED;
         let depth_usage =
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
@@ -67,11 +72,56 @@ impl Target {
         };
         Ok(Self {
             device: device.clone(),
-            colours: vec![image("colour", [COLOUR_BYTES, COLOUR_FORMAT], colour_usage, colour)?],
+            colours: vec![image("colour", [COLOUR_BYTES, COLOUR_FORMAT], FINISHED_USAGE, colour)?],
             depth: image("depth", [DEPTH_FORMAT; 2], depth_usage, depth)?,
             size,
             attachments: Attachments { views, ..Attachments::default() },
+            multisampling: None,
             can_copy_depth: views == 1,
+            recording: None,
+            submitted: None,
+        })
+    }
+
+    /// Creates a target of `size` pixels with so many samples per pixel. What is drawn shows in the
+    /// finished image once the samples were [resolved](Target::resolve).
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits; [`Error::Samples`] where
+    /// the device cannot draw so many samples, or not read their depths; no memory.
+    pub fn multisampled(
+        device: &Device,
+        size: [u32; 2],
+        samples: SampleCount,
+        name: &str,
+    ) -> Result<Self, Error> {
+        if samples == SampleCount::One {
+            return Self::new(device, size, name);
+        }
+        check_size(device, size)?;
+        let attachments = Attachments { samples: samples.flags(), ..Attachments::default() };
+        attachments.check(device)?;
+        let supported = device.adapter().limits.sampled_image_depth_sample_counts;
+        if !supported.contains(samples.flags()) {
+            return Err(Error::Samples { samples: samples.flags(), supported });
+        }
+        let image = |what, format, usage, aspect| {
+            let (name, size) = (format!("{name} {what} samples"), (size, samples));
+            TargetImage::multisampled(device, &name, size, format, usage, aspect)
+        };
+        let colour_usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let depth_usage =
+            vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
+        let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
+        let finished = (size, samples);
+        Ok(Self {
+            device: device.clone(),
+            colours: vec![image("colour", COLOUR_FORMAT, colour_usage, colour)?],
+            depth: image("depth", DEPTH_FORMAT, depth_usage, depth)?,
+            size,
+            attachments,
+            multisampling: Some(Multisampling::new(device, finished, FINISHED_USAGE, name)?),
+            can_copy_depth: true,
             recording: None,
             submitted: None,
         })
@@ -123,6 +173,7 @@ impl Target {
                 views: images.views,
                 pass: None,
             },
+            multisampling: None,
             can_copy_depth,
             recording: None,
             submitted: None,
@@ -140,14 +191,28 @@ impl Target {
     }
 
     /// Returns true if [`Target::copy_depth_to`] copies: the depth is
-    /// [`vk::Format::D32_SFLOAT`], of one sample and one view, and a source of transfers.
+    /// [`vk::Format::D32_SFLOAT`], of one view, and of ours, or of one sample and a source of
+    /// transfers.
     pub fn can_copy_depth(&self) -> bool {
         self.can_copy_depth
     }
 
-    /// Returns the first colour image and its last access.
+    /// Returns the image that is shown and read: of several samples their averages.
+    fn finished_colour(&self) -> Option<&TargetImage> {
+        match &self.multisampling {
+            Some(multisampling) => Some(&multisampling.average),
+            None => self.colours.first(),
+        }
+    }
+
+    /// Returns the finished colour image and its last access.
     pub(crate) fn colour(&self) -> Option<(vk::Image, Access)> {
-        self.colours.first().map(|colour| (colour.raw, colour.access))
+        self.finished_colour().map(|colour| (colour.raw, colour.access))
+    }
+
+    /// Returns true if draws show in the finished image only after [`Target::resolve`].
+    pub fn needs_resolve(&self) -> bool {
+        self.multisampling.is_some()
     }
 
     /// Prepares all images to be drawn to, after any earlier access. This is needed between two
@@ -192,6 +257,7 @@ impl Target {
             colours,
             colour_count: self.colours.len(),
             depth: self.depth.view,
+            average: vk::ImageView::null(),
             has_stencil: self.attachments.stencil() != vk::Format::UNDEFINED,
             view_mask: self.attachments.view_mask(),
             origin: [0, 0],
@@ -199,96 +265,6 @@ impl Target {
             colour_load: clear.map_or(Load::Keep, Load::Clear),
             depth_load: clear.map_or(Load::Keep, |_| Load::Clear(far)),
         }
-    }
-
-    /// Copies the depth of `size` pixels from `origin` on (from the upper left) to `to`: 32-bit
-    /// floats, rows from the top without gaps, an [`Access::CopyWrite`]. Copies nothing to a slice
-    /// that is too small, and nothing of an area beyond the image. To continue drawing, prepare the
-    /// target again.
-    pub fn copy_depth_to(
-        &mut self,
-        commands: &Commands,
-        origin: [u32; 2],
-        size: [u32; 2],
-        to: BufferSlice,
-    ) {
-        let [x, y] = origin;
-        let [width, height] = size;
-        let fits = |side: usize| {
-            u64::from(origin[side]) + u64::from(size[side]) <= u64::from(self.size[side])
-        };
-        let bytes = u64::from(width) * u64::from(height) * 4;
-        let has_room = bytes > 0 && to.size_bytes >= bytes && fits(0) && fits(1);
-        if !has_room || !self.can_copy_depth {
-            return;
-        }
-        if commands.admit(self).is_err() || commands.admit(&to).is_err() {
-            return;
-        }
-        commands.change_layouts([self.depth.change(Access::CopyRead)]);
-        let region = vk::BufferImageCopy::default()
-            .buffer_offset(to.offset_bytes)
-            .image_subresource(vk::ImageSubresourceLayers {
-                aspect_mask: vk::ImageAspectFlags::DEPTH,
-                layer_count: 1,
-                ..Default::default()
-            })
-            .image_offset(vk::Offset3D { x: x as i32, y: y as i32, z: 0 })
-            .image_extent(vk::Extent3D { width, height, depth: 1 });
-        // SAFETY: the slice holds the area, which lies within the image, in the layout named.
-        unsafe {
-            commands.device().raw().cmd_copy_image_to_buffer(
-                commands.raw(),
-                self.depth.raw,
-                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-                to.raw,
-                &[region],
-            );
-        }
-    }
-
-    /// Copies the colour image to `readback`, its layers one below the other; the recording fails
-    /// unless the sizes agree. The last use of the target in a frame.
-    pub fn copy_to(&mut self, commands: &Commands, readback: &Readback) {
-        if commands.admit(self).is_err() {
-            return;
-        }
-        let [width, height] = self.size;
-        let layers = self.attachments.views;
-        if readback.size() != [width, height.saturating_mul(layers)] {
-            commands.fail(Failure::Wrong("an image is copied to a `Readback` of another size"));
-            return;
-        }
-        let ours = Attachments { views: layers, ..Attachments::default() };
-        let is_ours = self.attachments == ours;
-        let Some(colour) = self.colours.first_mut().filter(|_| is_ours) else {
-            commands.fail(Failure::Wrong("the image of a host is copied to a `Readback`"));
-            return;
-        };
-        let Some(to) = readback.begin_copy(commands) else { return };
-        commands.change_layouts([colour.change(Access::CopyRead)]);
-        let region = vk::BufferImageCopy::default()
-            .image_subresource(vk::ImageSubresourceLayers {
-                aspect_mask: vk::ImageAspectFlags::COLOR,
-                layer_count: layers,
-                ..Default::default()
-            })
-            .image_extent(vk::Extent3D { width, height, depth: 1 });
-        // SAFETY: the buffer holds exactly this image; it is in the layout named.
-        unsafe {
-            commands.device().raw().cmd_copy_image_to_buffer(
-                commands.raw(),
-                colour.raw,
-                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-                to.raw,
-                &[region],
-            );
-        }
-        let to_host = crate::record::access::MemoryBarrier::between(
-            &[Access::CopyWrite],
-            &[Access::HostRead],
-        );
-        commands.barrier(to_host);
     }
 }
 
@@ -312,7 +288,8 @@ impl Target {
     pub fn finished(&self) -> Result<FinishedImage, Error> {
         let timeline = self.device.timeline_semaphore()?;
         let formats = self.attachments.colours.as_slice();
-        let (Some(tick), [colour, ..], [format, ..]) = (self.submitted, &self.colours[..], formats)
+        let (Some(tick), Some(colour), [format, ..]) =
+            (self.submitted, self.finished_colour(), formats)
         else {
             return Err(Error::NoImage);
         };

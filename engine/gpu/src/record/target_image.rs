@@ -8,6 +8,7 @@ use crate::memory::image::Image;
 use crate::record::access::{Access, LayoutChange, MemoryBarrier};
 use crate::record::attachments::has_stencil;
 use crate::record::host_image::{HostImage, ImageState};
+use crate::record::sample_count::SampleCount;
 
 /// An image that is drawn to.
 pub(super) struct TargetImage {
@@ -40,8 +41,26 @@ impl TargetImage {
         aspect: vk::ImageAspectFlags,
     ) -> Result<Self, Error> {
         let image = Image::layered(device, name, (size, layers), formats, usage, aspect)?;
+        Ok(Self::of_ours(image, layers, aspect))
+    }
+
+    /// Creates an image of one layer with so many samples per pixel.
+    pub(super) fn multisampled(
+        device: &Device,
+        name: &str,
+        (size, samples): ([u32; 2], SampleCount),
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+        aspect: vk::ImageAspectFlags,
+    ) -> Result<Self, Error> {
+        let size = (size, samples.flags());
+        let image = Image::multisampled(device, name, size, format, usage, aspect)?;
+        Ok(Self::of_ours(image, 1, aspect))
+    }
+
+    fn of_ours(image: Image, layers: u32, aspect: vk::ImageAspectFlags) -> Self {
         let (raw, view, access) = (image.raw, image.view, Access::Nothing);
-        Ok(Self { raw, view, aspect, layers, origin: Origin::Ours { _image: image }, access })
+        Self { raw, view, aspect, layers, origin: Origin::Ours { _image: image }, access }
     }
 
     /// Takes so many layers of a host's image as an attachment for `attachment`.

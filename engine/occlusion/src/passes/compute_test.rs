@@ -109,6 +109,14 @@ impl ComputeTest {
         })
     }
 
+    /// Returns the pass for depths of so many samples per pixel: of several, each may lie anywhere
+    /// in its pixel, and the tests compare with the farthest of them.
+    #[must_use]
+    pub fn of_samples(self, samples: vk::SampleCountFlags) -> Self {
+        let off_centre = if samples == vk::SampleCountFlags::TYPE_1 { 0.0 } else { 0.5 };
+        Self { reach_pixels: self.reach_pixels + off_centre, ..self }
+    }
+
     /// Checks that the device can test in areas of up to `size` pixels.
     ///
     /// # Errors

@@ -72,7 +72,9 @@ impl OcclusionPasses {
         size: [u32; 2],
     ) -> Result<Self, Error> {
         let compute_test = self.compute_test.as_ref();
-        let compute_test = compute_test.map(|_| ComputeTest::new(device, shaders, size));
+        let samples = self.attachments.samples;
+        let compute_test = compute_test
+            .map(|_| ComputeTest::new(device, shaders, size).map(|test| test.of_samples(samples)));
         let list_draws = self.list_draws.as_ref().map(|_| ListDrawsPass::new(device, shaders));
         let fresh = Self::new(device, shaders, self.attachments)?;
         let (compute_test, list_draws) = (compute_test.transpose()?, list_draws.transpose()?);

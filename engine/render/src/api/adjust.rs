@@ -20,7 +20,7 @@ impl Renderer {
             return Ok(());
         }
         self.executor.check_resize(&self.device, [self.size(), size])?;
-        self.passes.target = Target::new(&self.device, size, "target")?;
+        self.passes.target = Target::multisampled(&self.device, size, self.samples, "target")?;
         // These make again what the next frame needs.
         self.executor.resized();
         self.methods.iter_mut().for_each(|method| method.resized());

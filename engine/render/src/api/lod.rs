@@ -27,10 +27,10 @@ impl Renderer {
 
     /// Does the same as [`Renderer::choose_detail`], and lets objects of which few samples are
     /// visible take coarser levels than their distance allows, as [`DetailPolicy::by_samples`]
-    /// says. Samples are known of the objects that a view [watches](ViewState::watch): those of
-    /// their boxes, which no level changes. Of others, and of boxes that the eye is in, the
-    /// distance alone decides. Where several views see an object, the finest of their levels is
-    /// taken.
+    /// says; of several samples per pixel, so many count as one. Samples are known of the objects
+    /// that a view [watches](ViewState::watch): those of their boxes, which no level changes. Of
+    /// others, and of boxes that the eye is in, the distance alone decides. Where several views see
+    /// an object, the finest of their levels is taken.
     ///
     /// Counts are as many frames old as are in flight, and one more: so late does what comes out
     /// from behind a wall get finer. [`ViewState::reset`] forgets them. They are of the finished
@@ -53,6 +53,7 @@ impl Renderer {
     }
 
     fn choose_levels(&mut self, views: &[SeenView<'_>], policy: &DetailPolicy) -> u32 {
+        let samples_per_pixel = self.samples.count();
         let geometry = &mut self.passes.geometry;
         if !geometry.lods.are_any() {
             return 0;
@@ -67,6 +68,7 @@ impl Renderer {
             let bounds = self.hierarchy.bounds(node);
             let of_view = |(view, counts): &SeenView<'_>| {
                 let visible = counts.and_then(|counts| counts.visible_of(object));
+                let visible = visible.map(|samples| samples.div_ceil(samples_per_pixel));
                 policy.seen_pixels_per_metre(view.pixels_per_metre(&bounds), visible)
             };
             let pixels_per_metre = views.iter().map(of_view).fold(0.0, f32::max);

@@ -19,7 +19,9 @@ use crate::renderer::Renderer;
 use crate::resources::skinned_meshes::PoseUploads;
 use crate::shadows::MapUses;
 use crate::view_state::{RendererId, ViewState};
-use crate::views::{FrameReport, FrameRequest, ViewTarget, Viewpoint, ViewsRequest, finish_image};
+use crate::views::{
+    FrameReport, FrameRequest, ViewTarget, Viewpoint, ViewsRequest, finish_image, finish_scene,
+};
 
 impl Renderer {
     /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
@@ -99,7 +101,7 @@ impl Renderer {
             let scene = (&*executor, &*hierarchy, &flares[..]);
             finish_view(passes, &mut frame, scene, state, view)?;
         }
-        finish_image(&mut frame, passes, None, scene_image)?;
+        finish_scene(&mut frame, passes, scene_image)?;
         let overlays = Overlays {
             debug_overlay: self.debug_overlay,
             outlined,

@@ -30,8 +30,9 @@ impl Renderer {
         self.check_view(state)?;
         let viewpoint = viewpoint.into();
         let target = ViewTarget { state: &mut *state, viewpoint, visible: None, rect: area };
-        // With a threshold ours leaves out what this is to find.
-        let strategy = if self.is_exact() { Strategy::ANTUMBRA } else { Strategy::FRUSTUM };
+        // With a threshold, and where no test is exact, ours leaves out what this is to find.
+        let is_exact = self.is_exact() && self.supports(Strategy::ANTUMBRA).is_ok();
+        let strategy = if is_exact { Strategy::ANTUMBRA } else { Strategy::FRUSTUM };
         let request = ViewsRequest { strategy, image: None, after: None };
         self.render_views(&mut [target], &request)?;
         let view = self.view_in(viewpoint, area)?;

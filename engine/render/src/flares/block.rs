@@ -79,9 +79,9 @@ impl FlareBlock {
         FlareBlockRow { low, target_low, side, depth, first_cell, unused: 0 }
     }
 
-    /// Returns the number of its samples, in the image and outside of it.
+    /// Returns the number of its pixels, in the image and outside of it.
     #[must_use]
-    pub fn samples(&self) -> u32 {
+    pub fn pixels(&self) -> u32 {
         self.side * self.side
     }
 }
@@ -162,7 +162,7 @@ mod tests {
             let middle = [100 - side / 2, 50 - side / 2].map(|at| at as i32);
             let off = [0, 1].map(|axis| (block.origin[axis] - middle[axis]).abs());
             assert!(off[0] <= 1 && off[1] <= 1, "{z}: {block:?}");
-            assert_eq!(block.samples(), side * side);
+            assert_eq!(block.pixels(), side * side);
             // Stored depth is the near plane over the view depth.
             let expected = 0.5 / (-z - 0.5);
             assert!((block.depth - expected).abs() <= expected * 1.0e-5, "{z}: {block:?}");

@@ -112,6 +112,7 @@ impl FlareCounts {
         flares: &[LensFlare],
         view: &View,
         (frame, has_veil): (FrameId, bool),
+        samples_per_pixel: u32,
     ) {
         self.histories.resize_with(flares.len(), FlareHistory::default);
         let asked = &mut self.asked;
@@ -127,14 +128,15 @@ impl FlareCounts {
                 history.take(FlareSamples::of(frame, [0; 2]));
                 continue;
             };
-            let samples = block.samples();
+            let pixels = block.pixels();
+            let samples = pixels * samples_per_pixel;
             let tag =
                 |count| FlareTag { count, flare: number, frame, block: samples, epoch: self.epoch };
             asked.queries.push(QueryIndex(asked.tags.len() as u32));
             asked.rows.push(block.row(view.origin, asked.cells));
             asked.tags.extend([FlareCount::Total, FlareCount::Visible].map(tag));
             asked.tags.extend(has_veil.then(|| tag(FlareCount::Veiled)));
-            asked.cells += samples;
+            asked.cells += pixels;
             for axis in 0..2 {
                 let [low, high] = &mut asked.covering;
                 low[axis] = low[axis].min(area.origin[axis]);

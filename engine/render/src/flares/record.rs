@@ -27,7 +27,8 @@ pub(crate) fn record_flares(
     counts.is_asking = false;
     let (now, slots) = (visibility.plan().frame, visibility.frames_in_flight());
     let has_veil = passes.pipelines.veil.is_some() && has_transparent(passes);
-    counts.lay_out(flares, view, (now, has_veil));
+    let samples_per_pixel = passes.target.attachments().samples.as_raw();
+    counts.lay_out(flares, view, (now, has_veil), samples_per_pixel);
     counts.advance(now, slots);
     if flares.is_empty() {
         return Ok(());

@@ -2,14 +2,14 @@
 
 use ::shadows::ShadowBias;
 use cull::View;
-use gpu::{BufferSlice, Commands, Device, vk};
+use gpu::{BufferSlice, Commands, DepthLayers, Device, vk};
 use occlusion::{Error, ShaderSet};
 use scene::Light;
 
 use crate::passes::{OpaqueIo, OpaquePass, SurfaceIo, SurfaceKind, SurfacePass};
 use crate::shading::surfaces::SurfaceResources;
 
-/// The pass that draws casters of shadows to [`DepthLayers`](gpu::DepthLayers), nearest depths
+/// The pass that draws casters of shadows to [`DepthLayers`], nearest depths
 /// first: with the holes of masked materials where there are any.
 pub enum CasterPass {
     /// Without holes.
@@ -65,6 +65,7 @@ impl CasterPass {
         Ok(match surfaces.is_masked() {
             true => {
                 let kind = SurfaceKind::Casters(bias);
+                let shaders = (shaders, DepthLayers::attachments());
                 Self::Masked(SurfacePass::new(device, shaders, kind, surfaces, None)?)
             }
             false => Self::Whole(OpaquePass::casters(device, shaders, bias)?),

@@ -3,7 +3,7 @@
 
 use cull::View;
 use gpu::{
-    BOX_VERTICES, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    Attachments, BOX_VERTICES, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
     IndirectDraw, StorageLayout, vk,
 };
 
@@ -23,20 +23,26 @@ pub struct CountPass {
 }
 
 impl CountPass {
-    /// Compiles the pass.
+    /// Compiles the pass for renderings to `attachments`.
     ///
     /// # Errors
     /// A failed call.
-    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
         let proxies = GraphicsPipelineInfo {
             storage: StorageLayout::new::<ProxyConstants>(1),
             depth: DepthMode::Ignored,
+            attachments,
             ..GraphicsPipelineInfo::of("counted proxies", shaders.find("proxy.vert")?)
         };
         let objects = GraphicsPipelineInfo {
             vertices: POSITIONS,
             storage: StorageLayout::new::<SeenConstants>(1),
             cull: vk::CullModeFlags::BACK,
+            attachments,
             ..GraphicsPipelineInfo::of("counted objects", shaders.find("seen.vert")?)
         };
         Ok(Self {

@@ -4,8 +4,8 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    Optional, StorageLayout,
+    Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
+    GraphicsPipelineInfo, Optional, StorageLayout,
 };
 
 use occlusion::{Error, ShaderSet};
@@ -110,15 +110,20 @@ const _: () = assert!(size_of::<FlareBlockRow>() == 32);
 const _: () = assert!(size_of::<FlareSprite>() == 32);
 
 impl FlarePass {
-    /// Compiles the pass.
+    /// Compiles the pass for renderings to `attachments`.
     ///
     /// # Errors
     /// A failed call.
-    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
         let block = shaders.find("flare_block.vert")?;
         let counted = |name, depth| GraphicsPipelineInfo {
             storage: StorageLayout::new::<Constants>(1),
             depth,
+            attachments,
             ..GraphicsPipelineInfo::of(name, block)
         };
         let veiled = GraphicsPipelineInfo {
@@ -132,6 +137,7 @@ impl FlarePass {
             depth: DepthMode::Ignored,
             // With an alpha of 0 this adds.
             blend: Blend::Premultiplied,
+            attachments,
             ..GraphicsPipelineInfo::of("lens flares", shaders.find("flare.vert")?)
         };
         let pipeline = |info| GraphicsPipeline::new(device, &info);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, DynamicTexture, GraphicsPipeline,
+    Attachments, Blend, BufferSlice, Commands, DepthMode, Device, DynamicTexture, GraphicsPipeline,
     GraphicsPipelineInfo, IndirectDraw, StorageLayout, VertexLayout, vk,
 };
 
@@ -60,11 +60,15 @@ const _: () = assert!(size_of::<Constants>() == 8);
 const _: () = assert!(size_of::<FlatVertex>() == 20);
 
 impl FlatPass {
-    /// Compiles the pass.
+    /// Compiles the pass for renderings to `attachments`.
     ///
     /// # Errors
     /// A failed call.
-    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
         let info = GraphicsPipelineInfo {
             fragment: Some(shaders.find("flat.frag")?),
             vertices: VertexLayout {
@@ -79,6 +83,7 @@ impl FlatPass {
             storage: StorageLayout { textures: 1, ..StorageLayout::new::<Constants>(0) },
             depth: DepthMode::Ignored,
             blend: Blend::Premultiplied,
+            attachments,
             ..GraphicsPipelineInfo::of("flat", shaders.find("flat.vert")?)
         };
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })

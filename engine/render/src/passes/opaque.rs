@@ -59,12 +59,16 @@ pub(super) const POSITIONS: VertexLayout<'static> = VertexLayout {
 };
 
 impl OpaquePass {
-    /// Compiles the pass.
+    /// Compiles the pass for renderings to `attachments`.
     ///
     /// # Errors
     /// A failed call.
-    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        Self::of_kind(device, shaders, Kind::Whole)
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, attachments, Kind::Whole)
     }
 
     /// Compiles a pass that writes the same depth, to the bit, and no colour. Queries on its draws
@@ -72,24 +76,36 @@ impl OpaquePass {
     ///
     /// # Errors
     /// A failed call.
-    pub fn depth_only(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        Self::of_kind(device, shaders, Kind::Depth)
+    pub fn depth_only(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, attachments, Kind::Depth)
     }
 
     /// Compiles a pass that adds the colour to the objects of [`OpaquePass::depth_only`].
     ///
     /// # Errors
     /// A failed call.
-    pub fn colour_only(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        Self::of_kind(device, shaders, Kind::Colour)
+    pub fn colour_only(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, attachments, Kind::Colour)
     }
 
     /// Compiles a pass that draws the edges of the objects of [`OpaquePass::new`], in one colour.
     ///
     /// # Errors
     /// A device that lacks [`gpu::Optional::Wireframe`]; a failed call.
-    pub fn wireframe(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        Self::of_kind(device, shaders, Kind::Wireframe)
+    pub fn wireframe(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, attachments, Kind::Wireframe)
     }
 
     /// Compiles a pass that draws casters of shadows to [`DepthLayers`].
@@ -97,10 +113,15 @@ impl OpaquePass {
     /// # Errors
     /// A failed call.
     pub fn casters(device: &Device, shaders: &ShaderSet, bias: ShadowBias) -> Result<Self, Error> {
-        Self::of_kind(device, shaders, Kind::Casters(bias))
+        Self::of_kind(device, shaders, DepthLayers::attachments(), Kind::Casters(bias))
     }
 
-    fn of_kind(device: &Device, shaders: &ShaderSet, kind: Kind) -> Result<Self, Error> {
+    fn of_kind(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+        kind: Kind,
+    ) -> Result<Self, Error> {
         let fragment = shaders.find("opaque.frag")?;
         let (name, fragment, depth, blend) = match kind {
             Kind::Whole => ("opaque", Some(fragment), DepthMode::TestAndWrite, Blend::Opaque),
@@ -114,9 +135,9 @@ impl OpaquePass {
             ),
             Kind::Casters(_) => ("casters", None, DepthMode::TestAndWrite, Blend::NoColour),
         };
-        let (cull, attachments) = match kind {
-            Kind::Casters(bias) => (culled_faces(bias), DepthLayers::attachments()),
-            _ => (vk::CullModeFlags::BACK, Attachments::default()),
+        let cull = match kind {
+            Kind::Casters(bias) => culled_faces(bias),
+            _ => vk::CullModeFlags::BACK,
         };
         let polygon = if kind == Kind::Wireframe { Polygon::Wireframe } else { Polygon::Filled };
         let pipeline = GraphicsPipeline::new(

@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    StorageLayout, VertexLayout, vk,
+    Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
+    GraphicsPipelineInfo, StorageLayout, VertexLayout, vk,
 };
 
 use occlusion::{Error, ShaderSet};
@@ -47,11 +47,15 @@ struct Constants {
 const _: () = assert!(size_of::<Constants>() == 64);
 
 impl OverlayPass {
-    /// Compiles the pass.
+    /// Compiles the pass for renderings to `attachments`.
     ///
     /// # Errors
     /// A failed call.
-    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
         let pipeline = |name, topology, depth| {
             GraphicsPipeline::new(
                 device,
@@ -69,6 +73,7 @@ impl OverlayPass {
                     topology,
                     depth,
                     blend: Blend::Alpha,
+                    attachments,
                     ..GraphicsPipelineInfo::of(name, shaders.find("overlay.vert")?)
                 },
             )

@@ -1,7 +1,7 @@
 //! All passes of a renderer, compiled from one set of shaders.
 
 use ::shadows::{CasterCulling, ShadowOptions};
-use gpu::{Attachments, Device, Optional};
+use gpu::{Attachments, Device, Optional, SampleCount};
 use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
@@ -40,6 +40,8 @@ pub(crate) struct Pipelines {
 /// The parts of a scene that have passes of their own.
 #[derive(Clone, Copy)]
 pub(crate) struct PassNeeds<'a> {
+    /// The images that all but shadow maps are drawn to.
+    pub(crate) attachments: Attachments,
     pub(crate) surfaces: Option<&'a SurfaceResources>,
     pub(crate) has_transparent: bool,
     pub(crate) has_skinned_meshes: bool,
@@ -58,12 +60,14 @@ impl Pipelines {
         needs: PassNeeds<'_>,
         former: Option<&Self>,
     ) -> Result<Self, Error> {
-        let PassNeeds { surfaces, has_transparent, has_skinned_meshes, shadows } = needs;
+        let PassNeeds { attachments, surfaces, has_transparent, has_skinned_meshes, shadows } =
+            needs;
+        let drawn = (shaders, attachments);
         let filter = shadows.map(|shadows| shadows.filter);
         let veiled = surfaces.filter(|_| has_transparent);
         let transparent = veiled;
         let transparent = transparent
-            .map(|it| SurfacePass::new(device, shaders, SurfaceKind::Transparent, it, filter))
+            .map(|it| SurfacePass::new(device, drawn, SurfaceKind::Transparent, it, filter))
             .transpose()?;
         let skinning =
             has_skinned_meshes.then(|| SkinningPass::new(device, shaders)).transpose()?;
@@ -72,23 +76,25 @@ impl Pipelines {
             .map(|(surfaces, shadows)| CasterPass::new(device, shaders, surfaces, shadows.bias))
             .transpose()?;
         let can_cull = |it: &&ShadowOptions| {
+            // With several samples a surface is shaded in the middle of a pixel, where no depth is.
             it.culling == CasterCulling::Culled
+                && attachments.samples == SampleCount::One.flags()
                 && device.capabilities().has(Optional::FragmentStores)
         };
         let shadow_tests = shadows
             .filter(can_cull)
-            .map(|_| BoxVolumePass::new(device, shaders, Attachments::default()))
+            .map(|_| BoxVolumePass::new(device, shaders, attachments))
             .transpose()?;
-        let on_demand = Former { device, shaders, former };
+        let on_demand = Former { device, drawn, former };
         let veil = match (veiled, former.and_then(|former| former.veil.as_ref())) {
             (Some(it), Some(_)) => {
-                Some(SurfacePass::new(device, shaders, SurfaceKind::Veil, it, None)?)
+                Some(SurfacePass::new(device, drawn, SurfaceKind::Veil, it, None)?)
             }
             _ => None,
         };
         Ok(Self {
-            opaque: OpaquePass::new(device, shaders)?,
-            shading: surfaces.map(|it| Shading::new(device, shaders, it, filter)).transpose()?,
+            opaque: OpaquePass::new(device, shaders, attachments)?,
+            shading: surfaces.map(|it| Shading::new(device, drawn, it, filter)).transpose()?,
             transparent,
             skinning,
             casters,
@@ -105,11 +111,12 @@ impl Pipelines {
     }
 }
 
-type Constructor<P> = fn(&Device, &ShaderSet) -> Result<P, Error>;
+type Constructor<P> = fn(&Device, &ShaderSet, Attachments) -> Result<P, Error>;
 
 /// A pass that is compiled when it is first needed.
 pub(crate) struct OnDemand<P> {
     compile: Constructor<P>,
+    attachments: Attachments,
     pass: Option<P>,
 }
 
@@ -120,7 +127,7 @@ impl<P> OnDemand<P> {
     /// What the device lacks for the pass, a shader that does not fit it, a failed call.
     pub(crate) fn prepare(&mut self, device: &Device, shaders: &ShaderSet) -> Result<(), Error> {
         if self.pass.is_none() {
-            self.pass = Some((self.compile)(device, shaders)?);
+            self.pass = Some((self.compile)(device, shaders, self.attachments)?);
         }
         Ok(())
     }
@@ -134,7 +141,7 @@ impl<P> OnDemand<P> {
 /// The passes with the shaders before, if there were any.
 struct Former<'a> {
     device: &'a Device,
-    shaders: &'a ShaderSet,
+    drawn: (&'a ShaderSet, Attachments),
     former: Option<&'a Pipelines>,
 }
 
@@ -145,9 +152,10 @@ impl Former<'_> {
         pass_of: fn(&Pipelines) -> &OnDemand<P>,
         compile: Constructor<P>,
     ) -> Result<OnDemand<P>, Error> {
-        let mut pass = OnDemand { compile, pass: None };
+        let (shaders, attachments) = self.drawn;
+        let mut pass = OnDemand { compile, attachments, pass: None };
         if self.former.is_some_and(|former| pass_of(former).get().is_some()) {
-            pass.prepare(self.device, self.shaders)?;
+            pass.prepare(self.device, shaders)?;
         }
         Ok(pass)
     }
@@ -160,10 +168,10 @@ pub(crate) struct DepthFirst {
 }
 
 impl DepthFirst {
-    fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+    fn new(device: &Device, shaders: &ShaderSet, attachments: Attachments) -> Result<Self, Error> {
         Ok(Self {
-            depth: OpaquePass::depth_only(device, shaders)?,
-            colour: OpaquePass::colour_only(device, shaders)?,
+            depth: OpaquePass::depth_only(device, shaders, attachments)?,
+            colour: OpaquePass::colour_only(device, shaders, attachments)?,
         })
     }
 }

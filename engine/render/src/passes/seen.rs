@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, Optional, StorageLayout,
-    vk,
+    Attachments, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, Optional,
+    StorageLayout, vk,
 };
 
 use crate::passes::OpaqueIo;
@@ -44,11 +44,15 @@ impl SeenConstants {
 }
 
 impl SeenPass {
-    /// Compiles the pass.
+    /// Compiles the pass for renderings to `attachments`.
     ///
     /// # Errors
     /// A device whose fragment shaders cannot write to buffers; a failed call.
-    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
         if !device.capabilities().has(Optional::FragmentStores) {
             return Err(gpu::Error::Unsupported {
                 device: device.adapter().name.clone(),
@@ -64,6 +68,7 @@ impl SeenPass {
                 vertices: POSITIONS,
                 storage: StorageLayout::new::<SeenConstants>(2),
                 cull: vk::CullModeFlags::BACK,
+                attachments,
                 ..GraphicsPipelineInfo::of("seen", shaders.find("seen.vert")?)
             },
         )?;

@@ -3,7 +3,9 @@
 use bytemuck::{Pod, Zeroable};
 use cull::{ProjectionKind, View};
 use glam::Vec3;
-use gpu::{Blend, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, StorageLayout};
+use gpu::{
+    Attachments, Blend, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, StorageLayout,
+};
 
 use occlusion::{Error, ShaderSet};
 use scene::SkyDisk;
@@ -43,15 +45,20 @@ const _: () = assert!(size_of::<AroundConstants>() == 96);
 const DISK_EDGE: f32 = 0.15;
 
 impl SkyPass {
-    /// Compiles the pass.
+    /// Compiles the pass for renderings to `attachments`.
     ///
     /// # Errors
     /// A failed call.
-    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
         let plain = GraphicsPipelineInfo {
             fragment: Some(shaders.find("sky.frag")?),
             storage: StorageLayout::new::<Constants>(0),
             blend: Blend::Opaque,
+            attachments,
             ..GraphicsPipelineInfo::of("sky", shaders.find("sky.vert")?)
         };
         let around = GraphicsPipelineInfo {

@@ -4,7 +4,7 @@ use ::shadows::{ShadowBias, ShadowFilter};
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Attachments, Blend, BufferSlice, Commands, DepthLayers, DepthMode, Device, GraphicsPipeline,
+    Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
     GraphicsPipelineInfo, StorageLayout, VertexLayout, vk,
 };
 use scene::limits::MAX_PAGES;
@@ -30,7 +30,8 @@ pub enum SurfaceKind {
     /// Transparent objects over the finished image, hidden by nearer surfaces; draw them back to
     /// front.
     Transparent,
-    /// The depth of casters of shadows, with the holes of masked materials, to [`DepthLayers`].
+    /// The depth of casters of shadows, with the holes of masked materials, to
+    /// [`DepthLayers`](gpu::DepthLayers).
     Casters(ShadowBias),
     /// The light of lens flares that transparent objects take, added up in a buffer, in any order.
     /// For devices with [`gpu::Optional::FragmentStores`].
@@ -126,14 +127,14 @@ const POSITIONS_AND_TINTS: VertexLayout<'static> = VertexLayout {
 };
 
 impl SurfacePass {
-    /// Compiles the pass for a scene, with shadows if there is a filter for them; passes of depth
-    /// alone have none.
+    /// Compiles the pass for a scene and renderings to `attachments`, with shadows if there is a
+    /// filter for them; passes of depth alone have none.
     ///
     /// # Errors
     /// A failed call.
     pub fn new(
         device: &Device,
-        shaders: &ShaderSet,
+        (shaders, attachments): (&ShaderSet, Attachments),
         kind: SurfaceKind,
         surfaces: &SurfaceResources,
         filter: Option<ShadowFilter>,
@@ -160,9 +161,9 @@ impl SurfacePass {
             _ if filter.is_some() => "surface_shadowed",
             _ => shader,
         };
-        let (cull, attachments) = match kind {
-            SurfaceKind::Casters(bias) => (culled_faces(bias), DepthLayers::attachments()),
-            _ => (vk::CullModeFlags::BACK, Attachments::default()),
+        let cull = match kind {
+            SurfaceKind::Casters(bias) => culled_faces(bias),
+            _ => vk::CullModeFlags::BACK,
         };
         let is_transparent = matches!(kind, SurfaceKind::Transparent | SurfaceKind::Veil);
         let mut constants = surfaces.features(is_transparent).constants(is_transparent).to_vec();

@@ -14,7 +14,7 @@
 //! depth count as visible.
 
 use ::shadows::ShadowFilter;
-use gpu::Device;
+use gpu::{Attachments, Device};
 use occlusion::{Error, ShaderSet};
 
 use crate::passes::{OpaquePass, SkyPass, SurfaceKind, SurfacePass};
@@ -37,25 +37,26 @@ pub(crate) enum DepthPass {
 pub(crate) const DARK: [f32; 4] = [0.0; 4];
 
 impl Shading {
-    /// Compiles the passes, with shadows if there is a filter for them.
+    /// Compiles the passes for renderings to `attachments`, with shadows if there is a filter for
+    /// them.
     ///
     /// # Errors
     /// A failed call.
     pub(crate) fn new(
         device: &Device,
-        shaders: &ShaderSet,
+        (shaders, attachments): (&ShaderSet, Attachments),
         surfaces: &SurfaceResources,
         filter: Option<ShadowFilter>,
     ) -> Result<Self, Error> {
-        let pass = |kind| SurfacePass::new(device, shaders, kind, surfaces, filter);
+        let pass = |kind| SurfacePass::new(device, (shaders, attachments), kind, surfaces, filter);
         let depth = match surfaces.is_masked() {
             true => DepthPass::Masked(pass(SurfaceKind::Depth)?),
-            false => DepthPass::Whole(OpaquePass::depth_only(device, shaders)?),
+            false => DepthPass::Whole(OpaquePass::depth_only(device, shaders, attachments)?),
         };
         Ok(Self {
             depth,
             surfaces: pass(SurfaceKind::Colour)?,
-            sky: SkyPass::new(device, shaders)?,
+            sky: SkyPass::new(device, shaders, attachments)?,
         })
     }
 }

@@ -78,6 +78,7 @@ fn every_option_arrives() {
         "--out=images",
         "--report=r.json",
         "--images=7",
+        "--msaa=4",
         "--top-down=6",
     ])
     .unwrap();
@@ -99,6 +100,7 @@ fn every_option_arrives() {
             moving_percent: 30,
             frames: 7,
             size: FrameSize { width: 64, height: 32 },
+            samples: SampleCount::Four,
             strategies: vec![Strategy::ANTUMBRA, Strategy::FRUSTUM],
             left_out: vec![],
             verify: Verify::EveryNth(NonZeroU32::new(3).unwrap()),

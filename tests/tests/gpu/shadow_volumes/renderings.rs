@@ -2,7 +2,7 @@
 
 use cull::{Camera, View};
 use glam::Vec4;
-use gpu::{Access, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, Target, vk};
+use gpu::{Access, Attachments, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, Target, vk};
 use occlusion::ShaderSet;
 use render::passes::{
     OpaqueIo, OpaquePass, VolumeCaster, VolumeIo, VolumeLight, VolumePass, VolumePath,
@@ -59,7 +59,7 @@ impl Renderings {
             mask: memory("mask", both, MemoryKind::Device),
             readback: memory("mask readback", Usage::TRANSFER_DST, MemoryKind::ReadBack),
             target: Target::new(device, size, "target").unwrap(),
-            depth: OpaquePass::depth_only(device, &shaders).unwrap(),
+            depth: OpaquePass::depth_only(device, &shaders, Attachments::default()).unwrap(),
             volumes: VolumePass::new(device, &shaders, size, path).unwrap(),
             ring: FrameRing::new(device, 2).unwrap(),
         }

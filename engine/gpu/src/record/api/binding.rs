@@ -32,6 +32,16 @@ impl Commands {
         self.bind_kind(&pipeline.0, vk::PipelineBindPoint::COMPUTE, storage, &[], &[]);
     }
 
+    /// Binds a compute pipeline, its storage buffers, and the textures that it samples.
+    pub(crate) fn bind_compute_sampled(
+        &self,
+        pipeline: &ComputePipeline,
+        storage: &[BufferSlice],
+        textures: &[SampledTexture<'_>],
+    ) {
+        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::COMPUTE, storage, textures, &[]);
+    }
+
     fn bind_kind(
         &self,
         pipeline: &PipelineKind,

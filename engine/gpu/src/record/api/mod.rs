@@ -2,4 +2,5 @@
 
 mod binding;
 mod draws;
+mod target_contents;
 pub(crate) mod textures;

@@ -144,7 +144,9 @@ impl<'a> Bench<'a> {
                 &vec![draws[0]; MOST as usize],
                 2,
             )?,
-            compute: ComputeTest::new(device, shaders, size).ok(),
+            compute: ComputeTest::new(device, shaders, size)
+                .ok()
+                .map(|test| test.of_samples(passes.attachments().samples)),
             results: Buffer::new(
                 device,
                 "calibration results",

@@ -1,0 +1,133 @@
+//! Recording of what happens to the images of a target after draws: averages and copies.
+
+use ash::vk;
+
+use crate::memory::buffer::BufferSlice;
+use crate::memory::readback::Readback;
+use crate::record::access::{Access, MemoryBarrier};
+use crate::record::attachments::Attachments;
+use crate::record::commands::{Commands, Failure};
+use crate::record::render_target::{Load, RenderTarget};
+use crate::record::target::Target;
+
+impl Target {
+    /// Averages the samples of each pixel into the finished image: their light, where the driver
+    /// does not average codes (SwiftShader does). Outside of rendering, after draws of the same
+    /// frame. To continue drawing, prepare the target again. Does nothing where a pixel has one
+    /// sample.
+    pub fn resolve(&mut self, commands: &Commands) {
+        if self.recording != Some(commands.recording()) || commands.admit(self).is_err() {
+            return;
+        }
+        let Some(multisampling) = &mut self.multisampling else { return };
+        let average = &mut multisampling.average;
+        let uses = [Access::Colour, Access::CopyRead];
+        let fresh = average.first_change(&uses, Access::Colour);
+        let average = average.view;
+        let drawn = self.colours.iter_mut().map(|image| image.change(Access::Colour));
+        commands.change_layouts(std::iter::once(fresh).chain(drawn));
+        let kept = self.render_target(None);
+        let target = RenderTarget {
+            depth: vk::ImageView::null(),
+            depth_load: Load::Forget,
+            average,
+            ..kept
+        };
+        commands.rendering(target, |_| ());
+    }
+
+    /// Copies the depth of `size` pixels from `origin` on (from the upper left) to `to`, a storage
+    /// buffer: 32-bit floats, rows from the top without gaps, an [`Access::CopyWrite`]. Of several
+    /// samples of a pixel it copies the farthest. Copies nothing to a slice that is too small, and
+    /// nothing of an area beyond the image. To continue drawing, prepare the target again.
+    pub fn copy_depth_to(
+        &mut self,
+        commands: &Commands,
+        origin: [u32; 2],
+        size: [u32; 2],
+        to: BufferSlice,
+    ) {
+        let [x, y] = origin;
+        let [width, height] = size;
+        let fits = |side: usize| {
+            u64::from(origin[side]) + u64::from(size[side]) <= u64::from(self.size[side])
+        };
+        let bytes = u64::from(width) * u64::from(height) * 4;
+        let has_room = bytes > 0 && to.size_bytes >= bytes && fits(0) && fits(1);
+        if !has_room || !self.can_copy_depth {
+            return;
+        }
+        if commands.admit(self).is_err() || commands.admit(&to).is_err() {
+            return;
+        }
+        if let Some(multisampling) = &self.multisampling {
+            commands.change_layouts([self.depth.change(Access::ComputeSample)]);
+            multisampling.copy_farthest(commands, self.depth.view, [origin, size], to);
+            return;
+        }
+        commands.change_layouts([self.depth.change(Access::CopyRead)]);
+        let region = vk::BufferImageCopy::default()
+            .buffer_offset(to.offset_bytes)
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: vk::ImageAspectFlags::DEPTH,
+                layer_count: 1,
+                ..Default::default()
+            })
+            .image_offset(vk::Offset3D { x: x as i32, y: y as i32, z: 0 })
+            .image_extent(vk::Extent3D { width, height, depth: 1 });
+        // SAFETY: the slice holds the area, which lies within the image, in the layout named.
+        unsafe {
+            commands.device().raw().cmd_copy_image_to_buffer(
+                commands.raw(),
+                self.depth.raw,
+                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                to.raw,
+                &[region],
+            );
+        }
+    }
+
+    /// Copies the colour image to `readback`, its layers one below the other; the recording fails
+    /// unless the sizes agree. The last use of the target in a frame.
+    pub fn copy_to(&mut self, commands: &Commands, readback: &Readback) {
+        if commands.admit(self).is_err() {
+            return;
+        }
+        let [width, height] = self.size;
+        let layers = self.attachments.views;
+        if readback.size() != [width, height.saturating_mul(layers)] {
+            commands.fail(Failure::Wrong("an image is copied to a `Readback` of another size"));
+            return;
+        }
+        let ours = Attachments { views: layers, ..Attachments::default() };
+        let is_ours = self.attachments == ours;
+        let colour = match &mut self.multisampling {
+            Some(multisampling) => Some(&mut multisampling.average),
+            None => self.colours.first_mut().filter(|_| is_ours),
+        };
+        let Some(colour) = colour else {
+            commands.fail(Failure::Wrong("the image of a host is copied to a `Readback`"));
+            return;
+        };
+        let Some(to) = readback.begin_copy(commands) else { return };
+        commands.change_layouts([colour.change(Access::CopyRead)]);
+        let region = vk::BufferImageCopy::default()
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                layer_count: layers,
+                ..Default::default()
+            })
+            .image_extent(vk::Extent3D { width, height, depth: 1 });
+        // SAFETY: the buffer holds exactly this image; it is in the layout named.
+        unsafe {
+            commands.device().raw().cmd_copy_image_to_buffer(
+                commands.raw(),
+                colour.raw,
+                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                to.raw,
+                &[region],
+            );
+        }
+        commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
+    }
+}
