@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use cull::{Aabb, Hierarchy, QueryShares, Strategy, View};
-use gpu::{Frame, PassTime, Readback};
+use gpu::{Frame, PassTime, Readback, SampleCount};
 use occlusion::{FrameTimes, Method, MethodRequest, MethodScene, PlanExecutor, Rect};
 use scene::LensFlare;
 
@@ -182,9 +182,10 @@ impl Renderer {
         self.frame_times.teach(targets);
     }
 
-    /// Returns the readers of shadow maps: the debug overlay may draw the scene from elsewhere.
+    /// Returns the readers of shadow maps: the debug overlay may draw the scene from elsewhere, and
+    /// with several samples a surface is shaded in the middle of a pixel, where no depth is known.
     fn map_uses(&self) -> MapUses {
-        match self.debug_overlay.is_empty() {
+        match self.debug_overlay.is_empty() && self.samples == SampleCount::One {
             true => MapUses::ShadedView,
             false => MapUses::Anywhere,
         }

@@ -1,7 +1,7 @@
 //! All passes of a renderer, compiled from one set of shaders.
 
 use ::shadows::{CasterCulling, ShadowOptions};
-use gpu::{Attachments, Device, Optional, SampleCount};
+use gpu::{Attachments, Device, Optional};
 use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
@@ -76,9 +76,7 @@ impl Pipelines {
             .map(|(surfaces, shadows)| CasterPass::new(device, shaders, surfaces, shadows.bias))
             .transpose()?;
         let can_cull = |it: &&ShadowOptions| {
-            // With several samples a surface is shaded in the middle of a pixel, where no depth is.
             it.culling == CasterCulling::Culled
-                && attachments.samples == SampleCount::One.flags()
                 && device.capabilities().has(Optional::FragmentStores)
         };
         let shadow_tests = shadows
