@@ -68,7 +68,7 @@ impl Sky {
             [self.zenith, self.horizon, self.ground, self.glow].map(Vec3::from_array);
         if direction.y < 0.0 {
             // The ground lies in haze towards the horizon, over more than a texel.
-            return ground.lerp(horizon, (1.0 + direction.y).powi(10));
+            return ground.lerp(horizon, (1.0 + direction.y).powi(5));
         }
         let height = 1.0 - (1.0 - direction.y).powi(4);
         let near = direction.dot(self.towards_sun).max(0.0);
