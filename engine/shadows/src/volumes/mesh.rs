@@ -54,14 +54,29 @@ pub struct VolumeMesh {
 }
 
 /// The side of its triangles on which the inside of a mesh lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Enclosure {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Enclosure {
     /// Their backs: each part is closed.
     BehindBacks,
     /// Their fronts, as of a mesh that a transform mirrors.
     BehindFronts,
     /// Neither.
+    #[default]
     None,
+}
+
+impl Enclosure {
+    /// Returns the algorithm for the mesh under a transform. What a transform mirrors must face
+    /// inwards to face outwards then.
+    #[must_use]
+    pub fn kind_under(self, transform: &Mat3A) -> VolumeKind {
+        let determinant = transform.determinant();
+        match self {
+            Self::BehindBacks if determinant > 0.0 => VolumeKind::Plain,
+            Self::BehindFronts if determinant < 0.0 => VolumeKind::Plain,
+            _ => VolumeKind::Robust,
+        }
+    }
 }
 
 /// The error of building a [`VolumeMesh`].
@@ -126,16 +141,16 @@ impl VolumeMesh {
         self.kind_under(&Mat3A::IDENTITY)
     }
 
-    /// Returns the algorithm that it needs under a transform. What a transform mirrors must face
-    /// inwards to face outwards then.
+    /// Returns the algorithm that it needs under a transform.
     #[must_use]
     pub fn kind_under(&self, transform: &Mat3A) -> VolumeKind {
-        let determinant = transform.determinant();
-        match self.enclosure {
-            Enclosure::BehindBacks if determinant > 0.0 => VolumeKind::Plain,
-            Enclosure::BehindFronts if determinant < 0.0 => VolumeKind::Plain,
-            _ => VolumeKind::Robust,
-        }
+        self.enclosure.kind_under(transform)
+    }
+
+    /// Returns the side of its triangles on which its inside lies.
+    #[must_use]
+    pub fn enclosure(&self) -> Enclosure {
+        self.enclosure
     }
 
     /// Returns its triangles with adjacency: a corner, the far corner of the neighbour at the edge

@@ -7,8 +7,10 @@ mod adjacency;
 mod counting;
 mod extrude;
 mod mesh;
+mod volume_plan;
 mod weld;
 
 pub use counting::{Caps, NearSpan, VolumeCounting};
 pub use extrude::{Extrusion, VolumeTriangle};
-pub use mesh::{VolumeError, VolumeKind, VolumeMesh, VolumeSource};
+pub use mesh::{Enclosure, VolumeError, VolumeKind, VolumeMesh, VolumeSource};
+pub use volume_plan::{MASK_LIGHTS, PlannedVolumes, VolumePlan, VolumeRange};

@@ -1,0 +1,262 @@
+//! The shadow volumes of a view: for each light its casters, as ranges of leaves, and the way to
+//! count them.
+
+use std::ops::Range;
+
+use cull::{Aabb, Containment, Hierarchy, LeafIndex, LeafRange, PlaneMask, View};
+use glam::{Vec3, Vec4};
+
+use super::counting::{NearSpan, VolumeCounting};
+use crate::light::{LightShape, ShadowLight};
+
+/// The lights of one layer of the mask: the bits of its values.
+pub const MASK_LIGHTS: u32 = 32;
+
+/// Casters that are counted alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VolumeRange {
+    /// Their leaves.
+    pub leaves: LeafRange,
+    /// The way of counting that is right for each of them.
+    pub counting: VolumeCounting,
+}
+
+/// The volumes of a light in a plan.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PlannedVolumes {
+    /// The place of the light among those that were given.
+    pub light: usize,
+    /// Its casters among [`VolumePlan::ranges`], ascending and apart.
+    pub ranges: Range<usize>,
+}
+
+/// The shadow volumes of a view in a frame.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct VolumePlan {
+    /// The lights with casters, in the order in which they were given: the bits of the mask.
+    pub lights: Vec<PlannedVolumes>,
+    /// The casters of them all.
+    pub ranges: Vec<VolumeRange>,
+    /// Lights without volumes, since the mask had no bits left.
+    pub unshadowed_lights: u32,
+}
+
+impl VolumePlan {
+    /// Plans the volumes of the lights that reach into a view, of at most `lights_max`: those of
+    /// all casters within a light's reach. Lights that are not usable have none.
+    pub fn plan(
+        &mut self,
+        lights: &[ShadowLight],
+        hierarchy: &Hierarchy,
+        view: &View,
+        lights_max: usize,
+    ) {
+        self.lights.clear();
+        self.ranges.clear();
+        self.unshadowed_lights = 0;
+        let span = NearSpan::points_of(&view.rays);
+        for (number, light) in lights.iter().enumerate() {
+            if !light.shape.is_usable() || !shines_into(view, &light.shape) {
+                continue;
+            }
+            if self.lights.len() >= lights_max {
+                self.unshadowed_lights += 1;
+                continue;
+            }
+            let first = self.ranges.len();
+            let casters = Casting::of(&light.shape, NearSpan(&span));
+            casters.list(hierarchy, &mut self.ranges);
+            if self.ranges.len() > first {
+                let ranges = first..self.ranges.len();
+                self.lights.push(PlannedVolumes { light: number, ranges });
+            }
+        }
+    }
+
+    /// Returns the casters of a light of the plan.
+    pub fn ranges_of(&self, light: &PlannedVolumes) -> &[VolumeRange] {
+        self.ranges.get(light.ranges.clone()).unwrap_or_default()
+    }
+
+    /// Returns true if some light's volumes have a leaf among their casters.
+    #[must_use]
+    pub fn has_caster(&self, leaf: LeafIndex) -> bool {
+        self.lights.iter().any(|light| {
+            let ranges = self.ranges_of(light);
+            let behind = ranges.partition_point(|range| range.leaves.first <= leaf);
+            let range = behind.checked_sub(1).and_then(|place| ranges.get(place));
+            range.is_some_and(|it| leaf.0 - it.leaves.first.0 < it.leaves.count)
+        })
+    }
+}
+
+/// Returns true if a light may reach something in a view.
+fn shines_into(view: &View, shape: &LightShape) -> bool {
+    shape.reach().is_none_or(|(centre, reach_m)| {
+        let around = Aabb::new(centre - Vec3::splat(reach_m), centre + Vec3::splat(reach_m));
+        view.frustum.classify(&around, PlaneMask::ALL).0 != Containment::Outside
+    })
+}
+
+/// A light and an eye, as its casters depend on them.
+struct Casting<'a> {
+    light: Vec4,
+    reach: Option<(Vec3, f32)>,
+    span: NearSpan<'a>,
+}
+
+impl<'a> Casting<'a> {
+    fn of(shape: &LightShape, span: NearSpan<'a>) -> Self {
+        Self { light: shape.homogeneous(), reach: shape.reach(), span }
+    }
+
+    /// Lists the casters in the light's reach. All below a node whose box needs no z-fail need
+    /// none.
+    fn list(&self, hierarchy: &Hierarchy, ranges: &mut Vec<VolumeRange>) {
+        let first = ranges.len();
+        let mut open: Vec<_> = hierarchy.root().into_iter().collect();
+        while let Some(node) = open.pop() {
+            let bounds = hierarchy.bounds(node);
+            if bounds.is_empty() || !self.meets(&bounds) {
+                continue;
+            }
+            let counting = self.span.counting(&bounds, self.light);
+            let is_one = counting == VolumeCounting::ZPass && self.holds(&bounds);
+            match hierarchy.children(node) {
+                Some([low, high]) if !is_one => open.extend([high, low]),
+                _ => add(ranges, first, VolumeRange { leaves: hierarchy.leaves(node), counting }),
+            }
+        }
+    }
+
+    /// Returns true if the light may reach a part of a box.
+    fn meets(&self, bounds: &Aabb) -> bool {
+        self.reach
+            .is_none_or(|(centre, reach_m)| bounds.distance_squared(centre) <= reach_m * reach_m)
+    }
+
+    /// Returns true if the light reaches all of a box.
+    fn holds(&self, bounds: &Aabb) -> bool {
+        self.reach.is_none_or(|(centre, reach_m)| {
+            let farthest = (bounds.centre() - centre).abs() + bounds.half_extent();
+            farthest.length_squared() <= reach_m * reach_m
+        })
+    }
+}
+
+/// Adds a range to those from `first` on, the last of which it may continue.
+fn add(ranges: &mut Vec<VolumeRange>, first: usize, range: VolumeRange) {
+    let has_before = ranges.len() > first;
+    match ranges.last_mut().filter(|_| has_before) {
+        Some(last)
+            if last.counting == range.counting
+                && last.leaves.first.0 + last.leaves.count == range.leaves.first.0 =>
+        {
+            last.leaves.count += range.leaves.count;
+        }
+        _ => ranges.push(range),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use cull::{Camera, ObjectId, Projection};
+    use glam::vec3;
+
+    use super::*;
+    use crate::light::ShadowLightId;
+
+    /// Returns a row of crates along x, one per two metres.
+    fn crates() -> (Hierarchy, Vec<Aabb>) {
+        let corner = |number: u32| vec3(2.0 * number as f32, 0.0, 0.0);
+        let boxes = (0..64).map(|number| Aabb::new(corner(number), corner(number) + Vec3::ONE));
+        let boxes: Vec<Aabb> = boxes.collect();
+        (Hierarchy::build(&boxes).unwrap(), boxes)
+    }
+
+    fn view(eye: Vec3, at: Vec3) -> View {
+        let projection = Projection::perspective(1.0);
+        let camera = Camera { eye, forward: at - eye, up: Vec3::Y, projection, near: 0.1 };
+        View::new(&camera, [64, 48], 8)
+    }
+
+    fn light(shape: LightShape) -> ShadowLight {
+        ShadowLight { id: ShadowLightId(0), shape, penumbra_m: 0.0 }
+    }
+
+    fn lamp(x: f32, reach_m: f32) -> ShadowLight {
+        light(LightShape::Point { position: vec3(x, 3.0, 0.5), reach_m })
+    }
+
+    const SUN: LightShape = LightShape::Sun { towards: Vec3::Y };
+
+    fn planned(lights: &[ShadowLight], view: &View, lights_max: usize) -> VolumePlan {
+        let mut plan = VolumePlan::default();
+        plan.plan(lights, &crates().0, view, lights_max);
+        plan
+    }
+
+    #[test]
+    fn each_caster_in_reach_is_there_once_and_counted_as_its_own_box_allows() {
+        let (hierarchy, boxes) = crates();
+        // Right below a crate of the row, as the sun sees it.
+        let view = view(vec3(40.5, -3.0, 0.5), vec3(41.0, -3.5, 0.0));
+        for light in [light(SUN), lamp(44.0, 12.0), lamp(60.0, 500.0)] {
+            let mut plan = VolumePlan::default();
+            plan.plan(&[light], &hierarchy, &view, 1);
+            let [of_light] = &plan.lights[..] else { panic!("one light: {plan:?}") };
+            let span = NearSpan::points_of(&view.rays);
+            let mut found = vec![None; boxes.len()];
+            for range in plan.ranges_of(of_light) {
+                for leaf in range.leaves.iter() {
+                    let object = hierarchy.leaf_objects()[leaf.0 as usize];
+                    assert_eq!(found[object.0 as usize].replace(range.counting), None);
+                    assert!(plan.has_caster(leaf));
+                }
+            }
+            let homogeneous = light.shape.homogeneous();
+            let mut fails = 0;
+            for (object, (counting, bounds)) in (0..).zip(found.iter().zip(&boxes)) {
+                let reach = light.shape.reach();
+                let is_met = reach.is_none_or(|(centre, reach_m)| {
+                    bounds.distance_squared(centre) <= reach_m * reach_m
+                });
+                let expected = is_met.then(|| NearSpan(&span).counting(bounds, homogeneous));
+                assert_eq!(*counting, expected, "crate {object}");
+                fails += u32::from(expected == Some(VolumeCounting::ZFail));
+                let leaf = hierarchy.leaf_of(ObjectId(object)).unwrap();
+                assert_eq!(plan.has_caster(leaf), is_met);
+            }
+            assert!((1..8).contains(&fails), "{fails} by z-fail");
+            assert!(plan.ranges.len() < 8, "neighbours are one range: {:?}", plan.ranges);
+        }
+    }
+
+    #[test]
+    fn lights_beyond_the_view_and_beyond_the_mask_have_no_volumes() {
+        let view = view(vec3(20.0, 2.0, 6.0), vec3(20.0, 0.0, 0.0));
+        let lights = [lamp(20.0, 4.0), lamp(100.0, 4.0), light(SUN), lamp(21.0, 4.0)];
+        let numbers =
+            |plan: &VolumePlan| plan.lights.iter().map(|light| light.light).collect::<Vec<_>>();
+        let all = planned(&lights, &view, 32);
+        assert_eq!((numbers(&all), all.unshadowed_lights), (vec![0, 2, 3], 0));
+        let two = planned(&lights, &view, 2);
+        assert_eq!((numbers(&two), two.unshadowed_lights), (vec![0, 2], 1));
+        let bad = [lamp(20.0, f32::NAN), lamp(20.0, 0.0), lamp(20.0, 0.5)];
+        assert_eq!(planned(&bad, &view, 32), VolumePlan::default(), "nothing to do");
+    }
+
+    #[test]
+    fn removed_objects_and_empty_scenes_cast_nothing() {
+        let (mut hierarchy, boxes) = crates();
+        (1..boxes.len() as u32).for_each(|object| hierarchy.remove(ObjectId(object)).unwrap());
+        let view = view(vec3(20.0, 2.0, 6.0), vec3(20.0, 0.0, 0.0));
+        let mut plan = VolumePlan::default();
+        plan.plan(&[light(SUN)], &hierarchy, &view, 1);
+        let left = hierarchy.leaf_of(ObjectId(0)).unwrap();
+        assert!(plan.has_caster(left));
+        hierarchy.remove(ObjectId(0)).unwrap();
+        plan.plan(&[light(SUN)], &hierarchy, &view, 1);
+        assert_eq!(plan, VolumePlan::default());
+    }
+}
