@@ -134,10 +134,10 @@ impl Extruder {
         commands.barrier(between(&[Access::ComputeWrite], &used));
     }
 
-    /// Draws what was extruded, inside of rendering.
-    pub(super) fn draw(&self, commands: &Commands) {
+    /// Draws what was extruded, inside of rendering; `all` holds the count of all draws.
+    pub(super) fn draw(&self, commands: &Commands, all: BufferSlice) {
         commands.bind_geometry(self.extruded.whole(), None);
-        commands.draw_unindexed_indirect(self.draw.whole());
+        commands.draw_all_unindexed_indirect(self.draw.whole(), all);
     }
 }
 

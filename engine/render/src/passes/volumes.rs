@@ -113,6 +113,8 @@ enum Work {
 pub struct VolumePass {
     target: StencilTarget,
     depths: Buffer,
+    /// The count of all draws, however many there are.
+    all: Buffer,
     passing: GraphicsPipeline,
     failing: GraphicsPipeline,
     mask: GraphicsPipeline,
@@ -153,10 +155,7 @@ impl VolumePass {
             let (missing, wanted) = (missing.name(), "a mask of shadows");
             return Err(gpu::Error::Unsupported { device, missing, wanted }.into());
         }
-        let target = StencilTarget::new(device, size, "shadow volumes")?;
-        let size_bytes = size.iter().map(|side| u64::from(*side)).product::<u64>() * 4;
-        let usage = vk::BufferUsageFlags::TRANSFER_DST | vk::BufferUsageFlags::TRANSFER_SRC;
-        let depths = Buffer::new(device, "depths", size_bytes, usage, MemoryKind::Device)?;
+        let (target, depths) = images(device, size)?;
         let is_compute = path == VolumePath::Compute;
         let [passing, failing] = [StencilMode::CountPassing, StencilMode::CountFailing]
             .map(|stencil| volume_pipeline(device, shaders, path, stencil));
@@ -170,7 +169,19 @@ impl VolumePass {
         };
         let mask = GraphicsPipeline::new(device, &mask)?;
         let extruder = is_compute.then(|| Extruder::new(device, shaders)).transpose()?;
-        Ok(Self { target, depths, passing: passing?, failing: failing?, mask, extruder })
+        let most = [device.adapter().limits.max_draw_indirect_count.max(1)];
+        let all = device.upload("all volumes", &most, vk::BufferUsageFlags::INDIRECT_BUFFER)?;
+        let [passing, failing] = [passing?, failing?];
+        Ok(Self { target, depths, all, passing, failing, mask, extruder })
+    }
+
+    /// Draws views of at most `size` pixels from now on.
+    ///
+    /// # Errors
+    /// A size beyond the device's limits, no memory. Nothing has changed then.
+    pub fn resize(&mut self, device: &Device, size: [u32; 2]) -> Result<(), Error> {
+        (self.target, self.depths) = images(device, size)?;
+        Ok(())
     }
 
     /// Uploads the casters of lights, for [`VolumePass::record`] in the same frame.
@@ -237,6 +248,10 @@ impl VolumePass {
         let between = MemoryBarrier::between;
         let depths = self.depths.whole();
         commands.barrier(between(&[Access::CopyRead, Access::FragmentRead], &[Access::CopyWrite]));
+        if self.extruder.is_some() {
+            // Vertices may be of poses that were just computed.
+            commands.barrier(between(&[Access::ComputeWrite], &[Access::ComputeRead]));
+        }
         from.copy_depth_to(commands, view.origin, view.size, depths);
         commands.fill(io.mask, 0);
         let next = [Access::CopyRead, Access::FragmentWrite];
@@ -256,7 +271,7 @@ impl VolumePass {
                     commands.bind_geometry(io.vertices, Some(io.adjacency));
                     let constants = VolumeConstants::new(view, light.light, *group);
                     commands.push_constants(pipeline, &constants);
-                    commands.draw_indirect(*draws);
+                    commands.draw_all_indirect(*draws, self.all.whole());
                 }
                 self.draw_mask(commands, io, view, light.mask);
             }
@@ -281,7 +296,7 @@ impl VolumePass {
             self.target.prepare(commands);
             commands.rendering(target, |commands| {
                 commands.bind(self.pipeline(group.0), &[]);
-                extruder.draw(commands);
+                extruder.draw(commands, self.all.whole());
             });
         }
         self.target.prepare(commands);
@@ -303,6 +318,15 @@ impl VolumePass {
             VolumeCounting::ZFail => &self.failing,
         }
     }
+}
+
+/// Creates the depth with its stencil, and the depths on their way there.
+fn images(device: &Device, size: [u32; 2]) -> Result<(StencilTarget, Buffer), Error> {
+    let target = StencilTarget::new(device, size, "shadow volumes")?;
+    let size_bytes = size.iter().map(|side| u64::from(*side)).product::<u64>() * 4;
+    let usage = vk::BufferUsageFlags::TRANSFER_DST | vk::BufferUsageFlags::TRANSFER_SRC;
+    let depths = Buffer::new(device, "depths", size_bytes, usage, MemoryKind::Device)?;
+    Ok((target, depths))
 }
 
 fn is_in(caster: &VolumeCaster, group: Group) -> bool {

@@ -108,6 +108,28 @@ impl Commands {
         }
     }
 
+    /// Draws the one command in `draw` (`VkDrawIndirectCommand`): where the device counts draws,
+    /// under the value in `all`, which is as in [`Commands::draw_all_indirect`].
+    pub fn draw_all_unindexed_indirect(&self, draw: BufferSlice, all: BufferSlice) {
+        match self.device().capabilities().has(Optional::DrawIndirectCount) {
+            true => self.draw_unindexed_indirect_count(draw, all),
+            false => self.draw_unindexed_indirect(draw),
+        }
+    }
+
+    /// Draws the indexed indirect commands in `draws`, which holds nothing else: where the device
+    /// counts so many, under the value in `all`. It is `maxDrawIndirectCount`: Mesa 22.3's lavapipe
+    /// goes on using the count of the last counted draw, and under this one it draws all.
+    pub fn draw_all_indirect(&self, draws: BufferSlice, all: BufferSlice) {
+        let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u64;
+        let limit = u64::from(self.device().adapter().limits.max_draw_indirect_count);
+        let counts = self.device().capabilities().has(Optional::DrawIndirectCount);
+        match counts && draws.size_bytes / stride <= limit {
+            true => self.draw_indirect_count(draws, all),
+            false => self.draw_indirect(draws),
+        }
+    }
+
     /// Draws the first commands in `draws`, as many as the value in `count`. The recording fails
     /// unless the device has [`Optional::DrawIndirectCount`] and `draws` holds no more commands
     /// than its `maxDrawIndirectCount`. The value is no larger than that either.
