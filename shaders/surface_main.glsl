@@ -1,5 +1,6 @@
 // The surface pass: metallic-roughness materials under punctual lights and a hemisphere of ambient
-// light; sRGB is encoded by the attachment. With SHADOWED defined, lights have shadow maps.
+// light; sRGB is encoded by the attachment. With SHADOWED defined, lights have shadow maps; with
+// VOLUMES, a mask of shadow volumes.
 #include "material.glsl"
 #include "surface_constants.glsl"
 #include "texels.glsl"
@@ -51,6 +52,9 @@ vec3 ambient(Brdf brdf, float roughness) {
 // The normal of the triangle.
 vec3 facet;
 #endif
+#ifdef VOLUMES
+#include "volume_shadows.glsl"
+#endif
 
 vec3 direct(Brdf brdf) {
     vec3 sum = vec3(0.0);
@@ -59,6 +63,9 @@ vec3 direct(Brdf brdf) {
         vec3 arrived = light.intensity.rgb * reflected(brdf, -light.direction.xyz);
 #ifdef SHADOWED
         if (arrived != vec3(0.0)) arrived *= sunlit(number, facet);
+#endif
+#ifdef VOLUMES
+        if (arrived != vec3(0.0)) arrived *= unshadowed(number);
 #endif
         sum += arrived;
     }
@@ -74,6 +81,9 @@ vec3 direct(Brdf brdf) {
             vec3 arrived = arriving(light, towards, squared, inverse_distance) * reflected(brdf, towards);
 #ifdef SHADOWED
             if (arrived != vec3(0.0)) arrived *= lit(number, away, facet);
+#endif
+#ifdef VOLUMES
+            if (arrived != vec3(0.0)) arrived *= unshadowed(number);
 #endif
             sum += arrived;
         }

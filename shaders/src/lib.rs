@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 43] = [
+pub const PASSES: [Shader; 44] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -80,6 +80,7 @@ pub const PASSES: [Shader; 43] = [
     shader!("surface.vert"),
     shader!("surface.frag"),
     shader!("surface_shadowed.frag"),
+    shader!("surface_volumes.frag"),
     shader!("surface_depth.vert"),
     shader!("surface_depth.frag"),
     shader!("volume.vert"),

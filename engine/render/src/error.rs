@@ -99,6 +99,11 @@ pub enum Error {
         "the scene has no surfaces, and only their lights cast shadows: give it some with `Scene::with_surfaces`, or leave shadows off"
     )]
     NoSurfacesForShadows,
+    /// Shadow volumes for an image of several samples per pixel.
+    #[error(
+        "shadow volumes are counted against one depth per pixel, and the renderer has several samples: take shadow maps, or one sample"
+    )]
+    MultisampledVolumes,
     /// Light from all around for a scene that has no surfaces.
     #[error(
         "the scene has no surfaces, and only they are lit from all around: give it some with `Scene::with_surfaces`"

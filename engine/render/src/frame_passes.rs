@@ -1,6 +1,6 @@
 //! The passes that draw a scene's objects, as the executor and the methods see them.
 
-use ::shadows::ShadowOptions;
+use ::shadows::{ShadowMethod, ShadowOptions};
 use cull::{Aabb, Containment, Hierarchy, PlaneMask, Strategy, View};
 use glam::Affine3A;
 use gpu::{BufferSlice, Commands, Device, Frame, RenderTarget, Target, Tick, Viewport};
@@ -16,6 +16,7 @@ use crate::resources::geometry::{Geometry, bounds_in_world};
 use crate::resources::skinned_mesh_state::SkinnedMeshState;
 use crate::resources::skinned_meshes::{PoseUploads, Skinned, SkinnedMeshes};
 use crate::resources::spare_room::SpareRoom;
+use crate::resources::volume_meshes::VolumeMeshes;
 use crate::shading::depth_first::{DARK, DepthPass, Shading};
 use crate::shading::surfaces::SurfaceResources;
 use crate::shading::transparent::{Transparent, TransparentObject};
@@ -47,7 +48,8 @@ fn needs<'a>(
         surfaces: geometry.surfaces.as_ref(),
         has_transparent: transparent.is_some(),
         has_skinned_meshes: skinned_meshes.is_some(),
-        shadows: shadows.map_options(),
+        shadows: &shadows.options,
+        size: target.size(),
     }
 }
 
@@ -126,11 +128,15 @@ impl FramePasses {
         target: Target,
         (frames_in_flight, (room, shadows)): (usize, ((&SpareRoom, usize), ShadowOptions)),
     ) -> Result<Self, crate::Error> {
-        let shadows = Shadows::new(device, shadows, (scene.surfaces.is_some(), frames_in_flight))?;
-        let geometry = Geometry::upload(device, scene, hierarchy, room)?;
+        let needs_of = (scene.surfaces.is_some(), frames_in_flight);
+        let shadows = Shadows::new(device, shadows, &target, needs_of)?;
+        let mut geometry = Geometry::upload(device, scene, hierarchy, room)?;
         let transparent = Transparent::new(device, scene)?;
         let first_vertex = |mesh| geometry.first_vertex(mesh);
         let skinned_meshes = SkinnedMeshes::new(device, scene, frames_in_flight, first_vertex)?;
+        if shadows.options.method == ShadowMethod::Volumes {
+            geometry.volumes = Some(VolumeMeshes::new(device, &geometry, skinned_meshes.as_ref())?);
+        }
         let needs =
             needs(&target, &geometry, transparent.as_ref(), skinned_meshes.as_ref(), &shadows);
         let pipelines = Pipelines::compile(device, shaders, needs, None)?;
@@ -225,6 +231,8 @@ impl FramePasses {
             return;
         }
         self.draw_culled_maps(commands, view);
+        let Self { geometry, pipelines, shadows, target, .. } = self;
+        shadows.count_volumes(commands, (geometry, pipelines), (view, target));
         if let Some(transparent) = &self.transparent {
             transparent.list().prepare(commands);
         }
@@ -239,6 +247,7 @@ impl FramePasses {
                 }
             });
         });
+        self.shadows.end_view();
         self.record_transparent(executor, commands, view);
     }
 

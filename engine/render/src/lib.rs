@@ -66,7 +66,7 @@ pub use resources::object_bounds::object_bounds;
 pub use resources::spare_room::{SpareRoom, TextureRoom};
 pub use shading::scene_degradations::SceneDegradations;
 pub use shading::surfaces;
-pub use shadows::{LightShadow, ShadowIo};
+pub use shadows::{LightShadow, ShadowIo, ShadowMapIo, ShadowMaskIo};
 pub use update::UpdateReport;
 pub use view_state::ViewState;
 pub use views::{FrameReport, FrameRequest, ViewTarget, Viewpoint, ViewsRequest};

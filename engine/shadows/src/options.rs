@@ -8,6 +8,14 @@ pub enum ShadowMethod {
     Off,
     /// Shadow maps: the depth as each light sees it.
     Maps,
+    /// Stencil shadow volumes: shadows with hard edges, right to the pixel, without maps and their
+    /// options. They are counted against the depth of each view.
+    Volumes,
+}
+
+impl ShadowMethod {
+    /// All methods.
+    pub const ALL: [Self; 3] = [Self::Off, Self::Maps, Self::Volumes];
 }
 
 /// The filter of shadow maps. Each sample is a comparison with the four nearest texels, mixed by
@@ -120,7 +128,9 @@ pub struct ShadowOptions {
     /// The side of each of the six maps of a point light in texels.
     pub point_side: u32,
     /// The most layers of maps, each as large as the largest map. Lights that do not fit get
-    /// smaller maps, at last none. Maps with resting casters of their own take as many again.
+    /// smaller maps, at last none. Maps with resting casters of their own take as many again. With
+    /// volumes, the most layers of a mask as large as the image: each holds
+    /// [`MASK_LIGHTS`](crate::MASK_LIGHTS) of the lights that a view shows.
     pub layers_max: u32,
 }
 

@@ -63,10 +63,10 @@ pub struct ShadowPlan {
     pub unshadowed_lights: u32,
 }
 
-/// The counts of a plan.
+/// The counts of the shadows of a frame: of maps, or of volumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShadowStats {
-    /// Lights with maps.
+    /// Lights with shadows; those of volumes once for each view that they reach into.
     pub lights: u32,
     /// Maps.
     pub faces: u32,
@@ -74,15 +74,17 @@ pub struct ShadowStats {
     pub drawn_faces: u32,
     /// Maps among them whose casters are culled.
     pub culled_faces: u32,
-    /// Casters in maps that are drawn, culled or not.
+    /// Casters in maps that are drawn, culled or not, or of volumes.
     pub casters: u32,
     /// Tests that decide about culled casters.
     pub tests: u32,
+    /// Volumes that are counted by z-fail, since the eye may be in them.
+    pub z_fail_volumes: u32,
     /// Triangles of the casters that are drawn, as far as the plan decides.
     pub triangles: u64,
     /// Triangles of culled casters that the tests of the newest frame with results revealed.
     pub revealed_triangles: u64,
-    /// Lights without maps, since there was no room.
+    /// Lights without shadows, since there was no room for their maps or in the mask.
     pub unshadowed_lights: u32,
 }
 

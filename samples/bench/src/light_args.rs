@@ -16,7 +16,8 @@ pub struct LightArguments {
     /// [default: city and field without surfaces, lit by the sun; a file as it is]
     #[arg(long, value_name = "sun|torches|N", help_heading = "Lights")]
     pub lights: Option<LightSet>,
-    /// Ways to make shadows to compare, each with each strategy: off, maps, maps_uncached
+    /// Ways to make shadows to compare, each with each strategy: off, maps, maps_uncached,
+    /// volumes
     /// [default: off]
     #[arg(long, value_name = "WAY[,WAY]", help_heading = "Lights")]
     #[arg(value_parser = parse_ways)]
@@ -138,7 +139,7 @@ mod tests {
             (&["--lights", "NaN"], "there are no lights 'NaN'"),
             (&["--shadows", "maps"], "--shadows needs lights"),
             (&["--lights", "sun", "--filter", "pcf3"], "--shadows"),
-            (&["--lights", "sun", "--shadows", "volumes"], "does not have 'volumes' yet"),
+            (&["--lights", "sun", "--shadows", "volumes_unculled"], "does not have 'volumes_unc"),
             (&["--lights", "sun", "--shadows", "maps_unculled"], "'maps_unculled' yet"),
             (&["--lights", "sun", "--shadows", "maps,maps"], "'maps' twice"),
             (&["--lights", "sun", "--shadows", ""], "unknown way to make shadows ''"),

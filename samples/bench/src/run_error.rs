@@ -80,6 +80,7 @@ impl From<render::Error> for RunError {
             | render::Error::Cost(_)
             | render::Error::Shadows(_)
             | render::Error::NoSurfacesForShadows
+            | render::Error::MultisampledVolumes
             | render::Error::NoSurfacesForEnvironment
             | render::Error::SampleDepths { .. }
             | render::Error::CannotCount(_) => Self::user(error),

@@ -19,14 +19,17 @@ pub enum ShadowWay {
     MapsUncached,
     /// `maps_unculled`: shadow maps that are drawn afresh in each frame, with all casters.
     MapsUnculled,
+    /// `volumes`: stencil shadow volumes, which no filter changes.
+    Volumes,
 }
 
 /// Names of ways that the renderer is to have, and has not.
-const MISSING: [&str; 2] = ["volumes", "volumes_unculled"];
+const MISSING: [&str; 1] = ["volumes_unculled"];
 
 impl ShadowWay {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Off, Self::Maps, Self::MapsUncached, Self::MapsUnculled];
+    pub const ALL: [Self; 5] =
+        [Self::Off, Self::Maps, Self::MapsUncached, Self::MapsUnculled, Self::Volumes];
 
     /// Returns its name.
     pub fn name(self) -> &'static str {
@@ -35,6 +38,7 @@ impl ShadowWay {
             Self::Maps => "maps",
             Self::MapsUncached => "maps_uncached",
             Self::MapsUnculled => "maps_unculled",
+            Self::Volumes => "volumes",
         }
     }
 
@@ -44,6 +48,7 @@ impl ShadowWay {
         match self {
             Self::Off => Self::Off,
             Self::Maps | Self::MapsUncached | Self::MapsUnculled => Self::MapsUnculled,
+            Self::Volumes => Self::Volumes,
         }
     }
 }
@@ -96,11 +101,11 @@ impl ShadowChoice {
     }
 
     /// Returns the choice with 64 samples everywhere, nothing kept, with which images of other
-    /// filters are compared; `None` without shadows.
+    /// filters are compared; `None` where there are no maps to filter.
     #[must_use]
     pub fn fixed64(self) -> Option<Self> {
-        let is_off = self.way == ShadowWay::Off;
-        (!is_off).then(|| Self { filter: ShadowFilter::Fixed64, ..self.reference() })
+        let has_maps = matches!(self.way, ShadowWay::Maps | ShadowWay::MapsUncached);
+        has_maps.then(|| Self { filter: ShadowFilter::Fixed64, ..self.reference() })
     }
 
     /// Returns the renderer's options.
@@ -111,10 +116,13 @@ impl ShadowChoice {
             ShadowWay::Maps | ShadowWay::MapsUncached | ShadowWay::MapsUnculled => {
                 ShadowMethod::Maps
             }
+            ShadowWay::Volumes => ShadowMethod::Volumes,
         };
         let caching = match self.way {
             ShadowWay::Off | ShadowWay::Maps => ShadowCaching::Cached,
-            ShadowWay::MapsUncached | ShadowWay::MapsUnculled => ShadowCaching::Uncached,
+            ShadowWay::MapsUncached | ShadowWay::MapsUnculled | ShadowWay::Volumes => {
+                ShadowCaching::Uncached
+            }
         };
         let culling = match self.way {
             ShadowWay::MapsUnculled => CasterCulling::Unculled,
@@ -136,11 +144,11 @@ mod tests {
         for filter in ShadowFilter::ALL {
             assert_eq!(parse_filter(filter.name()), Ok(filter));
         }
-        let refused = "volumes".parse::<ShadowWay>().unwrap_err();
+        let refused = "volumes_unculled".parse::<ShadowWay>().unwrap_err();
         assert_eq!(
             refused,
-            "the renderer does not have 'volumes' yet: there is off, maps, maps_uncached and \
-             maps_unculled"
+            "the renderer does not have 'volumes_unculled' yet: there is off, maps, maps_uncached, \
+             maps_unculled and volumes"
         );
         let refused = "map".parse::<ShadowWay>().unwrap_err();
         assert!(refused.ends_with("did you mean 'maps'?"), "{refused}");

@@ -60,7 +60,7 @@ pub struct ShowArguments {
     /// Amount of text over the image at the start [default: on in a window]
     #[arg(long, value_name = "LEVEL", help_heading = "Frames")]
     pub hud: Option<HudLevel>,
-    /// Way to make shadows: off, maps, or maps_uncached, which are drawn afresh in each frame
+    /// Way to make shadows: off, maps, maps_uncached, which are drawn afresh in each frame, volumes
     /// [default: off; in `shadows` maps]
     #[arg(long, value_name = "WAY", help_heading = "Lights")]
     pub shadows: Option<ShadowWay>,

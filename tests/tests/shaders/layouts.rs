@@ -28,6 +28,7 @@ fn interface(name: &str) -> (Buffers, usize) {
                     // Pages are the last of all bindings.
                     let first_array = match name {
                         "surface_shadowed.frag" => 11,
+                        "surface_volumes.frag" => 8,
                         "surface.frag" => 6,
                         _ => 0,
                     };
@@ -223,6 +224,9 @@ fn surfaces_have_materials_transforms_lights_and_lists() {
     let shadowed = interface("surface_shadowed.frag").0;
     assert_eq!(shadowed[..3], interface("surface.frag").0);
     assert_eq!(shadowed[3..], shadows);
+    let by_volumes = interface("surface_volumes.frag").0;
+    assert_eq!(by_volumes[..3], interface("surface.frag").0);
+    assert_eq!(by_volumes[3..], [(5, 4, vec![0]), (6, 4, vec![0])]);
     assert_eq!(interface("surface_depth.frag").0, vec![transforms]);
     let source = std::fs::read_to_string(crate::folder().join("lights.glsl")).unwrap();
     let list_values = scene::limits::MAX_LIGHTS_PER_OBJECT / 2;

@@ -20,7 +20,11 @@ impl Renderer {
             return Ok(());
         }
         self.executor.check_resize(&self.device, [self.size(), size])?;
-        self.passes.target = Target::multisampled(&self.device, size, self.samples, "target")?;
+        let target = Target::multisampled(&self.device, size, self.samples, "target")?;
+        if let Some(volumes) = &mut self.passes.pipelines.volumes {
+            volumes.resize(&self.device, size)?;
+        }
+        self.passes.target = target;
         // These make again what the next frame needs.
         self.executor.resized();
         self.methods.iter_mut().for_each(|method| method.resized());

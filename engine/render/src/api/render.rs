@@ -90,9 +90,9 @@ impl Renderer {
         for (number, (ViewTarget { state, visible, .. }, view)) in
             (0..).zip(targets.iter_mut().zip(&views))
         {
-            passes.shadows.begin_view(number);
+            let scene = (&*executor, &*hierarchy);
             report.transparent +=
-                passes.gather_transparent(&mut frame, executor, view, request.strategy)?;
+                begin_view(passes, &mut frame, scene, (number, view), request.strategy)?;
             let wanted = method_request(*visible, view, request);
             let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
             let stats = method.record(&mut frame, &mut state.visibility, &mut scene, &wanted)?;
@@ -276,6 +276,20 @@ fn plan_views(
         method.plan(&mut state.visibility, scene, &wanted, share);
     });
     Ok(())
+}
+
+/// Uploads what the shading of a view, by its number in the frame, draws beside objects. Returns
+/// the number of transparent objects in its frustum.
+fn begin_view(
+    passes: &mut FramePasses,
+    frame: &mut Frame<'_>,
+    (executor, hierarchy): (&PlanExecutor, &Hierarchy),
+    (number, view): (u32, &View),
+    strategy: Strategy,
+) -> Result<u32, Error> {
+    let FramePasses { geometry, pipelines, shadows, .. } = passes;
+    shadows.begin_view(frame, (number, view), (geometry, hierarchy), pipelines)?;
+    passes.gather_transparent(frame, executor, view, strategy)
 }
 
 /// Records the end of a view, once everything of its frame is drawn: its counts, and its flares.

@@ -1,10 +1,11 @@
 //! The shadows of lights: their options, and those of single lights.
 
-use ::shadows::{ShadowOptions, ShadowStats};
+use ::shadows::{ShadowMethod, ShadowOptions, ShadowStats};
 use scene::LightId;
 
 use crate::error::Error;
 use crate::renderer::Renderer;
+use crate::resources::volume_meshes::VolumeMeshes;
 use crate::shadows::{LightShadow, Shadows};
 
 impl Renderer {
@@ -13,17 +14,19 @@ impl Renderer {
         &self.passes.shadows.options
     }
 
-    /// Returns the counts of the shadow maps of the newest frame.
+    /// Returns the counts of the shadows of the newest frame.
     pub fn shadow_stats(&self) -> ShadowStats {
         self.passes.shadows.stats()
     }
 
     /// Draws shadows by other options from now on. Those of
     /// [single lights](Renderer::set_light_shadow) stay. Compiles passes and makes new maps, unless
-    /// the options are those in use: not for every frame.
+    /// the options are those in use, and for volumes builds the adjacency of all meshes and waits
+    /// for copies: not for every frame.
     ///
     /// # Errors
-    /// [`Error::Shadows`]; [`Error::NoSurfacesForShadows`]; maps beyond the device's limits, no
+    /// [`Error::Shadows`]; [`Error::NoSurfacesForShadows`]; [`Error::MultisampledVolumes`]; maps or
+    /// meshes beyond the device's limits, volumes on a device that lacks something for them, no
     /// memory, a failed call. Nothing has changed then.
     pub fn set_shadows(&mut self, options: ShadowOptions) -> Result<(), Error> {
         if options == self.passes.shadows.options {
@@ -31,10 +34,21 @@ impl Renderer {
         }
         let has_surfaces = self.passes.geometry.surfaces.is_some();
         let needs = (has_surfaces, self.frames_in_flight());
-        let mut shadows = Shadows::new(&self.device, options, needs)?;
-        self.passes.pipelines = self.passes.recompiled(&self.shaders, &shadows)?;
-        shadows.own = std::mem::take(&mut self.passes.shadows.own);
-        self.passes.shadows = shadows;
+        let mut shadows = Shadows::new(&self.device, options, &self.passes.target, needs)?;
+        let pipelines = self.passes.recompiled(&self.shaders, &shadows)?;
+        let passes = &mut self.passes;
+        let is_by_volumes = options.method == ShadowMethod::Volumes;
+        let is_new = is_by_volumes && passes.geometry.volumes.is_none();
+        let new =
+            || VolumeMeshes::new(&self.device, &passes.geometry, passes.skinned_meshes.as_ref());
+        let volumes = is_new.then(new).transpose()?;
+        // Nothing fails from here on.
+        if is_new || !is_by_volumes {
+            passes.geometry.replace_volumes(volumes);
+        }
+        passes.pipelines = pipelines;
+        shadows.own = std::mem::take(&mut passes.shadows.own);
+        passes.shadows = shadows;
         Ok(())
     }
 

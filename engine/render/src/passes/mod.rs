@@ -27,5 +27,5 @@ pub(crate) use overlay::{OverlayIo, OverlayPass};
 pub(crate) use seen::{SeenIo, SeenPass};
 pub(crate) use skinning::{NOTHING, REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
 pub use sky::SkyPass;
-pub use surface::{SurfaceIo, SurfaceKind, SurfacePass};
+pub use surface::{SurfaceIo, SurfaceKind, SurfacePass, SurfaceShadows};
 pub use volumes::{VolumeCaster, VolumeDraws, VolumeIo, VolumeLight, VolumePass, VolumePath};

@@ -1,12 +1,12 @@
 //! All passes of a renderer, compiled from one set of shaders.
 
-use ::shadows::{CasterCulling, ShadowOptions};
+use ::shadows::{CasterCulling, ShadowMethod, ShadowOptions};
 use gpu::{Attachments, Device, Optional};
 use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
     CasterPass, CountPass, FlarePass, FlatPass, OpaquePass, OverlayPass, SeenPass, SkinningPass,
-    SurfaceKind, SurfacePass,
+    SurfaceKind, SurfacePass, SurfaceShadows, VolumePass, VolumePath,
 };
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
@@ -25,6 +25,8 @@ pub(crate) struct Pipelines {
     pub(crate) casters: Option<CasterPass>,
     /// The pass that tests which casters matter, where they are culled.
     pub(crate) shadow_tests: Option<BoxVolumePass>,
+    /// The pass of shadow volumes, if there are any.
+    pub(crate) volumes: Option<VolumePass>,
     /// The opaque pass in two, for methods that draw depth first.
     pub(crate) depth_first: OnDemand<DepthFirst>,
     pub(crate) count: OnDemand<CountPass>,
@@ -45,8 +47,19 @@ pub(crate) struct PassNeeds<'a> {
     pub(crate) surfaces: Option<&'a SurfaceResources>,
     pub(crate) has_transparent: bool,
     pub(crate) has_skinned_meshes: bool,
-    /// The options of shadow maps, if there are any.
-    pub(crate) shadows: Option<&'a ShadowOptions>,
+    /// The options of shadows.
+    pub(crate) shadows: &'a ShadowOptions,
+    /// The size of the image in pixels.
+    pub(crate) size: [u32; 2],
+}
+
+/// Returns the shadows that surfaces are drawn with.
+fn surface_shadows(options: &ShadowOptions) -> Option<SurfaceShadows> {
+    match options.method {
+        ShadowMethod::Off => None,
+        ShadowMethod::Maps => Some(SurfaceShadows::Maps(options.filter)),
+        ShadowMethod::Volumes => Some(SurfaceShadows::Volumes),
+    }
 }
 
 impl Pipelines {
@@ -60,29 +73,30 @@ impl Pipelines {
         needs: PassNeeds<'_>,
         former: Option<&Self>,
     ) -> Result<Self, Error> {
-        let PassNeeds { attachments, surfaces, has_transparent, has_skinned_meshes, shadows } =
-            needs;
+        let PassNeeds { attachments, surfaces, has_transparent, has_skinned_meshes, .. } = needs;
         let drawn = (shaders, attachments);
-        let filter = shadows.map(|shadows| shadows.filter);
+        let options = needs.shadows;
+        let shadows = surface_shadows(options);
         let veiled = surfaces.filter(|_| has_transparent);
         let transparent = veiled;
         let transparent = transparent
-            .map(|it| SurfacePass::new(device, drawn, SurfaceKind::Transparent, it, filter))
+            .map(|it| SurfacePass::new(device, drawn, SurfaceKind::Transparent, it, shadows))
             .transpose()?;
         let skinning =
             has_skinned_meshes.then(|| SkinningPass::new(device, shaders)).transpose()?;
+        let has_maps = options.method == ShadowMethod::Maps;
         let casters = surfaces
-            .zip(shadows)
-            .map(|(surfaces, shadows)| CasterPass::new(device, shaders, surfaces, shadows.bias))
+            .filter(|_| has_maps)
+            .map(|surfaces| CasterPass::new(device, shaders, surfaces, options.bias))
             .transpose()?;
-        let can_cull = |it: &&ShadowOptions| {
-            it.culling == CasterCulling::Culled
-                && device.capabilities().has(Optional::FragmentStores)
-        };
-        let shadow_tests = shadows
-            .filter(can_cull)
-            .map(|_| BoxVolumePass::new(device, shaders, attachments))
+        let volumes = (options.method == ShadowMethod::Volumes)
+            .then(|| VolumePass::new(device, shaders, needs.size, VolumePath::of(device)))
             .transpose()?;
+        let can_cull = has_maps
+            && options.culling == CasterCulling::Culled
+            && device.capabilities().has(Optional::FragmentStores);
+        let shadow_tests =
+            can_cull.then(|| BoxVolumePass::new(device, shaders, attachments)).transpose()?;
         let on_demand = Former { device, drawn, former };
         let veil = match (veiled, former.and_then(|former| former.veil.as_ref())) {
             (Some(it), Some(_)) => {
@@ -92,11 +106,12 @@ impl Pipelines {
         };
         Ok(Self {
             opaque: OpaquePass::new(device, shaders, attachments)?,
-            shading: surfaces.map(|it| Shading::new(device, drawn, it, filter)).transpose()?,
+            shading: surfaces.map(|it| Shading::new(device, drawn, it, shadows)).transpose()?,
             transparent,
             skinning,
             casters,
             shadow_tests,
+            volumes,
             depth_first: on_demand.again(|it| &it.depth_first, DepthFirst::new)?,
             count: on_demand.again(|it| &it.count, CountPass::new)?,
             flares: on_demand.again(|it| &it.flares, FlarePass::new)?,

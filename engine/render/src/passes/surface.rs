@@ -45,6 +45,16 @@ pub struct SurfacePass {
     inputs: Inputs,
 }
 
+/// The shadows that a pass draws with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceShadows {
+    /// Those of maps, with a filter.
+    Maps(ShadowFilter),
+    /// Those of volumes. They are of the surfaces that own a pixel: [`SurfaceKind::Transparent`]
+    /// has none of them.
+    Volumes,
+}
+
 /// The inputs of a pass.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Inputs {
@@ -52,16 +62,37 @@ enum Inputs {
     Holes,
     /// All but shadows.
     Lights,
-    /// All.
-    Shadows,
+    /// All, with shadow maps.
+    Maps,
+    /// All, with a mask of shadow volumes.
+    Mask,
 }
 
 impl Inputs {
-    fn of(is_depth: bool, filter: Option<ShadowFilter>) -> Self {
-        match (is_depth, filter) {
-            (true, _) => Self::Holes,
-            (false, None) => Self::Lights,
-            (false, Some(_)) => Self::Shadows,
+    fn of(kind: SurfaceKind, shadows: Option<SurfaceShadows>) -> Self {
+        match (kind, shadows) {
+            (SurfaceKind::Depth | SurfaceKind::Casters(_) | SurfaceKind::Veil, _) => Self::Holes,
+            (_, None) | (SurfaceKind::Transparent, Some(SurfaceShadows::Volumes)) => Self::Lights,
+            (_, Some(SurfaceShadows::Maps(_))) => Self::Maps,
+            (_, Some(SurfaceShadows::Volumes)) => Self::Mask,
+        }
+    }
+
+    /// Returns the number of storage buffers.
+    fn buffers(self) -> u32 {
+        match self {
+            Self::Holes | Self::Lights => 5,
+            Self::Maps | Self::Mask => 7,
+        }
+    }
+
+    /// Returns the number of textures beside the pages: the environment, and of shadows the maps
+    /// twice and the samples of filters.
+    fn textures(self) -> u32 {
+        match self {
+            Self::Holes => 0,
+            Self::Lights | Self::Mask => 1,
+            Self::Maps => 4,
         }
     }
 }
@@ -79,7 +110,7 @@ pub struct SurfaceIo<'a> {
     pub instances: BufferSlice,
     /// The scene's surfaces, with the second half of its vertices.
     pub surfaces: &'a SurfaceResources,
-    /// The shadows of its lights, for passes that were compiled with a filter.
+    /// The shadows of its lights, for passes that were compiled for them.
     pub shadows: Option<ShadowIo<'a>>,
 }
 
@@ -98,13 +129,6 @@ const _: () = assert!(size_of::<Constants>() == 120);
 
 /// The specialisation constant of `surface_constants.glsl` that selects a filter.
 const SHADOW_FILTER: u32 = 14;
-
-/// Buffers of the pass without shadows, and with them.
-const BUFFERS: [u32; 2] = [5, 7];
-
-/// Textures beside the pages: the environment, and of shadows the maps twice and the samples of
-/// filters.
-const TEXTURES: [u32; 2] = [1, 4];
 
 /// The specialisation constant of `surface_constants.glsl` for light from an environment.
 const ENVIRONMENT: u32 = 15;
@@ -127,8 +151,8 @@ const POSITIONS_AND_TINTS: VertexLayout<'static> = VertexLayout {
 };
 
 impl SurfacePass {
-    /// Compiles the pass for a scene and renderings to `attachments`, with shadows if there is a
-    /// filter for them; passes of depth alone have none.
+    /// Compiles the pass for a scene and its shadows, and for renderings to `attachments`; passes of
+    /// depth alone have no shadows.
     ///
     /// # Errors
     /// A failed call.
@@ -137,7 +161,7 @@ impl SurfacePass {
         (shaders, attachments): (&ShaderSet, Attachments),
         kind: SurfaceKind,
         surfaces: &SurfaceResources,
-        filter: Option<ShadowFilter>,
+        shadows: Option<SurfaceShadows>,
     ) -> Result<Self, Error> {
         let (name, shader, depth, blend) = match kind {
             SurfaceKind::Depth => {
@@ -154,12 +178,13 @@ impl SurfacePass {
                 ("veil of flares", "surface_depth", DepthMode::TestOnly, Blend::NoColour)
             }
         };
-        let is_depth = shader == "surface_depth";
-        let filter = filter.filter(|_| !is_depth);
-        let fragment = match kind {
-            SurfaceKind::Veil => "flare_veil",
-            _ if filter.is_some() => "surface_shadowed",
-            _ => shader,
+        let inputs = Inputs::of(kind, shadows);
+        let is_depth = inputs == Inputs::Holes;
+        let fragment = match (kind, inputs) {
+            (SurfaceKind::Veil, _) => "flare_veil",
+            (_, Inputs::Maps) => "surface_shadowed",
+            (_, Inputs::Mask) => "surface_volumes",
+            (_, Inputs::Holes | Inputs::Lights) => shader,
         };
         let cull = match kind {
             SurfaceKind::Casters(bias) => culled_faces(bias),
@@ -168,7 +193,9 @@ impl SurfacePass {
         let is_transparent = matches!(kind, SurfaceKind::Transparent | SurfaceKind::Veil);
         let mut constants = surfaces.features(is_transparent).constants(is_transparent).to_vec();
         constants.push((ENVIRONMENT, u32::from(surfaces.environment.is_there())));
-        constants.extend(filter.map(|filter| (SHADOW_FILTER, filter_number(filter))));
+        if let (Inputs::Maps, Some(SurfaceShadows::Maps(filter))) = (inputs, shadows) {
+            constants.push((SHADOW_FILTER, filter_number(filter)));
+        }
         let stage = |name: &str, end: &str| {
             shaders.find(&format!("{name}.{end}")).map(|shader| shader.specialised(&constants))
         };
@@ -187,9 +214,9 @@ impl SurfacePass {
             fragment: Some(&stage(fragment, "frag")?),
             vertices: VertexLayout { beside: Some(&surface_vertices), ..first },
             storage: StorageLayout {
-                textures: if is_depth { 0 } else { TEXTURES[usize::from(filter.is_some())] },
+                textures: inputs.textures(),
                 texture_arrays: MAX_PAGES as u32,
-                ..StorageLayout::new::<Constants>(BUFFERS[usize::from(filter.is_some())])
+                ..StorageLayout::new::<Constants>(inputs.buffers())
             },
             cull,
             depth,
@@ -197,7 +224,6 @@ impl SurfacePass {
             attachments,
             ..GraphicsPipelineInfo::of(name, &vertex)
         };
-        let inputs = Inputs::of(is_depth, filter);
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)?, inputs })
     }
 
@@ -234,17 +260,21 @@ impl SurfacePass {
         let pages = io.surfaces.pages();
         let pages = pages.as_ref().map_or(&[][..], |pages| &pages[..]);
         let around = io.surfaces.environment.sampled();
+        let [instances, materials, transforms, lights, lists] = own;
         match (self.inputs, &io.shadows) {
             (Inputs::Holes, _) => commands.bind_sampled(&self.pipeline, &own, &[], pages),
-            (Inputs::Lights, _) | (Inputs::Shadows, None) => {
-                commands.bind_sampled(&self.pipeline, &own, &[around], pages);
-            }
-            (Inputs::Shadows, Some(shadows)) => {
-                let [instances, materials, transforms, lights, lists] = own;
+            (Inputs::Maps, Some(ShadowIo::Maps(shadows))) => {
                 let [of_lights, of_faces] = [shadows.lights, shadows.faces];
                 let all = [instances, materials, transforms, lights, lists, of_lights, of_faces];
                 let textures = [shadows.maps, shadows.depths, shadows.disks, around];
                 commands.bind_sampled(&self.pipeline, &all, &textures, pages);
+            }
+            (Inputs::Mask, Some(ShadowIo::Mask(mask))) => {
+                let all = [instances, materials, transforms, lights, lists, mask.lights, mask.mask];
+                commands.bind_sampled(&self.pipeline, &all, &[around], pages);
+            }
+            (Inputs::Lights | Inputs::Maps | Inputs::Mask, _) => {
+                commands.bind_sampled(&self.pipeline, &own, &[around], pages);
             }
         }
         commands.bind_geometry_beside([io.vertices, io.surfaces.vertices()], io.indices);
@@ -268,7 +298,10 @@ impl SurfacePass {
                 ambient_above: with(light.ambient_above, steps_across),
                 ambient_below: with(light.ambient_below, steps_up),
                 exposure: io.surfaces.exposure(),
-                shadow_view: io.shadows.as_ref().map_or(0, |shadows| shadows.view),
+                shadow_view: match &io.shadows {
+                    Some(ShadowIo::Maps(maps)) => maps.view,
+                    Some(ShadowIo::Mask(_)) | None => 0,
+                },
             },
         );
     }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use cull::{Aabb, DetailPolicy, Hierarchy, LeafIndex, ObjectId};
-use glam::{Affine3A, Mat3A, Vec3A};
+use glam::Affine3A;
 use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, vk};
 use occlusion::{LeafElements, LeafTable, MeshDraw, MeshDrawId, PlanExecutor, ProxyBox};
 use scene::limits::INSTANCE_BYTES;
@@ -15,7 +15,7 @@ use scene::{
 };
 
 use crate::error::Error;
-use crate::resources::instance::{Instance, with_lights};
+use crate::resources::instance::{Instance, rows_of, with_lights};
 use crate::resources::joined_meshes::JoinedMeshes;
 use crate::resources::limits::{check_memory, check_storage};
 use crate::resources::lod::{LodTable, stretch};
@@ -24,6 +24,7 @@ use crate::resources::skinned_meshes::{SkinnedVertices, are_skinned, skinned_ver
 use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites;
 use crate::resources::upload_queue::{UploadQueue, UploadTargets};
+use crate::resources::volume_meshes::{VolumeDraw, VolumeMeshes};
 use crate::shading::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// Memory that a renderer takes for each object while it is made (bytes): its instance, by object
@@ -49,6 +50,8 @@ pub(crate) struct Geometry {
     mesh_draws: Arc<[MeshDraw]>,
     pub(crate) meshes: MeshSlots,
     pub(crate) uploads: UploadQueue,
+    /// The meshes as shadow volumes are extruded from them, while such are drawn.
+    pub(crate) volumes: Option<VolumeMeshes>,
     /// Objects whose meshes are on their way.
     waiting: Vec<ObjectId>,
     mesh_bounds: Vec<Aabb>,
@@ -115,7 +118,8 @@ impl Geometry {
         let to_come = spare.meshes as usize;
         let mut mesh_bounds: Vec<Aabb> = scene.meshes.iter().map(|mesh| mesh.bounds).collect();
         mesh_bounds.resize(mesh_bounds.len() + to_come, Aabb::EMPTY);
-        let index = vk::BufferUsageFlags::INDEX_BUFFER;
+        // Volumes are built from copies, and read vertices where a compute shader extrudes them.
+        let index = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let skinned_vertices = skinned_vertices(scene);
         let mut is_skinned = are_skinned(scene);
@@ -124,10 +128,8 @@ impl Geometry {
             (0..).map(ObjectId).zip(&scene.objects).map(|(id, object)| (object.mesh.0, id));
         let owners = owners.filter(|(mesh, _)| is_skinned.get(*mesh as usize) == Some(&true));
         let owners = owners.collect();
-        let vertex = match skinned_vertices {
-            0 => vk::BufferUsageFlags::VERTEX_BUFFER,
-            _ => vk::BufferUsageFlags::VERTEX_BUFFER | storage,
-        };
+        let vertex =
+            vk::BufferUsageFlags::VERTEX_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC | storage;
         Ok(Self {
             vertices: device.upload("vertices", &vertices, vertex)?,
             skinned_vertices,
@@ -138,6 +140,7 @@ impl Geometry {
             mesh_bounds,
             meshes,
             uploads: UploadQueue::new(frame_bytes),
+            volumes: None,
             waiting: Vec::new(),
             surfaces,
             mesh_draws,
@@ -193,7 +196,10 @@ impl Geometry {
         if let (Some(surfaces), Some(surface)) = (&mut self.surfaces, mesh.surface()) {
             surfaces.set_mesh_material(id, Some(surface.material));
         }
-        self.uploads.push_mesh(id, mesh, place);
+        let casts_volumes = self.casts_volumes(id);
+        let volumes = self.volumes.as_mut().filter(|_| casts_volumes);
+        let adjacency = volumes.map(|volumes| volumes.add((id, &mesh), &place));
+        self.uploads.push_mesh(id, mesh, (place, adjacency.unwrap_or_default()));
         Ok(id)
     }
 
@@ -201,6 +207,9 @@ impl Geometry {
     pub(crate) fn remove_mesh(&mut self, mesh: MeshId, leaves: &mut LeafTable) {
         for draw in self.meshes.remove(mesh) {
             self.set_mesh_draw(draw, MeshDraw::default(), leaves);
+            if let Some(volumes) = &mut self.volumes {
+                volumes.remove(draw);
+            }
         }
         if let Some(bounds) = self.mesh_bounds.get_mut(mesh.0 as usize) {
             *bounds = Aabb::EMPTY;
@@ -256,6 +265,26 @@ impl Geometry {
         }
     }
 
+    /// Replaces the volumes of all meshes by those that were built just now, or by none.
+    pub(crate) fn replace_volumes(&mut self, volumes: Option<VolumeMeshes>) {
+        // Those of meshes on their way are among the new ones.
+        self.uploads.drop_adjacency();
+        self.volumes = volumes;
+    }
+
+    /// Returns true if the objects of a mesh cast shadow volumes.
+    pub(crate) fn casts_volumes(&self, mesh: MeshId) -> bool {
+        self.surfaces.as_ref().is_some_and(|surfaces| surfaces.casts_volumes(mesh))
+    }
+
+    /// Returns the draw of an object and its triangles, if it casts shadow volumes: in the level of
+    /// detail that is drawn, since the surfaces of another would lie in their own shadow.
+    pub(crate) fn volume_draw(&self, object: ObjectId) -> Option<(IndirectDraw, &VolumeDraw)> {
+        let id = self.draw_of(object);
+        let volumes = self.volumes.as_ref()?.get(id)?;
+        Some((self.mesh_draws.get(id.0 as usize)?.draw, volumes))
+    }
+
     /// Returns the vertex shader's data of a transparent object.
     pub(crate) fn transparent_instance(&self, id: TransparentId, object: &Object) -> Instance {
         let slot = |surfaces: &SurfaceResources| surfaces.first_transparent_slot() + id.0;
@@ -294,12 +323,7 @@ impl Geometry {
 
     /// Returns the transform of an object.
     pub(crate) fn transform(&self, object: ObjectId) -> Option<Affine3A> {
-        let [x, y, z] = self.object_instances.get(object.0 as usize)?.rows;
-        let column = |number: usize| Vec3A::new(x[number], y[number], z[number]);
-        Some(Affine3A {
-            matrix3: Mat3A::from_cols(column(0), column(1), column(2)),
-            translation: column(3),
-        })
+        self.object_instances.get(object.0 as usize).map(Instance::transform)
     }
 
     /// Returns the place of the skinned vertices.
@@ -415,6 +439,7 @@ impl Geometry {
             vertices: self.vertices.whole(),
             surfaces: self.surfaces.as_ref().map(SurfaceResources::vertices),
             indices: self.indices.whole(),
+            adjacency: self.volumes.as_ref().map(VolumeMeshes::adjacency),
             pages: self.surfaces.as_ref().map_or(&[], SurfaceResources::own_pages),
         };
         self.uploads.record(frame, targets)?;
@@ -456,13 +481,6 @@ fn instance_of(id: ObjectId, object: &Object, surfaces: Option<&SurfaceResources
     };
     let tail = surfaces.map_or_else(tint, |surfaces| surfaces.instance_tail(object, id.0));
     Instance { rows: rows_of(&object.transform), tail }
-}
-
-fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
-    std::array::from_fn(|r| {
-        let row = transform.matrix3.row(r);
-        [row.x, row.y, row.z, transform.translation[r]]
-    })
 }
 
 /// Returns the box around a transformed box, if the place is possible.

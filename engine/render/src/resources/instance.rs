@@ -1,6 +1,7 @@
 //! An object as the vertex shaders read it.
 
 use bytemuck::{Pod, Zeroable};
+use glam::{Affine3A, Mat3A, Vec3A};
 
 /// An object as the vertex shaders read it; mirrors `instance.glsl`.
 #[repr(C)]
@@ -12,6 +13,26 @@ pub(crate) struct Instance {
 }
 
 const _: () = assert!(size_of::<Instance>() == 64);
+
+impl Instance {
+    /// Returns the transform of the object.
+    pub(crate) fn transform(&self) -> Affine3A {
+        let [x, y, z] = self.rows;
+        let column = |number: usize| Vec3A::new(x[number], y[number], z[number]);
+        Affine3A {
+            matrix3: Mat3A::from_cols(column(0), column(1), column(2)),
+            translation: column(3),
+        }
+    }
+}
+
+/// Returns a transform by its rows.
+pub(crate) fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
+    std::array::from_fn(|r| {
+        let row = transform.matrix3.row(r);
+        [row.x, row.y, row.z, transform.translation[r]]
+    })
+}
 
 /// Packs the number of an object's lights, at most 255, and its tint into the third value of an
 /// instance's tail in scenes with surfaces.

@@ -34,6 +34,14 @@ pub(crate) struct MeshPlace {
     pub(crate) levels: Range<u32>,
 }
 
+impl MeshPlace {
+    /// Returns the draws of a mesh and of its coarser levels, each with its indices.
+    pub(crate) fn draws(&self, id: MeshId) -> impl Iterator<Item = (MeshDrawId, &Range<u32>)> {
+        let ids = std::iter::once(id.0).chain(self.levels.clone()).map(MeshDrawId);
+        ids.zip(&self.indices)
+    }
+}
+
 struct MeshSlot {
     residency: Residency,
     /// The number of objects that have the mesh.
@@ -93,6 +101,13 @@ impl MeshSlots {
 
     pub(crate) fn residency(&self, mesh: MeshId) -> Residency {
         self.slots.get(mesh.0 as usize).map_or(Residency::Free, |slot| slot.residency)
+    }
+
+    /// Returns the meshes that are there, with their places.
+    pub(crate) fn placed(&self) -> impl Iterator<Item = (MeshId, Residency, &MeshPlace)> {
+        let all = (0..).map(MeshId).zip(&self.slots);
+        let all = all.map(|(mesh, slot)| (mesh, slot.residency, &slot.place));
+        all.filter(|(_, residency, _)| *residency != Residency::Free)
     }
 
     /// Notes that an object has a mesh, or has it no more.
@@ -175,9 +190,8 @@ pub(crate) fn draws_of(
     mesh: &PreparedMesh,
     place: &MeshPlace,
 ) -> impl Iterator<Item = (MeshDrawId, MeshDraw)> {
-    let ids = std::iter::once(id.0).chain(place.levels.clone()).map(MeshDrawId);
     let vertex_offset = place.vertices.start as i32;
-    ids.zip(&place.indices).map(move |(id, indices)| {
+    place.draws(id).map(move |(id, indices)| {
         let draw = IndirectDraw {
             index_count: indices.end - indices.start,
             instance_count: 1,

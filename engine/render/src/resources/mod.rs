@@ -12,3 +12,4 @@ pub(crate) mod skinned_meshes;
 pub(crate) mod spare_room;
 pub(crate) mod sprites;
 pub(crate) mod upload_queue;
+pub(crate) mod volume_meshes;

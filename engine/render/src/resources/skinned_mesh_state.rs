@@ -1,10 +1,15 @@
 //! The CPU's data of one skinned mesh: its newest pose, and what of it is on the GPU.
 
+use std::collections::HashMap;
+
 use cull::Aabb;
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 use scene::{Mesh, MeshId, PoseBounds, SkinnedMesh, SurfaceVertex, TransparentId};
 
 use crate::passes::{NOTHING, REST_VALUES, SkinningJob};
+
+/// Values of four joints and their weights.
+const SKIN_VALUES: u32 = 6;
 
 /// The CPU's data of a skinned mesh.
 pub(crate) struct SkinnedMeshState {
@@ -104,6 +109,41 @@ impl SkinnedMeshState {
         }
     }
 
+    /// Returns the positions of its vertices at rest, out of the mesh data, and a number for each:
+    /// those with the same number are always moved alike from the same place
+    /// ([`SkinnedMesh::motions`]).
+    pub(crate) fn at_rest(&self, values: &[u32]) -> (Vec<Vec3>, Vec<u32>) {
+        let value = |place: u32| values.get(place as usize).copied().unwrap_or_default();
+        let vector = |place: u32| [0, 1, 2].map(|axis| f32::from_bits(value(place + axis)));
+        let SkinningJob { vertex_count, rest, skin, joint_sets, .. } = self.rest;
+        let positions = (0..vertex_count).map(|vertex| vector(rest + REST_VALUES * vertex).into());
+        let mut known = HashMap::new();
+        let motion_of = |vertex: u32| {
+            let mut motion = Vec::new();
+            for set in vertex * joint_sets..(vertex + 1) * joint_sets {
+                let first = skin + SKIN_VALUES * set;
+                let joints = [0, 1]
+                    .map(|place| value(first + place))
+                    .map(|pair| [pair & 0xFFFF, pair >> 16]);
+                let weights = [2, 3, 4, 5].map(|place| value(first + place));
+                let hung = joints.as_flattened().iter().zip(weights);
+                // Also the negative zero.
+                let hung = hung.filter(|(_, weight)| f32::from_bits(*weight) != 0.0);
+                motion.extend(hung.flat_map(|(joint, weight)| [*joint, weight]));
+            }
+            for TargetPlaces([positions, ..]) in &self.targets {
+                if *positions != NOTHING {
+                    let by = vector(positions + 3 * vertex);
+                    motion.extend(by.map(|by| (by + 0.0).to_bits()));
+                }
+            }
+            let next = known.len() as u32;
+            *known.entry(motion).or_insert(next)
+        };
+        let motions = (0..vertex_count).map(motion_of).collect();
+        (positions.collect(), motions)
+    }
+
     /// Notes that the newest pose is on the GPU.
     pub(super) fn settle(&mut self) {
         (self.is_dirty, self.is_stale, self.shown_bounds) = (false, false, self.bounds);
@@ -129,5 +169,36 @@ impl SkinnedMeshState {
             }
         }
         self.pose = SkinningJob { joints, targets, target_count, ..self.rest };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use scene::{MorphTarget, SkinWeights};
+
+    use super::*;
+
+    #[test]
+    fn what_is_at_rest_is_read_out_of_the_mesh_data_as_the_scene_had_it() {
+        let corners: Vec<_> = (0..6).map(|x| ([x as f32, 1.0, 2.0], [1.0; 3])).collect();
+        let mesh = Mesh::of_triangles("mesh", &corners);
+        let surface = vec![bytemuck::Zeroable::zeroed(); 6];
+        let joints = (0..12).map(|set: u16| [set % 3, 1, 2, 3]).collect();
+        let weights = (0..12).map(|set| [0.5, if set % 2 == 0 { 0.0 } else { 0.5 }, -0.0, 0.0]);
+        let skin = SkinWeights { joint_count: 4, joints, weights: weights.collect(), sets: 2 };
+        let by = (0..6).map(|vertex| [0.0, (vertex / 4) as f32, -0.0]).collect();
+        let targets =
+            vec![MorphTarget::default(), MorphTarget { positions: by, ..MorphTarget::default() }];
+        for skin in [Some(skin), None] {
+            let skinned = SkinnedMesh { mesh: MeshId(0), skin, targets: targets.clone() };
+            let mut values = vec![7; 5];
+            let state = SkinnedMeshState::new(&skinned, (&mesh, &surface), 0, &mut values);
+            let (positions, motions) = state.at_rest(&values);
+            let places = mesh.vertices.iter().map(|vertex| Vec3::from(vertex.position));
+            assert_eq!(positions, places.collect::<Vec<_>>());
+            let expected = skinned.motions(6);
+            assert_eq!(motions, expected);
+            assert!(expected.iter().any(|it| *it > 0), "some move apart");
+        }
     }
 }

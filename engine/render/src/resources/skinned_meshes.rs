@@ -10,7 +10,7 @@ use gpu::{
     Buffer, BufferSlice, Commands, Device, FlagRing, Frame, Predicate, ResultSource, Tick, vk,
 };
 use occlusion::UpcomingDraws;
-use scene::{MorphTarget, Scene, SkinnedMeshId, TransparentId};
+use scene::{MeshId, MorphTarget, Scene, SkinnedMeshId, TransparentId};
 
 use crate::error::Error;
 use crate::passes::{REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
@@ -114,7 +114,7 @@ impl SkinnedMeshes {
             all.push(SkinnedMeshState { transparent, ..state });
         }
         debug_assert_eq!(values.len() as u64, mesh_data);
-        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC;
         Ok(Some(Self {
             mesh_data: device.upload("skinned mesh data", &values, storage)?,
             all,
@@ -131,6 +131,16 @@ impl SkinnedMeshes {
     /// Returns a skinned mesh, if the scene has it.
     pub(crate) fn get(&self, skinned_mesh: SkinnedMeshId) -> Option<&SkinnedMeshState> {
         self.all.get(skinned_mesh.0 as usize)
+    }
+
+    /// Returns the skinned mesh that moves the vertices of a mesh, if one does.
+    pub(crate) fn of_mesh(&self, mesh: MeshId) -> Option<&SkinnedMeshState> {
+        self.all.iter().find(|state| state.mesh == mesh)
+    }
+
+    /// Returns the vertices at rest, joints, weights and morph targets of all, as 32-bit values.
+    pub(crate) fn mesh_data(&self) -> BufferSlice {
+        self.mesh_data.whole()
     }
 
     /// Returns the box of the mesh in a pose, in its own space; `None` if it has this pose already.

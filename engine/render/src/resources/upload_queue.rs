@@ -8,6 +8,7 @@ use scene::{MeshId, PreparedMesh, PreparedTexture, SurfaceVertex, TextureId, Ver
 
 use crate::error::Error;
 use crate::resources::mesh_slots::MeshPlace;
+use crate::resources::volume_meshes::ADJACENCY_PER_INDEX;
 use crate::shading::surfaces::TexturePlace;
 
 /// The arrays that meshes and textures are copied to.
@@ -17,13 +18,26 @@ pub(crate) struct UploadTargets<'a> {
     /// The surfaces of a scene that has them.
     pub(crate) surfaces: Option<BufferSlice>,
     pub(crate) indices: BufferSlice,
+    /// The triangles with adjacency of renderers that draw shadow volumes.
+    pub(crate) adjacency: Option<BufferSlice>,
     pub(crate) pages: &'a [TextureArray],
 }
 
 /// A mesh or a texture that is not on the GPU as a whole.
 enum PendingUpload {
-    Mesh { id: MeshId, mesh: PreparedMesh, place: MeshPlace },
-    Texture { id: TextureId, texture: PreparedTexture, place: TexturePlace, levels: Vec<Vec<u8>> },
+    Mesh {
+        id: MeshId,
+        mesh: PreparedMesh,
+        place: MeshPlace,
+        /// The triangles with adjacency of each draw, for shadow volumes.
+        adjacency: Vec<Vec<u32>>,
+    },
+    Texture {
+        id: TextureId,
+        texture: PreparedTexture,
+        place: TexturePlace,
+        levels: Vec<Vec<u8>>,
+    },
 }
 
 /// Bytes that go to one place.
@@ -84,8 +98,32 @@ impl UploadQueue {
         self.queue.is_empty()
     }
 
-    pub(crate) fn push_mesh(&mut self, id: MeshId, mesh: PreparedMesh, place: MeshPlace) {
-        self.queue.push_back(PendingUpload::Mesh { id, mesh, place });
+    /// Adds a mesh, with the triangles with adjacency of each of its draws if there are any.
+    pub(crate) fn push_mesh(
+        &mut self,
+        id: MeshId,
+        mesh: PreparedMesh,
+        (place, adjacency): (MeshPlace, Vec<Vec<u32>>),
+    ) {
+        self.queue.push_back(PendingUpload::Mesh { id, mesh, place, adjacency });
+    }
+
+    /// Returns the meshes on their way.
+    pub(crate) fn meshes(&self) -> impl Iterator<Item = (MeshId, &PreparedMesh, &MeshPlace)> {
+        self.queue.iter().filter_map(|pending| match pending {
+            PendingUpload::Mesh { id, mesh, place, .. } => Some((*id, mesh, place)),
+            PendingUpload::Texture { .. } => None,
+        })
+    }
+
+    /// Leaves out the triangles with adjacency of all meshes on their way: they are on the GPU, or
+    /// nobody needs them.
+    pub(crate) fn drop_adjacency(&mut self) {
+        for pending in &mut self.queue {
+            if let PendingUpload::Mesh { adjacency, .. } = pending {
+                adjacency.clear();
+            }
+        }
     }
 
     /// Adds a texture, with the mip maps that the device does not make.
@@ -208,18 +246,21 @@ impl PendingUpload {
     /// Returns the bytes of the mesh or the texture, and the place that each run of them goes to.
     fn sections(&self, targets: UploadTargets<'_>) -> impl Iterator<Item = Section<'_>> {
         let (mesh, texture) = match self {
-            Self::Mesh { mesh, place, .. } => (Some((mesh, place)), None),
+            Self::Mesh { mesh, place, adjacency, .. } => {
+                (Some((mesh, place, &adjacency[..])), None)
+            }
             Self::Texture { texture, place, levels, .. } => (None, Some((texture, *place, levels))),
         };
-        let targets = [Some(targets.vertices), targets.surfaces, Some(targets.indices)];
+        let UploadTargets { vertices, surfaces, indices, adjacency, .. } = targets;
+        let targets = [Some(vertices), surfaces, Some(indices), adjacency];
         let of_mesh = mesh.into_iter().flat_map(move |it| sections_of_mesh(it, targets));
         of_mesh.chain(texture.into_iter().flat_map(sections_of_texture))
     }
 }
 
 fn sections_of_mesh<'a>(
-    (mesh, place): (&'a PreparedMesh, &'a MeshPlace),
-    [vertices, surfaces, indices]: [Option<BufferSlice>; 3],
+    (mesh, place, adjacency): (&'a PreparedMesh, &'a MeshPlace, &'a [Vec<u32>]),
+    [vertices, surfaces, indices, all_adjacency]: [Option<BufferSlice>; 4],
 ) -> impl Iterator<Item = Section<'a>> {
     let first = u64::from(place.vertices.start);
     let section = |bytes, array: BufferSlice, begin: u64| {
@@ -238,7 +279,11 @@ fn sections_of_mesh<'a>(
         let begin = u64::from(place.start) * size_of::<u32>() as u64;
         Some(section(bytemuck::cast_slice(part), indices?, begin))
     });
-    vertices.into_iter().chain(surface).chain(indices)
+    let adjacency = adjacency.iter().zip(&place.indices).filter_map(move |(values, place)| {
+        let begin = ADJACENCY_PER_INDEX as u64 * u64::from(place.start) * size_of::<u32>() as u64;
+        Some(section(bytemuck::cast_slice(values), all_adjacency?, begin))
+    });
+    vertices.into_iter().chain(surface).chain(indices).chain(adjacency)
 }
 
 fn sections_of_texture<'a>(

@@ -13,11 +13,10 @@
 //! they are farther than the depth at each of their samples, since proxies that are as near as the
 //! depth count as visible.
 
-use ::shadows::ShadowFilter;
 use gpu::{Attachments, Device};
 use occlusion::{Error, ShaderSet};
 
-use crate::passes::{OpaquePass, SkyPass, SurfaceKind, SurfacePass};
+use crate::passes::{OpaquePass, SkyPass, SurfaceKind, SurfacePass, SurfaceShadows};
 use crate::shading::surfaces::SurfaceResources;
 
 /// The passes of scenes with surfaces.
@@ -37,8 +36,7 @@ pub(crate) enum DepthPass {
 pub(crate) const DARK: [f32; 4] = [0.0; 4];
 
 impl Shading {
-    /// Compiles the passes for renderings to `attachments`, with shadows if there is a filter for
-    /// them.
+    /// Compiles the passes for renderings to `attachments`, with shadows if there are any.
     ///
     /// # Errors
     /// A failed call.
@@ -46,9 +44,9 @@ impl Shading {
         device: &Device,
         (shaders, attachments): (&ShaderSet, Attachments),
         surfaces: &SurfaceResources,
-        filter: Option<ShadowFilter>,
+        shadows: Option<SurfaceShadows>,
     ) -> Result<Self, Error> {
-        let pass = |kind| SurfacePass::new(device, (shaders, attachments), kind, surfaces, filter);
+        let pass = |kind| SurfacePass::new(device, (shaders, attachments), kind, surfaces, shadows);
         let depth = match surfaces.is_masked() {
             true => DepthPass::Masked(pass(SurfaceKind::Depth)?),
             false => DepthPass::Whole(OpaquePass::depth_only(device, shaders, attachments)?),

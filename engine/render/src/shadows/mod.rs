@@ -1,4 +1,5 @@
-//! Shadows: the maps of lights, drawn before the views of a frame and kept from frame to frame.
+//! Shadows: the maps of lights, drawn before the views of a frame and kept from frame to frame; or
+//! shadow volumes, counted against the depth of each view.
 
 mod caster_culling;
 mod culled_draws;
@@ -6,12 +7,13 @@ mod light_shadow;
 mod records;
 mod shadow_maps;
 mod tile_draws;
+mod volume_shadows;
 
 use std::collections::HashMap;
 
 use ::shadows::{ShadowMethod, ShadowOptions, ShadowStats};
 use cull::{Aabb, Hierarchy, LeafIndex, View};
-use gpu::{Commands, Device, Frame, Predicates, RenderTarget, Tick};
+use gpu::{Commands, Device, Frame, Predicates, RenderTarget, SampleCount, Target, Tick};
 use scene::LightId;
 
 use crate::error::Error;
@@ -19,9 +21,10 @@ use crate::passes::pipelines::Pipelines;
 use crate::resources::geometry::Geometry;
 use culled_draws::CastersInView;
 pub use light_shadow::LightShadow;
-pub use records::ShadowIo;
+pub use records::{ShadowIo, ShadowMapIo, ShadowMaskIo};
 pub(crate) use shadow_maps::MapUses;
 use shadow_maps::ShadowMaps;
+use volume_shadows::VolumeShadows;
 
 /// The shadows of a renderer's lights.
 pub(crate) struct Shadows {
@@ -30,32 +33,36 @@ pub(crate) struct Shadows {
     pub(crate) own: HashMap<LightId, LightShadow>,
     /// The maps, with the method that has some.
     maps: Option<ShadowMaps>,
+    /// The volumes, with the method that has some.
+    volumes: Option<VolumeShadows>,
 }
 
 impl Shadows {
-    /// Creates the maps that the options ask for.
+    /// Creates the maps or volumes that the options ask for, for images in `target`.
     ///
     /// # Errors
-    /// Impossible options, a scene without surfaces, no memory, a failed call.
+    /// Impossible options, a scene without surfaces, volumes with several samples per pixel, no
+    /// memory, a failed call.
     pub(crate) fn new(
         device: &Device,
         options: ShadowOptions,
+        target: &Target,
         (has_surfaces, frames_in_flight): (bool, usize),
     ) -> Result<Self, Error> {
         options.check()?;
         if options.method != ShadowMethod::Off && !has_surfaces {
             return Err(Error::NoSurfacesForShadows);
         }
-        let maps = match options.method {
-            ShadowMethod::Off => None,
-            ShadowMethod::Maps => Some(ShadowMaps::new(device, options, frames_in_flight)?),
-        };
-        Ok(Self { options, own: HashMap::new(), maps })
-    }
-
-    /// Returns the options that passes are compiled for; `None` without maps.
-    pub(crate) fn map_options(&self) -> Option<&ShadowOptions> {
-        self.maps.as_ref().map(|_| &self.options)
+        let (mut maps, mut volumes) = (None, None);
+        match options.method {
+            ShadowMethod::Off => {}
+            ShadowMethod::Maps => maps = Some(ShadowMaps::new(device, options, frames_in_flight)?),
+            ShadowMethod::Volumes if target.attachments().samples != SampleCount::One.flags() => {
+                return Err(Error::MultisampledVolumes);
+            }
+            ShadowMethod::Volumes => volumes = Some(VolumeShadows::new(device, options)?),
+        }
+        Ok(Self { options, own: HashMap::new(), maps, volumes })
     }
 
     /// Draws all maps again in the next frame: casters changed and their boxes did not.
@@ -65,7 +72,7 @@ impl Shadows {
         }
     }
 
-    /// Plans the maps for the views of a frame, which see `receivers` at most.
+    /// Plans the maps or the volumes for the views of a frame, which see `receivers` at most.
     ///
     /// # Errors
     /// A lost device.
@@ -76,13 +83,14 @@ impl Shadows {
         views: &[View],
         uses: MapUses,
     ) -> Result<(), Error> {
-        let (Some(maps), Some(surfaces), Some(view)) =
-            (&mut self.maps, &geometry.surfaces, views.first())
-        else {
-            return Ok(());
-        };
+        let Some(surfaces) = &geometry.surfaces else { return Ok(()) };
+        let of_lights = (&surfaces.table, &self.own);
+        if let Some(volumes) = &mut self.volumes {
+            volumes.plan(of_lights, hierarchy, views);
+        }
+        let (Some(maps), Some(view)) = (&mut self.maps, views.first()) else { return Ok(()) };
         let scene = CastersInView { hierarchy, geometry, receivers, view };
-        maps.plan((&surfaces.table, &self.own), &scene, views, uses)
+        maps.plan(of_lights, &scene, views, uses)
     }
 
     /// Changes the number of frames in flight.
@@ -111,9 +119,10 @@ impl Shadows {
         }
     }
 
-    /// Returns true if the plan draws a leaf to some map.
+    /// Returns true if the plan draws a leaf to some map, or its volume.
     pub(crate) fn draw(&self, leaf: LeafIndex) -> bool {
         self.maps.as_ref().is_some_and(|maps| maps.draws(leaf))
+            || self.volumes.as_ref().is_some_and(|volumes| volumes.has_caster(leaf))
     }
 
     /// Draws the maps as they were planned, before anything of the frame samples them.
@@ -132,16 +141,52 @@ impl Shadows {
         }
     }
 
-    /// Selects the view whose draws follow, by its number in the frame.
-    pub(crate) fn begin_view(&mut self, number: u32) {
+    /// Selects the view whose draws follow, by its number in the frame, and uploads its volumes.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn begin_view(
+        &mut self,
+        frame: &mut Frame<'_>,
+        view: (u32, &View),
+        scene: (&Geometry, &Hierarchy),
+        pipelines: &Pipelines,
+    ) -> Result<(), Error> {
         if let Some(maps) = &mut self.maps {
-            maps.begin_view(number);
+            maps.begin_view(view.0);
+        }
+        match (&mut self.volumes, &pipelines.volumes) {
+            (Some(volumes), Some(pass)) => volumes.begin_view(frame, view, scene, pass),
+            _ => Ok(()),
+        }
+    }
+
+    /// Counts the volumes of the view that was begun against its finished depth in the target.
+    pub(crate) fn count_volumes(
+        &mut self,
+        commands: &Commands,
+        (geometry, pipelines): (&Geometry, &mut Pipelines),
+        view: (&View, &mut Target),
+    ) {
+        if let (Some(volumes), Some(pass)) = (&mut self.volumes, &mut pipelines.volumes) {
+            volumes.record(commands, geometry, pass, view);
+        }
+    }
+
+    /// Notes that the surfaces of the view that was begun are shaded.
+    pub(crate) fn end_view(&mut self) {
+        if let Some(volumes) = &mut self.volumes {
+            volumes.end_view();
         }
     }
 
     /// Returns the inputs of the passes that draw with shadows, in a frame that recorded the maps.
     pub(crate) fn io(&self) -> Option<ShadowIo<'_>> {
-        self.maps.as_ref().and_then(ShadowMaps::io)
+        match (&self.maps, &self.volumes) {
+            (Some(maps), _) => maps.io().map(ShadowIo::Maps),
+            (None, Some(volumes)) => Some(ShadowIo::Mask(volumes.io())),
+            (None, None) => None,
+        }
     }
 
     /// Notes that the frame of the last plan was submitted.
@@ -153,6 +198,7 @@ impl Shadows {
 
     /// Returns the counts of the newest frame.
     pub(crate) fn stats(&self) -> ShadowStats {
-        self.maps.as_ref().map(ShadowMaps::stats).unwrap_or_default()
+        let of_maps = self.maps.as_ref().map(ShadowMaps::stats);
+        of_maps.or(self.volumes.as_ref().map(VolumeShadows::stats)).unwrap_or_default()
     }
 }

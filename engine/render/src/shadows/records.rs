@@ -1,13 +1,23 @@
-//! The shaders' data of shadow maps, as `shadows.glsl` declares it.
+//! The shaders' data of shadows: of maps as `shadows.glsl` declares it, and of masks as
+//! `volume_shadows.glsl` does.
 
 use ::shadows::{Face, PlannedFace, ShadowLight, ShadowPlan};
 use bytemuck::{Pod, Zeroable};
 use cull::{ProjectionKind, View};
 use gpu::{BufferSlice, SampledTexture};
 
-/// The inputs of passes that draw with shadows: reads the maps and their data.
+/// The inputs of passes that draw with shadows.
 #[derive(Clone, Copy)]
-pub struct ShadowIo<'a> {
+pub enum ShadowIo<'a> {
+    /// Those of maps.
+    Maps(ShadowMapIo<'a>),
+    /// Those of volumes.
+    Mask(ShadowMaskIo),
+}
+
+/// The inputs of passes that draw with shadow maps: reads the maps and their data.
+#[derive(Clone, Copy)]
+pub struct ShadowMapIo<'a> {
     /// One record per place in the table of lights, up to the last with shadows.
     pub(crate) lights: BufferSlice,
     /// One record per map.
@@ -20,6 +30,39 @@ pub struct ShadowIo<'a> {
     pub(crate) disks: SampledTexture<'a>,
     /// The number of the view among those of the frame.
     pub(crate) view: u32,
+}
+
+/// The inputs of passes that draw with shadow volumes: reads the mask of a view and the lights that
+/// it is of.
+#[derive(Clone, Copy)]
+pub struct ShadowMaskIo {
+    /// The place of the view, and the bit of each place in the table of lights.
+    pub(crate) lights: BufferSlice,
+    /// 32 bits per pixel of the view, in layers.
+    pub(crate) mask: BufferSlice,
+}
+
+/// The values about a mask before those of lights.
+pub(super) const MASK_HEAD_VALUES: usize = 4;
+
+/// Writes the values of the mask of a view: where it lies, and the bit of each place in the table
+/// of lights, up to the last that has one.
+pub(super) fn write_mask_lights(
+    view: &View,
+    places: impl IntoIterator<Item = u32>,
+    values: &mut Vec<u32>,
+) {
+    values.clear();
+    values.extend(view.origin.into_iter().chain(view.size));
+    for (bit, place) in (0..).zip(places) {
+        let value = MASK_HEAD_VALUES + place as usize;
+        if values.len() <= value {
+            values.resize(value + 1, 0);
+        }
+        if let Some(there) = values.get_mut(value) {
+            *there = bit + 1;
+        }
+    }
 }
 
 /// One light.
@@ -101,5 +144,26 @@ pub(super) fn light_records(
                 unused: 0,
             };
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use cull::{Camera, Projection};
+    use glam::Vec3;
+
+    use super::*;
+
+    #[test]
+    fn a_mask_names_the_bit_of_each_light_at_its_place() {
+        let projection = Projection::perspective(1.0);
+        let (forward, up) = (Vec3::NEG_Z, Vec3::Y);
+        let camera = Camera { eye: Vec3::ZERO, forward, up, projection, near: 0.1 };
+        let view = View { origin: [7, 3], ..View::new(&camera, [64, 48], 8) };
+        let mut values = vec![9; 2];
+        write_mask_lights(&view, [4, 1], &mut values);
+        assert_eq!(values, [7, 3, 64, 48, 0, 2, 0, 0, 1]);
+        write_mask_lights(&view, [], &mut values);
+        assert_eq!(values.len(), MASK_HEAD_VALUES);
     }
 }

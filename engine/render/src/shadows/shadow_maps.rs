@@ -23,7 +23,7 @@ use crate::shading::surfaces::LightTable;
 use crate::shadows::LightShadow;
 use crate::shadows::caster_culling::CasterCulling;
 use crate::shadows::culled_draws::{CasterGroup, CastersInView, CulledGroup};
-use crate::shadows::records::{FaceRecord, LightRecord, ShadowIo, light_records};
+use crate::shadows::records::{FaceRecord, LightRecord, ShadowMapIo, light_records};
 use crate::shadows::tile_draws::{CasterDraws, TileDraws, TileStart, begin_tile, caster_io};
 
 /// The side of the tile of disks, in pixels: neighbours filter with different ones.
@@ -353,9 +353,9 @@ impl ShadowMaps {
     }
 
     /// Returns the inputs of the passes that draw with shadows, in a frame that recorded the maps.
-    pub(crate) fn io(&self) -> Option<ShadowIo<'_>> {
+    pub(crate) fn io(&self) -> Option<ShadowMapIo<'_>> {
         let [lights, faces] = self.buffers?;
-        Some(ShadowIo {
+        Some(ShadowMapIo {
             lights,
             faces,
             maps: self.maps.comparing(),

@@ -45,6 +45,7 @@ impl Session {
             (ShadowMethod::Maps, ShadowCaching::Cached, _) => ShadowWay::Maps,
             (ShadowMethod::Maps, _, CasterCulling::Culled) => ShadowWay::MapsUncached,
             (ShadowMethod::Maps, _, CasterCulling::Unculled) => ShadowWay::MapsUnculled,
+            (ShadowMethod::Volumes, ..) => ShadowWay::Volumes,
         };
         ShadowChoice { way, filter: options.filter }
     }
@@ -81,7 +82,15 @@ impl Session {
             [
                 fact("shadows", text(choice)),
                 fact("lights with shadows", stats.lights.to_string()),
-                fact("shadow maps drawn", format!("{} of {}", stats.drawn_faces, stats.faces)),
+                match choice.way {
+                    ShadowWay::Volumes => {
+                        fact("volumes by z-fail", stats.z_fail_volumes.to_string())
+                    }
+                    _ => {
+                        let maps = format!("{} of {}", stats.drawn_faces, stats.faces);
+                        fact("shadow maps drawn", maps)
+                    }
+                },
                 fact("casters in them", stats.casters.to_string()),
                 fact("tests of casters", stats.tests.to_string()),
                 fact(
@@ -103,7 +112,7 @@ fn next<T: Copy + PartialEq>(all: &[T], current: T) -> T {
 
 fn text(choice: ShadowChoice) -> String {
     match choice.way {
-        ShadowWay::Off => choice.way.name().to_owned(),
+        ShadowWay::Off | ShadowWay::Volumes => choice.way.name().to_owned(),
         way => format!("{}, {}", way.name(), choice.filter.name()),
     }
 }
@@ -114,8 +123,8 @@ mod tests {
 
     #[test]
     fn keys_go_through_all_choices() {
-        let ways = [0, 1, 2, 3].map(|step| next(&ShadowWay::ALL, ShadowWay::ALL[step]).name());
-        assert_eq!(ways, ["maps", "maps_uncached", "maps_unculled", "off"]);
+        let ways = [0, 1, 2, 3, 4].map(|step| next(&ShadowWay::ALL, ShadowWay::ALL[step]).name());
+        assert_eq!(ways, ["maps", "maps_uncached", "maps_unculled", "volumes", "off"]);
         let mut filter = ShadowFilter::Single;
         for _ in ShadowFilter::ALL {
             filter = next(&ShadowFilter::ALL, filter);

@@ -54,6 +54,11 @@ impl MaterialSlots {
         self.slots.get(material.0 as usize)?.material.as_ref()
     }
 
+    /// Returns true if a material lets no light through; that of meshes that name none does not.
+    pub(crate) fn is_opaque(&self, material: MaterialId) -> bool {
+        self.material(material).is_none_or(|material| material.alpha == Alpha::Opaque)
+    }
+
     /// Returns the reason why a mesh that comes cannot have a material.
     pub(crate) fn check_mesh(&self, material: MaterialId) -> Result<(), &'static str> {
         match self.material(material) {

@@ -177,6 +177,15 @@ impl SurfaceResources {
         [material, slot, lights_and_tint(self.light_lists.count(slot), object.tint), sprites]
     }
 
+    /// Returns true if objects of a mesh cast shadow volumes: its material lets no light through,
+    /// and it is not made of sprites.
+    pub(crate) fn casts_volumes(&self, mesh: MeshId) -> bool {
+        let of_mesh = |values: &[u32]| values.get(mesh.0 as usize).copied();
+        let material = of_mesh(&self.mesh_materials).unwrap_or(self.default_material);
+        let is_sprites = of_mesh(&self.mesh_sprites).is_some_and(|place| place != 0);
+        self.material_slots.is_opaque(MaterialId(material)) && !is_sprites
+    }
+
     /// Returns the reason why a material cannot be added.
     pub(crate) fn check_material(&self, material: &Material) -> Result<(), &'static str> {
         self.material_slots.check(material, &self.features[0])

@@ -1,0 +1,263 @@
+//! Shadow volumes: planned for each view as pure values by the crate `shadows`, and counted against
+//! the view's depth into a mask that its surfaces read.
+
+use std::collections::HashMap;
+
+use ::shadows::{
+    MASK_LIGHTS, PlannedVolumes, ShadowLight, ShadowOptions, ShadowStats, VolumeCounting,
+    VolumePlan,
+};
+use cull::{Hierarchy, LeafIndex, View};
+use glam::Vec4;
+use gpu::{Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryKind, Target, vk};
+use scene::LightId;
+
+use crate::error::Error;
+use crate::passes::{VolumeCaster, VolumeDraws, VolumeIo, VolumeLight, VolumePass};
+use crate::resources::geometry::Geometry;
+use crate::shading::surfaces::LightTable;
+use crate::shadows::LightShadow;
+use crate::shadows::records::{MASK_HEAD_VALUES, ShadowMaskIo, write_mask_lights};
+
+/// The shadow volumes of all lights.
+pub(super) struct VolumeShadows {
+    device: Device,
+    options: ShadowOptions,
+    /// The bits of all lights of a view, for each of its pixels.
+    mask: Buffer,
+    /// The most bytes that it may have.
+    room_bytes: u64,
+    /// The lights of views without a mask: none.
+    unmasked: Buffer,
+    /// The lights of the frame, and their places in the table.
+    lights: Vec<ShadowLight>,
+    places: Vec<u32>,
+    /// One plan per view.
+    plans: Vec<VolumePlan>,
+    /// The view that is drawn next.
+    view: usize,
+    /// The work of that view.
+    prepared: Option<Prepared>,
+    /// The lights of the mask, while it is the one of the view that is drawn.
+    masked: Option<BufferSlice>,
+    stats: ShadowStats,
+    values: Vec<u32>,
+}
+
+/// The work of a view, on the GPU.
+struct Prepared {
+    draws: VolumeDraws,
+    /// The place and the lights of the mask.
+    lights: BufferSlice,
+    mask_bytes: u64,
+}
+
+impl VolumeShadows {
+    /// Creates the volumes of a renderer that has drawn none yet.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub(super) fn new(device: &Device, options: ShadowOptions) -> Result<Self, Error> {
+        let unmasked = [0_u32; MASK_HEAD_VALUES];
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        Ok(Self {
+            device: device.clone(),
+            options,
+            mask: mask_of(device, 0)?,
+            room_bytes: device.adapter().limits.max_storage_buffer_range.into(),
+            unmasked: device.upload("no shadow mask", &unmasked, storage)?,
+            lights: Vec::new(),
+            places: Vec::new(),
+            plans: Vec::new(),
+            view: 0,
+            prepared: None,
+            masked: None,
+            stats: ShadowStats::default(),
+            values: Vec::new(),
+        })
+    }
+
+    /// Returns the counts of the newest frame.
+    pub(super) fn stats(&self) -> ShadowStats {
+        self.stats
+    }
+
+    /// Plans the volumes for the views of a frame. Lights for which the mask has no room are
+    /// without shadows.
+    pub(super) fn plan(
+        &mut self,
+        (table, own): (&LightTable, &HashMap<LightId, LightShadow>),
+        hierarchy: &Hierarchy,
+        views: &[View],
+    ) {
+        (self.view, self.prepared, self.masked) = (0, None, None);
+        let of_lights = (&mut self.lights, &mut self.places);
+        super::light_shadow::list(table, (&self.options, own), of_lights.0, of_lights.1);
+        self.plans.resize_with(views.len(), VolumePlan::default);
+        self.plan_views(hierarchy, views);
+        let mask_bytes = |(plan, view)| mask_bytes(plan, view);
+        let wanted = self.plans.iter().zip(views).map(mask_bytes).max().unwrap_or_default();
+        if wanted > self.mask.size_bytes() {
+            match mask_of(&self.device, wanted) {
+                Ok(mask) => self.mask = mask,
+                Err(error) => {
+                    tracing::warn!("no room for a larger shadow mask: {error}");
+                    self.room_bytes = self.mask.size_bytes();
+                    self.plan_views(hierarchy, views);
+                }
+            }
+        }
+        let unshadowed = self.plans.iter().map(|plan| plan.unshadowed_lights).sum();
+        if unshadowed > self.stats.unshadowed_lights {
+            tracing::warn!("the shadow mask has no room for {unshadowed} lights of the views");
+        }
+        self.stats = ShadowStats { unshadowed_lights: unshadowed, ..ShadowStats::default() };
+    }
+
+    fn plan_views(&mut self, hierarchy: &Hierarchy, views: &[View]) {
+        for (plan, view) in self.plans.iter_mut().zip(views) {
+            let layers = self.room_bytes / layer_bytes(view).max(1);
+            let layers = layers.min(self.options.layers_max.into()) as usize;
+            let lights_max = layers.saturating_mul(MASK_LIGHTS as usize);
+            plan.plan(&self.lights, hierarchy, view, lights_max);
+        }
+    }
+
+    /// Returns true if the volumes of some view have a leaf among their casters.
+    pub(super) fn has_caster(&self, leaf: LeafIndex) -> bool {
+        self.plans.iter().any(|plan| plan.has_caster(leaf))
+    }
+
+    /// Selects the view whose draws follow, by its number in the frame, and uploads its work.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(super) fn begin_view(
+        &mut self,
+        frame: &mut Frame<'_>,
+        (number, view): (u32, &View),
+        (geometry, hierarchy): (&Geometry, &Hierarchy),
+        pass: &VolumePass,
+    ) -> Result<(), Error> {
+        (self.view, self.prepared, self.masked) = (number as usize, None, None);
+        let Self { plans, lights, places, values, .. } = self;
+        let Some(plan) = plans.get(number as usize).filter(|plan| !plan.lights.is_empty()) else {
+            return Ok(());
+        };
+        let light_of = |planned: &PlannedVolumes| {
+            let light = lights.get(planned.light);
+            light.map_or(Vec4::ZERO, |light| light.shape.homogeneous())
+        };
+        let casting = Casting { plan, geometry, hierarchy };
+        let casters: Vec<Vec<VolumeCaster>> =
+            plan.lights.iter().map(|it| casting.casters(it, light_of(it))).collect();
+        for casters in &casters {
+            count(&mut self.stats, casters);
+        }
+        let with_bits = (0..).zip(plan.lights.iter().zip(&casters));
+        let with_bits = with_bits.map(|(bit, (planned, casters)): (u32, _)| VolumeLight {
+            light: light_of(planned),
+            bits: 1 << (bit % MASK_LIGHTS),
+            layer: bit / MASK_LIGHTS,
+            casters,
+        });
+        let draws = pass.prepare(frame, &with_bits.collect::<Vec<_>>())?;
+        let place_of = |planned: &PlannedVolumes| places.get(planned.light).copied();
+        write_mask_lights(view, plan.lights.iter().filter_map(place_of), values);
+        let lights = frame.uploads().push(values)?;
+        self.prepared = Some(Prepared { draws, lights, mask_bytes: mask_bytes(plan, view) });
+        Ok(())
+    }
+
+    /// Counts the volumes of the view that was begun against its finished depth in `target`, which
+    /// must be prepared again to be drawn to.
+    pub(super) fn record(
+        &mut self,
+        commands: &Commands,
+        geometry: &Geometry,
+        pass: &mut VolumePass,
+        (view, target): (&View, &mut Target),
+    ) {
+        let (Some(Prepared { draws, lights, mask_bytes }), Some(meshes)) =
+            (&self.prepared, &geometry.volumes)
+        else {
+            return;
+        };
+        let io = VolumeIo {
+            vertices: geometry.vertices.whole(),
+            adjacency: meshes.adjacency(),
+            instances: geometry.instances.whole(),
+            mask: self.mask.whole().part(0, *mask_bytes),
+        };
+        pass.record(commands, &io, (view, target), draws);
+        self.masked = Some(*lights);
+    }
+
+    /// Notes that what is drawn next is not of the view that the mask is of.
+    pub(super) fn end_view(&mut self) {
+        self.masked = None;
+    }
+
+    /// Returns the inputs of the passes that draw with shadows.
+    pub(super) fn io(&self) -> ShadowMaskIo {
+        let lights = self.masked.unwrap_or(self.unmasked.whole());
+        ShadowMaskIo { lights, mask: self.mask.whole() }
+    }
+}
+
+/// The casters of the volumes of a view.
+struct Casting<'a> {
+    plan: &'a VolumePlan,
+    geometry: &'a Geometry,
+    hierarchy: &'a Hierarchy,
+}
+
+impl Casting<'_> {
+    /// Lists the casters of a light, which is given in homogeneous coordinates.
+    fn casters(&self, planned: &PlannedVolumes, light: Vec4) -> Vec<VolumeCaster> {
+        let ranges = self.plan.ranges_of(planned).iter();
+        let leaves =
+            ranges.flat_map(|range| range.leaves.iter().map(|leaf| (leaf, range.counting)));
+        leaves.filter_map(|(leaf, counting)| self.caster(leaf, counting, light)).collect()
+    }
+
+    fn caster(
+        &self,
+        leaf: LeafIndex,
+        counting: VolumeCounting,
+        light: Vec4,
+    ) -> Option<VolumeCaster> {
+        let object = *self.hierarchy.leaf_objects().get(leaf.0 as usize)?;
+        let (draw, volumes) = self.geometry.volume_draw(object)?;
+        let transform = self.geometry.transform(object)?;
+        let bounds = self.hierarchy.bounds(self.hierarchy.node_of(object)?);
+        let draw = IndirectDraw { first_instance: leaf.0, instance_count: 1, ..volumes.draw(draw) };
+        let kind = volumes.enclosure.kind_under(&transform.matrix3).towards(&bounds, light);
+        Some(VolumeCaster { draw, kind, counting })
+    }
+}
+
+/// Adds the casters of a light to the counts of a frame.
+fn count(stats: &mut ShadowStats, casters: &[VolumeCaster]) {
+    let fails = casters.iter().filter(|caster| caster.counting == VolumeCounting::ZFail);
+    let triangles = casters.iter().map(|caster| u64::from(caster.draw.index_count / 6));
+    stats.lights += 1;
+    stats.casters += casters.len() as u32;
+    stats.z_fail_volumes += fails.count() as u32;
+    stats.triangles += triangles.sum::<u64>();
+}
+
+/// Returns the bytes of a layer of the mask of a view: 32 bits per pixel.
+fn layer_bytes(view: &View) -> u64 {
+    view.size.map(u64::from).iter().product::<u64>() * size_of::<u32>() as u64
+}
+
+fn mask_bytes(plan: &VolumePlan, view: &View) -> u64 {
+    u64::from((plan.lights.len() as u32).div_ceil(MASK_LIGHTS)) * layer_bytes(view)
+}
+
+/// Creates a mask of so many bytes.
+fn mask_of(device: &Device, size_bytes: u64) -> Result<Buffer, Error> {
+    let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+    Ok(Buffer::new(device, "shadow mask", size_bytes, usage, MemoryKind::Device)?)
+}
