@@ -4,6 +4,7 @@
 // A harness fails by panicking.
 #![allow(clippy::panic, clippy::expect_used, clippy::unwrap_used)]
 
+pub mod box_rays;
 pub mod counting;
 pub mod host_commands;
 pub mod host_copy;

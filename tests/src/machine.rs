@@ -44,6 +44,8 @@ pub struct Machine {
     pub is_unconditional: bool,
     /// True if no device counts samples.
     pub is_imprecise: bool,
+    /// The change of the features of Vulkan 1.0 that every device reports.
+    pub hides: Option<fn(&mut vk::PhysicalDeviceFeatures)>,
     /// The most draws that a device draws or counts at once.
     pub most_draws: Option<u32>,
     /// True if no device draws several samples per pixel.

@@ -283,6 +283,9 @@ unsafe extern "system" fn features(
         if machine(|machine| machine.is_imprecise) {
             core.occlusion_query_precise = vk::FALSE;
         }
+        if let Some(hide) = machine(|machine| machine.hides) {
+            hide(core);
+        }
         let mut next = (*features).p_next.cast::<vk::BaseOutStructure<'_>>();
         while let Some(structure) = next.as_mut() {
             match structure.s_type {

@@ -64,3 +64,4 @@ mod too_much;
 mod transparent;
 mod vertex_surfaces;
 mod views;
+mod volume_shadows;

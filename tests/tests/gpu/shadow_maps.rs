@@ -1,9 +1,9 @@
 //! Shadow maps in the renderer: images with them, against ray casting, against maps that are drawn
 //! afresh, and under every strategy.
 
-mod bad_options;
-mod cache;
-mod casters;
+pub mod bad_options;
+pub mod cache;
+pub mod casters;
 mod culling;
 mod raycast;
 
@@ -14,10 +14,10 @@ use scene::Scene;
 use shadows::{ShadowFilter, ShadowMethod, ShadowOptions};
 use tests::{run_on_all, yard};
 
-const SIZE: [u32; 2] = [128, 96];
+pub const SIZE: [u32; 2] = [128, 96];
 
 /// Returns options for a small image.
-fn shadows() -> ShadowOptions {
+pub fn shadows() -> ShadowOptions {
     ShadowOptions {
         method: ShadowMethod::Maps,
         distance_m: 60.0,
@@ -29,7 +29,7 @@ fn shadows() -> ShadowOptions {
     }
 }
 
-fn renderer(device: &Device, scene: &Scene, shadows: ShadowOptions) -> Renderer {
+pub fn renderer(device: &Device, scene: &Scene, shadows: ShadowOptions) -> Renderer {
     let options = RendererOptions {
         size: SIZE,
         costs: Costs::Ignored,
@@ -43,7 +43,7 @@ fn renderer(device: &Device, scene: &Scene, shadows: ShadowOptions) -> Renderer 
 }
 
 /// Draws a frame and waits for its image.
-fn image(
+pub fn image(
     renderer: &mut Renderer,
     view: &mut ViewState,
     strategy: Strategy,

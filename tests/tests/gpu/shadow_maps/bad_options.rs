@@ -55,7 +55,7 @@ fn scenes_without_surfaces_have_no_shadows_and_say_so() {
 }
 
 /// Returns the yard under lights that are none, and under many.
-fn badly_lit(count: usize) -> Scene {
+pub fn badly_lit(count: usize) -> Scene {
     let [sun, spot, point] = yard::lights();
     let mut lights = vec![
         PunctualLight { range_m: Some(0.0), ..point },

@@ -34,10 +34,10 @@ impl Random {
 }
 
 /// The object that is skinned and morphed.
-const FIGURE: ObjectId = ObjectId(1);
+pub const FIGURE: ObjectId = ObjectId(1);
 
 /// Returns the yard with a figure: a cube with two joints that grows a bump.
-fn scene() -> Scene {
+pub fn scene() -> Scene {
     let mut scene = yard::scene(&yard::boxes(), &yard::lights());
     let mesh = shapes::cube(u32::MAX, 3);
     let surfaces = scene.surfaces.as_mut().unwrap();

@@ -10,7 +10,7 @@ use tests::{run_on_all, yard};
 use super::{SIZE, image, renderer, shadows};
 
 /// Returns a camera that walks along the yard and turns.
-fn walking(frame: u32) -> Camera {
+pub fn walking(frame: u32) -> Camera {
     let camera = yard::camera();
     let (sine, cosine) = (frame as f32 * 0.15).sin_cos();
     let eye = vec3(6.0 * sine, 1.2 + 0.05 * frame as f32, 7.0 + 2.0 * cosine);

@@ -2,49 +2,17 @@
 
 use cull::{Aabb, Camera, Strategy};
 use glam::{Vec3, vec3};
-use scene::{LightKind, PunctualLight};
+use scene::PunctualLight;
 use shadows::{ShadowFilter, ShadowOptions};
+use tests::box_rays::{is_blocked, shown_at, towards};
 use tests::{run_on_all, yard};
 
 use super::{SIZE, image, renderer, shadows};
 
-/// Returns where a ray enters a box, if it does: the distance in lengths of `along`.
-fn hit(bounds: &Aabb, from: Vec3, along: Vec3) -> Option<f32> {
-    let (low, high) = ((bounds.min - from) / along, (bounds.max - from) / along);
-    let (near, far) = (low.min(high).max_element(), low.max(high).min_element());
-    (near <= far && far > 0.0).then_some(near.max(0.0))
-}
-
-fn is_blocked(boxes: &[Aabb], from: Vec3, along: Vec3, end: f32) -> bool {
-    boxes.iter().any(|bounds| hit(bounds, from, along).is_some_and(|at| at < end))
-}
-
-/// Returns the place on the boxes that a place in the image shows, and the normal there.
-fn shown_at(boxes: &[Aabb], camera: &Camera, [x, y]: [f32; 2]) -> Option<(Vec3, Vec3)> {
-    let [width, height] = SIZE.map(|side| side as f32);
-    let half = 0.5_f32.tan();
-    let right = camera.forward.cross(camera.up).normalize();
-    let up = right.cross(camera.forward);
-    let across = (x / width * 2.0 - 1.0) * half * width / height;
-    let down = (y / height * 2.0 - 1.0) * half;
-    let along = camera.forward + right * across - up * down;
-    let nearest = boxes
-        .iter()
-        .filter_map(|bounds| Some((hit(bounds, camera.eye, along)?, bounds)))
-        .min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let place = camera.eye + along * nearest.0;
-    let (centre, half) = (nearest.1.centre(), nearest.1.half_extent());
-    let out = (place - centre) / half;
-    let axis = (0..3).max_by(|a, b| out[*a].abs().total_cmp(&out[*b].abs()))?;
-    let mut normal = Vec3::ZERO;
-    normal[axis] = out[axis].signum();
-    Some((place, normal))
-}
-
 /// Returns what a pixel shows, unless an edge is near.
 fn shown(boxes: &[Aabb], camera: &Camera, x: u32, y: u32) -> Option<(Vec3, Vec3)> {
     let at = |right: f32, down: f32| {
-        shown_at(boxes, camera, [x as f32 + 0.5 + right, y as f32 + 0.5 + down])
+        shown_at(boxes, (camera, SIZE), [x as f32 + 0.5 + right, y as f32 + 0.5 + down])
     };
     let middle = at(0.0, 0.0)?;
     let around = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
@@ -54,14 +22,6 @@ fn shown(boxes: &[Aabb], camera: &Camera, x: u32, y: u32) -> Option<(Vec3, Vec3)
         })
     };
     around.into_iter().all(is_same).then_some(middle)
-}
-
-/// Returns the direction to a light from a place, and how far along it the light is.
-fn towards(light: &PunctualLight, place: Vec3) -> (Vec3, f32) {
-    match light.kind {
-        LightKind::Directional => (-light.direction, f32::INFINITY),
-        _ => (light.position - place, 1.0),
-    }
 }
 
 /// The width in metres around a place that must be lit, or dark, as a whole: above the texels of

@@ -1,0 +1,77 @@
+//! Devices with other features: extruded by compute shaders where geometry shaders are missing, and
+//! refused by a sentence where volumes cannot be counted.
+
+use ash::vk;
+use cull::Strategy;
+use gpu::{Device, DeviceOptions, Optional};
+use render::{Renderer, RendererOptions};
+use shadows::ShadowOptions;
+use tests::machine::Machine;
+use tests::walk::pixels_that_differ;
+use tests::{Driver, instance_with, run, yard};
+
+use super::{VOLUMES, fresh, image, renderer, volumes};
+use crate::shadow_maps::casters::walking;
+
+/// Takes features away.
+type Hiding = fn(&mut vk::PhysicalDeviceFeatures);
+
+/// Runs a test on lavapipe without some features.
+fn without(hides: Hiding, test: impl FnOnce(&Device)) {
+    let machine = Machine { hides: Some(hides), ..Machine::default() };
+    let instance = instance_with(machine.entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+    test(&device);
+    drop(device);
+    assert_eq!(instance.validation_log().drain(), []);
+}
+
+#[test]
+fn both_ways_of_extruding_have_the_same_image() {
+    let scene = yard::scene(&yard::boxes(), &yard::lights());
+    let draw = |device: &Device| {
+        let mut renderer = renderer(device, &scene, volumes());
+        let mut view = renderer.new_view().unwrap();
+        [0, 3, 6, 9]
+            .map(|frame| image(&mut renderer, &mut view, Strategy::ANTUMBRA, walking(frame)))
+    };
+    let mut by_geometry = None;
+    run(Driver::Lavapipe, |device| {
+        assert!(device.capabilities().has(Optional::GeometryShaders));
+        by_geometry = Some(draw(device));
+    });
+    without(
+        |features| features.geometry_shader = vk::FALSE,
+        |device| {
+            assert!(!device.capabilities().has(Optional::GeometryShaders));
+            for (expected, found) in by_geometry.unwrap().iter().zip(draw(device)) {
+                assert_eq!(pixels_that_differ(expected, &found), 0);
+            }
+        },
+    );
+}
+
+#[test]
+fn a_device_that_cannot_count_volumes_says_so_and_goes_on() {
+    let scene = yard::scene(&yard::boxes(), &yard::lights());
+    let lacks: [(Hiding, Optional); 2] = [
+        (|features| features.depth_clamp = vk::FALSE, Optional::DepthClamp),
+        (|features| features.fragment_stores_and_atomics = vk::FALSE, Optional::FragmentStores),
+    ];
+    for (hides, missing) in lacks {
+        without(hides, |device| {
+            let options = RendererOptions { shadows: volumes(), ..RendererOptions::default() };
+            let error = Renderer::new(device, &scene, &options).map(drop).unwrap_err().to_string();
+            assert!(error.contains(missing.name()), "{error}");
+            let before = fresh(device, &scene, ShadowOptions::default(), yard::camera());
+            let mut renderer = renderer(device, &scene, ShadowOptions::default());
+            let mut view = renderer.new_view().unwrap();
+            let error = renderer.set_shadows(volumes()).unwrap_err().to_string();
+            assert!(error.contains(missing.name()), "{error}");
+            assert_ne!(renderer.shadows().method, VOLUMES);
+            let after = image(&mut renderer, &mut view, Strategy::FRUSTUM, yard::camera());
+            assert!(before == after, "the renderer draws as before");
+        });
+    }
+}
