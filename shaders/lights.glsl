@@ -4,6 +4,8 @@ struct PunctualLight {
     vec4 position;  // w: 1 / range, 0 without one
     vec4 intensity; // lux or candela times colour; w: scale of the cone
     vec4 direction; // along which it shines, unit; w: offset of the cone
+    vec3 right;     // of its picture: the direction to its right edge, over that edge's distance
+    uint picture;   // packed as textures of materials are
 };
 
 layout(std430, binding = 3) readonly buffer Lights { PunctualLight lights[]; };

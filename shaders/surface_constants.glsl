@@ -24,6 +24,8 @@ layout(constant_id = 9) const uint METALLIC_ROUGHNESS_PAGES = 0;
 layout(constant_id = 10) const uint NORMAL_PAGES = 0;
 layout(constant_id = 11) const uint OCCLUSION_PAGES = 0;
 layout(constant_id = 12) const uint EMISSION_PAGES = 0;
+// The same for the pictures that spots project.
+layout(constant_id = 16) const uint PICTURE_PAGES = 0;
 // True if the ambient light comes from `environment.glsl`.
 layout(constant_id = 15) const bool ENVIRONMENT = false;
 // One of the filters of `shadows.glsl`.

@@ -7,6 +7,7 @@
 #include "surface_alpha.glsl"
 #include "brdf.glsl"
 #include "lights.glsl"
+#include "light_picture.glsl"
 #include "environment.glsl"
 #include "tonemap.glsl"
 
@@ -79,6 +80,7 @@ vec3 direct(Brdf brdf) {
             float inverse_distance = inversesqrt(squared);
             vec3 towards = away * inverse_distance;
             vec3 arrived = arriving(light, towards, squared, inverse_distance) * reflected(brdf, towards);
+            if (PICTURE_PAGES != 0u && arrived != vec3(0.0)) arrived *= picture_colour(light, -away);
 #ifdef SHADOWED
             if (arrived != vec3(0.0)) arrived *= lit(number, away, facet);
 #endif
@@ -96,6 +98,10 @@ void main() {
     // Before anything is discarded: derivatives are defined here.
     facet = facet_normal();
 #endif
+    if (PICTURE_PAGES != 0u) {
+        picture_step_x = dFdx(world_position);
+        picture_step_y = dFdy(world_position);
+    }
     vec4 base = base_colour();
     if (MASKED && is_hole(base)) discard;
     float alpha = BLENDED ? clamp(base.a, 0.0, 1.0) : 1.0;

@@ -41,6 +41,7 @@ pub fn lights() -> [PunctualLight; 3] {
         range_m,
         position,
         direction: direction.normalize(),
+        picture: None,
     };
     let spot = LightKind::Spot { inner_rad: 0.4, outer_rad: 0.6 };
     [

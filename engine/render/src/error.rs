@@ -244,6 +244,14 @@ pub enum Error {
         /// The reason, and the advice.
         reason: &'static str,
     },
+    /// A light that cannot be added with its picture.
+    #[error("light {index} of those named cannot be added, so none was: {reason}")]
+    LightPicture {
+        /// Its place among those of the call.
+        index: usize,
+        /// The reason, and the advice.
+        reason: &'static str,
+    },
     /// A lens flare that cannot be drawn.
     #[error("flare {index} of those named cannot be drawn, so none was changed: {reason}")]
     Flare {

@@ -49,6 +49,10 @@ pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), S
         let checked = material.check(surfaces.textures.len());
         checked.or_else(|fault| broken(("material", index), fault))?;
     }
+    for (index, light) in surfaces.lights.iter().enumerate() {
+        let checked = light.check_picture(surfaces.textures.len());
+        checked.or_else(|fault| broken(("light", index), fault))?;
+    }
     if !surfaces.exposure.is_finite() {
         return broken(("exposure", 0), "it is not a finite number");
     }

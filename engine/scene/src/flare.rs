@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::surface::{LightKind, PunctualLight};
+use crate::punctual_light::{LightKind, PunctualLight};
 
 /// The place of a light that flares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,6 +92,7 @@ mod tests {
             range_m: None,
             position: Vec3::new(1.0, 2.0, 3.0),
             direction: Vec3::NEG_Y,
+            picture: None,
         }
     }
 

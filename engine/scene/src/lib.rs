@@ -24,6 +24,7 @@ mod outwardness;
 mod pose_bounds;
 mod prepared_mesh;
 mod prepared_texture;
+mod punctual_light;
 mod sprites;
 mod surface;
 #[cfg(test)]
@@ -47,11 +48,12 @@ pub use outwardness::{ENCLOSING, outwardness};
 pub use pose_bounds::PoseBounds;
 pub use prepared_mesh::PreparedMesh;
 pub use prepared_texture::PreparedTexture;
+pub use punctual_light::{LightKind, LightPicture, PunctualLight};
 pub use sprites::{MAX_SPRITES, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
 pub use surface::{
-    Alpha, Encoding, Filter, Image, ImageId, LightId, LightKind, LodLevel, Material, MaterialId,
-    MorphTarget, PunctualLight, Sampler, SkinWeights, SkinnedMesh, SkinnedMeshId, SurfaceMesh,
-    SurfaceVertex, Surfaces, Texture, TextureId, TextureUse, TransparentId, Wrap,
+    Alpha, Encoding, Filter, Image, ImageId, LightId, LodLevel, Material, MaterialId, MorphTarget,
+    Sampler, SkinWeights, SkinnedMesh, SkinnedMeshId, SurfaceMesh, SurfaceVertex, Surfaces,
+    Texture, TextureId, TextureUse, TransparentId, Wrap,
 };
 pub use update::{LightMove, ObjectChange, PoseUpdate, SceneUpdate, TransparentMove};
 

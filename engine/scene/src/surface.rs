@@ -4,9 +4,9 @@
 
 use std::collections::HashMap;
 
-use glam::{Affine2, Vec3};
+use glam::Affine2;
 
-use super::{MeshId, Object, Sprites};
+use super::{MeshId, Object, PunctualLight, Sprites};
 
 /// The id of a material: an index into [`Surfaces::materials`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -253,40 +253,6 @@ pub struct Texture {
     pub encoding: Encoding,
     /// The wrapping and filtering of its pixels.
     pub sampler: Sampler,
-}
-
-/// The kind of a light, by its origin and directions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LightKind {
-    /// Parallel light along its direction; intensity in lux.
-    Directional,
-    /// Light from its position in all directions; intensity in candela.
-    Point,
-    /// Light from its position into a cone around its direction; intensity in candela.
-    Spot {
-        /// Half the angle within which it is at its full strength, in radians.
-        inner_rad: f32,
-        /// Half the angle beyond which it is dark, in radians.
-        outer_rad: f32,
-    },
-}
-
-/// A light of `KHR_lights_punctual`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PunctualLight {
-    /// The kind of light, with the angles of a spot's cone.
-    pub kind: LightKind,
-    /// Linear red, green, blue.
-    pub colour: [f32; 3],
-    /// The intensity in lux or candela, by its kind.
-    pub intensity: f32,
-    /// The distance to which it shines, in metres; `None` is as far as it can be distinguished from
-    /// darkness.
-    pub range_m: Option<f32>,
-    /// The position in the world.
-    pub position: Vec3,
-    /// Unit vector along which it shines, in the world.
-    pub direction: Vec3,
 }
 
 /// The binding of the vertices of a skinned mesh to its joints.

@@ -6,9 +6,8 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::mesh::{Mesh, unpack_normal};
-use super::surface::{
-    LightKind, Material, MaterialId, PunctualLight, SurfaceMesh, SurfaceVertex, Surfaces,
-};
+use super::punctual_light::{LightKind, PunctualLight};
+use super::surface::{Material, MaterialId, SurfaceMesh, SurfaceVertex, Surfaces};
 
 /// The share of light that a matt dielectric's surface lets through to its colour: the rest is
 /// mirrored.
@@ -40,6 +39,7 @@ fn sun_of(towards_sun: Vec3, sun: [f32; 3]) -> Option<PunctualLight> {
         range_m: None,
         position: Vec3::ZERO,
         direction,
+        picture: None,
     })
 }
 

@@ -103,6 +103,7 @@ impl From<render::Error> for RunError {
             | render::Error::Transparent { .. }
             | render::Error::Pose { .. }
             | render::Error::Light { .. }
+            | render::Error::LightPicture { .. }
             | render::Error::Mesh { .. }
             | render::Error::Material { .. }
             | render::Error::Texture { .. }

@@ -137,6 +137,7 @@ fn spot(side: f32, colour: [f32; 3]) -> PunctualLight {
         range_m: Some(36.0),
         position,
         direction: (vec3(side, 0.0, 1.0) - position).normalize_or(Vec3::NEG_Y),
+        picture: None,
     }
 }
 
@@ -148,6 +149,7 @@ fn lantern_light() -> PunctualLight {
         range_m: Some(16.0),
         position: vec3(0.0, 3.0 - BELOW_M, 5.0),
         direction: Vec3::NEG_Y,
+        picture: None,
     }
 }
 

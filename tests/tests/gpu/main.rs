@@ -42,6 +42,7 @@ mod multiview;
 mod object_pairs;
 mod other_engines;
 mod pick;
+mod pictures;
 mod poses;
 mod projections;
 mod pyramid;

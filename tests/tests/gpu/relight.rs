@@ -58,6 +58,7 @@ fn bulb(position: Vec3) -> PunctualLight {
         range_m: Some(4.0),
         position,
         direction: Vec3::NEG_Z,
+        picture: None,
     }
 }
 

@@ -214,6 +214,7 @@ fn sun() -> PunctualLight {
         range_m: None,
         position: Vec3::ZERO,
         direction: vec3(-0.5, -0.6, -0.7),
+        picture: None,
     }
 }
 
@@ -225,6 +226,7 @@ fn bulb() -> PunctualLight {
         range_m: Some(9.0),
         position: vec3(-1.5, 1.0, -2.0),
         direction: Vec3::NEG_Z,
+        picture: None,
     }
 }
 
@@ -236,6 +238,7 @@ fn torch() -> PunctualLight {
         range_m: None,
         position: vec3(1.0, -0.5, 0.5),
         direction: vec3(0.1, 0.2, -1.0),
+        picture: None,
     }
 }
 

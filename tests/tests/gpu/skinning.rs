@@ -143,6 +143,7 @@ pub fn scene() -> Scene {
             range_m: None,
             position: Vec3::ZERO,
             direction: vec3(-0.3, -0.8, -0.6).normalize(),
+            picture: None,
         }],
         skinned_meshes: skinned_meshes.to_vec(),
         ..Surfaces::default()

@@ -38,6 +38,7 @@ fn lamp(number: u32, frame: u32) -> PunctualLight {
         range_m: number.is_multiple_of(2).then_some(6.0),
         position: vec3(5.0 * turn.sin(), 1.0, -0.4 * number as f32),
         direction: vec3(turn.cos(), -0.5, turn.sin()).normalize(),
+        picture: None,
     }
 }
 

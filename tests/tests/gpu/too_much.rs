@@ -39,6 +39,7 @@ fn lamp(position: Vec3) -> PunctualLight {
         range_m: Some(1.5),
         position,
         direction: Vec3::NEG_Z,
+        picture: None,
     }
 }
 

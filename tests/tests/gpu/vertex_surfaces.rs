@@ -91,6 +91,7 @@ fn tints_stay_while_lights_come_and_go() {
             range_m: Some(3.0),
             position: vec3(0.5, 0.5, 2.0),
             direction: Vec3::NEG_Z,
+            picture: None,
         });
         let mut moved = renderer(device, &scene);
         let before = image(&mut moved, camera());

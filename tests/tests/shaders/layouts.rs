@@ -218,7 +218,7 @@ fn surfaces_have_materials_transforms_lights_and_lists() {
     assert_eq!(interface("surface.vert"), (objects.clone(), 120));
     assert_eq!(interface("surface_depth.vert"), (objects, 120));
     let transforms = (2, 32, vec![0, 16]);
-    let lights = (3, 48, vec![0, 16, 32]);
+    let lights = (3, 64, vec![0, 16, 32, 48, 60]);
     assert_eq!(interface("surface.frag"), (vec![transforms.clone(), lights, (4, 4, vec![0])], 120));
     let shadows = [(5, 16, vec![0, 4, 8, 12]), (6, 144, vec![0, 64, 80, 96, 112, 128])];
     let shadowed = interface("surface_shadowed.frag").0;

@@ -81,6 +81,7 @@ fn change(renderer: &mut Renderer, mesh: &Mesh) {
             range_m: None,
             position: vec3(2.0, 2.0, 2.0),
             direction: Vec3::NEG_Z,
+            picture: None,
         };
         let lights = renderer.add_lights(&[lamp]).unwrap();
         let change = ObjectChange::Add { object: object(mesh, vec3(2.5, 0.0, 0.0)) };

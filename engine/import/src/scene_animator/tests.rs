@@ -88,6 +88,7 @@ fn imported() -> GltfScene {
         range_m: None,
         position: Vec3::ZERO,
         direction: Vec3::NEG_Z,
+        picture: None,
     };
     scene.surfaces = Some(Surfaces {
         meshes: vec![look; 3],

@@ -18,13 +18,17 @@ impl Renderer {
     /// [`RendererOptions::spare`](crate::RendererOptions::spare), so an id may have belonged to a
     /// light that is gone. The cost is that of [`Renderer::set_light`] for each.
     ///
+    /// The picture of a spot may be a texture that was [added](Renderer::add_textures): it shows as
+    /// far as it has arrived.
+    ///
     /// Directional lights are summed in the order in which they came, and in a renderer that is
     /// made with them from the strongest on: last bits of the colours may differ between the two.
     ///
     /// # Errors
     /// [`Error::NoRoom`]: there is not enough room for lights of a kind, or no surface that they
-    /// could light. Nothing has changed then. Spot lights have room where the scene had some, or
-    /// with any [`SpareRoom::lights`](crate::SpareRoom::lights): pipelines are compiled for them.
+    /// could light; [`Error::LightPicture`]. Nothing has changed then. Spot lights have room where
+    /// the scene had some, or with any [`SpareRoom::lights`](crate::SpareRoom::lights): pipelines
+    /// are compiled for them.
     pub fn add_lights(&mut self, lights: &[PunctualLight]) -> Result<Vec<LightId>, Error> {
         let surfaces = self.passes.geometry.surfaces.as_mut();
         let left = |kind| surfaces.as_ref().map_or(0, |surfaces| surfaces.light_room(kind));
@@ -40,6 +44,10 @@ impl Renderer {
             }
         }
         let Some(surfaces) = surfaces else { return Ok(Vec::new()) };
+        for (index, light) in lights.iter().enumerate() {
+            let checked = surfaces.check_picture(light);
+            checked.map_err(|reason| Error::LightPicture { index, reason })?;
+        }
         let add = |light: &PunctualLight| surfaces.add_light(&self.hierarchy, *light);
         Ok(lights.iter().filter_map(add).collect())
     }
@@ -66,14 +74,17 @@ impl Renderer {
     /// they find their lights once per frame, for any number of changed lights.
     ///
     /// # Errors
-    /// [`Error::Light`] for a light that is not in the scene, and for another kind of light:
-    /// pipelines are compiled for the kinds in the scene. Remove it and add another then.
+    /// [`Error::Light`] for a light that is not in the scene, for another kind of light, since
+    /// pipelines are compiled for the kinds in the scene (remove it and add another then), and for
+    /// a picture that is not there or that pipelines are not compiled for: they are where the scene
+    /// that the renderer began with has a light with a picture.
     pub fn set_light(&mut self, light: LightId, to: PunctualLight) -> Result<(), Error> {
         let surfaces = lit_surfaces(&mut self.passes.geometry.surfaces, light)?;
         let before = surfaces.table.get(light).map(|before| before.kind);
         if !before.is_some_and(|before| is_same_kind(before, to.kind)) {
             return Err(Error::Light { light, reason: "it cannot become another kind of light" });
         }
+        surfaces.check_picture(&to).map_err(|reason| Error::Light { light, reason })?;
         surfaces.replace_light(&self.hierarchy, light, to);
         Ok(())
     }

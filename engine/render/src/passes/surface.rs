@@ -130,6 +130,10 @@ const _: () = assert!(size_of::<Constants>() == 120);
 /// The specialisation constant of `surface_constants.glsl` that selects a filter.
 const SHADOW_FILTER: u32 = 14;
 
+/// The specialisation constant of `surface_constants.glsl` for the pages of pictures that spots
+/// project.
+const PICTURE_PAGES: u32 = 16;
+
 /// The specialisation constant of `surface_constants.glsl` for light from an environment.
 const ENVIRONMENT: u32 = 15;
 
@@ -192,6 +196,7 @@ impl SurfacePass {
         };
         let is_transparent = matches!(kind, SurfaceKind::Transparent | SurfaceKind::Veil);
         let mut constants = surfaces.features(is_transparent).constants(is_transparent).to_vec();
+        constants.push((PICTURE_PAGES, surfaces.features(is_transparent).pictures));
         constants.push((ENVIRONMENT, u32::from(surfaces.environment.is_there())));
         if let (Inputs::Maps, Some(SurfaceShadows::Maps(filter))) = (inputs, shadows) {
             constants.push((SHADOW_FILTER, filter_number(filter)));

@@ -146,6 +146,7 @@ fn numbers_out_of_range_leave_images_whole() {
             range_m: None,
             position: glam::Vec3::new(0.0, 0.0, -4.0),
             direction: glam::Vec3::ZERO,
+            picture: None,
         };
         surfaces.lights = vec![
             bulb,

@@ -20,6 +20,7 @@ fn sun() -> PunctualLight {
         range_m: None,
         position: Vec3::ZERO,
         direction: Vec3::new(-0.6, -0.48, -0.64),
+        picture: None,
     }
 }
 

@@ -3,16 +3,18 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use scene::limits::MAX_DIRECTIONAL_LIGHTS;
-use scene::{LightId, LightKind, PunctualLight, Surfaces};
+use scene::{LightId, LightKind, LightPicture, PunctualLight, Surfaces, TextureId};
 
 use crate::resources::spare_room::SpareRoom;
+use crate::shading::surfaces::materials::{NO_TEXTURE, packed};
+use crate::shading::surfaces::texture_slots::TexturePlace;
 
 /// The share of white, at an exposure of 1, below which a light counts as dark.
 const DARK: f32 = 1.0 / 256.0;
 
 /// One light as `lights.glsl` declares it.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct LightEntry {
     /// Position; 1 / range in 1/m, 0 without one.
     position: [f32; 4],
@@ -20,14 +22,29 @@ pub(crate) struct LightEntry {
     intensity: [f32; 4],
     /// Direction of its light; offset of the cone.
     direction: [f32; 4],
+    /// Of a spot's picture the way to its right, over the tangent of half the cone's angle.
+    right: [f32; 3],
+    /// The picture, packed as the textures of materials are.
+    picture: u32,
 }
 
-const _: () = assert!(size_of::<LightEntry>() == 48);
+const _: () = assert!(size_of::<LightEntry>() == 64);
+
+/// The widest cone whose edge a picture touches, half of its angle: wider ones repeat it as its
+/// sampler says.
+const WIDEST_PICTURE_RAD: f32 = 1.4;
+
+impl Default for LightEntry {
+    /// Returns the entry of a dark light.
+    fn default() -> Self {
+        Self { picture: NO_TEXTURE, ..Self::zeroed() }
+    }
+}
 
 impl LightEntry {
-    /// Creates the entry of a light; a dark one for an invalid light (numbers that are not finite,
-    /// no intensity).
-    pub(crate) fn of(light: &PunctualLight) -> Self {
+    /// Creates the entry of a light whose picture, if it has one, lies at a place; a dark one for
+    /// an invalid light (numbers that are not finite, no intensity).
+    pub(crate) fn of(light: &PunctualLight, place: Option<TexturePlace>) -> Self {
         if !is_bright(light) {
             return Self::default();
         }
@@ -43,12 +60,28 @@ impl LightEntry {
         };
         let [red, green, blue] = light.colour.map(|part| part.max(0.0) * light.intensity);
         let direction = light.direction.normalize_or_zero();
+        let picture = light.picture.zip(place);
         Self {
             position: light.position.extend(inverse_range).to_array(),
             intensity: [red, green, blue, scale],
             direction: direction.extend(offset).to_array(),
+            right: picture.map_or([0.0; 3], |(picture, _)| picture_right(light, &picture)),
+            picture: picture.map_or(NO_TEXTURE, |(_, place)| packed(place)),
         }
     }
+}
+
+/// Returns the direction to the right edge of a spot's picture, over the distance of that edge from
+/// the middle where the picture is a metre away.
+fn picture_right(light: &PunctualLight, picture: &LightPicture) -> [f32; 3] {
+    let LightKind::Spot { outer_rad, .. } = light.kind else { return [0.0; 3] };
+    let direction = light.direction.normalize_or_zero();
+    let right = direction.cross(picture.up.normalize_or_zero());
+    let right = right.try_normalize().unwrap_or_else(|| match direction == Vec3::ZERO {
+        true => Vec3::ZERO,
+        false => direction.any_orthonormal_vector(),
+    });
+    (right / outer_rad.clamp(0.001, WIDEST_PICTURE_RAD).tan()).to_array()
 }
 
 /// Returns true if a light gives any light, and all its numbers are finite.
@@ -89,6 +122,7 @@ pub(crate) fn dark_light(kind: LightKind) -> PunctualLight {
         range_m: None,
         position: Vec3::ZERO,
         direction: Vec3::NEG_Z,
+        picture: None,
     }
 }
 
@@ -178,13 +212,16 @@ impl LightTable {
         }
     }
 
-    /// Returns the entries for the GPU, at least one.
-    pub(crate) fn entries(&self) -> Vec<LightEntry> {
+    /// Returns the entries for the GPU, at least one; `place_of` finds pictures.
+    pub(crate) fn entries(
+        &self,
+        place_of: impl Fn(TextureId) -> Option<TexturePlace>,
+    ) -> Vec<LightEntry> {
         let count = self.places.iter().flatten().count().max(1);
         let mut entries = vec![LightEntry::default(); count];
         for (light, place) in self.lights.iter().zip(&self.places) {
             if let Some(entry) = place.and_then(|place| entries.get_mut(place as usize)) {
-                *entry = LightEntry::of(light);
+                *entry = LightEntry::of(light, light.picture.and_then(|it| place_of(it.texture)));
             }
         }
         entries

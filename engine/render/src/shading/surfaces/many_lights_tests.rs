@@ -37,6 +37,7 @@ fn bulb(position: Vec3, candela: f32, range_m: Option<f32>) -> PunctualLight {
         range_m,
         position,
         direction: Vec3::NEG_Z,
+        picture: None,
     }
 }
 

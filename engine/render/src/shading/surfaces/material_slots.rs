@@ -2,7 +2,7 @@
 
 use gpu::{BufferSlice, Frame};
 use occlusion::{ScatterIo, ScatterPass};
-use scene::{Alpha, Material, MaterialId, Surfaces, TextureId};
+use scene::{Alpha, Material, MaterialId, PunctualLight, Surfaces, TextureId};
 
 use crate::error::Error;
 use crate::resources::spare_room::{SpareRanges, SpareRoom};
@@ -104,7 +104,39 @@ impl MaterialSlots {
         self.table.place_texture(texture, place);
     }
 
-    /// Returns true if a material uses a texture.
+    /// Returns the place of a texture, if it is on the GPU.
+    pub(crate) fn place(&self, texture: TextureId) -> Option<TexturePlace> {
+        self.table.place(texture)
+    }
+
+    /// Notes a light that comes or goes, with the picture that it projects.
+    pub(crate) fn count_picture(&mut self, light: &PunctualLight, change: i32) {
+        self.table.count_picture(light, change);
+    }
+
+    /// Returns the reason why passes that are compiled for `features` cannot show the picture of a
+    /// light.
+    pub(crate) fn check_picture(
+        &self,
+        light: &PunctualLight,
+        features: &Features,
+    ) -> Result<(), &'static str> {
+        light.check_picture(self.table.texture_count())?;
+        let Some(picture) = light.picture else { return Ok(()) };
+        match self.place(picture.texture) {
+            None => {
+                Err("the texture of its picture is not on the GPU: it was removed, or nothing \
+                         of the scene that the renderer began with used it")
+            }
+            Some(place) if features.pictures >> place.page & 1 == 0 => {
+                Err("pipelines are compiled for pictures only where the scene that the renderer \
+                     began with has a light with one, and for textures of `Encoding::Srgb`")
+            }
+            Some(_) => Ok(()),
+        }
+    }
+
+    /// Returns true if a material or a light uses a texture.
     pub(crate) fn uses_texture(&self, texture: TextureId) -> bool {
         self.table.uses_texture(texture)
     }

@@ -2,7 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::Affine2;
-use scene::{Alpha, Encoding, Material, Surfaces, TextureId, TextureUse};
+use scene::{
+    Alpha, Encoding, LightPicture, Material, PunctualLight, Surfaces, TextureId, TextureUse,
+};
 
 use crate::error::Error;
 use crate::shading::surfaces::pages::PagePlan;
@@ -30,7 +32,7 @@ pub(crate) struct MaterialEntry {
 const _: () = assert!(size_of::<MaterialEntry>() == 64);
 
 /// A packed texture without a page.
-const NO_TEXTURE: u32 = 15;
+pub(super) const NO_TEXTURE: u32 = 15;
 const UNLIT_FLAG: u32 = 1 << 16;
 /// The textures of a material: each may have a transform of its own.
 const TEXTURES: usize = 5;
@@ -40,7 +42,7 @@ pub(crate) struct MaterialTable {
     pub(crate) entries: Vec<MaterialEntry>,
     pub(crate) transforms: TextureTransforms,
     plan: PagePlan,
-    /// By texture, the number of uses by materials.
+    /// By texture, the number of uses by materials and lights.
     texture_users: Vec<u32>,
 }
 
@@ -58,6 +60,8 @@ pub(crate) struct Features {
     /// The pages of base colours, of roughness and metallic, normals, occlusion, emission: a bit
     /// per page.
     pub(crate) pages: [u32; 5],
+    /// The pages of the pictures that spots project, a bit per page.
+    pub(crate) pictures: u32,
 }
 
 impl MaterialTable {
@@ -71,6 +75,7 @@ impl MaterialTable {
         transforms.keep_room((spare as usize).saturating_mul(TEXTURES))?;
         let mut table = Self { entries, transforms, plan, texture_users: Vec::new() };
         surfaces.materials.iter().for_each(|material| table.count_textures(material, 1));
+        surfaces.lights.iter().for_each(|light| table.count_picture(light, 1));
         Ok(table)
     }
 
@@ -128,20 +133,37 @@ impl MaterialTable {
         }
     }
 
-    /// Returns true if a material uses a texture.
+    /// Returns the place of a texture, if it is on the GPU.
+    pub(crate) fn place(&self, texture: TextureId) -> Option<TexturePlace> {
+        let place = self.plan.places.get(texture.0 as usize).copied().flatten();
+        place.map(|(page, layer)| TexturePlace { page, layer })
+    }
+
+    /// Notes a light that comes or goes, with the picture that it projects.
+    pub(crate) fn count_picture(&mut self, light: &PunctualLight, change: i32) {
+        if let Some(LightPicture { texture, .. }) = light.picture {
+            self.count_texture(texture, change);
+        }
+    }
+
+    /// Returns true if a material or a light uses a texture.
     pub(crate) fn uses_texture(&self, texture: TextureId) -> bool {
         self.texture_users.get(texture.0 as usize).is_some_and(|users| *users > 0)
     }
 
     fn count_textures(&mut self, material: &Material, change: i32) {
         for texture_use in textures_of(material).into_iter().flatten() {
-            let number = texture_use.texture.0 as usize;
-            if number < self.plan.places.len() {
-                let users = &mut self.texture_users;
-                users.resize(users.len().max(number + 1), 0);
-                if let Some(users) = users.get_mut(number) {
-                    *users = users.saturating_add_signed(change);
-                }
+            self.count_texture(texture_use.texture, change);
+        }
+    }
+
+    fn count_texture(&mut self, texture: TextureId, change: i32) {
+        let number = texture.0 as usize;
+        if number < self.plan.places.len() {
+            let users = &mut self.texture_users;
+            users.resize(users.len().max(number + 1), 0);
+            if let Some(users) = users.get_mut(number) {
+                *users = users.saturating_add_signed(change);
             }
         }
     }
@@ -182,6 +204,16 @@ impl Features {
             }
         }
         found
+    }
+
+    /// Returns the pages that lights may project pictures of: where one does, those of all colours.
+    pub(crate) fn picture_pages(surfaces: &Surfaces, plan: &PagePlan) -> u32 {
+        let place = |picture: LightPicture| *plan.places.get(picture.texture.0 as usize)?;
+        let places = surfaces.lights.iter().filter_map(|light| place(light.picture?));
+        let own = places.fold(0, |bits, (page, _)| bits | 1 << page);
+        let colours = plan.pages.iter().enumerate();
+        let colours = colours.filter(|(_, page)| own != 0 && page.encoding == Encoding::Srgb);
+        colours.fold(own, |bits, (page, _)| bits | 1 << page)
     }
 
     /// Returns the features that any material without blending may use, with these lights and with
@@ -247,6 +279,11 @@ fn textures_of(material: &Material) -> [Option<TextureUse>; TEXTURES] {
     ]
 }
 
+/// Returns a texture's place, without a set of coordinates and a transform.
+pub(super) fn packed(TexturePlace { page, layer }: TexturePlace) -> u32 {
+    page as u32 | layer << 5
+}
+
 fn place_of(texture_use: TextureUse, plan: &PagePlan) -> Option<(usize, u32)> {
     plan.places.get(texture_use.texture.0 as usize).copied().flatten()
 }
@@ -256,14 +293,16 @@ fn entry_of(
     plan: &PagePlan,
     transforms: &mut TextureTransforms,
 ) -> MaterialEntry {
-    let mut packed = |texture_use: Option<TextureUse>| {
+    let mut texture = |texture_use: Option<TextureUse>| {
         let placed = texture_use.and_then(|used| Some((used, place_of(used, plan)?)));
         let Some((texture_use, (page, layer))) = placed else { return NO_TEXTURE };
         let set = u32::from(texture_use.uv_set.min(1));
-        page as u32 | set << 4 | layer << 5 | transforms.take(texture_use.transform) << 16
+        packed(TexturePlace { page, layer })
+            | set << 4
+            | transforms.take(texture_use.transform) << 16
     };
     let [base, metallic_roughness, normal, occlusion, emission] =
-        textures_of(material).map(&mut packed);
+        textures_of(material).map(&mut texture);
     let [red, green, blue, alpha] = material.base_colour.map(|part| or(part, 1.0));
     let flags = if material.is_unlit { UNLIT_FLAG } else { 0 };
     MaterialEntry {

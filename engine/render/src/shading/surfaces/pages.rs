@@ -43,9 +43,9 @@ pub struct PagePlan {
 type Key = ([u32; 2], Encoding, Sampler);
 
 impl PagePlan {
-    /// Plans pages for the textures of `surfaces` that materials use. Images of the device have at
-    /// most `max_side` pixels per side and `max_layers` layers. Textures of the same image and
-    /// sampler share a layer. Images beyond the device's size are halved until they fit.
+    /// Plans pages for the textures of `surfaces` that materials and lights use. Images of the
+    /// device have at most `max_side` pixels per side and `max_layers` layers. Textures of the same
+    /// image and sampler share a layer. Images beyond the device's size are halved until they fit.
     ///
     /// Where there would be more than `max_pages`, the two pages whose union costs least become
     /// one: first those of the same sampler and aspect, so that images are made larger before any
@@ -166,5 +166,7 @@ fn used_textures(surfaces: &Surfaces) -> HashSet<TextureId> {
         ]
     };
     let uses = surfaces.materials.iter().flat_map(of_material).flatten();
-    uses.map(|texture_use| texture_use.texture).collect()
+    let pictures = surfaces.lights.iter().filter_map(|light| light.picture);
+    let pictures = pictures.map(|picture| picture.texture);
+    uses.map(|texture_use| texture_use.texture).chain(pictures).collect()
 }

@@ -112,10 +112,12 @@ impl SurfaceResources {
         // Without lights nobody reads the lists.
         let lists = if light_lists.has_lights() { light_lists.all_values() } else { Vec::new() };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let beside = vk::BufferUsageFlags::VERTEX_BUFFER | storage;
         let degradations = degradations_of(&plan, &table);
         let features = features(surfaces, &plan, (&table, &light_lists), &options.spare);
         let texture_slots = texture_slots(surfaces, &plan, &options.spare.textures);
         let materials = MaterialTable::new(surfaces, plan, options.spare.materials)?;
+        let light_entries = table.entries(|texture| materials.place(texture));
         let default_material = materials.entries.len() as u32 - 1;
         let of_scene = surfaces.materials.len() as u32;
         let material_of =
@@ -124,18 +126,14 @@ impl SurfaceResources {
         let to_come = options.spare.meshes as usize;
         let to_come = std::iter::repeat_n(default_material, to_come);
         Ok(Some(Self {
-            vertices: device.upload(
-                "surface vertices",
-                &vertices,
-                vk::BufferUsageFlags::VERTEX_BUFFER | storage,
-            )?,
+            vertices: device.upload("surface vertices", &vertices, beside)?,
             materials: device.upload("materials", &materials.entries, storage)?,
             transforms: device.upload(
                 "texture transforms",
                 materials.transforms.entries(),
                 storage,
             )?,
-            lights: device.upload("lights", &table.entries(), storage)?,
+            lights: device.upload("lights", &light_entries, storage)?,
             lists: device.upload("light lists", &lists, storage)?,
             pages,
             features,
@@ -226,9 +224,14 @@ impl SurfaceResources {
     pub(crate) fn check_texture_removal(&self, texture: TextureId) -> Result<(), &'static str> {
         self.texture_slots.check_removal(texture)?;
         match self.material_slots.uses_texture(texture) {
-            true => Err("materials use it: remove those first"),
+            true => Err("materials use it, or lights project it: change those first"),
             false => Ok(()),
         }
+    }
+
+    /// Returns the reason why the picture of a light cannot be shown.
+    pub(crate) fn check_picture(&self, light: &PunctualLight) -> Result<(), &'static str> {
+        self.material_slots.check_picture(light, &self.features[0])
     }
 
     /// Frees the place of a texture that no material uses.
@@ -290,6 +293,8 @@ impl SurfaceResources {
         let number = light.0 as usize;
         let place = self.table.places.get(number).copied().flatten();
         if let Some(there) = self.table.lights.get_mut(number) {
+            self.material_slots.count_picture(there, -1);
+            self.material_slots.count_picture(&to, 1);
             *there = to;
             self.dirty_lights.mark_dirty(light.0);
         }
@@ -368,8 +373,11 @@ impl SurfaceResources {
         let count = changed().count();
         if count > 0 {
             let places: Vec<u32> = changed().map(|(place, _)| place).collect();
-            let entries: Vec<LightEntry> =
-                changed().map(|(_, light)| LightEntry::of(light)).collect();
+            let entry = |light: &PunctualLight| {
+                let picture = light.picture.and_then(|it| self.material_slots.place(it.texture));
+                LightEntry::of(light, picture)
+            };
+            let entries: Vec<LightEntry> = changed().map(|(_, light)| entry(light)).collect();
             let uploads = frame.uploads();
             let (leaves, elements) = (uploads.push(&places)?, uploads.push(&entries)?);
             let io = ScatterIo { leaves, elements, array: self.lights.whole() };
@@ -457,6 +465,7 @@ fn features(
             directional_lights: table.directional,
             has_local_lights: lists.has_lights(),
             has_spots: spare.lights > 0 || table.lights.iter().any(is_spot),
+            pictures: Features::picture_pages(surfaces, plan),
             ..Features::of(materials, plan)
         };
         let has_room = spare.materials > 0 && !is_transparent;

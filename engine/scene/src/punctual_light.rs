@@ -1,0 +1,107 @@
+//! Lights of surfaces: suns, bulbs and spots, and the pictures that spots project.
+
+use glam::Vec3;
+
+use super::TextureId;
+
+/// The kind of a light, by its origin and directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// Parallel light along its direction; intensity in lux.
+    Directional,
+    /// Light from its position in all directions; intensity in candela.
+    Point,
+    /// Light from its position into a cone around its direction; intensity in candela.
+    Spot {
+        /// Half the angle within which it is at its full strength, in radians.
+        inner_rad: f32,
+        /// Half the angle beyond which it is dark, in radians.
+        outer_rad: f32,
+    },
+}
+
+/// The picture that a spot projects, as a slide does: its colours are multiplied with the light's.
+///
+/// The square of the picture stands across the direction of the light, and the edge of the cone
+/// touches its four sides. Who looks along the light sees it upright and not mirrored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightPicture {
+    /// The texture, one of the scene's; its alpha plays no part.
+    pub texture: TextureId,
+    /// The direction in the world towards its upper edge. The part along the light plays no part;
+    /// where there is no other, some direction is taken.
+    pub up: Vec3,
+}
+
+/// A light of `KHR_lights_punctual`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PunctualLight {
+    /// The kind of light, with the angles of a spot's cone.
+    pub kind: LightKind,
+    /// Linear red, green, blue.
+    pub colour: [f32; 3],
+    /// The intensity in lux or candela, by its kind.
+    pub intensity: f32,
+    /// The distance to which it shines, in metres; `None` is as far as it can be distinguished from
+    /// darkness.
+    pub range_m: Option<f32>,
+    /// The position in the world.
+    pub position: Vec3,
+    /// Unit vector along which it shines, in the world.
+    pub direction: Vec3,
+    /// The picture that a spot projects.
+    pub picture: Option<LightPicture>,
+}
+
+impl PunctualLight {
+    /// Returns the reason why a scene with so many textures cannot have its picture.
+    ///
+    /// # Errors
+    /// A picture of a light that is no spot, a texture that the scene does not have, a direction
+    /// that is not finite.
+    pub fn check_picture(&self, texture_count: usize) -> Result<(), &'static str> {
+        let Some(LightPicture { texture, up }) = self.picture else { return Ok(()) };
+        if !matches!(self.kind, LightKind::Spot { .. }) {
+            return Err("only spots project a picture");
+        }
+        if texture.0 as usize >= texture_count {
+            return Err("the scene does not have the texture of its picture");
+        }
+        match up.is_finite() {
+            true => Ok(()),
+            false => Err("the upward direction of its picture is not finite"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_of_spots_and_of_textures_that_are_there() {
+        let picture = LightPicture { texture: TextureId(2), up: Vec3::Y };
+        let light = |kind, picture| PunctualLight {
+            kind,
+            colour: [1.0; 3],
+            intensity: 1.0,
+            range_m: None,
+            position: Vec3::ZERO,
+            direction: Vec3::NEG_Z,
+            picture: Some(picture),
+        };
+        let spot = LightKind::Spot { inner_rad: 0.1, outer_rad: 0.2 };
+        assert_eq!(light(spot, picture).check_picture(3), Ok(()));
+        let refused = |light: PunctualLight| light.check_picture(2).unwrap_err();
+        assert!(refused(light(spot, picture)).contains("does not have the texture"));
+        for kind in [LightKind::Point, LightKind::Directional] {
+            assert!(refused(light(kind, picture)).contains("only spots"));
+            assert_eq!(
+                PunctualLight { picture: None, ..light(kind, picture) }.check_picture(0),
+                Ok(())
+            );
+        }
+        let lost = LightPicture { texture: TextureId(0), up: Vec3::NAN };
+        assert!(refused(light(spot, lost)).contains("not finite"));
+    }
+}
