@@ -6,7 +6,7 @@ struct ShadowLight {
     uint first_face;
     uint faces;     // 0 without shadows; of a sun those of one view
     float width;    // of its penumbras in metres
-    uint unused;
+    float blend;    // of a sun: the share of half a cascade's side that blends into the next one
 };
 
 struct ShadowFace {
@@ -174,21 +174,28 @@ float share_of(ShadowFace face, Receiver at, bool is_sun) {
     return sum / float(2 * pairs);
 }
 
-// The share of a directional light: by the first cascade that holds the place and its filter.
+// The share of a directional light: by the first cascade that holds the place and its filter, and
+// in the outer part of that also by the next one; beyond the last one all of the light arrives.
 float sunlit(uint light, vec3 facet) {
     if (light >= shadow_lights.length()) return 1.0;
     ShadowLight shadow = shadow_lights[light];
     uint first = shadow.first_face + shadow_view * shadow.faces;
+    float sum = 0.0;
+    float rest = 1.0;
     for (uint number = 0; number < shadow.faces; ++number) {
         ShadowFace face = shadow_faces[first + number];
         vec4 clip = clip_of(face);
         float reach = max(abs(clip.x), abs(clip.y));
         float wanted = min(max(0.5 * shadow.width * face.depth.w, 1.5 / face.tile.z), REACH_MAX);
-        if (reach <= 1.0 - 2.0 * wanted) {
-            return share_of(face, receiver_of(face, clip, facet, shadow.width, true), true);
+        float inside = 1.0 - 2.0 * wanted - reach;
+        if (inside >= 0.0) {
+            float here = rest * (shadow.blend > 0.0 ? min(inside / shadow.blend, 1.0) : 1.0);
+            if (here > 0.0) sum += here * share_of(face, receiver_of(face, clip, facet, shadow.width, true), true);
+            rest -= here;
+            if (rest <= 0.0) return sum;
         }
     }
-    return 1.0;
+    return sum + rest;
 }
 
 // The side of a cube (+x, -x, +y, -y, +z, -z) that a direction from its middle meets.

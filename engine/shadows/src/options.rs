@@ -118,6 +118,10 @@ pub struct ShadowOptions {
     /// Maps of a directional light, 1 to [`MAX_CASCADES`]: each reaches three times as far as the
     /// one before.
     pub cascades: u32,
+    /// The share of half the side of a cascade, 0 to 0.5, in which it blends into the next one, and
+    /// the last one into full light. At 0 they change from one pixel to the next, and the change of
+    /// sharpness can be seen; what lies in such a band takes the samples of two maps.
+    pub cascade_blend: f32,
     /// The distance from the eye to which directional lights have shadows, in metres.
     pub distance_m: f32,
     /// The side of a directional light's maps in texels: a power of two from [`MIN_SIDE`] on, as
@@ -146,6 +150,7 @@ impl Default for ShadowOptions {
             culling: CasterCulling::default(),
             penumbra_m: 0.15,
             cascades: 4,
+            cascade_blend: 0.1,
             distance_m: 200.0,
             sun_side: 2048,
             spot_side: 512,
@@ -163,6 +168,12 @@ pub enum ShadowOptionsError {
     Cascades {
         /// The number asked for.
         cascades: u32,
+    },
+    /// A band between cascades that is no share of them.
+    #[error("cascades that blend over {blend} of half their side are impossible: give 0 to 0.5")]
+    CascadeBlend {
+        /// The share asked for.
+        blend: f32,
     },
     /// A distance that gives cascades no size.
     #[error(
@@ -204,6 +215,9 @@ impl ShadowOptions {
         if !(1..=MAX_CASCADES).contains(&self.cascades) {
             return Err(ShadowOptionsError::Cascades { cascades: self.cascades });
         }
+        if !(0.0..=0.5).contains(&self.cascade_blend) {
+            return Err(ShadowOptionsError::CascadeBlend { blend: self.cascade_blend });
+        }
         if !(self.distance_m > 0.0 && self.distance_m < 1.0e6) {
             return Err(ShadowOptionsError::Distance { distance_m: self.distance_m });
         }
@@ -230,6 +244,10 @@ mod tests {
         for cascades in [0, MAX_CASCADES + 1] {
             let refused = ShadowOptions { cascades, ..options }.check();
             assert_eq!(refused, Err(ShadowOptionsError::Cascades { cascades }));
+        }
+        for cascade_blend in [-0.1, 0.51, f32::NAN, f32::INFINITY] {
+            let refused = ShadowOptions { cascade_blend, ..options }.check();
+            assert!(refused.unwrap_err().to_string().contains("0 to 0.5"), "{cascade_blend}");
         }
         for distance_m in [0.0, -1.0, f32::INFINITY, f32::NAN] {
             assert!(ShadowOptions { distance_m, ..options }.check().is_err(), "{distance_m}");

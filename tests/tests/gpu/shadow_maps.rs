@@ -3,6 +3,7 @@
 
 pub mod bad_options;
 pub mod cache;
+mod cascades;
 pub mod casters;
 mod culling;
 mod raycast;

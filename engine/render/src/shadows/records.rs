@@ -73,7 +73,8 @@ pub(super) struct LightRecord {
     /// The number of its maps; of a directional light those of one view.
     faces: u32,
     penumbra_m: f32,
-    unused: u32,
+    /// Of a directional light, [`ShadowOptions::cascade_blend`](::shadows::ShadowOptions).
+    cascade_blend: f32,
 }
 
 /// One map.
@@ -118,12 +119,12 @@ fn depth_of(view: &View) -> [f32; 4] {
     [constant, scaled, steepness, side_m.recip()]
 }
 
-/// Writes the records of all lights up to the last with maps, by their places in the table, for
-/// `views` views of the scene.
+/// Writes the records of all lights up to the last with maps, by their places in the table, for so
+/// many views of the scene and [`ShadowOptions::cascade_blend`](::shadows::ShadowOptions).
 pub(super) fn light_records(
     plan: &ShadowPlan,
     (lights, places): (&[ShadowLight], &[u32]),
-    views: u32,
+    (views, cascade_blend): (u32, f32),
     records: &mut Vec<LightRecord>,
 ) {
     records.clear();
@@ -141,7 +142,7 @@ pub(super) fn light_records(
                 first_face: planned.faces.start as u32,
                 faces: planned.faces.len() as u32 / of_sun,
                 penumbra_m: light.penumbra_m,
-                unused: 0,
+                cascade_blend,
             };
         }
     }

@@ -229,7 +229,8 @@ impl ShadowMaps {
         (pass, predicates): (&CasterPass, &Predicates),
     ) -> Result<(), Error> {
         let Self { plan, lights, places, views, scratch, .. } = self;
-        light_records(plan, (lights, places), *views, &mut scratch.records);
+        let of_views = (*views, self.options.cascade_blend);
+        light_records(plan, (lights, places), of_views, &mut scratch.records);
         scratch.faces.clear();
         scratch.faces.extend(plan.faces.iter().map(FaceRecord::of));
         // Shaders find at least one of each: memory that nothing was written to holds anything.

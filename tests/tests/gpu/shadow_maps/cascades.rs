@@ -1,0 +1,73 @@
+//! The change from one cascade of a sun to the next: no pixel differs from its neighbour more than
+//! in the maps of either, and beyond the last one shadows fade.
+
+use cull::{Aabb, Strategy};
+use glam::vec3;
+use gpu::Device;
+use scene::Scene;
+use shadows::{ShadowFilter, ShadowOptions};
+use tests::{run_on_all, yard};
+
+use super::{SIZE, image, renderer, shadows};
+
+/// Returns posts all over the ground, whose shadows coarse maps do not keep apart.
+fn posts() -> Scene {
+    let mut boxes = vec![yard::GROUND];
+    for post in 0..400 {
+        let [x, z] = [post % 20, post / 20].map(|place| place as f32 * 1.1 - 10.5);
+        boxes.push(Aabb::new(vec3(x, 0.0, z), vec3(x + 0.3, 1.6, z + 0.3)));
+    }
+    yard::scene(&boxes, &yard::lights()[..1])
+}
+
+/// Returns the light of each pixel's red, 0 to 255.
+fn light(device: &Device, scene: &Scene, shadows: ShadowOptions) -> Vec<f32> {
+    let mut renderer = renderer(device, scene, shadows);
+    let mut view = renderer.new_view().unwrap();
+    let linear = |code: u8| (f32::from(code) / 255.0).powf(2.2) * 255.0;
+    let pixels = image(&mut renderer, &mut view, Strategy::FRUSTUM, yard::camera());
+    pixels.chunks_exact(4).map(|pixel| linear(pixel[0])).collect()
+}
+
+/// Returns how much more neighbours differ in an image than in all of the others, at most, where
+/// they do not differ without shadows.
+fn excess(image: &[f32], others: &[&[f32]], bare: &[f32]) -> f32 {
+    let [width, height] = SIZE.map(|side| side as usize);
+    let pairs = (0..width * height).flat_map(|at| {
+        let right = (at % width + 1 < width).then_some((at, at + 1));
+        right.into_iter().chain((at + width < width * height).then_some((at, at + width)))
+    });
+    let step = |image: &[f32], (a, b): (usize, usize)| (image[a] - image[b]).abs();
+    let smooth = pairs.filter(|pair| step(bare, *pair) < 2.0);
+    let over = smooth.map(|pair| {
+        let allowed = others.iter().map(|other| step(other, pair)).fold(0.0, f32::max);
+        step(image, pair) - allowed
+    });
+    over.fold(0.0, f32::max)
+}
+
+#[test]
+fn cascades_blend_into_each_other_and_into_full_light() {
+    run_on_all(|device| {
+        let scene = posts();
+        let coarse = ShadowOptions { sun_side: 64, filter: ShadowFilter::Single, ..shadows() };
+        let of = |cascades, distance_m, cascade_blend| {
+            let options = ShadowOptions { cascades, distance_m, cascade_blend, ..coarse };
+            light(device, &scene, options)
+        };
+        let bare = light(device, &scene, ShadowOptions::default());
+        let (near, far) = (of(1, 6.0, 0.0), of(1, 18.0, 0.0));
+        let (hard, soft) = (of(2, 18.0, 0.0), of(2, 18.0, 0.4));
+        let parts = [&near[..], &far[..]];
+        let [hard, soft] = [hard, soft].map(|both| excess(&both, &parts, &bare));
+        assert!(hard > 35.0 && soft < 0.6 * hard, "{hard} {soft}");
+        // The last one fades: light is added only, and somewhere a part of it.
+        let fading = of(1, 6.0, 0.4);
+        let mut faded = 0;
+        for ((near, fading), bare) in near.iter().zip(&fading).zip(&bare) {
+            assert!(*fading >= near - 1.0 && *fading <= bare + 1.0, "{near} {fading} {bare}");
+            faded += u32::from(*fading > near + 15.0 && *fading < bare - 15.0);
+        }
+        assert!(faded > 10, "{faded}");
+    });
+}
