@@ -155,8 +155,8 @@ const POSITIONS_AND_TINTS: VertexLayout<'static> = VertexLayout {
 };
 
 impl SurfacePass {
-    /// Compiles the pass for a scene and its shadows, and for renderings to `attachments`; passes of
-    /// depth alone have no shadows.
+    /// Compiles the pass for a scene and its shadows, and for renderings to `attachments`; passes
+    /// of depth alone have no shadows.
     ///
     /// # Errors
     /// A failed call.

@@ -6,7 +6,7 @@ use gpu::Device;
 use render::{Costs, Renderer, RendererOptions, SpareRoom};
 use scene::{
     Alpha, LodLevel, Material, MaterialId, MeshId, Object, ObjectChange, PoseUpdate, PreparedMesh,
-    Scene, SceneUpdate, SkinnedMeshId,
+    Scene, SceneUpdate, SkinnedMeshId, SurfaceMesh,
 };
 use shadows::{ShadowMethod, ShadowOptions};
 use tests::walk::pixels_that_differ;
@@ -235,5 +235,47 @@ fn masked_and_coarse_objects_shade_nothing_that_they_should_not() {
         let lit = fresh(device, &scene, ShadowOptions::default(), yard::camera());
         let differ = found.iter().zip(&lit).filter(|(a, b)| a.abs_diff(**b) > 1).count();
         assert_eq!((differ, masked.shadow_stats().casters), (0, 0), "holes cast no volumes");
+    });
+}
+
+#[test]
+fn what_is_transparent_or_drawn_from_elsewhere_has_no_volumes() {
+    run_on_all(|device| {
+        let mut scene = yard::scene(&yard::boxes(), &yard::lights());
+        let mut glass = scene.meshes[0].clone();
+        glass.name = "glass".to_owned();
+        scene.meshes.push(glass);
+        let surfaces = scene.surfaces.as_mut().unwrap();
+        let surface = SurfaceMesh { material: MaterialId(1), ..surfaces.meshes[0].clone() };
+        surfaces.meshes.push(surface);
+        let base_colour = [0.9, 0.3, 0.2, 0.5];
+        let glass = Material { alpha: Alpha::Blend, base_colour, ..surfaces.materials[0].clone() };
+        surfaces.materials.push(glass);
+        // Under the roof, and over the ground before it.
+        let pane = Aabb::new(vec3(5.5, 0.2, 1.0), vec3(8.5, 2.2, 1.2));
+        let transform = yard::transform_of(&pane);
+        surfaces.transparent = vec![Object { mesh: MeshId(1), transform, tint: u32::MAX }];
+        let [mut lit, mut shadowed] = [ShadowOptions::default(), volumes()].map(|options| {
+            let renderer = renderer(device, &scene, options);
+            let view = renderer.new_view().unwrap();
+            (renderer, view)
+        });
+        let looks = [Strategy::FRUSTUM, Strategy::ANTUMBRA]
+            .map(|strategy| image(&mut shadowed.0, &mut shadowed.1, strategy, yard::camera()));
+        assert_eq!(pixels_that_differ(&looks[0], &looks[1]), 0);
+        let before = image(&mut lit.0, &mut lit.1, Strategy::ANTUMBRA, yard::camera());
+        assert!(pixels_that_differ(&before, &looks[0]) > 500, "there are shadows");
+        let [a, b] = [lit, shadowed].map(|(mut renderer, mut view)| {
+            let seen = renderer.view_of(&yard::camera());
+            let moment = renderer.snapshot(&mut view, seen).unwrap();
+            let image = gpu::Readback::new(device, SIZE).unwrap();
+            let camera = Camera { eye: vec3(0.0, 14.0, 9.0), ..yard::camera() };
+            renderer.render_snapshot(&moment, camera, Some(&image)).unwrap();
+            device.drain().unwrap();
+            image.rgba8().unwrap().to_vec()
+        });
+        // The two passes are compiled apart: a last place may be rounded differently.
+        let differ = a.iter().zip(&b).filter(|(a, b)| a.abs_diff(**b) > 1).count();
+        assert_eq!(differ, 0, "a view without a mask is lit");
     });
 }

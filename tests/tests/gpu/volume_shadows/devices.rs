@@ -3,8 +3,8 @@
 
 use ash::vk;
 use cull::Strategy;
-use gpu::{Device, DeviceOptions, Optional};
-use render::{Renderer, RendererOptions};
+use gpu::{Device, DeviceOptions, Optional, SampleCount};
+use render::{Error, Renderer, RendererOptions};
 use shadows::ShadowOptions;
 use tests::machine::Machine;
 use tests::walk::pixels_that_differ;
@@ -50,6 +50,20 @@ fn both_ways_of_extruding_have_the_same_image() {
             }
         },
     );
+}
+
+#[test]
+fn several_samples_per_pixel_have_no_volumes_and_that_is_said() {
+    run(Driver::Lavapipe, |device| {
+        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let four = RendererOptions { samples: SampleCount::Four, ..RendererOptions::default() };
+        let options = RendererOptions { shadows: volumes(), ..four.clone() };
+        let error = Renderer::new(device, &scene, &options).map(drop).unwrap_err();
+        assert!(error.to_string().contains("one depth per pixel"), "{error}");
+        let mut renderer = Renderer::new(device, &scene, &four).unwrap();
+        assert!(matches!(renderer.set_shadows(volumes()), Err(Error::MultisampledVolumes)));
+        assert_ne!(renderer.shadows().method, VOLUMES);
+    });
 }
 
 #[test]
