@@ -31,6 +31,7 @@ fn lamps() -> Vec<PunctualLight> {
         range_m: Some(2.6),
         position: vec3((number % SIDE) as f32 * 3.0 + 1.0, 1.0, (number / SIDE) as f32 * 3.0 + 1.0),
         direction: Vec3::NEG_Y,
+        picture: None,
     };
     (0..SIDE * SIDE).map(lamp).collect()
 }
