@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use antumbra::shadows::{CasterCulling, ShadowCaching, ShadowFilter, ShadowMethod, ShadowOptions};
 
-use crate::choices::{enumerate, unknown};
+use crate::choices::unknown;
 
 /// A way to make shadows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -19,17 +19,22 @@ pub enum ShadowWay {
     MapsUncached,
     /// `maps_unculled`: shadow maps that are drawn afresh in each frame, with all casters.
     MapsUnculled,
-    /// `volumes`: stencil shadow volumes, which no filter changes.
+    /// `volumes`: stencil shadow volumes of the casters that matter, which no filter changes.
     Volumes,
+    /// `volumes_unculled`: stencil shadow volumes of all casters.
+    VolumesUnculled,
 }
-
-/// Names of ways that the renderer is to have, and has not.
-const MISSING: [&str; 1] = ["volumes_unculled"];
 
 impl ShadowWay {
     /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::Off, Self::Maps, Self::MapsUncached, Self::MapsUnculled, Self::Volumes];
+    pub const ALL: [Self; 6] = [
+        Self::Off,
+        Self::Maps,
+        Self::MapsUncached,
+        Self::MapsUnculled,
+        Self::Volumes,
+        Self::VolumesUnculled,
+    ];
 
     /// Returns its name.
     pub fn name(self) -> &'static str {
@@ -39,6 +44,7 @@ impl ShadowWay {
             Self::MapsUncached => "maps_uncached",
             Self::MapsUnculled => "maps_unculled",
             Self::Volumes => "volumes",
+            Self::VolumesUnculled => "volumes_unculled",
         }
     }
 
@@ -48,7 +54,7 @@ impl ShadowWay {
         match self {
             Self::Off => Self::Off,
             Self::Maps | Self::MapsUncached | Self::MapsUnculled => Self::MapsUnculled,
-            Self::Volumes => Self::Volumes,
+            Self::Volumes | Self::VolumesUnculled => Self::VolumesUnculled,
         }
     }
 }
@@ -58,10 +64,6 @@ impl FromStr for ShadowWay {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let names = Self::ALL.map(Self::name);
-        if MISSING.contains(&text) {
-            let names = enumerate(&names);
-            return Err(format!("the renderer does not have '{text}' yet: there is {names}"));
-        }
         let found = Self::ALL.into_iter().find(|way| way.name() == text);
         found.ok_or_else(|| unknown("way to make shadows", text, &names))
     }
@@ -116,16 +118,17 @@ impl ShadowChoice {
             ShadowWay::Maps | ShadowWay::MapsUncached | ShadowWay::MapsUnculled => {
                 ShadowMethod::Maps
             }
-            ShadowWay::Volumes => ShadowMethod::Volumes,
+            ShadowWay::Volumes | ShadowWay::VolumesUnculled => ShadowMethod::Volumes,
         };
         let caching = match self.way {
             ShadowWay::Off | ShadowWay::Maps => ShadowCaching::Cached,
-            ShadowWay::MapsUncached | ShadowWay::MapsUnculled | ShadowWay::Volumes => {
-                ShadowCaching::Uncached
-            }
+            ShadowWay::MapsUncached
+            | ShadowWay::MapsUnculled
+            | ShadowWay::Volumes
+            | ShadowWay::VolumesUnculled => ShadowCaching::Uncached,
         };
         let culling = match self.way {
-            ShadowWay::MapsUnculled => CasterCulling::Unculled,
+            ShadowWay::MapsUnculled | ShadowWay::VolumesUnculled => CasterCulling::Unculled,
             _ => CasterCulling::Culled,
         };
         ShadowOptions { method, caching, culling, filter: self.filter, ..ShadowOptions::default() }
@@ -144,12 +147,6 @@ mod tests {
         for filter in ShadowFilter::ALL {
             assert_eq!(parse_filter(filter.name()), Ok(filter));
         }
-        let refused = "volumes_unculled".parse::<ShadowWay>().unwrap_err();
-        assert_eq!(
-            refused,
-            "the renderer does not have 'volumes_unculled' yet: there is off, maps, maps_uncached, \
-             maps_unculled and volumes"
-        );
         let refused = "map".parse::<ShadowWay>().unwrap_err();
         assert!(refused.ends_with("did you mean 'maps'?"), "{refused}");
         let refused = parse_filter("pcf5").unwrap_err();

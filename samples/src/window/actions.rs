@@ -330,7 +330,7 @@ mod tests {
             ("identify 160", "takes a pixel"),
             ("identify -1,2", "takes a pixel"),
             ("hour 25", "'25' is no hour"),
-            ("shadows volumes_unculled", "'volumes_unculled' yet"),
+            ("shadows volume", "did you mean 'volumes'?"),
             ("filter soft", "unknown filter 'soft'"),
             ("jump", "unknown action 'jump'"),
             ("", "unknown action ''"),

@@ -5,7 +5,7 @@ pub mod bad_options;
 pub mod cache;
 mod cascades;
 pub mod casters;
-mod culling;
+pub mod culling;
 mod raycast;
 
 use cull::{Camera, Strategy};

@@ -2,6 +2,7 @@
 //! views and sizes, and by each way of extruding.
 
 mod changes;
+mod culling;
 mod devices;
 mod masks;
 mod rays;
@@ -60,7 +61,7 @@ fn every_exact_strategy_has_the_same_volumes() {
                 assert_eq!(wrong, 0, "{strategy} at frame {frame}");
             }
             let stats = renderer.shadow_stats();
-            assert!(stats.lights > 0 && stats.triangles >= u64::from(stats.casters));
+            assert!(stats.lights > 0 && stats.casters > 0);
             counted = [counted[0] + stats.casters, counted[1] + stats.z_fail_volumes];
         }
         let [casters, by_z_fail] = counted;

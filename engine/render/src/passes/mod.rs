@@ -28,4 +28,8 @@ pub(crate) use seen::{SeenIo, SeenPass};
 pub(crate) use skinning::{NOTHING, REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
 pub use sky::SkyPass;
 pub use surface::{SurfaceIo, SurfaceKind, SurfacePass, SurfaceShadows};
-pub use volumes::{VolumeCaster, VolumeDraws, VolumeIo, VolumeLight, VolumePass, VolumePath};
+pub use volume_constants::VolumeGroup;
+pub use volumes::{
+    DrawGroup, VOLUME_GROUPS, VolumeCaster, VolumeCasters, VolumeDraws, VolumeIo, VolumeLight,
+    VolumePass, VolumePath,
+};

@@ -92,7 +92,7 @@ impl Pipelines {
         let volumes = (options.method == ShadowMethod::Volumes)
             .then(|| VolumePass::new(device, shaders, needs.size, VolumePath::of(device)))
             .transpose()?;
-        let can_cull = has_maps
+        let can_cull = options.method != ShadowMethod::Off
             && options.culling == CasterCulling::Culled
             && device.capabilities().has(Optional::FragmentStores);
         let shadow_tests =

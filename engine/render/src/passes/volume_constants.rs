@@ -6,7 +6,7 @@ use glam::{Vec2, Vec4};
 use shadows::{Caps, VolumeCounting, VolumeKind};
 
 /// Casters that are drawn alike.
-pub(super) type Group = (VolumeCounting, VolumeKind);
+pub type VolumeGroup = (VolumeCounting, VolumeKind);
 
 /// Mirrors `volume_constants.glsl`.
 #[repr(C)]
@@ -35,7 +35,7 @@ const NEAREST_CASTER_M: f32 = 1e-3;
 
 impl VolumeConstants {
     /// Returns the constants of the draws of a group of casters.
-    pub(super) fn new(view: &View, light: Vec4, (counting, kind): Group) -> Self {
+    pub(super) fn new(view: &View, light: Vec4, (counting, kind): VolumeGroup) -> Self {
         Self {
             view_proj: view.view_proj.to_cols_array(),
             light: light.to_array(),

@@ -3,7 +3,8 @@
 //!
 //! ```text
 //! copy depth      depth -> depth with a stencil beside it
-//! per light       extrude casters (a geometry shader, or a compute pass before)
+//! per light       extrude casters (a geometry shader, or a compute pass before), those of a group
+//!                 that is culled under predicates
 //!                 count their boundaries in the stencil
 //!                 set the light's bits in the mask where the count is not 0
 //! ```
@@ -20,7 +21,7 @@ use occlusion::{Error, ShaderSet};
 use shadows::{VolumeCounting, VolumeKind};
 
 use super::opaque::POSITIONS;
-use super::volume_constants::{Group, VolumeConstants};
+use super::volume_constants::{VolumeConstants, VolumeGroup};
 use super::volume_extruder::{Batch, Extruder};
 
 /// The stage that extrudes volumes.
@@ -64,7 +65,17 @@ pub struct VolumeLight<'a> {
     /// The layer of the mask.
     pub layer: u32,
     /// The objects.
-    pub casters: &'a [VolumeCaster],
+    pub casters: VolumeCasters<'a>,
+}
+
+/// The objects that cast shadows under a light.
+#[derive(Clone, Copy, Debug)]
+pub enum VolumeCasters<'a> {
+    /// All of these.
+    All(&'a [VolumeCaster]),
+    /// Groups of those that are drawn alike, by the number that their owner knows them by: it draws
+    /// them, for [`VolumePath::GeometryShader`].
+    Culled(&'a [(VolumeGroup, usize)]),
 }
 
 /// The buffers of the pass: reads vertices, adjacency and instances; writes the mask.
@@ -91,7 +102,7 @@ pub struct VolumeDraws {
 struct LightDraws {
     light: Vec4,
     mask: MaskBits,
-    work: Vec<(Group, Work)>,
+    work: Vec<(VolumeGroup, Work)>,
 }
 
 /// The bits of a light in the mask.
@@ -101,8 +112,13 @@ struct MaskBits {
     layer: u32,
 }
 
+/// The owner of culled groups: draws the one of a number.
+pub type DrawGroup<'a> = &'a dyn Fn(&Commands, usize);
+
 /// Casters of a group, on the GPU.
 enum Work {
+    /// A group that its owner draws.
+    Culled(usize),
     /// Indirect draws, for the geometry shader.
     Draws(BufferSlice),
     /// Jobs of the compute pass.
@@ -131,7 +147,8 @@ struct MaskConstants {
 
 const _: () = assert!(size_of::<MaskConstants>() == 12);
 
-const GROUPS: [Group; 4] = [
+/// The groups of casters that are drawn alike.
+pub const VOLUME_GROUPS: [VolumeGroup; 4] = [
     (VolumeCounting::ZPass, VolumeKind::Plain),
     (VolumeCounting::ZPass, VolumeKind::Robust),
     (VolumeCounting::ZFail, VolumeKind::Plain),
@@ -197,8 +214,17 @@ impl VolumePass {
         for light in lights {
             let mask = MaskBits { bits: light.bits, layer: light.layer };
             let mut work = Vec::new();
-            for group in GROUPS {
-                let casters = light.casters.iter().filter(|caster| is_in(caster, group));
+            let all = match light.casters {
+                VolumeCasters::All(casters) => casters,
+                VolumeCasters::Culled(groups) => {
+                    let culled =
+                        |(group, number): &(VolumeGroup, usize)| (*group, Work::Culled(*number));
+                    work.extend(groups.iter().map(culled));
+                    &[]
+                }
+            };
+            for group in VOLUME_GROUPS {
+                let casters = all.iter().filter(|caster| is_in(caster, group));
                 let draws: Vec<IndirectDraw> = casters.map(|caster| caster.draw).collect();
                 if draws.is_empty() {
                     continue;
@@ -219,19 +245,20 @@ impl VolumePass {
     /// Records the pass for a view: the mask gets each light's bits at the pixels that lie in the
     /// volumes of its casters, and is 0 elsewhere. `from` holds the depth of the view and must be
     /// prepared again to be drawn to. Of a view that is larger than the pass nothing is in shadow.
+    /// `culled` draws culled groups.
     pub fn record(
         &mut self,
         commands: &Commands,
         io: &VolumeIo,
         (view, from): (&View, &mut Target),
-        draws: &VolumeDraws,
+        (draws, culled): (&VolumeDraws, DrawGroup<'_>),
     ) {
         commands.pass("count shadow volumes", |commands| {
             let fits = (0..2).all(|side| view.size[side] <= self.target.size()[side]);
             self.load_depth(commands, io, view, from);
             match &self.extruder {
                 _ if !fits => {}
-                None => self.draw_lights(commands, io, view, &draws.lights),
+                None => self.draw_lights(commands, io, view, (&draws.lights, culled)),
                 Some(extruder) => {
                     for light in &draws.lights {
                         self.draw_extruded(commands, io, view, (extruder, light));
@@ -260,18 +287,29 @@ impl VolumePass {
     }
 
     /// Draws the volumes of all lights by the geometry shader.
-    fn draw_lights(&self, commands: &Commands, io: &VolumeIo, view: &View, lights: &[LightDraws]) {
+    fn draw_lights(
+        &self,
+        commands: &Commands,
+        io: &VolumeIo,
+        view: &View,
+        (lights, culled): (&[LightDraws], DrawGroup<'_>),
+    ) {
         commands.rendering(self.target.render_target(view.size), |commands| {
             for light in lights {
                 commands.clear_stencil([0, 0], view.size);
                 for (group, work) in &light.work {
-                    let Work::Draws(draws) = work else { continue };
                     let pipeline = self.pipeline(group.0);
                     commands.bind(pipeline, &[io.instances]);
                     commands.bind_geometry(io.vertices, Some(io.adjacency));
                     let constants = VolumeConstants::new(view, light.light, *group);
                     commands.push_constants(pipeline, &constants);
-                    commands.draw_all_indirect(*draws, self.all.whole());
+                    match work {
+                        Work::Draws(draws) => {
+                            commands.draw_all_indirect(*draws, self.all.whole());
+                        }
+                        Work::Culled(number) => culled(commands, *number),
+                        Work::Batch(_) => {}
+                    }
                 }
                 self.draw_mask(commands, io, view, light.mask);
             }
@@ -329,7 +367,7 @@ fn images(device: &Device, size: [u32; 2]) -> Result<(StencilTarget, Buffer), Er
     Ok((target, depths))
 }
 
-fn is_in(caster: &VolumeCaster, group: Group) -> bool {
+fn is_in(caster: &VolumeCaster, group: VolumeGroup) -> bool {
     (caster.counting, caster.kind) == group && caster.draw.index_count > 0
 }
 

@@ -18,7 +18,7 @@ use cull::{
 };
 use gpu::{
     Access, Commands, Device, FlagRing, Frame, IndirectDraw, MemoryBarrier, Predicates,
-    ResultSource, Tick,
+    RenderTarget, ResultSource, Tick,
 };
 use occlusion::{BoxVolumeIo, BoxVolumePass};
 
@@ -203,19 +203,29 @@ impl CasterCulling {
         Ok(())
     }
 
-    /// Tests the boxes against the depth that is being rendered to.
-    pub(super) fn test(&self, commands: &Commands, pass: &BoxVolumePass, view: &View) {
+    /// Tests the boxes against the finished depth of a view, and turns the results into decisions.
+    /// Outside of rendering.
+    pub(super) fn record_tests(
+        &self,
+        commands: &Commands,
+        pass: &BoxVolumePass,
+        (depth, view): (RenderTarget, &View),
+    ) {
+        commands.pass("test shadows", |commands| {
+            commands.rendering(depth, |commands| self.test(commands, pass, view));
+        });
+        commands.pass("resolve shadow tests", |commands| {
+            let decisions = 0..self.draws.decided.len() as u32;
+            self.predicates.resolve(commands, &[(ResultSource::Fragments, decisions)], 0);
+        });
+    }
+
+    fn test(&self, commands: &Commands, pass: &BoxVolumePass, view: &View) {
         let Some(io) = &self.io else { return };
         commands.set_viewport(&gpu::Viewport::covering(view.origin, view.size));
         for TestedLight { light, tests } in &self.draws.lights {
             pass.draw(commands, io, (view, *light), tests.clone());
         }
-    }
-
-    /// Turns the results into decisions. Outside of rendering.
-    pub(super) fn resolve(&self, commands: &Commands) {
-        let decisions = 0..self.draws.decided.len() as u32;
-        self.predicates.resolve(commands, &[(ResultSource::Fragments, decisions)], 0);
     }
 
     /// Draws the casters of a group.

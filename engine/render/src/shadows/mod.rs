@@ -60,7 +60,9 @@ impl Shadows {
             ShadowMethod::Volumes if target.attachments().samples != SampleCount::One.flags() => {
                 return Err(Error::MultisampledVolumes);
             }
-            ShadowMethod::Volumes => volumes = Some(VolumeShadows::new(device, options)?),
+            ShadowMethod::Volumes => {
+                volumes = Some(VolumeShadows::new(device, options, frames_in_flight)?)
+            }
         }
         Ok(Self { options, own: HashMap::new(), maps, volumes })
     }
@@ -85,18 +87,21 @@ impl Shadows {
     ) -> Result<(), Error> {
         let Some(surfaces) = &geometry.surfaces else { return Ok(()) };
         let of_lights = (&surfaces.table, &self.own);
-        if let Some(volumes) = &mut self.volumes {
-            volumes.plan(of_lights, hierarchy, views);
-        }
-        let (Some(maps), Some(view)) = (&mut self.maps, views.first()) else { return Ok(()) };
+        let Some(view) = views.first() else { return Ok(()) };
         let scene = CastersInView { hierarchy, geometry, receivers, view };
-        maps.plan(of_lights, &scene, views, uses)
+        if let Some(volumes) = &mut self.volumes {
+            volumes.plan(of_lights, &scene, views, uses)?;
+        }
+        self.maps.as_mut().map_or(Ok(()), |maps| maps.plan(of_lights, &scene, views, uses))
     }
 
     /// Changes the number of frames in flight.
     pub(crate) fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
         if let Some(maps) = &mut self.maps {
             maps.set_frames_in_flight(frames_in_flight);
+        }
+        if let Some(volumes) = &mut self.volumes {
+            volumes.set_frames_in_flight(frames_in_flight);
         }
     }
 
@@ -169,7 +174,7 @@ impl Shadows {
         view: (&View, &mut Target),
     ) {
         if let (Some(volumes), Some(pass)) = (&mut self.volumes, &mut pipelines.volumes) {
-            volumes.record(commands, geometry, pass, view);
+            volumes.record(commands, geometry, (pass, pipelines.shadow_tests.as_ref()), view);
         }
     }
 
@@ -193,6 +198,9 @@ impl Shadows {
     pub(crate) fn submitted(&mut self, tick: Tick) {
         if let Some(maps) = &mut self.maps {
             maps.submitted(tick);
+        }
+        if let Some(volumes) = &mut self.volumes {
+            volumes.submitted(tick);
         }
     }
 

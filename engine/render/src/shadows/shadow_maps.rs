@@ -314,10 +314,7 @@ impl ShadowMaps {
         let Some(culling) = self.culling.as_ref().filter(|it| !it.groups().is_empty()) else {
             return;
         };
-        commands.pass("test shadows", |commands| {
-            commands.rendering(target, |commands| culling.test(commands, tests, view));
-        });
-        commands.pass("resolve shadow tests", |commands| culling.resolve(commands));
+        culling.record_tests(commands, tests, (target, view));
         let Some(io) = caster_io(geometry) else { return };
         let faces = &self.plan.faces;
         commands.pass("culled shadow maps", |commands| {

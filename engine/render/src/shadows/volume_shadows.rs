@@ -4,20 +4,31 @@
 use std::collections::HashMap;
 
 use ::shadows::{
-    MASK_LIGHTS, PlannedVolumes, ShadowLight, ShadowOptions, ShadowStats, VolumeCounting,
-    VolumePlan,
+    CasterCulling as CullingOption, MASK_LIGHTS, PlannedVolumes, ShadowLight, ShadowOptions,
+    ShadowStats, VolumeCounting, VolumePlan,
 };
-use cull::{Hierarchy, LeafIndex, View};
+use cull::{
+    Aabb, BoxShadowVolumes, DepthConvention, Frustum, Hierarchy, LeafIndex, LightReach, View,
+};
 use glam::Vec4;
-use gpu::{Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryKind, Target, vk};
+use gpu::{
+    Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryKind, Target, Tick, vk,
+};
+use occlusion::BoxVolumePass;
 use scene::LightId;
 
 use crate::error::Error;
-use crate::passes::{VolumeCaster, VolumeDraws, VolumeIo, VolumeLight, VolumePass};
+use crate::passes::{
+    VOLUME_GROUPS, VolumeCaster, VolumeCasters, VolumeDraws, VolumeGroup, VolumeIo, VolumeLight,
+    VolumePass, VolumePath,
+};
 use crate::resources::geometry::Geometry;
 use crate::shading::surfaces::LightTable;
 use crate::shadows::LightShadow;
+use crate::shadows::caster_culling::CasterCulling;
+use crate::shadows::culled_draws::{CasterGroup, CastersInView};
 use crate::shadows::records::{MASK_HEAD_VALUES, ShadowMaskIo, write_mask_lights};
+use crate::shadows::shadow_maps::MapUses;
 
 /// The shadow volumes of all lights.
 pub(super) struct VolumeShadows {
@@ -42,6 +53,12 @@ pub(super) struct VolumeShadows {
     masked: Option<BufferSlice>,
     stats: ShadowStats,
     values: Vec<u32>,
+    /// The choice of casters, where options and device allow one.
+    culling: Option<CasterCulling>,
+    /// True if casters of the frame are culled.
+    is_culled: bool,
+    /// The box around everything that can receive shadows.
+    receivers: Aabb,
 }
 
 /// The work of a view, on the GPU.
@@ -57,7 +74,15 @@ impl VolumeShadows {
     ///
     /// # Errors
     /// No memory, a failed call.
-    pub(super) fn new(device: &Device, options: ShadowOptions) -> Result<Self, Error> {
+    pub(super) fn new(
+        device: &Device,
+        options: ShadowOptions,
+        frames_in_flight: usize,
+    ) -> Result<Self, Error> {
+        // A compute pass extrudes whole batches.
+        let can_cull = options.culling == CullingOption::Culled
+            && VolumePath::of(device) == VolumePath::GeometryShader;
+        let culling = can_cull.then(|| CasterCulling::new(device, frames_in_flight)).transpose()?;
         let unmasked = [0_u32; MASK_HEAD_VALUES];
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         Ok(Self {
@@ -74,22 +99,52 @@ impl VolumeShadows {
             masked: None,
             stats: ShadowStats::default(),
             values: Vec::new(),
+            culling,
+            is_culled: false,
+            receivers: Aabb::EMPTY,
         })
     }
 
     /// Returns the counts of the newest frame.
     pub(super) fn stats(&self) -> ShadowStats {
-        self.stats
+        match self.culling.as_ref().filter(|_| self.is_culled) {
+            None => self.stats,
+            Some(culling) => {
+                let [triangles, revealed_triangles] = culling.triangles();
+                let tests = culling.tests();
+                ShadowStats { tests, triangles, revealed_triangles, ..self.stats }
+            }
+        }
+    }
+
+    /// Changes the number of frames in flight.
+    pub(super) fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
+        if let Some(culling) = &mut self.culling {
+            culling.set_frames_in_flight(frames_in_flight);
+        }
     }
 
     /// Plans the volumes for the views of a frame. Lights for which the mask has no room are
     /// without shadows.
+    ///
+    /// # Errors
+    /// A lost device.
     pub(super) fn plan(
         &mut self,
         (table, own): (&LightTable, &HashMap<LightId, LightShadow>),
-        hierarchy: &Hierarchy,
+        scene: &CastersInView<'_>,
         views: &[View],
-    ) {
+        uses: MapUses,
+    ) -> Result<(), Error> {
+        let hierarchy = scene.hierarchy;
+        self.receivers = scene.receivers;
+        self.is_culled = self.culling.is_some()
+            && uses == MapUses::ShadedView
+            && matches!(views, [view] if view.depth == DepthConvention::Reversed);
+        if let Some(culling) = &mut self.culling {
+            culling.collect(self.device.completed()?, hierarchy);
+            culling.begin();
+        }
         (self.view, self.prepared, self.masked) = (0, None, None);
         let of_lights = (&mut self.lights, &mut self.places);
         super::light_shadow::list(table, (&self.options, own), of_lights.0, of_lights.1);
@@ -112,6 +167,7 @@ impl VolumeShadows {
             tracing::warn!("the shadow mask has no room for {unshadowed} lights of the views");
         }
         self.stats = ShadowStats { unshadowed_lights: unshadowed, ..ShadowStats::default() };
+        Ok(())
     }
 
     fn plan_views(&mut self, hierarchy: &Hierarchy, views: &[View]) {
@@ -140,7 +196,8 @@ impl VolumeShadows {
         pass: &VolumePass,
     ) -> Result<(), Error> {
         (self.view, self.prepared, self.masked) = (number as usize, None, None);
-        let Self { plans, lights, places, values, .. } = self;
+        let Self { plans, lights, places, values, receivers, .. } = self;
+        let mut culling = self.culling.as_mut().filter(|_| self.is_culled);
         let Some(plan) = plans.get(number as usize).filter(|plan| !plan.lights.is_empty()) else {
             return Ok(());
         };
@@ -154,12 +211,25 @@ impl VolumeShadows {
         for casters in &casters {
             count(&mut self.stats, casters);
         }
+        let scene = CastersInView { hierarchy, geometry, receivers: *receivers, view };
+        let mut groups = Vec::new();
+        if let Some(culling) = &mut culling {
+            for (number, (planned, casters)) in plan.lights.iter().zip(&casters).enumerate() {
+                let Some(light) = lights.get(planned.light) else { continue };
+                groups.push(plan_casters(culling, &scene, light, (number, casters)));
+            }
+            culling.upload(frame, |leaf| casting.draw(*leaf).unwrap_or_default())?;
+        }
+        let is_culled = culling.is_some();
         let with_bits = (0..).zip(plan.lights.iter().zip(&casters));
         let with_bits = with_bits.map(|(bit, (planned, casters)): (u32, _)| VolumeLight {
             light: light_of(planned),
             bits: 1 << (bit % MASK_LIGHTS),
             layer: bit / MASK_LIGHTS,
-            casters,
+            casters: match is_culled {
+                true => VolumeCasters::Culled(groups.get(bit as usize).map_or(&[], Vec::as_slice)),
+                false => VolumeCasters::All(casters),
+            },
         });
         let draws = pass.prepare(frame, &with_bits.collect::<Vec<_>>())?;
         let place_of = |planned: &PlannedVolumes| places.get(planned.light).copied();
@@ -175,9 +245,10 @@ impl VolumeShadows {
         &mut self,
         commands: &Commands,
         geometry: &Geometry,
-        pass: &mut VolumePass,
+        (pass, tests): (&mut VolumePass, Option<&BoxVolumePass>),
         (view, target): (&View, &mut Target),
     ) {
+        let culling = self.culling.as_ref().filter(|_| self.is_culled);
         let (Some(Prepared { draws, lights, mask_bytes }), Some(meshes)) =
             (&self.prepared, &geometry.volumes)
         else {
@@ -189,8 +260,31 @@ impl VolumeShadows {
             instances: geometry.instances.whole(),
             mask: self.mask.whole().part(0, *mask_bytes),
         };
-        pass.record(commands, &io, (view, target), draws);
+        if let (Some(culling), Some(tests)) = (culling, tests) {
+            target.prepare(commands);
+            let depth = target.render_target(None).within(view.origin, view.size).depth_only();
+            culling.record_tests(commands, tests, (depth, view));
+        }
+        let draw_group = |commands: &Commands, number: usize| {
+            let Some(culling) = culling else { return };
+            let groups = culling.groups();
+            let place = groups.binary_search_by_key(&number, |group| group.number);
+            if let Some(group) = place.ok().and_then(|place| groups.get(place)) {
+                culling.draw(commands, group);
+            }
+        };
+        pass.record(commands, &io, (view, target), (draws, &draw_group));
+        if let Some(culling) = culling {
+            culling.read_back(commands);
+        }
         self.masked = Some(*lights);
+    }
+
+    /// Notes that the frame of the last plan was submitted.
+    pub(super) fn submitted(&mut self, tick: Tick) {
+        if let Some(culling) = &mut self.culling {
+            culling.submitted(tick);
+        }
     }
 
     /// Notes that what is drawn next is not of the view that the mask is of.
@@ -228,13 +322,49 @@ impl Casting<'_> {
         light: Vec4,
     ) -> Option<VolumeCaster> {
         let object = *self.hierarchy.leaf_objects().get(leaf.0 as usize)?;
-        let (draw, volumes) = self.geometry.volume_draw(object)?;
+        let (_, volumes) = self.geometry.volume_draw(object)?;
         let transform = self.geometry.transform(object)?;
         let bounds = self.hierarchy.bounds(self.hierarchy.node_of(object)?);
-        let draw = IndirectDraw { first_instance: leaf.0, instance_count: 1, ..volumes.draw(draw) };
+        let draw = self.draw(leaf)?;
         let kind = volumes.enclosure.kind_under(&transform.matrix3).towards(&bounds, light);
         Some(VolumeCaster { draw, kind, counting })
     }
+
+    /// Returns the draw of a caster's triangles with adjacency.
+    fn draw(&self, leaf: LeafIndex) -> Option<IndirectDraw> {
+        let object = *self.hierarchy.leaf_objects().get(leaf.0 as usize)?;
+        let (draw, volumes) = self.geometry.volume_draw(object)?;
+        Some(IndirectDraw { first_instance: leaf.0, instance_count: 1, ..volumes.draw(draw) })
+    }
+}
+
+/// Plans the casters of a light, which is the one of this number in the frame, in groups that are
+/// drawn alike. Returns the groups that there are.
+fn plan_casters(
+    culling: &mut CasterCulling,
+    scene: &CastersInView<'_>,
+    light: &ShadowLight,
+    (number, casters): (usize, &[VolumeCaster]),
+) -> Vec<(VolumeGroup, usize)> {
+    // Volumes have sharp edges: no filter looks around.
+    let reach = LightReach {
+        light: light.shape.homogeneous(),
+        reach_m: light.shape.reach().map_or(f32::INFINITY, |(_, reach_m)| reach_m),
+        spread_m: 0.0,
+        lead_m: 0.0,
+    };
+    let everywhere = [Frustum::EVERYTHING];
+    let volumes = BoxShadowVolumes::new(scene.view, reach, scene.receivers, &everywhere);
+    let leaves = VOLUME_GROUPS.map(|group| {
+        let alike = casters.iter().filter(|it| (it.counting, it.kind) == group);
+        alike.map(|caster| LeafIndex(caster.draw.first_instance)).collect::<Vec<_>>()
+    });
+    let numbered = VOLUME_GROUPS.into_iter().zip(&leaves).zip(number * VOLUME_GROUPS.len()..);
+    let there = numbered.filter(|((_, casters), _)| !casters.is_empty());
+    let groups: Vec<_> =
+        there.clone().map(|((_, casters), number)| CasterGroup { number, casters }).collect();
+    culling.plan(light.id, (scene, &volumes), &groups);
+    there.map(|((group, _), number)| (group, number)).collect()
 }
 
 /// Adds the casters of a light to the counts of a frame.

@@ -45,7 +45,8 @@ impl Session {
             (ShadowMethod::Maps, ShadowCaching::Cached, _) => ShadowWay::Maps,
             (ShadowMethod::Maps, _, CasterCulling::Culled) => ShadowWay::MapsUncached,
             (ShadowMethod::Maps, _, CasterCulling::Unculled) => ShadowWay::MapsUnculled,
-            (ShadowMethod::Volumes, ..) => ShadowWay::Volumes,
+            (ShadowMethod::Volumes, _, CasterCulling::Culled) => ShadowWay::Volumes,
+            (ShadowMethod::Volumes, _, CasterCulling::Unculled) => ShadowWay::VolumesUnculled,
         };
         ShadowChoice { way, filter: options.filter }
     }
@@ -83,7 +84,7 @@ impl Session {
                 fact("shadows", text(choice)),
                 fact("lights with shadows", stats.lights.to_string()),
                 match choice.way {
-                    ShadowWay::Volumes => {
+                    ShadowWay::Volumes | ShadowWay::VolumesUnculled => {
                         fact("volumes by z-fail", stats.z_fail_volumes.to_string())
                     }
                     _ => {
@@ -123,8 +124,10 @@ mod tests {
 
     #[test]
     fn keys_go_through_all_choices() {
-        let ways = [0, 1, 2, 3, 4].map(|step| next(&ShadowWay::ALL, ShadowWay::ALL[step]).name());
-        assert_eq!(ways, ["maps", "maps_uncached", "maps_unculled", "volumes", "off"]);
+        let ways =
+            [0, 1, 2, 3, 4, 5].map(|step| next(&ShadowWay::ALL, ShadowWay::ALL[step]).name());
+        let after_maps = ["maps_uncached", "maps_unculled", "volumes", "volumes_unculled"];
+        assert_eq!((ways[0], &ways[1..5], ways[5]), ("maps", &after_maps[..], "off"));
         let mut filter = ShadowFilter::Single;
         for _ in ShadowFilter::ALL {
             filter = next(&ShadowFilter::ALL, filter);

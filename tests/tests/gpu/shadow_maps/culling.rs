@@ -45,7 +45,8 @@ fn lights(frame: u32) -> Vec<PunctualLight> {
     ]
 }
 
-fn scene() -> Scene {
+/// Returns the town.
+pub fn scene() -> Scene {
     yard::scene(&boxes(), &lights(0))
 }
 
@@ -62,23 +63,27 @@ fn camera(frame: u32) -> Camera {
     }
 }
 
-struct Side(Renderer, ViewState);
+/// A renderer and its view of the town.
+pub struct Side(Renderer, ViewState);
 
 impl Side {
-    fn new(device: &gpu::Device, scene: &Scene, options: ShadowOptions) -> Self {
+    /// Creates a renderer of the town with these shadows.
+    pub fn new(device: &gpu::Device, scene: &Scene, options: ShadowOptions) -> Self {
         let renderer = renderer(device, scene, options);
         let view = renderer.new_view().unwrap();
         Self(renderer, view)
     }
 
-    fn draw(&mut self, frame: u32, strategy: Strategy) -> Vec<u8> {
+    /// Draws a frame of the walk.
+    pub fn draw(&mut self, frame: u32, strategy: Strategy) -> Vec<u8> {
         for (number, light) in (0..).zip(lights(frame.min(70))) {
             self.0.set_light(LightId(number), light).unwrap();
         }
         image(&mut self.0, &mut self.1, strategy, camera(frame))
     }
 
-    fn stats(&self) -> ShadowStats {
+    /// Returns the counts of the newest frame.
+    pub fn stats(&self) -> ShadowStats {
         self.0.shadow_stats()
     }
 }

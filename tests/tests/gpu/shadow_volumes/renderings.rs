@@ -5,7 +5,8 @@ use glam::Vec4;
 use gpu::{Access, Attachments, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, Target, vk};
 use occlusion::ShaderSet;
 use render::passes::{
-    OpaqueIo, OpaquePass, VolumeCaster, VolumeIo, VolumeLight, VolumePass, VolumePath,
+    OpaqueIo, OpaquePass, VolumeCaster, VolumeCasters, VolumeIo, VolumeLight, VolumePass,
+    VolumePath,
 };
 use scene::Light;
 use shadows::{NearSpan, VolumeCounting};
@@ -97,6 +98,7 @@ impl Renderings {
         let lights: Vec<_> = lights
             .map(|(number, (light, casters))| {
                 let (bits, layer) = (1 << number, number as u32 % LAYERS);
+                let casters = VolumeCasters::All(casters);
                 VolumeLight { light: *light, bits, layer, casters }
             })
             .collect();
@@ -119,7 +121,7 @@ impl Renderings {
             instances: self.instances.whole(),
             mask: self.mask.whole(),
         };
-        self.volumes.record(commands, &io, (&view, &mut self.target), &draws);
+        self.volumes.record(commands, &io, (&view, &mut self.target), (&draws, &|_, _| {}));
         commands.copy_buffer(self.mask.whole(), self.readback.whole());
         let to_host = MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
         commands.barrier(to_host);

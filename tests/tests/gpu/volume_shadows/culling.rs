@@ -1,0 +1,64 @@
+//! Culling of shadow volumes: images equal those with the volumes of all casters, bit for bit, while
+//! eye and lights move through a town, and most volumes are left out.
+
+use cull::Strategy;
+use shadows::{CasterCulling, ShadowMethod, ShadowOptions};
+use tests::walk::pixels_that_differ;
+use tests::{Driver, run, run_on_all};
+
+use crate::shadow_maps::culling::{Side, scene};
+
+fn options(culling: CasterCulling) -> ShadowOptions {
+    ShadowOptions { method: ShadowMethod::Volumes, culling, ..ShadowOptions::default() }
+}
+
+/// Draws frames of the town with all volumes and with those that matter. Returns the triangles of
+/// casters in both, and the tests.
+fn compare(device: &gpu::Device, frames: u32) -> ([u64; 2], u32) {
+    let scene = scene();
+    let mut sides = [CasterCulling::Unculled, CasterCulling::Culled]
+        .map(|culling| Side::new(device, &scene, options(culling)));
+    let (mut triangles, mut tests) = ([0; 2], 0);
+    for frame in 0..frames {
+        let [expected, found] = sides.each_mut().map(|side| side.draw(frame, Strategy::ANTUMBRA));
+        assert_eq!(pixels_that_differ(&expected, &found), 0, "pixels of frame {frame}");
+        let [all, culled] = sides.each_ref().map(Side::stats);
+        assert_eq!((all.casters, all.tests), (culled.casters, 0));
+        triangles[0] += all.triangles;
+        triangles[1] += culled.triangles + culled.revealed_triangles;
+        tests += culled.tests;
+    }
+    (triangles, tests)
+}
+
+#[test]
+fn lavapipe_images_are_those_with_all_volumes() {
+    run(Driver::Lavapipe, |device| {
+        let ([all, culled], tests) = compare(device, 90);
+        println!("{culled} triangles of {all}, {tests} tests");
+        assert!(culled * 2 < all && tests > 0, "{culled} triangles of {all}, {tests} tests");
+    });
+}
+
+#[test]
+fn swiftshader_images_are_those_with_all_volumes() {
+    run(Driver::SwiftShader, |device| {
+        compare(device, 8);
+    });
+}
+
+#[test]
+fn every_strategy_counts_the_same_volumes() {
+    run_on_all(|device| {
+        let scene = scene();
+        let mut all = Side::new(device, &scene, options(CasterCulling::Unculled));
+        let expected: Vec<_> = (0..3).map(|it| all.draw(it, Strategy::FRUSTUM)).collect();
+        for strategy in [Strategy::FRUSTUM, Strategy::ANTUMBRA_QUERIES, methods::COHERENT] {
+            let mut side = Side::new(device, &scene, options(CasterCulling::Culled));
+            for (frame, expected) in (0..).zip(&expected) {
+                let found = side.draw(frame, strategy);
+                assert_eq!(pixels_that_differ(expected, &found), 0, "{strategy}, frame {frame}");
+            }
+        }
+    });
+}
