@@ -198,9 +198,7 @@ impl SurfacePass {
         let mut constants = surfaces.features(is_transparent).constants(is_transparent).to_vec();
         constants.push((PICTURE_PAGES, surfaces.features(is_transparent).pictures));
         constants.push((ENVIRONMENT, u32::from(surfaces.environment.is_there())));
-        if let (Inputs::Maps, Some(SurfaceShadows::Maps(filter))) = (inputs, shadows) {
-            constants.push((SHADOW_FILTER, filter_number(filter)));
-        }
+        constants.extend(shadows.filter(|_| inputs == Inputs::Maps).and_then(filter_constant));
         let stage = |name: &str, end: &str| {
             shaders.find(&format!("{name}.{end}")).map(|shader| shader.specialised(&constants))
         };
@@ -309,6 +307,14 @@ impl SurfacePass {
                 },
             },
         );
+    }
+}
+
+/// Returns the specialisation constant of the filter of maps.
+fn filter_constant(shadows: SurfaceShadows) -> Option<(u32, u32)> {
+    match shadows {
+        SurfaceShadows::Maps(filter) => Some((SHADOW_FILTER, filter_number(filter))),
+        SurfaceShadows::Volumes => None,
     }
 }
 
