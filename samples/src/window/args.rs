@@ -180,7 +180,7 @@ mod tests {
             (["--size", "1x0"], "1280x720"),
             (["--hour", "25"], "'25' is no hour of the day"),
             (["--hour", "NaN"], "'NaN' is no hour of the day"),
-            (["--shadows", "maps_unculled"], "'maps_unculled' yet"),
+            (["--shadows", "volume"], "did you mean 'volumes'?"),
             (["--filter", "soft"], "unknown filter 'soft'"),
         ] {
             let refused = parse(&line).unwrap_err();

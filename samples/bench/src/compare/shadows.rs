@@ -1,12 +1,21 @@
-//! Tables about lights and shadows: filters, the cache of maps, the culling of casters, and the
-//! number of lights.
+//! Tables about lights and shadows: filters, the cache of maps, the culling of casters, maps beside
+//! volumes, and the number of lights.
 
 use super::input::{Measured, MeasuredRun};
 use crate::statistics::ratio;
 
-/// The labels of the passes that draw shadow maps.
-const MAPS_PASSES: [&str; 4] =
-    ["shadow maps", "test shadows", "resolve shadow tests", "culled shadow maps"];
+/// The labels of the passes that draw shadow maps, or count volumes.
+const SHADOW_PASSES: [&str; 5] = [
+    "shadow maps",
+    "test shadows",
+    "resolve shadow tests",
+    "culled shadow maps",
+    "count shadow volumes",
+];
+
+/// The ways that leave casters out, and those with all of them.
+const CULLED: [[&str; 2]; 2] =
+    [["maps_uncached", "maps_unculled"], ["volumes", "volumes_unculled"]];
 
 /// The filter that others are compared with.
 const FIXED: &str = "fixed64";
@@ -21,7 +30,7 @@ pub fn tables(reports: &[Measured]) -> Option<String> {
         "# Shadows\n\n{} ({}), {width}x{height}; times in milliseconds are medians.\n",
         device.name, device.driver
     );
-    let parts = [filters(&lit), cache(&lit), culling(&lit), lights(&lit)];
+    let parts = [filters(&lit), cache(&lit), culling(&lit), ways(&lit), lights(&lit)];
     Some(parts.into_iter().flatten().fold(head, |text, part| text + "\n" + &part))
 }
 
@@ -97,8 +106,8 @@ fn cache(reports: &[&Measured]) -> Option<String> {
                 format!("{} %", report.moving_percent),
                 both(|run| run.shadow_faces.map(|faces| faces as f64), 0),
                 both(|run| run.shadow_casters.map(|casters| casters as f64), 0),
-                both(maps_ms, 2),
-                number(ratio(maps_ms(afresh), maps_ms(run)), 1),
+                both(shadows_ms, 2),
+                number(ratio(shadows_ms(afresh), shadows_ms(run)), 1),
                 number(ratio(afresh.frame_ms.median, run.frame_ms.median), 2),
             ]);
         }
@@ -119,34 +128,77 @@ fn cache(reports: &[&Measured]) -> Option<String> {
 fn culling(reports: &[&Measured]) -> Option<String> {
     let mut rows = Vec::new();
     for report in reports {
-        let culled =
-            report.runs.iter().filter(|run| run.shadows.as_deref() == Some("maps_uncached"));
-        for run in culled {
+        for run in &report.runs {
+            let way = run.shadows.as_deref();
+            let pair = CULLED.iter().find(|[culled, _]| way == Some(culled));
+            let Some([_, whole]) = pair else { continue };
             let has_all = |other: &&MeasuredRun| {
-                other.shadows.as_deref() == Some("maps_unculled")
+                other.shadows.as_deref() == Some(whole)
                     && (&other.strategy, &other.filter) == (&run.strategy, &run.filter)
             };
             let Some(all) = report.runs.iter().find(has_all) else { continue };
             let triangles = |run: &MeasuredRun| run.shadow_triangles.map(|it| it as f64);
             rows.push(vec![
                 place(report),
+                run.shadows.clone().unwrap_or_default(),
                 format!("{} / {}", number(triangles(run), 0), number(triangles(all), 0)),
                 number(ratio(triangles(all), triangles(run)), 1),
-                format!("{} / {}", number(maps_ms(run), 2), number(maps_ms(all), 2)),
-                number(ratio(maps_ms(all), maps_ms(run)), 2),
+                format!("{} / {}", number(shadows_ms(run), 2), number(shadows_ms(all), 2)),
+                number(ratio(shadows_ms(all), shadows_ms(run)), 2),
                 number(ratio(all.frame_ms.median, run.frame_ms.median), 2),
             ]);
         }
     }
     let columns = [
         "scene",
+        "shadows",
         "triangles of casters, culled / all",
         "times as few",
-        "GPU ms of the maps",
+        "GPU ms of the shadows",
         "times as fast",
         "whole frame, times as fast",
     ];
-    table("Culled casters and all casters, in maps drawn afresh", &columns, rows)
+    table("Culled casters and all casters, nothing kept", &columns, rows)
+}
+
+/// Returns the runs with maps beside those with volumes, the smallest scenes first.
+fn ways(reports: &[&Measured]) -> Option<String> {
+    let mut sorted = reports.to_vec();
+    sorted.sort_by_key(|report| report.scene.objects);
+    let mut rows = Vec::new();
+    for report in sorted {
+        for volumes in report.runs.iter().filter(|run| run.shadows.as_deref() == Some("volumes")) {
+            let of_way = |way: &str| {
+                report.runs.iter().find(|other| {
+                    other.shadows.as_deref() == Some(way)
+                        && (&other.strategy, &other.filter) == (&volumes.strategy, &volumes.filter)
+                })
+            };
+            let time = |way| of_way(way).and_then(|run| run.frame_ms.median);
+            // Without shadows all filters are one.
+            let without = report.runs.iter().find(|run| {
+                run.shadows.as_deref() == Some("off") && run.strategy == volumes.strategy
+            });
+            let maps = time("maps").or(time("maps_uncached"));
+            rows.push(vec![
+                place(report),
+                number(without.and_then(|run| run.frame_ms.median), 2),
+                number(time("maps"), 2),
+                number(time("maps_uncached"), 2),
+                number(volumes.frame_ms.median, 2),
+                number(ratio(volumes.frame_ms.median, maps), 2),
+            ]);
+        }
+    }
+    let columns = [
+        "scene",
+        "frame ms without shadows",
+        "cached maps",
+        "maps drawn afresh",
+        "volumes",
+        "volumes take so many times as long as maps",
+    ];
+    table("Maps and volumes", &columns, rows)
 }
 
 /// Returns the runs with street lamps by their number.
@@ -159,7 +211,7 @@ fn lights(reports: &[&Measured]) -> Option<String> {
     let mut rows = Vec::new();
     for (lamps, report) in numbered {
         // Those of the other tables have no pass times, or other filters.
-        let is_timed = |run: &&MeasuredRun| has_maps(run) && maps_ms(run).is_some();
+        let is_timed = |run: &&MeasuredRun| has_maps(run) && shadows_ms(run).is_some();
         for run in report.runs.iter().filter(is_timed) {
             rows.push(vec![
                 lamps.to_string(),
@@ -168,7 +220,7 @@ fn lights(reports: &[&Measured]) -> Option<String> {
                 run.filter.clone().unwrap_or_default(),
                 number(run.frame_ms.median, 2),
                 number(run.cpu_ms.median, 2),
-                number(maps_ms(run), 2),
+                number(shadows_ms(run), 2),
                 number(run.shadow_faces.map(|faces| faces as f64), 0),
             ]);
         }
@@ -190,10 +242,10 @@ fn has_maps(run: &MeasuredRun) -> bool {
     run.shadows.as_deref().is_some_and(|shadows| shadows.starts_with("maps"))
 }
 
-/// Returns the GPU time of drawing shadow maps per frame, tests of casters included, if passes were
-/// timed.
-fn maps_ms(run: &MeasuredRun) -> Option<f64> {
-    let times = MAPS_PASSES.iter().filter_map(|pass| run.passes_ms.get(*pass)?.median);
+/// Returns the GPU time of drawing shadow maps or volumes per frame, tests of casters included, if
+/// passes were timed.
+fn shadows_ms(run: &MeasuredRun) -> Option<f64> {
+    let times = SHADOW_PASSES.iter().filter_map(|pass| run.passes_ms.get(*pass)?.median);
     times.reduce(|sum, time| sum + time)
 }
 
@@ -225,7 +277,7 @@ mod tests {
             "strategy": "antumbra", "shadows": shadows, "filter": filter,
             "frame_ms": summary(frame_ms), "cpu_ms": summary(1.0),
             "shadow_faces": 4, "shadow_casters": 200,
-            "shadow_triangles": if shadows == "maps_unculled" { 9000 } else { 1500 },
+            "shadow_triangles": if shadows.ends_with("unculled") { 9000 } else { 1500 },
             "fixed64_difference_mean": 0.25, "fixed64_difference_max": 9,
             "passes_ms": {"shadow maps": summary(maps_ms)},
         })
@@ -258,6 +310,8 @@ mod tests {
                     run("maps", "pcf3", 4.0, 0.5),
                     run("maps_uncached", "pcf3", 8.0, 4.0),
                     run("maps_unculled", "pcf3", 12.0, 6.0),
+                    run("volumes", "pcf3", 6.0, 3.0),
+                    run("volumes_unculled", "pcf3", 18.0, 15.0),
                 ],
             ),
         ];
@@ -266,7 +320,9 @@ mod tests {
             "gpu (driver 1), 640x360",
             "| city of 100, street, 8 lamps | adaptive | 5.00 | 3.00 | 4.00 | 3.50 | 0.250 | 9 |",
             "| city of 100, street, sun | 1 % | 4 / 4 | 200 / 200 | 0.50 / 4.00 | 8.0 | 2.00 |",
-            "| city of 100, street, sun | 1500 / 9000 | 6.0 | 4.00 / 6.00 | 1.50 | 1.50 |",
+            "| city of 100, street, sun | maps_uncached | 1500 / 9000 | 6.0 | 4.00 / 6.00 | 1.50 | 1.50 |",
+            "| city of 100, street, sun | volumes | 1500 / 9000 | 6.0 | 3.00 / 15.00 | 5.00 | 3.00 |",
+            "| city of 100, street, sun | - | 4.00 | 8.00 | 6.00 | 1.50 |",
         ] {
             assert!(text.contains(expected), "{expected}\n{text}");
         }

@@ -1,5 +1,5 @@
-//! Culling of shadow volumes: images equal those with the volumes of all casters, bit for bit, while
-//! eye and lights move through a town, and most volumes are left out.
+//! Culling of shadow volumes: images equal those with the volumes of all casters, bit for bit,
+//! while eye and lights move through a town, and most volumes are left out.
 
 use cull::Strategy;
 use shadows::{CasterCulling, ShadowMethod, ShadowOptions};
