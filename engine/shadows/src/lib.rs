@@ -65,6 +65,6 @@ pub use plan::{FaceWork, PlannedFace, PlannedLight, ShadowPlan, ShadowStats};
 pub use reach::light_reach;
 pub use tiles::{Tile, TilePool};
 pub use volumes::{
-    Caps, Enclosure, Extrusion, MASK_LIGHTS, NearSpan, PlannedVolumes, VolumeCounting, VolumeError,
-    VolumeKind, VolumeMesh, VolumePlan, VolumeRange, VolumeSource, VolumeTriangle,
+    Caps, Enclosure, Extrusion, LitArea, MASK_LIGHTS, NearSpan, PlannedVolumes, VolumeCounting,
+    VolumeError, VolumeKind, VolumeMesh, VolumePlan, VolumeRange, VolumeSource, VolumeTriangle,
 };

@@ -18,7 +18,7 @@ use gpu::{
     StencilTarget, StorageLayout, Target, VertexLayout, vk,
 };
 use occlusion::{Error, ShaderSet};
-use shadows::{VolumeCounting, VolumeKind};
+use shadows::{LitArea, VolumeCounting, VolumeKind};
 
 use super::opaque::POSITIONS;
 use super::volume_constants::{VolumeConstants, VolumeGroup};
@@ -64,6 +64,8 @@ pub struct VolumeLight<'a> {
     pub bits: u32,
     /// The layer of the mask.
     pub layer: u32,
+    /// The part of the view that it reaches. Nothing is in shadow elsewhere.
+    pub area: LitArea,
     /// The objects.
     pub casters: VolumeCasters<'a>,
 }
@@ -101,6 +103,7 @@ pub struct VolumeDraws {
 /// The draws of one light.
 struct LightDraws {
     light: Vec4,
+    area: LitArea,
     mask: MaskBits,
     work: Vec<(VolumeGroup, Work)>,
 }
@@ -237,7 +240,7 @@ impl VolumePass {
                     work.push((group, Work::Batch(Batch::upload(frame, &jobs)?)));
                 }
             }
-            prepared.push(LightDraws { light: light.light, mask, work });
+            prepared.push(LightDraws { light: light.light, area: light.area, mask, work });
         }
         Ok(VolumeDraws { lights: prepared })
     }
@@ -296,7 +299,7 @@ impl VolumePass {
     ) {
         commands.rendering(self.target.render_target(view.size), |commands| {
             for light in lights {
-                commands.clear_stencil([0, 0], view.size);
+                begin_light(commands, light);
                 for (group, work) in &light.work {
                     let pipeline = self.pipeline(group.0);
                     commands.bind(pipeline, &[io.instances]);
@@ -326,19 +329,23 @@ impl VolumePass {
     ) {
         let target = self.target.render_target(view.size);
         self.target.prepare(commands);
-        commands.rendering(target, |commands| commands.clear_stencil([0, 0], view.size));
+        commands.rendering(target, |commands| begin_light(commands, light));
         for (group, work) in &light.work {
             let Work::Batch(batch) = work else { continue };
             let constants = VolumeConstants::new(view, light.light, *group);
             extruder.extrude(commands, io, batch, &constants);
             self.target.prepare(commands);
             commands.rendering(target, |commands| {
+                commands.clip(light.area.origin, light.area.size);
                 commands.bind(self.pipeline(group.0), &[]);
                 extruder.draw(commands, self.all.whole());
             });
         }
         self.target.prepare(commands);
-        commands.rendering(target, |commands| self.draw_mask(commands, io, view, light.mask));
+        commands.rendering(target, |commands| {
+            commands.clip(light.area.origin, light.area.size);
+            self.draw_mask(commands, io, view, light.mask);
+        });
     }
 
     fn draw_mask(&self, commands: &Commands, io: &VolumeIo, view: &View, mask: MaskBits) {
@@ -365,6 +372,13 @@ fn images(device: &Device, size: [u32; 2]) -> Result<(StencilTarget, Buffer), Er
     let usage = vk::BufferUsageFlags::TRANSFER_DST | vk::BufferUsageFlags::TRANSFER_SRC;
     let depths = Buffer::new(device, "depths", size_bytes, usage, MemoryKind::Device)?;
     Ok((target, depths))
+}
+
+/// Clips to what a light reaches, and counts from 0 there.
+fn begin_light(commands: &Commands, light: &LightDraws) {
+    let LitArea { origin, size } = light.area;
+    commands.clear_stencil(origin, size);
+    commands.clip(origin, size);
 }
 
 fn is_in(caster: &VolumeCaster, group: VolumeGroup) -> bool {

@@ -226,6 +226,7 @@ impl VolumeShadows {
             light: light_of(planned),
             bits: 1 << (bit % MASK_LIGHTS),
             layer: bit / MASK_LIGHTS,
+            area: planned.area,
             casters: match is_culled {
                 true => VolumeCasters::Culled(groups.get(bit as usize).map_or(&[], Vec::as_slice)),
                 false => VolumeCasters::All(casters),

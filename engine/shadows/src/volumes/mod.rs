@@ -6,11 +6,13 @@
 mod adjacency;
 mod counting;
 mod extrude;
+mod lit_area;
 mod mesh;
 mod volume_plan;
 mod weld;
 
 pub use counting::{Caps, NearSpan, VolumeCounting};
 pub use extrude::{Extrusion, VolumeTriangle};
+pub use lit_area::LitArea;
 pub use mesh::{Enclosure, VolumeError, VolumeKind, VolumeMesh, VolumeSource};
 pub use volume_plan::{MASK_LIGHTS, PlannedVolumes, VolumePlan, VolumeRange};

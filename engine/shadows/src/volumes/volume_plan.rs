@@ -7,6 +7,7 @@ use cull::{Aabb, Containment, Hierarchy, LeafIndex, LeafRange, PlaneMask, View};
 use glam::{Vec3, Vec4};
 
 use super::counting::{NearSpan, VolumeCounting};
+use super::lit_area::LitArea;
 use crate::light::{LightShape, ShadowLight};
 
 /// The lights of one layer of the mask: the bits of its values.
@@ -26,6 +27,8 @@ pub struct VolumeRange {
 pub struct PlannedVolumes {
     /// The place of the light among those that were given.
     pub light: usize,
+    /// The part of the view that it reaches: nothing else needs to be counted.
+    pub area: LitArea,
     /// Its casters among [`VolumePlan::ranges`], ascending and apart.
     pub ranges: Range<usize>,
 }
@@ -68,7 +71,8 @@ impl VolumePlan {
             casters.list(hierarchy, &mut self.ranges);
             if self.ranges.len() > first {
                 let ranges = first..self.ranges.len();
-                self.lights.push(PlannedVolumes { light: number, ranges });
+                let area = LitArea::of(view, &light.shape);
+                self.lights.push(PlannedVolumes { light: number, area, ranges });
             }
         }
     }

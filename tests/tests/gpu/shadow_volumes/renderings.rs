@@ -9,7 +9,7 @@ use render::passes::{
     VolumePath,
 };
 use scene::Light;
-use shadows::{NearSpan, VolumeCounting};
+use shadows::{LitArea, NearSpan, VolumeCounting};
 
 use super::world::World;
 
@@ -99,7 +99,8 @@ impl Renderings {
             .map(|(number, (light, casters))| {
                 let (bits, layer) = (1 << number, number as u32 % LAYERS);
                 let casters = VolumeCasters::All(casters);
-                VolumeLight { light: *light, bits, layer, casters }
+                let area = LitArea::whole(&view);
+                VolumeLight { light: *light, bits, layer, area, casters }
             })
             .collect();
         let mut frame = self.ring.begin().unwrap();
