@@ -28,12 +28,18 @@ struct Constants {
 impl DepthBoxes {
     /// Compiles the pipeline.
     pub fn new(device: &Device) -> Self {
+        Self::of(device, Attachments::default())
+    }
+
+    /// Compiles the pipeline for renderings to `attachments`.
+    pub fn of(device: &Device, attachments: Attachments) -> Self {
         let shader = shaders::find("proxy.vert");
         let spirv =
             Spirv::from_bytes("proxy.vert", shader.expect("the shader").spirv).expect("SPIR-V");
         let info = GraphicsPipelineInfo {
             storage: StorageLayout::new::<Constants>(1),
             depth: DepthMode::TestAndWrite,
+            attachments,
             ..GraphicsPipelineInfo::of("depth boxes", &spirv)
         };
         Self { pipeline: GraphicsPipeline::new(device, &info).expect("a pipeline") }

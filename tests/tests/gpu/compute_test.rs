@@ -4,10 +4,11 @@
 use cull::{Aabb, Camera, Projection, ProjectionKind, Rays, View};
 use glam::{Vec2, Vec3};
 use gpu::{
-    Access, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, QueryIndex, QueryRing, Target, vk,
+    Access, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, QueryIndex, QueryRing,
+    SampleCount, Target, vk,
 };
-use occlusion::{ComputeTest, ComputeTestIo, ProxyBox, ProxyIo, Rect, ShaderSet};
-use tests::shapes::{DepthBoxes, box_at, proxy_pass};
+use occlusion::{ComputeTest, ComputeTestIo, ProxyBox, ProxyIo, ProxyPass, Rect, ShaderSet};
+use tests::shapes::{DepthBoxes, box_at};
 use tests::{Driver, run};
 
 /// A seeded source of numbers from 0 to 1 (splitmix64).
@@ -117,9 +118,16 @@ impl World {
 /// Returns the results of both testers for each box of each world: samples of the query, result of
 /// the compute tester.
 fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)> {
-    let (occluder_pass, proxies) = (DepthBoxes::new(device), proxy_pass(device));
-    let tester = ComputeTest::new(device, &ShaderSet::embedded().unwrap(), size).unwrap();
-    let mut target = Target::new(device, size, "target").unwrap();
+    compare_in(device, Target::new(device, size, "target").unwrap(), worlds)
+}
+
+fn compare_in(device: &Device, mut target: Target, worlds: &[World]) -> Vec<(u32, u32)> {
+    let (size, attachments) = (target.size(), target.attachments());
+    let shaders = ShaderSet::embedded().unwrap();
+    let occluder_pass = DepthBoxes::of(device, attachments);
+    let proxies = ProxyPass::new(device, &shaders, attachments).unwrap();
+    let tester = ComputeTest::new(device, &shaders, size).unwrap();
+    let tester = tester.of_samples(attachments.samples);
     let mut ring = FrameRing::new(device, 2).unwrap();
     let mut queries = QueryRing::<usize>::new(device, 2, "proxies").unwrap();
     let storage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC;
@@ -237,4 +245,22 @@ fn odd_sizes_and_far_origins_lose_nothing() {
             assert!(hidden > 0);
         });
     }
+}
+
+/// Fails if tests looked at the middles of pixels alone.
+#[test]
+fn close_calls_lose_nothing_with_four_samples() {
+    run(Driver::Lavapipe, |device| {
+        let size = [320, 180];
+        let bits = device.adapter().limits.sub_pixel_precision_bits;
+        let world = |seed: u64| World::close_calls(&mut Numbers(1000 + seed), size, bits);
+        let worlds: Vec<World> = (0..120).map(world).collect();
+        let target = Target::multisampled(device, size, SampleCount::Four, "samples").unwrap();
+        let said = compare_in(device, target, &worlds);
+        let (hidden, shown) = judge(&said, "four samples");
+        println!("{} boxes, {hidden} hidden, {shown} of them shown", said.len());
+        let few = said.iter().filter(|(samples, _)| (1..=8).contains(samples)).count();
+        assert!(few > said.len() / 40, "{few} boxes show by a few samples");
+        assert!(hidden > 0 && shown < hidden, "{shown} of {hidden} hidden boxes show");
+    });
 }

@@ -1,6 +1,8 @@
 //! Several samples per pixel: exact with any culling, smooth at edges, the same inside of surfaces,
 //! and refused where a device or a number does not allow them.
 
+mod depths;
+
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec2, Vec3, vec2, vec3};
 use gpu::{Device, DeviceOptions, Optional, Readback, SampleCount};

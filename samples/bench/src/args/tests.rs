@@ -134,6 +134,7 @@ fn of_an_option_said_twice_the_last_counts() {
         ("--size", "1x1", "2x2"),
         ("--strategy", "frustum", "antumbra,ideal"),
         ("--verify", "off", "3"),
+        ("--msaa", "1", "4"),
         ("--frames-in-flight", "1", "3"),
         ("--predicates", "auto", "count"),
         ("--threshold", "0", "4"),
@@ -165,6 +166,7 @@ fn numbers_outside_their_range_are_refused() {
         ("--threshold", ["-1", "4294967296", "few", "", "1.5", "2px"]),
         ("--frames", ["0", "1000001", "-1", "1.5", " 3", "4294967296"]),
         ("--frames-in-flight", ["0", "5", "-1", "two", "", "99999999999"]),
+        ("--msaa", ["0", "2", "8", "-4", "", "four"]),
         ("--seed", ["-1", "18446744073709551616", "abc", "", "0x10", "1.0"]),
     ] {
         for value in values {
