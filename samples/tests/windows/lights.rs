@@ -78,7 +78,7 @@ fn lights_that_cannot_be_are_refused() {
     let scratch = Scratch::new("bad-lights");
     for (program_file, arguments, sentence) in [
         (SHADOWS, ["--hour", "30"], "'30' is no hour of the day"),
-        (SHADOWS, ["--shadows", "volumes"], "'volumes' yet"),
+        (SHADOWS, ["--shadows", "stencil"], "unknown way to make shadows 'stencil'"),
         (crate::CITY, ["--hour", "NaN"], "'NaN' is no hour of the day"),
         (crate::CITY, ["--filter", "soft"], "unknown filter 'soft'"),
     ] {
