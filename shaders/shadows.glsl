@@ -49,6 +49,7 @@ struct Receiver {
     vec2 slope;    // change of the depth over the tile
     float bias;    // towards the light
     float radius;  // of the filter, in shares of the tile
+    float floor;   // what is deeper blocks nothing
 };
 
 // The normal of the triangle itself: shading normals are not those of the plane that a map holds.
@@ -76,7 +77,10 @@ Receiver receiver_of(ShadowFace face, vec4 clip, vec3 facet, float width, bool i
     float rounding = 2e-6 * (is_sun ? 1.0 : ndc.z);
     float bias = 1.25 * (abs(slope.x) + abs(slope.y)) * texel + 0.1 * unit * texel + rounding;
     float radius = 0.5 * width * face.depth.w / (is_sun ? 1.0 : clip.w);
-    return Receiver(ndc.xy * 0.5 + 0.5, ndc.z, slope, bias, radius);
+    // Nothing is farther than the background, which blocks nothing: receivers may lie beyond all
+    // casters. Of a lamp nothing blocks that is twice as far as the receiver, however steep it is.
+    float floor = is_sun ? 0.0 : 0.5 * ndc.z;
+    return Receiver(ndc.xy * 0.5 + 0.5, ndc.z, slope, bias, radius, floor);
 }
 
 // The place in the layer of a place in the tile, so that no texel of another tile is read.
@@ -85,10 +89,9 @@ vec3 in_layer(ShadowFace face, vec2 place) {
     return vec3(texel / vec2(textureSize(shadow_maps, 0).xy), face.tile.w);
 }
 
-// The depth from which on a blocker shadows the receiver. Nothing is farther than the background,
-// which blocks nothing: receivers may lie beyond all casters.
+// The depth from which on a blocker shadows the receiver.
 float nearest_blocked(Receiver at, vec2 away) {
-    return max(at.depth + dot(at.slope, away) + at.bias, 0.0);
+    return max(at.depth + dot(at.slope, away) + at.bias, at.floor);
 }
 
 float compared(ShadowFace face, Receiver at, vec2 away) {

@@ -386,7 +386,8 @@ impl FramePasses {
     ) -> Result<(), crate::Error> {
         self.geometry.relight(hierarchy, &mut executor.leaves);
         let opaque = hierarchy.root().map_or(Aabb::EMPTY, |root| hierarchy.bounds(root));
-        let transparent = self.transparent.as_ref().map_or(Aabb::EMPTY, Transparent::bounds);
+        let transparent = self.transparent.as_ref().filter(|_| self.shadows.culls_casters());
+        let transparent = transparent.map_or(Aabb::EMPTY, Transparent::bounds);
         let scene = (&self.geometry, hierarchy);
         self.shadows.plan(scene, opaque.union(&transparent), views, uses)?;
         self.geometry.upload_changes(frame, hierarchy, executor)?;

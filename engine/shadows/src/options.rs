@@ -81,16 +81,17 @@ pub enum ShadowCaching {
     Uncached,
 }
 
-/// The choice of casters for maps that are drawn in frame after frame.
+/// The choice of casters for maps that are drawn in frame after frame, and for volumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum CasterCulling {
     /// Only casters whose shadow can fall on something visible are drawn to maps that change in
     /// frame after frame (Bittner, Mattausch, Silvennoinen, Wimmer, "Shadow Caster Culling for
     /// Efficient Shadow Mapping", I3D 2011). Other maps hold all of their casters, as they are kept
-    /// for views to come. Needs frames of one view.
+    /// for views to come. Of volumes those of such casters are counted. Needs frames of one view
+    /// with one sample per pixel.
     #[default]
     Culled,
-    /// All casters in a map's view are drawn to it.
+    /// All casters in a map's view are drawn to it, or all volumes counted.
     Unculled,
 }
 

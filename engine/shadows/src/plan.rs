@@ -28,6 +28,18 @@ pub enum FaceWork {
     },
 }
 
+impl FaceWork {
+    /// Returns the casters that are drawn in any case, among [`ShadowPlan::casters`].
+    pub fn drawn_casters(&self) -> impl Iterator<Item = Range<usize>> {
+        let [first, second] = match self {
+            Self::Keep | Self::Cull(_) => [None, None],
+            Self::Draw(all) => [Some(all.clone()), None],
+            Self::Layered { resting, moving } => [resting.clone(), Some(moving.clone())],
+        };
+        first.into_iter().chain(second)
+    }
+}
+
 /// One map of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedFace {

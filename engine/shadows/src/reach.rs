@@ -16,8 +16,13 @@ const AROUND_TEXELS: f32 = 2.5;
 /// `shadows.glsl`.
 const BIAS_TEXELS: f32 = 1.25;
 
-/// Slopes of local lights are along the face's axis, which may be this much longer than the ray.
-const LOCAL_SLOPE: f32 = 2.0;
+/// The share of the distance to a local light by which a caster may be farther than the receiver;
+/// mirrors the floor of `receiver_of` of `shadows.glsl`, which lets nothing block that is twice as
+/// far.
+const LOCAL_LEAD: f32 = 0.5;
+
+/// The same for filters of a few texels, whose bias covers slopes.
+const LEAST_LOCAL_LEAD: f32 = 1.0 / 16.0;
 
 /// Returns the radius of the disk that a filter samples, in metres; 0 where that is a few texels.
 fn radius_m(filter: ShadowFilter, penumbra_m: f32) -> f32 {
@@ -47,11 +52,15 @@ pub fn light_reach<'a>(
         most_m = most_m.max(texel_m * far_m);
     }
     let radius_m = radius_m(filter, light.penumbra_m);
-    let slope = if reach.is_some() { SLOPE_MAX * LOCAL_SLOPE } else { SLOPE_MAX };
+    let lead = match (reach, radius_m > 0.0) {
+        (None, _) => SLOPE_MAX * (radius_m - BIAS_TEXELS * least_m).max(0.0) + most_m,
+        (Some(_), true) => LOCAL_LEAD,
+        (Some(_), false) => LEAST_LOCAL_LEAD,
+    };
     LightReach {
         light: light.shape.homogeneous(),
         reach_m: reach.map_or(f32::INFINITY, |(_, reach_m)| reach_m),
         spread_m: radius_m.max(most_m) + AROUND_TEXELS * most_m,
-        lead_m: slope * (radius_m - BIAS_TEXELS * least_m).max(0.0) + most_m,
+        lead,
     }
 }

@@ -7,6 +7,7 @@ mod cascades;
 pub mod casters;
 pub mod culling;
 mod raycast;
+mod reach;
 
 use cull::{Camera, Strategy};
 use gpu::{Device, Readback};

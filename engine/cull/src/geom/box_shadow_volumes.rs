@@ -17,9 +17,9 @@
 //! the reach of the filter, counts as well, and one that is deeper than the receiver by as much as
 //! the filter takes the receiver's plane to be. So the box is enlarged by the former
 //! ([`LightReach::spread_m`]), and its volume begins nearer to the light by the latter
-//! ([`LightReach::lead_m`]). What [`Margin`](crate::Margin) asks of proxies is added to the
-//! enlargement, for the farthest receiver: an enlarged box has a volume that is enlarged by as
-//! much at least everywhere.
+//! ([`LightReach::lead`]). What [`Margin`](crate::Margin) asks of proxies is added to the
+//! enlargement, for the farthest receiver. Drawn towards a local light a box shrinks, and so does
+//! its margin: it is larger by as much from the start.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -28,9 +28,8 @@ use crate::geom::frustum::{Containment, Frustum, PlaneMask};
 use crate::geom::margin::rounding;
 use crate::geom::view::View;
 
-/// The largest share of the distance to the light by which a box is drawn towards it, and the
-/// least share of the light's reach that a box must keep from it to have a volume of its own.
-const NEAREST_SHARES: [f32; 2] = [0.9, 1.0 / 64.0];
+/// The least share of the light's reach that a box must keep from it to have a volume of its own.
+const NEAREST_SHARE: f32 = 1.0 / 64.0;
 
 /// The least margin of a volume in metres, and its share of the size of what is around: against the
 /// rounding of vertices far away, which clipping carries to the eye.
@@ -46,8 +45,9 @@ pub struct LightReach {
     pub reach_m: f32,
     /// The distance by which filters reach aside of a receiver's ray to the light, in metres.
     pub spread_m: f32,
-    /// The distance by which a caster may be deeper than the receiver that it shadows, in metres.
-    pub lead_m: f32,
+    /// The distance by which a caster may be deeper than the receiver that it shadows: under a sun
+    /// in metres, else as a share of the caster's distance to the light, below 1.
+    pub lead: f32,
 }
 
 /// The lengths of the shadow volume of a box.
@@ -102,22 +102,19 @@ impl<'a> BoxShadowVolumes<'a> {
     /// Returns the lengths of the volume of a box that [`MultiView`](crate::MultiView) enlarged.
     #[must_use]
     pub fn length(&self, proxy: &Aabb) -> VolumeLength {
-        let LightReach { light, reach_m, lead_m, .. } = self.reach;
+        let LightReach { light, reach_m, lead, .. } = self.reach;
         let l = light.truncate();
         if light.w == 0.0 {
             let spread = l.abs();
             let highest = l.dot(proxy.centre()) + spread.dot(proxy.half_extent());
             let lowest = l.dot(self.receivers.centre()) - spread.dot(self.receivers.half_extent());
-            return VolumeLength { towards: lead_m, away: (highest - lowest).max(0.0) };
+            return VolumeLength { towards: lead, away: (highest - lowest).max(0.0) };
         }
         let distance_m = proxy.distance_squared(l).sqrt();
         if distance_m == 0.0 {
             return VolumeLength { towards: 0.0, away: 0.0 };
         }
-        VolumeLength {
-            towards: (lead_m / distance_m).min(NEAREST_SHARES[0]),
-            away: (reach_m / distance_m - 1.0).max(0.0),
-        }
+        VolumeLength { towards: lead, away: (reach_m / distance_m - 1.0).max(0.0) }
     }
 
     /// Returns the box around everything that a local light lights, to be tested as its own volume;
@@ -129,17 +126,25 @@ impl<'a> BoxShadowVolumes<'a> {
         is_local.then(|| self.proxy(&Aabb::new(position, position), view)).flatten()
     }
 
+    /// Returns the factor that makes up for the shrinking of what is drawn towards the light.
+    fn growth(&self) -> f32 {
+        match self.reach.light.w == 0.0 {
+            true => 1.0,
+            false => (1.0 - self.reach.lead).recip(),
+        }
+    }
+
     /// Returns the box whose volume holds all shadows from `bounds`: enlarged by the margin, or,
     /// where the light is in it or nearly so, the box around all that it lights, which is its own
     /// volume.
     fn enlarged(&self, bounds: &Aabb) -> Aabb {
-        let LightReach { light, reach_m, lead_m, .. } = self.reach;
-        let enlarged = bounds.enlarged(self.margin_m);
+        let LightReach { light, reach_m, .. } = self.reach;
+        let enlarged = bounds.enlarged(self.margin_m * self.growth());
         if light.w == 0.0 {
             return enlarged;
         }
         let position = light.truncate();
-        let least_m = (lead_m / NEAREST_SHARES[0]).max(reach_m * NEAREST_SHARES[1]);
+        let least_m = reach_m * NEAREST_SHARE;
         // Written so that a NaN takes the whole.
         if enlarged.distance_squared(position) > least_m * least_m {
             enlarged
@@ -187,7 +192,8 @@ impl<'a> BoxShadowVolumes<'a> {
             let share = |k: f32| 1.0 - (1.0 + k).recip();
             (light.truncate() - centre, [share(-towards), share(away)])
         };
-        let around = proxy.enlarged(radius_m + rounding(&proxy, view.rays.coordinate));
+        let around =
+            proxy.enlarged(radius_m * self.growth() + rounding(&proxy, view.rays.coordinate));
         // Written so that a NaN makes the shadows visible.
         is_missed(&around, centre, way, [first, last]).then_some(proxy)
     }
@@ -234,14 +240,14 @@ mod tests {
     }
 
     fn reaches(numbers: &mut Numbers) -> LightReach {
-        let lead_m = numbers.between(0.0, 2.0);
         let is_sun = numbers.between(0.0, 1.0) < 0.5;
         let (light, reach_m) = if is_sun {
             (numbers.point(1.0).normalize().extend(0.0), f32::INFINITY)
         } else {
             (numbers.point(20.0).extend(1.0), numbers.between(2.0, 60.0))
         };
-        LightReach { light, reach_m, spread_m: 0.1, lead_m }
+        let lead = numbers.between(0.0, if is_sun { 2.0 } else { 0.9 });
+        LightReach { light, reach_m, spread_m: 0.1, lead }
     }
 
     /// Returns true if a point is in the volume of an enlarged box: computed in 64 bits from its

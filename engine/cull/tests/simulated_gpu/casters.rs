@@ -100,8 +100,8 @@ fn light(random: &mut Random) -> LightReach {
         0 => (random.point(-1.0, 1.0).normalize().extend(0.0), f32::INFINITY),
         _ => (random.point(-12.0, 12.0).extend(1.0), random.between(3.0, 40.0)),
     };
-    let [spread_m, lead_m] = [random.between(0.0, 0.2), random.between(0.0, 1.0)];
-    LightReach { light, reach_m, spread_m, lead_m }
+    let [spread_m, lead] = [random.between(0.0, 0.2), random.between(0.0, 0.9)];
+    LightReach { light, reach_m, spread_m, lead }
 }
 
 /// The counts of the checked cases.

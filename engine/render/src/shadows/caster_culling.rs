@@ -51,6 +51,7 @@ pub(super) struct CasterCulling {
     reader: ResultReader<TestedCasters>,
     predicates: Predicates,
     capacity: u32,
+    frames_in_flight: usize,
     draws: CulledDraws,
     revealed_triangles: u64,
     io: Option<BoxVolumeIo>,
@@ -79,6 +80,7 @@ impl CasterCulling {
             reader: ResultReader::default(),
             predicates: Predicates::unlinked(device, None, capacity, frames_in_flight)?,
             capacity,
+            frames_in_flight,
             draws: CulledDraws::default(),
             revealed_triangles: 0,
             io: None,
@@ -90,6 +92,7 @@ impl CasterCulling {
         let source = ResultSource::Fragments;
         self.flags = FlagRing::new(&self.device, frames_in_flight, source, "shadow flags");
         self.predicates.set_frames_in_flight(frames_in_flight);
+        self.frames_in_flight = frames_in_flight;
     }
 
     /// Returns the groups to draw.
@@ -173,8 +176,11 @@ impl CasterCulling {
         }
         let count = leaves.len() as u32;
         if count > self.capacity {
-            self.capacity = count.next_power_of_two();
-            self.predicates.grow(self.capacity)?;
+            // For so many the device may have another way to skip draws.
+            let capacity = count.next_power_of_two();
+            self.predicates =
+                Predicates::unlinked(&self.device, None, capacity, self.frames_in_flight)?;
+            self.capacity = capacity;
         }
         let flags = self.flags.results();
         for source in ResultSource::ALL {

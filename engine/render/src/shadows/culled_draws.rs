@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use ::shadows::ShadowLightId;
 use cull::{
-    Aabb, BoxShadowVolumes, FrameId, FramePlan, Hierarchy, LeafIndex, NodeId, PendingTest,
-    QueryKind, QueryTag, Tester, View,
+    Aabb, BoxShadowVolumes, FrameId, FramePlan, Hierarchy, LeafIndex, NodeId, ObjectId,
+    PendingTest, QueryKind, QueryTag, Tester, View,
 };
 use glam::Vec4;
 use gpu::{DrawRange, PredicatedRange, Reveal};
@@ -20,6 +20,8 @@ pub(super) struct CastersInView<'a> {
     pub(super) geometry: &'a Geometry,
     /// The box around everything that can receive shadows.
     pub(super) receivers: Aabb,
+    /// The number of triangles of a caster, as it is drawn.
+    pub(super) triangles: fn(&Geometry, ObjectId, LeafIndex) -> u32,
     pub(super) view: &'a View,
 }
 
@@ -206,6 +208,6 @@ fn casters_among(casters: &[LeafIndex], range: cull::LeafRange) -> &[LeafIndex] 
 
 fn triangles_of(casters: &[LeafIndex], scene: &CastersInView<'_>) -> u64 {
     let object = |leaf: &LeafIndex| scene.hierarchy.leaf_objects().get(leaf.0 as usize);
-    let indices = |leaf| Some(scene.geometry.caster_draw(*object(leaf)?, *leaf).index_count);
-    casters.iter().filter_map(indices).map(|count| u64::from(count / 3)).sum()
+    let count = |leaf| Some((scene.triangles)(scene.geometry, *object(leaf)?, *leaf));
+    casters.iter().filter_map(count).map(u64::from).sum()
 }

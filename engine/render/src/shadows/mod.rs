@@ -11,7 +11,7 @@ mod volume_shadows;
 
 use std::collections::HashMap;
 
-use ::shadows::{ShadowMethod, ShadowOptions, ShadowStats};
+use ::shadows::{CasterCulling, ShadowMethod, ShadowOptions, ShadowStats};
 use cull::{Aabb, Hierarchy, LeafIndex, View};
 use gpu::{Commands, Device, Frame, Predicates, RenderTarget, SampleCount, Target, Tick};
 use scene::LightId;
@@ -88,11 +88,18 @@ impl Shadows {
         let Some(surfaces) = &geometry.surfaces else { return Ok(()) };
         let of_lights = (&surfaces.table, &self.own);
         let Some(view) = views.first() else { return Ok(()) };
-        let scene = CastersInView { hierarchy, geometry, receivers, view };
+        let triangles =
+            |geometry: &Geometry, object, leaf| geometry.caster_draw(object, leaf).index_count / 3;
+        let scene = CastersInView { hierarchy, geometry, receivers, view, triangles };
         if let Some(volumes) = &mut self.volumes {
             volumes.plan(of_lights, &scene, views, uses)?;
         }
         self.maps.as_mut().map_or(Ok(()), |maps| maps.plan(of_lights, &scene, views, uses))
+    }
+
+    /// Returns true if casters may be culled, for which receivers must be known.
+    pub(crate) fn culls_casters(&self) -> bool {
+        self.options.method != ShadowMethod::Off && self.options.culling == CasterCulling::Culled
     }
 
     /// Changes the number of frames in flight.

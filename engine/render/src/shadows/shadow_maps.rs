@@ -7,7 +7,7 @@ use ::shadows::{
     ShadowCache, ShadowFilter, ShadowLight, ShadowOptions, ShadowPlan, ShadowStats, ShadowViews,
     light_reach,
 };
-use cull::{BoxChange, BoxShadowVolumes, DepthConvention, Frustum, Hierarchy, LeafIndex, View};
+use cull::{BoxChange, BoxShadowVolumes, Frustum, Hierarchy, LeafIndex, View};
 use glam::Vec3;
 use gpu::{
     BufferSlice, Commands, DepthLayers, DepthTile, Device, Frame, Optional, Predicates,
@@ -169,9 +169,8 @@ impl ShadowMaps {
         eyes.extend(views.iter().map(|view| view.rays.origin));
         let casters = Casters { hierarchy, changes: are_known.then_some(&changes[..]) };
         let sub_pixel_bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        let can_cull_casters = self.culling.is_some()
-            && uses == MapUses::ShadedView
-            && matches!(views, [view] if view.depth == DepthConvention::Reversed);
+        let can_cull_casters =
+            self.culling.is_some() && uses == MapUses::ShadedView && views.len() == 1;
         let eyes = ShadowViews { eyes, sub_pixel_bits, can_cull_casters };
         self.views = views.len() as u32;
         self.cache.plan(&self.lights, &casters, &eyes, &mut self.plan);
@@ -247,17 +246,13 @@ impl ShadowMaps {
             let object = hierarchy.leaf_objects().get(leaf.0 as usize);
             object.map(|object| geometry.caster_draw(*object, *leaf)).unwrap_or_default()
         };
-        let mut triangles = 0;
-        let draw = |leaf: &LeafIndex| {
-            let draw = draw_of(leaf);
-            triangles += u64::from(draw.index_count / 3);
-            draw
-        };
         let ShadowStats { drawn_faces, culled_faces, .. } = self.plan.stats();
         // Those of culled maps are written by their tests' numbers.
         let casters = if drawn_faces == culled_faces { &[][..] } else { &self.plan.casters[..] };
-        let draws = uploads.push_iter(casters.iter().map(draw))?;
-        self.triangles = triangles;
+        let draws = uploads.push_iter(casters.iter().map(draw_of))?;
+        let drawn = self.plan.faces.iter().flat_map(|face| face.work.drawn_casters());
+        let drawn = drawn.filter_map(|range| self.plan.casters.get(range)).flatten();
+        self.triangles = drawn.map(|leaf| u64::from(draw_of(leaf).index_count / 3)).sum();
         if let Some(culling) = &mut self.culling {
             culling.upload(frame, draw_of)?;
         }

@@ -7,9 +7,7 @@ use ::shadows::{
     CasterCulling as CullingOption, MASK_LIGHTS, PlannedVolumes, ShadowLight, ShadowOptions,
     ShadowStats, VolumeCounting, VolumePlan,
 };
-use cull::{
-    Aabb, BoxShadowVolumes, DepthConvention, Frustum, Hierarchy, LeafIndex, LightReach, View,
-};
+use cull::{Aabb, BoxShadowVolumes, Frustum, Hierarchy, LeafIndex, LightReach, View};
 use glam::Vec4;
 use gpu::{
     Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryKind, Target, Tick, vk,
@@ -52,6 +50,8 @@ pub(super) struct VolumeShadows {
     /// The lights of the mask, while it is the one of the view that is drawn.
     masked: Option<BufferSlice>,
     stats: ShadowStats,
+    /// The most lights without shadows that the log was told of.
+    warned_lights: u32,
     values: Vec<u32>,
     /// The choice of casters, where options and device allow one.
     culling: Option<CasterCulling>,
@@ -98,6 +98,7 @@ impl VolumeShadows {
             prepared: None,
             masked: None,
             stats: ShadowStats::default(),
+            warned_lights: 0,
             values: Vec::new(),
             culling,
             is_culled: false,
@@ -138,9 +139,7 @@ impl VolumeShadows {
     ) -> Result<(), Error> {
         let hierarchy = scene.hierarchy;
         self.receivers = scene.receivers;
-        self.is_culled = self.culling.is_some()
-            && uses == MapUses::ShadedView
-            && matches!(views, [view] if view.depth == DepthConvention::Reversed);
+        self.is_culled = self.culling.is_some() && uses == MapUses::ShadedView && views.len() == 1;
         if let Some(culling) = &mut self.culling {
             culling.collect(self.device.completed()?, hierarchy);
             culling.begin();
@@ -163,7 +162,8 @@ impl VolumeShadows {
             }
         }
         let unshadowed = self.plans.iter().map(|plan| plan.unshadowed_lights).sum();
-        if unshadowed > self.stats.unshadowed_lights {
+        if unshadowed > self.warned_lights {
+            self.warned_lights = unshadowed;
             tracing::warn!("the shadow mask has no room for {unshadowed} lights of the views");
         }
         self.stats = ShadowStats { unshadowed_lights: unshadowed, ..ShadowStats::default() };
@@ -211,7 +211,11 @@ impl VolumeShadows {
         for casters in &casters {
             count(&mut self.stats, casters);
         }
-        let scene = CastersInView { hierarchy, geometry, receivers: *receivers, view };
+        let triangles = |geometry: &Geometry, object, _| {
+            let draw = geometry.volume_draw(object);
+            draw.map_or(0, |(draw, volumes)| volumes.draw(draw).index_count / 6)
+        };
+        let scene = CastersInView { hierarchy, geometry, receivers: *receivers, view, triangles };
         let mut groups = Vec::new();
         if let Some(culling) = &mut culling {
             for (number, (planned, casters)) in plan.lights.iter().zip(&casters).enumerate() {
@@ -352,7 +356,7 @@ fn plan_casters(
         light: light.shape.homogeneous(),
         reach_m: light.shape.reach().map_or(f32::INFINITY, |(_, reach_m)| reach_m),
         spread_m: 0.0,
-        lead_m: 0.0,
+        lead: 0.0,
     };
     let everywhere = [Frustum::EVERYTHING];
     let volumes = BoxShadowVolumes::new(scene.view, reach, scene.receivers, &everywhere);

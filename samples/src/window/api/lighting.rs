@@ -9,6 +9,9 @@ use bench::run_error::RunError;
 use bench::shadow_choice::{ShadowChoice, ShadowWay};
 use scenes::Hour;
 
+/// The ways that a key goes through; the others are for comparisons.
+const BY_KEY: [ShadowWay; 3] = [ShadowWay::Off, ShadowWay::Maps, ShadowWay::Volumes];
+
 /// The step of the hour.
 const STEP_MINUTES: i16 = 60;
 
@@ -56,7 +59,7 @@ impl Session {
     }
 
     pub(crate) fn choose_next_shadows(&mut self) {
-        self.choose_shadows(next(&ShadowWay::ALL, self.shadows().way));
+        self.choose_shadows(next(&BY_KEY, self.shadows().way));
     }
 
     pub(crate) fn choose_filter(&mut self, filter: ShadowFilter) {
@@ -124,10 +127,9 @@ mod tests {
 
     #[test]
     fn keys_go_through_all_choices() {
-        let ways =
-            [0, 1, 2, 3, 4, 5].map(|step| next(&ShadowWay::ALL, ShadowWay::ALL[step]).name());
-        let after_maps = ["maps_uncached", "maps_unculled", "volumes", "volumes_unculled"];
-        assert_eq!((ways[0], &ways[1..5], ways[5]), ("maps", &after_maps[..], "off"));
+        let ways = [0, 1, 2].map(|step| next(&BY_KEY, BY_KEY[step]).name());
+        assert_eq!(ways, ["maps", "volumes", "off"]);
+        assert_eq!(next(&BY_KEY, ShadowWay::MapsUnculled), ShadowWay::Off);
         let mut filter = ShadowFilter::Single;
         for _ in ShadowFilter::ALL {
             filter = next(&ShadowFilter::ALL, filter);

@@ -41,13 +41,6 @@ fn lavapipe_images_are_those_with_all_volumes() {
 }
 
 #[test]
-fn swiftshader_images_are_those_with_all_volumes() {
-    run(Driver::SwiftShader, |device| {
-        compare(device, 8);
-    });
-}
-
-#[test]
 fn every_strategy_counts_the_same_volumes() {
     run_on_all(|device| {
         let scene = scene();

@@ -48,7 +48,9 @@ impl LightEntry {
         if !is_bright(light) {
             return Self::default();
         }
-        let inverse_range = light.range_m.filter(|range| *range > 0.0).map_or(0.0, f32::recip);
+        // Without a range it ends where it is dark: shadows end there too. The sign says so.
+        let range_m = light.range_m.filter(|range| *range > 0.0);
+        let inverse_range = range_m.map_or(-reach_m(light).recip(), f32::recip);
         // The cone of KHR_lights_punctual: 1 within the inner angle, 0 beyond the outer one.
         let (scale, offset) = match light.kind {
             LightKind::Spot { inner_rad, outer_rad } => {
