@@ -60,8 +60,8 @@ pub struct ShowArguments {
     /// Amount of text over the image at the start [default: on in a window]
     #[arg(long, value_name = "LEVEL", help_heading = "Frames")]
     pub hud: Option<HudLevel>,
-    /// Way to make shadows: off, maps, volumes; maps_uncached, which are drawn afresh in each frame;
-    /// maps_unculled, volumes_unculled, with all casters [default: off; in `shadows` maps]
+    /// Way to make shadows: off, maps, volumes; maps_uncached, which are drawn afresh in each
+    /// frame; maps_unculled, volumes_unculled, with all casters [default: off; in `shadows` maps]
     #[arg(long, value_name = "WAY", help_heading = "Lights")]
     pub shadows: Option<ShadowWay>,
     /// Filter of shadow maps: single, pcf3, adaptive, pcss, fixed64, pcss64
