@@ -6,7 +6,7 @@ use glam::{Affine3A, vec3};
 use gpu::{Device, DeviceOptions, Readback};
 use render::{Costs, FrameRequest, Renderer, RendererOptions, SpareRoom, ViewState};
 use scene::{LightId, ObjectChange, SceneUpdate};
-use shadows::{ShadowMethod, ShadowOptions, ShadowStats};
+use shadows::{ShadowCaching, ShadowMethod, ShadowOptions, ShadowStats};
 use tests::machine::{Fault, Machine, calls};
 use tests::{Driver, instance_with, yard};
 
@@ -118,6 +118,57 @@ fn lost_frames_and_missing_memory_leave_maps_right() {
         }
     }
     assert!(lost > 20 && smaller > 0, "{lost} frames lost, {smaller} walks with smaller maps");
+    drop(device);
+    let log = instance.validation_log().clone();
+    drop(instance);
+    assert_eq!(log.drain(), []);
+}
+
+#[test]
+fn casters_that_there_was_no_memory_for_are_there_in_the_next_frame() {
+    let instance = instance_with(Machine::default().entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+    let [sun, ..] = yard::lights();
+    let posts = (0..900).map(|post| {
+        let [x, z] = [post % 30, post / 30].map(|place| place as f32 * 0.8 - 12.0);
+        Aabb::new(vec3(x, 0.0, z), vec3(x + 0.2, 1.0, z + 0.2))
+    });
+    let boxes: Vec<Aabb> = std::iter::once(yard::GROUND).chain(posts).collect();
+    let scene = yard::scene(&boxes, &[sun]);
+    let options = RendererOptions {
+        size: [64, 48],
+        costs: Costs::Ignored,
+        shadows: ShadowOptions {
+            method: ShadowMethod::Maps,
+            caching: ShadowCaching::Uncached,
+            sun_side: 256,
+            ..ShadowOptions::default()
+        },
+        ..RendererOptions::default()
+    };
+    // Returns the image of the second frame, and the buffers that the first one made.
+    let second = |fault: Option<Fault>| {
+        Machine::default().install();
+        let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let image = Readback::new(&device, renderer.size()).unwrap();
+        Machine { faults: fault.into_iter().collect(), ..Machine::default() }.install();
+        let first = draw(&mut renderer, &mut view, &image);
+        let buffers = calls(c"vkCreateBuffer");
+        Machine::default().install();
+        (first.is_some(), draw(&mut renderer, &mut view, &image).unwrap(), buffers)
+    };
+    let (_, expected, buffers) = second(None);
+    let mut failed = 0;
+    for number in 0..buffers {
+        let code = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+        let fault = Fault { call: c"vkCreateBuffer", fails: number..number + 1, code };
+        let (is_drawn, found, _) = second(Some(fault));
+        failed += u32::from(!is_drawn);
+        assert!(found == expected, "buffer {number} of {buffers}");
+    }
+    assert!(failed > 3, "{failed} of {buffers} buffers were missed");
     drop(device);
     let log = instance.validation_log().clone();
     drop(instance);
