@@ -20,6 +20,13 @@ fn viewer(scratch: &Scratch, arguments: &[&str]) -> Output {
     command.output().expect("the program runs")
 }
 
+/// Returns true if two images are those of one view: the last place of a channel may be rounded
+/// differently, since the view of everything is computed from other nodes.
+fn is_same_view(one: &[[u8; 3]], other: &[[u8; 3]]) -> bool {
+    let mut parts = one.iter().flatten().zip(other.iter().flatten());
+    one.len() == other.len() && parts.all(|(a, b)| a.abs_diff(*b) <= 1)
+}
+
 #[test]
 fn the_viewer_writes_images_of_what_moves() {
     let scratch = scratch("viewer-headless");
@@ -64,7 +71,7 @@ fn a_camera_whose_clip_plays_no_more_gives_way_to_a_view_of_everything() {
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         pixels(&scratch.0.join(out).join("frame_00030.png"))
     };
-    assert!(last("small.glb", "seen") == last("none.glb", "unseen"));
+    assert!(is_same_view(&last("small.glb", "seen"), &last("none.glb", "unseen")));
 }
 
 #[test]
@@ -84,7 +91,7 @@ fn the_first_camera_is_where_one_begins_unless_a_clip_has_it_before_a_wall() {
     let (before, log) = seen(&["wall.glb"], "wall");
     assert!(log.contains(hint), "{log}");
     let (none, log) = seen(&["none.glb"], "none");
-    assert!(before == none && !log.contains("key 1"), "{log}");
+    assert!(is_same_view(&before, &none) && !log.contains("key 1"), "{log}");
     let (asked, log) = seen(&["wall.glb", "--camera", "walk"], "asked");
     assert!(asked != none && !log.contains("key 1"), "{log}");
     let (clear, log) = seen(&["small.glb"], "clear");
