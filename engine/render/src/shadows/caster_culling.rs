@@ -18,7 +18,7 @@ use cull::{
 };
 use gpu::{
     Access, Commands, Device, FlagRing, Frame, IndirectDraw, MemoryBarrier, Predicates,
-    RenderTarget, ResultSource, Tick,
+    Predication, RenderTarget, ResultSource, Tick,
 };
 use occlusion::{BoxVolumeIo, BoxVolumePass};
 
@@ -30,7 +30,11 @@ use crate::shadows::culled_draws::{
 /// The most casters that a local light's one test decides about.
 const FEW_CASTERS: usize = 64;
 
-/// The most lights with a history. Others draw all of their casters.
+/// The draws of casters in a frame that a way to skip them must be able to count.
+const DRAWS_MAX: u64 = 1 << 24;
+
+/// The most lights with a history. Another lamp has one test for all of its casters, and another
+/// sun none.
 const HISTORIES_MAX: usize = 16;
 
 /// The frames after its last use in which a history is kept.
@@ -51,7 +55,6 @@ pub(super) struct CasterCulling {
     reader: ResultReader<TestedCasters>,
     predicates: Predicates,
     capacity: u32,
-    frames_in_flight: usize,
     draws: CulledDraws,
     revealed_triangles: u64,
     io: Option<BoxVolumeIo>,
@@ -72,15 +75,21 @@ impl CasterCulling {
     pub(super) fn new(device: &Device, frames_in_flight: usize) -> Result<Self, Error> {
         let source = ResultSource::Fragments;
         let capacity = 1024;
+        // One way for as many draws as may ever be: growing must not need another.
+        let predication = Predication::choose(device, None, DRAWS_MAX, 0)?;
         Ok(Self {
             device: device.clone(),
             histories: HashMap::new(),
             frame: 0,
             flags: FlagRing::new(device, frames_in_flight, source, "shadow flags"),
             reader: ResultReader::default(),
-            predicates: Predicates::unlinked(device, None, capacity, frames_in_flight)?,
+            predicates: Predicates::unlinked(
+                device,
+                Some(predication),
+                capacity,
+                frames_in_flight,
+            )?,
             capacity,
-            frames_in_flight,
             draws: CulledDraws::default(),
             revealed_triangles: 0,
             io: None,
@@ -92,7 +101,6 @@ impl CasterCulling {
         let source = ResultSource::Fragments;
         self.flags = FlagRing::new(&self.device, frames_in_flight, source, "shadow flags");
         self.predicates.set_frames_in_flight(frames_in_flight);
-        self.frames_in_flight = frames_in_flight;
     }
 
     /// Returns the groups to draw.
@@ -176,10 +184,8 @@ impl CasterCulling {
         }
         let count = leaves.len() as u32;
         if count > self.capacity {
-            // For so many the device may have another way to skip draws.
             let capacity = count.next_power_of_two();
-            self.predicates =
-                Predicates::unlinked(&self.device, None, capacity, self.frames_in_flight)?;
+            self.predicates.grow(capacity)?;
             self.capacity = capacity;
         }
         let flags = self.flags.results();

@@ -78,6 +78,14 @@ pub(crate) enum MapUses {
     Anywhere,
 }
 
+impl MapUses {
+    /// Returns true if all that samples shadows is seen against the finished depth of one view,
+    /// which can tell the casters that matter.
+    pub(super) fn are_of_one_depth(self, views: &[View]) -> bool {
+        self == Self::ShadedView && views.len() == 1
+    }
+}
+
 impl ShadowMaps {
     /// Creates maps for options that were checked.
     ///
@@ -169,8 +177,7 @@ impl ShadowMaps {
         eyes.extend(views.iter().map(|view| view.rays.origin));
         let casters = Casters { hierarchy, changes: are_known.then_some(&changes[..]) };
         let sub_pixel_bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        let can_cull_casters =
-            self.culling.is_some() && uses == MapUses::ShadedView && views.len() == 1;
+        let can_cull_casters = self.culling.is_some() && uses.are_of_one_depth(views);
         let eyes = ShadowViews { eyes, sub_pixel_bits, can_cull_casters };
         self.views = views.len() as u32;
         self.cache.plan(&self.lights, &casters, &eyes, &mut self.plan);

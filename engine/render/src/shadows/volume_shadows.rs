@@ -139,7 +139,7 @@ impl VolumeShadows {
     ) -> Result<(), Error> {
         let hierarchy = scene.hierarchy;
         self.receivers = scene.receivers;
-        self.is_culled = self.culling.is_some() && uses == MapUses::ShadedView && views.len() == 1;
+        self.is_culled = self.culling.is_some() && uses.are_of_one_depth(views);
         if let Some(culling) = &mut self.culling {
             culling.collect(self.device.completed()?, hierarchy);
             culling.begin();

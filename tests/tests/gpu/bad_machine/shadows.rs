@@ -147,6 +147,17 @@ fn casters_that_there_was_no_memory_for_are_there_in_the_next_frame() {
         },
         ..RendererOptions::default()
     };
+    {
+        Machine::default().install();
+        let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let request = FrameRequest::new(Strategy::ANTUMBRA, yard::camera());
+        let before = device.wait_counts().other;
+        renderer.render(&mut view, &request).unwrap();
+        assert_eq!(device.wait_counts().other, before, "growing waits for nothing");
+        assert!(renderer.shadow_stats().casters > 1024, "{:?}", renderer.shadow_stats());
+        renderer.drain(&mut view).unwrap();
+    }
     // Returns the image of the second frame, and the buffers that the first one made.
     let second = |fault: Option<Fault>| {
         Machine::default().install();

@@ -157,14 +157,19 @@ impl Predicates {
         })
     }
 
-    /// Makes room for `count` linked draws. All of them are undefined then.
+    /// Makes room for `count` draws, linked or not as before. All of them are undefined then. Waits
+    /// for nothing.
     ///
     /// # Errors
     /// [`Error::TooLarge`] for more draws than `predication` counts; no memory; a failed call.
     pub fn grow(&mut self, count: u32) -> Result<(), Error> {
         Predication::choose(&self.device, Some(self.predication), count.into(), 0)?;
-        let [draws, links] = linked_buffers(&self.device, count)?;
-        (self.draws, self.links) = (draws, Some(links));
+        if self.links.is_some() {
+            let [draws, links] = linked_buffers(&self.device, count)?;
+            (self.draws, self.links) = (draws, Some(links));
+        } else {
+            self.draws = draw_buffer(&self.device, count)?;
+        }
         Ok(())
     }
 
