@@ -48,7 +48,8 @@ bool has_far_end() {
 
 // The place on the screen of the point at the far end behind a corner, seen from the light.
 vec4 far_clip(vec3 world) {
-    precise vec3 away = max(light.w, far_w) * world - light.xyz * (1.0 - light.w * far_w);
+    precise float factor = max(end.x * world.x + end.y * world.y + end.z * world.z + end.w, 0.0);
+    precise vec3 away = max(light.w, far_w) * world - light.xyz * factor;
     precise vec4 clip = view_proj * vec4(away, far_w);
     return snapped(clip, steps);
 }

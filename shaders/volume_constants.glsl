@@ -1,8 +1,9 @@
-// The push constants of shadow volumes, 108 bytes.
+// The push constants of shadow volumes, 124 bytes.
 
 layout(push_constant) uniform Constants {
     mat4 view_proj;
     vec4 light;     // in homogeneous coordinates: w is 0 for the direction towards a sun
+    vec4 end;       // the factor by which the light is taken off a corner, linear in the corner
     vec2 steps;     // of the sub-pixel grid from the middle of the image to its edges
     vec2 cap_depth; // factor of a near cap's depth, and what is taken off it
     uint is_robust; // 1: every triangle is extruded, as if it faced the light

@@ -66,5 +66,6 @@ pub use reach::light_reach;
 pub use tiles::{Tile, TilePool};
 pub use volumes::{
     Caps, Enclosure, Extrusion, LitArea, MASK_LIGHTS, NearSpan, PlannedVolumes, VolumeCounting,
-    VolumeError, VolumeKind, VolumeMesh, VolumePlan, VolumeRange, VolumeSource, VolumeTriangle,
+    VolumeEnd, VolumeError, VolumeKind, VolumeMesh, VolumePlan, VolumeRange, VolumeSource,
+    VolumeTriangle,
 };

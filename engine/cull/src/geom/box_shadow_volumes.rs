@@ -105,16 +105,22 @@ impl<'a> BoxShadowVolumes<'a> {
         let LightReach { light, reach_m, lead, .. } = self.reach;
         let l = light.truncate();
         if light.w == 0.0 {
-            let spread = l.abs();
-            let highest = l.dot(proxy.centre()) + spread.dot(proxy.half_extent());
-            let lowest = l.dot(self.receivers.centre()) - spread.dot(self.receivers.half_extent());
-            return VolumeLength { towards: lead, away: (highest - lowest).max(0.0) };
+            return VolumeLength { towards: lead, away: self.way_out_m(proxy, l) };
         }
         let distance_m = proxy.distance_squared(l).sqrt();
         if distance_m == 0.0 {
             return VolumeLength { towards: 0.0, away: 0.0 };
         }
         VolumeLength { towards: lead, away: (reach_m / distance_m - 1.0).max(0.0) }
+    }
+
+    /// Returns the way along a sun's rays after which no point of a box is among the receivers, in
+    /// metres: along each axis their end, the first of which counts.
+    fn way_out_m(&self, proxy: &Aabb, towards: Vec3) -> f32 {
+        let apart = (proxy.centre() - self.receivers.centre()) * towards.signum();
+        let ways = (apart + proxy.half_extent() + self.receivers.half_extent()) / towards.abs();
+        // Parallel to an axis there is no end along it, also where nothing is divided by nothing.
+        ways.to_array().into_iter().fold(f32::INFINITY, f32::min).max(0.0)
     }
 
     /// Returns the box around everything that a local light lights, to be tested as its own volume;

@@ -2,8 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use cull::{ProjectionKind, View};
-use glam::{Vec2, Vec4};
-use shadows::{Caps, VolumeCounting, VolumeKind};
+use glam::Vec4;
+use shadows::{Caps, VolumeCounting, VolumeEnd, VolumeKind};
 
 /// Casters that are drawn alike.
 pub type VolumeGroup = (VolumeCounting, VolumeKind);
@@ -14,6 +14,7 @@ pub type VolumeGroup = (VolumeCounting, VolumeKind);
 pub(super) struct VolumeConstants {
     view_proj: [f32; 16],
     light: [f32; 4],
+    end: [f32; 4],
     steps: [f32; 2],
     cap_depth: [f32; 2],
     is_robust: u32,
@@ -21,24 +22,23 @@ pub(super) struct VolumeConstants {
     far_w: f32,
 }
 
-const _: () = assert!(size_of::<VolumeConstants>() == 108);
+const _: () = assert!(size_of::<VolumeConstants>() == 124);
 
 /// The part of a pixel's height, at its distance, by which a near cap is farther than the surface
 /// that it is made of: drivers may round the corners of a surface that they clip to so much.
 const CAP_SHIFT: f32 = 1.0 / 16.0;
 
-/// The length of a sun's volumes in a parallel view, in sizes of what is in view.
-const SUN_LENGTH: f32 = 10.0;
-
-/// The nearest that casters come to a lamp where volumes end in a parallel view (metres).
-const NEAREST_CASTER_M: f32 = 1e-3;
-
 impl VolumeConstants {
     /// Returns the constants of the draws of a group of casters.
-    pub(super) fn new(view: &View, light: Vec4, (counting, kind): VolumeGroup) -> Self {
+    pub(super) fn new(
+        view: &View,
+        (light, end): (Vec4, VolumeEnd),
+        (counting, kind): VolumeGroup,
+    ) -> Self {
         Self {
             view_proj: view.view_proj.to_cols_array(),
             light: light.to_array(),
+            end: end.along.to_array(),
             steps: view.snap_steps,
             is_robust: u32::from(kind == VolumeKind::Robust),
             caps: match counting.caps(kind) {
@@ -46,7 +46,7 @@ impl VolumeConstants {
                 Caps::Near => 1,
                 Caps::Both => 2,
             },
-            far_w: far_w(view, light),
+            far_w: end.w,
             cap_depth: cap_depth(view),
         }
     }
@@ -60,29 +60,5 @@ fn cap_depth(view: &View) -> [f32; 2] {
     match view.rays.kind {
         ProjectionKind::Perspective => [1.0 - shift_m.min(0.5), 0.0],
         ProjectionKind::Orthographic => [1.0, shift_m * view.rays.depth[1].abs()],
-    }
-}
-
-/// Returns w of the points at the far end of volumes: 0 for infinity.
-///
-/// In a parallel view no ray meets a far cap that is all at infinity, and the farther away it is,
-/// the worse drivers round what they clip of the sides. So volumes end there, beyond all that is in
-/// view: a sun's [`SUN_LENGTH`] times as far away as that is large, a lamp's where a caster that is
-/// [`NEAREST_CASTER_M`] from it shades what is in view.
-fn far_w(view: &View, light: Vec4) -> f32 {
-    let rays = &view.rays;
-    if rays.kind == ProjectionKind::Perspective {
-        return 0.0;
-    }
-    let [near_depth, slope] = rays.depth;
-    let length_m = if slope == 0.0 { 0.0 } else { (near_depth / slope).abs() };
-    let middle = rays.point(Vec2::ZERO, 0.5 * length_m);
-    let size_m = length_m + rays.right.length() + rays.down.length();
-    match light.w > 0.0 {
-        true => {
-            let reach_m = size_m + middle.distance(light.truncate());
-            NEAREST_CASTER_M / reach_m.max(NEAREST_CASTER_M)
-        }
-        false => (SUN_LENGTH * size_m).max(f32::MIN_POSITIVE).recip(),
     }
 }

@@ -18,7 +18,7 @@ use gpu::{
     StencilTarget, StorageLayout, Target, VertexLayout, vk,
 };
 use occlusion::{Error, ShaderSet};
-use shadows::{LitArea, VolumeCounting, VolumeKind};
+use shadows::{LitArea, VolumeCounting, VolumeEnd, VolumeKind};
 
 use super::opaque::POSITIONS;
 use super::volume_constants::{VolumeConstants, VolumeGroup};
@@ -60,6 +60,8 @@ pub struct VolumeLight<'a> {
     /// The light in homogeneous coordinates: a point with w = 1, or the direction towards it with
     /// w = 0.
     pub light: Vec4,
+    /// The far end of its volumes.
+    pub end: VolumeEnd,
     /// The bits that are set in the mask where it is in shadow.
     pub bits: u32,
     /// The layer of the mask.
@@ -103,6 +105,7 @@ pub struct VolumeDraws {
 /// The draws of one light.
 struct LightDraws {
     light: Vec4,
+    end: VolumeEnd,
     area: LitArea,
     mask: MaskBits,
     work: Vec<(VolumeGroup, Work)>,
@@ -240,7 +243,8 @@ impl VolumePass {
                     work.push((group, Work::Batch(Batch::upload(frame, &jobs)?)));
                 }
             }
-            prepared.push(LightDraws { light: light.light, area: light.area, mask, work });
+            let VolumeLight { light, end, area, .. } = *light;
+            prepared.push(LightDraws { light, end, area, mask, work });
         }
         Ok(VolumeDraws { lights: prepared })
     }
@@ -304,7 +308,7 @@ impl VolumePass {
                     let pipeline = self.pipeline(group.0);
                     commands.bind(pipeline, &[io.instances]);
                     commands.bind_geometry(io.vertices, Some(io.adjacency));
-                    let constants = VolumeConstants::new(view, light.light, *group);
+                    let constants = VolumeConstants::new(view, (light.light, light.end), *group);
                     commands.push_constants(pipeline, &constants);
                     match work {
                         Work::Draws(draws) => {
@@ -332,7 +336,7 @@ impl VolumePass {
         commands.rendering(target, |commands| begin_light(commands, light));
         for (group, work) in &light.work {
             let Work::Batch(batch) = work else { continue };
-            let constants = VolumeConstants::new(view, light.light, *group);
+            let constants = VolumeConstants::new(view, (light.light, light.end), *group);
             extruder.extrude(commands, io, batch, &constants);
             self.target.prepare(commands);
             commands.rendering(target, |commands| {

@@ -228,6 +228,7 @@ impl VolumeShadows {
         let with_bits = (0..).zip(plan.lights.iter().zip(&casters));
         let with_bits = with_bits.map(|(bit, (planned, casters)): (u32, _)| VolumeLight {
             light: light_of(planned),
+            end: planned.end,
             bits: 1 << (bit % MASK_LIGHTS),
             layer: bit / MASK_LIGHTS,
             area: planned.area,

@@ -22,7 +22,7 @@ pub enum Caps {
     None,
     /// The triangles themselves.
     Near,
-    /// The triangles, and the same at infinity.
+    /// The triangles, and the same at the far end.
     Both,
 }
 

@@ -3,6 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::counting::Caps;
+use super::end::VolumeEnd;
 use super::mesh::{VolumeKind, VolumeMesh};
 
 /// A triangle of the boundary of a shadow volume: corners in homogeneous coordinates,
@@ -20,6 +21,8 @@ pub struct Extrusion {
     pub kind: VolumeKind,
     /// The caps.
     pub caps: Caps,
+    /// The far end.
+    pub end: VolumeEnd,
 }
 
 impl Extrusion {
@@ -45,8 +48,8 @@ impl Extrusion {
         if self.caps != Caps::None {
             boundary.push(towards_light.map(|corner| corner.extend(1.0)));
         }
-        if self.caps == Caps::Both && self.light.w > 0.0 {
-            let [a, b, c] = towards_light.map(|corner| self.at_infinity(corner));
+        if self.caps == Caps::Both && self.has_far_end() {
+            let [a, b, c] = towards_light.map(|corner| self.end.behind(corner, self.light));
             boundary.push([a, c, b]);
         }
         let [_, ab, _, bc, _, ca] = at;
@@ -64,17 +67,17 @@ impl Extrusion {
     }
 
     fn add_side(&self, [from, to]: [Vec3; 2], boundary: &mut Vec<VolumeTriangle>) {
-        let [far_from, far_to] = [from, to].map(|corner| self.at_infinity(corner));
+        let [far_from, far_to] = [from, to].map(|corner| self.end.behind(corner, self.light));
         let [from, to] = [from, to].map(|corner| corner.extend(1.0));
         boundary.push([from, far_from, to]);
-        if self.light.w > 0.0 {
+        if self.has_far_end() {
             boundary.push([to, far_from, far_to]);
         }
     }
 
-    /// Returns the point at infinity behind a corner, seen from the light.
-    fn at_infinity(&self, corner: Vec3) -> Vec4 {
-        (self.light.w * corner - self.light.truncate()).extend(0.0)
+    /// Returns false where the far end is a single point: infinitely far behind a sun.
+    fn has_far_end(&self) -> bool {
+        self.light.w > 0.0 || self.end.w > 0.0
     }
 
     /// Returns true if a triangle of named corners faces the light.

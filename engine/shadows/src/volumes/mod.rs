@@ -5,6 +5,7 @@
 
 mod adjacency;
 mod counting;
+mod end;
 mod extrude;
 mod lit_area;
 mod mesh;
@@ -12,6 +13,7 @@ mod volume_plan;
 mod weld;
 
 pub use counting::{Caps, NearSpan, VolumeCounting};
+pub use end::VolumeEnd;
 pub use extrude::{Extrusion, VolumeTriangle};
 pub use lit_area::LitArea;
 pub use mesh::{Enclosure, VolumeError, VolumeKind, VolumeMesh, VolumeSource};

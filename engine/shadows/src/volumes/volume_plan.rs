@@ -7,6 +7,7 @@ use cull::{Aabb, Containment, Hierarchy, LeafIndex, LeafRange, PlaneMask, View};
 use glam::{Vec3, Vec4};
 
 use super::counting::{NearSpan, VolumeCounting};
+use super::end::VolumeEnd;
 use super::lit_area::LitArea;
 use crate::light::{LightShape, ShadowLight};
 
@@ -23,18 +24,20 @@ pub struct VolumeRange {
 }
 
 /// The volumes of a light in a plan.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PlannedVolumes {
     /// The place of the light among those that were given.
     pub light: usize,
     /// The part of the view that it reaches: nothing else needs to be counted.
     pub area: LitArea,
+    /// The far end of the volumes.
+    pub end: VolumeEnd,
     /// Its casters among [`VolumePlan::ranges`], ascending and apart.
     pub ranges: Range<usize>,
 }
 
 /// The shadow volumes of a view in a frame.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct VolumePlan {
     /// The lights with casters, in the order in which they were given: the bits of the mask.
     pub lights: Vec<PlannedVolumes>,
@@ -58,6 +61,7 @@ impl VolumePlan {
         self.ranges.clear();
         self.unshadowed_lights = 0;
         let span = NearSpan::points_of(&view.rays);
+        let receivers = hierarchy.root().map_or(Aabb::EMPTY, |root| hierarchy.bounds(root));
         for (number, light) in lights.iter().enumerate() {
             if !light.shape.is_usable() || !shines_into(view, &light.shape) {
                 continue;
@@ -72,7 +76,8 @@ impl VolumePlan {
             if self.ranges.len() > first {
                 let ranges = first..self.ranges.len();
                 let area = LitArea::of(view, &light.shape);
-                self.lights.push(PlannedVolumes { light: number, area, ranges });
+                let end = VolumeEnd::of(view, light.shape.homogeneous(), &receivers);
+                self.lights.push(PlannedVolumes { light: number, area, end, ranges });
             }
         }
     }

@@ -3,9 +3,10 @@
 #![allow(clippy::expect_used, reason = "a test fails by panicking")]
 
 use antumbra_shadows::{
-    Caps, Extrusion, NearSpan, VolumeCounting, VolumeKind, VolumeMesh, VolumeSource, VolumeTriangle,
+    Caps, Extrusion, NearSpan, VolumeCounting, VolumeEnd, VolumeKind, VolumeMesh, VolumeSource,
+    VolumeTriangle,
 };
-use cull::Aabb;
+use cull::{Aabb, Camera, Projection, View};
 use glam::{DMat3, DMat4, DVec3, DVec4, Vec3, Vec4};
 
 mod meshes;
@@ -98,6 +99,7 @@ struct Seen {
     plain: u32,
     robust: u32,
     z_pass: u32,
+    ended: u32,
     unclear: u32,
 }
 
@@ -119,7 +121,13 @@ fn check_seed(seed: u64, seen: &mut Seen) {
             _ => (random.direction() * (0.2 + 4.0 * random.unit())).extend(1.0),
         };
         let kind = volumes.kind().towards(&bounds, light);
-        let extrude = |kind, caps| Extrusion { light, kind, caps }.volumes(&volumes, positions);
+        let end = match random.below(2) {
+            0 => VolumeEnd::INFINITY,
+            _ => VolumeEnd::of(&view(), light, &AROUND),
+        };
+        seen.ended += u32::from(end.w > 0.0);
+        let extrude =
+            |kind, caps| Extrusion { light, kind, caps, end }.volumes(&volumes, positions);
         let closed = extrude(kind, Caps::Both);
         assert!(is_closed(&closed), "seed {seed}: the volumes are open");
         for _ in 0..12 {
@@ -161,6 +169,16 @@ fn check_seed(seed: u64, seen: &mut Seen) {
     }
 }
 
+/// The box around all eyes and points.
+const AROUND: Aabb = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
+
+/// Returns a view from the middle of it.
+fn view() -> View {
+    let projection = Projection::perspective(1.0);
+    let camera = Camera { eye: Vec3::ZERO, forward: Vec3::X, up: Vec3::Y, projection, near: 0.1 };
+    View::new(&camera, [64, 48], 8)
+}
+
 /// Returns true if the edges of triangles cancel, each by one in the other direction; those at
 /// infinity that are the same point are no edge.
 fn is_closed(boundary: &[VolumeTriangle]) -> bool {
@@ -181,12 +199,13 @@ fn counts_agree_with_rays_over_many_meshes() {
     for seed in 0..420 {
         check_seed(seed, &mut seen);
     }
-    let Seen { lit, shaded, plain, robust, z_pass, unclear } = seen;
+    let Seen { lit, shaded, plain, robust, z_pass, ended, unclear } = seen;
     let told = format!(
         "{lit} lit, {shaded} shaded, {plain} plain, {robust} robust, {z_pass} z-pass, {unclear} unclear"
     );
     assert!(lit > 2000 && shaded > 2000 && plain > 1000 && robust > 5000, "{told}");
     assert!(z_pass > 2000 && unclear < 2000, "{told}");
+    assert!(ended > 300, "{ended} of 1680 lights' volumes end");
 }
 
 #[test]
@@ -202,8 +221,9 @@ fn skinned_meshes_stay_closed_in_any_pose() {
         let posed: Vec<Vec3> =
             positions.iter().map(|at| *at + if at.y > 0.0 { Vec3::ONE } else { Vec3::X }).collect();
         let light = random.direction().extend(1.0) * Vec4::new(9.0, 9.0, 9.0, 1.0);
+        let end = VolumeEnd::INFINITY;
         for kind in [VolumeKind::Plain, VolumeKind::Robust] {
-            let extrusion = Extrusion { light, kind, caps: Caps::Both };
+            let extrusion = Extrusion { light, kind, caps: Caps::Both, end };
             assert!(is_closed(&extrusion.volumes(&volumes, &posed)));
         }
     }

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use glam::Vec3;
 use import::{LoadOptions, load};
-use shadows::{Caps, Extrusion, VolumeKind, VolumeMesh, VolumeSource};
+use shadows::{Caps, Extrusion, VolumeEnd, VolumeKind, VolumeMesh, VolumeSource};
 
 const FILES: [&str; 5] =
     ["fox.glb", "kaykit_city.glb", "kaykit_dungeon.glb", "morphstresstest.gltf", "rooms.glb"];
@@ -36,7 +36,7 @@ fn every_mesh_of_the_scenes_has_volumes() {
             kinds[usize::from(kind == VolumeKind::Robust)] += 1;
             assert!(volumes.triangles().len() as u64 <= mesh.indices.len() as u64 / 3);
             let light = Vec3::new(0.3, 0.9, 0.2).extend(0.0);
-            let extrusion = Extrusion { light, kind, caps: Caps::Near };
+            let extrusion = Extrusion { light, kind, caps: Caps::Near, end: VolumeEnd::INFINITY };
             let boundary = extrusion.volumes(&volumes, &positions);
             let is_flat = mesh.indices.is_empty() || volumes.triangles().is_empty();
             assert_eq!(boundary.is_empty(), is_flat, "{file}: {}", mesh.name);

@@ -1,6 +1,6 @@
 //! The depth of a world and the mask of its shadows, drawn by the engine's passes.
 
-use cull::{Camera, View};
+use cull::{Aabb, Camera, View};
 use glam::Vec4;
 use gpu::{Access, Attachments, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, Target, vk};
 use occlusion::ShaderSet;
@@ -9,7 +9,7 @@ use render::passes::{
     VolumePath,
 };
 use scene::Light;
-use shadows::{LitArea, NearSpan, VolumeCounting};
+use shadows::{LitArea, NearSpan, VolumeCounting, VolumeEnd};
 
 use super::world::World;
 
@@ -93,6 +93,7 @@ impl Renderings {
             world.things.iter().map(caster).collect::<Vec<_>>()
         });
         let casters: Vec<_> = casters.collect();
+        let receivers = world.things.iter().fold(Aabb::EMPTY, |all, it| all.union(&it.bounds));
         let lights = lights.iter().zip(&casters).enumerate();
         // The second light's layer is another one.
         let lights: Vec<_> = lights
@@ -100,7 +101,8 @@ impl Renderings {
                 let (bits, layer) = (1 << number, number as u32 % LAYERS);
                 let casters = VolumeCasters::All(casters);
                 let area = LitArea::whole(&view);
-                VolumeLight { light: *light, bits, layer, area, casters }
+                let end = VolumeEnd::of(&view, *light, &receivers);
+                VolumeLight { light: *light, end, bits, layer, area, casters }
             })
             .collect();
         let mut frame = self.ring.begin().unwrap();
