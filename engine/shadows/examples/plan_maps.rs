@@ -32,7 +32,7 @@ fn main() -> Result<(), HierarchyError> {
         cache.plan(
             &lights,
             &casters,
-            &ShadowViews { eyes: &[eye], sub_pixel_bits: 8, can_cull_casters: false },
+            &ShadowViews { eyes: &[eye], sub_pixel_bits: 8, drawn_share: None },
             &mut plan,
         );
         cache.submitted();

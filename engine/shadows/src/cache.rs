@@ -8,9 +8,11 @@
 //!
 //! Nobody says which casters move: the changes of the hierarchy do.
 //!
-//! Where the face itself changes in frame after frame, its map is never kept. Then it need not hold
-//! casters whose shadows are not visible in this frame ([`FaceWork::Cull`]). The first frame in
-//! which the face stays draws all of them again.
+//! A map of a single frame need not hold casters whose shadows are not visible in this frame
+//! ([`FaceWork::Cull`]). So a map that must be drawn is drawn in that way first, and whole only
+//! after the frames in which that has cost about as much: a face that changes again by then, such
+//! as a cascade of a walking eye, is never drawn whole, and no map costs more than about twice of
+//! what would have been best (the rule of renting skis).
 
 use std::collections::HashMap;
 
@@ -42,9 +44,22 @@ pub struct ShadowViews<'a> {
     pub eyes: &'a [Vec3],
     /// The bits of the device's sub-pixel grid (Vulkan's `subPixelPrecisionBits`).
     pub sub_pixel_bits: u32,
-    /// True if the executor can tell which casters shadow something visible: in frames of one view,
-    /// whose depth is complete before anything samples the maps.
-    pub can_cull_casters: bool,
+    /// The share that culled maps drew of the triangles of all their casters of late, if the
+    /// executor can tell which casters shadow something visible: in frames of one view, whose depth
+    /// is complete before anything samples the maps.
+    pub drawn_share: Option<f32>,
+}
+
+/// The most frames in a row in which a map of a face at rest is drawn with some of its casters.
+const CULLED_FRAMES_MAX: f32 = 15.0;
+
+impl ShadowViews<'_> {
+    /// Returns the frames in which a map is drawn with some of its casters before it is drawn
+    /// whole: one less than those that cost as much. `None` if maps are always drawn whole.
+    fn culled_frames(&self) -> Option<u32> {
+        self.drawn_share
+            .map(|share| (share.recip().floor() - 1.0).clamp(0.0, CULLED_FRAMES_MAX) as u32)
+    }
 }
 
 /// The contents of a map.
@@ -56,6 +71,9 @@ struct Map {
     is_drawn: bool,
     /// True if the face of the frame before was another one.
     is_restless: bool,
+    /// The frames in which this face was drawn with some of its casters, since it last changed or
+    /// was drawn whole.
+    culled_frames: u32,
     /// The casters that the resting layer leaves out, ascending, if there is such a layer.
     moving: Option<Vec<ObjectId>>,
     /// The newest frame with this face.
@@ -77,8 +95,9 @@ pub struct ShadowCache {
     frame: u64,
     /// True from a plan until it was submitted.
     is_pending: bool,
-    /// True if maps of the frame being planned may be drawn with some of their casters.
-    culls: bool,
+    /// The frames in which a map may be drawn with some of its casters before it is drawn whole,
+    /// if that may be.
+    culled_frames: Option<u32>,
     /// True if the maps of a light got another size since the last look for room.
     has_changed: bool,
     faces: Vec<Face>,
@@ -97,7 +116,7 @@ impl ShadowCache {
             restless: HashMap::new(),
             frame: 0,
             is_pending: false,
-            culls: false,
+            culled_frames: None,
             has_changed: false,
             faces: Vec::new(),
         }
@@ -147,7 +166,8 @@ impl ShadowCache {
     ) {
         plan.clear();
         self.frame += 1;
-        self.culls = views.can_cull_casters && self.options.culling == CasterCulling::Culled;
+        let culls = self.options.culling == CasterCulling::Culled;
+        self.culled_frames = views.culled_frames().filter(|_| culls);
         if std::mem::replace(&mut self.is_pending, true) || casters.changes.is_none() {
             self.forget();
         }
@@ -280,8 +300,15 @@ impl ShadowCache {
             let Some(tile) = tiles.take(side) else { return false };
             let mut face = *face;
             face.view.origin = tile.origin;
-            let map =
-                Map { tile, face, is_drawn: false, is_restless: false, moving: None, used: *frame };
+            let map = Map {
+                tile,
+                face,
+                is_drawn: false,
+                is_restless: false,
+                culled_frames: 0,
+                moving: None,
+                used: *frame,
+            };
             maps.insert(face.id, map);
         }
         true
@@ -293,15 +320,20 @@ impl ShadowCache {
         let is_other = map.face != face;
         if is_other {
             (map.face, map.is_drawn, map.moving) = (face, false, None);
+            map.culled_frames = 0;
         }
         let is_restless = std::mem::replace(&mut map.is_restless, is_other) && is_other;
-        let is_kept = self.options.caching == ShadowCaching::Cached && !is_restless;
-        let work = match self.options.caching {
-            _ if self.culls && !is_kept => FaceWork::Cull(all(&face, casters, plan)),
-            ShadowCaching::Uncached => FaceWork::Draw(all(&face, casters, plan)),
-            ShadowCaching::Cached => self.work(&mut map, casters, plan),
+        let is_cached = self.options.caching == ShadowCaching::Cached;
+        let is_culled = self.culled_frames.is_some_and(|frames| {
+            !is_cached || !map.is_drawn && (is_restless || map.culled_frames < frames)
+        });
+        let work = match is_culled {
+            true => FaceWork::Cull(all(&face, casters, plan)),
+            false if is_cached => self.work(&mut map, casters, plan),
+            false => FaceWork::Draw(all(&face, casters, plan)),
         };
-        map.is_drawn = !matches!(work, FaceWork::Cull(_));
+        map.culled_frames = if is_culled { map.culled_frames + 1 } else { 0 };
+        map.is_drawn = !is_culled;
         plan.faces.push(PlannedFace { face, tile: map.tile, work });
         self.maps.insert(face.id, map);
     }

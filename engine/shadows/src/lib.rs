@@ -20,7 +20,7 @@
 //! let shape = LightShape::Sun { towards: Vec3::Y };
 //! let lights = [ShadowLight { id: ShadowLightId(0), shape, penumbra_m: 0.1 }];
 //! let eyes = &[vec3(0.0, 1.7, 5.0)];
-//! let views = ShadowViews { eyes, sub_pixel_bits: 8, can_cull_casters: false };
+//! let views = ShadowViews { eyes, sub_pixel_bits: 8, drawn_share: None };
 //! let method = ShadowMethod::Maps;
 //! let options = ShadowOptions { method, cascades: 1, ..ShadowOptions::default() };
 //!

@@ -180,7 +180,7 @@ fn walk(seed: u64, caching: ShadowCaching, lost_frames: bool) -> u64 {
         let eyes = [vec3(20.0 + 0.02 * frame as f32, 1.7, 25.0), vec3(40.0, 3.0, 10.0)];
         let eyes = &eyes[..1 + (frame / 300 % 2) as usize];
         let casters = Casters { hierarchy: &world.hierarchy, changes: Some(&world.changes) };
-        let eyes = ShadowViews { eyes, sub_pixel_bits: 8, can_cull_casters: false };
+        let eyes = ShadowViews { eyes, sub_pixel_bits: 8, drawn_share: None };
         cache.plan(&lights(frame), &casters, &eyes, &mut plan);
         if lost_frames && frame % 37 == 5 {
             // Never drawn, and never submitted.
@@ -212,7 +212,7 @@ fn unknown_changes_draw_everything() {
     let world = World::new(&mut random);
     let (mut cache, mut plan) =
         (ShadowCache::new(options(ShadowCaching::Cached)), ShadowPlan::default());
-    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, can_cull_casters: false };
+    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, drawn_share: None };
     let mut drawn_faces = |changes| {
         let casters = Casters { hierarchy: &world.hierarchy, changes };
         cache.plan(&lights(0), &casters, &eyes, &mut plan);
@@ -239,7 +239,7 @@ fn lights_beyond_the_room_get_smaller_maps_and_then_none() {
         })
         .collect();
     let casters = Casters { hierarchy: &world.hierarchy, changes: Some(&[]) };
-    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, can_cull_casters: false };
+    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, drawn_share: None };
     cache.plan(&lamps, &casters, &eyes, &mut plan);
     let stats = plan.stats();
     assert_eq!(stats.lights + stats.unshadowed_lights, 400);
@@ -264,7 +264,7 @@ fn maps_grow_again_when_there_is_room() {
         })
         .collect();
     let casters = Casters { hierarchy: &world.hierarchy, changes: Some(&[]) };
-    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, can_cull_casters: false };
+    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, drawn_share: None };
     let mut side_of_last = |lamps: &[ShadowLight]| {
         cache.plan(lamps, &casters, &eyes, &mut plan);
         cache.submitted();
@@ -310,7 +310,7 @@ fn impossible_lights_have_no_maps() {
     cache.plan(
         &lights,
         &casters,
-        &ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, can_cull_casters: false },
+        &ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, drawn_share: None },
         &mut plan,
     );
     assert_eq!((plan.lights.len(), plan.faces.len()), (0, 0));
@@ -323,24 +323,38 @@ fn maps_of_a_light_that_keeps_moving_are_culled_and_whole_once_it_rests() {
     let mut cache = ShadowCache::new(options(ShadowCaching::Cached));
     let mut plan = ShadowPlan::default();
     let casters = Casters { hierarchy: &world.hierarchy, changes: Some(&[]) };
-    let mut work = |step: u32, can_cull_casters| {
+    let mut work = |step: u32, drawn_share| {
         let position = vec3(20.0 + step as f32, 4.0, 9.0);
         let shape = LightShape::Point { position, reach_m: 9.0 };
         let lamp = ShadowLight { id: ShadowLightId(0), shape, penumbra_m: 0.1 };
-        let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, can_cull_casters };
+        let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, drawn_share };
         cache.plan(&[lamp], &casters, &eyes, &mut plan);
         cache.submitted();
         let stats = plan.stats();
         [stats.culled_faces, stats.drawn_faces]
     };
-    assert_eq!(work(0, true), [0, 6], "it may rest from now on");
-    assert_eq!(work(1, true), [0, 6]);
-    assert_eq!(work(2, true), [6, 6], "the second move in a row");
-    assert_eq!(work(3, true), [6, 6]);
-    assert_eq!(work(4, false), [0, 6], "a frame of two views");
-    assert_eq!(work(5, true), [6, 6]);
-    assert_eq!(work(5, true), [0, 6], "maps without all casters are not kept");
-    assert_eq!(work(5, true), [0, 0]);
+    let all = Some(1.0);
+    assert_eq!(work(0, all), [0, 6], "it may rest from now on");
+    assert_eq!(work(1, all), [0, 6]);
+    assert_eq!(work(2, all), [6, 6], "the second move in a row");
+    assert_eq!(work(3, all), [6, 6]);
+    assert_eq!(work(4, None), [0, 6], "a frame of two views");
+    assert_eq!(work(5, all), [6, 6]);
+    assert_eq!(work(5, all), [0, 6], "maps without all casters are not kept");
+    assert_eq!(work(5, all), [0, 0]);
+    // A third of the casters in each of two frames, then all of them once.
+    let third = Some(0.33);
+    assert_eq!(work(6, third), [6, 6]);
+    assert_eq!(work(6, third), [6, 6]);
+    assert_eq!(work(6, third), [0, 6]);
+    assert_eq!(work(6, third), [0, 0]);
+    for step in 7..20 {
+        assert_eq!([work(step, third); 2], [[6, 6]; 2], "it moves again in time");
+    }
+    assert_eq!(work(20, None), [0, 6], "a frame of two views");
+    assert_eq!(work(20, third), [0, 0]);
+    let culled = (0..99).take_while(|_| work(21, Some(0.0))[0] == 6);
+    assert_eq!(culled.count(), 15, "nothing to draw at all");
 }
 
 #[test]
@@ -355,7 +369,7 @@ fn a_light_without_room_gets_maps_when_another_needs_less() {
     };
     let (mut cache, mut plan) = (ShadowCache::new(options), ShadowPlan::default());
     let casters = Casters { hierarchy: &world.hierarchy, changes: Some(&[]) };
-    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, can_cull_casters: false };
+    let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, drawn_share: None };
     let (position, direction) = (vec3(20.0, 4.0, 9.0), Vec3::NEG_Y);
     let light = |id, shape| ShadowLight { id: ShadowLightId(id), shape, penumbra_m: 0.1 };
     let spot = |id, outer_rad| {

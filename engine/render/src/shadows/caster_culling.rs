@@ -43,6 +43,12 @@ const KEPT_FRAMES: u64 = 64;
 /// The most boxes that a light tests in a frame.
 const TESTS_MAX: usize = 1024;
 
+/// The share of casters' triangles that is taken to be drawn before anything is known.
+const FIRST_SHARE: f32 = 0.25;
+
+/// Triangles of the box that a test draws.
+const BOX_TRIANGLES: u64 = 12;
+
 /// Bytes of an indirect draw.
 const DRAW_BYTES: u64 = size_of::<gpu::IndirectDraw>() as u64;
 
@@ -57,6 +63,8 @@ pub(super) struct CasterCulling {
     capacity: u32,
     draws: CulledDraws,
     revealed_triangles: u64,
+    /// The share drawn of the triangles of all casters, tests counted as their boxes' triangles.
+    drawn_share: f32,
     io: Option<BoxVolumeIo>,
 }
 
@@ -92,6 +100,7 @@ impl CasterCulling {
             capacity,
             draws: CulledDraws::default(),
             revealed_triangles: 0,
+            drawn_share: FIRST_SHARE,
             io: None,
         })
     }
@@ -119,14 +128,23 @@ impl CasterCulling {
         [self.draws.triangles, self.revealed_triangles]
     }
 
+    /// Returns the share that was drawn of the triangles of all casters of late, above 0.
+    pub(super) fn drawn_share(&self) -> f32 {
+        self.drawn_share
+    }
+
     /// Reads the results of frames that are over.
     pub(super) fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy) {
-        let Self { flags, reader, histories, revealed_triangles, .. } = self;
+        let Self { flags, reader, histories, revealed_triangles, drawn_share, draws, .. } = self;
         reader.clear();
         flags.collect(completed, |tests, values| {
             reader.read_flags(tests, values);
             let shown = tests.iter().zip(values).filter(|(_, value)| **value != 0);
             *revealed_triangles = shown.map(|(test, _)| u64::from(test.contents.triangles)).sum();
+            // What needs no test changes little from frame to frame: the newest plan has it.
+            let tested: u64 = tests.iter().map(|test| u64::from(test.contents.triangles)).sum();
+            let drawn = draws.triangles + *revealed_triangles + BOX_TRIANGLES * tests.len() as u64;
+            *drawn_share = drawn as f32 / (draws.triangles + tested).max(1) as f32;
         });
         reader.finish();
         for (light, history) in histories {

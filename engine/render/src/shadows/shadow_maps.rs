@@ -177,8 +177,9 @@ impl ShadowMaps {
         eyes.extend(views.iter().map(|view| view.rays.origin));
         let casters = Casters { hierarchy, changes: are_known.then_some(&changes[..]) };
         let sub_pixel_bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        let can_cull_casters = self.culling.is_some() && uses.are_of_one_depth(views);
-        let eyes = ShadowViews { eyes, sub_pixel_bits, can_cull_casters };
+        let culling = self.culling.as_ref().filter(|_| uses.are_of_one_depth(views));
+        let drawn_share = culling.map(CasterCulling::drawn_share);
+        let eyes = ShadowViews { eyes, sub_pixel_bits, drawn_share };
         self.views = views.len() as u32;
         self.cache.plan(&self.lights, &casters, &eyes, &mut self.plan);
         let side = self.options.layer_side();

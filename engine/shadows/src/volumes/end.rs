@@ -44,9 +44,9 @@ impl VolumeEnd {
     /// Returns the end of the volumes of a light for a view of `receivers`, which lie before it.
     ///
     /// A sun's volumes end at the plane beyond the receivers that is met first. With an eye beyond
-    /// that plane they have no end: z-pass would count from outside of it. Nor have they on a coarse
-    /// sub-pixel grid. A lamp's have none either, since pixels that it does not reach are left out
-    /// anyway.
+    /// that plane they have no end: z-pass would count from outside of it. Nor have they on a
+    /// coarse sub-pixel grid. A lamp's have none either, since pixels that it does not reach are
+    /// left out anyway.
     ///
     /// In a parallel view no ray meets a far cap that is all at infinity, and the farther away it
     /// is, the worse drivers round what they clip of the sides. So volumes always end there, beyond

@@ -17,6 +17,9 @@ const SHADOW_PASSES: [&str; 5] = [
 const CULLED: [[&str; 2]; 2] =
     [["maps_uncached", "maps_unculled"], ["volumes", "volumes_unculled"]];
 
+/// The ways that keep no map.
+const AFRESH: [&str; 2] = ["maps_uncached", "maps_unculled"];
+
 /// The filter that others are compared with.
 const FIXED: &str = "fixed64";
 
@@ -61,8 +64,17 @@ fn filters(reports: &[&Measured]) -> Option<String> {
             let without = report.runs.iter().find(|other| {
                 other.shadows.as_deref() == Some("off") && other.strategy == run.strategy
             });
-            // What the filter adds to the frame.
-            let added = |run: &MeasuredRun| Some(run.frame_ms.median? - without?.frame_ms.median?);
+            let is_single = |other: &&MeasuredRun| {
+                other.filter.as_deref() == Some("single")
+                    && (&other.strategy, &other.shadows) == (&run.strategy, &run.shadows)
+            };
+            let single = report.runs.iter().find(is_single);
+            // What the filter adds to the frame, and what its samples beyond the first one add.
+            let beyond = |run: &MeasuredRun, base: Option<&MeasuredRun>| {
+                Some(run.frame_ms.median? - base?.frame_ms.median?)
+            };
+            let added = |run| beyond(run, without);
+            let of_samples = |run| beyond(run, single);
             rows.push(vec![
                 place(report),
                 run.filter.clone().unwrap_or_default(),
@@ -70,6 +82,7 @@ fn filters(reports: &[&Measured]) -> Option<String> {
                 number(ratio(fixed.frame_ms.median, run.frame_ms.median), 2),
                 number(added(run), 2),
                 number(ratio(added(fixed), added(run)), 2),
+                number(ratio(of_samples(fixed), of_samples(run).filter(|more| *more > 0.0)), 2),
                 number(run.fixed64_difference_mean, 3),
                 run.fixed64_difference_max.map_or("-".to_owned(), |most| most.to_string()),
             ]);
@@ -82,39 +95,44 @@ fn filters(reports: &[&Measured]) -> Option<String> {
         "times as fast as fixed64",
         "ms more than without shadows",
         "these times as few as of fixed64",
+        "the same, more than with single",
         "mean difference, of 255",
         "greatest difference, of 255",
     ];
     table("Filters", &columns, rows)
 }
 
-/// Returns the runs with a cache beside those without.
+/// Returns the runs with a cache beside those without: with the casters that matter, and with all.
 fn cache(reports: &[&Measured]) -> Option<String> {
     let mut rows = Vec::new();
     for report in reports {
         for run in report.runs.iter().filter(|run| run.shadows.as_deref() == Some("maps")) {
             let is_afresh = |other: &&MeasuredRun| {
-                other.shadows.as_deref() == Some("maps_uncached")
+                let way = other.shadows.as_deref();
+                AFRESH.iter().any(|afresh| way == Some(afresh))
                     && (&other.strategy, &other.filter) == (&run.strategy, &run.filter)
             };
-            let Some(afresh) = report.runs.iter().find(is_afresh) else { continue };
-            let both = |of: fn(&MeasuredRun) -> Option<f64>, digits| {
-                format!("{} / {}", number(of(run), digits), number(of(afresh), digits))
-            };
-            rows.push(vec![
-                place(report),
-                format!("{} %", report.moving_percent),
-                both(|run| run.shadow_faces.map(|faces| faces as f64), 0),
-                both(|run| run.shadow_casters.map(|casters| casters as f64), 0),
-                both(shadows_ms, 2),
-                number(ratio(shadows_ms(afresh), shadows_ms(run)), 1),
-                number(ratio(afresh.frame_ms.median, run.frame_ms.median), 2),
-            ]);
+            for afresh in report.runs.iter().filter(is_afresh) {
+                let both = |of: fn(&MeasuredRun) -> Option<f64>, digits| {
+                    format!("{} / {}", number(of(run), digits), number(of(afresh), digits))
+                };
+                rows.push(vec![
+                    place(report),
+                    format!("{} %", report.moving_percent),
+                    afresh.shadows.clone().unwrap_or_default(),
+                    both(|run| run.shadow_faces.map(|faces| faces as f64), 0),
+                    both(|run| run.shadow_casters.map(|casters| casters as f64), 0),
+                    both(shadows_ms, 2),
+                    number(ratio(shadows_ms(afresh), shadows_ms(run)), 1),
+                    number(ratio(afresh.frame_ms.median, run.frame_ms.median), 2),
+                ]);
+            }
         }
     }
     let columns = [
         "scene",
         "objects that move",
+        "beside",
         "maps drawn, cached / afresh",
         "casters drawn",
         "GPU ms of the maps",
@@ -300,6 +318,7 @@ mod tests {
                 "8",
                 &[
                     run("off", "adaptive", 1.0, 0.0),
+                    run("maps", "single", 3.0, 1.0),
                     run("maps", "adaptive", 5.0, 1.0),
                     run("maps", "fixed64", 15.0, 1.0),
                 ],
@@ -318,8 +337,9 @@ mod tests {
         let text = tables(&reports).unwrap();
         for expected in [
             "gpu (driver 1), 640x360",
-            "| city of 100, street, 8 lamps | adaptive | 5.00 | 3.00 | 4.00 | 3.50 | 0.250 | 9 |",
-            "| city of 100, street, sun | 1 % | 4 / 4 | 200 / 200 | 0.50 / 4.00 | 8.0 | 2.00 |",
+            "| city of 100, street, 8 lamps | adaptive | 5.00 | 3.00 | 4.00 | 3.50 | 6.00 | 0.250 | 9 |",
+            "| city of 100, street, sun | 1 % | maps_uncached | 4 / 4 | 200 / 200 | 0.50 / 4.00 | 8.0 | 2.00 |",
+            "| city of 100, street, sun | 1 % | maps_unculled | 4 / 4 | 200 / 200 | 0.50 / 6.00 | 12.0 | 3.00 |",
             "| city of 100, street, sun | maps_uncached | 1500 / 9000 | 6.0 | 4.00 / 6.00 | 1.50 | 1.50 |",
             "| city of 100, street, sun | volumes | 1500 / 9000 | 6.0 | 3.00 / 15.00 | 5.00 | 3.00 |",
             "| city of 100, street, sun | - | 4.00 | 8.00 | 6.00 | 1.50 |",
