@@ -1,6 +1,7 @@
 //! The shadow volumes of a view: for each light its casters, as ranges of leaves, and the way to
 //! count them.
 
+use std::f32::consts::FRAC_PI_2;
 use std::ops::Range;
 
 use cull::{Aabb, Containment, Hierarchy, LeafIndex, LeafRange, PlaneMask, View};
@@ -13,6 +14,9 @@ use crate::light::{LightShape, ShadowLight};
 
 /// The lights of one layer of the mask: the bits of its values.
 pub const MASK_LIGHTS: u32 = 32;
+
+/// The margin around a spot's cone per distance, against rounding here and in shaders.
+const CONE_MARGIN: f32 = 1.0e-3;
 
 /// Casters that are counted alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,12 +115,22 @@ fn shines_into(view: &View, shape: &LightShape) -> bool {
 struct Casting<'a> {
     light: Vec4,
     reach: Option<(Vec3, f32)>,
+    /// The middle of a spot's cone, and sine and cosine of half its angle.
+    cone: Option<(Vec3, [f32; 2])>,
     span: NearSpan<'a>,
 }
 
 impl<'a> Casting<'a> {
     fn of(shape: &LightShape, span: NearSpan<'a>) -> Self {
-        Self { light: shape.homogeneous(), reach: shape.reach(), span }
+        let cone = match *shape {
+            // The points of a wider one between a light and what it lights need not be in it.
+            LightShape::Spot { direction, outer_rad, .. } if outer_rad < FRAC_PI_2 => {
+                let (sine, cosine) = outer_rad.sin_cos();
+                Some((direction, [sine, cosine]))
+            }
+            LightShape::Spot { .. } | LightShape::Point { .. } | LightShape::Sun { .. } => None,
+        };
+        Self { light: shape.homogeneous(), reach: shape.reach(), cone, span }
     }
 
     /// Lists the casters in the light's reach. All below a node whose box needs no z-fail need
@@ -140,16 +154,32 @@ impl<'a> Casting<'a> {
 
     /// Returns true if the light may reach a part of a box.
     fn meets(&self, bounds: &Aabb) -> bool {
-        self.reach
-            .is_none_or(|(centre, reach_m)| bounds.distance_squared(centre) <= reach_m * reach_m)
+        let is_near =
+            |(centre, reach_m): (Vec3, f32)| bounds.distance_squared(centre) <= reach_m * reach_m;
+        self.reach.is_none_or(is_near)
+            && self.from_cone(bounds).is_none_or(|[way_m, radius_m]| way_m <= radius_m)
+    }
+
+    /// Returns the way from a spot's cone to the middle of a box, negative within, as the plane
+    /// that touches the cone on its side has it, and the radius of the ball around the box.
+    fn from_cone(&self, bounds: &Aabb) -> Option<[f32; 2]> {
+        self.cone.map(|(direction, [sine, cosine])| {
+            let away = bounds.centre() - self.light.truncate();
+            let along_m = away.dot(direction);
+            let aside_m = (away - along_m * direction).length();
+            let radius_m = bounds.half_extent().length() + CONE_MARGIN * away.length();
+            [aside_m * cosine - along_m * sine, radius_m]
+        })
     }
 
     /// Returns true if the light reaches all of a box.
     fn holds(&self, bounds: &Aabb) -> bool {
-        self.reach.is_none_or(|(centre, reach_m)| {
+        let is_within = |(centre, reach_m): (Vec3, f32)| {
             let farthest = (bounds.centre() - centre).abs() + bounds.half_extent();
             farthest.length_squared() <= reach_m * reach_m
-        })
+        };
+        self.reach.is_none_or(is_within)
+            && self.from_cone(bounds).is_none_or(|[way_m, radius_m]| way_m <= -radius_m)
     }
 }
 
@@ -238,6 +268,35 @@ mod tests {
             }
             assert!((1..8).contains(&fails), "{fails} by z-fail");
             assert!(plan.ranges.len() < 8, "neighbours are one range: {:?}", plan.ranges);
+        }
+    }
+
+    #[test]
+    fn a_spots_casters_are_those_that_its_cone_may_meet() {
+        let (hierarchy, boxes) = crates();
+        let view = view(vec3(60.0, 3.0, 30.0), vec3(60.0, 0.0, 0.0));
+        for (number, outer_rad) in [0.1_f32, 0.4, 0.8, 1.3, 1.6].into_iter().enumerate() {
+            let position = vec3(50.0, 4.0, 0.5);
+            let direction = vec3(0.3, -1.0, 0.1 * number as f32).normalize();
+            let shape = LightShape::Spot { position, direction, outer_rad, reach_m: 40.0 };
+            let mut plan = VolumePlan::default();
+            plan.plan(&[light(shape)], &hierarchy, &view, 1);
+            let mut listed = 0;
+            for (object, bounds) in (0..).zip(&boxes) {
+                let is_listed = plan.has_caster(hierarchy.leaf_of(ObjectId(object)).unwrap());
+                listed += u32::from(is_listed);
+                // Points all over the box, those of the cone among them.
+                let steps = || (0..=6).map(|step| step as f32 / 3.0 - 1.0);
+                let points = steps().flat_map(|x| steps().map(move |y| (x, y)));
+                let points = points.flat_map(|(x, y)| steps().map(move |z| vec3(x, y, z)));
+                let is_met = points.into_iter().any(|at| {
+                    let away = bounds.centre() + at * bounds.half_extent() - position;
+                    away.length() < 40.0 && away.angle_between(direction) < outer_rad
+                });
+                assert!(is_listed || !is_met, "crate {object} of {outer_rad}");
+            }
+            let expected = [1..4, 1..6, 2..12, 8..42, 20..42][number].clone();
+            assert!(expected.contains(&listed), "{listed} crates of {outer_rad}");
         }
     }
 
