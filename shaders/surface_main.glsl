@@ -57,6 +57,43 @@ vec3 facet;
 #include "volume_shadows.glsl"
 #endif
 
+// The light of the lamps of the object's list. Each pixel looks for its next lamp before any is
+// shaded: drivers that mask branches instead of skipping them would else shade a pixel, with all
+// samples of its shadows, by lamps that do not reach it.
+vec3 from_lamps(Brdf brdf) {
+    vec3 sum = vec3(0.0);
+    uint place = 0u;
+    while (true) {
+        uint number = 0u;
+        vec3 away = vec3(0.0);
+        vec3 towards = vec3(0.0);
+        vec3 arrived = vec3(0.0);
+        while (arrived == vec3(0.0) && place < lights_of_object.y) {
+            number = light_of_list(lights_of_object.x, place);
+            place += 1u;
+            away = lights[number].position.xyz - world_position;
+            // Nearer than a millimetre is as a millimetre.
+            float squared = max(dot(away, away), 1e-6);
+            float inverse_distance = inversesqrt(squared);
+            towards = away * inverse_distance;
+            if (dot(brdf.normal, towards) > 0.0) {
+                arrived = arriving(lights[number], towards, squared, inverse_distance);
+            }
+        }
+        if (arrived == vec3(0.0)) return sum;
+        arrived *= reflected(brdf, towards);
+        if (PICTURE_PAGES != 0u) arrived *= picture_colour(lights[number], -away);
+#ifdef SHADOWED
+        arrived *= lit(number, away, facet);
+#endif
+#ifdef VOLUMES
+        arrived *= unshadowed(number);
+#endif
+        sum += arrived;
+    }
+    return sum;
+}
+
 vec3 direct(Brdf brdf) {
     vec3 sum = vec3(0.0);
     for (uint number = 0; number < DIRECTIONAL_LIGHTS; ++number) {
@@ -70,26 +107,7 @@ vec3 direct(Brdf brdf) {
 #endif
         sum += arrived;
     }
-    if (LOCAL_LIGHTS) {
-        for (uint place = 0; place < lights_of_object.y; ++place) {
-            uint number = light_of_list(lights_of_object.x, place);
-            PunctualLight light = lights[number];
-            vec3 away = light.position.xyz - world_position;
-            // Nearer than a millimetre is as a millimetre.
-            float squared = max(dot(away, away), 1e-6);
-            float inverse_distance = inversesqrt(squared);
-            vec3 towards = away * inverse_distance;
-            vec3 arrived = arriving(light, towards, squared, inverse_distance) * reflected(brdf, towards);
-            if (PICTURE_PAGES != 0u && arrived != vec3(0.0)) arrived *= picture_colour(light, -away);
-#ifdef SHADOWED
-            if (arrived != vec3(0.0)) arrived *= lit(number, away, facet);
-#endif
-#ifdef VOLUMES
-            if (arrived != vec3(0.0)) arrived *= unshadowed(number);
-#endif
-            sum += arrived;
-        }
-    }
+    if (LOCAL_LIGHTS) sum += from_lamps(brdf);
     return sum;
 }
 
