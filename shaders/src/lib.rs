@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 44] = [
+pub const PASSES: [Shader; 45] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -83,6 +83,7 @@ pub const PASSES: [Shader; 44] = [
     shader!("surface_volumes.frag"),
     shader!("surface_depth.vert"),
     shader!("surface_depth.frag"),
+    shader!("midpoint.frag"),
     shader!("volume.vert"),
     shader!("volume.geom"),
     shader!("volume_extrude.comp"),

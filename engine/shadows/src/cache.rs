@@ -21,7 +21,7 @@ use glam::Vec3;
 
 use crate::face::{Face, FaceId, FaceSurroundings, face_count, faces_of, wanted_side};
 use crate::light::{ShadowLight, ShadowLightId};
-use crate::options::{CasterCulling, MIN_SIDE, ShadowCaching, ShadowOptions};
+use crate::options::{MIN_SIDE, ShadowCaching, ShadowOptions};
 use crate::plan::{FaceWork, PlannedFace, PlannedLight, ShadowPlan};
 use crate::tiles::{Tile, TilePool};
 
@@ -166,7 +166,7 @@ impl ShadowCache {
     ) {
         plan.clear();
         self.frame += 1;
-        let culls = self.options.culling == CasterCulling::Culled;
+        let culls = self.options.may_cull_casters();
         self.culled_frames = views.culled_frames().filter(|_| culls);
         if std::mem::replace(&mut self.is_pending, true) || casters.changes.is_none() {
             self.forget();

@@ -58,8 +58,8 @@ pub use face::{Face, FaceId, cascade_reach_m};
 pub use jitter::{DISK_SAMPLES, JitterTexture};
 pub use light::{LightShape, ShadowLight, ShadowLightId, WIDEST_CONE_RAD};
 pub use options::{
-    CasterCulling, MAX_CASCADES, MIN_SIDE, ShadowBias, ShadowCaching, ShadowFilter, ShadowMethod,
-    ShadowOptions, ShadowOptionsError,
+    CasterCulling, MAX_CASCADES, MIDPOINT_TEXELS, MIN_SIDE, ShadowBias, ShadowCaching,
+    ShadowFilter, ShadowMethod, ShadowOptions, ShadowOptionsError,
 };
 pub use plan::{FaceWork, PlannedFace, PlannedLight, ShadowPlan, ShadowStats};
 pub use reach::light_reach;

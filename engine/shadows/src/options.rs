@@ -69,6 +69,33 @@ pub enum ShadowBias {
     /// The maps hold the surfaces that face away from the light. Needs closed meshes: those that
     /// are open cast no shadow on the side of their fronts.
     BackFaces,
+    /// The maps hold depths halfway between the nearest surface that faces the light and the
+    /// nearest one that faces away from it, at most [`MIDPOINT_TEXELS`] behind the first (Woo, "The
+    /// Shadow Depth Map Revisited", Graphics Gems III, 1992; Weiskopf, Ertl, "Shadow Mapping Based
+    /// on Dual Depth Layers", 2003), and samples are compared as with [`ShadowBias::Plane`]. So
+    /// curved surfaces do not shadow themselves under wide filters either. Where nothing faces away
+    /// behind the first surface, the map holds that one. Takes three images in place of one, and
+    /// two in place of one for resting casters; draws each caster twice, and culls none.
+    Midpoint,
+}
+
+/// The most texels' widths by which [`ShadowBias::Midpoint`] moves a surface away from the light:
+/// an open mesh over others keeps its shadow beyond them.
+pub const MIDPOINT_TEXELS: f32 = 8.0;
+
+impl ShadowBias {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Plane, Self::BackFaces, Self::Midpoint];
+
+    /// Returns the name, as in reports and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plane => "plane",
+            Self::BackFaces => "back_faces",
+            Self::Midpoint => "midpoint",
+        }
+    }
 }
 
 /// The use of what earlier frames drew.
@@ -133,9 +160,10 @@ pub struct ShadowOptions {
     /// The side of each of the six maps of a point light in texels.
     pub point_side: u32,
     /// The most layers of maps, each as large as the largest map. Lights that do not fit get
-    /// smaller maps, at last none. Maps with resting casters of their own take as many again. With
-    /// volumes, the most layers of a mask as large as the image: each holds
-    /// [`MASK_LIGHTS`](crate::MASK_LIGHTS) of the lights that a view shows.
+    /// smaller maps, at last none. Maps with resting casters of their own take as many again, and
+    /// [`ShadowBias::Midpoint`] three times as many, five with those. With volumes, the most layers
+    /// of a mask as large as the image: each holds [`MASK_LIGHTS`](crate::MASK_LIGHTS) of the
+    /// lights that a view shows.
     pub layers_max: u32,
 }
 
@@ -208,6 +236,14 @@ impl ShadowOptions {
         self.sun_side.max(self.spot_side).max(self.point_side)
     }
 
+    /// Returns true if casters may be left out whose shadow falls on nothing visible. The back of
+    /// such a caster may be what a midpoint is made of: maps of [`ShadowBias::Midpoint`] hold all.
+    #[must_use]
+    pub fn may_cull_casters(&self) -> bool {
+        let has_midpoints = self.method == ShadowMethod::Maps && self.bias == ShadowBias::Midpoint;
+        self.culling == CasterCulling::Culled && !has_midpoints
+    }
+
     /// Refuses options that no device can fulfil.
     ///
     /// # Errors
@@ -237,6 +273,19 @@ impl ShadowOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn midpoints_alone_are_made_of_all_casters() {
+        for bias in ShadowBias::ALL {
+            for method in ShadowMethod::ALL {
+                let options = ShadowOptions { bias, method, ..ShadowOptions::default() };
+                let has_midpoints = (method, bias) == (ShadowMethod::Maps, ShadowBias::Midpoint);
+                assert_eq!(options.may_cull_casters(), !has_midpoints, "{options:?}");
+                let all = ShadowOptions { culling: CasterCulling::Unculled, ..options };
+                assert!(!all.may_cull_casters());
+            }
+        }
+    }
 
     #[test]
     fn impossible_options_are_named() {

@@ -1,12 +1,12 @@
 //! The options of `walkthrough` for lights and their shadows.
 
-use antumbra::shadows::ShadowFilter;
+use antumbra::shadows::{ShadowBias, ShadowFilter};
 use clap::Args;
 use scenes::LightSet;
 
 use crate::args::{SceneArgument, usage};
 use crate::options::UsageError;
-use crate::shadow_choice::{ShadowChoice, ShadowWay, parse_filter};
+use crate::shadow_choice::{ShadowChoice, ShadowWay, parse_bias, parse_filter};
 
 /// Lights and shadows, as the command line has them.
 #[derive(Clone, Debug, Args)]
@@ -27,6 +27,11 @@ pub struct LightArguments {
     #[arg(long, value_name = "NAME[,NAME]", help_heading = "Lights", requires = "shadows")]
     #[arg(value_parser = parse_filters)]
     pub filter: Option<ShadowFilters>,
+    /// Remedy of shadow maps against surfaces that shadow themselves: plane, back_faces, midpoint
+    /// [default: plane]
+    #[arg(long, value_name = "NAME", help_heading = "Lights", requires = "shadows")]
+    #[arg(value_parser = parse_bias)]
+    pub bias: Option<ShadowBias>,
 }
 
 /// Ways to make shadows, each of them once.
@@ -44,7 +49,7 @@ impl LightArguments {
     /// # Errors
     /// Shadows in a generated scene without lights; street lamps in a file.
     pub fn choices(&self, scene: &SceneArgument) -> Result<Vec<ShadowChoice>, UsageError> {
-        let Self { lights, shadows, filter } = self;
+        let Self { lights, shadows, filter, bias } = self;
         match (scene, lights) {
             (SceneArgument::Made(_), None) if shadows.is_some() => {
                 return usage(
@@ -63,9 +68,10 @@ impl LightArguments {
         }
         let ways = shadows.as_ref().map_or(&[ShadowWay::Off][..], |ways| &ways.0);
         let filters = filter.as_ref().map_or(&[ShadowFilter::Adaptive][..], |filters| &filters.0);
+        let bias = bias.unwrap_or_default();
         let of_way = |way: &ShadowWay| {
             let way = *way;
-            filters.iter().map(move |filter| ShadowChoice { way, filter: *filter })
+            filters.iter().map(move |filter| ShadowChoice { way, filter: *filter, bias })
         };
         Ok(ways.iter().flat_map(of_way).collect())
     }
@@ -126,6 +132,10 @@ mod tests {
         let expected =
             [["off", "pcf3"], ["off", "adaptive"], ["maps", "pcf3"], ["maps", "adaptive"]];
         assert_eq!(names, expected);
+        let biased =
+            parse(&["--lights", "sun", "--shadows", "maps", "--bias", "midpoint"]).unwrap();
+        assert_eq!(biased.shadows[0].bias, ShadowBias::Midpoint);
+        assert_eq!(options.shadows[0].bias, ShadowBias::Plane);
         let of_file = parse(&["--scene", "a.glb", "--shadows", "maps"]).unwrap();
         assert_eq!((of_file.lights, of_file.shadows.len()), (None, 1));
     }
@@ -139,6 +149,8 @@ mod tests {
             (&["--lights", "NaN"], "there are no lights 'NaN'"),
             (&["--shadows", "maps"], "--shadows needs lights"),
             (&["--lights", "sun", "--filter", "pcf3"], "--shadows"),
+            (&["--lights", "sun", "--bias", "midpoint"], "--shadows"),
+            (&["--lights", "sun", "--shadows", "maps", "--bias", "half"], "unknown bias 'half'"),
             (&["--lights", "sun", "--shadows", "volume"], "did you mean 'volumes'?"),
             (&["--lights", "sun", "--shadows", "maps,maps"], "'maps' twice"),
             (&["--lights", "sun", "--shadows", ""], "unknown way to make shadows ''"),

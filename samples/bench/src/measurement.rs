@@ -168,6 +168,7 @@ impl RunMeasurement {
             strategy: self.strategy.name().to_owned(),
             shadows: self.shadows.map(|it| it.way.name().to_owned()),
             filter: self.shadows.map(|it| it.filter.name().to_owned()),
+            bias: self.shadows.map(|it| it.bias.name().to_owned()),
             shadow_faces: self.shadows.and_then(|_| count(|frame| frame.shadow_faces)),
             shadow_casters: self.shadows.and_then(|_| count(|frame| frame.shadow_casters)),
             shadow_triangles: self.shadows.and_then(|_| count(|frame| frame.shadow_triangles)),

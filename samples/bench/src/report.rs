@@ -188,12 +188,15 @@ impl From<Corrections> for CorrectionsReport {
 pub struct RunReport {
     /// The name of the strategy.
     pub strategy: String,
-    /// The way to make shadows; absent where nothing is said about lights, as the three below.
+    /// The way to make shadows; absent where nothing is said about lights, as the five below.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadows: Option<String>,
     /// The filter of shadow maps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub filter: Option<String>,
+    /// The remedy of shadow maps against surfaces that shadow themselves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bias: Option<String>,
     /// Shadow maps that were drawn, wholly or in part.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadow_faces: Option<u64>,

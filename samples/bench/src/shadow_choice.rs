@@ -3,7 +3,9 @@
 
 use std::str::FromStr;
 
-use antumbra::shadows::{CasterCulling, ShadowCaching, ShadowFilter, ShadowMethod, ShadowOptions};
+use antumbra::shadows::{
+    CasterCulling, ShadowBias, ShadowCaching, ShadowFilter, ShadowMethod, ShadowOptions,
+};
 
 use crate::choices::unknown;
 
@@ -79,21 +81,34 @@ pub fn parse_filter(text: &str) -> Result<ShadowFilter, String> {
     found.ok_or_else(|| unknown("filter", text, &names))
 }
 
-/// A way to make shadows, and their filter.
+/// Finds a bias by its name.
+///
+/// # Errors
+/// A sentence with all names.
+pub fn parse_bias(text: &str) -> Result<ShadowBias, String> {
+    let names = ShadowBias::ALL.map(ShadowBias::name);
+    let found = ShadowBias::ALL.into_iter().find(|bias| bias.name() == text);
+    found.ok_or_else(|| unknown("bias", text, &names))
+}
+
+/// A way to make shadows, and their filter and bias.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ShadowChoice {
     /// The way to make them.
     pub way: ShadowWay,
     /// The filter of shadow maps.
     pub filter: ShadowFilter,
+    /// The remedy of shadow maps against surfaces that shadow themselves.
+    pub bias: ShadowBias,
 }
 
 impl ShadowChoice {
     /// No shadows.
-    pub const OFF: Self = Self { way: ShadowWay::Off, filter: ShadowFilter::Adaptive };
+    pub const OFF: Self =
+        Self { way: ShadowWay::Off, filter: ShadowFilter::Adaptive, bias: ShadowBias::Plane };
 
-    /// Returns the choice whose images are right by construction, with the same filter; without
-    /// shadows all filters are one.
+    /// Returns the choice whose images are right by construction, with the same filter and bias;
+    /// without shadows all filters are one.
     #[must_use]
     pub fn reference(self) -> Self {
         match self.way.reference() {
@@ -131,7 +146,8 @@ impl ShadowChoice {
             ShadowWay::MapsUnculled | ShadowWay::VolumesUnculled => CasterCulling::Unculled,
             _ => CasterCulling::Culled,
         };
-        ShadowOptions { method, caching, culling, filter: self.filter, ..ShadowOptions::default() }
+        let Self { filter, bias, .. } = self;
+        ShadowOptions { method, caching, culling, filter, bias, ..ShadowOptions::default() }
     }
 }
 
@@ -149,22 +165,27 @@ mod tests {
         }
         let refused = "map".parse::<ShadowWay>().unwrap_err();
         assert!(refused.ends_with("did you mean 'maps'?"), "{refused}");
+        for bias in ShadowBias::ALL {
+            assert_eq!(parse_bias(bias.name()), Ok(bias));
+        }
+        let refused = parse_bias("midpiont").unwrap_err();
+        assert!(refused.ends_with("did you mean 'midpoint'?"), "{refused}");
         let refused = parse_filter("pcf5").unwrap_err();
         assert!(refused.contains("unknown filter 'pcf5'"), "{refused}");
     }
 
     #[test]
     fn references_keep_nothing_of_earlier_frames() {
-        for filter in ShadowFilter::ALL {
+        for (filter, bias) in ShadowFilter::ALL.into_iter().zip(ShadowBias::ALL.repeat(2)) {
             for way in ShadowWay::ALL {
-                let reference = ShadowChoice { way, filter }.reference();
+                let reference = ShadowChoice { way, filter, bias }.reference();
                 assert_eq!(reference.reference(), reference);
                 let options = reference.options();
                 assert_eq!(options.method == ShadowMethod::Off, way == ShadowWay::Off);
                 if way != ShadowWay::Off {
                     assert_eq!(options.caching, ShadowCaching::Uncached);
                     assert_eq!(options.culling, CasterCulling::Unculled);
-                    assert_eq!(options.filter, filter);
+                    assert_eq!((options.filter, options.bias), (filter, bias));
                 }
                 assert_eq!(options.check(), Ok(()));
             }

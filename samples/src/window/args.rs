@@ -133,7 +133,9 @@ mod tests {
         assert_eq!(hour_of(&[]), None);
         assert_eq!(hour_of(&["--shadows", "maps"]), Some(Hour::AFTERNOON));
         assert_eq!(hour_of(&["--hour", "22"]), Some(Hour::NIGHT));
-        let shadows = parse(&["--shadows", "maps_uncached", "--filter", "pcss"]).unwrap().shadows;
+        let line = ["--shadows", "maps_uncached", "--filter", "pcss", "--bias", "midpoint"];
+        let shadows = parse(&line).unwrap().shadows;
+        assert_eq!(shadows.bias.name(), "midpoint");
         assert_eq!((shadows.way.name(), shadows.filter.name()), ("maps_uncached", "pcss"));
     }
 
@@ -182,6 +184,7 @@ mod tests {
             (["--hour", "NaN"], "'NaN' is no hour of the day"),
             (["--shadows", "volume"], "did you mean 'volumes'?"),
             (["--filter", "soft"], "unknown filter 'soft'"),
+            (["--bias", "half"], "unknown bias 'half'"),
         ] {
             let refused = parse(&line).unwrap_err();
             assert!(refused.contains(reason), "{line:?}: {refused}");

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use antumbra::gpu::{PresentMode, SampleCount};
 use antumbra::pacing;
-use antumbra::shadows::ShadowFilter;
+use antumbra::shadows::{ShadowBias, ShadowFilter};
 use bench::args::DeviceArguments;
 use bench::choices::{CostsChoice, DeviceChoice, ValidationChoice, parse_strategy};
 use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, parse_samples};
-use bench::shadow_choice::{ShadowChoice, ShadowWay, parse_filter};
+use bench::shadow_choice::{ShadowChoice, ShadowWay, parse_bias, parse_filter};
 use bench::strategy::Strategy;
 use clap::{Args, value_parser};
 
@@ -68,6 +68,10 @@ pub struct ShowArguments {
     #[arg(long, value_name = "NAME", default_value = "adaptive", help_heading = "Lights")]
     #[arg(value_parser = parse_filter)]
     pub filter: ShadowFilter,
+    /// Remedy of shadow maps against surfaces that shadow themselves: plane, back_faces, midpoint
+    #[arg(long, value_name = "NAME", default_value = "plane", help_heading = "Lights")]
+    #[arg(value_parser = parse_bias)]
+    pub bias: ShadowBias,
     /// Measure the GPU time of every pass from the start
     #[arg(long, help_heading = "Frames")]
     pub time_passes: bool,
@@ -153,6 +157,7 @@ impl ShowArguments {
             shadows: ShadowChoice {
                 way: self.shadows.unwrap_or(ShadowWay::Off),
                 filter: self.filter,
+                bias: self.bias,
             },
             times_passes: self.time_passes || self.trace.is_some(),
             device: self.device.choice(),

@@ -6,6 +6,7 @@ pub mod cache;
 mod cascades;
 pub mod casters;
 pub mod culling;
+mod midpoints;
 mod raycast;
 mod reach;
 

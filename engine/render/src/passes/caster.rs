@@ -6,7 +6,7 @@ use gpu::{BufferSlice, Commands, DepthLayers, Device, vk};
 use occlusion::{Error, ShaderSet};
 use scene::Light;
 
-use crate::passes::{OpaqueIo, OpaquePass, SurfaceIo, SurfaceKind, SurfacePass};
+use crate::passes::{MidpointPass, OpaqueIo, OpaquePass, SurfaceIo, SurfaceKind, SurfacePass};
 use crate::shading::surfaces::SurfaceResources;
 
 /// The pass that draws casters of shadows to [`DepthLayers`], nearest depths
@@ -43,11 +43,68 @@ impl CasterIo<'_> {
     }
 }
 
-/// Returns the faces of triangles that maps leave out.
-pub(super) fn culled_faces(bias: ShadowBias) -> vk::CullModeFlags {
-    match bias {
-        ShadowBias::Plane => vk::CullModeFlags::BACK,
-        ShadowBias::BackFaces => vk::CullModeFlags::FRONT,
+/// The side of casters that is drawn, as a light sees them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CasterSide {
+    /// Triangles that face the light.
+    Fronts,
+    /// Triangles that face away from it.
+    Backs,
+}
+
+impl CasterSide {
+    /// Returns the faces of triangles that are left out.
+    pub(super) fn culled_faces(self) -> vk::CullModeFlags {
+        match self {
+            Self::Fronts => vk::CullModeFlags::BACK,
+            Self::Backs => vk::CullModeFlags::FRONT,
+        }
+    }
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Fronts => "casters",
+            Self::Backs => "backs of casters",
+        }
+    }
+
+    pub(super) fn name_masked(self) -> &'static str {
+        match self {
+            Self::Fronts => "masked casters",
+            Self::Backs => "backs of masked casters",
+        }
+    }
+}
+
+/// The passes that draw shadow maps.
+pub(crate) struct MapPasses {
+    /// The side of casters that maps hold, or the fronts that midpoints are made of.
+    pub(crate) casters: CasterPass,
+    /// The other side of midpoints, and the pass that makes them.
+    pub(crate) midpoints: Option<(CasterPass, MidpointPass)>,
+}
+
+impl MapPasses {
+    /// Compiles the passes for a scene.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        surfaces: &SurfaceResources,
+        bias: ShadowBias,
+    ) -> Result<Self, Error> {
+        let casters = |side| CasterPass::new(device, shaders, surfaces, side);
+        let (side, midpoints) = match bias {
+            ShadowBias::Plane => (CasterSide::Fronts, None),
+            ShadowBias::BackFaces => (CasterSide::Backs, None),
+            ShadowBias::Midpoint => {
+                let backs = casters(CasterSide::Backs)?;
+                (CasterSide::Fronts, Some((backs, MidpointPass::new(device, shaders)?)))
+            }
+        };
+        Ok(Self { casters: casters(side)?, midpoints })
     }
 }
 
@@ -60,15 +117,15 @@ impl CasterPass {
         device: &Device,
         shaders: &ShaderSet,
         surfaces: &SurfaceResources,
-        bias: ShadowBias,
+        side: CasterSide,
     ) -> Result<Self, Error> {
         Ok(match surfaces.is_masked() {
             true => {
-                let kind = SurfaceKind::Casters(bias);
+                let kind = SurfaceKind::Casters(side);
                 let shaders = (shaders, DepthLayers::attachments());
                 Self::Masked(SurfacePass::new(device, shaders, kind, surfaces, None)?)
             }
-            false => Self::Whole(OpaquePass::casters(device, shaders, bias)?),
+            false => Self::Whole(OpaquePass::casters(device, shaders, side)?),
         })
     }
 

@@ -1,6 +1,5 @@
 //! The opaque pass: the colour of objects, under any strategy.
 
-use ::shadows::ShadowBias;
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
@@ -9,7 +8,7 @@ use gpu::{
 };
 use scene::{Light, Vertex};
 
-use crate::passes::caster::culled_faces;
+use crate::passes::caster::CasterSide;
 use occlusion::{Error, ShaderSet};
 
 /// The pass that draws opaque objects: nearer ones win.
@@ -24,7 +23,7 @@ enum Kind {
     Depth,
     Colour,
     Wireframe,
-    Casters(ShadowBias),
+    Casters(CasterSide),
 }
 
 /// The buffers of the pass: reads vertices, indices and instances; writes the colour and depth that
@@ -112,8 +111,8 @@ impl OpaquePass {
     ///
     /// # Errors
     /// A failed call.
-    pub fn casters(device: &Device, shaders: &ShaderSet, bias: ShadowBias) -> Result<Self, Error> {
-        Self::of_kind(device, shaders, DepthLayers::attachments(), Kind::Casters(bias))
+    pub fn casters(device: &Device, shaders: &ShaderSet, side: CasterSide) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, DepthLayers::attachments(), Kind::Casters(side))
     }
 
     fn of_kind(
@@ -133,10 +132,10 @@ impl OpaquePass {
                 DepthMode::TestOnly,
                 Blend::Opaque,
             ),
-            Kind::Casters(_) => ("casters", None, DepthMode::TestAndWrite, Blend::NoColour),
+            Kind::Casters(side) => (side.name(), None, DepthMode::TestAndWrite, Blend::NoColour),
         };
         let cull = match kind {
-            Kind::Casters(bias) => culled_faces(bias),
+            Kind::Casters(side) => side.culled_faces(),
             _ => vk::CullModeFlags::BACK,
         };
         let polygon = if kind == Kind::Wireframe { Polygon::Wireframe } else { Polygon::Filled };

@@ -1,11 +1,11 @@
 //! All passes of a renderer, compiled from one set of shaders.
 
-use ::shadows::{CasterCulling, ShadowMethod, ShadowOptions};
+use ::shadows::{ShadowMethod, ShadowOptions};
 use gpu::{Attachments, Device, Optional};
 use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
-    CasterPass, CountPass, FlarePass, FlatPass, OpaquePass, OverlayPass, SeenPass, SkinningPass,
+    CountPass, FlarePass, FlatPass, MapPasses, OpaquePass, OverlayPass, SeenPass, SkinningPass,
     SurfaceKind, SurfacePass, SurfaceShadows, VolumePass, VolumePath,
 };
 use crate::shading::depth_first::Shading;
@@ -21,8 +21,8 @@ pub(crate) struct Pipelines {
     pub(crate) transparent: Option<SurfacePass>,
     /// The pass of skinned meshes, if there are any.
     pub(crate) skinning: Option<SkinningPass>,
-    /// The pass of the casters of shadow maps, if there are any.
-    pub(crate) casters: Option<CasterPass>,
+    /// The passes of shadow maps, if there are any.
+    pub(crate) maps: Option<MapPasses>,
     /// The pass that tests which casters matter, where they are culled.
     pub(crate) shadow_tests: Option<BoxVolumePass>,
     /// The pass of shadow volumes, if there are any.
@@ -85,15 +85,15 @@ impl Pipelines {
         let skinning =
             has_skinned_meshes.then(|| SkinningPass::new(device, shaders)).transpose()?;
         let has_maps = options.method == ShadowMethod::Maps;
-        let casters = surfaces
+        let maps = surfaces
             .filter(|_| has_maps)
-            .map(|surfaces| CasterPass::new(device, shaders, surfaces, options.bias))
+            .map(|surfaces| MapPasses::new(device, shaders, surfaces, options.bias))
             .transpose()?;
         let volumes = (options.method == ShadowMethod::Volumes)
             .then(|| VolumePass::new(device, shaders, needs.size, VolumePath::of(device)))
             .transpose()?;
         let can_cull = options.method != ShadowMethod::Off
-            && options.culling == CasterCulling::Culled
+            && options.may_cull_casters()
             && device.capabilities().has(Optional::FragmentStores);
         let shadow_tests =
             can_cull.then(|| BoxVolumePass::new(device, shaders, attachments)).transpose()?;
@@ -109,7 +109,7 @@ impl Pipelines {
             shading: surfaces.map(|it| Shading::new(device, drawn, it, shadows)).transpose()?,
             transparent,
             skinning,
-            casters,
+            maps,
             shadow_tests,
             volumes,
             depth_first: on_demand.again(|it| &it.depth_first, DepthFirst::new)?,

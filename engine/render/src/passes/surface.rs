@@ -1,6 +1,6 @@
 //! The surface pass: the depth and the colour of objects made of metallic-roughness materials.
 
-use ::shadows::{ShadowBias, ShadowFilter};
+use ::shadows::ShadowFilter;
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
@@ -10,7 +10,7 @@ use gpu::{
 use scene::limits::MAX_PAGES;
 use scene::{Light, SurfaceVertex};
 
-use crate::passes::caster::culled_faces;
+use crate::passes::caster::CasterSide;
 use crate::passes::opaque::POSITIONS;
 use crate::shading::surfaces::SurfaceResources;
 use crate::shadows::ShadowIo;
@@ -32,7 +32,7 @@ pub enum SurfaceKind {
     Transparent,
     /// The depth of casters of shadows, with the holes of masked materials, to
     /// [`DepthLayers`](gpu::DepthLayers).
-    Casters(ShadowBias),
+    Casters(CasterSide),
     /// The light of lens flares that transparent objects take, added up in a buffer, in any order.
     /// For devices with [`gpu::Optional::FragmentStores`].
     Veil,
@@ -175,8 +175,8 @@ impl SurfacePass {
             SurfaceKind::Transparent => {
                 ("transparent surface", "surface", DepthMode::TestOnly, Blend::Alpha)
             }
-            SurfaceKind::Casters(_) => {
-                ("masked casters", "surface_depth", DepthMode::TestAndWrite, Blend::NoColour)
+            SurfaceKind::Casters(side) => {
+                (side.name_masked(), "surface_depth", DepthMode::TestAndWrite, Blend::NoColour)
             }
             SurfaceKind::Veil => {
                 ("veil of flares", "surface_depth", DepthMode::TestOnly, Blend::NoColour)
@@ -191,7 +191,7 @@ impl SurfacePass {
             (_, Inputs::Holes | Inputs::Lights) => shader,
         };
         let cull = match kind {
-            SurfaceKind::Casters(bias) => culled_faces(bias),
+            SurfaceKind::Casters(side) => side.culled_faces(),
             _ => vk::CullModeFlags::BACK,
         };
         let is_transparent = matches!(kind, SurfaceKind::Transparent | SurfaceKind::Veil);

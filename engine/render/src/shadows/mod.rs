@@ -4,6 +4,7 @@
 mod caster_culling;
 mod culled_draws;
 mod light_shadow;
+mod map_images;
 mod records;
 mod shadow_maps;
 mod tile_draws;
@@ -11,7 +12,7 @@ mod volume_shadows;
 
 use std::collections::HashMap;
 
-use ::shadows::{CasterCulling, ShadowMethod, ShadowOptions, ShadowStats};
+use ::shadows::{ShadowMethod, ShadowOptions, ShadowStats};
 use cull::{Aabb, Hierarchy, LeafIndex, View};
 use gpu::{Commands, Device, Frame, Predicates, RenderTarget, SampleCount, Target, Tick};
 use scene::LightId;
@@ -99,7 +100,7 @@ impl Shadows {
 
     /// Returns true if casters may be culled, for which receivers must be known.
     pub(crate) fn culls_casters(&self) -> bool {
-        self.options.method != ShadowMethod::Off && self.options.culling == CasterCulling::Culled
+        self.options.method != ShadowMethod::Off && self.options.may_cull_casters()
     }
 
     /// Changes the number of frames in flight.
@@ -124,10 +125,10 @@ impl Shadows {
         (geometry, pipelines): (&Geometry, &Pipelines),
         target: (RenderTarget, &View),
     ) {
-        if let (Some(maps), Some(tests), Some(casters)) =
-            (&mut self.maps, &pipelines.shadow_tests, &pipelines.casters)
+        if let (Some(maps), Some(tests), Some(passes)) =
+            (&mut self.maps, &pipelines.shadow_tests, &pipelines.maps)
         {
-            maps.record_culled(commands, geometry, (tests, casters), target);
+            maps.record_culled(commands, geometry, (tests, &passes.casters), target);
         }
     }
 
@@ -147,8 +148,8 @@ impl Shadows {
         scene: (&Geometry, &Hierarchy),
         (pipelines, predicates): (&Pipelines, &Predicates),
     ) -> Result<(), Error> {
-        match (&mut self.maps, &pipelines.casters) {
-            (Some(maps), Some(pass)) => maps.record(frame, scene, (pass, predicates)),
+        match (&mut self.maps, &pipelines.maps) {
+            (Some(maps), Some(passes)) => maps.record(frame, scene, (passes, predicates)),
             _ => Ok(()),
         }
     }

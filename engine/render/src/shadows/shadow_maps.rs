@@ -3,28 +3,28 @@
 use std::collections::HashMap;
 
 use ::shadows::{
-    CasterCulling as CullingOption, Casters, FaceWork, JitterTexture, PlannedFace, PlannedLight,
-    ShadowCache, ShadowFilter, ShadowLight, ShadowOptions, ShadowPlan, ShadowStats, ShadowViews,
-    light_reach,
+    Casters, FaceWork, JitterTexture, PlannedFace, PlannedLight, ShadowCache, ShadowFilter,
+    ShadowLight, ShadowOptions, ShadowPlan, ShadowStats, ShadowViews, light_reach,
 };
 use cull::{BoxChange, BoxShadowVolumes, Frustum, Hierarchy, LeafIndex, View};
 use glam::Vec3;
 use gpu::{
-    BufferSlice, Commands, DepthLayers, DepthTile, Device, Frame, Optional, Predicates,
-    RenderTarget, Tick, VolumeTexels, VolumeTexture,
+    BufferSlice, Commands, Device, Frame, Optional, Predicates, RenderTarget, Tick, VolumeTexels,
+    VolumeTexture,
 };
 use occlusion::BoxVolumePass;
 use scene::LightId;
 
 use crate::error::Error;
-use crate::passes::CasterPass;
+use crate::passes::{CasterPass, MapPasses};
 use crate::resources::geometry::Geometry;
 use crate::shading::surfaces::LightTable;
 use crate::shadows::LightShadow;
 use crate::shadows::caster_culling::CasterCulling;
 use crate::shadows::culled_draws::{CasterGroup, CastersInView, CulledGroup};
+use crate::shadows::map_images::MapImages;
 use crate::shadows::records::{FaceRecord, LightRecord, ShadowMapIo, light_records};
-use crate::shadows::tile_draws::{CasterDraws, TileDraws, TileStart, begin_tile, caster_io};
+use crate::shadows::tile_draws::{CasterDraws, TileStart, begin_tile, caster_io};
 
 /// The side of the tile of disks, in pixels: neighbours filter with different ones.
 const DISKS_SIDE: u32 = 8;
@@ -35,11 +35,7 @@ pub(crate) struct ShadowMaps {
     options: ShadowOptions,
     cache: ShadowCache,
     plan: ShadowPlan,
-    maps: DepthLayers,
-    /// The resting casters of maps in two layers, once there are such maps.
-    resting: Option<DepthLayers>,
-    /// True if the newest frame recorded a use of them.
-    uses_resting: bool,
+    images: MapImages,
     disks: VolumeTexture,
     /// Changes of boxes that were read from the hierarchy so far.
     changes_read: u64,
@@ -64,7 +60,6 @@ struct Scratch {
     eyes: Vec<Vec3>,
     records: Vec<LightRecord>,
     faces: Vec<FaceRecord>,
-    tiles: Vec<DepthTile>,
     /// The casters of the plan, ascending.
     casters: Vec<LeafIndex>,
 }
@@ -103,8 +98,8 @@ impl ShadowMaps {
             let (wanted, limit) = (options.layers_max.into(), limit.into());
             return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
         }
-        let can_cull = options.culling == CullingOption::Culled
-            && device.capabilities().has(Optional::FragmentStores);
+        let can_cull =
+            options.may_cull_casters() && device.capabilities().has(Optional::FragmentStores);
         let culling = can_cull.then(|| CasterCulling::new(device, frames_in_flight));
         Ok(Self {
             culling: culling.transpose()?,
@@ -113,9 +108,7 @@ impl ShadowMaps {
             options,
             cache: ShadowCache::new(options),
             plan: ShadowPlan::default(),
-            maps: DepthLayers::new(device, options.layer_side(), 1, "shadow maps")?,
-            resting: None,
-            uses_resting: false,
+            images: MapImages::new(device, &options, 1)?,
             disks: {
                 let texels = VolumeTexels::Signed(&texels);
                 VolumeTexture::new(device, [side, side, depth], texels, "shadow disks")?
@@ -182,29 +175,24 @@ impl ShadowMaps {
         let eyes = ShadowViews { eyes, sub_pixel_bits, drawn_share };
         self.views = views.len() as u32;
         self.cache.plan(&self.lights, &casters, &eyes, &mut self.plan);
-        let side = self.options.layer_side();
-        if self.plan.layers > self.maps.layers() {
-            let layers = self.plan.layers;
-            match DepthLayers::new(&self.device, side, layers, "shadow maps") {
-                Ok(maps) => (self.maps, self.resting) = (maps, None),
+        let options = &self.options;
+        if self.plan.layers > self.images.layers() {
+            match MapImages::new(&self.device, options, self.plan.layers) {
+                Ok(images) => self.images = images,
                 Err(error) => {
                     tracing::warn!("no room for more shadow maps, some get smaller: {error}");
-                    self.cache.limit_layers(self.maps.layers());
+                    self.cache.limit_layers(self.images.layers());
                 }
             }
             // Into other layers, all of them.
             self.cache.plan(&self.lights, &casters, &eyes, &mut self.plan);
         }
-        if self.plan.has_layers() && self.resting.is_none() {
-            let layers = self.maps.layers();
-            match DepthLayers::new(&self.device, side, layers, "resting shadow maps") {
-                Ok(resting) => self.resting = Some(resting),
-                Err(error) => {
-                    tracing::warn!("no room for resting casters, maps are drawn whole: {error}");
-                    self.cache.keep_no_resting_casters();
-                    self.cache.plan(&self.lights, &casters, &eyes, &mut self.plan);
-                }
-            }
+        if self.plan.has_layers()
+            && let Err(error) = self.images.keep_resting(&self.device, options)
+        {
+            tracing::warn!("no room for resting casters, maps are drawn whole: {error}");
+            self.cache.keep_no_resting_casters();
+            self.cache.plan(&self.lights, &casters, &eyes, &mut self.plan);
         }
         sorted.clone_from(&self.plan.casters);
         sorted.sort_unstable();
@@ -233,7 +221,7 @@ impl ShadowMaps {
         &mut self,
         frame: &mut Frame<'_>,
         (geometry, hierarchy): (&Geometry, &Hierarchy),
-        (pass, predicates): (&CasterPass, &Predicates),
+        (passes, predicates): (&MapPasses, &Predicates),
     ) -> Result<(), Error> {
         let Self { plan, lights, places, views, scratch, .. } = self;
         let of_views = (*views, self.options.cascade_blend);
@@ -260,44 +248,21 @@ impl ShadowMaps {
         let draws = uploads.push_iter(casters.iter().map(draw_of))?;
         let drawn = self.plan.faces.iter().flat_map(|face| face.work.drawn_casters());
         let drawn = drawn.filter_map(|range| self.plan.casters.get(range)).flatten();
-        self.triangles = drawn.map(|leaf| u64::from(draw_of(leaf).index_count / 3)).sum();
+        // Midpoints take both sides of each.
+        let sides = 1 + u64::from(passes.midpoints.is_some());
+        self.triangles = drawn.map(|leaf| sides * u64::from(draw_of(leaf).index_count / 3)).sum();
         if let Some(culling) = &mut self.culling {
             culling.upload(frame, draw_of)?;
         }
-        self.uses_resting = self.plan.has_layers();
         let commands = frame.commands();
-        let casters = CasterDraws { geometry, pass, predicates, draws };
+        self.images.begin_frame();
         if drawn_faces == culled_faces {
-            self.maps.prepare(commands);
+            self.images.maps_mut().prepare(commands);
             return Ok(());
         }
-        commands.pass("shadow maps", |commands| self.draw(commands, &casters));
+        let casters = CasterDraws { geometry, predicates, draws };
+        self.images.draw(commands, (&casters, passes), &self.plan);
         Ok(())
-    }
-
-    fn draw(&mut self, commands: &Commands, casters: &CasterDraws<'_>) {
-        let Self { plan, maps, resting, scratch, .. } = self;
-        if let Some(resting) = resting.as_mut().filter(|_| plan.has_layers()) {
-            let part = |work: &FaceWork| match work {
-                FaceWork::Layered { resting: Some(it), .. } => Some(TileDraws::Afresh(it.clone())),
-                _ => None,
-            };
-            casters.draw(commands, resting, &plan.faces, part);
-            let is_layered = |face: &&PlannedFace| matches!(face.work, FaceWork::Layered { .. });
-            let layered = plan.faces.iter().filter(is_layered).map(|face| DepthTile {
-                layer: face.tile.layer,
-                origin: face.tile.origin,
-                side: face.tile.side,
-            });
-            scratch.tiles.clear();
-            scratch.tiles.extend(layered);
-            maps.copy_from(commands, resting, &scratch.tiles);
-        }
-        casters.draw(commands, maps, &plan.faces, |work| match work {
-            FaceWork::Keep | FaceWork::Cull(_) => None,
-            FaceWork::Draw(all) => Some(TileDraws::Afresh(all.clone())),
-            FaceWork::Layered { moving, .. } => Some(TileDraws::OnTop(moving.clone())),
-        });
     }
 
     /// Returns true if some maps of the newest frame are still to be drawn, with casters that tests
@@ -321,7 +286,7 @@ impl ShadowMaps {
         let Some(io) = caster_io(geometry) else { return };
         let faces = &self.plan.faces;
         commands.pass("culled shadow maps", |commands| {
-            self.maps.draw(commands, |commands, layers| {
+            self.images.maps_mut().draw(commands, |commands, layers| {
                 for layer in 0..layers.layers() {
                     let planned = |it: &CulledGroup| {
                         faces.get(it.number).filter(|face| face.tile.layer == layer)
@@ -359,8 +324,8 @@ impl ShadowMaps {
         Some(ShadowMapIo {
             lights,
             faces,
-            maps: self.maps.comparing(),
-            depths: self.maps.reading(),
+            maps: self.images.maps().comparing(),
+            depths: self.images.maps().reading(),
             disks: self.disks.sampled(),
             view: self.view,
         })
@@ -372,11 +337,7 @@ impl ShadowMaps {
         if let Some(culling) = &mut self.culling {
             culling.submitted(tick);
         }
-        self.maps.submitted();
-        // What a frame before recorded, and was never submitted, stays undefined.
-        if let Some(resting) = self.resting.as_mut().filter(|_| self.uses_resting) {
-            resting.submitted();
-        }
+        self.images.submitted();
     }
 }
 

@@ -23,7 +23,6 @@ pub(super) enum TileDraws {
 /// The draws of the casters of all maps of a frame.
 pub(super) struct CasterDraws<'a> {
     pub(super) geometry: &'a Geometry,
-    pub(super) pass: &'a CasterPass,
     pub(super) predicates: &'a Predicates,
     /// One indirect command per caster of the plan.
     pub(super) draws: BufferSlice,
@@ -34,7 +33,7 @@ impl CasterDraws<'_> {
     pub(super) fn draw(
         &self,
         commands: &Commands,
-        layers: &mut DepthLayers,
+        (pass, layers): (&CasterPass, &mut DepthLayers),
         faces: &[PlannedFace],
         part: impl Fn(&FaceWork) -> Option<TileDraws>,
     ) {
@@ -51,8 +50,8 @@ impl CasterDraws<'_> {
                     continue;
                 };
                 commands.rendering(target, |commands| {
-                    self.pass.bind(commands, &io);
-                    work.for_each(|(face, part)| self.draw_face(commands, &io, face, part));
+                    pass.bind(commands, &io);
+                    work.for_each(|(face, part)| self.draw_face(commands, (pass, &io), face, part));
                 });
             }
         });
@@ -61,7 +60,7 @@ impl CasterDraws<'_> {
     fn draw_face(
         &self,
         commands: &Commands,
-        io: &CasterIo<'_>,
+        (pass, io): (&CasterPass, &CasterIo<'_>),
         face: &PlannedFace,
         part: TileDraws,
     ) {
@@ -73,7 +72,7 @@ impl CasterDraws<'_> {
         if casters.is_empty() {
             return;
         }
-        self.pass.set_view(commands, io, &face.face.view);
+        pass.set_view(commands, io, &face.face.view);
         let (first, count) = (casters.start as u64, casters.len() as u64);
         let draws = self.draws.part(first * DRAW_BYTES, count * DRAW_BYTES);
         self.predicates.draw_after_counted(commands, draws);

@@ -5,8 +5,9 @@ use super::input::{Measured, MeasuredRun};
 use crate::statistics::ratio;
 
 /// The labels of the passes that draw shadow maps, or count volumes.
-const SHADOW_PASSES: [&str; 5] = [
+const SHADOW_PASSES: [&str; 6] = [
     "shadow maps",
+    "shadow midpoints",
     "test shadows",
     "resolve shadow tests",
     "culled shadow maps",

@@ -141,7 +141,7 @@ fn runs_with_shadows_say_which_and_have_ratios_by_them() {
     let mut report = example();
     report.lights = Some("sun".to_owned());
     let with = |filter| {
-        let choice = ShadowChoice { way: ShadowWay::Maps, filter };
+        let choice = ShadowChoice { way: ShadowWay::Maps, filter, ..ShadowChoice::OFF };
         let mut run = RunMeasurement::new(Strategy::ANTUMBRA).with_shadows(Some(choice));
         run.push(FrameMeasurement { frame_ms: 2.0, shadow_faces: 4, ..Default::default() });
         run.report()
@@ -151,7 +151,7 @@ fn runs_with_shadows_say_which_and_have_ratios_by_them() {
     let json: Value = serde_json::from_str(&report.to_json().unwrap()).unwrap();
     assert_eq!(json["lights"], "sun");
     let run = &json["runs"][1];
-    assert_eq!([&run["shadows"], &run["filter"]], ["maps", "adaptive"]);
+    assert_eq!([&run["shadows"], &run["filter"], &run["bias"]], ["maps", "adaptive", "plane"]);
     assert_eq!((&run["shadow_faces"], &run["shadow_casters"]), (&json!(4), &json!(0)));
     assert_eq!(run["shadow_triangles"], json!(0));
     assert_eq!(json["ratios"]["antumbra maps pcf3/antumbra maps adaptive"], 1.0);

@@ -71,6 +71,17 @@ fn each_combination_is_a_run_that_is_exact_while_objects_move() {
 }
 
 #[test]
+fn midpoint_depths_are_exact_while_objects_move() {
+    let scratch = Scratch::new("midpoints");
+    let more = ["--lights=4", "--shadows=maps,maps_uncached", "--bias=midpoint", "--moving=5"];
+    let report = walk(&scratch, "llvmpipe", &[&more[..], &["--strategy=antumbra"]].concat());
+    for run in runs_of(&report) {
+        assert_eq!((&run["bias"], &run["pixels_wrong"]), (&"midpoint".into(), &0.into()));
+        assert!(run["shadow_triangles"].as_u64().expect("a number") > 0);
+    }
+}
+
+#[test]
 fn filters_run_on_the_other_driver_too() {
     let scratch = Scratch::new("filters");
     let more = ["--lights=sun", "--shadows=maps", "--filter=single,fixed64", "--strategy=antumbra"];

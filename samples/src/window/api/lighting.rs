@@ -51,7 +51,7 @@ impl Session {
             (ShadowMethod::Volumes, _, CasterCulling::Culled) => ShadowWay::Volumes,
             (ShadowMethod::Volumes, _, CasterCulling::Unculled) => ShadowWay::VolumesUnculled,
         };
-        ShadowChoice { way, filter: options.filter }
+        ShadowChoice { way, filter: options.filter, bias: options.bias }
     }
 
     pub(crate) fn choose_shadows(&mut self, way: ShadowWay) {

@@ -6,7 +6,7 @@ use glam::{Affine3A, vec3};
 use gpu::{Device, DeviceOptions, Readback};
 use render::{Costs, FrameRequest, Renderer, RendererOptions, SpareRoom, ViewState};
 use scene::{LightId, ObjectChange, SceneUpdate};
-use shadows::{ShadowCaching, ShadowMethod, ShadowOptions, ShadowStats};
+use shadows::{ShadowBias, ShadowCaching, ShadowMethod, ShadowOptions, ShadowStats};
 use tests::machine::{Fault, Machine, calls};
 use tests::{Driver, instance_with, yard};
 
@@ -14,7 +14,7 @@ use super::vk;
 
 const FRAMES: u32 = 8;
 
-fn renderer(device: &Device) -> Renderer {
+fn renderer(device: &Device, bias: ShadowBias) -> Renderer {
     let [sun, ..] = yard::lights();
     let options = RendererOptions {
         size: [64, 48],
@@ -22,6 +22,7 @@ fn renderer(device: &Device) -> Renderer {
         spare: SpareRoom { lights: 4, ..SpareRoom::default() },
         shadows: ShadowOptions {
             method: ShadowMethod::Maps,
+            bias,
             sun_side: 256,
             spot_side: 256,
             point_side: 128,
@@ -66,9 +67,13 @@ fn draw(renderer: &mut Renderer, view: &mut ViewState, image: &Readback) -> Opti
 
 /// Draws all frames with a fault, and the last one again without. Returns the images, and the
 /// counts of the last.
-fn walk(device: &Device, fault: Option<Fault>) -> (Vec<Option<Vec<u8>>>, ShadowStats) {
+fn walk(
+    device: &Device,
+    bias: ShadowBias,
+    fault: Option<Fault>,
+) -> (Vec<Option<Vec<u8>>>, ShadowStats) {
     Machine::default().install();
-    let mut renderer = renderer(device);
+    let mut renderer = renderer(device, bias);
     let mut view = renderer.new_view().unwrap();
     let image = Readback::new(device, renderer.size()).unwrap();
     let has_fault = fault.is_some();
@@ -87,6 +92,15 @@ fn walk(device: &Device, fault: Option<Fault>) -> (Vec<Option<Vec<u8>>>, ShadowS
 
 #[test]
 fn lost_frames_and_missing_memory_leave_maps_right() {
+    lose(ShadowBias::Plane);
+}
+
+#[test]
+fn lost_frames_and_missing_memory_leave_midpoints_right() {
+    lose(ShadowBias::Midpoint);
+}
+
+fn lose(bias: ShadowBias) {
     let instance = instance_with(Machine::default().entry());
     let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
     let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
@@ -97,7 +111,7 @@ fn lost_frames_and_missing_memory_leave_maps_right() {
         c"vkBindBufferMemory",
     ];
     let grows = [c"vkCreateImage", c"vkBindImageMemory", c"vkCreateImageView"];
-    let (expected, whole) = walk(&device, None);
+    let (expected, whole) = walk(&device, bias, None);
     let counts: Vec<usize> = loses.iter().chain(&grows).map(|call| calls(call)).collect();
     assert!(counts.iter().all(|count| *count > 0), "{counts:?}");
     let (mut lost, mut smaller) = (0, 0);
@@ -105,7 +119,7 @@ fn lost_frames_and_missing_memory_leave_maps_right() {
         for number in (0..count).step_by(count.div_ceil(10)) {
             let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
             let fault = Fault { call, fails: number..number + 1, code };
-            let (images, stats) = walk(&device, Some(fault.clone()));
+            let (images, stats) = walk(&device, bias, Some(fault.clone()));
             let has_grown = !grows.contains(&call);
             for (frame, (found, expected)) in images.iter().zip(&expected).enumerate() {
                 lost += u32::from(found.is_none());

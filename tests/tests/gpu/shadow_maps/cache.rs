@@ -8,7 +8,7 @@ use scene::{
     LightId, MaterialId, MeshId, MorphTarget, Object, ObjectChange, PoseUpdate, PunctualLight,
     Scene, SceneUpdate, SkinWeights, SkinnedMesh, SkinnedMeshId,
 };
-use shadows::{ShadowCaching, ShadowOptions, ShadowStats};
+use shadows::{ShadowBias, ShadowCaching, ShadowOptions, ShadowStats};
 use tests::{Driver, run, shapes, yard};
 
 use super::{image, renderer, shadows};
@@ -104,8 +104,8 @@ fn moved_light(frame: u32) -> PunctualLight {
 struct Side(Renderer, ViewState);
 
 impl Side {
-    fn new(device: &gpu::Device, caching: ShadowCaching) -> Self {
-        let renderer = renderer(device, &scene(), ShadowOptions { caching, ..shadows() });
+    fn new(device: &gpu::Device, caching: ShadowCaching, bias: ShadowBias) -> Self {
+        let renderer = renderer(device, &scene(), ShadowOptions { caching, bias, ..shadows() });
         let view = renderer.new_view().unwrap();
         Self(renderer, view)
     }
@@ -120,10 +120,10 @@ impl Side {
     }
 }
 
-fn compare(device: &gpu::Device, frames: u32) -> [u64; 2] {
+fn compare(device: &gpu::Device, frames: u32, bias: ShadowBias) -> [u64; 2] {
     let mut random = Random(7);
     let [mut cached, mut afresh] =
-        [ShadowCaching::Cached, ShadowCaching::Uncached].map(|it| Side::new(device, it));
+        [ShadowCaching::Cached, ShadowCaching::Uncached].map(|it| Side::new(device, it, bias));
     let mut added = Vec::new();
     let mut drawn = [0, 0];
     for frame in 0..frames {
@@ -133,7 +133,7 @@ fn compare(device: &gpu::Device, frames: u32) -> [u64; 2] {
         assert_eq!(new, same);
         added.extend(new);
         let wrong = tests::walk::pixels_that_differ(&expected, &found);
-        assert_eq!(wrong, 0, "pixels of frame {frame}");
+        assert_eq!(wrong, 0, "pixels of frame {frame} with {bias:?}");
         for (sum, side) in drawn.iter_mut().zip([&cached, &afresh]) {
             *sum += u64::from(casters(&side.0).casters);
         }
@@ -149,7 +149,15 @@ fn casters(renderer: &Renderer) -> ShadowStats {
 #[test]
 fn lavapipe_a_thousand_frames_are_those_with_maps_drawn_afresh() {
     run(Driver::Lavapipe, |device| {
-        let [cached, afresh] = compare(device, 1000);
+        let [cached, afresh] = compare(device, 1000, ShadowBias::Plane);
+        assert!(cached * 2 < afresh, "{cached} casters of {afresh} were drawn");
+    });
+}
+
+#[test]
+fn lavapipe_a_thousand_frames_have_the_midpoints_of_those_with_maps_drawn_afresh() {
+    run(Driver::Lavapipe, |device| {
+        let [cached, afresh] = compare(device, 1000, ShadowBias::Midpoint);
         assert!(cached * 2 < afresh, "{cached} casters of {afresh} were drawn");
     });
 }
@@ -157,28 +165,36 @@ fn lavapipe_a_thousand_frames_are_those_with_maps_drawn_afresh() {
 #[test]
 fn swiftshader_frames_are_those_with_maps_drawn_afresh() {
     run(Driver::SwiftShader, |device| {
-        compare(device, 120);
+        for bias in ShadowBias::ALL {
+            compare(device, if bias == ShadowBias::BackFaces { 30 } else { 120 }, bias);
+        }
     });
 }
 
 #[test]
 fn at_rest_no_map_is_drawn() {
     run(Driver::Lavapipe, |device| {
-        let mut side = Side::new(device, ShadowCaching::Cached);
-        side.draw(0, &SceneUpdate::default());
-        let first = casters(&side.0);
-        assert_eq!((first.drawn_faces, first.lights), (first.faces, 3));
-        // With some of their casters at first, then whole, once.
-        let drawn = (0..20).map(|_| {
+        ShadowBias::ALL.into_iter().for_each(|bias| {
+            let mut side = Side::new(device, ShadowCaching::Cached, bias);
             side.draw(0, &SceneUpdate::default());
-            let stats = casters(&side.0);
-            (stats.drawn_faces, stats.drawn_faces - stats.culled_faces)
-        });
-        let drawn: Vec<(u32, u32)> = drawn.collect();
-        let whole: u32 = drawn.iter().map(|(_, whole)| whole).sum();
-        assert!(whole <= first.faces, "{drawn:?}");
-        side.draw(0, &SceneUpdate::default());
-        let last = casters(&side.0);
-        assert_eq!((last.drawn_faces, last.casters, last.faces), (0, 0, first.faces), "{drawn:?}");
+            let first = casters(&side.0);
+            assert_eq!((first.drawn_faces, first.lights), (first.faces, 3));
+            // With some of their casters at first, then whole, once.
+            let drawn = (0..20).map(|_| {
+                side.draw(0, &SceneUpdate::default());
+                let stats = casters(&side.0);
+                (stats.drawn_faces, stats.drawn_faces - stats.culled_faces)
+            });
+            let drawn: Vec<(u32, u32)> = drawn.collect();
+            let whole: u32 = drawn.iter().map(|(_, whole)| whole).sum();
+            assert!(whole <= first.faces, "{drawn:?}");
+            side.draw(0, &SceneUpdate::default());
+            let last = casters(&side.0);
+            assert_eq!(
+                (last.drawn_faces, last.casters, last.faces),
+                (0, 0, first.faces),
+                "{drawn:?}"
+            );
+        })
     });
 }

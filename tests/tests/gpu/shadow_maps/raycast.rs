@@ -3,7 +3,7 @@
 use cull::{Aabb, Camera, Strategy};
 use glam::{Vec3, vec3};
 use scene::PunctualLight;
-use shadows::{ShadowFilter, ShadowOptions};
+use shadows::{ShadowBias, ShadowFilter, ShadowOptions};
 use tests::box_rays::{is_blocked, shown_at, towards};
 use tests::{run_on_all, yard};
 
@@ -45,9 +45,12 @@ fn is_lit(boxes: &[Aabb], light: &PunctualLight, place: Vec3, normal: Vec3) -> O
 fn maps_agree_with_ray_casting_away_from_edges() {
     run_on_all(|device| {
         let (boxes, camera) = (yard::boxes(), yard::camera());
-        for light in yard::lights() {
+        let both = [ShadowBias::Plane, ShadowBias::Midpoint];
+        let cases = yard::lights().into_iter().flat_map(|light| both.map(|bias| (light, bias)));
+        for (light, bias) in cases {
             let scene = yard::scene(&boxes, &[light]);
             let options = ShadowOptions {
+                bias,
                 filter: ShadowFilter::Single,
                 distance_m: 40.0,
                 sun_side: 1024,
@@ -79,7 +82,7 @@ fn maps_agree_with_ray_casting_away_from_edges() {
                     wrong.push(format!("{x}, {y} at {place}: {lit:?} became {found:?}"));
                 }
             }
-            assert!(wrong.is_empty(), "under {:?}: {wrong:#?}", light.kind);
+            assert!(wrong.is_empty(), "{bias:?} under {:?}: {wrong:#?}", light.kind);
             assert!(checked > 500 && dark > 10, "{checked} places, {dark} dark: {:?}", light.kind);
         }
     });
@@ -105,11 +108,13 @@ fn nothing_shadows_itself() {
                 image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera())
             };
             let lit = draw(ShadowOptions::default());
-            for filter in ShadowFilter::ALL {
-                let shadowed = draw(ShadowOptions { filter, ..shadows() });
+            let both = [ShadowBias::Plane, ShadowBias::Midpoint];
+            for (filter, bias) in ShadowFilter::ALL.into_iter().flat_map(|it| both.map(|b| (it, b)))
+            {
+                let shadowed = draw(ShadowOptions { filter, bias, ..shadows() });
                 // The two passes are compiled apart: a last place may be rounded differently.
                 let wrong = lit.iter().zip(&shadowed).filter(|(a, b)| a.abs_diff(**b) > 1).count();
-                assert_eq!(wrong, 0, "{filter:?} under {light:?}");
+                assert_eq!(wrong, 0, "{filter:?}, {bias:?} under {light:?}");
             }
         }
     });

@@ -1,0 +1,111 @@
+//! The midpoint pass: shadow maps with depths halfway between two sides of casters.
+
+use ::shadows::MIDPOINT_TEXELS;
+use bytemuck::{Pod, Zeroable};
+use cull::{ProjectionKind, View};
+use gpu::{
+    Commands, DepthLayers, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    SampledTexture, StorageLayout,
+};
+use occlusion::{Error, ShaderSet};
+
+/// The pass that writes midpoints to [`DepthLayers`], over cleared tiles.
+pub(crate) struct MidpointPass {
+    pipeline: GraphicsPipeline,
+}
+
+/// The inputs of the pass: reads the depths of both sides, which lie at the places of the tiles.
+#[derive(Clone, Copy)]
+pub(crate) struct MidpointIo<'a> {
+    /// The nearest depths of what faces the light.
+    pub(crate) fronts: SampledTexture<'a>,
+    /// The nearest depths of what faces away from it.
+    pub(crate) backs: SampledTexture<'a>,
+}
+
+/// A tile of the pass.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct MidpointTile {
+    /// The most by which a front is moved: the first, and the second times its depth.
+    reach: [f32; 2],
+    layer: u32,
+}
+
+impl MidpointTile {
+    /// Returns the tile of a light's view in a layer.
+    pub(crate) fn new(view: &View, layer: u32) -> Self {
+        let [_, scaled] = view.rays.depth;
+        // The image is a square, and depth falls with the distance: linearly, or as its inverse.
+        let side_m = 2.0 * view.rays.right.length();
+        let texels = MIDPOINT_TEXELS / view.size[0].max(1) as f32;
+        let reach = match view.rays.kind {
+            ProjectionKind::Orthographic => [texels * side_m * scaled.abs(), 0.0],
+            ProjectionKind::Perspective => [0.0, texels * side_m],
+        };
+        Self { reach, layer }
+    }
+}
+
+impl MidpointPass {
+    /// Compiles the pass.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        let info = GraphicsPipelineInfo {
+            fragment: Some(shaders.find("midpoint.frag")?),
+            storage: StorageLayout { textures: 2, ..StorageLayout::new::<MidpointTile>(0) },
+            depth: DepthMode::TestAndWrite,
+            attachments: DepthLayers::attachments(),
+            ..GraphicsPipelineInfo::of("midpoints", shaders.find("sky.vert")?)
+        };
+        Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
+    }
+
+    /// Binds everything but the tile.
+    pub(crate) fn bind(&self, commands: &Commands, io: &MidpointIo<'_>) {
+        commands.bind_sampled(&self.pipeline, &[], &[io.fronts, io.backs], &[]);
+    }
+
+    /// Draws a tile, which the viewport covers.
+    pub(crate) fn draw(&self, commands: &Commands, tile: &MidpointTile) {
+        commands.push_constants(&self.pipeline, tile);
+        commands.draw(3, 0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use cull::{Camera, Projection};
+    use glam::Vec3;
+
+    use super::*;
+
+    /// Returns the depth that a view has at a distance before its eye.
+    fn depth_at(view: &View, distance_m: f32) -> f32 {
+        let clip = view.view_proj * (Vec3::NEG_Z * distance_m).extend(1.0);
+        clip.z / clip.w
+    }
+
+    #[test]
+    fn reaches_are_so_many_texels_deep_at_every_distance() {
+        let perspective = Projection::perspective(1.0);
+        let orthographic = Projection::Orthographic { height: 20.0, far: 60.0 };
+        for (projection, side_at) in
+            [(perspective, 2.0 * 0.5_f32.tan()), (orthographic, 20.0 / 10.0)]
+        {
+            let (forward, up) = (Vec3::NEG_Z, Vec3::Y);
+            let camera = Camera { eye: Vec3::ZERO, forward, up, projection, near: 0.05 };
+            let view = View::new(&camera, [512; 2], 8);
+            let MidpointTile { reach: [constant, scaled], layer } = MidpointTile::new(&view, 3);
+            assert_eq!(layer, 3);
+            // Where a tile is ten times as wide as at 1 m, if it widens.
+            let side_m = 10.0 * side_at;
+            let moved_m = 10.0 + MIDPOINT_TEXELS * side_m / 512.0;
+            let (near, far) = (depth_at(&view, 10.0), depth_at(&view, moved_m));
+            let found = constant + scaled * near;
+            assert!((found / (near - far) - 1.0).abs() < 0.05, "{found} of {}", near - far);
+        }
+    }
+}
