@@ -157,12 +157,12 @@ impl<'a> Casting<'a> {
         let is_near =
             |(centre, reach_m): (Vec3, f32)| bounds.distance_squared(centre) <= reach_m * reach_m;
         self.reach.is_none_or(is_near)
-            && self.from_cone(bounds).is_none_or(|[way_m, radius_m]| way_m <= radius_m)
+            && self.beside_cone(bounds).is_none_or(|[way_m, radius_m]| way_m <= radius_m)
     }
 
     /// Returns the way from a spot's cone to the middle of a box, negative within, as the plane
     /// that touches the cone on its side has it, and the radius of the ball around the box.
-    fn from_cone(&self, bounds: &Aabb) -> Option<[f32; 2]> {
+    fn beside_cone(&self, bounds: &Aabb) -> Option<[f32; 2]> {
         self.cone.map(|(direction, [sine, cosine])| {
             let away = bounds.centre() - self.light.truncate();
             let along_m = away.dot(direction);
@@ -179,7 +179,7 @@ impl<'a> Casting<'a> {
             farthest.length_squared() <= reach_m * reach_m
         };
         self.reach.is_none_or(is_within)
-            && self.from_cone(bounds).is_none_or(|[way_m, radius_m]| way_m <= -radius_m)
+            && self.beside_cone(bounds).is_none_or(|[way_m, radius_m]| way_m <= -radius_m)
     }
 }
 
