@@ -1,16 +1,19 @@
-//! The courtyard: a small scene for shadows. Columns and a fence cast thin ones, a figure walks, a
-//! lantern flies, two spots stand on the walls, and the sun follows the hour.
+//! The courtyard: a small scene for light and shadows. Columns and a fence cast thin ones, a figure
+//! walks, a lantern flies, two spots stand on masts, lamps hang on the walls, a spot projects the
+//! picture of a window, and the sun follows the hour.
+
+mod meshes;
+mod rose;
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 use cull::{Camera, ObjectId, Projection};
-use glam::{Affine3A, Quat, Vec2, Vec3, vec2, vec3};
+use glam::{Affine3A, Quat, Vec3, vec3};
 use scene::{
-    FOV_Y_RAD, LightId, LightKind, LightMove, Mesh, MeshId, NEAR_M, Object, ObjectChange,
-    PunctualLight, Scene, SceneUpdate,
+    FOV_Y_RAD, LightId, LightKind, LightMove, LightPicture, Mesh, MeshId, NEAR_M, Object,
+    ObjectChange, PunctualLight, Scene, SceneUpdate, TextureId,
 };
 
-use super::builder::{Faces, MeshBuilder, Paint};
 use super::generated::HOVER_M;
 use super::lights::{Daylight, Hour, LampHours, let_glow};
 
@@ -23,6 +26,9 @@ const TILE_M: f32 = 2.0;
 /// The distance from the lantern's middle down to its light, in metres: beyond its own glass, which
 /// would cast a shadow.
 const BELOW_M: f32 = 0.4;
+
+/// The size of a lamp on a wall, in that of the lantern.
+const LAMP_SIZE: f32 = 0.75;
 
 /// The courtyard, its lights, and its motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,8 +66,9 @@ impl YardMotion {
         );
         let place = vec3(7.5 * (3.0 * way).sin(), 3.0 + 0.4 * (5.0 * way).sin(), 5.0 * way.cos());
         let flying = Affine3A::from_translation(place);
-        let change = |object, transform| ObjectChange::Move { object, transform };
-        let position = place - Vec3::Y * BELOW_M;
+        let change =
+            |object, transform| ObjectChange::Move { object, transform: yard() * transform };
+        let position = yard().transform_point3(place - Vec3::Y * BELOW_M);
         SceneUpdate {
             objects: vec![change(self.figure, walking), change(self.lantern, flying)],
             lights: vec![LightMove {
@@ -73,57 +80,112 @@ impl YardMotion {
     }
 }
 
+/// Returns the place of the yard in the world: its back wall is where the sun sets.
+fn yard() -> Affine3A {
+    Affine3A::from_rotation_y(-FRAC_PI_2)
+}
+
+/// Returns the transform of the wall with that number, before which -z is the way to it.
+fn side(number: u8) -> Affine3A {
+    Affine3A::from_rotation_y(f32::from(number) * FRAC_PI_2)
+}
+
 /// Makes the courtyard at an hour of the day. Its lamps are always on.
 pub fn courtyard(hour: Hour) -> Courtyard {
-    let mut meshes = Vec::new();
-    let mut objects = Vec::new();
-    let mut add = |mesh: Mesh, places: &[Affine3A]| {
-        let id = MeshId(meshes.len() as u32);
-        meshes.push(mesh);
-        objects.extend(places.iter().map(|place| Object {
-            mesh: id,
-            transform: *place,
-            tint: u32::MAX,
-        }));
-        (id, ObjectId(objects.len() as u32 - 1))
-    };
+    let mut yard = Yard::default();
     let at = |x: f32, z: f32| Affine3A::from_translation(vec3(x, HOVER_M, z));
-    add(ground(), &[Affine3A::IDENTITY]);
-    let side = |number: u8| {
-        Affine3A::from_rotation_y(f32::from(number) * FRAC_PI_2) * at(0.0, -HALF_M + 0.5)
-    };
-    add(wall(), &[side(0), side(1), side(3)]);
+    yard.add(meshes::ground(), &[Affine3A::IDENTITY]);
+    let walls = [0, 1, 3].map(|number| side(number) * at(0.0, -HALF_M + 0.5));
+    yard.add(meshes::wall(), &walls);
     let columns = (0..10_u8).map(|number| {
         let (row, place) = (number % 2, f32::from(number / 2));
         at(if row == 0 { -9.5 } else { 9.5 }, 5.0 * place - 11.0)
     });
-    add(column(), &columns.collect::<Vec<_>>());
-    add(fence(), &[at(-3.6, -8.0), at(3.6, -8.0)]);
+    yard.add(meshes::column(), &columns.collect::<Vec<_>>());
+    yard.add(meshes::fence(), &[at(-3.6, -8.0), at(3.6, -8.0)]);
     let turned = |x: f32, z: f32, turn: f32| at(x, z) * Affine3A::from_rotation_y(turn);
-    add(crate_box(), &[turned(-2.4, 1.2, 0.4), turned(-0.9, 0.2, 1.1), turned(2.8, -2.0, 0.2)]);
-    let (_, figure) = add(figure_mesh(), &[at(6.0, 0.0)]);
-    let (lantern_mesh, lantern) = add(lantern_mesh(), &[at(0.0, 5.0)]);
-    let light = Hour::NIGHT.light();
-    let plain = Scene { name: "courtyard".to_owned(), meshes, objects, light, surfaces: None };
-    let mut scene = plain.with_surfaces();
-    let_glow(&mut scene, lantern_mesh);
-    let lights = [spot(-1.0, [1.0, 0.72, 0.42]), spot(1.0, [0.55, 0.75, 1.0]), lantern_light()];
+    let crates = [turned(-2.4, 1.2, 0.4), turned(-0.9, 0.2, 1.1), turned(2.8, -2.0, 0.2)];
+    yard.add(meshes::crate_box(), &crates);
+    let (_, figure) = yard.add(meshes::figure_mesh(), &[at(6.0, 0.0)]);
+    yard.add(meshes::bracket(), &hung_lamps());
+    let size = Affine3A::from_scale(Vec3::splat(LAMP_SIZE));
+    let glasses = hung_lamps().map(|place| place * size);
+    let places = [&glasses[..], &[at(0.0, 5.0)]].concat();
+    let (glass, lantern) = yard.add(meshes::lantern_mesh(), &places);
+    let spots = [spot(-1.0, [1.0, 0.72, 0.42]), spot(1.0, [0.55, 0.75, 1.0])];
+    let heads = spots.map(|light| head_of(&light));
+    yard.add(meshes::housing(), &heads);
+    let (lens, _) = yard.add(meshes::lens(), &heads);
+    yard.add(meshes::mast(), &spots.map(|light| mast_of(&light)));
+    let mut scene = yard.scene();
+    for mesh in [glass, lens] {
+        let_glow(&mut scene, mesh);
+    }
+    let mut lights = [&spots[..], &[lantern_light()], &hung_lamps().map(lamp_light)].concat();
     if let Some(surfaces) = &mut scene.surfaces {
-        surfaces.lights.extend(lights);
+        lights.push(projector(rose::add(surfaces)));
+        lights.iter_mut().for_each(turn_light);
+        surfaces.lights.extend(&lights);
     }
     let lamps = (1..).map(LightId).zip(lights).collect::<Vec<_>>();
     let motion = YardMotion { figure, lantern, light: LightId(3), lamp: lantern_light() };
-    let daylight = Daylight { hour, lamps, glow: None, lamp_hours: LampHours::Always };
+    let daylight = Daylight {
+        hour,
+        lamps,
+        glow: None,
+        lamp_hours: LampHours::Always,
+        glass: Vec3::Y * BELOW_M,
+        shows_pictures: true,
+    };
     Courtyard { scene, daylight, motion, camera: camera() }
 }
 
+/// The meshes and objects of a yard that is being made.
+#[derive(Default)]
+struct Yard {
+    meshes: Vec<Mesh>,
+    objects: Vec<Object>,
+}
+
+impl Yard {
+    /// Adds a mesh at some places. Returns the mesh, and the object at the last of them.
+    fn add(&mut self, mesh: Mesh, places: &[Affine3A]) -> (MeshId, ObjectId) {
+        let id = MeshId(self.meshes.len() as u32);
+        self.meshes.push(mesh);
+        self.objects.extend(places.iter().map(|place| Object {
+            mesh: id,
+            transform: yard() * *place,
+            tint: u32::MAX,
+        }));
+        (id, ObjectId(self.objects.len() as u32 - 1))
+    }
+
+    /// Returns the scene, under the moon.
+    fn scene(self) -> Scene {
+        let Self { meshes, objects } = self;
+        let light = Hour::NIGHT.light();
+        let name = "courtyard".to_owned();
+        Scene { name, meshes, objects, light, surfaces: None }.with_surfaces()
+    }
+}
+
 fn camera() -> Camera {
+    let forward = vec3(-0.24, -0.17, -1.0);
     Camera {
-        eye: vec3(4.5, 4.6, 15.0),
-        forward: vec3(-0.26, -0.2, -1.0).normalize_or(Vec3::NEG_Z),
+        eye: yard().transform_point3(vec3(4.2, 3.6, 14.2)),
+        forward: yard().transform_vector3(forward).normalize_or(Vec3::X),
         up: Vec3::Y,
         projection: Projection::perspective(FOV_Y_RAD),
         near: NEAR_M,
+    }
+}
+
+/// Moves a light with the yard.
+fn turn_light(light: &mut PunctualLight) {
+    light.position = yard().transform_point3(light.position);
+    light.direction = yard().transform_vector3(light.direction).normalize_or(Vec3::NEG_Y);
+    if let Some(picture) = &mut light.picture {
+        picture.up = yard().transform_vector3(picture.up);
     }
 }
 
@@ -141,6 +203,50 @@ fn spot(side: f32, colour: [f32; 3]) -> PunctualLight {
     }
 }
 
+/// Returns the place of the housing of a spot, and of its lens.
+fn head_of(spot: &PunctualLight) -> Affine3A {
+    let turn = Quat::from_rotation_arc(Vec3::NEG_Y, spot.direction);
+    Affine3A::from_rotation_translation(turn, spot.position)
+}
+
+/// Returns the place of the mast that holds a spot, behind its housing.
+fn mast_of(spot: &PunctualLight) -> Affine3A {
+    let behind = (spot.direction * vec3(1.0, 0.0, 1.0)).normalize_or(Vec3::Z) * -0.75;
+    let Vec3 { x, z, .. } = spot.position + behind;
+    Affine3A::from_translation(vec3(x, HOVER_M, z))
+}
+
+/// Returns the spot that projects a picture, from behind who looks, on the middle.
+fn projector(texture: TextureId) -> PunctualLight {
+    let position = vec3(1.0, 10.5, 19.0);
+    PunctualLight {
+        kind: LightKind::Spot { inner_rad: 0.27, outer_rad: 0.275 },
+        colour: [1.0, 0.96, 0.9],
+        intensity: 1900.0,
+        range_m: Some(40.0),
+        position,
+        direction: (vec3(0.4, 0.0, 4.6) - position).normalize_or(Vec3::NEG_Y),
+        picture: Some(LightPicture { texture, up: Vec3::Y }),
+    }
+}
+
+/// Returns the places of the glasses of the lamps on the walls.
+fn hung_lamps() -> [Affine3A; 4] {
+    [(0, -5.0), (0, 5.0), (1, 0.0), (3, 0.0)]
+        .map(|(wall, x)| side(wall) * Affine3A::from_translation(vec3(x, 2.9, -HALF_M + 1.45)))
+}
+
+/// Returns the light of a lamp on a wall.
+fn lamp_light(place: Affine3A) -> PunctualLight {
+    PunctualLight {
+        colour: [1.0, 0.62, 0.3],
+        intensity: 17.0,
+        range_m: Some(9.0),
+        position: place.transform_point3(Vec3::NEG_Y * BELOW_M),
+        ..lantern_light()
+    }
+}
+
 fn lantern_light() -> PunctualLight {
     PunctualLight {
         kind: LightKind::Point,
@@ -153,104 +259,6 @@ fn lantern_light() -> PunctualLight {
     }
 }
 
-/// Returns the ground: a chequered floor.
-fn ground() -> Mesh {
-    let mut builder = MeshBuilder::default();
-    let paints = [0xB9_AE98, 0xA6_9A84].map(Paint::srgb);
-    let tiles = (2.0 * HALF_M / TILE_M) as u8;
-    for column in 0..tiles {
-        for row in 0..tiles {
-            let [x, z] = [column, row].map(|tile| f32::from(tile) * TILE_M - HALF_M);
-            let corners = [
-                vec3(x, 0.0, z + TILE_M),
-                vec3(x + TILE_M, 0.0, z + TILE_M),
-                vec3(x + TILE_M, 0.0, z),
-                vec3(x, 0.0, z),
-            ];
-            builder.polygon(&corners, paints[usize::from((column + row) % 2)]);
-        }
-    }
-    builder.finish("courtyard ground")
-}
-
-fn wall() -> Mesh {
-    let mut builder = MeshBuilder::default();
-    // Walls end right before each other.
-    let (half, high) = (HALF_M - 0.82, 4.2);
-    let stone = Paint::srgb(0xC9_B79A);
-    builder.cuboid(vec3(-half, 0.0, -0.3), vec3(half, high, 0.3), Faces::Standing, stone);
-    let coping = Paint::srgb(0x9A_6A4E);
-    let end = half - 0.15;
-    let (low, top) = (vec3(-end, high - 0.1, -0.45), vec3(end, high + 0.3, 0.45));
-    builder.tapered(low, top, vec2(0.0, 0.3), Faces::All, coping);
-    builder.finish("courtyard wall")
-}
-
-fn column() -> Mesh {
-    let mut builder = MeshBuilder::default();
-    let profile = [
-        (0.55, 0.0),
-        (0.55, 0.25),
-        (0.4, 0.4),
-        (0.34, 0.5),
-        (0.3, 4.6),
-        (0.36, 4.7),
-        (0.55, 4.95),
-        (0.55, 5.2),
-        (0.0, 5.2),
-    ];
-    builder.turned(&Affine3A::IDENTITY, &profile, 24, Paint::srgb(0xE4_DBC8));
-    builder.finish("column")
-}
-
-/// Returns a fence of pickets between two rails.
-fn fence() -> Mesh {
-    let mut builder = MeshBuilder::default();
-    let wood = Paint::srgb(0x6E_4B33);
-    for picket in 0..16_u8 {
-        let x = f32::from(picket) * 0.4 - 3.0;
-        let (low, high) = (vec3(x - 0.06, 0.0, -0.03), vec3(x + 0.06, 1.5, 0.03));
-        builder.tapered(low, high, Vec2::ZERO, Faces::Standing, wood);
-    }
-    for y in [0.35, 1.1] {
-        let (low, high) = (vec3(-3.2, y, 0.032), vec3(3.2, y + 0.12, 0.09));
-        builder.cuboid(low, high, Faces::All, wood.shade(0.8));
-    }
-    builder.finish("fence")
-}
-
-fn crate_box() -> Mesh {
-    let mut builder = MeshBuilder::default();
-    let wood = Paint::srgb(0xA8_7B4A);
-    builder.cuboid(vec3(-0.55, 0.0, -0.55), vec3(0.55, 1.1, 0.55), Faces::Standing, wood);
-    builder.finish("crate")
-}
-
-/// Returns a figure in a long coat, with a hat, that looks along +z.
-fn figure_mesh() -> Mesh {
-    let mut builder = MeshBuilder::default();
-    let coat = Paint::srgb(0x8C_3B36);
-    let body = [(0.0, 0.05), (0.38, 0.05), (0.26, 0.9), (0.3, 1.25), (0.12, 1.45), (0.0, 1.5)];
-    builder.turned(&Affine3A::IDENTITY, &body, 16, coat);
-    let skin = Paint::srgb(0xD9_A27C);
-    builder.ellipsoid(vec3(0.0, 1.66, 0.0), vec2(0.14, 0.17), [12, 8], [skin, skin]);
-    let hat = [(0.0, 1.76), (0.3, 1.77), (0.3, 1.79), (0.16, 1.81), (0.13, 2.0), (0.0, 2.02)];
-    builder.turned(&Affine3A::IDENTITY, &hat, 16, Paint::srgb(0x2B_2A2E));
-    for side in [-1.0_f32, 1.0] {
-        let x = side * 0.38;
-        let (low, high) = (vec3(x - 0.07, 0.75, -0.07), vec3(x + 0.07, 1.32, 0.1));
-        builder.cuboid(low, high, Faces::All, coat.shade(0.85));
-    }
-    builder.finish("figure")
-}
-
-fn lantern_mesh() -> Mesh {
-    let mut builder = MeshBuilder::default();
-    let glass = Paint::srgb(0xFF_F3D6);
-    builder.ellipsoid(Vec3::ZERO, vec2(0.2, 0.24), [14, 10], [glass, glass]);
-    builder.finish("lantern")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -261,7 +269,8 @@ mod tests {
         assert_eq!(yard.scene.validate(), Ok(()));
         assert_eq!(yard, courtyard(Hour::AFTERNOON), "the same each time");
         let lights = &yard.scene.surfaces.as_ref().unwrap().lights;
-        assert_eq!(lights.len(), 4, "a sun, two spots, a lantern");
+        assert_eq!(lights.len(), 9, "a sun, two spots, a lantern, four lamps, a projector");
+        assert_eq!(lights.iter().filter(|light| light.picture.is_some()).count(), 1);
         for change in yard.daylight.lights().iter().chain(&yard.motion.at(0.0).lights) {
             let kinds = [change.to.kind, lights[change.light.0 as usize].kind];
             let [to, there] = kinds.map(|kind| std::mem::discriminant(&kind));

@@ -42,6 +42,12 @@ pub enum Action {
     NextFilter,
     /// This filter of shadow maps.
     Filter(ShadowFilter),
+    /// Lens flares, or none.
+    Flares,
+    /// The pictures that spots project, or white light.
+    Pictures,
+    /// Levels of detail by distance and visible samples, or by distance alone.
+    DetailBySamples,
     /// The view from above in a corner.
     TopDown,
     /// The boxes that are tested, coloured by their history.
@@ -85,7 +91,7 @@ pub enum Action {
 }
 
 /// The keys: their names, their actions as text, and their actions; in the order of [`GROUPS`].
-pub const KEYS: [(&str, &str, Action); 23] = [
+pub const KEYS: [(&str, &str, Action); 26] = [
     ("O", "list of scenes", Action::ListScenes),
     ("Ctrl+O", "open a file by its path", Action::OpenPath),
     ("F11", "full screen", Action::FullScreen),
@@ -105,6 +111,9 @@ pub const KEYS: [(&str, &str, Action); 23] = [
     ("J", "an hour later", Action::NextHour),
     ("Y", "shadows: maps, volumes, off", Action::NextShadows),
     ("Z", "filter of shadows", Action::NextFilter),
+    ("F2", "lens flares", Action::Flares),
+    ("F3", "pictures of spots", Action::Pictures),
+    ("F4", "detail by visible samples", Action::DetailBySamples),
     ("F", "frames in flight", Action::NextFramesInFlight),
     ("P", "present mode", Action::NextPresentMode),
     ("K", "screenshot", Action::Screenshot),
@@ -112,8 +121,13 @@ pub const KEYS: [(&str, &str, Action); 23] = [
 ];
 
 /// The titles of groups of keys, and the number of keys in each.
-pub const GROUPS: [(&str, usize); 5] =
-    [("Scene and window", 7), ("Culling", 4), ("Explanations", 5), ("Light", 3), ("Frames", 4)];
+pub const GROUPS: [(&str, usize); 5] = [
+    ("Scene and window", 7),
+    ("Culling", 4),
+    ("Explanations", 5),
+    ("Light and detail", 6),
+    ("Frames", 4),
+];
 
 /// More keys, for scenes out of files. Numbers look through their cameras.
 pub const FILE_KEYS: [(&str, &str, Action); 4] = [
@@ -182,6 +196,9 @@ impl Action {
                 ("shadows", Some(way)) => Self::Shadows(way.parse()?),
                 ("filter", None) => Self::NextFilter,
                 ("filter", Some(name)) => Self::Filter(parse_filter(name)?),
+                ("flares", None) => Self::Flares,
+                ("pictures", None) => Self::Pictures,
+                ("detail_by_samples", None) => Self::DetailBySamples,
                 ("top_down", None) => Self::TopDown,
                 ("boxes", None) => Self::Boxes,
                 ("wireframe", None) => Self::Wireframe,
@@ -216,7 +233,7 @@ impl Action {
     }
 }
 
-const NAMES: [&str; 29] = [
+const NAMES: [&str; 32] = [
     "strategy",
     "frames_in_flight",
     "present_mode",
@@ -226,6 +243,9 @@ const NAMES: [&str; 29] = [
     "hour",
     "shadows",
     "filter",
+    "flares",
+    "pictures",
+    "detail_by_samples",
     "top_down",
     "boxes",
     "wireframe",

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use antumbra::cull::{Camera, DetailPolicy, ObjectId};
+use antumbra::cull::{Camera, ObjectId};
 use antumbra::import;
 use antumbra::import::{GltfScene, SceneAnimator};
 use antumbra::render::Renderer;
-use antumbra::scene::Scene;
+use antumbra::scene::{LightMove, Scene};
 
 use super::clearance::clearance_m;
+use super::detail::Detail;
 use super::page_text::{Facts, fact};
 use super::source::FileSource;
 use bench::camera_path::CameraTrack;
@@ -53,6 +54,8 @@ pub struct SceneView {
     pub notes: Vec<String>,
     /// The keys to try next from the first camera.
     pub hint: Option<String>,
+    /// The rule for coarser levels of detail; `None` for none.
+    pub detail: Option<Detail>,
     guide: Guide,
     names: MeshNames,
     /// The camera that sees all of a file's scene.
@@ -85,15 +88,9 @@ struct Life {
     cameras: Vec<import::SceneCamera>,
     /// The clips that play.
     clips: Clips,
-    /// The policy for coarser levels of detail; `None` for none.
-    detail: Option<DetailPolicy>,
     /// The time in the scene.
     seconds: f64,
     is_paused: bool,
-}
-
-fn detail_policy(error_pixels: f32) -> DetailPolicy {
-    DetailPolicy { error_pixels, ..DetailPolicy::default() }
 }
 
 impl SceneView {
@@ -105,6 +102,7 @@ impl SceneView {
             speed_m: WALKING_M,
             notes: Vec::new(),
             hint: None,
+            detail: None,
             guide: Guide::Nobody,
             names: MeshNames::default(),
             overview: start,
@@ -148,6 +146,11 @@ impl SceneView {
         (size, covered): ([u32; 2], f32),
     ) -> Result<Self, RunError> {
         let names = MeshNames::of(&imported.scene);
+        let detail = settings.detail_pixels.map(|pixels| Detail::new(&imported.scene, pixels));
+        let detail = match settings.has_detail_by_samples {
+            true => detail.map(Detail::by_samples),
+            false => detail,
+        };
         let shown = bench::terminal::shown(file);
         let wanted = settings.camera.as_deref();
         let camera = playback::find_camera(&imported.cameras, wanted, &shown)?;
@@ -187,17 +190,11 @@ impl SceneView {
             speed_m: if crossing_m.is_normal() { crossing_m } else { WALKING_M },
             notes,
             hint,
+            detail,
             guide,
             names,
             overview: around,
-            life: Some(Life {
-                animator,
-                cameras,
-                clips,
-                detail: settings.detail_pixels.map(detail_policy),
-                seconds: 0.0,
-                is_paused: false,
-            }),
+            life: Some(Life { animator, cameras, clips, seconds: 0.0, is_paused: false }),
             motion: None,
         })
     }
@@ -256,11 +253,10 @@ impl SceneView {
         Ok(())
     }
 
-    /// Selects the levels of detail that are fine enough for `camera`.
-    pub fn choose_detail(&self, renderer: &mut Renderer, camera: &Camera) {
-        if let Some(policy) = self.life.as_ref().and_then(|life| life.detail) {
-            renderer.choose_detail(&[*camera], &policy);
-        }
+    /// Returns the place of the light that moves, if one does.
+    pub fn moved_light(&self) -> Option<LightMove> {
+        let (motion, passed_s) = self.motion.as_ref()?;
+        motion.at(*passed_s).lights.first().copied()
     }
 
     /// Returns true if there are clips or cameras to choose from.
@@ -361,12 +357,14 @@ impl SceneView {
             true => format!("{:.2} s, paused", life.seconds),
             false => format!("{:.2} s", life.seconds),
         };
-        Some(vec![
+        let facts = [
             fact("file", self.name.clone()),
             fact("camera", camera.unwrap_or_else(|| "yours".to_owned())),
             fact("clips", life.clips.describe(&life.animator)),
             fact("time", time),
-        ])
+        ];
+        let detail = self.detail.as_ref().map(|detail| fact("detail", detail.text()));
+        Some(facts.into_iter().chain(detail).collect())
     }
 
     fn living(&mut self) -> Result<&mut Life, String> {

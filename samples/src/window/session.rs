@@ -28,7 +28,7 @@ use super::screenshots::Screenshots;
 use super::script::Script;
 use super::selection::Selection;
 use super::shader_watch::ShaderWatch;
-use super::show::ShowOptions;
+use super::show::{FlareChoice, ShowOptions};
 use super::source::SceneSource;
 use super::toast::Toast;
 use super::trace::Trace;
@@ -51,6 +51,8 @@ pub struct Session {
     pub(super) scene_view: SceneView,
     /// The lights of the scene that change with the hour.
     pub(super) daylight: Option<Daylight>,
+    /// The lens flares of scenes with such lights.
+    pub(super) flares: FlareChoice,
     /// The progress of another scene that is loading.
     pub(super) awaited: Option<LoadingStatus>,
     pub(super) frozen: Option<VisibilitySnapshot>,
@@ -113,14 +115,19 @@ impl Session {
         }
         let start = scene_view.start;
         let clock = Clock;
+        let mut history = renderer.new_view()?;
+        if let Some(detail) = &scene_view.detail {
+            detail.watch(&mut history)?;
+        }
         Ok(Self {
             clock,
-            history: renderer.new_view()?,
+            history,
             strategy: options.strategy,
             frame: 0,
             fly: FlyCamera::new(start, scene_view.speed_m),
             scene_view,
             daylight,
+            flares: options.flares,
             awaited: None,
             frozen: None,
             seen_from: start,
@@ -247,7 +254,10 @@ impl Session {
             // The debug overlay may show the scene from above.
             let is_only = self.debug_overlay == DebugOverlay::default();
             self.scene_view.show(&mut self.renderer, is_only.then_some(&camera))?;
-            self.scene_view.choose_detail(&mut self.renderer, &camera);
+            if let Some(detail) = &self.scene_view.detail {
+                detail.choose(&mut self.renderer, (camera, &self.history))?;
+            }
+            self.follow_flares(camera.eye)?;
         }
         self.seconds += f64::from(seconds);
         if let Some(recording) = &mut self.recording {

@@ -10,7 +10,7 @@ use bench::choices::{CostsChoice, DeviceChoice, ValidationChoice, parse_strategy
 use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, parse_samples};
 use bench::shadow_choice::{ShadowChoice, ShadowWay, parse_bias, parse_filter};
 use bench::strategy::Strategy;
-use clap::{Args, value_parser};
+use clap::{Args, ValueEnum, value_parser};
 
 use super::actions::present_mode;
 use crate::hud::HudLevel;
@@ -72,6 +72,9 @@ pub struct ShowArguments {
     #[arg(long, value_name = "NAME", default_value = "plane", help_heading = "Lights")]
     #[arg(value_parser = parse_bias)]
     pub bias: ShadowBias,
+    /// Lens flares of the sun and of lamps, in scenes with an hour [default: off; in `shadows` on]
+    #[arg(long, value_name = "off|on", help_heading = "Lights")]
+    pub flares: Option<FlareChoice>,
     /// Measure the GPU time of every pass from the start
     #[arg(long, help_heading = "Frames")]
     pub time_passes: bool,
@@ -91,6 +94,16 @@ pub struct ShowArguments {
     #[arg(long, value_name = "FRAME", help_heading = "Output")]
     #[arg(value_parser = value_parser!(u32).range(0..=i64::from(MAX_FRAMES)))]
     pub capture: Option<u32>,
+}
+
+/// The lens flares of a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FlareChoice {
+    /// None.
+    #[default]
+    Off,
+    /// Those of the sun and of lamps.
+    On,
 }
 
 /// The options of showing a scene. Every value is in its range.
@@ -120,6 +133,8 @@ pub struct ShowOptions {
     pub hud: HudLevel,
     /// The shadows at the start.
     pub shadows: ShadowChoice,
+    /// The lens flares at the start.
+    pub flares: FlareChoice,
     /// True if passes are timed at the start.
     pub times_passes: bool,
     /// The device that draws.
@@ -159,6 +174,7 @@ impl ShowArguments {
                 filter: self.filter,
                 bias: self.bias,
             },
+            flares: self.flares.unwrap_or_default(),
             times_passes: self.time_passes || self.trace.is_some(),
             device: self.device.choice(),
             validation: self.device.validation,

@@ -89,4 +89,7 @@ pub struct FileSource {
     /// The largest error of surfaces in pixels with coarser levels of detail; `None` for the finest
     /// level.
     pub detail_pixels: Option<f32>,
+    /// True if objects of which few samples are visible take coarser levels than their distance
+    /// allows.
+    pub has_detail_by_samples: bool,
 }

@@ -17,6 +17,8 @@ Examples:
       Look around: W A S D, Q and E; look with a mouse button held.
   viewer rooms.glb --camera walk --strategy frustum
       Begins with the camera \"walk\" of the file, without occlusion culling.
+  viewer rooms.glb --detail 1 --detail-by-samples
+      Coarser levels of detail where objects are far away, or mostly hidden.
   viewer rooms.glb --headless --frames 60 --camera walk --out images
       The first second as images, without a window.
 
@@ -57,6 +59,9 @@ pub struct ViewerArguments {
     /// level]
     #[arg(long, value_name = "PIXELS", value_parser = positive, help_heading = "Scene")]
     pub detail: Option<f32>,
+    /// Coarser levels of detail also for objects of which few pixels are visible
+    #[arg(long, requires = "detail", help_heading = "Scene")]
+    pub detail_by_samples: bool,
     /// The options of showing it.
     #[command(flatten)]
     pub show: ShowArguments,
@@ -75,6 +80,7 @@ impl ViewerArguments {
             recorded: self.path.clone(),
             exposure: self.exposure,
             detail_pixels: self.detail,
+            has_detail_by_samples: self.detail_by_samples,
         };
         match &self.file {
             Some(file) => Ok((SceneSource::File { file: file.clone(), settings }, show)),
@@ -133,6 +139,7 @@ mod tests {
             "--camera=walk",
             "--exposure=0.5",
             "--detail=2",
+            "--detail-by-samples",
             "a.glb",
             "--headless",
             "--size",
@@ -144,6 +151,7 @@ mod tests {
             recorded: None,
             exposure: Some(0.5),
             detail_pixels: Some(2.0),
+            has_detail_by_samples: true,
         };
         assert_eq!(source, SceneSource::File { file: "a.glb".into(), settings });
         assert_eq!((show.size.width, show.size.height, show.is_headless), (3, 2, true));
@@ -161,6 +169,7 @@ mod tests {
             (&["a.glb", "--exposure", "NaN"], "a number above 0"),
             (&["a.glb", "--exposure", "bright"], "a number above 0"),
             (&["a.glb", "--detail", "-1"], "a number above 0"),
+            (&["a.glb", "--detail-by-samples"], "--detail <PIXELS>"),
             (&["a.glb", "--path", "walk"], "say --camera"),
             (&["a.glb", "--path", "a/b", "--camera", "walk"], "cannot be used with '--camera"),
             (&["a.glb", "--strategy", "ideal"], "see walkthrough"),

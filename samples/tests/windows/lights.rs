@@ -73,12 +73,55 @@ fn the_courtyard_moves_and_is_exact_with_each_filter() {
     assert!(first != second, "the lantern moves");
 }
 
+/// Returns the number of pixels of which a channel differs by more than two steps.
+fn differing(one: &[[u8; 3]], other: &[[u8; 3]]) -> usize {
+    let differs =
+        |(a, b): &(&[u8; 3], &[u8; 3])| a.iter().zip(b.iter()).any(|(a, b)| a.abs_diff(*b) > 2);
+    one.iter().zip(other).filter(differs).count()
+}
+
+#[test]
+fn lamps_flare_and_a_spot_projects_a_picture_until_keys_end_it() {
+    let scratch = Scratch::new("flares");
+    let frames = |script: &str, arguments: &[&str]| {
+        // Nothing is overwritten.
+        let _absent = fs::remove_dir_all(scratch.0.join("out"));
+        let all = [arguments, &["--hour", "21", "--frames", "18"]].concat();
+        let log = run(SHADOWS, &scratch, script, &all);
+        (log, frame(&scratch, 15), frame(&scratch, 17))
+    };
+    let (log, lit, without) = frames("16 flares\n", &[]);
+    assert!(log.contains("no lens flares"), "{log}");
+    let (log, plain, begun) = frames("16 flares\n", &["--flares", "off"]);
+    assert!(log.contains("lens flares") && !log.contains("no lens flares"), "{log}");
+    let more = brightness(&lit) - brightness(&plain);
+    assert!(more > 5_000, "flares add light: {more}");
+    assert!(differing(&lit, &plain) > 300, "{}", differing(&lit, &plain));
+    assert!(without != lit && begun != plain, "the key has an effect");
+    let (log, coloured, white) = frames("16 pictures\n", &["--flares", "off"]);
+    assert!(log.contains("no spot projects a picture"), "{log}");
+    assert!(coloured == plain);
+    let colourful = |image: &[[u8; 3]]| {
+        let is_blue = |[red, _, blue]: &&[u8; 3]| *blue > 120 && *blue - 60 > *red;
+        image.iter().filter(is_blue).count()
+    };
+    let [panes, none] = [&coloured, &white].map(|image| colourful(image));
+    assert!(panes > 100 && none * 10 < panes, "{panes} and {none} blue pixels");
+    let script = "2 pictures\n3 detail_by_samples\n4 flares\n";
+    let log = run(crate::CITY, &scratch, script, &["--objects", "100", "--frames", "6"]);
+    for said in ["no light of the scene projects a picture", "no levels of detail", "with an hour"]
+    {
+        assert!(log.contains(said), "{said}: {log}");
+    }
+}
+
 #[test]
 fn lights_that_cannot_be_are_refused() {
     let scratch = Scratch::new("bad-lights");
     for (program_file, arguments, sentence) in [
         (SHADOWS, ["--hour", "30"], "'30' is no hour of the day"),
         (SHADOWS, ["--shadows", "stencil"], "unknown way to make shadows 'stencil'"),
+        (SHADOWS, ["--flares", "bright"], "[possible values: off, on]"),
         (crate::CITY, ["--hour", "NaN"], "'NaN' is no hour of the day"),
         (crate::CITY, ["--filter", "soft"], "unknown filter 'soft'"),
     ] {

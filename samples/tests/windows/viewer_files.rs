@@ -148,3 +148,34 @@ fn lamps_beyond_those_that_an_object_has_are_told() {
     let told = stderr(&viewer(&scratch, &shown));
     assert!(told.contains(scene::LAMPS_NOTE), "{told}");
 }
+
+#[test]
+fn of_little_that_shows_coarser_levels_are_drawn_and_a_key_says_so() {
+    let scratch = Scratch::new("viewer-detail");
+    fs::write(scratch.0.join("ball.glb"), scene::ball()).unwrap();
+    let script =
+        "5 identify\n9 detail_by_samples\n20 identify\n26 detail_by_samples\n31 identify\n";
+    fs::write(scratch.0.join("script"), script).unwrap();
+    let run = |more: &[&str]| {
+        let all = ["ball.glb", "--headless", "--frames=35", "--size=128x72", "--device=llvmpipe"];
+        let rest = ["--script", "script", "--validation", "sync"];
+        let mut command = program(VIEWER, &scratch.0, &[&all[..], &rest, more].concat());
+        let output = command.env("RUST_LOG", "samples=info").output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let triangles = |log: &str| -> Vec<u64> {
+        let found = log.split("triangles: ").skip(1);
+        found.map(|it| it.split(';').next().unwrap().trim().parse().unwrap()).collect()
+    };
+    let log = run(&["--detail", "0.1"]);
+    assert!(log.contains("detail by visible samples of 1 objects, too"), "{log}");
+    assert!(log.contains("detail by distance alone"), "{log}");
+    let [by_distance, by_samples, again] = triangles(&log)[..] else { panic!("{log}") };
+    assert!(by_samples < by_distance && by_distance == again, "{log}");
+    let log = run(&["--detail", "0.1", "--detail-by-samples"]);
+    assert_eq!(triangles(&log), [by_samples, by_distance, by_samples], "{log}");
+    let log = run(&[]);
+    assert!(log.contains("the scene has no levels of detail"), "{log}");
+    assert_eq!(triangles(&log), [2208; 3], "{log}");
+}

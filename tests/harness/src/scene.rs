@@ -181,6 +181,45 @@ fn small_with(camera: Option<&Value>, walk_z: f32) -> Vec<u8> {
     glb(&document, &bytes.all)
 }
 
+/// Returns a ball of 2,208 triangles, 7 metres before the camera `still`.
+pub fn ball() -> Vec<u8> {
+    const AROUND: u16 = 48;
+    const ROWS: u16 = 24;
+    let mut bytes = Bytes::default();
+    let point = |number: u16| {
+        let (row, column) = (number / AROUND, number % AROUND);
+        let turn = f32::from(column) / f32::from(AROUND) * std::f32::consts::TAU;
+        let (radius, y) = (f32::from(row) / f32::from(ROWS) * std::f32::consts::PI).sin_cos();
+        [radius * turn.sin(), y, radius * turn.cos()]
+    };
+    let points: Vec<[f32; 3]> = (0..AROUND * (ROWS + 1)).map(point).collect();
+    let quads = (0..AROUND * ROWS).flat_map(|quad| {
+        let (row, column) = (quad / AROUND, quad % AROUND);
+        let [a, b] = [column, (column + 1) % AROUND].map(|column| row * AROUND + column);
+        let (upper, lower) = ([a, a + AROUND, b], [b, a + AROUND, b + AROUND]);
+        [(row > 0).then_some(upper), (row + 1 < ROWS).then_some(lower)].into_iter().flatten()
+    });
+    let indices: Vec<u16> = quads.flatten().collect();
+    let points = bytes.floats("VEC3", 3, points.as_flattened());
+    let indices = bytes.indices(&indices);
+    let attributes = json!({"POSITION": points, "NORMAL": points});
+    let document = json!({
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1]}],
+        "nodes": [
+            {"name": "ball", "mesh": 0},
+            {"name": "still", "camera": 0, "translation": [0.0, 0.0, 8.0]},
+        ],
+        "meshes": [{"primitives": [{"attributes": attributes, "indices": indices}]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}],
+        "accessors": bytes.accessors,
+        "bufferViews": bytes.views,
+        "buffers": [{"byteLength": bytes.all.len()}],
+    });
+    glb(&document, &bytes.all)
+}
+
 /// Returns red points at the corners of a square, a green loop of lines around it, slightly turned;
 /// no camera.
 pub fn thin() -> Vec<u8> {

@@ -101,6 +101,11 @@ pub struct Daylight {
     pub glow: Option<(MaterialId, Material)>,
     /// The hours at which the lamps are on.
     pub lamp_hours: LampHours,
+    /// The way from the light of a lamp that shines all around to the middle of its glass, in
+    /// metres.
+    pub glass: Vec3,
+    /// True if lamps that project a picture do so, and do not shine white.
+    pub shows_pictures: bool,
 }
 
 /// The hours at which lamps are on.
@@ -131,7 +136,15 @@ impl Daylight {
         let materials = surfaces.map_or(&[][..], |surfaces| &surfaces.materials);
         let glow = (0..).map(MaterialId).zip(materials).find(|(_, it)| it.name == GLOW_NAME);
         let glow = glow.map(|(id, material)| (id, material.clone()));
-        Ok((scene, Self { hour: Hour::NIGHT, lamps, glow, lamp_hours: LampHours::Night }))
+        let daylight = Self {
+            hour: Hour::NIGHT,
+            lamps,
+            glow,
+            lamp_hours: LampHours::Night,
+            glass: Vec3::ZERO,
+            shows_pictures: true,
+        };
+        Ok((scene, daylight))
     }
 
     /// Returns the lights as they are at its hour.
@@ -139,7 +152,8 @@ impl Daylight {
         let are_on = self.hour.is_night() || self.lamp_hours == LampHours::Always;
         let lamp = |(light, lamp): &(LightId, PunctualLight)| {
             let intensity = if are_on { lamp.intensity } else { 0.0 };
-            LightMove { light: *light, to: PunctualLight { intensity, ..*lamp } }
+            let picture = lamp.picture.filter(|_| self.shows_pictures);
+            LightMove { light: *light, to: PunctualLight { intensity, picture, ..*lamp } }
         };
         let sun = sun_of(self.hour).map(|to| LightMove { light: SUN, to });
         let dark = || sun_of(Hour::NIGHT).map(|sun| PunctualLight { intensity: 0.0, ..sun });

@@ -37,6 +37,9 @@ impl Session {
             Action::Shadows(way) => self.choose_shadows(way),
             Action::NextFilter => self.choose_next_filter(),
             Action::Filter(filter) => self.choose_filter(filter),
+            Action::Flares => self.toggle_flares(),
+            Action::Pictures => self.toggle_pictures()?,
+            Action::DetailBySamples => self.toggle_detail_by_samples()?,
             Action::TopDown => {
                 self.has_top_down = !self.has_top_down;
                 self.update_debug_overlay()?;

@@ -29,7 +29,10 @@ impl Session {
         if self.is_timing_passes {
             renderer.time_passes()?;
         }
-        let history = renderer.new_view()?;
+        let mut history = renderer.new_view()?;
+        if let Some(detail) = &scene_view.detail {
+            detail.watch(&mut history)?;
+        }
         // Scenes have limits of their own: what cannot draw this one gives way.
         let strategy = match renderer.supports(self.strategy) {
             Ok(()) => self.strategy,

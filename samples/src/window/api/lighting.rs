@@ -1,16 +1,27 @@
 //! The hour of the day and the shadows of a session.
 
+use antumbra::glam::Vec3;
 use antumbra::shadows::{CasterCulling, ShadowCaching, ShadowFilter, ShadowMethod};
 
+use crate::window::flares::{flares_of, projector_of};
 use crate::window::loaded_scene::show_hour;
 use crate::window::page_text::{Facts, fact};
 use crate::window::session::Session;
+use crate::window::show::FlareChoice;
 use bench::run_error::RunError;
 use bench::shadow_choice::{ShadowChoice, ShadowWay};
 use scenes::Hour;
 
 /// The ways that a key goes through; the others are for comparisons.
 const BY_KEY: [ShadowWay; 3] = [ShadowWay::Off, ShadowWay::Maps, ShadowWay::Volumes];
+
+const NO_FLARES: &str =
+    "there are lens flares in scenes with an hour: start `shadows`, or `city --hour 21`";
+
+const NO_PICTURES: &str = "no light of the scene projects a picture: start `shadows` for one";
+
+const NO_DETAIL: &str =
+    "the scene has no levels of detail: start it with --detail, as in `viewer FILE --detail 1`";
 
 /// The step of the hour.
 const STEP_MINUTES: i16 = 60;
@@ -37,6 +48,76 @@ impl Session {
         let hour = daylight.hour;
         show_hour(&mut self.renderer, daylight)?;
         self.tell(format!("the hour is {hour}"));
+        Ok(())
+    }
+
+    /// Shows lens flares from now on, or none.
+    pub(crate) fn toggle_flares(&mut self) {
+        if self.daylight.is_none() {
+            return self.refuse(NO_FLARES.to_owned());
+        }
+        if let Err(error) = self.renderer.supports_counts() {
+            return self.refuse(error.to_string());
+        }
+        let (choice, told) = match self.flares {
+            FlareChoice::Off => (FlareChoice::On, "lens flares"),
+            FlareChoice::On => (FlareChoice::Off, "no lens flares"),
+        };
+        self.flares = choice;
+        self.tell(told.to_owned());
+    }
+
+    /// Lets the lights flare as they are in the next frame. Frames that are compared have no
+    /// flares: those of two views begin at different times.
+    ///
+    /// # Errors
+    /// When the renderer refuses a flare.
+    pub(crate) fn follow_flares(&mut self, eye: Vec3) -> Result<(), RunError> {
+        let is_shown = self.flares == FlareChoice::On && self.comparison.is_none();
+        let flares = match &self.daylight {
+            Some(daylight) if is_shown && self.renderer.supports_counts().is_ok() => {
+                flares_of(daylight, self.scene_view.moved_light(), eye)
+            }
+            _ => Vec::new(),
+        };
+        Ok(self.renderer.set_flares(&flares)?)
+    }
+
+    /// Lets spots project their pictures, or shine white.
+    ///
+    /// # Errors
+    /// When the renderer refuses a light.
+    pub(crate) fn toggle_pictures(&mut self) -> Result<(), RunError> {
+        let Some(daylight) = self.daylight.as_mut().filter(|it| projector_of(it).is_some()) else {
+            self.refuse(NO_PICTURES.to_owned());
+            return Ok(());
+        };
+        daylight.shows_pictures = !daylight.shows_pictures;
+        let told = match daylight.shows_pictures {
+            true => "a spot projects a picture",
+            false => "no spot projects a picture",
+        };
+        show_hour(&mut self.renderer, daylight)?;
+        self.tell(told.to_owned());
+        Ok(())
+    }
+
+    /// Chooses levels of detail by visible samples, too, or by distance alone.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub(crate) fn toggle_detail_by_samples(&mut self) -> Result<(), RunError> {
+        if let Err(error) = self.renderer.supports_counts() {
+            self.refuse(error.to_string());
+            return Ok(());
+        }
+        let Some(detail) = &mut self.scene_view.detail else {
+            self.refuse(NO_DETAIL.to_owned());
+            return Ok(());
+        };
+        let told = detail.toggle();
+        detail.watch(&mut self.history)?;
+        self.tell(told);
         Ok(())
     }
 
