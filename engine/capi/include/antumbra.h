@@ -211,6 +211,113 @@
 #define ANTUMBRA_COSTS_IGNORED 1
 #endif
 
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * No shadows.
+ */
+#define ANTUMBRA_SHADOWS_OFF 0
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Shadow maps, which are kept until something in them changes.
+ */
+#define ANTUMBRA_SHADOWS_MAPS 1
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Stencil shadow volumes: hard edges, right to the pixel. They need one sample per pixel, and the
+ * features `depthClamp` and `fragmentStoresAndAtomics` of the device.
+ */
+#define ANTUMBRA_SHADOWS_VOLUMES 2
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A disk of samples as wide as the penumbra: 8 on its edge, and 56 more where these disagree.
+ */
+#define ANTUMBRA_SHADOW_FILTER_ADAPTIVE 0
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * One sample: edges as wide as a texel.
+ */
+#define ANTUMBRA_SHADOW_FILTER_SINGLE 1
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Three by three samples.
+ */
+#define ANTUMBRA_SHADOW_FILTER_PCF3 2
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A width that follows from the distance to what blocks: 8 samples find it, 12 filter.
+ */
+#define ANTUMBRA_SHADOW_FILTER_PCSS12 3
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * All 64 samples of the disk, at every pixel.
+ */
+#define ANTUMBRA_SHADOW_FILTER_FIXED64 4
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * As `ANTUMBRA_SHADOW_FILTER_PCSS12`, with 32 and 64 samples.
+ */
+#define ANTUMBRA_SHADOW_FILTER_PCSS64 5
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Samples are compared with the depth of the receiver's plane.
+ */
+#define ANTUMBRA_SHADOW_BIAS_PLANE 0
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The maps hold the surfaces that face away from the light, for closed meshes.
+ */
+#define ANTUMBRA_SHADOW_BIAS_BACK_FACES 1
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A map is drawn again only if something in it changed.
+ */
+#define ANTUMBRA_SHADOW_CACHING_CACHED 0
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Every map is drawn in every frame.
+ */
+#define ANTUMBRA_SHADOW_CACHING_UNCACHED 1
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Casters whose shadow cannot fall on something visible are left out. Needs one sample per pixel;
+ * else all are drawn.
+ */
+#define ANTUMBRA_CASTER_CULLING_CULLED 0
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * All casters are drawn.
+ */
+#define ANTUMBRA_CASTER_CULLING_UNCULLED 1
+#endif
+
 /**
  * The version of the interface: its declarations and their meaning. It grows by one with a change
  * that breaks programs compiled before. New functions, and new fields at the end of structs with a
@@ -1023,6 +1130,64 @@ typedef struct AntumbraSunlight {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
+ * The options of shadows. All but the first field may be 0: that is their default.
+ */
+typedef struct AntumbraShadowDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * An `ANTUMBRA_SHADOWS_..`.
+     */
+    uint32_t method;
+    /**
+     * An `ANTUMBRA_SHADOW_FILTER_..`, for maps.
+     */
+    uint32_t filter;
+    /**
+     * An `ANTUMBRA_SHADOW_BIAS_..`, for maps.
+     */
+    uint32_t bias;
+    /**
+     * An `ANTUMBRA_SHADOW_CACHING_..`, for maps.
+     */
+    uint32_t caching;
+    /**
+     * An `ANTUMBRA_CASTER_CULLING_..`.
+     */
+    uint32_t culling;
+    /**
+     * Maps of the sun, 1 to 8, each of which reaches three times as far as the one before. 0 is 4.
+     */
+    uint32_t cascades;
+    /**
+     * The side of such a map in texels, a power of two from 16 on. 0 is 2048.
+     */
+    uint32_t map_side;
+    /**
+     * The most layers of maps, each as large as one, and with volumes of the masks of lights. 0 is
+     * 8.
+     */
+    uint32_t layers_max;
+    /**
+     * The distance from the eye to which the sun has shadows (metres), above 0 and below 1e6. 0 is
+     * 200.
+     */
+    float distance;
+    /**
+     * The width of penumbras (metres), 0 to below 1e3. 0 is a hard edge.
+     */
+    float penumbra;
+    /**
+     * The share of half the side of a cascade in which it blends into the next, 0 to 0.5.
+     */
+    float cascade_blend;
+} AntumbraShadowDesc;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
  * The options of a renderer, and the scene that it begins with.
  */
 typedef struct AntumbraRendererDesc {
@@ -1095,6 +1260,21 @@ typedef struct AntumbraRendererDesc {
      * The most bytes of added meshes that a frame copies to the GPU, 0 for 1048576. Default: 0.
      */
     uint32_t upload_bytes_per_frame;
+    /**
+     * Samples per pixel, 1 or 4; 0 for 1. With 4, edges are smooth. A device that takes the depth
+     * of a sample from another place than its coverage then has `ANTUMBRA_STRATEGY_FRUSTUM` alone.
+     * Default: 0.
+     */
+    uint32_t samples;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The shadows of the sun; null for a renderer that never has any. With `ANTUMBRA_SHADOWS_OFF`
+     * it can have some later: `antumbra_renderer_set_shadows`. Default: null.
+     */
+    const struct AntumbraShadowDesc *shadows;
 } AntumbraRendererDesc;
 #endif
 
@@ -1203,6 +1383,62 @@ typedef struct AntumbraFinishedImage {
      */
     uint64_t value;
 } AntumbraFinishedImage;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The counts of the shadows of the newest frame.
+ */
+typedef struct AntumbraShadowStats {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The lights with shadows.
+     */
+    uint32_t lights;
+    /**
+     * The maps.
+     */
+    uint32_t maps;
+    /**
+     * The maps that the frame drew, wholly or in part.
+     */
+    uint32_t drawn_maps;
+    /**
+     * The maps among these whose casters are culled.
+     */
+    uint32_t culled_maps;
+    /**
+     * The casters in maps that are drawn, culled or not, or of volumes.
+     */
+    uint32_t casters;
+    /**
+     * The tests that decide about culled casters.
+     */
+    uint32_t tests;
+    /**
+     * The volumes that are counted by z-fail, since the eye may be in them.
+     */
+    uint32_t z_fail_volumes;
+    /**
+     * The lights without shadows, since there was no room.
+     */
+    uint32_t unshadowed_lights;
+    /**
+     * 0.
+     */
+    uint32_t reserved;
+    /**
+     * The triangles of casters that are drawn, as far as is known when the frame is submitted.
+     */
+    uint64_t triangles;
+    /**
+     * The triangles of culled casters that tests revealed, in the newest frame with results.
+     */
+    uint64_t revealed_triangles;
+} AntumbraShadowStats;
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
@@ -2043,6 +2279,34 @@ AntumbraResult antumbra_renderer_resize(const struct AntumbraContext *context,
                                         uint32_t width,
                                         uint32_t height,
                                         struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Draws shadows by other options from now on; with 0 in all fields of `desc`, none. Makes new maps
+ * and pipelines: not for every frame. The renderer was created with an `AntumbraShadowDesc`. After
+ * an error nothing has changed.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_renderer_set_shadows(const struct AntumbraContext *context,
+                                             struct AntumbraRenderer renderer,
+                                             const struct AntumbraShadowDesc *desc,
+                                             struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Writes the counts of the shadows of the newest frame.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_renderer_shadow_stats(const struct AntumbraContext *context,
+                                              struct AntumbraRenderer renderer,
+                                              struct AntumbraShadowStats *stats,
+                                              struct AntumbraError *error);
 #endif
 
 #if defined(ANTUMBRA_VULKAN)

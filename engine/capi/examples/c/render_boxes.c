@@ -35,10 +35,12 @@ static AntumbraRenderer create_renderer(AntumbraContext *context, AntumbraDevice
     }
     objects[0].transform = (AntumbraTransform){{8, 0, 0, 0, 6, 0, 0, 0, 0.5F, -4, -3, -6}};
     AntumbraMeshDesc mesh = {sizeof mesh, 0, vertices, 24, indices, 36};
+    AntumbraShadowDesc shadows = {.struct_size = sizeof shadows, .method = ANTUMBRA_SHADOWS_MAPS, .map_side = 512,
+        .cascades = 2, .distance = 40, .penumbra = 0.1F};
     /* So small a scene is drawn whole where tests cost more than they save: the prices are ignored here. */
     AntumbraRendererDesc desc = {.struct_size = sizeof desc, .frames_in_flight = 2, .device = device, .width = WIDTH,
         .height = HEIGHT, .meshes = (const AntumbraMeshDesc *[]){&mesh}, .mesh_count = 1, .objects = objects,
-        .object_count = BOXES, .costs = ANTUMBRA_COSTS_IGNORED};
+        .object_count = BOXES, .costs = ANTUMBRA_COSTS_IGNORED, .shadows = &shadows};
     AntumbraRenderer renderer;
     check(antumbra_renderer_create(context, &desc, &renderer, &error));
     return renderer;
@@ -137,6 +139,9 @@ int main(int argument_count, char **arguments) {
     AntumbraRendererStats stats = {.struct_size = sizeof stats};
     check(antumbra_renderer_wait(context, renderer, &error));
     check(antumbra_renderer_stats(context, renderer, &stats, &error));
+    AntumbraShadowStats shadows = {.struct_size = sizeof shadows};
+    check(antumbra_renderer_shadow_stats(context, renderer, &shadows, &error));
+    if (shadows.lights != 1 || shadows.maps != 2) return fprintf(stderr, "no shadow maps\n"), 1;
     printf("%s: %d images equal to those with all drawn; the last has %d of %d boxes\n", properties.deviceName, FRAMES,
            (int)stats.drawn, (int)stats.total);
     check(antumbra_context_destroy(context, &error));

@@ -10,12 +10,13 @@ use crate::error::{AntumbraError, AntumbraResult};
 use crate::executor::device::{AntumbraAdapterDesc, AntumbraFeatures, AntumbraRequirements};
 use crate::pointers::{Output, check_output, output_slice, read, slice};
 use crate::renderer::description::{
-    AntumbraMeshDesc, AntumbraMeshObject, AntumbraRendererDesc, AntumbraTransform, prepare,
+    AntumbraMeshDesc, AntumbraMeshObject, AntumbraRendererDesc, AntumbraTransform, added,
 };
 use crate::renderer::frame::{
     AntumbraFinishedImage, AntumbraRenderDesc, AntumbraRenderer, AntumbraRendererStats,
     HostedRenderer,
 };
+use crate::renderer::shadows::{AntumbraShadowDesc, AntumbraShadowStats};
 
 /// Writes what `antumbra_requirements` does, for devices that are adopted with a queue.
 ///
@@ -146,6 +147,51 @@ pub unsafe extern "C" fn antumbra_renderer_resize(
     }
 }
 
+/// Draws shadows by other options from now on; with 0 in all fields of `desc`, none. Makes new maps
+/// and pipelines: not for every frame. The renderer was created with an `AntumbraShadowDesc`. After
+/// an error nothing has changed.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_set_shadows(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    desc: *const AntumbraShadowDesc,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let desc = read("desc", desc)?;
+            let renderer = context.renderers.find(renderer)?;
+            renderer.write()?.set_shadows(desc.options()?)
+        })
+    }
+}
+
+/// Writes the counts of the shadows of the newest frame.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_shadow_stats(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    stats: *mut AntumbraShadowStats,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let output = Output::new("stats", stats)?;
+            let renderer = context.renderers.find(renderer)?;
+            output.write(&renderer.read()?.renderer.shadow_stats().into());
+            Ok(())
+        })
+    }
+}
+
 /// Adds objects and writes their ids, which may be those of objects that were removed. There must
 /// be room: `spare_objects`. After an error nothing was added.
 ///
@@ -247,9 +293,9 @@ pub unsafe extern "C" fn antumbra_renderer_add_meshes(
     unsafe {
         entry(context, error, |context| {
             let ids = output_slice("ids", ids, count)?;
-            let meshes = prepare(meshes, count)?;
+            let meshes = added(meshes, count)?;
             let renderer = context.renderers.find(renderer)?;
-            let added = renderer.write()?.renderer.add_meshes(meshes)?;
+            let added = renderer.write()?.add_meshes(meshes)?;
             for (id, added) in ids.iter_mut().zip(added) {
                 id.write(added.0);
             }

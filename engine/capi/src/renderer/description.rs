@@ -1,16 +1,20 @@
 //! The scene of a renderer as a host describes it.
 
 use glam::{Affine3A, Vec3};
+use gpu::SampleCount;
 use render::{Costs, RendererOptions, SpareRoom};
 use scene::{
-    Light, Mesh, MeshId, Object, PreparedMesh, Scene, Vertex, bounds_of_vertices, pack_normal,
+    Light, Mesh, MeshId, Object, Scene, SurfaceMesh, Vertex, bounds_of_vertices, pack_normal,
     pack_unorm,
 };
+
+use shadows::ShadowOptions;
 
 use crate::error::Failure;
 use crate::executor::device::AntumbraDevice;
 use crate::layout::{Versioned, layout};
 use crate::pointers::{read, slice};
+use crate::renderer::shadows::AntumbraShadowDesc;
 
 /// A vertex of a mesh.
 #[repr(C)]
@@ -185,10 +189,19 @@ pub struct AntumbraRendererDesc {
     pub spare_indices: u32,
     /// The most bytes of added meshes that a frame copies to the GPU, 0 for 1048576. Default: 0.
     pub upload_bytes_per_frame: u32,
+    /// Samples per pixel, 1 or 4; 0 for 1. With 4, edges are smooth. A device that takes the depth
+    /// of a sample from another place than its coverage then has `ANTUMBRA_STRATEGY_FRUSTUM` alone.
+    /// Default: 0.
+    pub samples: u32,
+    /// Must be 0.
+    pub reserved: u32,
+    /// The shadows of the sun; null for a renderer that never has any. With `ANTUMBRA_SHADOWS_OFF`
+    /// it can have some later: `antumbra_renderer_set_shadows`. Default: null.
+    pub shadows: *const AntumbraShadowDesc,
 }
 layout!(AntumbraRendererDesc: struct_size, frames_in_flight, device, width, height, meshes,
     mesh_count, objects, object_count, light, query_budget, costs, spare_objects, spare_meshes,
-    spare_vertices, spare_indices, upload_bytes_per_frame);
+    spare_vertices, spare_indices, upload_bytes_per_frame, samples, reserved, shadows);
 
 // SAFETY: the first field is the size.
 unsafe impl Versioned for AntumbraRendererDesc {
@@ -211,12 +224,18 @@ unsafe impl Versioned for AntumbraRendererDesc {
         spare_vertices: 0,
         spare_indices: 0,
         upload_bytes_per_frame: 0,
+        samples: 0,
+        reserved: 0,
+        shadows: std::ptr::null(),
     };
 }
 
 impl AntumbraRendererDesc {
     /// Returns the options.
-    pub(crate) fn options(&self) -> Result<RendererOptions, Failure> {
+    ///
+    /// # Safety
+    /// As the rules of the interface.
+    pub(crate) unsafe fn options(&self) -> Result<RendererOptions, Failure> {
         if self.frames_in_flight == 0 {
             return Err(Failure::argument("desc.frames_in_flight must be above 0"));
         }
@@ -229,6 +248,20 @@ impl AntumbraRendererDesc {
                 )));
             }
         };
+        let samples = match self.samples {
+            0 | 1 => SampleCount::One,
+            4 => SampleCount::Four,
+            other => {
+                return Err(Failure::argument(format_args!(
+                    "desc.samples is {other}, and there are 1 or 4 samples per pixel"
+                )));
+            }
+        };
+        let shadows = match self.shadows.is_null() {
+            true => ShadowOptions::default(),
+            // SAFETY: the caller's promise.
+            false => unsafe { read("desc.shadows", self.shadows) }?.options()?,
+        };
         let default = RendererOptions::default();
         let given = |number: usize, default| if number == 0 { default } else { number };
         let upload_bytes = self.upload_bytes_per_frame as usize;
@@ -237,6 +270,8 @@ impl AntumbraRendererDesc {
             frames_in_flight: self.frames_in_flight as usize,
             query_budget: given(self.query_budget, default.query_budget),
             costs,
+            samples,
+            shadows,
             spare_objects: self.spare_objects as usize,
             spare: SpareRoom {
                 meshes: self.spare_meshes,
@@ -264,13 +299,15 @@ impl AntumbraRendererDesc {
             // SAFETY: as above.
             false => unsafe { read("desc.light", self.light) }?.light()?,
         };
-        Ok(Scene {
+        let scene = Scene {
             name: "scene".to_owned(),
             meshes,
             objects: objects.iter().map(Object::from).collect(),
             light,
             surfaces: None,
-        })
+        };
+        // Shadows fall on surfaces.
+        Ok(if self.shadows.is_null() { scene } else { scene.with_surfaces() })
     }
 }
 
@@ -298,17 +335,22 @@ unsafe fn meshes_of(
     meshes.iter().enumerate().map(copy).collect()
 }
 
-/// Copies and checks meshes that are added to a renderer.
+/// Copies meshes that are added to a renderer.
 ///
 /// # Safety
 /// As the rules of the interface.
-pub(crate) unsafe fn prepare(
+pub(crate) unsafe fn added(
     meshes: *const *const AntumbraMeshDesc,
     count: usize,
-) -> Result<Vec<PreparedMesh>, Failure> {
+) -> Result<Vec<Mesh>, Failure> {
     // SAFETY: the caller's promise.
-    let meshes = unsafe { meshes_of("meshes", meshes, count) }?;
-    meshes.into_iter().map(|mesh| PreparedMesh::new(mesh).map_err(Failure::argument)).collect()
+    unsafe { meshes_of("meshes", meshes, count) }
+}
+
+/// Returns the surface that [`Scene::with_surfaces`] gives a mesh.
+pub(crate) fn surface_of(mesh: &Mesh) -> Option<SurfaceMesh> {
+    let lit = Scene::single(mesh.clone()).with_surfaces();
+    lit.surfaces?.meshes.into_iter().next()
 }
 
 fn mesh_of(name: String, vertices: &[AntumbraVertex], indices: &[u32]) -> Mesh {

@@ -5,13 +5,15 @@ use std::collections::VecDeque;
 use cull::FrameId;
 use gpu::{Device, FinishedImage, vk};
 use render::{FrameRequest, Renderer, RendererOptions, ViewState, Viewpoint};
-use scene::Scene;
+use scene::{Mesh, MeshId, PreparedMesh, Scene, SceneError};
+use shadows::{ShadowMethod, ShadowOptions};
 
 use crate::decisions::camera::AntumbraCamera;
 use crate::decisions::culler::{ANTUMBRA_STRATEGY_ANTUMBRA, strategy};
 use crate::error::Failure;
 use crate::executor::target::AntumbraImageState;
 use crate::layout::{Versioned, layout};
+use crate::renderer::description::surface_of;
 use crate::table::handle;
 
 /// A renderer: a scene on a host's device, and one view of it.
@@ -146,6 +148,8 @@ struct SubmittedFrame {
 /// A renderer with its view.
 pub(crate) struct HostedRenderer {
     pub renderer: Renderer,
+    /// True if its scene has surfaces, on which shadows can fall.
+    has_surfaces: bool,
     view: ViewState,
     /// The frames whose results are not known yet.
     submitted: VecDeque<SubmittedFrame>,
@@ -167,7 +171,8 @@ impl HostedRenderer {
         let renderer = Renderer::new(device, scene, options)?;
         let view = renderer.new_view()?;
         let stats = AntumbraRendererStats::DEFAULT;
-        Ok(Self { renderer, view, submitted: VecDeque::new(), stats })
+        let has_surfaces = scene.surfaces.is_some();
+        Ok(Self { renderer, has_surfaces, view, submitted: VecDeque::new(), stats })
     }
 
     /// Renders a frame and submits it.
@@ -196,6 +201,28 @@ impl HostedRenderer {
         });
         self.take_outcomes();
         Ok(())
+    }
+
+    /// Checks and adds meshes.
+    pub fn add_meshes(&mut self, meshes: Vec<Mesh>) -> Result<Vec<MeshId>, Failure> {
+        let prepare = |mesh: Mesh| match surface_of(&mesh).filter(|_| self.has_surfaces) {
+            Some(surface) => PreparedMesh::with_surface(mesh, surface, Vec::new()),
+            None => PreparedMesh::new(mesh),
+        };
+        let prepared: Result<Vec<PreparedMesh>, SceneError> =
+            meshes.into_iter().map(prepare).collect();
+        Ok(self.renderer.add_meshes(prepared.map_err(Failure::argument)?)?)
+    }
+
+    /// Draws shadows by other options from now on.
+    pub fn set_shadows(&mut self, options: ShadowOptions) -> Result<(), Failure> {
+        if !self.has_surfaces && options.method != ShadowMethod::Off {
+            return Err(Failure::argument(
+                "the renderer was created without desc.shadows, so that nothing in it can have \
+                 shadows: create it with an AntumbraShadowDesc, of ANTUMBRA_SHADOWS_OFF at first",
+            ));
+        }
+        Ok(self.renderer.set_shadows(options)?)
     }
 
     /// Waits until all frames are over.

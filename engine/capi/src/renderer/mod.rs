@@ -2,3 +2,4 @@
 
 pub mod description;
 pub mod frame;
+pub mod shadows;

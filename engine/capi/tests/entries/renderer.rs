@@ -10,6 +10,7 @@ use antumbra_capi::executor::device::AntumbraDevice;
 use antumbra_capi::layout::Versioned;
 use antumbra_capi::renderer::description::AntumbraRendererDesc;
 use antumbra_capi::renderer::frame::*;
+use antumbra_capi::renderer::shadows::*;
 
 use crate::Host;
 
@@ -23,7 +24,7 @@ fn every_function_of_the_renderer_checks_its_handles() {
     let camera = AntumbraCamera::DEFAULT;
     let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::DEFAULT };
     // SAFETY: of all closures: pointers to values that live as long as the call, or null.
-    let calls: [Call; 12] = unsafe {
+    let calls: [Call; 14] = unsafe {
         [
             ("create", &|x, id| {
                 let desc =
@@ -51,6 +52,13 @@ fn every_function_of_the_renderer_checks_its_handles() {
             ("stats", &|x, id| {
                 let mut stats = AntumbraRendererStats::DEFAULT;
                 antumbra_renderer_stats(x, r(id), &mut stats, e())
+            }),
+            ("set_shadows", &|x, id| {
+                antumbra_renderer_set_shadows(x, r(id), &AntumbraShadowDesc::DEFAULT, e())
+            }),
+            ("shadow_stats", &|x, id| {
+                let mut stats = AntumbraShadowStats::DEFAULT;
+                antumbra_renderer_shadow_stats(x, r(id), &mut stats, e())
             }),
             ("wait", &|x, id| antumbra_renderer_wait(x, r(id), e())),
         ]
@@ -80,7 +88,9 @@ fn every_function_of_the_renderer_checks_its_handles() {
             antumbra_renderer_add_meshes(x, r(0), null(), 1, null_mut(), e()),
             antumbra_renderer_remove_meshes(x, r(0), null(), 1, e()),
             antumbra_renderer_stats(x, r(0), null_mut(), e()),
+            antumbra_renderer_set_shadows(x, r(0), null(), e()),
+            antumbra_renderer_shadow_stats(x, r(0), null_mut(), e()),
         ];
-        assert_eq!(results, [BadPointer; 12]);
+        assert_eq!(results, [BadPointer; 14]);
     }
 }

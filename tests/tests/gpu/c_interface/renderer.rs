@@ -3,6 +3,7 @@
 
 mod loss;
 mod mistakes;
+mod shadows;
 
 use std::ffi::c_void;
 use std::ptr::null_mut;

@@ -1,0 +1,204 @@
+//! The shadows of a renderer as a host describes them, and their counts.
+
+use shadows::{
+    CasterCulling, ShadowBias, ShadowCaching, ShadowFilter, ShadowMethod, ShadowOptions,
+    ShadowStats,
+};
+
+use crate::error::Failure;
+use crate::layout::{Versioned, layout};
+
+/// No shadows.
+pub const ANTUMBRA_SHADOWS_OFF: u32 = 0;
+/// Shadow maps, which are kept until something in them changes.
+pub const ANTUMBRA_SHADOWS_MAPS: u32 = 1;
+/// Stencil shadow volumes: hard edges, right to the pixel. They need one sample per pixel, and the
+/// features `depthClamp` and `fragmentStoresAndAtomics` of the device.
+pub const ANTUMBRA_SHADOWS_VOLUMES: u32 = 2;
+
+/// A disk of samples as wide as the penumbra: 8 on its edge, and 56 more where these disagree.
+pub const ANTUMBRA_SHADOW_FILTER_ADAPTIVE: u32 = 0;
+/// One sample: edges as wide as a texel.
+pub const ANTUMBRA_SHADOW_FILTER_SINGLE: u32 = 1;
+/// Three by three samples.
+pub const ANTUMBRA_SHADOW_FILTER_PCF3: u32 = 2;
+/// A width that follows from the distance to what blocks: 8 samples find it, 12 filter.
+pub const ANTUMBRA_SHADOW_FILTER_PCSS12: u32 = 3;
+/// All 64 samples of the disk, at every pixel.
+pub const ANTUMBRA_SHADOW_FILTER_FIXED64: u32 = 4;
+/// As `ANTUMBRA_SHADOW_FILTER_PCSS12`, with 32 and 64 samples.
+pub const ANTUMBRA_SHADOW_FILTER_PCSS64: u32 = 5;
+
+/// Samples are compared with the depth of the receiver's plane.
+pub const ANTUMBRA_SHADOW_BIAS_PLANE: u32 = 0;
+/// The maps hold the surfaces that face away from the light, for closed meshes.
+pub const ANTUMBRA_SHADOW_BIAS_BACK_FACES: u32 = 1;
+
+/// A map is drawn again only if something in it changed.
+pub const ANTUMBRA_SHADOW_CACHING_CACHED: u32 = 0;
+/// Every map is drawn in every frame.
+pub const ANTUMBRA_SHADOW_CACHING_UNCACHED: u32 = 1;
+
+/// Casters whose shadow cannot fall on something visible are left out. Needs one sample per pixel;
+/// else all are drawn.
+pub const ANTUMBRA_CASTER_CULLING_CULLED: u32 = 0;
+/// All casters are drawn.
+pub const ANTUMBRA_CASTER_CULLING_UNCULLED: u32 = 1;
+
+/// The options of shadows. All but the first field may be 0: that is their default.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct AntumbraShadowDesc {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// An `ANTUMBRA_SHADOWS_..`.
+    pub method: u32,
+    /// An `ANTUMBRA_SHADOW_FILTER_..`, for maps.
+    pub filter: u32,
+    /// An `ANTUMBRA_SHADOW_BIAS_..`, for maps.
+    pub bias: u32,
+    /// An `ANTUMBRA_SHADOW_CACHING_..`, for maps.
+    pub caching: u32,
+    /// An `ANTUMBRA_CASTER_CULLING_..`.
+    pub culling: u32,
+    /// Maps of the sun, 1 to 8, each of which reaches three times as far as the one before. 0 is 4.
+    pub cascades: u32,
+    /// The side of such a map in texels, a power of two from 16 on. 0 is 2048.
+    pub map_side: u32,
+    /// The most layers of maps, each as large as one, and with volumes of the masks of lights. 0 is
+    /// 8.
+    pub layers_max: u32,
+    /// The distance from the eye to which the sun has shadows (metres), above 0 and below 1e6. 0 is
+    /// 200.
+    pub distance: f32,
+    /// The width of penumbras (metres), 0 to below 1e3. 0 is a hard edge.
+    pub penumbra: f32,
+    /// The share of half the side of a cascade in which it blends into the next, 0 to 0.5.
+    pub cascade_blend: f32,
+}
+layout!(AntumbraShadowDesc: struct_size, method, filter, bias, caching, culling, cascades,
+    map_side, layers_max, distance, penumbra, cascade_blend);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraShadowDesc {
+    const REQUIRED_FIELDS: usize = 12;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        method: ANTUMBRA_SHADOWS_OFF,
+        filter: ANTUMBRA_SHADOW_FILTER_ADAPTIVE,
+        bias: ANTUMBRA_SHADOW_BIAS_PLANE,
+        caching: ANTUMBRA_SHADOW_CACHING_CACHED,
+        culling: ANTUMBRA_CASTER_CULLING_CULLED,
+        cascades: 0,
+        map_side: 0,
+        layers_max: 0,
+        distance: 0.0,
+        penumbra: 0.0,
+        cascade_blend: 0.0,
+    };
+}
+
+/// Returns the value of a constant of a kind, by its place.
+fn chosen<T: Copy>(kind: &str, values: &[T], number: u32) -> Result<T, Failure> {
+    let unknown = || Failure::argument(format_args!("there is no {kind} {number}"));
+    values.get(number as usize).copied().ok_or_else(unknown)
+}
+
+impl AntumbraShadowDesc {
+    /// Returns the options, which may be ones that no device can fulfil.
+    pub(crate) fn options(&self) -> Result<ShadowOptions, Failure> {
+        use ShadowFilter as F;
+        let filters = [F::Adaptive, F::Single, F::Pcf3, F::Pcss12, F::Fixed64, F::Pcss64];
+        let biases = [ShadowBias::Plane, ShadowBias::BackFaces];
+        let ways = [ShadowCaching::Cached, ShadowCaching::Uncached];
+        let choices = [CasterCulling::Culled, CasterCulling::Unculled];
+        let default = ShadowOptions::default();
+        let given = |number: u32, default: u32| if number == 0 { default } else { number };
+        let distance_m = if self.distance == 0.0 { default.distance_m } else { self.distance };
+        let options = ShadowOptions {
+            method: chosen("ANTUMBRA_SHADOWS_..", &ShadowMethod::ALL, self.method)?,
+            filter: chosen("ANTUMBRA_SHADOW_FILTER_..", &filters, self.filter)?,
+            bias: chosen("ANTUMBRA_SHADOW_BIAS_..", &biases, self.bias)?,
+            caching: chosen("ANTUMBRA_SHADOW_CACHING_..", &ways, self.caching)?,
+            culling: chosen("ANTUMBRA_CASTER_CULLING_..", &choices, self.culling)?,
+            penumbra_m: self.penumbra,
+            cascades: given(self.cascades, default.cascades),
+            cascade_blend: self.cascade_blend,
+            distance_m,
+            sun_side: given(self.map_side, default.sun_side),
+            layers_max: given(self.layers_max, default.layers_max),
+            ..default
+        };
+        options.check().map_err(Failure::argument)?;
+        Ok(options)
+    }
+}
+
+/// The counts of the shadows of the newest frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct AntumbraShadowStats {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// The lights with shadows.
+    pub lights: u32,
+    /// The maps.
+    pub maps: u32,
+    /// The maps that the frame drew, wholly or in part.
+    pub drawn_maps: u32,
+    /// The maps among these whose casters are culled.
+    pub culled_maps: u32,
+    /// The casters in maps that are drawn, culled or not, or of volumes.
+    pub casters: u32,
+    /// The tests that decide about culled casters.
+    pub tests: u32,
+    /// The volumes that are counted by z-fail, since the eye may be in them.
+    pub z_fail_volumes: u32,
+    /// The lights without shadows, since there was no room.
+    pub unshadowed_lights: u32,
+    /// 0.
+    pub reserved: u32,
+    /// The triangles of casters that are drawn, as far as is known when the frame is submitted.
+    pub triangles: u64,
+    /// The triangles of culled casters that tests revealed, in the newest frame with results.
+    pub revealed_triangles: u64,
+}
+layout!(AntumbraShadowStats: struct_size, lights, maps, drawn_maps, culled_maps, casters, tests,
+    z_fail_volumes, unshadowed_lights, reserved, triangles, revealed_triangles);
+
+// SAFETY: the first field is the size.
+unsafe impl Versioned for AntumbraShadowStats {
+    const REQUIRED_FIELDS: usize = 12;
+    const DEFAULT: Self = Self {
+        struct_size: size_of::<Self>() as u32,
+        lights: 0,
+        maps: 0,
+        drawn_maps: 0,
+        culled_maps: 0,
+        casters: 0,
+        tests: 0,
+        z_fail_volumes: 0,
+        unshadowed_lights: 0,
+        reserved: 0,
+        triangles: 0,
+        revealed_triangles: 0,
+    };
+}
+
+impl From<ShadowStats> for AntumbraShadowStats {
+    fn from(it: ShadowStats) -> Self {
+        Self {
+            lights: it.lights,
+            maps: it.faces,
+            drawn_maps: it.drawn_faces,
+            culled_maps: it.culled_faces,
+            casters: it.casters,
+            tests: it.tests,
+            z_fail_volumes: it.z_fail_volumes,
+            unshadowed_lights: it.unshadowed_lights,
+            triangles: it.triangles,
+            revealed_triangles: it.revealed_triangles,
+            ..Self::DEFAULT
+        }
+    }
+}
