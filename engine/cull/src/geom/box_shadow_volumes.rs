@@ -227,6 +227,8 @@ fn is_missed(bounds: &Aabb, from: Vec3, way: Vec3, [mut first, mut last]: [f32; 
 
 #[cfg(test)]
 mod tests {
+    mod margins;
+
     use super::*;
     use crate::geom::camera::{Camera, Projection};
     use crate::rng::SplitMix64;

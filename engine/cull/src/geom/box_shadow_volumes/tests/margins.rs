@@ -1,0 +1,94 @@
+//! The margins of volumes: what a filter finds beside a receiver's ray, and what lies deeper than a
+//! receiver, is in the volume, and would not be without them.
+
+use super::*;
+
+/// A light, a box, and a receiver that a filter lets some point of the box shade.
+struct Shaded {
+    reach: LightReach,
+    bounds: Aabb,
+    receiver: Vec3,
+}
+
+/// Returns a random one. The point of the box is drawn along the ray of the light, towards it by up
+/// to the lead and away from it at will, and aside by up to the spread.
+fn shaded(numbers: &mut Numbers) -> Shaded {
+    let spread_m = numbers.between(0.0, 3.0);
+    let reach = LightReach { spread_m, ..reaches(numbers) };
+    let (size, low) = (numbers.point(4.0).abs() + 0.05, numbers.point(25.0));
+    let caster = low + size * (numbers.point(0.5) + 0.5);
+    let [l, w] = [reach.light.truncate(), Vec3::splat(reach.light.w)];
+    // Half of them between the lead and the box.
+    let far = if reach.light.w == 0.0 { 30.0 } else { 3.0 };
+    let k = match numbers.between(0.0, 1.0) < 0.5 {
+        true => -reach.lead * numbers.between(0.0, 1.0),
+        false => numbers.between(0.0, far) * numbers.between(0.0, 1.0),
+    };
+    let aside = numbers.point(1.0).normalize_or_zero() * spread_m * numbers.between(0.8, 0.9999);
+    let receiver = caster + k * (w * caster - l) + aside;
+    Shaded { reach, bounds: Aabb::new(low, low + size), receiver }
+}
+
+/// Returns true if a point is in the volume of an enlarged box: if some point of the box is drawn
+/// to it, by a factor that meets the bounds of all axes. Computed in 64 bits.
+fn holds(proxy: &Aabb, length: VolumeLength, light: Vec4, point: Vec3) -> bool {
+    let (light, point) = (light.as_dvec4(), point.as_dvec3());
+    let mut range = [-length.towards, length.away].map(f64::from);
+    // Of `min <= (point + k l) / (1 + k w) <= max` each side is a bound of k.
+    let mut bound = |slope: f64, most: f64| {
+        if slope > 0.0 {
+            range[1] = range[1].min(most / slope);
+        } else if slope < 0.0 {
+            range[0] = range[0].max(most / slope);
+        } else if most < 0.0 {
+            range[0] = f64::INFINITY;
+        }
+    };
+    for axis in 0..3 {
+        let [min, max] = [proxy.min[axis], proxy.max[axis]].map(f64::from);
+        bound(min * light.w - light[axis], point[axis] - min);
+        bound(light[axis] - max * light.w, max - point[axis]);
+    }
+    range[0] <= range[1]
+}
+
+/// Returns true if the receiver is in the volume of the box, with margins that `change` changed.
+fn is_held(view: &View, it: &Shaded, change: impl FnOnce(&mut LightReach)) -> bool {
+    let mut reach = it.reach;
+    change(&mut reach);
+    let volumes = BoxShadowVolumes::new(view, reach, RECEIVERS, &[]);
+    let proxy = volumes.enlarged(&it.bounds);
+    holds(&proxy, volumes.length(&proxy), reach.light, it.receiver)
+}
+
+#[test]
+fn what_filters_find_aside_and_deeper_is_in_the_volume_by_its_margins() {
+    let mut numbers = Numbers(SplitMix64::new(17));
+    let projection = Projection::perspective(1.0);
+    // Many pixels: what proxies need for themselves is small.
+    let camera = Camera { eye: Vec3::ZERO, forward: Vec3::X, up: Vec3::Y, projection, near: 0.1 };
+    let view = View::new(&camera, [8192, 8192], 8);
+    let (mut counted, mut lost_without) = ([0; 2], [[0; 2]; 2]);
+    for round in 0..20_000 {
+        let it = shaded(&mut numbers);
+        let LightReach { light, reach_m, .. } = it.reach;
+        let is_sun = light.w == 0.0;
+        let is_lit = is_sun || it.receiver.distance(light.truncate()) <= reach_m;
+        if !is_lit || !RECEIVERS.contains_point(it.receiver) {
+            continue;
+        }
+        let kind = usize::from(is_sun);
+        counted[kind] += 1;
+        assert!(is_held(&view, &it, |_| {}), "{round}: {:?} {:?}", it.reach, it.bounds);
+        let without = [
+            is_held(&view, &it, |reach| reach.spread_m = 0.0),
+            is_held(&view, &it, |reach| reach.lead = 0.0),
+        ];
+        for (lost, is_held) in lost_without[kind].iter_mut().zip(without) {
+            *lost += u32::from(!is_held);
+        }
+    }
+    assert!(counted.iter().all(|it| *it > 2_000), "{counted:?}");
+    let lost = lost_without.as_flattened();
+    assert!(lost.iter().all(|it| *it > 100), "{lost_without:?} of {counted:?} need their margins");
+}
