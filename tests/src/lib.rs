@@ -24,6 +24,7 @@ pub mod reported;
 pub mod shapes;
 pub mod show;
 pub mod stage;
+pub mod still;
 pub mod studio;
 pub mod walk;
 pub mod wayland_window;

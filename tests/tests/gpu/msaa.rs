@@ -2,6 +2,7 @@
 //! and refused where a device or a number does not allow them.
 
 mod depths;
+mod finished;
 
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec2, Vec3, vec2, vec3};
@@ -12,6 +13,7 @@ use scenes::{CameraPath, PathKind};
 use shadows::{ShadowMethod, ShadowOptions};
 use tests::machine::Machine;
 use tests::shapes::{box_at, box_scene, coloured_cubes, square_camera};
+use tests::still::first_image;
 use tests::walk::{SceneKind, frame_loop, pixels_that_differ};
 use tests::{Driver, instance_with, run_on_all, yard};
 
@@ -181,13 +183,7 @@ fn half_plane() -> Scene {
 }
 
 fn drawn(device: &Device, scene: &Scene, samples: SampleCount) -> Vec<u8> {
-    let mut renderer = Renderer::new(device, scene, &options([SIDE; 2], samples)).unwrap();
-    let mut view = renderer.new_view().unwrap();
-    let image = Readback::new(device, [SIDE; 2]).unwrap();
-    let request = FrameRequest::new(Strategy::FRUSTUM, square_camera());
-    renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request }).unwrap();
-    renderer.drain(&mut view).unwrap();
-    image.rgba8().unwrap().to_vec()
+    first_image(device, scene, &options([SIDE; 2], samples), square_camera())
 }
 
 /// Returns the part of a pixel that is on the inner side of the edge, of 64 by 64 places.

@@ -3,15 +3,14 @@
 
 use cull::{Aabb, Camera, Strategy};
 use glam::{Vec2, Vec3, vec2, vec3};
-use gpu::{Device, Readback};
-use render::{
-    Costs, Error, FrameRequest, Renderer, RendererOptions, SpareRoom, TextureRoom, ViewState,
-};
+use gpu::Device;
+use render::{Costs, Error, Renderer, RendererOptions, SpareRoom, TextureRoom, ViewState};
 use scene::{
     Encoding, Filter, Image, ImageId, LightId, LightKind, LightPicture, PreparedTexture,
     PunctualLight, Sampler, Scene, Texture, TextureId,
 };
 use shadows::{ShadowMethod, ShadowOptions};
+use tests::still::{first_image, image};
 use tests::walk::pixels_that_differ;
 use tests::{run_on_all, yard};
 
@@ -100,17 +99,11 @@ fn shadowed() -> RendererOptions {
 }
 
 fn draw(renderer: &mut Renderer, view: &mut ViewState) -> Vec<u8> {
-    let image = Readback::new(renderer.device(), SIZE).unwrap();
-    let request = FrameRequest::new(Strategy::ANTUMBRA, camera());
-    renderer.render(view, &FrameRequest { image: Some(&image), ..request }).unwrap();
-    renderer.drain(view).unwrap();
-    image.rgba8().unwrap().to_vec()
+    image(renderer, view, Strategy::ANTUMBRA, camera())
 }
 
 fn fresh(device: &Device, light: PunctualLight, options: &RendererOptions) -> Vec<u8> {
-    let mut renderer = Renderer::new(device, &scene(light), options).unwrap();
-    let mut view = renderer.new_view().unwrap();
-    draw(&mut renderer, &mut view)
+    first_image(device, &scene(light), options, camera())
 }
 
 /// Returns the point that is seen at a pixel, if any.

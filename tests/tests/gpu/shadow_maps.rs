@@ -10,11 +10,12 @@ mod midpoints;
 mod raycast;
 mod reach;
 
-use cull::{Camera, Strategy};
-use gpu::{Device, Readback};
-use render::{Costs, FrameRequest, Renderer, RendererOptions, SpareRoom, ViewState};
+use cull::Strategy;
+use gpu::Device;
+use render::{Costs, Renderer, RendererOptions, SpareRoom};
 use scene::Scene;
 use shadows::{ShadowFilter, ShadowMethod, ShadowOptions};
+pub use tests::still::image;
 use tests::{run_on_all, yard};
 
 pub const SIZE: [u32; 2] = [128, 96];
@@ -43,20 +44,6 @@ pub fn renderer(device: &Device, scene: &Scene, shadows: ShadowOptions) -> Rende
         ..RendererOptions::default()
     };
     Renderer::new(device, scene, &options).expect("a renderer")
-}
-
-/// Draws a frame and waits for its image.
-pub fn image(
-    renderer: &mut Renderer,
-    view: &mut ViewState,
-    strategy: Strategy,
-    camera: Camera,
-) -> Vec<u8> {
-    let image = Readback::new(renderer.device(), renderer.size()).unwrap();
-    let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
-    renderer.render(view, &request).unwrap();
-    renderer.drain(view).unwrap();
-    image.rgba8().unwrap().to_vec()
 }
 
 #[test]
