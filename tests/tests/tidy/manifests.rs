@@ -22,7 +22,7 @@ const ARROWS: [(&str, &[&str]); 16] = [
             "shadows",
         ],
     ),
-    ("engine/capi/Cargo.toml", &["cull", "gpu", "occlusion", "render", "scene"]),
+    ("engine/capi/Cargo.toml", &["cull", "gpu", "occlusion", "render", "scene", "shadows"]),
     ("engine/cull/Cargo.toml", &[]),
     ("engine/gpu/Cargo.toml", &["shaders"]),
     ("engine/import/Cargo.toml", &["animation", "cull", "scene"]),

@@ -10,6 +10,10 @@ pub struct SceneDegradations {
     pub crowded_objects: usize,
     /// Directional lights beyond [`MAX_DIRECTIONAL_LIGHTS`], the weakest: they do not shine.
     pub dark_suns: usize,
+    /// Lights with a number that is not finite, or without a direction that they need, which do not
+    /// shine; and those whose range is not above 0, which shine as if they had none. The present
+    /// number.
+    pub broken_lights: usize,
     /// Images that lose sharpness, since the device or the memory for textures holds no larger
     /// ones.
     pub shrunk_images: usize,
@@ -23,7 +27,8 @@ impl SceneDegradations {
     /// Returns a sentence for each, for people.
     #[must_use]
     pub fn texts(&self) -> Vec<String> {
-        let Self { crowded_objects, dark_suns, shrunk_images, borrowed_samplers, .. } = *self;
+        let Self { crowded_objects, dark_suns, broken_lights, .. } = *self;
+        let Self { shrunk_images, borrowed_samplers, .. } = *self;
         [
             (crowded_objects > 0).then(|| {
                 format!(
@@ -33,6 +38,11 @@ impl SceneDegradations {
             (dark_suns > 0).then(|| {
                 format!(
                     "{dark_suns} directional lights do not shine: only the strongest {MAX_DIRECTIONAL_LIGHTS} do"
+                )
+            }),
+            (broken_lights > 0).then(|| {
+                format!(
+                    "{broken_lights} lights have a number that is not finite, no direction, or a range that is not above 0: they are dark, or shine without a range"
                 )
             }),
             (shrunk_images > 0).then(|| {
@@ -67,13 +77,14 @@ mod tests {
         let all = SceneDegradations {
             crowded_objects: 5,
             dark_suns: 6,
+            broken_lights: 4,
             shrunk_images: 7,
             enlarged_images: 8,
             borrowed_samplers: 9,
         };
-        for (text, number) in all.texts().iter().zip([5, 6, 7, 9]) {
+        for (text, number) in all.texts().iter().zip([5, 6, 4, 7, 9]) {
             assert!(text.starts_with(&number.to_string()), "{text}");
         }
-        assert_eq!(all.texts().len(), 4);
+        assert_eq!(all.texts().len(), 5);
     }
 }

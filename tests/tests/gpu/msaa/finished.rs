@@ -14,7 +14,7 @@ use super::options;
 
 const SIZE: [u32; 2] = [96, 64];
 
-/// On Mesa's driver alone: the other one averages codes, and has no exact culling.
+/// Runs on Mesa's driver alone: the other one averages codes, and has no exact culling.
 #[test]
 fn lavapipe_hosts_read_averages_of_four_samples() {
     let host = Host::new(Driver::Lavapipe, Purpose::Renderer);

@@ -85,6 +85,15 @@ fn impossible_lights_and_ten_thousand_of_them_do_no_harm() {
             for _ in 0..2 {
                 image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
             }
+            // Of the seven one is a spot without a width, which is dark and no mistake.
+            let degraded = renderer.degradations();
+            assert_eq!(degraded.broken_lights, 6);
+            assert!(degraded.texts().iter().any(|text| text.starts_with("6 lights have")));
+            let broken = PunctualLight { range_m: Some(f32::NAN), ..yard::lights()[2] };
+            renderer.set_light(LightId(0), broken).unwrap();
+            assert_eq!(renderer.degradations().broken_lights, 6, "another number, as broken");
+            renderer.set_light(LightId(0), yard::lights()[2]).unwrap();
+            assert_eq!(renderer.degradations().broken_lights, 5);
         }
     });
 }

@@ -88,6 +88,20 @@ fn picture_right(light: &PunctualLight, picture: &LightPicture) -> [f32; 3] {
 
 /// Returns true if a light gives any light, and all its numbers are finite.
 pub(crate) fn is_bright(light: &PunctualLight) -> bool {
+    has_numbers(light) && strongest_part(light) > 0.0
+}
+
+/// Returns true if a light has a number that is not finite, no direction though it needs one, or a
+/// range that is not above 0.
+pub(crate) fn is_broken(light: &PunctualLight) -> bool {
+    let needs_direction = light.kind != LightKind::Point;
+    let has_direction = light.direction != Vec3::ZERO || !needs_direction;
+    let has_range = light.range_m.is_none_or(|range| range > 0.0);
+    !(has_numbers(light) && has_direction && has_range)
+}
+
+/// Returns true if all numbers of a light are finite.
+fn has_numbers(light: &PunctualLight) -> bool {
     let angles = match light.kind {
         LightKind::Spot { inner_rad, outer_rad } => inner_rad + outer_rad,
         LightKind::Directional | LightKind::Point => 0.0,
@@ -95,10 +109,9 @@ pub(crate) fn is_bright(light: &PunctualLight) -> bool {
     let reach = light.range_m.unwrap_or_default();
     let [red, green, blue] = light.colour;
     let numbers = [angles, reach, red + green + blue, light.intensity, strongest_part(light)];
-    let is_number = numbers.iter().all(|number| number.is_finite())
+    numbers.iter().all(|number| number.is_finite())
         && light.position.is_finite()
-        && light.direction.is_finite();
-    is_number && strongest_part(light) > 0.0
+        && light.direction.is_finite()
 }
 
 /// Returns the strongest of its three colours, in lux or candela.

@@ -18,7 +18,7 @@ use crate::shading::environment_texture::EnvironmentTexture;
 use crate::shading::scene_degradations::SceneDegradations;
 use crate::shading::surfaces::checks::{check, check_counts};
 use crate::shading::surfaces::light_lists::{LIST_VALUES, LightLists};
-use crate::shading::surfaces::lights::{LightEntry, LightTable, dark_light};
+use crate::shading::surfaces::lights::{LightEntry, LightTable, dark_light, is_broken};
 use crate::shading::surfaces::marked::Marked;
 use crate::shading::surfaces::material_slots::MaterialSlots;
 use crate::shading::surfaces::materials::{Features, MaterialTable};
@@ -253,7 +253,11 @@ impl SurfaceResources {
 
     /// Returns the parts that are shown in a degraded form, as lights and objects are now.
     pub(crate) fn degradations(&self) -> SceneDegradations {
-        SceneDegradations { crowded_objects: self.light_lists.crowded(), ..self.degradations }
+        SceneDegradations {
+            crowded_objects: self.light_lists.crowded(),
+            broken_lights: self.table.lights.iter().filter(|light| is_broken(light)).count(),
+            ..self.degradations
+        }
     }
 
     /// Returns the factor of all light before tone mapping.
@@ -445,7 +449,7 @@ fn degradations_of(plan: &PagePlan, table: &LightTable) -> SceneDegradations {
         enlarged_images: plan.resampled - plan.shrunk,
         borrowed_samplers: plan.resampled_by_others,
         dark_suns: table.dark_suns,
-        crowded_objects: 0,
+        ..SceneDegradations::default()
     }
 }
 
