@@ -125,8 +125,8 @@ pub const GROUPS: [(&str, usize); 5] = [
     ("Scene and window", 7),
     ("Culling", 4),
     ("Explanations", 5),
-    ("Light and detail", 6),
-    ("Frames", 4),
+    ("Light", 3),
+    ("Pictures and frames", 7),
 ];
 
 /// More keys, for scenes out of files. Numbers look through their cameras.
