@@ -291,6 +291,13 @@
 
 #if defined(ANTUMBRA_VULKAN)
 /**
+ * The maps hold depths halfway between fronts and backs, and all casters are drawn.
+ */
+#define ANTUMBRA_SHADOW_BIAS_MIDPOINT 2
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
  * A map is drawn again only if something in it changed.
  */
 #define ANTUMBRA_SHADOW_CACHING_CACHED 0

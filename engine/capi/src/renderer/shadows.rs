@@ -33,6 +33,8 @@ pub const ANTUMBRA_SHADOW_FILTER_PCSS64: u32 = 5;
 pub const ANTUMBRA_SHADOW_BIAS_PLANE: u32 = 0;
 /// The maps hold the surfaces that face away from the light, for closed meshes.
 pub const ANTUMBRA_SHADOW_BIAS_BACK_FACES: u32 = 1;
+/// The maps hold depths halfway between fronts and backs, and all casters are drawn.
+pub const ANTUMBRA_SHADOW_BIAS_MIDPOINT: u32 = 2;
 
 /// A map is drawn again only if something in it changed.
 pub const ANTUMBRA_SHADOW_CACHING_CACHED: u32 = 0;
@@ -109,7 +111,7 @@ impl AntumbraShadowDesc {
     pub(crate) fn options(&self) -> Result<ShadowOptions, Failure> {
         use ShadowFilter as F;
         let filters = [F::Adaptive, F::Single, F::Pcf3, F::Pcss12, F::Fixed64, F::Pcss64];
-        let biases = [ShadowBias::Plane, ShadowBias::BackFaces];
+        let biases = [ShadowBias::Plane, ShadowBias::BackFaces, ShadowBias::Midpoint];
         let ways = [ShadowCaching::Cached, ShadowCaching::Uncached];
         let choices = [CasterCulling::Culled, CasterCulling::Unculled];
         let default = ShadowOptions::default();

@@ -187,7 +187,7 @@ fn impossible_shadows_and_samples_are_named_and_change_nothing() {
         (AntumbraShadowDesc { struct_size: 5, ..MAPS }, BadStructSize, "AntumbraShadowDesc"),
         (AntumbraShadowDesc { method: 3, ..MAPS }, BadArgument, "no ANTUMBRA_SHADOWS_.. 3"),
         (AntumbraShadowDesc { filter: 6, ..MAPS }, BadArgument, "ANTUMBRA_SHADOW_FILTER_.. 6"),
-        (AntumbraShadowDesc { bias: 2, ..MAPS }, BadArgument, "ANTUMBRA_SHADOW_BIAS_.. 2"),
+        (AntumbraShadowDesc { bias: 3, ..MAPS }, BadArgument, "ANTUMBRA_SHADOW_BIAS_.. 3"),
         (AntumbraShadowDesc { caching: 2, ..MAPS }, BadArgument, "ANTUMBRA_SHADOW_CACHING_.. 2"),
         (AntumbraShadowDesc { culling: 9, ..MAPS }, BadArgument, "ANTUMBRA_CASTER_CULLING_.. 9"),
         (AntumbraShadowDesc { cascades: 9, ..MAPS }, BadArgument, "it has 1 to 8"),
