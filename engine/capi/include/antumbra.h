@@ -1173,8 +1173,8 @@ typedef struct AntumbraShadowDesc {
      */
     uint32_t map_side;
     /**
-     * The most layers of maps, each as large as one, and with volumes of the masks of lights. 0 is
-     * 8.
+     * The most layers of maps, each as large as one of 512 texels a side at least, and with
+     * volumes of the masks of lights. 0 is 8.
      */
     uint32_t layers_max;
     /**
@@ -2290,7 +2290,7 @@ AntumbraResult antumbra_renderer_resize(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Draws shadows by other options from now on; with 0 in all fields of `desc`, none. Makes new maps
+ * Draws shadows by other options from now on; with `method` 0, none. Makes new maps
  * and pipelines: not for every frame. The renderer was created with an `AntumbraShadowDesc`. After
  * an error nothing has changed.
  *

@@ -131,7 +131,7 @@ impl ShadowCache {
     /// Forgets the contents of all maps: the next plan draws them again.
     pub fn forget(&mut self) {
         for map in self.maps.values_mut() {
-            (map.is_drawn, map.moving) = (false, None);
+            (map.is_drawn, map.moving, map.culled_frames) = (false, None, 0);
         }
     }
 
@@ -332,8 +332,8 @@ impl ShadowCache {
             false if is_cached => self.work(&mut map, casters, plan),
             false => FaceWork::Draw(all(&face, casters, plan)),
         };
-        map.culled_frames = if is_culled { map.culled_frames + 1 } else { 0 };
-        map.is_drawn = !is_culled;
+        map.is_drawn = !matches!(work, FaceWork::Cull(_));
+        map.culled_frames = if map.is_drawn { 0 } else { map.culled_frames + 1 };
         plan.faces.push(PlannedFace { face, tile: map.tile, work });
         self.maps.insert(face.id, map);
     }
@@ -371,7 +371,7 @@ impl ShadowCache {
         self.draw_layers(map, changed, casters, plan)
     }
 
-    /// Draws a map in two layers, or in one if most of its casters move.
+    /// Draws a map in two layers, or in one if most of its casters move: that is not worth keeping.
     fn draw_layers(
         &self,
         map: &mut Map,
@@ -391,7 +391,11 @@ impl ShadowCache {
         let count = plan.casters.len() - first;
         if 2 * moving.len() > count || !self.keeps_resting {
             map.moving = None;
-            return FaceWork::Draw(first..plan.casters.len());
+            let all = first..plan.casters.len();
+            return match self.culled_frames {
+                None | Some(0) => FaceWork::Draw(all),
+                Some(_) => FaceWork::Cull(all),
+            };
         }
         let is_moving = |leaf: &LeafIndex| {
             object(leaf).is_some_and(|object| moving.binary_search(&object).is_ok())

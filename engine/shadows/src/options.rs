@@ -108,14 +108,14 @@ pub enum ShadowCaching {
     Uncached,
 }
 
-/// The choice of casters for maps that are drawn in frame after frame, and for volumes.
+/// The choice of casters for maps that are not kept yet, and for volumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum CasterCulling {
-    /// Only casters whose shadow can fall on something visible are drawn to maps that change in
-    /// frame after frame (Bittner, Mattausch, Silvennoinen, Wimmer, "Shadow Caster Culling for
-    /// Efficient Shadow Mapping", I3D 2011). Other maps hold all of their casters, as they are kept
-    /// for views to come. Of volumes those of such casters are counted. Needs frames of one view
-    /// with one sample per pixel.
+    /// Only casters whose shadow can fall on something visible are drawn to maps until these are
+    /// kept (Bittner, Mattausch, Silvennoinen, Wimmer, "Shadow Caster Culling for Efficient Shadow
+    /// Mapping", I3D 2011). Maps that are kept, for views to come, hold all of their casters. Of
+    /// volumes those of such casters are counted. Needs frames of one view with one sample per
+    /// pixel.
     #[default]
     Culled,
     /// All casters in a map's view are drawn to it, or all volumes counted.
@@ -139,7 +139,7 @@ pub struct ShadowOptions {
     pub bias: ShadowBias,
     /// The use of what earlier frames drew.
     pub caching: ShadowCaching,
-    /// The choice of casters for maps that are drawn in frame after frame.
+    /// The choice of casters.
     pub culling: CasterCulling,
     /// The width of penumbras in metres, at least 0, of lights that have none of their own.
     pub penumbra_m: f32,

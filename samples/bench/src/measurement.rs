@@ -77,6 +77,8 @@ pub struct RunMeasurement {
     frames_verified: u64,
     pixels_wrong: u64,
     passes: BTreeMap<&'static str, Vec<f64>>,
+    /// Frames whose passes were timed.
+    frames_of_passes: usize,
 }
 
 impl RunMeasurement {
@@ -91,6 +93,7 @@ impl RunMeasurement {
             frames_verified: 0,
             pixels_wrong: 0,
             passes: BTreeMap::new(),
+            frames_of_passes: 0,
         }
     }
 
@@ -142,15 +145,19 @@ impl RunMeasurement {
         self.fixed64.add(image, fixed64);
     }
 
-    /// Adds the GPU times of one frame's passes; passes with the same label are summed.
+    /// Adds the GPU times of one frame's passes; passes with the same label are summed, and those
+    /// of other frames took no time in this one.
     pub fn timed_passes(&mut self, passes: impl IntoIterator<Item = (&'static str, f64)>) {
         let mut frame = BTreeMap::new();
         for (label, gpu_ms) in passes {
             *frame.entry(label).or_insert(0.0) += gpu_ms;
         }
         for (label, gpu_ms) in frame {
-            self.passes.entry(label).or_default().push(gpu_ms);
+            let times = self.passes.entry(label).or_default();
+            times.resize(self.frames_of_passes, 0.0);
+            times.push(gpu_ms);
         }
+        self.frames_of_passes += 1;
     }
 
     /// Sums the frames up.
@@ -200,7 +207,10 @@ impl RunMeasurement {
             passes_ms: self
                 .passes
                 .iter()
-                .map(|(label, times)| ((*label).to_owned(), TimeSummary::of(times.iter().copied())))
+                .map(|(label, times)| {
+                    let none = std::iter::repeat_n(0.0, self.frames_of_passes - times.len());
+                    ((*label).to_owned(), TimeSummary::of(times.iter().copied().chain(none)))
+                })
                 .collect(),
             warm_up_frames_verified: self.warm_up.frames_verified,
             pixels_wrong: is_verified.then_some(self.pixels_wrong),
@@ -243,6 +253,8 @@ mod tests {
         for visible in [2.0, 4.0, 3.0] {
             run.timed_passes([("visible", visible), ("revealed", 1.0), ("revealed", 0.5)]);
         }
+        run.timed_passes([("visible", 9.0), ("seldom", 8.0)]);
+        run.timed_passes([("visible", 2.5), ("revealed", 1.5)]);
         let report = run.report();
         assert_eq!(report.draws, Some(7));
         assert_eq!(report.result_age_frames, AgeReport { median: Some(1), max: Some(3) });
@@ -253,5 +265,7 @@ mod tests {
         assert_eq!(report.samples_below_threshold, 21);
         assert_eq!(report.passes_ms["visible"].median, Some(3.0));
         assert_eq!(report.passes_ms["revealed"].median, Some(1.5));
+        assert_eq!(report.passes_ms["seldom"].median, Some(0.0), "in most frames it took no time");
+        assert_eq!(report.passes_ms["seldom"].max, Some(8.0));
     }
 }

@@ -243,7 +243,7 @@ pub struct RunReport {
     pub expected_saving_ns: Option<u64>,
     /// The corrections that the cost model had learned at the end; absent without one.
     pub corrections: Option<CorrectionsReport>,
-    /// The GPU time of each pass by its label, with `--time-passes`.
+    /// The GPU time of each pass by its label, with `--time-passes`; 0 in frames without the pass.
     pub passes_ms: BTreeMap<String, TimeSummary>,
     /// The age of the results that were read back.
     pub result_age_frames: AgeReport,

@@ -147,7 +147,7 @@ pub unsafe extern "C" fn antumbra_renderer_resize(
     }
 }
 
-/// Draws shadows by other options from now on; with 0 in all fields of `desc`, none. Makes new maps
+/// Draws shadows by other options from now on; with `method` 0, none. Makes new maps
 /// and pipelines: not for every frame. The renderer was created with an `AntumbraShadowDesc`. After
 /// an error nothing has changed.
 ///

@@ -205,9 +205,12 @@ impl HostedRenderer {
 
     /// Checks and adds meshes.
     pub fn add_meshes(&mut self, meshes: Vec<Mesh>) -> Result<Vec<MeshId>, Failure> {
-        let prepare = |mesh: Mesh| match surface_of(&mesh).filter(|_| self.has_surfaces) {
-            Some(surface) => PreparedMesh::with_surface(mesh, surface, Vec::new()),
-            None => PreparedMesh::new(mesh),
+        let prepare = |mesh: Mesh| {
+            let surface = if self.has_surfaces { surface_of(&mesh) } else { None };
+            match surface {
+                Some(surface) => PreparedMesh::with_surface(mesh, surface, Vec::new()),
+                None => PreparedMesh::new(mesh),
+            }
         };
         let prepared: Result<Vec<PreparedMesh>, SceneError> =
             meshes.into_iter().map(prepare).collect();

@@ -67,8 +67,8 @@ pub struct AntumbraShadowDesc {
     pub cascades: u32,
     /// The side of such a map in texels, a power of two from 16 on. 0 is 2048.
     pub map_side: u32,
-    /// The most layers of maps, each as large as one, and with volumes of the masks of lights. 0 is
-    /// 8.
+    /// The most layers of maps, each as large as one of 512 texels a side at least, and with
+    /// volumes of the masks of lights. 0 is 8.
     pub layers_max: u32,
     /// The distance from the eye to which the sun has shadows (metres), above 0 and below 1e6. 0 is
     /// 200.

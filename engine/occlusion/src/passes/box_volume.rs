@@ -53,6 +53,9 @@ pub struct BoxVolumeConstants {
 const VERTICES: u32 = 108;
 
 impl BoxVolumePass {
+    /// The triangles of a volume.
+    pub const TRIANGLES: u64 = VERTICES as u64 / 3;
+
     /// Compiles the pass for renderings to `attachments`, on a device whose fragment shaders can
     /// write ([`Optional::FragmentStores`](gpu::Optional::FragmentStores)).
     ///

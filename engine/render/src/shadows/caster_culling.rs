@@ -1,4 +1,5 @@
-//! The choice of casters for maps that change in every frame: those whose shadow volumes show.
+//! The choice of casters for maps that are not kept, and for volumes: those whose shadow volumes
+//! show.
 //!
 //! ```text
 //! plan     per light, by a history of its own: casters to draw, and boxes to test
@@ -45,9 +46,6 @@ const TESTS_MAX: usize = 1024;
 
 /// The share of casters' triangles that is taken to be drawn before anything is known.
 const FIRST_SHARE: f32 = 0.25;
-
-/// Triangles of the box that a test draws.
-const BOX_TRIANGLES: u64 = 12;
 
 /// Bytes of an indirect draw.
 const DRAW_BYTES: u64 = size_of::<gpu::IndirectDraw>() as u64;
@@ -141,9 +139,14 @@ impl CasterCulling {
             reader.read_flags(tests, values);
             let shown = tests.iter().zip(values).filter(|(_, value)| **value != 0);
             *revealed_triangles = shown.map(|(test, _)| u64::from(test.contents.triangles)).sum();
+            if tests.is_empty() || draws.groups.is_empty() {
+                return;
+            }
             // What needs no test changes little from frame to frame: the newest plan has it.
             let tested: u64 = tests.iter().map(|test| u64::from(test.contents.triangles)).sum();
-            let drawn = draws.triangles + *revealed_triangles + BOX_TRIANGLES * tests.len() as u64;
+            let drawn = draws.triangles
+                + *revealed_triangles
+                + BoxVolumePass::TRIANGLES * tests.len() as u64;
             *drawn_share = drawn as f32 / (draws.triangles + tested).max(1) as f32;
         });
         reader.finish();

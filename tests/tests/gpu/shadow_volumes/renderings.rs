@@ -38,6 +38,8 @@ pub struct Renderings {
     depth: OpaquePass,
     volumes: VolumePass,
     ring: FrameRing,
+    /// Lights so far whose volumes ended at a plane.
+    pub ended: u32,
 }
 
 impl Renderings {
@@ -63,6 +65,7 @@ impl Renderings {
             depth: OpaquePass::depth_only(device, &shaders, Attachments::default()).unwrap(),
             volumes: VolumePass::new(device, &shaders, size, path).unwrap(),
             ring: FrameRing::new(device, 2).unwrap(),
+            ended: 0,
         }
     }
 
@@ -105,6 +108,7 @@ impl Renderings {
                 VolumeLight { light: *light, end, bits, layer, area, casters }
             })
             .collect();
+        self.ended += lights.iter().map(|it| u32::from(it.end.w == 1.0)).sum::<u32>();
         let mut frame = self.ring.begin().unwrap();
         let draws = self.volumes.prepare(&mut frame, &lights).unwrap();
         let commands = frame.commands();
