@@ -11,7 +11,7 @@ mod raycast;
 mod reach;
 
 use cull::Strategy;
-use gpu::Device;
+use gpu::{Device, Predication};
 use render::{Costs, Renderer, RendererOptions, SpareRoom};
 use scene::Scene;
 use shadows::{ShadowFilter, ShadowMethod, ShadowOptions};
@@ -34,7 +34,18 @@ pub fn shadows() -> ShadowOptions {
 }
 
 pub fn renderer(device: &Device, scene: &Scene, shadows: ShadowOptions) -> Renderer {
+    renderer_that_skips(device, scene, shadows, None)
+}
+
+/// Creates a renderer of a scene with these shadows and this way to skip draws of objects.
+pub fn renderer_that_skips(
+    device: &Device,
+    scene: &Scene,
+    shadows: ShadowOptions,
+    predication: Option<Predication>,
+) -> Renderer {
     let options = RendererOptions {
+        predication,
         size: SIZE,
         costs: Costs::Ignored,
         spare_objects: 8,

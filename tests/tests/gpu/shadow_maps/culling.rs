@@ -69,7 +69,11 @@ pub struct Side(Renderer, ViewState);
 impl Side {
     /// Creates a renderer of the town with these shadows.
     pub fn new(device: &gpu::Device, scene: &Scene, options: ShadowOptions) -> Self {
-        let renderer = renderer(device, scene, options);
+        Self::of(renderer(device, scene, options))
+    }
+
+    /// Creates one of a renderer of the town.
+    pub fn of(renderer: Renderer) -> Self {
         let view = renderer.new_view().unwrap();
         Self(renderer, view)
     }

@@ -2,11 +2,13 @@
 //! while eye and lights move through a town, and most volumes are left out.
 
 use cull::Strategy;
-use shadows::{CasterCulling, ShadowMethod, ShadowOptions};
+use gpu::Predication;
+use shadows::{CasterCulling, ShadowCaching, ShadowMethod, ShadowOptions};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run, run_on_all};
 
 use crate::shadow_maps::culling::{Side, scene};
+use crate::shadow_maps::renderer_that_skips;
 
 fn options(culling: CasterCulling) -> ShadowOptions {
     ShadowOptions { method: ShadowMethod::Volumes, culling, ..ShadowOptions::default() }
@@ -37,6 +39,35 @@ fn lavapipe_images_are_those_with_all_volumes() {
         let ([all, culled], tests) = compare(device, 90);
         println!("{culled} triangles of {all}, {tests} tests");
         assert!(culled * 2 < all && tests > 0, "{culled} triangles of {all}, {tests} tests");
+    });
+}
+
+#[test]
+fn draws_of_casters_take_no_count_of_the_objects_before() {
+    run(Driver::Lavapipe, |device| {
+        let scene = scene();
+        let maps = ShadowOptions {
+            method: ShadowMethod::Maps,
+            caching: ShadowCaching::Uncached,
+            ..ShadowOptions::default()
+        };
+        for culled in [options(CasterCulling::Culled), maps] {
+            let all = ShadowOptions { culling: CasterCulling::Unculled, ..culled };
+            let mut all = Side::new(device, &scene, all);
+            let ways = [Predication::Conditional, Predication::Counts, Predication::Instances];
+            let mut sides =
+                ways.map(|way| Side::of(renderer_that_skips(device, &scene, culled, Some(way))));
+            for frame in 0..40 {
+                let expected = all.draw(frame, Strategy::ANTUMBRA);
+                for strategy in [Strategy::ANTUMBRA, methods::PYRAMID] {
+                    for (side, way) in sides.iter_mut().zip(ways) {
+                        let found = side.draw(frame, strategy);
+                        let wrong = pixels_that_differ(&expected, &found);
+                        assert_eq!(wrong, 0, "{way:?}, {strategy}, frame {frame}");
+                    }
+                }
+            }
+        }
     });
 }
 

@@ -49,6 +49,8 @@ pub const LINKED: u32 = 14;
 pub struct Predicates {
     device: Device,
     predication: Predication,
+    /// True if no other predicates have drawn by counts before, in the same commands.
+    is_alone: bool,
     draws: Buffer,
     links: Option<Buffer>,
     writer: Option<ComputePipeline>,
@@ -103,7 +105,7 @@ impl Predicates {
     }
 
     /// Prepares `predication` (if `None`, the device's best for so many) for `count` draws of one
-    /// instance each, undefined until they are written.
+    /// instance each, undefined until they are written. Other predicates may draw before these.
     ///
     /// # Errors
     /// As for [`Predicates::new`].
@@ -115,7 +117,7 @@ impl Predicates {
     ) -> Result<Self, Error> {
         let predication = Predication::choose(device, predication, count.into(), 0)?;
         let draws = (draw_buffer(device, count)?, None);
-        Self::over(device, predication, draws, frames_in_flight)
+        Ok(Self { is_alone: false, ..Self::over(device, predication, draws, frames_in_flight)? })
     }
 
     fn over(
@@ -149,6 +151,7 @@ impl Predicates {
         Ok(Self {
             device: device.clone(),
             predication,
+            is_alone: true,
             all: device.upload("all draws", &most, all_usage)?,
             draws,
             links,
@@ -337,7 +340,14 @@ impl Predicates {
         }
         match self.predication {
             Predication::Counts => self.draw_after_counted(commands, draws),
-            _ => commands.draw_indirect(draws),
+            _ => self.draw_uncounted(commands, draws),
+        }
+    }
+
+    fn draw_uncounted(&self, commands: &Commands, draws: BufferSlice) {
+        match self.is_alone {
+            true => commands.draw_indirect(draws),
+            false => self.draw_after_counted(commands, draws),
         }
     }
 
@@ -357,7 +367,7 @@ impl Predicates {
 
     /// Draws the range of a decision if its result is not zero.
     pub fn draw(&self, commands: &Commands, source: ResultSource, decision: u32) {
-        self.draw_from(commands, source, decision, self.draws.whole());
+        self.draw_enabled(commands, source, decision, self.draws.whole());
     }
 
     /// Draws the range of a decision out of `draws` if the result is not zero. `draws` has a copy
@@ -369,16 +379,6 @@ impl Predicates {
         decision: u32,
         draws: BufferSlice,
     ) {
-        self.draw_from(commands, source, decision, draws);
-    }
-
-    fn draw_from(
-        &self,
-        commands: &Commands,
-        source: ResultSource,
-        decision: u32,
-        all_draws: BufferSlice,
-    ) {
         if commands.admit(self).is_err() {
             return;
         }
@@ -388,9 +388,9 @@ impl Predicates {
             return;
         };
         let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
-        let draws = all_draws.part(bytes(range.first), bytes(range.count));
+        let draws = draws.part(bytes(range.first), bytes(range.count));
         match self.predication {
-            Predication::Instances => commands.draw_indirect(draws),
+            Predication::Instances => self.draw_uncounted(commands, draws),
             Predication::Counts => {
                 if let Some(count) = list.count(decision) {
                     commands.draw_indirect_count(draws, count);
@@ -398,7 +398,7 @@ impl Predicates {
             }
             Predication::Conditional => {
                 self.conditionally(commands, list, result, |commands| {
-                    commands.draw_indirect(draws)
+                    self.draw_uncounted(commands, draws);
                 });
             }
         }
