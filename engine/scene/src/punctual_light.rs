@@ -42,8 +42,8 @@ pub struct PunctualLight {
     pub colour: [f32; 3],
     /// The intensity in lux or candela, by its kind.
     pub intensity: f32,
-    /// The distance to which it shines, in metres; `None` is as far as it can be distinguished from
-    /// darkness.
+    /// The distance to which it shines, in metres; `None`, as one that is not above 0, is as far as
+    /// it can be distinguished from darkness.
     pub range_m: Option<f32>,
     /// The position in the world.
     pub position: Vec3,

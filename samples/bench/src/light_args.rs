@@ -17,8 +17,7 @@ pub struct LightArguments {
     #[arg(long, value_name = "sun|torches|N", help_heading = "Lights")]
     pub lights: Option<LightSet>,
     /// Ways to make shadows to compare, each with each strategy: off, maps, maps_uncached,
-    /// volumes
-    /// [default: off]
+    /// maps_unculled, volumes, volumes_unculled [default: off]
     #[arg(long, value_name = "WAY[,WAY]", help_heading = "Lights")]
     #[arg(value_parser = parse_ways)]
     pub shadows: Option<ShadowWays>,
