@@ -15,7 +15,8 @@ use gpu::{Entry, Required};
 
 use replacements::replacements;
 pub use replacements::{
-    CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW, CALLS_THAT_START,
+    CALLS_THAT_MAKE, CALLS_THAT_RESET, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW,
+    CALLS_THAT_START,
 };
 
 type Function = unsafe extern "system" fn();
@@ -44,6 +45,8 @@ pub struct Machine {
     pub is_unconditional: bool,
     /// True if no device counts samples.
     pub is_imprecise: bool,
+    /// True if no device resets queries on the CPU.
+    pub resets_by_commands: bool,
     /// The change of the features of Vulkan 1.0 that every device reports.
     pub hides: Option<fn(&mut vk::PhysicalDeviceFeatures)>,
     /// The most draws that a device draws or counts at once.

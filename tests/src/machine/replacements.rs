@@ -145,6 +145,9 @@ counted! { CALLS_THAT_START calls_that_start {
         callbacks: Callbacks<'_>, made: *mut vk::DebugUtilsMessengerEXT);
 }}
 
+/// The calls that reset queries, which are counted: on the CPU, and by commands.
+pub const CALLS_THAT_RESET: [&CStr; 2] = [c"vkResetQueryPool", c"vkCmdResetQueryPool"];
+
 /// Returns all of them.
 pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
     // SAFETY: function pointers all; who asks for one knows its type by its name.
@@ -194,6 +197,11 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
             (
                 c"vkGetPhysicalDeviceFormatProperties",
                 transmute::<vk::PFN_vkGetPhysicalDeviceFormatProperties, Function>(format),
+            ),
+            (CALLS_THAT_RESET[0], transmute::<vk::PFN_vkResetQueryPool, Function>(reset_queries)),
+            (
+                CALLS_THAT_RESET[1],
+                transmute::<vk::PFN_vkCmdResetQueryPool, Function>(command_to_reset_queries),
             ),
         ]
     };
@@ -308,6 +316,9 @@ unsafe extern "system" fn features(
                     if lacks(Required::TimelineSemaphore) {
                         more.timeline_semaphore = vk::FALSE;
                     }
+                    if machine(|machine| machine.resets_by_commands) {
+                        more.host_query_reset = vk::FALSE;
+                    }
                 }
                 vk::StructureType::PHYSICAL_DEVICE_VULKAN_1_3_FEATURES => {
                     let more = &mut *next.cast::<vk::PhysicalDeviceVulkan13Features<'_>>();
@@ -354,6 +365,30 @@ unsafe extern "system" fn format(
         if lacks(Required::Depth32) && format == vk::Format::D32_SFLOAT {
             (*properties).optimal_tiling_features = vk::FormatFeatureFlags::empty();
         }
+    }
+}
+
+unsafe extern "system" fn reset_queries(
+    device: vk::Device,
+    pool: vk::QueryPool,
+    first: u32,
+    count: u32,
+) {
+    due(CALLS_THAT_RESET[0]);
+    // SAFETY: as above.
+    unsafe { real::<vk::PFN_vkResetQueryPool>(CALLS_THAT_RESET[0])(device, pool, first, count) }
+}
+
+unsafe extern "system" fn command_to_reset_queries(
+    commands: vk::CommandBuffer,
+    pool: vk::QueryPool,
+    first: u32,
+    count: u32,
+) {
+    due(CALLS_THAT_RESET[1]);
+    // SAFETY: as above.
+    unsafe {
+        real::<vk::PFN_vkCmdResetQueryPool>(CALLS_THAT_RESET[1])(commands, pool, first, count)
     }
 }
 

@@ -121,6 +121,8 @@ pub enum Optional {
     DrawIndirectCount,
     /// Exact numbers of samples from occlusion queries.
     PreciseQueries,
+    /// Queries that are reset by the CPU: some drivers wait once per query that a command resets.
+    HostQueryReset,
     /// Timestamps on the graphics queue.
     Timestamps,
     /// Fragment shaders that write to storage buffers.
@@ -153,10 +155,11 @@ pub enum Optional {
 
 impl Optional {
     /// All optional capabilities.
-    pub const ALL: [Optional; 16] = [
+    pub const ALL: [Optional; 17] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
+        Optional::HostQueryReset,
         Optional::Timestamps,
         Optional::FragmentStores,
         Optional::Multiview,
@@ -178,6 +181,7 @@ impl Optional {
             Optional::ConditionalRendering => "VK_EXT_conditional_rendering",
             Optional::DrawIndirectCount => "drawIndirectCount",
             Optional::PreciseQueries => "occlusionQueryPrecise",
+            Optional::HostQueryReset => "hostQueryReset",
             Optional::Timestamps => "timestamps",
             Optional::FragmentStores => "fragmentStoresAndAtomics",
             Optional::Multiview => "multiview",
@@ -200,6 +204,7 @@ impl Optional {
             Optional::ConditionalRendering
             | Optional::DrawIndirectCount
             | Optional::PreciseQueries
+            | Optional::HostQueryReset
             | Optional::Timestamps
             | Optional::FragmentStores
             | Optional::SampleDepths
@@ -215,6 +220,7 @@ impl Optional {
             Optional::ConditionalRendering => Features { conditional_rendering: true, ..none },
             Optional::DrawIndirectCount => Features { draw_indirect_count: true, ..none },
             Optional::PreciseQueries => Features { occlusion_query_precise: true, ..none },
+            Optional::HostQueryReset => Features { host_query_reset: true, ..none },
             Optional::FragmentStores => Features { fragment_stores_and_atomics: true, ..none },
             Optional::Multiview => Features { multiview: true, ..none },
             Optional::Wireframe => Features { fill_mode_non_solid: true, ..none },

@@ -65,6 +65,7 @@ features! {
     vulkan_12 {
         timeline_semaphore "timelineSemaphore"
         draw_indirect_count "drawIndirectCount"
+        host_query_reset "hostQueryReset"
     }
     vulkan_13 {
         dynamic_rendering "dynamicRendering"

@@ -5,6 +5,7 @@ pub(crate) mod flag_ring;
 pub(crate) mod leaf_draw_ring;
 pub(crate) mod occlusion_pool;
 pub(crate) mod predicates;
+pub(crate) mod query_reset;
 pub(crate) mod query_ring;
 pub(crate) mod recorded_queries;
 pub(crate) mod result_buffer;

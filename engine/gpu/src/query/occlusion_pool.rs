@@ -9,6 +9,7 @@ use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::memory::buffer::BufferSlice;
+use crate::query::query_reset::reset_queries;
 use crate::query::recorded_queries::RecordedQueries;
 use crate::query::result_buffer::RESULT_BYTES;
 use crate::record::commands::{Commands, Failure};
@@ -53,11 +54,7 @@ impl OcclusionPool {
     /// Resets the first `count` queries. Outside of rendering; the tick of the frame that used them
     /// before is over.
     pub(crate) fn reset(&self, commands: &Commands, count: u32) {
-        let count = count.min(self.capacity);
-        if count > 0 {
-            // SAFETY: the slot's tick is over, so none of its queries is in use.
-            unsafe { self.device.raw().cmd_reset_query_pool(commands.raw(), self.raw, 0, count) };
-        }
+        reset_queries(&self.device, commands.raw(), self.raw, count.min(self.capacity));
     }
 
     /// Records what `record` draws under query `query` of this pool: `number` among those

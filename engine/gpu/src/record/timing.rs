@@ -11,6 +11,7 @@ use crate::core::error::{Called, Error};
 use crate::core::queue_lock::lock;
 use crate::core::tick::Tick;
 use crate::memory::buffer::{Buffer, MemoryKind};
+use crate::query::query_reset::reset_queries;
 
 /// The time of a pass on the GPU.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,13 +102,11 @@ impl PassTimer {
         steps as f64 * self.ns_per_step * 1e-6
     }
 
+    /// Resets the timestamps. The tick of the slot's last frame is over.
     pub(crate) fn reset(&self, commands: vk::CommandBuffer) {
         lock(&self.labels).clear();
         self.is_inside.store(false, Ordering::Relaxed);
-        // SAFETY: the slot's tick is over, so no query is in use.
-        unsafe {
-            self.device.raw().cmd_reset_query_pool(commands, self.pool, 0, 2 * self.passes);
-        }
+        reset_queries(&self.device, commands, self.pool, 2 * self.passes);
     }
 
     /// Begins a pass, unless it lies within another one.

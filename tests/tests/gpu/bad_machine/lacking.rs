@@ -4,11 +4,11 @@ use ash::vk;
 use cull::Strategy;
 use gpu::{
     Counting, Device, DeviceOptions, Error, FrameRing, IndirectDraw, Instance, Predicates,
-    Predication, QueryRing, Required,
+    Predication, QueryRing, Readback, Required,
 };
 use render::{FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
-use tests::machine::{CALLS_THAT_START, Fault, Machine};
+use tests::machine::{CALLS_THAT_RESET, CALLS_THAT_START, Fault, Machine, calls};
 use tests::{Driver, instance_with, take_turn};
 
 /// Returns the error of opening an instance without validation on `machine` and picking a device
@@ -127,6 +127,43 @@ fn a_device_that_does_not_count_says_so_when_asked_to_count() {
     assert_eq!(view.visible_samples(), []);
     drop((queries, frames, renderer, view, device));
     assert_eq!(instance.validation_log().drain(), []);
+}
+
+#[test]
+fn queries_are_reset_by_commands_only_where_the_cpu_cannot() {
+    let GeneratedScene { scene, routes } = city(200, 1).unwrap();
+    let path = CameraPath::new(PathKind::Street, &routes).unwrap();
+    let images = [false, true].map(|resets_by_commands| {
+        let machine = Machine { resets_by_commands, ..Machine::default() };
+        let instance = instance_with(machine.entry());
+        let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+        let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+        let options =
+            RendererOptions { methods: methods::all(), size: [64, 48], ..Default::default() };
+        let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
+        renderer.time_passes().unwrap();
+        let image = Readback::new(&device, renderer.size()).unwrap();
+        for strategy in [Strategy::ANTUMBRA_QUERIES, methods::BATCHED] {
+            let mut view = renderer.new_view().unwrap();
+            for frame in 0..6 {
+                let request = FrameRequest {
+                    image: Some(&image),
+                    ..FrameRequest::new(strategy, path.camera(frame))
+                };
+                renderer.render(&mut view, &request).unwrap();
+            }
+            renderer.drain(&mut view).unwrap();
+        }
+        assert!(!renderer.pass_times().is_empty());
+        let resets = CALLS_THAT_RESET.map(calls);
+        let [used, unused] = if resets_by_commands { [1, 0] } else { [0, 1] };
+        assert!(resets[used] >= 12 && resets[unused] == 0, "{resets:?}");
+        let pixels = image.rgba8().unwrap().to_vec();
+        drop((image, renderer, device));
+        assert_eq!(instance.validation_log().drain(), []);
+        pixels
+    });
+    assert!(images[0] == images[1]);
 }
 
 #[test]
