@@ -236,14 +236,19 @@ fn surfaces_have_materials_transforms_lights_and_lists() {
 #[test]
 fn volumes_are_extruded_alike_by_both_ways() {
     let instances = (0, 64, vec![0, 48]);
-    assert_eq!(interface("volume.vert"), (vec![instances.clone()], 108));
-    assert_eq!(interface("volume.geom"), (vec![], 108));
+    assert_eq!(interface("volume.vert"), (vec![instances.clone()], 124));
+    assert_eq!(interface("volume.geom"), (vec![], 124));
     let values = |binding| (binding, 4, vec![0]);
     let jobs = (3, 16, vec![0, 4, 8, 12]);
     let buffers = vec![instances, values(1), values(2), jobs, (4, 16, vec![0]), values(5)];
-    assert_eq!(interface("volume_extrude.comp"), (buffers, 108));
+    assert_eq!(interface("volume_extrude.comp"), (buffers, 124));
     assert_eq!(interface("volume_extruded.vert"), (vec![], 0));
     assert_eq!(interface("volume_mask.frag"), (vec![values(0)], 12));
+}
+
+#[test]
+fn midpoints_know_their_reach_and_layer() {
+    assert_eq!(interface("midpoint.frag"), (vec![], 12));
 }
 
 #[test]
