@@ -358,6 +358,39 @@ fn maps_of_a_light_that_keeps_moving_are_culled_and_whole_once_it_rests() {
 }
 
 #[test]
+fn maps_of_which_all_casters_move_are_culled_in_most_frames() {
+    let mut random = Random(5);
+    let world = World::new(&mut random);
+    let mut cache = ShadowCache::new(options(ShadowCaching::Cached));
+    let mut plan = ShadowPlan::default();
+    let objects = (0..200).map(ObjectId);
+    let moved = objects.map(|object| {
+        let bounds = world.bounds(object);
+        BoxChange { object, before: bounds, after: bounds }
+    });
+    let moved: Vec<BoxChange> = moved.collect();
+    let mut work = |changes, drawn_share| {
+        let shape = LightShape::Point { position: vec3(20.0, 4.0, 9.0), reach_m: 90.0 };
+        let lamp = ShadowLight { id: ShadowLightId(0), shape, penumbra_m: 0.1 };
+        let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, drawn_share };
+        let casters = Casters { hierarchy: &world.hierarchy, changes: Some(changes) };
+        cache.plan(&[lamp], &casters, &eyes, &mut plan);
+        cache.submitted();
+        let stats = plan.stats();
+        [stats.culled_faces, stats.drawn_faces]
+    };
+    let third = Some(0.33);
+    for round in 0..4 {
+        let frames = [work(&moved, third), work(&moved, third), work(&moved, third)];
+        // A face without casters is kept from the first round on.
+        let drawn = if round == 0 { 6 } else { 5 };
+        assert_eq!(frames, [[drawn, drawn], [drawn, drawn], [0, drawn]], "round {round}");
+    }
+    assert_eq!(work(&[], third), [0, 0], "all is there, and nothing moved");
+    assert_eq!(work(&moved, None), [0, 5], "a frame of two views");
+}
+
+#[test]
 fn a_light_without_room_gets_maps_when_another_needs_less() {
     let mut random = Random(3);
     let world = World::new(&mut random);
