@@ -171,6 +171,21 @@
 
 #if defined(ANTUMBRA_VULKAN)
 /**
+ * A host may submit a frame again before it is safe: each run resets its queries by commands.
+ */
+#define ANTUMBRA_RESUBMISSION_ALLOWED 0
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A host submits each frame once at most. Its queries are reset by the CPU where the device's
+ * `hostQueryReset` is on, since some drivers wait once per query that a command resets.
+ */
+#define ANTUMBRA_RESUBMISSION_NEVER 1
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
  * The most colour images of a view.
  */
 #define ANTUMBRA_COLOURS_MAX 8
@@ -1567,9 +1582,9 @@ typedef struct AntumbraSceneDesc {
      */
     uint32_t draws;
     /**
-     * Must be 0.
+     * An `ANTUMBRA_RESUBMISSION_..`. Default: `ANTUMBRA_RESUBMISSION_ALLOWED`.
      */
-    uint32_t reserved;
+    uint32_t resubmission;
 } AntumbraSceneDesc;
 #endif
 

@@ -126,6 +126,7 @@ pub use crate::record::pipeline::{
     StencilMode, StorageLayout, VertexLayout,
 };
 pub use crate::record::render_target::{Load, RenderTarget};
+pub use crate::record::resubmission::Resubmission;
 pub use crate::record::sample_count::SampleCount;
 pub use crate::record::shader::Spirv;
 #[cfg(feature = "shader-compiler")]

@@ -1,7 +1,7 @@
 //! The scene of a host: objects with draws in its own pipelines.
 
 use cull::{Aabb, CullConfig, Culler, DrawPhases, ObjectId, TesterSupport};
-use gpu::{Attachments, Device, FrameRing, IndirectDraw, Predication, Target};
+use gpu::{Attachments, Device, FrameRing, IndirectDraw, Predication, Resubmission, Target};
 use occlusion::{
     BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, OcclusionPasses, ShaderSet,
     VisibilityState,
@@ -43,6 +43,12 @@ pub const ANTUMBRA_PREDICATION_COUNTS: u32 = 2;
 /// Hidden draws are skipped by instance counts.
 pub const ANTUMBRA_PREDICATION_INSTANCES: u32 = 3;
 
+/// A host may submit a frame again before it is safe: each run resets its queries by commands.
+pub const ANTUMBRA_RESUBMISSION_ALLOWED: u32 = 0;
+/// A host submits each frame once at most. Its queries are reset by the CPU where the device's
+/// `hostQueryReset` is on, since some drivers wait once per query that a command resets.
+pub const ANTUMBRA_RESUBMISSION_NEVER: u32 = 1;
+
 /// The options of a scene.
 #[repr(C)]
 #[derive(Clone, Copy)]
@@ -65,11 +71,11 @@ pub struct AntumbraSceneDesc {
     pub predication: u32,
     /// An `ANTUMBRA_DRAWS_..`. Default: `ANTUMBRA_DRAWS_BY_CALLBACK`.
     pub draws: u32,
-    /// Must be 0.
-    pub reserved: u32,
+    /// An `ANTUMBRA_RESUBMISSION_..`. Default: `ANTUMBRA_RESUBMISSION_ALLOWED`.
+    pub resubmission: u32,
 }
 layout!(AntumbraSceneDesc: struct_size, frames_in_flight, device, attachments, bucket_count,
-    object_capacity, draw_capacity, predication, draws, reserved);
+    object_capacity, draw_capacity, predication, draws, resubmission);
 
 // SAFETY: the first field is the size.
 unsafe impl Versioned for AntumbraSceneDesc {
@@ -84,7 +90,7 @@ unsafe impl Versioned for AntumbraSceneDesc {
         draw_capacity: 0,
         predication: ANTUMBRA_PREDICATION_BEST,
         draws: ANTUMBRA_DRAWS_BY_CALLBACK,
-        reserved: 0,
+        resubmission: ANTUMBRA_RESUBMISSION_ALLOWED,
     };
 }
 
@@ -251,11 +257,21 @@ impl HostedScene {
                 return Err(Failure::argument(format!("there is no ANTUMBRA_DRAWS_.. {other}")));
             }
         };
+        let resubmission = match desc.resubmission {
+            ANTUMBRA_RESUBMISSION_ALLOWED => Resubmission::Allowed,
+            ANTUMBRA_RESUBMISSION_NEVER => Resubmission::Never,
+            other => {
+                let message = format!("there is no ANTUMBRA_RESUBMISSION_.. {other}");
+                return Err(Failure::argument(message));
+            }
+        };
         if desc.frames_in_flight == 0 || desc.bucket_count == 0 {
             let message = "desc.frames_in_flight and desc.bucket_count must be above 0";
             return Err(Failure::argument(message));
         }
         let frames_in_flight = desc.frames_in_flight as usize;
+        let mut frames = FrameRing::new(&device, frames_in_flight)?;
+        frames.set_resubmission(resubmission);
         let shaders = ShaderSet::embedded()?;
         let passes = OcclusionPasses::new(&device, &shaders, attachments)?;
         let info = BucketTableInfo {
@@ -266,7 +282,7 @@ impl HostedScene {
         };
         Ok(Self {
             scene: HostScene::new(&device, passes, desc.object_capacity as usize, info)?,
-            frames: FrameRing::new(&device, frames_in_flight)?,
+            frames,
             shaders,
             attachments,
             draw_phases,

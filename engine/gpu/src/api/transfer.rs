@@ -13,6 +13,7 @@ use crate::record::commands::Commands;
 use crate::record::pools::{
     allocate_commands, begin_commands, create_command_pool, create_descriptor_pool, end_commands,
 };
+use crate::record::resubmission::Resubmission;
 
 /// The size of a staging buffer: an upload goes in pieces, so that a large scene needs no second
 /// copy of itself.
@@ -105,7 +106,7 @@ fn record_once(
 ) -> Result<Commands, Error> {
     let buffer = allocate_commands(device, pool, name)?;
     begin_commands(device, buffer)?;
-    let commands = Commands::new(device, buffer, recording, descriptors, None);
+    let commands = Commands::new(device, buffer, recording, descriptors, None, Resubmission::Never);
     record(&commands);
     commands.check()?;
     end_commands(device, buffer)?;

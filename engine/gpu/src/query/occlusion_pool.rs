@@ -54,7 +54,7 @@ impl OcclusionPool {
     /// Resets the first `count` queries. Outside of rendering; the tick of the frame that used them
     /// before is over.
     pub(crate) fn reset(&self, commands: &Commands, count: u32) {
-        reset_queries(&self.device, commands.raw(), self.raw, count.min(self.capacity));
+        reset_queries(&self.device, commands, self.raw, count.min(self.capacity));
     }
 
     /// Records what `record` draws under query `query` of this pool: `number` among those

@@ -4,25 +4,23 @@ use ash::vk;
 
 use crate::core::capabilities::Optional;
 use crate::core::device::Device;
+use crate::record::commands::Commands;
+use crate::record::resubmission::Resubmission;
 
 /// Resets the first `count` queries of a pool of a frame slot whose tick is over: on the CPU where
-/// the device allows, since some drivers wait once per query that a command resets (NVK); else by
-/// `commands`, outside of rendering and before the queries are used.
-pub(crate) fn reset_queries(
-    device: &Device,
-    commands: vk::CommandBuffer,
-    pool: vk::QueryPool,
-    count: u32,
-) {
+/// the device allows and `commands` run once, since some drivers wait once per query that a command
+/// resets (NVK); else by `commands`, outside of rendering and before the queries are used.
+pub(crate) fn reset_queries(device: &Device, commands: &Commands, pool: vk::QueryPool, count: u32) {
     if count == 0 {
         return;
     }
     let raw = device.raw();
-    match device.capabilities().has(Optional::HostQueryReset) {
+    let is_once = commands.resubmission() == Resubmission::Never;
+    match is_once && device.capabilities().has(Optional::HostQueryReset) {
         // SAFETY: the feature is on; the slot's tick is over, so no submitted command uses the
         // queries (VUID-vkResetQueryPool-firstQuery-02741).
         true => unsafe { raw.reset_query_pool(pool, 0, count) },
         // SAFETY: the slot's tick is over, so none of its queries is in use.
-        false => unsafe { raw.cmd_reset_query_pool(commands, pool, 0, count) },
+        false => unsafe { raw.cmd_reset_query_pool(commands.raw(), pool, 0, count) },
     }
 }

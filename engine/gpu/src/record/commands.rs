@@ -17,6 +17,7 @@ use crate::record::access::{Access, LayoutChange, MemoryBarrier};
 use crate::record::attachments::COLOURS_MAX;
 use crate::record::label::LabelName;
 use crate::record::render_target::{Load, RenderTarget};
+use crate::record::resubmission::Resubmission;
 use crate::record::ticket::Ticket;
 use crate::record::timing::PassTimer;
 use crate::record::viewport::Viewport;
@@ -39,6 +40,7 @@ pub struct Commands {
     recording: RecordingId,
     descriptors: vk::DescriptorPool,
     timer: Option<Arc<PassTimer>>,
+    resubmission: Resubmission,
     failed: Cell<Option<Failure>>,
     /// The ticket that takes the tick, for the images copied by these commands.
     ticket: OnceCell<Arc<Ticket>>,
@@ -51,10 +53,11 @@ impl Commands {
         recording: RecordingId,
         descriptors: vk::DescriptorPool,
         timer: Option<Arc<PassTimer>>,
+        resubmission: Resubmission,
     ) -> Self {
         let device = device.clone();
         let (failed, ticket) = (Cell::new(None), OnceCell::new());
-        Self { device, raw, recording, descriptors, timer, failed, ticket }
+        Self { device, raw, recording, descriptors, timer, resubmission, failed, ticket }
     }
 
     /// Goes on with the same recording in another command buffer, once this one is submitted.
@@ -63,7 +66,13 @@ impl Commands {
         raw: vk::CommandBuffer,
         descriptors: vk::DescriptorPool,
     ) -> Self {
-        Self::new(&self.device, raw, self.recording, descriptors, self.timer.clone())
+        let (timer, resubmission) = (self.timer.clone(), self.resubmission);
+        Self::new(&self.device, raw, self.recording, descriptors, timer, resubmission)
+    }
+
+    /// Returns the submits that the commands get beyond the first.
+    pub(crate) fn resubmission(&self) -> Resubmission {
+        self.resubmission
     }
 
     /// Returns the command buffer, for a host that records commands of its own: in

@@ -14,6 +14,7 @@ use crate::record::commands::Commands;
 use crate::record::pools::{
     allocate_commands, begin_commands, create_command_pool, create_descriptor_pool, end_commands,
 };
+use crate::record::resubmission::Resubmission;
 use crate::record::timing::{FrameTimer, PassTime, PassTimer};
 
 /// The timing of the passes of a frame: on or off.
@@ -82,7 +83,14 @@ impl Slot {
             device: device.clone(),
             own,
             descriptors: vec![descriptors],
-            commands: Commands::new(device, buffer, RecordingId::default(), descriptors, None),
+            commands: Commands::new(
+                device,
+                buffer,
+                RecordingId::default(),
+                descriptors,
+                None,
+                Resubmission::Never,
+            ),
             uploads: Uploads::new(device, &name),
             name,
             timer: None,
@@ -100,6 +108,7 @@ impl Slot {
         &mut self,
         recording: RecordingId,
         timing: SlotTiming,
+        resubmission: Resubmission,
         hosts: Option<vk::CommandBuffer>,
     ) -> Result<(), Error> {
         let raw = self.device.raw();
@@ -129,9 +138,16 @@ impl Slot {
             _ => self.begin_piece()?,
         };
         let timer = self.timer.clone().filter(|_| self.timing == SlotTiming::Timed);
-        self.commands = Commands::new(&self.device, buffer, recording, descriptors, timer.clone());
+        self.commands = Commands::new(
+            &self.device,
+            buffer,
+            recording,
+            descriptors,
+            timer.clone(),
+            resubmission,
+        );
         if let Some(timer) = &timer {
-            timer.reset(self.commands.raw());
+            timer.reset(&self.commands);
         }
         Ok(())
     }

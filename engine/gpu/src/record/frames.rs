@@ -21,6 +21,7 @@ use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;
 use crate::record::frame_slot::{NO_QUEUE, Slot, SlotTiming};
 use crate::record::frame_stamps::FrameStamps;
+use crate::record::resubmission::Resubmission;
 use crate::record::timing::{FrameTime, FrameTimer, PASSES, PassTime, PassTimer};
 
 /// The index of a slot of the ring, which holds the resources of one frame in flight.
@@ -35,6 +36,7 @@ pub struct FrameRing {
     /// The interval of timing: the passes of one in so many frames are timed.
     timed_interval: u64,
     begun: u64,
+    resubmission: Resubmission,
     /// The stamps of a host's frames.
     stamps: Option<FrameStamps>,
 }
@@ -71,12 +73,18 @@ impl FrameRing {
         check_frames_in_flight(frames_in_flight)?;
         let slots = (0..frames_in_flight.max(1)).map(|slot| Slot::new(device, slot));
         let slots: Vec<Slot> = slots.collect::<Result<_, _>>()?;
-        let stamps = match device.has_queue() {
-            true => None,
-            false => Some(FrameStamps::new(device, slots.len())?),
+        let (resubmission, stamps) = match device.has_queue() {
+            true => (Resubmission::Never, None),
+            false => (Resubmission::Allowed, Some(FrameStamps::new(device, slots.len())?)),
         };
         let device = device.clone();
-        Ok(Self { device, slots, next: 0, timed_interval: 1, begun: 0, stamps })
+        Ok(Self { device, slots, next: 0, timed_interval: 1, begun: 0, resubmission, stamps })
+    }
+
+    /// Sets the submits that frames get from now on. By default a host's frames may be submitted
+    /// again, and those of a device with a queue are submitted once.
+    pub fn set_resubmission(&mut self, resubmission: Resubmission) {
+        self.resubmission = resubmission;
     }
 
     /// Measures the GPU time of every pass from now on.
@@ -180,10 +188,10 @@ impl FrameRing {
     /// Starts a frame in a command buffer of a host. Never waits. What was retired before the frame
     /// `safe` is freed.
     ///
-    /// The host submits the command buffer, at most once, in the order of the numbers. If it does
-    /// not, what it draws is undefined, and nothing else: answers of frames that never ran are
-    /// ignored, and after frames that ran in another order everything that frames share is
-    /// uploaded again.
+    /// The host submits the command buffer in the order of the numbers; again only before it is
+    /// safe, behind its first run, and as [`FrameRing::set_resubmission`] says. Answers of frames
+    /// that never ran are ignored. A frame that ran behind a later one shows what changed in
+    /// between as the later frame left it, and everything that frames share is uploaded again.
     ///
     /// # Errors
     /// [`Error::HasQueue`] for a device with submits of its own; [`Error::FrameNumbers`] for
@@ -230,7 +238,8 @@ impl FrameRing {
             self.slots[index].is_timed = false;
             self.slots[index].whole.forget();
         }
-        self.slots[index].restart(recording.number, timing, hosts)?;
+        let resubmission = self.resubmission;
+        self.slots[index].restart(recording.number, timing, resubmission, hosts)?;
         let slot = SlotIndex(index);
         Ok(Frame { ring: self, slot, current: None, waited, waits: 0, _recording: recording })
     }
@@ -273,7 +282,7 @@ impl Frame<'_> {
     /// timing has not begun; else does nothing. Not inside of a pass.
     pub fn begin_timing(&mut self) {
         let slot = &mut self.ring.slots[self.slot.0];
-        slot.whole.begin(slot.commands.raw());
+        slot.whole.begin(&slot.commands);
     }
 
     /// Returns the GPU time of the last frame that used this slot, if it was timed and not given

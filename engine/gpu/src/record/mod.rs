@@ -16,6 +16,7 @@ pub(crate) mod multisampling;
 pub(crate) mod pipeline;
 pub(crate) mod pools;
 pub(crate) mod render_target;
+pub(crate) mod resubmission;
 pub(crate) mod sample_count;
 pub(crate) mod shader;
 pub(crate) mod stencil_target;

@@ -12,6 +12,7 @@ use crate::core::queue_lock::lock;
 use crate::core::tick::Tick;
 use crate::memory::buffer::{Buffer, MemoryKind};
 use crate::query::query_reset::reset_queries;
+use crate::record::commands::Commands;
 
 /// The time of a pass on the GPU.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,7 +104,7 @@ impl PassTimer {
     }
 
     /// Resets the timestamps. The tick of the slot's last frame is over.
-    pub(crate) fn reset(&self, commands: vk::CommandBuffer) {
+    pub(crate) fn reset(&self, commands: &Commands) {
         lock(&self.labels).clear();
         self.is_inside.store(false, Ordering::Relaxed);
         reset_queries(&self.device, commands, self.pool, 2 * self.passes);
@@ -225,10 +226,10 @@ impl FrameTimer {
         self.stage = Stage::Idle;
     }
 
-    pub(crate) fn begin(&mut self, commands: vk::CommandBuffer) {
+    pub(crate) fn begin(&mut self, commands: &Commands) {
         if let (Some(timer), Stage::Idle) = (&self.timer, self.stage) {
             timer.reset(commands);
-            timer.begin(commands, "frame");
+            timer.begin(commands.raw(), "frame");
             self.stage = Stage::Begun;
         }
     }

@@ -7,7 +7,7 @@ use ash::vk;
 use cull::{Camera, CullConfig, Culler, Strategy, View};
 use gpu::{
     Commands, Device, DeviceOptions, FrameNumbers, FrameRing, HostImage, HostImages, ImageState,
-    IndirectDraw, NearDepth, RenderTarget, Target, Tick,
+    IndirectDraw, NearDepth, RenderTarget, Resubmission, Target, Tick,
 };
 use occlusion::{
     BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, ObjectPass, ObjectRenderer,
@@ -75,7 +75,8 @@ impl AshCulling {
         let culler = Culler::with_testers(CullConfig::default(), testers);
         let leaves = &scene.executor().leaves;
         let view = VisibilityState::new(&device, scene.hierarchy(), leaves, slots, culler)?;
-        let frames = FrameRing::new(&device, slots)?;
+        let mut frames = FrameRing::new(&device, slots)?;
+        frames.set_resubmission(Resubmission::Never);
         let objects = HostObjects { renderer: renderer.clone(), target };
         Ok(Self { device, frames, scene, view, shaders, objects })
     }

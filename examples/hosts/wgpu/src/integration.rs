@@ -13,7 +13,7 @@ use cull::{
 use glam::{Mat4, vec3};
 use gpu::{
     BufferSlice, Device, DeviceOptions, FrameNumbers, FrameRing, HostImage, HostImages, ImageState,
-    IndirectDraw, NearDepth, Target, Tick,
+    IndirectDraw, NearDepth, Resubmission, Target, Tick,
 };
 use occlusion::{
     BucketDraw, BucketId, BucketTableInfo, DrawList, HostObject, HostScene, OcclusionPasses,
@@ -83,7 +83,8 @@ impl WgpuCulling {
         let culler = Culler::with_testers(CullConfig::default(), testers);
         let leaves = &scene.executor().leaves;
         let view = VisibilityState::new(&device, scene.hierarchy(), leaves, slots, culler)?;
-        let frames = FrameRing::new(&device, slots)?;
+        let mut frames = FrameRing::new(&device, slots)?;
+        frames.set_resubmission(Resubmission::Never);
         Ok(Self { device, frames, scene, view, shaders, renderer: renderer.clone(), target })
     }
 

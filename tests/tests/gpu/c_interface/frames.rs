@@ -9,6 +9,7 @@ use ash::vk;
 use capi::executor::lists::{ANTUMBRA_DRAWS_BY_CALLBACK, ANTUMBRA_DRAWS_BY_LISTS};
 use capi::executor::scene::{
     ANTUMBRA_PREDICATION_BEST, ANTUMBRA_PREDICATION_COUNTS, ANTUMBRA_PREDICATION_INSTANCES,
+    ANTUMBRA_RESUBMISSION_ALLOWED, ANTUMBRA_RESUBMISSION_NEVER,
 };
 use gpu::Purpose;
 use tests::Driver;
@@ -30,6 +31,7 @@ struct FrameOptions {
     predication: u32,
     query_budget: usize,
     draws: u32,
+    resubmission: u32,
 }
 
 impl Default for FrameOptions {
@@ -41,6 +43,7 @@ impl Default for FrameOptions {
             predication: ANTUMBRA_PREDICATION_BEST,
             query_budget: 0,
             draws: ANTUMBRA_DRAWS_BY_CALLBACK,
+            resubmission: ANTUMBRA_RESUBMISSION_ALLOWED,
         }
     }
 }
@@ -76,8 +79,11 @@ fn several_draws_buckets_and_views_are_exact_in_c() {
             Driver::Lavapipe => ANTUMBRA_PREDICATION_COUNTS,
             Driver::SwiftShader => ANTUMBRA_PREDICATION_INSTANCES,
         };
-        for predication in [ANTUMBRA_PREDICATION_BEST, other] {
-            compare(driver, &FrameOptions { predication, ..FrameOptions::default() });
+        for (predication, resubmission) in [
+            (ANTUMBRA_PREDICATION_BEST, ANTUMBRA_RESUBMISSION_ALLOWED),
+            (other, ANTUMBRA_RESUBMISSION_NEVER),
+        ] {
+            compare(driver, &FrameOptions { predication, resubmission, ..FrameOptions::default() });
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Hosts that drop frames, submit them twice, or in another order.
 
+use gpu::Resubmission;
 use tests::Driver;
 
 use super::host::{HostOptions, Submits, compare};
@@ -18,7 +19,8 @@ fn frames_that_are_never_submitted_leave_no_answers() {
 #[test]
 fn frames_that_are_submitted_twice_are_exact() {
     for driver in Driver::ALL {
-        compare(driver, &HostOptions::default(), |frame| match frame % 4 {
+        let options = HostOptions { resubmission: Resubmission::Allowed, ..HostOptions::default() };
+        compare(driver, &options, |frame| match frame % 4 {
             1 => Submits::Twice,
             _ => Submits::Once,
         });

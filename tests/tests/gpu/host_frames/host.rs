@@ -10,7 +10,7 @@ use cull::{
 use glam::Vec3;
 use gpu::{
     Attachments, Device, FrameNumbers, FrameRing, IndirectDraw, NearDepth, Predication, Purpose,
-    Tick,
+    Resubmission, Tick,
 };
 use occlusion::{
     LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, OcclusionPasses, PlanExecutor, ShaderSet,
@@ -45,6 +45,7 @@ pub struct HostOptions {
     pub predication: Option<Predication>,
     /// The number of the first frame.
     pub first: u64,
+    pub resubmission: Resubmission,
 }
 
 /// The owner of the render passes.
@@ -68,6 +69,7 @@ impl Default for HostOptions {
             strategy: Strategy::ANTUMBRA,
             predication: None,
             first: 1,
+            resubmission: Resubmission::Never,
         }
     }
 }
@@ -187,7 +189,8 @@ impl<'a> HostLoop<'a> {
             .queue_family_index(host.needs.queue_family.unwrap());
         // SAFETY: the family of the host's queue.
         let pool = unsafe { host.device.create_command_pool(&pool, None) }.unwrap();
-        let frames = FrameRing::new(&device, slots).unwrap();
+        let mut frames = FrameRing::new(&device, slots).unwrap();
+        frames.set_resubmission(options.resubmission);
         let (fences, images, late) = (Vec::new(), Vec::new(), None);
         Self {
             host,

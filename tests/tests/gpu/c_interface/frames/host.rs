@@ -172,6 +172,7 @@ impl<'a> DrawingHost<'a> {
                 bucket_count: BUCKETS,
                 predication: options.predication,
                 draws: options.draws,
+                resubmission: options.resubmission,
                 ..Versioned::DEFAULT
             };
             let made = antumbra_scene_create(new.context, &desc, &mut new.scene, &mut new.error);
