@@ -1,6 +1,9 @@
 //! Lights with shadows, as far as their maps depend on them.
 
-use glam::{Vec3, Vec4};
+use std::f32::consts::FRAC_PI_2;
+
+use cull::Aabb;
+use glam::{Vec3, Vec4, vec3};
 
 /// The number of a light, which its owner chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -49,6 +52,12 @@ pub enum LightShape {
 /// light: one flat map would be mostly border.
 pub const WIDEST_CONE_RAD: f32 = 1.1;
 
+/// The margin around a spot's cone per distance, against rounding here and in shaders.
+pub(crate) const CONE_MARGIN: f32 = 1.0e-3;
+
+/// The steps in which the box around what a spot lights is made smaller.
+const CONE_STEPS: usize = 4;
+
 impl LightShape {
     /// Returns the sphere that a local light's shadows matter in: centre and radius in metres.
     #[must_use]
@@ -59,6 +68,29 @@ impl LightShape {
                 Some((position, reach_m))
             }
         }
+    }
+
+    /// Returns a box around all of `receivers` that the light reaches, empty if there is nothing.
+    #[must_use]
+    pub fn reached(&self, receivers: &Aabb) -> Aabb {
+        let Some((position, reach_m)) = self.reach() else { return *receivers };
+        let both = |reached: Aabb, others: &Aabb| {
+            let reached = reached.enlarged(CONE_MARGIN * reach_m);
+            Aabb::new(reached.min.max(others.min), reached.max.min(others.max))
+        };
+        let mut lit = both(Aabb::new(position, position).enlarged(reach_m), receivers);
+        if let Self::Spot { direction, outer_rad, .. } = *self {
+            let along_m = |corner: Vec3| direction.dot(corner - position);
+            // Rays end where the box does, so that it gets smaller again.
+            for _ in 0..CONE_STEPS {
+                let last_m = lit.corners().map(along_m).into_iter().fold(0.0, f32::max);
+                // A wide cone has rays that never get there.
+                let slant_m = last_m / outer_rad.min(FRAC_PI_2).cos().max(f32::MIN_POSITIVE);
+                let cone = cone_box(position, (direction, outer_rad), reach_m.min(slant_m));
+                lit = both(cone, &lit);
+            }
+        }
+        lit
     }
 
     /// Returns the light in homogeneous coordinates: a point with w = 1, or the direction towards
@@ -82,6 +114,18 @@ impl LightShape {
             Self::Point { position, reach_m } => is_reach(position, reach_m),
         }
     }
+}
+
+/// Returns the box around the rays of a cone as far as they reach.
+fn cone_box(position: Vec3, (direction, outer_rad): (Vec3, f32), reach_m: f32) -> Aabb {
+    // The cosine of the least angle of a ray to an axis.
+    let farthest = |axis: Vec3| {
+        let off_rad = direction.dot(axis).clamp(-1.0, 1.0).acos() - outer_rad;
+        off_rad.max(0.0).cos().max(0.0)
+    };
+    let high = vec3(farthest(Vec3::X), farthest(Vec3::Y), farthest(Vec3::Z));
+    let low = vec3(farthest(Vec3::NEG_X), farthest(Vec3::NEG_Y), farthest(Vec3::NEG_Z));
+    Aabb::new(position - reach_m * low, position + reach_m * high)
 }
 
 fn is_reach(position: Vec3, reach_m: f32) -> bool {

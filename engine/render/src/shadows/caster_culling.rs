@@ -12,7 +12,7 @@
 
 use std::collections::HashMap;
 
-use ::shadows::ShadowLightId;
+use ::shadows::{LitArea, ShadowLightId};
 use cull::{
     BoxShadowVolumes, CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, LeafIndex, MultiView,
     PendingTest, ResultReader, Strategy, TesterSupport, View,
@@ -164,10 +164,10 @@ impl CasterCulling {
         self.histories.retain(|_, history| history.used + KEPT_FRAMES > frame);
     }
 
-    /// Plans groups of casters of a light.
+    /// Plans groups of casters of a light that reaches this area of the view.
     pub(super) fn plan(
         &mut self,
-        light: ShadowLightId,
+        (light, area): (ShadowLightId, LitArea),
         (scene, volumes): (&CastersInView<'_>, &BoxShadowVolumes<'_>),
         groups: &[CasterGroup<'_>],
     ) {
@@ -177,12 +177,12 @@ impl CasterCulling {
         if casters == 0 {
             self.draws.add_untested(scene, groups);
         } else if is_local && (casters <= FEW_CASTERS || !has_room) {
-            self.draws.add_light(scene, volumes, groups);
+            self.draws.add_light(scene, (volumes, area), groups);
         } else if has_room {
             let history = self.histories.entry(light).or_insert_with(LightHistory::new);
             history.used = self.frame;
             history.plan(scene, volumes);
-            self.draws.add_nodes(light, &history.plan, (scene, volumes), groups);
+            self.draws.add_nodes(light, &history.plan, (scene, volumes, area), groups);
         } else {
             self.draws.add_untested(scene, groups);
         }
@@ -256,7 +256,10 @@ impl CasterCulling {
     fn test(&self, commands: &Commands, pass: &BoxVolumePass, view: &View) {
         let Some(io) = &self.io else { return };
         commands.set_viewport(&gpu::Viewport::covering(view.origin, view.size));
-        for TestedLight { light, tests } in &self.draws.lights {
+        for TestedLight { light, area, tests } in &self.draws.lights {
+            // Nothing is in shadow elsewhere.
+            let origin = [0, 1].map(|side| view.origin[side].saturating_add(area.origin[side]));
+            commands.clip(origin, area.size);
             pass.draw(commands, io, (view, *light), tests.clone());
         }
     }

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use ::shadows::ShadowLightId;
+use ::shadows::{LitArea, ShadowLightId};
 use cull::{
     Aabb, BoxShadowVolumes, FrameId, FramePlan, Hierarchy, LeafIndex, NodeId, ObjectId,
     PendingTest, QueryKind, QueryTag, Tester, View,
@@ -56,6 +56,8 @@ pub(super) struct TestedCasters {
 pub(super) struct TestedLight {
     /// In homogeneous coordinates.
     pub(super) light: Vec4,
+    /// The part of the view that it reaches.
+    pub(super) area: LitArea,
     pub(super) tests: Range<u32>,
 }
 
@@ -97,14 +99,14 @@ impl CulledDraws {
     pub(super) fn add_light(
         &mut self,
         scene: &CastersInView<'_>,
-        volumes: &BoxShadowVolumes<'_>,
+        (volumes, area): (&BoxShadowVolumes<'_>, LitArea),
         groups: &[CasterGroup<'_>],
     ) {
         // Where the eye is in its light there is nothing to test.
         let Some(proxy) = volumes.whole(scene.view) else {
             return self.add_untested(scene, groups);
         };
-        let test = self.begin_light(volumes);
+        let test = self.begin_light(volumes, area);
         let mut triangles = 0;
         for group in groups {
             self.add_group(group, |draws| {
@@ -127,10 +129,10 @@ impl CulledDraws {
         &mut self,
         light: ShadowLightId,
         plan: &FramePlan,
-        (scene, volumes): (&CastersInView<'_>, &BoxShadowVolumes<'_>),
+        (scene, volumes, area): (&CastersInView<'_>, &BoxShadowVolumes<'_>, LitArea),
         groups: &[CasterGroup<'_>],
     ) {
-        let first_test = self.begin_light(volumes);
+        let first_test = self.begin_light(volumes, area);
         let mut triangles = vec![0; plan.tests.len()];
         for group in groups {
             let is_here = |leaf: &LeafIndex| group.casters.binary_search(leaf).is_ok();
@@ -178,9 +180,10 @@ impl CulledDraws {
     }
 
     /// Begins the tests of a light. Returns the number of the first.
-    fn begin_light(&mut self, volumes: &BoxShadowVolumes<'_>) -> u32 {
+    fn begin_light(&mut self, volumes: &BoxShadowVolumes<'_>, area: LitArea) -> u32 {
         let first = self.boxes.len() as u32;
-        self.lights.push(TestedLight { light: volumes.light().light, tests: first..first });
+        let light = volumes.light().light;
+        self.lights.push(TestedLight { light, area, tests: first..first });
         first
     }
 

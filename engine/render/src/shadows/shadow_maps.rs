@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use ::shadows::{
-    Casters, FaceWork, JitterTexture, PlannedFace, PlannedLight, ShadowCache, ShadowFilter,
-    ShadowLight, ShadowOptions, ShadowPlan, ShadowStats, ShadowViews, light_reach,
+    Casters, FaceWork, JitterTexture, LitArea, PlannedFace, PlannedLight, ShadowCache,
+    ShadowFilter, ShadowLight, ShadowOptions, ShadowPlan, ShadowStats, ShadowViews, light_reach,
 };
 use cull::{BoxChange, BoxShadowVolumes, Frustum, Hierarchy, LeafIndex, View};
 use glam::Vec3;
@@ -364,5 +364,7 @@ fn plan_casters(
     let frusta: Vec<Frustum> = culled().map(|face| face.view.frustum).collect();
     let reach = light_reach(light, culled(), filter);
     let volumes = BoxShadowVolumes::new(scene.view, reach, scene.receivers, &frusta);
-    culling.plan(light.id, (scene, &volumes), &groups);
+    let area = LitArea::of(scene.view, &light.shape, &scene.receivers);
+    let area = area.unwrap_or(LitArea::whole(scene.view));
+    culling.plan((light.id, area), (scene, &volumes), &groups);
 }

@@ -4,8 +4,8 @@
 use std::collections::HashMap;
 
 use ::shadows::{
-    CasterCulling as CullingOption, MASK_LIGHTS, PlannedVolumes, ShadowLight, ShadowOptions,
-    ShadowStats, VolumeCounting, VolumePlan,
+    CasterCulling as CullingOption, LitArea, MASK_LIGHTS, PlannedVolumes, ShadowLight,
+    ShadowOptions, ShadowStats, VolumeCounting, VolumePlan,
 };
 use cull::{Aabb, BoxShadowVolumes, Frustum, Hierarchy, LeafIndex, LightReach, View};
 use glam::Vec4;
@@ -220,7 +220,8 @@ impl VolumeShadows {
         if let Some(culling) = &mut culling {
             for (number, (planned, casters)) in plan.lights.iter().zip(&casters).enumerate() {
                 let Some(light) = lights.get(planned.light) else { continue };
-                groups.push(plan_casters(culling, &scene, light, (number, casters)));
+                let lit = (light, planned.area);
+                groups.push(plan_casters(culling, &scene, lit, (number, casters)));
             }
             culling.upload(frame, |leaf| casting.draw(*leaf).unwrap_or_default())?;
         }
@@ -349,7 +350,7 @@ impl Casting<'_> {
 fn plan_casters(
     culling: &mut CasterCulling,
     scene: &CastersInView<'_>,
-    light: &ShadowLight,
+    (light, area): (&ShadowLight, LitArea),
     (number, casters): (usize, &[VolumeCaster]),
 ) -> Vec<(VolumeGroup, usize)> {
     // Volumes have sharp edges: no filter looks around.
@@ -369,7 +370,7 @@ fn plan_casters(
     let there = numbered.filter(|((_, casters), _)| !casters.is_empty());
     let groups: Vec<_> =
         there.clone().map(|((_, casters), number)| CasterGroup { number, casters }).collect();
-    culling.plan(light.id, (scene, &volumes), &groups);
+    culling.plan((light.id, area), (scene, &volumes), &groups);
     there.map(|((group, _), number)| (group, number)).collect()
 }
 

@@ -1,8 +1,9 @@
 //! The part of a view that a light can reach: its shadows matter nowhere else.
 
 use cull::{Aabb, View};
-use glam::Vec3;
+use glam::{DVec2, DVec4, Vec4Swizzles};
 
+use super::mesh::rounding;
 use crate::light::LightShape;
 
 /// Pixels around a light's reach, against the rounding of what is drawn there.
@@ -24,104 +25,164 @@ impl LitArea {
         Self { origin: [0, 0], size: view.size.map(|side| side.max(1)) }
     }
 
-    /// Returns the part of a view in which all lies that a light reaches and the view shows: the
-    /// whole view for a sun, and where the light reaches behind the near plane.
+    /// Returns the part of a view in which all of `receivers` lies that a light reaches and the
+    /// view shows; `None` if there is nothing of it.
     #[must_use]
-    pub fn of(view: &View, shape: &LightShape) -> Self {
-        let around = shape.reach().map(|(centre, reach_m)| {
-            Aabb::new(centre - Vec3::splat(reach_m), centre + Vec3::splat(reach_m))
-        });
-        around.and_then(|around| Self::around(view, &around)).unwrap_or(Self::whole(view))
+    pub fn of(view: &View, shape: &LightShape, receivers: &Aabb) -> Option<Self> {
+        let lit = shape.reached(receivers);
+        if lit.is_empty() {
+            return None;
+        }
+        Self::around(view, &lit.enlarged(rounding(&lit, view.rays.origin)))
     }
 
+    /// Returns the part of a view that shows a box.
     fn around(view: &View, bounds: &Aabb) -> Option<Self> {
         let matrix = view.view_proj.as_dmat4();
+        let corners = bounds.corners().map(|corner| matrix * corner.as_dvec3().extend(1.0));
+        if !corners.iter().all(|corner| corner.is_finite()) {
+            return Some(Self::whole(view));
+        }
         let nearest = f64::from(view.rays.kind.w(view.rays.near));
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for corner in bounds.corners() {
-            let clip = matrix * corner.as_dvec3().extend(1.0);
-            // Numbers that are none are not in front of anything.
-            if !(clip.w >= nearest && clip.w > 0.0) {
-                return None;
-            }
-            for (side, place) in [clip.x, clip.y].into_iter().enumerate() {
-                let pixels = f64::from(*view.size.get(side)?);
-                let pixel = (place / clip.w + 1.0) * 0.5 * pixels;
-                if let (Some(low), Some(high)) = (low.get_mut(side), high.get_mut(side)) {
-                    (*low, *high) = (low.min(pixel), high.max(pixel));
-                }
-            }
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let pixels = DVec2::from(view.size.map(f64::from));
+        for point in before(&corners, nearest.max(f64::MIN_POSITIVE)) {
+            let pixel = (point.xy() / point.w + 1.0) * 0.5 * pixels;
+            (low, high) = (low.min(pixel), high.max(pixel));
         }
-        let mut area = Self::whole(view);
-        let sides = area.origin.iter_mut().zip(&mut area.size).zip(low.into_iter().zip(high));
-        for ((origin, size), (low, high)) in sides {
-            let pixels = f64::from(*size);
-            let low = (low - MARGIN_PIXELS).floor().clamp(0.0, pixels - 1.0);
-            let high = (high + MARGIN_PIXELS).ceil().clamp(low + 1.0, pixels);
-            (*origin, *size) = (low as u32, (high - low) as u32);
+        (low, high) = ((low - MARGIN_PIXELS).floor(), (high + MARGIN_PIXELS).ceil());
+        // Also where no point is before the near plane.
+        if low.cmpge(pixels).any() || high.cmple(DVec2::ZERO).any() {
+            return None;
         }
-        Some(area)
+        let (low, high) = (low.max(DVec2::ZERO), high.min(pixels));
+        let size = high - low;
+        let [origin, size] = [low, size].map(|it| it.to_array().map(|side| side as u32));
+        Some(Self { origin, size })
     }
+}
+
+/// Returns the corners of the part of a box that is not nearer than `nearest`, in clip space.
+fn before(corners: &[DVec4; 8], nearest: f64) -> impl Iterator<Item = DVec4> {
+    let edges = (0..8_usize).flat_map(|from| [1, 2, 4].map(|axis| (from, from ^ axis)));
+    edges.filter_map(move |(from, to)| {
+        let (from, to) = (corners.get(from)?, corners.get(to)?);
+        let beyond = from.w - nearest;
+        if beyond >= 0.0 {
+            return Some(*from);
+        }
+        (to.w > nearest).then(|| from.lerp(*to, beyond / (from.w - to.w)))
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use cull::{Camera, Projection};
-    use glam::{Vec4Swizzles, vec3};
+    use glam::{EulerRot, Quat, Vec2, Vec3, vec2, vec3};
 
     use super::*;
+
+    const SIZE: [u32; 2] = [160, 90];
+    const EVERYTHING: Aabb = Aabb::new(Vec3::splat(-1e3), Vec3::splat(1e3));
 
     fn view() -> View {
         let projection = Projection::perspective(1.0);
         let (eye, up) = (vec3(0.0, 2.0, 10.0), Vec3::Y);
         let camera = Camera { eye, forward: vec3(0.1, -0.2, -1.0), up, projection, near: 0.1 };
-        View::new(&camera, [160, 90], 8)
+        View::new(&camera, SIZE, 8)
+    }
+
+    /// Counts the points that are lit, shown and in the area, each of which must be.
+    fn shown(view: &View, shape: &LightShape, receivers: &Aabb) -> usize {
+        let (position, reach_m) = shape.reach().unwrap();
+        let area = LitArea::of(view, shape, receivers);
+        let mut count = 0;
+        for step in 0..900 {
+            let [x, y, z] = [0.0, 0.7, 0.37].map(|turns| turns * step as f32);
+            let turn = Quat::from_euler(EulerRot::XYZ, step as f32, y, z + x);
+            let away = turn * Vec3::X * (step % 3 + 1) as f32 / 3.0;
+            let point = position + away * reach_m;
+            let is_lit = match *shape {
+                LightShape::Spot { direction, outer_rad, .. } => {
+                    away.angle_between(direction) < outer_rad
+                }
+                _ => true,
+            };
+            let clip = view.view_proj * point.extend(1.0);
+            let pixel = (clip.xy() / clip.w + 1.0) * 0.5 * vec2(160.0, 90.0);
+            let is_shown = clip.w > view.rays.near
+                && pixel.cmpge(Vec2::ZERO).all()
+                && pixel.cmplt(vec2(160.0, 90.0)).all();
+            if !is_lit || !is_shown || !receivers.contains_point(point) {
+                continue;
+            }
+            count += 1;
+            let area = area.unwrap_or_else(|| panic!("{shape:?}: {pixel} is shown"));
+            let is_in = |side: usize| {
+                let place = pixel[side] as u32;
+                (area.origin[side]..area.origin[side] + area.size[side]).contains(&place)
+            };
+            assert!(is_in(0) && is_in(1), "{shape:?}: {pixel} not in {area:?}");
+        }
+        count
     }
 
     #[test]
-    fn all_that_a_lamp_reaches_lies_in_its_area() {
+    fn all_that_lamps_reach_lies_in_their_areas() {
         let view = view();
-        let mut smaller = 0;
-        for number in 0..200 {
+        let (mut smaller, mut none, mut points) = (0, 0, 0);
+        for number in 0..400 {
             let [x, y, z] = [7, 11, 13].map(|step| (number * step % 29) as f32 - 14.0);
-            let (position, reach_m) = (vec3(x, 0.3 * y, z), 0.5 + (number % 5) as f32);
-            let area = LitArea::of(&view, &LightShape::Point { position, reach_m });
-            assert!((0..2).all(|side| area.size[side] > 0
-                && area.origin[side] + area.size[side] <= view.size[side]));
-            smaller += u32::from(area != LitArea::whole(&view));
-            for step in 0..300 {
-                let turn = glam::Quat::from_euler(
-                    glam::EulerRot::XYZ,
-                    step as f32,
-                    step as f32 * 0.7,
-                    0.0,
-                );
-                let point = position + turn * Vec3::X * reach_m;
-                let clip = view.view_proj * point.extend(1.0);
-                let pixel = (clip.xy() / clip.w + 1.0) * 0.5 * glam::vec2(160.0, 90.0);
-                let is_shown = clip.w > 0.1
-                    && pixel.cmpge(glam::Vec2::ZERO).all()
-                    && pixel.cmplt(glam::vec2(160.0, 90.0)).all();
-                let is_in = |side: usize| {
-                    let place = pixel[side] as u32;
-                    (area.origin[side]..area.origin[side] + area.size[side]).contains(&place)
-                };
-                assert!(!is_shown || (is_in(0) && is_in(1)), "{number}: {pixel} not in {area:?}");
+            let (position, reach_m) = (vec3(x, 0.3 * y, z), 0.5 + (number % 7) as f32);
+            let direction = vec3(y, -4.0, x).normalize();
+            let outer_rad = 0.2 + 0.4 * (number % 5) as f32;
+            let shape = match number % 2 {
+                0 => LightShape::Point { position, reach_m },
+                _ => LightShape::Spot { position, direction, outer_rad, reach_m },
+            };
+            for receivers in [EVERYTHING, Aabb::new(vec3(-9.0, 0.0, -9.0), vec3(9.0, 2.0, 14.0))] {
+                points += shown(&view, &shape, &receivers);
+                let area = LitArea::of(&view, &shape, &receivers);
+                none += u32::from(area.is_none());
+                let Some(LitArea { origin, size }) = area else { continue };
+                let is_inside = |side| size[side] > 0 && origin[side] + size[side] <= SIZE[side];
+                assert!((0..2).all(is_inside), "{area:?}");
+                smaller += u32::from(size != SIZE);
             }
         }
-        assert!(smaller > 50, "{smaller} are smaller than the view");
+        assert!(smaller > 300 && none > 100 && points > 10_000, "{smaller}, {none}, {points}");
     }
 
     #[test]
-    fn suns_lamps_around_the_eye_and_odd_numbers_have_the_whole_view() {
+    fn a_street_lamp_right_before_the_eye_has_the_pavement_under_it() {
         let view = view();
-        let eye = view.rays.origin;
-        for shape in [
-            LightShape::Sun { towards: Vec3::Y },
-            LightShape::Point { position: eye, reach_m: 1.0 },
-            LightShape::Point { position: Vec3::NAN, reach_m: 1.0 },
+        let (position, direction) = (vec3(0.5, 6.0, 2.0), Vec3::NEG_Y);
+        let shape = LightShape::Spot { position, direction, outer_rad: 0.5, reach_m: 24.0 };
+        let street = Aabb::new(vec3(-50.0, 0.0, -50.0), vec3(50.0, 3.0, 50.0));
+        let pixels = |area: Option<LitArea>| area.map_or(0, |it| it.size[0] * it.size[1]);
+        let of_cone = pixels(LitArea::of(&view, &shape, &street));
+        let ball = LightShape::Point { position, reach_m: 24.0 };
+        let of_ball = pixels(LitArea::of(&view, &ball, &EVERYTHING));
+        assert_eq!(of_ball, 160 * 90);
+        assert!((1..of_ball * 3 / 5).contains(&of_cone), "{of_cone}");
+    }
+
+    #[test]
+    fn suns_lamps_around_the_eye_and_odd_boxes_have_the_whole_view() {
+        let view = view();
+        let at_eye = LightShape::Point { position: view.rays.origin, reach_m: 1.0 };
+        let sun = LightShape::Sun { towards: Vec3::Y };
+        for (shape, receivers) in [
+            (sun, EVERYTHING),
+            (at_eye, EVERYTHING),
+            (sun, Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY)),
         ] {
-            assert_eq!(LitArea::of(&view, &shape), LitArea::whole(&view), "{shape:?}");
+            let area = LitArea::of(&view, &shape, &receivers);
+            assert_eq!(area, Some(LitArea::whole(&view)), "{shape:?}");
+        }
+        let behind = Aabb::new(vec3(-5.0, 0.0, 12.0), vec3(5.0, 5.0, 50.0));
+        for receivers in [Aabb::EMPTY, behind] {
+            assert_eq!(LitArea::of(&view, &sun, &receivers), None);
         }
     }
 }
