@@ -50,6 +50,7 @@ bool has_far_end() {
 vec4 far_clip(vec3 world) {
     precise float factor = max(end.x * world.x + end.y * world.y + end.z * world.z + end.w, 0.0);
     precise vec3 away = max(light.w, far_w) * world - light.xyz * factor;
-    precise vec4 clip = view_proj * vec4(away, far_w);
+    precise float w = light.w != 0.0 ? 1.0 - factor : far_w;
+    precise vec4 clip = view_proj * vec4(away, w);
     return snapped(clip, steps);
 }

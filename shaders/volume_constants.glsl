@@ -8,7 +8,7 @@ layout(push_constant) uniform Constants {
     vec2 cap_depth; // factor of a near cap's depth, and what is taken off it
     uint is_robust; // 1: every triangle is extruded, as if it faced the light
     uint caps;      // NO_CAPS, NEAR_CAPS or BOTH_CAPS
-    float far_w;    // of the points at the far end of volumes: 0 for infinity
+    float far_w;    // of the points at the far end of a sun's volumes: 0 for infinity
 };
 
 const uint NO_CAPS = 0;

@@ -66,6 +66,12 @@ impl Aabb {
         other.min.cmpge(self.min).all() && other.max.cmple(self.max).all()
     }
 
+    /// Returns true if some point is in both boxes.
+    #[must_use]
+    pub fn meets(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
     /// Returns true if there is nothing in it, not even a point: a free leaf, or a node with no
     /// others.
     #[must_use]

@@ -33,6 +33,6 @@ pub use sky::SkyPass;
 pub use surface::{SurfaceIo, SurfaceKind, SurfacePass, SurfaceShadows};
 pub use volume_constants::VolumeGroup;
 pub use volumes::{
-    DrawGroup, VOLUME_GROUPS, VolumeCaster, VolumeCasters, VolumeDraws, VolumeIo, VolumeLight,
-    VolumePass, VolumePath,
+    DrawGroup, VolumeCaster, VolumeCasters, VolumeDraws, VolumeIo, VolumeLight, VolumePass,
+    VolumePath,
 };

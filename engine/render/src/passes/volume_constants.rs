@@ -6,7 +6,30 @@ use glam::Vec4;
 use shadows::{Caps, VolumeCounting, VolumeEnd, VolumeKind};
 
 /// Casters that are drawn alike.
-pub type VolumeGroup = (VolumeCounting, VolumeKind);
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VolumeGroup {
+    /// The way of counting, right for the eye.
+    pub counting: VolumeCounting,
+    /// The algorithm, right for the mesh and the light.
+    pub kind: VolumeKind,
+    /// The place of their far end among those of the light.
+    pub end: usize,
+}
+
+impl VolumeGroup {
+    /// The most groups of a light: of six sides and infinity.
+    pub const MOST: usize = 4 * 7;
+
+    /// Returns all groups of a light whose volumes have so many ends.
+    pub fn all(ends: usize) -> impl Iterator<Item = Self> + Clone {
+        let countings = [VolumeCounting::ZPass, VolumeCounting::ZFail];
+        let kinds = [VolumeKind::Plain, VolumeKind::Robust];
+        countings.into_iter().flat_map(move |counting| {
+            let of = move |kind| (0..ends).map(move |end| Self { counting, kind, end });
+            kinds.into_iter().flat_map(of)
+        })
+    }
+}
 
 /// Mirrors `volume_constants.glsl`.
 #[repr(C)]
@@ -32,9 +55,10 @@ impl VolumeConstants {
     /// Returns the constants of the draws of a group of casters.
     pub(super) fn new(
         view: &View,
-        (light, end): (Vec4, VolumeEnd),
-        (counting, kind): VolumeGroup,
+        (light, ends): (Vec4, &[VolumeEnd]),
+        VolumeGroup { counting, kind, end }: VolumeGroup,
     ) -> Self {
+        let end = ends.get(end).copied().unwrap_or(VolumeEnd::INFINITY);
         Self {
             view_proj: view.view_proj.to_cols_array(),
             light: light.to_array(),

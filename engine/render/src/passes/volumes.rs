@@ -18,7 +18,7 @@ use gpu::{
     StencilTarget, StorageLayout, Target, VertexLayout, vk,
 };
 use occlusion::{Error, ShaderSet};
-use shadows::{LitArea, VolumeCounting, VolumeEnd, VolumeKind};
+use shadows::{LitArea, VolumeCounting, VolumeEnd};
 
 use super::opaque::POSITIONS;
 use super::volume_constants::{VolumeConstants, VolumeGroup};
@@ -48,10 +48,8 @@ impl VolumePath {
 pub struct VolumeCaster {
     /// Its triangles with adjacency, six indices each; the first instance is its leaf.
     pub draw: IndirectDraw,
-    /// The algorithm, right for the mesh and the light.
-    pub kind: VolumeKind,
-    /// The way of counting, right for the eye.
-    pub counting: VolumeCounting,
+    /// The way to draw it.
+    pub group: VolumeGroup,
 }
 
 /// A light and the objects that may shade what is seen.
@@ -60,8 +58,8 @@ pub struct VolumeLight<'a> {
     /// The light in homogeneous coordinates: a point with w = 1, or the direction towards it with
     /// w = 0.
     pub light: Vec4,
-    /// The far end of its volumes.
-    pub end: VolumeEnd,
+    /// The far ends of its volumes.
+    pub ends: &'a [VolumeEnd],
     /// The bits that are set in the mask where it is in shadow.
     pub bits: u32,
     /// The layer of the mask.
@@ -105,7 +103,7 @@ pub struct VolumeDraws {
 /// The draws of one light.
 struct LightDraws {
     light: Vec4,
-    end: VolumeEnd,
+    ends: Vec<VolumeEnd>,
     area: LitArea,
     mask: MaskBits,
     work: Vec<(VolumeGroup, Work)>,
@@ -152,14 +150,6 @@ struct MaskConstants {
 }
 
 const _: () = assert!(size_of::<MaskConstants>() == 12);
-
-/// The groups of casters that are drawn alike.
-pub const VOLUME_GROUPS: [VolumeGroup; 4] = [
-    (VolumeCounting::ZPass, VolumeKind::Plain),
-    (VolumeCounting::ZPass, VolumeKind::Robust),
-    (VolumeCounting::ZFail, VolumeKind::Plain),
-    (VolumeCounting::ZFail, VolumeKind::Robust),
-];
 
 impl VolumePass {
     /// Compiles the pass for views of at most `size` pixels.
@@ -229,7 +219,7 @@ impl VolumePass {
                     &[]
                 }
             };
-            for group in VOLUME_GROUPS {
+            for group in VolumeGroup::all(light.ends.len()) {
                 let casters = all.iter().filter(|caster| is_in(caster, group));
                 let draws: Vec<IndirectDraw> = casters.map(|caster| caster.draw).collect();
                 if draws.is_empty() {
@@ -243,8 +233,8 @@ impl VolumePass {
                     work.push((group, Work::Batch(Batch::upload(frame, &jobs)?)));
                 }
             }
-            let VolumeLight { light, end, area, .. } = *light;
-            prepared.push(LightDraws { light, end, area, mask, work });
+            let VolumeLight { light, ends, area, .. } = *light;
+            prepared.push(LightDraws { light, ends: ends.to_vec(), area, mask, work });
         }
         Ok(VolumeDraws { lights: prepared })
     }
@@ -305,10 +295,10 @@ impl VolumePass {
             for light in lights {
                 begin_light(commands, light);
                 for (group, work) in &light.work {
-                    let pipeline = self.pipeline(group.0);
+                    let pipeline = self.pipeline(group.counting);
                     commands.bind(pipeline, &[io.instances]);
                     commands.bind_geometry(io.vertices, Some(io.adjacency));
-                    let constants = VolumeConstants::new(view, (light.light, light.end), *group);
+                    let constants = VolumeConstants::new(view, (light.light, &light.ends), *group);
                     commands.push_constants(pipeline, &constants);
                     match work {
                         Work::Draws(draws) => {
@@ -336,12 +326,12 @@ impl VolumePass {
         commands.rendering(target, |commands| begin_light(commands, light));
         for (group, work) in &light.work {
             let Work::Batch(batch) = work else { continue };
-            let constants = VolumeConstants::new(view, (light.light, light.end), *group);
+            let constants = VolumeConstants::new(view, (light.light, &light.ends), *group);
             extruder.extrude(commands, io, batch, &constants);
             self.target.prepare(commands);
             commands.rendering(target, |commands| {
                 commands.clip(light.area.origin, light.area.size);
-                commands.bind(self.pipeline(group.0), &[]);
+                commands.bind(self.pipeline(group.counting), &[]);
                 extruder.draw(commands, self.all.whole());
             });
         }
@@ -386,7 +376,7 @@ fn begin_light(commands: &Commands, light: &LightDraws) {
 }
 
 fn is_in(caster: &VolumeCaster, group: VolumeGroup) -> bool {
-    (caster.counting, caster.kind) == group && caster.draw.index_count > 0
+    caster.group == group && caster.draw.index_count > 0
 }
 
 fn volume_pipeline(

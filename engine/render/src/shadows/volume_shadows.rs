@@ -4,8 +4,8 @@
 use std::collections::HashMap;
 
 use ::shadows::{
-    CasterCulling as CullingOption, LitArea, MASK_LIGHTS, PlannedVolumes, ShadowLight,
-    ShadowOptions, ShadowStats, VolumeCounting, VolumePlan,
+    CasterCulling as CullingOption, MASK_LIGHTS, PlannedVolumes, ShadowLight, ShadowOptions,
+    ShadowStats, VolumeCounting, VolumeEnd, VolumePlan,
 };
 use cull::{Aabb, BoxShadowVolumes, Frustum, Hierarchy, LeafIndex, LightReach, View};
 use glam::Vec4;
@@ -17,8 +17,8 @@ use scene::LightId;
 
 use crate::error::Error;
 use crate::passes::{
-    VOLUME_GROUPS, VolumeCaster, VolumeCasters, VolumeDraws, VolumeGroup, VolumeIo, VolumeLight,
-    VolumePass, VolumePath,
+    VolumeCaster, VolumeCasters, VolumeDraws, VolumeGroup, VolumeIo, VolumeLight, VolumePass,
+    VolumePath,
 };
 use crate::resources::geometry::Geometry;
 use crate::shading::surfaces::LightTable;
@@ -220,8 +220,7 @@ impl VolumeShadows {
         if let Some(culling) = &mut culling {
             for (number, (planned, casters)) in plan.lights.iter().zip(&casters).enumerate() {
                 let Some(light) = lights.get(planned.light) else { continue };
-                let lit = (light, planned.area);
-                groups.push(plan_casters(culling, &scene, lit, (number, casters)));
+                groups.push(plan_casters(culling, &scene, (light, planned), (number, casters)));
             }
             culling.upload(frame, |leaf| casting.draw(*leaf).unwrap_or_default())?;
         }
@@ -229,7 +228,7 @@ impl VolumeShadows {
         let with_bits = (0..).zip(plan.lights.iter().zip(&casters));
         let with_bits = with_bits.map(|(bit, (planned, casters)): (u32, _)| VolumeLight {
             light: light_of(planned),
-            end: planned.end,
+            ends: &planned.ends,
             bits: 1 << (bit % MASK_LIGHTS),
             layer: bit / MASK_LIGHTS,
             area: planned.area,
@@ -319,14 +318,15 @@ impl Casting<'_> {
         let ranges = self.plan.ranges_of(planned).iter();
         let leaves =
             ranges.flat_map(|range| range.leaves.iter().map(|leaf| (leaf, range.counting)));
-        leaves.filter_map(|(leaf, counting)| self.caster(leaf, counting, light)).collect()
+        let of = (light, &planned.ends[..]);
+        leaves.filter_map(|(leaf, counting)| self.caster(leaf, counting, of)).collect()
     }
 
     fn caster(
         &self,
         leaf: LeafIndex,
         counting: VolumeCounting,
-        light: Vec4,
+        (light, ends): (Vec4, &[VolumeEnd]),
     ) -> Option<VolumeCaster> {
         let object = *self.hierarchy.leaf_objects().get(leaf.0 as usize)?;
         let (_, volumes) = self.geometry.volume_draw(object)?;
@@ -334,7 +334,8 @@ impl Casting<'_> {
         let bounds = self.hierarchy.bounds(self.hierarchy.node_of(object)?);
         let draw = self.draw(leaf)?;
         let kind = volumes.enclosure.kind_under(&transform.matrix3).towards(&bounds, light);
-        Some(VolumeCaster { draw, kind, counting })
+        let end = VolumeEnd::nearest(ends, &bounds);
+        Some(VolumeCaster { draw, group: VolumeGroup { counting, kind, end } })
     }
 
     /// Returns the draw of a caster's triangles with adjacency.
@@ -350,7 +351,7 @@ impl Casting<'_> {
 fn plan_casters(
     culling: &mut CasterCulling,
     scene: &CastersInView<'_>,
-    (light, area): (&ShadowLight, LitArea),
+    (light, planned): (&ShadowLight, &PlannedVolumes),
     (number, casters): (usize, &[VolumeCaster]),
 ) -> Vec<(VolumeGroup, usize)> {
     // Volumes have sharp edges: no filter looks around.
@@ -362,21 +363,23 @@ fn plan_casters(
     };
     let everywhere = [Frustum::EVERYTHING];
     let volumes = BoxShadowVolumes::new(scene.view, reach, scene.receivers, &everywhere);
-    let leaves = VOLUME_GROUPS.map(|group| {
-        let alike = casters.iter().filter(|it| (it.counting, it.kind) == group);
+    let all = VolumeGroup::all(planned.ends.len());
+    let leaves = all.clone().map(|group| {
+        let alike = casters.iter().filter(|it| it.group == group);
         alike.map(|caster| LeafIndex(caster.draw.first_instance)).collect::<Vec<_>>()
     });
-    let numbered = VOLUME_GROUPS.into_iter().zip(&leaves).zip(number * VOLUME_GROUPS.len()..);
+    let leaves: Vec<_> = leaves.collect();
+    let numbered = all.zip(&leaves).zip(number * VolumeGroup::MOST..);
     let there = numbered.filter(|((_, casters), _)| !casters.is_empty());
     let groups: Vec<_> =
         there.clone().map(|((_, casters), number)| CasterGroup { number, casters }).collect();
-    culling.plan((light.id, area), (scene, &volumes), &groups);
+    culling.plan((light.id, planned.area), (scene, &volumes), &groups);
     there.map(|((group, _), number)| (group, number)).collect()
 }
 
 /// Adds the casters of a light to the counts of a frame.
 fn count(stats: &mut ShadowStats, casters: &[VolumeCaster]) {
-    let fails = casters.iter().filter(|caster| caster.counting == VolumeCounting::ZFail);
+    let fails = casters.iter().filter(|caster| caster.group.counting == VolumeCounting::ZFail);
     let triangles = casters.iter().map(|caster| u64::from(caster.draw.index_count / 6));
     stats.lights += 1;
     stats.casters += casters.len() as u32;

@@ -2,8 +2,9 @@
 //!
 //! A volume is filled pixel by pixel as far as it goes, so most of one that goes to infinity is
 //! filled for nothing: under the ground. Under a sun the way from a corner to a plane is a linear
-//! function of the corner, so corners that are moved to the plane by it span flat caps, and sides
-//! that share a corner share its end.
+//! function of the corner, and under a lamp the share of it that the way to the corner is. So
+//! corners that are moved to the plane by it span flat caps, and sides that share a corner share
+//! its end.
 
 use cull::{Aabb, ProjectionKind, Rays, View};
 use glam::{Vec2, Vec3, Vec4};
@@ -25,15 +26,19 @@ const SUN_LENGTH: f32 = 10.0;
 /// The nearest that casters come to a lamp where volumes end in a parallel view (metres).
 const NEAREST_CASTER_M: f32 = 1e-3;
 
-/// The far end of the shadow volumes of a light: the place of the point behind each corner.
+/// The least share that the way to a caster may be of the way to the plane that its volumes end at:
+/// rounding grows as the share gets smaller.
+const LEAST_SHARE: f32 = 0.05;
+
+/// The far end of shadow volumes: the place of the point behind each corner.
 ///
 /// The point behind `v` is `max(l.w, w) v - max(along · (v, 1), 0) l`, with this `w`, where `l` is
-/// the light in homogeneous coordinates.
+/// the light in homogeneous coordinates. Under a lamp `w` is 1 less the factor of `l`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeEnd {
     /// The factor by which the light is taken off, as a linear function of the corner.
     pub along: Vec4,
-    /// The points' own w: 0 for infinity.
+    /// The own w of a sun's points: 0 for infinity.
     pub w: f32,
 }
 
@@ -41,51 +46,90 @@ impl VolumeEnd {
     /// Infinity.
     pub const INFINITY: Self = Self { along: Vec4::W, w: 0.0 };
 
-    /// Returns the end of the volumes of a light for a view of `receivers`, which lie before it.
+    /// Returns the ends that volumes under a light may have in a view of `receivers`, which lie
+    /// before them all. Each caster takes its [nearest](VolumeEnd::nearest).
     ///
-    /// A sun's volumes end at the plane beyond the receivers that is met first. With an eye beyond
-    /// that plane they have no end: z-pass would count from outside of it. Nor have they on a
-    /// coarse sub-pixel grid. A lamp's have none either, since pixels that it does not reach are
-    /// left out anyway.
+    /// A sun's volumes end at the plane beyond the receivers that is met first, a lamp's at any
+    /// side of them, or at infinity. With an eye beyond a plane nothing ends there: z-pass would
+    /// count from outside of the volumes. Nor does it on a coarse sub-pixel grid.
     ///
     /// In a parallel view no ray meets a far cap that is all at infinity, and the farther away it
     /// is, the worse drivers round what they clip of the sides. So volumes always end there, beyond
     /// all that is in view: a sun's ten times as far away as that is large, a lamp's where a caster
     /// that is a millimetre from it shades what is in view.
     #[must_use]
-    pub fn of(view: &View, light: Vec4, receivers: &Aabb) -> Self {
+    pub fn of(view: &View, light: Vec4, receivers: &Aabb) -> Vec<Self> {
         if view.rays.kind == ProjectionKind::Orthographic {
-            return Self::of_parallel(&view.rays, light);
+            return vec![Self::of_parallel(&view.rays, light)];
         }
         let steps = 2.0 * view.snap_steps[0] / view.size[0] as f32;
-        if light.w > 0.0 || receivers.is_empty() || steps < LEAST_STEPS {
-            return Self::INFINITY;
+        if receivers.is_empty() || steps < LEAST_STEPS {
+            return vec![Self::INFINITY];
         }
-        let end = Self::beyond(receivers, light.truncate());
-        let is_before = |point: &Vec3| end.length_m(*point) > 0.0;
-        match NearSpan::points_of(&view.rays).iter().all(is_before) {
-            true => end,
-            false => Self::INFINITY,
+        let span = NearSpan::points_of(&view.rays);
+        let is_before = |end: &Self| span.iter().all(|point| end.factor(*point) > 0.0);
+        let around = Self::around(receivers);
+        if light.w > 0.0 {
+            let sides = Self::beside(&around, light.truncate()).filter(is_before);
+            return sides.chain([Self::INFINITY]).collect();
         }
+        let end = Self::beyond(&around, light.truncate());
+        vec![if is_before(&end) { end } else { Self::INFINITY }]
+    }
+
+    /// Returns the place among the ends of a light of the one at which volumes of casters in a box
+    /// are shortest.
+    #[must_use]
+    pub fn nearest(ends: &[Self], bounds: &Aabb) -> usize {
+        let least_share = |end: &Self| {
+            let most =
+                end.factor(bounds.centre()) + end.along.truncate().abs().dot(bounds.half_extent());
+            let share = 1.0 - most;
+            if share >= LEAST_SHARE { share } else { 0.0 }
+        };
+        let shares = ends.iter().map(least_share).enumerate();
+        // The last of those that are alike: infinity.
+        shares.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(place, _)| place)
     }
 
     /// Returns the point behind a corner, in homogeneous coordinates.
     #[must_use]
     pub fn behind(&self, corner: Vec3, light: Vec4) -> Vec4 {
         let kept = light.w.max(self.w) * corner;
-        (kept - self.length_m(corner).max(0.0) * light.truncate()).extend(self.w)
+        let factor = self.factor(corner).max(0.0);
+        let w = if light.w > 0.0 { 1.0 - factor } else { self.w };
+        (kept - factor * light.truncate()).extend(w)
     }
 
-    /// Returns the way from a corner to the end; under a sun in metres.
-    fn length_m(&self, corner: Vec3) -> f32 {
+    /// Returns the factor by which the light is taken off a corner; under a sun in metres.
+    fn factor(&self, corner: Vec3) -> f32 {
         self.along.dot(corner.extend(1.0))
     }
 
-    /// Returns the side of a box, and beyond, that rays of a sun from anywhere in it meet first.
-    fn beyond(receivers: &Aabb, towards: Vec3) -> Self {
+    /// Returns the box whose sides volumes may end at.
+    fn around(receivers: &Aabb) -> Aabb {
         let [least, share] = MARGIN;
         let size_m = receivers.half_extent().length() + receivers.largest_coordinate();
-        let around = receivers.enlarged(least + share * size_m);
+        receivers.enlarged(least + share * size_m)
+    }
+
+    /// Returns the sides of a box that a lamp is before.
+    fn beside(around: &Aabb, position: Vec3) -> impl Iterator<Item = Self> {
+        let sides = [around.min, around.max].into_iter().flat_map(move |corner| {
+            [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| (axis, axis.dot(corner)))
+        });
+        let centre = around.centre();
+        sides.filter_map(move |(axis, side)| {
+            let way = side - axis.dot(position);
+            let outwards = side - axis.dot(centre);
+            // The share of the way grows from 0 at the lamp to 1 at the side.
+            let share = (axis / way).extend(-axis.dot(position) / way);
+            (way * outwards > 0.0).then_some(Self { along: Vec4::W - share, w: 1.0 })
+        })
+    }
+
+    /// Returns the side of a box, and beyond, that rays of a sun from anywhere in it meet first.
+    fn beyond(around: &Aabb, towards: Vec3) -> Self {
         let (extent, slope) = (around.half_extent(), towards.abs());
         let steps = extent / slope;
         let axis = match steps.min_element() {
@@ -106,7 +150,7 @@ impl VolumeEnd {
         if light.w > 0.0 {
             let reach_m = size_m + middle.distance(light.truncate());
             let w = NEAREST_CASTER_M / reach_m.max(NEAREST_CASTER_M);
-            return Self { along: (1.0 - w) * Vec4::W, w };
+            return Self { along: (1.0 - w) * Vec4::W, w: 1.0 };
         }
         Self { along: SUN_LENGTH * size_m * Vec4::W, w: 1.0 }
     }
@@ -133,12 +177,18 @@ mod tests {
         all.chain([Vec3::X, Vec3::Y, Vec3::NEG_Z, -vec3(0.1, 1.0, 0.3).normalize()])
     }
 
+    fn end_of(view: &View, light: Vec4) -> VolumeEnd {
+        let ends = VolumeEnd::of(view, light, &RECEIVERS);
+        let [end] = ends[..] else { panic!("a sun has one end: {ends:?}") };
+        end
+    }
+
     #[test]
     fn all_receivers_lie_before_the_end() {
         let view = view(vec3(0.0, 2.0, 0.0), 8);
         for sun in suns() {
             let light = sun.extend(0.0);
-            let end = VolumeEnd::of(&view, light, &RECEIVERS);
+            let end = end_of(&view, light);
             assert_eq!(end.w, 1.0, "{sun}");
             // What a corner shades of the receivers lies between it and the point behind it.
             for corner in RECEIVERS.corners() {
@@ -158,7 +208,7 @@ mod tests {
     fn a_high_suns_volumes_end_below_the_ground() {
         let view = view(vec3(0.0, 2.0, 0.0), 8);
         let sun = vec3(0.6, 0.8, 0.0);
-        let end = VolumeEnd::of(&view, sun.extend(0.0), &RECEIVERS);
+        let end = end_of(&view, sun.extend(0.0));
         let behind = end.behind(vec3(1.0, 8.0, 3.0), sun.extend(0.0));
         assert!((behind - vec3(-5.0, 0.0, 3.0).extend(1.0)).length() < 0.1, "{behind}");
         let below = end.behind(vec3(1.0, -8.0, 3.0), sun.extend(0.0));
@@ -166,15 +216,42 @@ mod tests {
     }
 
     #[test]
-    fn eyes_beyond_lamps_empty_scenes_and_coarse_grids_leave_them_endless() {
+    fn a_lamps_volumes_end_at_the_side_that_their_casters_are_nearest_to() {
+        let view = view(vec3(0.0, 2.0, 0.0), 8);
+        let position = vec3(1.0, 5.0, 0.0);
+        let light = position.extend(1.0);
+        let ends = VolumeEnd::of(&view, light, &RECEIVERS);
+        assert_eq!((ends.len(), ends.last()), (7, Some(&VolumeEnd::INFINITY)));
+        let end_of = |low: Vec3, high: Vec3| ends[VolumeEnd::nearest(&ends, &Aabb::new(low, high))];
+        let place = |end: VolumeEnd, corner: Vec3| {
+            let behind = end.behind(corner, light);
+            behind.truncate() / behind.w
+        };
+        let car = end_of(vec3(3.0, 0.0, -1.0), vec3(7.0, 1.5, 1.0));
+        let behind = place(car, vec3(3.0, 1.0, 1.0));
+        assert!((behind - vec3(3.5, 0.0, 1.25)).length() < 0.1, "on the ground: {behind}");
+        let tower = end_of(vec3(20.0, 0.0, -5.0), vec3(30.0, 30.0, 5.0));
+        let behind = place(tower, vec3(20.0, 8.0, 0.0));
+        assert!((behind.x - 50.0).abs() < 0.2 && behind.y > 12.0, "on a wall: {behind}");
+        let around = end_of(vec3(0.0, 0.0, -5.0), vec3(2.0, 9.0, 5.0));
+        assert_eq!(around, VolumeEnd::INFINITY, "the light is in it");
+        let outside = VolumeEnd::of(&view, vec3(0.0, 40.0, 0.0).extend(1.0), &RECEIVERS);
+        assert_eq!(outside.len(), 6, "above all that it lights");
+    }
+
+    #[test]
+    fn eyes_beyond_empty_scenes_and_coarse_grids_leave_them_endless() {
         let below = view(vec3(0.0, -2.0, 0.0), 8);
-        assert_eq!(VolumeEnd::of(&below, Vec4::Y, &RECEIVERS), VolumeEnd::INFINITY);
+        let endless = vec![VolumeEnd::INFINITY];
+        assert_eq!(VolumeEnd::of(&below, Vec4::Y, &RECEIVERS), endless);
         let above = view(vec3(0.0, 2.0, 0.0), 8);
         let lamp = vec3(1.0, 5.0, 0.0).extend(1.0);
-        assert_eq!(VolumeEnd::of(&above, lamp, &RECEIVERS), VolumeEnd::INFINITY);
-        assert_eq!(VolumeEnd::of(&above, Vec4::Y, &Aabb::EMPTY), VolumeEnd::INFINITY);
+        assert_eq!(VolumeEnd::of(&below, lamp, &RECEIVERS).len(), 6, "not at the ground");
         let coarse = view(vec3(0.0, 2.0, 0.0), 4);
-        assert_eq!(VolumeEnd::of(&coarse, Vec4::Y, &RECEIVERS), VolumeEnd::INFINITY);
+        for light in [Vec4::Y, lamp] {
+            assert_eq!(VolumeEnd::of(&above, light, &Aabb::EMPTY), endless);
+            assert_eq!(VolumeEnd::of(&coarse, light, &RECEIVERS), endless);
+        }
         let corner = vec3(1.0, 2.0, 3.0);
         assert_eq!(VolumeEnd::INFINITY.behind(corner, Vec4::Y), -Vec4::Y);
         assert_eq!(VolumeEnd::INFINITY.behind(corner, lamp), vec3(0.0, -3.0, 3.0).extend(0.0));

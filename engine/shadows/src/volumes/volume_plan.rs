@@ -31,8 +31,8 @@ pub struct PlannedVolumes {
     pub light: usize,
     /// The part of the view that it reaches: nothing else needs to be counted.
     pub area: LitArea,
-    /// The far end of the volumes.
-    pub end: VolumeEnd,
+    /// The far ends that its volumes may have.
+    pub ends: Vec<VolumeEnd>,
     /// Its casters among [`VolumePlan::ranges`], ascending and apart.
     pub ranges: Range<usize>,
 }
@@ -79,12 +79,13 @@ impl VolumePlan {
                 continue;
             }
             let first = self.ranges.len();
-            let casters = Casting::of(&light.shape, NearSpan(&span));
+            let lit = light.shape.reached(&receivers);
+            let casters = Casting::of(&light.shape, &lit, NearSpan(&span));
             casters.list(hierarchy, &mut self.ranges);
             if self.ranges.len() > first {
                 let ranges = first..self.ranges.len();
-                let end = VolumeEnd::of(view, light.shape.homogeneous(), &receivers);
-                self.lights.push(PlannedVolumes { light: number, area, end, ranges });
+                let ends = VolumeEnd::of(view, light.shape.homogeneous(), &lit);
+                self.lights.push(PlannedVolumes { light: number, area, ends, ranges });
             }
         }
     }
@@ -110,13 +111,15 @@ impl VolumePlan {
 struct Casting<'a> {
     light: Vec4,
     reach: Option<(Vec3, f32)>,
+    /// The box around a local light and all that it lights.
+    rays: Option<Aabb>,
     /// The middle of a spot's cone, and sine and cosine of half its angle.
     cone: Option<(Vec3, [f32; 2])>,
     span: NearSpan<'a>,
 }
 
 impl<'a> Casting<'a> {
-    fn of(shape: &LightShape, span: NearSpan<'a>) -> Self {
+    fn of(shape: &LightShape, lit: &Aabb, span: NearSpan<'a>) -> Self {
         let cone = match *shape {
             // The points of a wider one between a light and what it lights need not be in it.
             LightShape::Spot { direction, outer_rad, .. } if outer_rad < FRAC_PI_2 => {
@@ -125,7 +128,9 @@ impl<'a> Casting<'a> {
             }
             LightShape::Spot { .. } | LightShape::Point { .. } | LightShape::Sun { .. } => None,
         };
-        Self { light: shape.homogeneous(), reach: shape.reach(), cone, span }
+        let reach = shape.reach();
+        let rays = reach.map(|(position, _)| lit.union(&Aabb::new(position, position)));
+        Self { light: shape.homogeneous(), reach, rays, cone, span }
     }
 
     /// Lists the casters in the light's reach. All below a node whose box needs no z-fail need
@@ -151,7 +156,9 @@ impl<'a> Casting<'a> {
     fn meets(&self, bounds: &Aabb) -> bool {
         let is_near =
             |(centre, reach_m): (Vec3, f32)| bounds.distance_squared(centre) <= reach_m * reach_m;
+        let is_among = |rays: Aabb| bounds.meets(&rays);
         self.reach.is_none_or(is_near)
+            && self.rays.is_none_or(is_among)
             && self.beside_cone(bounds).is_none_or(|[way_m, radius_m]| way_m <= radius_m)
     }
 
@@ -174,6 +181,7 @@ impl<'a> Casting<'a> {
             farthest.length_squared() <= reach_m * reach_m
         };
         self.reach.is_none_or(is_within)
+            && self.rays.is_none_or(|rays| rays.contains(bounds))
             && self.beside_cone(bounds).is_none_or(|[way_m, radius_m]| way_m <= -radius_m)
     }
 }

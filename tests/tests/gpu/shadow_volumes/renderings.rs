@@ -5,8 +5,8 @@ use glam::Vec4;
 use gpu::{Access, Attachments, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, Target, vk};
 use occlusion::ShaderSet;
 use render::passes::{
-    OpaqueIo, OpaquePass, VolumeCaster, VolumeCasters, VolumeIo, VolumeLight, VolumePass,
-    VolumePath,
+    OpaqueIo, OpaquePass, VolumeCaster, VolumeCasters, VolumeGroup, VolumeIo, VolumeLight,
+    VolumePass, VolumePath,
 };
 use scene::Light;
 use shadows::{LitArea, NearSpan, VolumeCounting, VolumeEnd};
@@ -38,7 +38,7 @@ pub struct Renderings {
     depth: OpaquePass,
     volumes: VolumePass,
     ring: FrameRing,
-    /// Lights so far whose volumes ended at a plane.
+    /// Casters so far whose volumes ended at a plane.
     pub ended: u32,
 }
 
@@ -84,31 +84,34 @@ impl Renderings {
     ) -> Vec<u32> {
         let view = self.view(device, camera);
         let span = NearSpan::points_of(&view.rays);
+        let receivers = world.things.iter().fold(Aabb::EMPTY, |all, it| all.union(&it.bounds));
         let casters = lights.iter().map(|light| {
-            let caster = |thing: &super::world::Thing| VolumeCaster {
-                draw: thing.volumes,
-                kind: thing.kind.towards(&thing.bounds, *light),
-                counting: match choice {
+            let ends = VolumeEnd::of(&view, *light, &receivers);
+            let caster = |thing: &super::world::Thing| {
+                let counting = match choice {
                     Choice::ByEye => NearSpan(&span).counting(&thing.bounds, *light),
                     Choice::AllFail => VolumeCounting::ZFail,
-                },
+                };
+                let kind = thing.kind.towards(&thing.bounds, *light);
+                let end = VolumeEnd::nearest(&ends, &thing.bounds);
+                let group = VolumeGroup { counting, kind, end };
+                VolumeCaster { draw: thing.volumes, group }
             };
-            world.things.iter().map(caster).collect::<Vec<_>>()
+            (world.things.iter().map(caster).collect::<Vec<_>>(), ends.clone())
         });
         let casters: Vec<_> = casters.collect();
-        let receivers = world.things.iter().fold(Aabb::EMPTY, |all, it| all.union(&it.bounds));
         let lights = lights.iter().zip(&casters).enumerate();
         // The second light's layer is another one.
         let lights: Vec<_> = lights
-            .map(|(number, (light, casters))| {
+            .map(|(number, (light, (casters, ends)))| {
                 let (bits, layer) = (1 << number, number as u32 % LAYERS);
+                let ended = casters.iter().filter(|it| ends[it.group.end] != VolumeEnd::INFINITY);
+                self.ended += ended.count() as u32;
                 let casters = VolumeCasters::All(casters);
                 let area = LitArea::whole(&view);
-                let end = VolumeEnd::of(&view, *light, &receivers);
-                VolumeLight { light: *light, end, bits, layer, area, casters }
+                VolumeLight { light: *light, ends, bits, layer, area, casters }
             })
             .collect();
-        self.ended += lights.iter().map(|it| u32::from(it.end.w == 1.0)).sum::<u32>();
         let mut frame = self.ring.begin().unwrap();
         let draws = self.volumes.prepare(&mut frame, &lights).unwrap();
         let commands = frame.commands();
