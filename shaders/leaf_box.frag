@@ -2,6 +2,7 @@
 // first one also adds the leaf to the list that is read back.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_memory_scope_semantics : require
 #include "draw_link.glsl"
 
 layout(early_fragment_tests) in;
@@ -35,7 +36,7 @@ void main() {
     }
     uint first = place_of_first - 1;
     uint instances = LINKED ? links[first].instance_count : 1;
-    if (draws[first].instance_count != 0
+    if (atomicLoad(draws[first].instance_count, gl_ScopeDevice, gl_StorageSemanticsNone, gl_SemanticsRelaxed) != 0
         || atomicExchange(draws[first].instance_count, instances) != 0) {
         return;
     }

@@ -1,12 +1,14 @@
 // The seen pass: a fragment that passes the test against the finished depth owns a pixel.
 #version 460
+#extension GL_KHR_memory_scope_semantics : require
 
 layout(early_fragment_tests) in;
 
 layout(location = 0) flat in uint leaf;
 
-layout(std430, binding = 1) writeonly buffer Seen { uint seen[]; };
+layout(std430, binding = 1) buffer Seen { uint seen[]; };
 
 void main() {
-    seen[leaf] = 1;
+    // Many fragments write the same.
+    atomicStore(seen[leaf], 1u, gl_ScopeDevice, gl_StorageSemanticsNone, gl_SemanticsRelaxed);
 }

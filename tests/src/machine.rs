@@ -3,6 +3,7 @@
 //! The calls are replaced above the validation layer, which therefore never sees the hidden parts.
 
 mod replacements;
+mod representative;
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -18,6 +19,7 @@ pub use replacements::{
     CALLS_THAT_MAKE, CALLS_THAT_RESET, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW,
     CALLS_THAT_START,
 };
+pub use representative::{OTHER_PIPELINES, REPRESENTATIVE_PIPELINES};
 
 type Function = unsafe extern "system" fn();
 
@@ -45,6 +47,8 @@ pub struct Machine {
     pub is_unconditional: bool,
     /// True if no device counts samples.
     pub is_imprecise: bool,
+    /// True if every device says that it has representative fragments.
+    pub is_representative: bool,
     /// True if no device resets queries on the CPU.
     pub resets_by_commands: bool,
     /// The change of the features of Vulkan 1.0 that every device reports.

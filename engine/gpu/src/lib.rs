@@ -122,8 +122,8 @@ pub use crate::record::frames::{Frame, FrameNumbers, FrameRing, SlotIndex};
 pub use crate::record::host_image::{HostImage, HostImages, ImageState};
 pub use crate::record::indirect::{DrawLink, DrawRange, IndirectDraw};
 pub use crate::record::pipeline::{
-    Blend, ComputePipeline, DepthMode, DepthRange, GraphicsPipeline, GraphicsPipelineInfo, Polygon,
-    StencilMode, StorageLayout, VertexLayout,
+    Blend, ComputePipeline, DepthMode, DepthRange, FragmentChoice, GraphicsPipeline,
+    GraphicsPipelineInfo, Polygon, StencilMode, StorageLayout, VertexLayout,
 };
 pub use crate::record::render_target::{Load, RenderTarget};
 pub use crate::record::resubmission::Resubmission;

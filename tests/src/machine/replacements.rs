@@ -6,6 +6,7 @@ use std::mem::transmute;
 use ash::vk;
 use gpu::Required;
 
+use super::representative::that_pretend;
 use super::{Function, device_proc_addr, due, machine, real};
 
 /// Writes functions that count, fail when they are to fail, and otherwise call the real ones.
@@ -213,7 +214,7 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
         calls_that_start(),
     ]
     .concat();
-    that_lie.into_iter().chain(counted).collect()
+    that_pretend().into_iter().chain(that_lie).chain(counted).collect()
 }
 
 fn lacks(what: Required) -> bool {
@@ -303,6 +304,10 @@ unsafe extern "system" fn features(
                     if machine(|machine| machine.is_unconditional) {
                         conditional.conditional_rendering = vk::FALSE;
                     }
+                }
+                vk::StructureType::PHYSICAL_DEVICE_REPRESENTATIVE_FRAGMENT_TEST_FEATURES_NV => {
+                    type Kind<'a> = vk::PhysicalDeviceRepresentativeFragmentTestFeaturesNV<'a>;
+                    (*next.cast::<Kind<'_>>()).representative_fragment_test = vk::TRUE;
                 }
                 vk::StructureType::PHYSICAL_DEVICE_SWAPCHAIN_MAINTENANCE_1_FEATURES_EXT => {
                     let fences =

@@ -1,6 +1,7 @@
 //! Machines that fail: each ends with a sentence, no panic, no leak and no hang.
 
 mod lacking;
+mod representative;
 mod shadows;
 
 use std::time::Duration;

@@ -3,7 +3,7 @@
 
 use std::ffi::CStr;
 
-use ash::{ext, google, khr, vk};
+use ash::{ext, google, khr, nv, vk};
 
 use crate::core::features::{Features, KHR_SWAPCHAIN_MAINTENANCE1};
 use crate::core::offer::Offer;
@@ -127,6 +127,9 @@ pub enum Optional {
     Timestamps,
     /// Fragment shaders that write to storage buffers.
     FragmentStores,
+    /// `VK_NV_representative_fragment_test`: of the fragments of a primitive that pass the depth
+    /// test, one is enough for a flag.
+    RepresentativeFragments,
     /// Renderings of several views at once, each to a layer of the image.
     Multiview,
     /// Triangles drawn as their edges.
@@ -155,13 +158,14 @@ pub enum Optional {
 
 impl Optional {
     /// All optional capabilities.
-    pub const ALL: [Optional; 17] = [
+    pub const ALL: [Optional; 18] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
         Optional::HostQueryReset,
         Optional::Timestamps,
         Optional::FragmentStores,
+        Optional::RepresentativeFragments,
         Optional::Multiview,
         Optional::Wireframe,
         Optional::Anisotropy,
@@ -184,6 +188,7 @@ impl Optional {
             Optional::HostQueryReset => "hostQueryReset",
             Optional::Timestamps => "timestamps",
             Optional::FragmentStores => "fragmentStoresAndAtomics",
+            Optional::RepresentativeFragments => "VK_NV_representative_fragment_test",
             Optional::Multiview => "multiview",
             Optional::Wireframe => "fillModeNonSolid",
             Optional::Anisotropy => "samplerAnisotropy",
@@ -207,6 +212,7 @@ impl Optional {
             | Optional::HostQueryReset
             | Optional::Timestamps
             | Optional::FragmentStores
+            | Optional::RepresentativeFragments
             | Optional::SampleDepths
             | Optional::Multiview => true,
             _ => purpose == Purpose::Renderer,
@@ -222,6 +228,9 @@ impl Optional {
             Optional::PreciseQueries => Features { occlusion_query_precise: true, ..none },
             Optional::HostQueryReset => Features { host_query_reset: true, ..none },
             Optional::FragmentStores => Features { fragment_stores_and_atomics: true, ..none },
+            Optional::RepresentativeFragments => {
+                Features { representative_fragment_test: true, ..none }
+            }
             Optional::Multiview => Features { multiview: true, ..none },
             Optional::Wireframe => Features { fill_mode_non_solid: true, ..none },
             Optional::Anisotropy => Features { sampler_anisotropy: true, ..none },
@@ -245,6 +254,7 @@ impl Optional {
             &[KHR_SWAPCHAIN_MAINTENANCE1, ext::swapchain_maintenance1::NAME];
         match self {
             Optional::ConditionalRendering => &[&[ext::conditional_rendering::NAME]],
+            Optional::RepresentativeFragments => &[&[nv::representative_fragment_test::NAME]],
             Optional::CalibratedTimestamps => &[&[ext::calibrated_timestamps::NAME]],
             Optional::Swapchain => &[SWAPCHAIN],
             Optional::PresentFences => &[SWAPCHAIN, MAINTENANCE],

@@ -2,7 +2,7 @@
 
 use std::ffi::CStr;
 
-use ash::{ext, khr, vk};
+use ash::{ext, khr, nv, vk};
 
 /// Declares [`Features`] and its way to and from the structures of Vulkan: a structure, and the
 /// features that lie in it.
@@ -74,6 +74,9 @@ features! {
     conditional {
         conditional_rendering "conditionalRendering"
     }
+    representative {
+        representative_fragment_test "representativeFragmentTest"
+    }
     present_fences {
         swapchain_maintenance1 "swapchainMaintenance1"
     }
@@ -105,6 +108,7 @@ pub struct FeatureStructures {
     pub vulkan_13: vk::PhysicalDeviceVulkan13Features<'static>,
     /// That of `VK_EXT_conditional_rendering`.
     pub conditional: vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'static>,
+    representative: vk::PhysicalDeviceRepresentativeFragmentTestFeaturesNV<'static>,
     present_fences: vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT<'static>,
     ids: vk::PhysicalDevicePresentIdFeaturesKHR<'static>,
     waits: vk::PhysicalDevicePresentWaitFeaturesKHR<'static>,
@@ -125,6 +129,9 @@ impl FeatureStructures {
             .push_next(&mut self.vulkan_13);
         if has(ext::conditional_rendering::NAME) {
             chain = chain.push_next(&mut self.conditional);
+        }
+        if has(nv::representative_fragment_test::NAME) {
+            chain = chain.push_next(&mut self.representative);
         }
         if has(KHR_SWAPCHAIN_MAINTENANCE1) || has(ext::swapchain_maintenance1::NAME) {
             chain = chain.push_next(&mut self.present_fences);

@@ -2,11 +2,13 @@
 
 use ash::vk;
 
+use crate::core::capabilities::Optional;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::record::attachments::{Attachments, COLOURS_MAX, NearDepth};
 use crate::record::pipeline::{
-    Blend, DepthMode, DepthRange, GraphicsPipelineInfo, Polygon, StencilMode, VertexLayout,
+    Blend, DepthMode, DepthRange, FragmentChoice, GraphicsPipelineInfo, Polygon, StencilMode,
+    VertexLayout,
 };
 
 /// Compiles a graphics pipeline with all its fixed states.
@@ -26,21 +28,8 @@ pub(super) fn create_graphics(
     let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(info.topology);
     let viewport =
         vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-    let mode = match info.polygon {
-        Polygon::Filled => vk::PolygonMode::FILL,
-        Polygon::Wireframe => vk::PolygonMode::LINE,
-    };
     let Attachments { colours, depth: depth_format, near_depth, .. } = info.attachments;
-    let (constant, slope) = depth_bias(info);
-    let raster = vk::PipelineRasterizationStateCreateInfo::default()
-        .polygon_mode(mode)
-        .depth_clamp_enable(info.range == DepthRange::Clamped)
-        .depth_bias_enable(constant != 0.0)
-        .depth_bias_constant_factor(constant)
-        .depth_bias_slope_factor(slope)
-        .cull_mode(info.cull)
-        .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
-        .line_width(1.0);
+    let raster = rasterisation(info);
     let samples = vk::PipelineMultisampleStateCreateInfo::default()
         .rasterization_samples(info.attachments.samples);
     let depth = depth_stencil(info, near_depth);
@@ -69,12 +58,39 @@ pub(super) fn create_graphics(
         Some(pass) => create.render_pass(pass.render_pass).subpass(pass.subpass),
         None => create.push_next(&mut rendering),
     };
+    let mut one = vk::PipelineRepresentativeFragmentTestStateCreateInfoNV::default()
+        .representative_fragment_test_enable(true);
+    let has_one = device.capabilities().has(Optional::RepresentativeFragments);
+    let create = match info.fragments {
+        FragmentChoice::Representative if has_one => create.push_next(&mut one),
+        FragmentChoice::Representative | FragmentChoice::All => create,
+    };
     let (cache, callbacks) = (device.pipeline_cache(), device.callbacks());
     // SAFETY: modules and layout are alive, all states are given.
     unsafe { device.raw().create_graphics_pipelines(cache, &[create], callbacks) }
         .map_err(|(_, code)| code)
         .called("vkCreateGraphicsPipelines")
         .map(|pipelines| pipelines.first().copied().unwrap_or_default())
+}
+
+/// Returns the rasterisation of triangles.
+fn rasterisation(
+    info: &GraphicsPipelineInfo<'_>,
+) -> vk::PipelineRasterizationStateCreateInfo<'static> {
+    let mode = match info.polygon {
+        Polygon::Filled => vk::PolygonMode::FILL,
+        Polygon::Wireframe => vk::PolygonMode::LINE,
+    };
+    let (constant, slope) = depth_bias(info);
+    vk::PipelineRasterizationStateCreateInfo::default()
+        .polygon_mode(mode)
+        .depth_clamp_enable(info.range == DepthRange::Clamped)
+        .depth_bias_enable(constant != 0.0)
+        .depth_bias_constant_factor(constant)
+        .depth_bias_slope_factor(slope)
+        .cull_mode(info.cull)
+        .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+        .line_width(1.0)
 }
 
 /// Returns the tests of depth and stencil.

@@ -70,6 +70,18 @@ pub enum DepthRange {
     Clamped,
 }
 
+/// The fragments of a triangle that are drawn of those that pass the depth test.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum FragmentChoice {
+    /// All.
+    #[default]
+    All,
+    /// One at least, which is enough for a flag, on devices with
+    /// [`Optional::RepresentativeFragments`](crate::Optional::RepresentativeFragments); else all.
+    /// For early tests alone, and never within a query that counts.
+    Representative,
+}
+
 /// The rasterisation of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Polygon {
@@ -132,6 +144,8 @@ pub struct GraphicsPipelineInfo<'a> {
     pub depth: DepthMode,
     /// The depths that are drawn.
     pub range: DepthRange,
+    /// The fragments that are drawn.
+    pub fragments: FragmentChoice,
     /// The use of the stencil.
     pub stencil: StencilMode,
     /// The combination of the colour with the one that is there.
@@ -163,6 +177,7 @@ impl<'a> GraphicsPipelineInfo<'a> {
             cull: vk::CullModeFlags::NONE,
             depth: DepthMode::TestOnly,
             range: DepthRange::Clipped,
+            fragments: FragmentChoice::All,
             stencil: StencilMode::Ignored,
             blend: Blend::NoColour,
             attachments: Attachments::default(),

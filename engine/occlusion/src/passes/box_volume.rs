@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, View, VolumeLength};
 use glam::Vec4;
 use gpu::{
-    Attachments, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    StorageLayout,
+    Attachments, BufferSlice, Commands, Device, FragmentChoice, GraphicsPipeline,
+    GraphicsPipelineInfo, StorageLayout,
 };
 
 use crate::error::Error;
@@ -68,6 +68,7 @@ impl BoxVolumePass {
     ) -> Result<Self, Error> {
         let info = GraphicsPipelineInfo {
             fragment: Some(shaders.find("proxy.frag")?),
+            fragments: FragmentChoice::Representative,
             storage: StorageLayout::new::<BoxVolumeConstants>(2),
             attachments,
             ..GraphicsPipelineInfo::of("shadow proxies", shaders.find("box_volume.vert")?)

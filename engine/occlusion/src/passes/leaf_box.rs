@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Attachments, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, LINKED,
-    LeafDrawBuffers, StorageLayout,
+    Attachments, BufferSlice, Commands, Device, FragmentChoice, GraphicsPipeline,
+    GraphicsPipelineInfo, LINKED, LeafDrawBuffers, StorageLayout,
 };
 
 use crate::error::Error;
@@ -85,6 +85,7 @@ impl LeafBoxPass {
         let pipeline = |name, fragment| -> Result<GraphicsPipeline, Error> {
             let info = GraphicsPipelineInfo {
                 fragment: Some(fragment),
+                fragments: FragmentChoice::Representative,
                 storage,
                 attachments,
                 ..GraphicsPipelineInfo::of(name, vertex)

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, View};
 use gpu::{
-    Attachments, BOX_VERTICES, BufferSlice, Commands, Device, GraphicsPipeline,
+    Attachments, BOX_VERTICES, BufferSlice, Commands, Device, FragmentChoice, GraphicsPipeline,
     GraphicsPipelineInfo, Optional, StorageLayout,
 };
 
@@ -90,6 +90,11 @@ impl ProxyPass {
         let pipeline = |name, fragment, buffers| -> Result<GraphicsPipeline, Error> {
             let info = GraphicsPipelineInfo {
                 fragment,
+                // Queries count all of them.
+                fragments: match fragment {
+                    Some(_) => FragmentChoice::Representative,
+                    None => FragmentChoice::All,
+                },
                 storage: match attachments.views {
                     1 => StorageLayout::new::<ProxyConstants>(buffers),
                     // Boxes, flags, eyes.

@@ -1,0 +1,50 @@
+//! Representative fragments: taken for flags where the device has them, and never where fragments
+//! are counted.
+
+use cull::Strategy;
+use gpu::{Device, DeviceOptions, Optional, Readback};
+use render::{FrameRequest, Renderer, RendererOptions};
+use scenes::{CameraPath, GeneratedScene, PathKind, city};
+use tests::machine::{Machine, OTHER_PIPELINES, REPRESENTATIVE_PIPELINES, calls};
+use tests::{Driver, instance_with};
+
+/// Draws a few frames, and returns the image, and the pipelines for representative fragments and
+/// for all.
+fn drawn(machine: Machine) -> (Vec<u8>, [usize; 2]) {
+    let has_them = machine.is_representative;
+    let GeneratedScene { scene, routes } = city(200, 1).unwrap();
+    let path = CameraPath::new(PathKind::Street, &routes).unwrap();
+    let instance = instance_with(machine.entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    assert_eq!(adapter.capabilities.has(Optional::RepresentativeFragments), has_them);
+    let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+    let options = RendererOptions { methods: methods::all(), size: [64, 48], ..Default::default() };
+    let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
+    let image = Readback::new(&device, renderer.size()).unwrap();
+    for strategy in [Strategy::ANTUMBRA_FLAGS, Strategy::ANTUMBRA_QUERIES, methods::COHERENT] {
+        let mut view = renderer.new_view().unwrap();
+        for frame in 0..3 {
+            let request = FrameRequest {
+                image: Some(&image),
+                ..FrameRequest::new(strategy, path.camera(frame))
+            };
+            renderer.render(&mut view, &request).unwrap();
+        }
+        renderer.drain(&mut view).unwrap();
+    }
+    let pipelines = [REPRESENTATIVE_PIPELINES, OTHER_PIPELINES].map(calls);
+    let pixels = image.rgba8().unwrap().to_vec();
+    drop((image, renderer, device));
+    assert_eq!(instance.validation_log().drain(), []);
+    (pixels, pipelines)
+}
+
+#[test]
+fn representative_fragments_are_for_flags_and_not_for_counts() {
+    let (with, [flags, others]) = drawn(Machine { is_representative: true, ..Machine::default() });
+    let (without, [none, all]) = drawn(Machine::default());
+    assert!(with == without);
+    // Proxies of nodes, and of leaves with one draw and with lists of them.
+    assert_eq!((flags, none), (3, 0));
+    assert_eq!(flags + others, all);
+}
