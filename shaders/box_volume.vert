@@ -3,6 +3,8 @@
 // edges. A face that the light sees is one of the near end, any other one of the far end; an edge
 // between two such faces spans a side from end to end, any other edge shrinks to a point.
 #version 460
+#extension GL_GOOGLE_include_directive : require
+#include "instance_number.glsl"
 
 struct BoxVolume {
     vec3 low;
@@ -34,8 +36,8 @@ vec4 drawn(BoxVolume box, vec3 corner, bool is_far) {
 }
 
 void main() {
-    BoxVolume box = boxes[gl_InstanceIndex];
-    test = gl_InstanceIndex;
+    BoxVolume box = boxes[instance_number];
+    test = instance_number;
     vec2 at = square[gl_VertexIndex % 6];
     int part = gl_VertexIndex / 6;
     vec3 corner;

@@ -1,5 +1,7 @@
 // The flare pass: a square for each sprite.
 #version 460
+#extension GL_GOOGLE_include_directive : require
+#include "instance_number.glsl"
 
 struct Sprite {
     vec2 middle; // in normalised device coordinates, as the radius
@@ -18,7 +20,7 @@ layout(location = 2) flat out uint shape;
 const vec2 square[6] = vec2[](vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, -1), vec2(1, 1), vec2(-1, 1));
 
 void main() {
-    Sprite sprite = sprites[gl_InstanceIndex];
+    Sprite sprite = sprites[instance_number];
     place = square[gl_VertexIndex];
     sprite_colour = sprite.colour;
     shape = sprite.shape;

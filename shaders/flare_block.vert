@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "flare_block.glsl"
+#include "instance_number.glsl"
 
 layout(std430, binding = 0) readonly buffer Blocks { FlareBlock blocks[]; };
 
@@ -18,8 +19,8 @@ layout(location = 1) flat out float level; // 0 to 1
 const ivec2 square[6] = ivec2[](ivec2(0, 0), ivec2(1, 0), ivec2(1, 1), ivec2(0, 0), ivec2(1, 1), ivec2(0, 1));
 
 void main() {
-    number = gl_InstanceIndex / levels;
-    level = (float(gl_InstanceIndex % levels) + 0.5) / float(levels);
+    number = instance_number / levels;
+    level = (float(instance_number % levels) + 0.5) / float(levels);
     FlareBlock block = blocks[number];
     vec2 corner = vec2(block.low + square[gl_VertexIndex] * int(block.side));
     gl_Position = vec4(corner * clip_per_pixel - 1.0, block.depth, 1.0);

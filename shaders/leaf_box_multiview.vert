@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_multiview : require
+#include "instance_number.glsl"
 #include "leaf_box.glsl"
 #include "eye.glsl"
 
@@ -13,7 +14,7 @@ layout(location = 0) flat out uint leaf;
 
 void main() {
     Eye eye = eyes[gl_ViewIndex];
-    leaf = gl_InstanceIndex;
-    gl_Position = leaf_box_vertex(boxes[gl_InstanceIndex], eye.view_proj, eye.eye, eye.row_w,
+    leaf = instance_number;
+    gl_Position = leaf_box_vertex(boxes[instance_number], eye.view_proj, eye.eye, eye.row_w,
                                   eye.margin.xy, gl_VertexIndex);
 }

@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "instance.glsl"
+#include "instance_number.glsl"
 #include "opaque_constants.glsl"
 #include "snap.glsl"
 
@@ -19,7 +20,7 @@ layout(location = 1) out vec3 albedo;
 invariant gl_Position;
 
 void main() {
-    Instance instance = instances[gl_InstanceIndex];
+    Instance instance = instances[instance_number];
     vec4 clip = view_proj * vec4(vertex_to_world(instance, position, view_proj), 1.0);
     gl_Position = snapped(clip, vec2(towards_sun.w, sun.w));
     world_normal = direction_to_world(instance, normal.xyz);

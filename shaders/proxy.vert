@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "box.glsl"
+#include "instance_number.glsl"
 
 layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
 
@@ -14,7 +15,7 @@ layout(push_constant) uniform Constants {
 layout(location = 0) flat out uint test;
 
 void main() {
-    Box box = boxes[gl_InstanceIndex];
-    test = gl_InstanceIndex;
+    Box box = boxes[instance_number];
+    test = instance_number;
     gl_Position = box_vertex(box.low.xyz, box.high.xyz, eye, view_proj, gl_VertexIndex);
 }

@@ -4,6 +4,7 @@
 #extension GL_EXT_multiview : require
 #include "box.glsl"
 #include "eye.glsl"
+#include "instance_number.glsl"
 
 layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
 layout(std430, binding = 2) readonly buffer Eyes { Eye eyes[]; };
@@ -11,8 +12,8 @@ layout(std430, binding = 2) readonly buffer Eyes { Eye eyes[]; };
 layout(location = 0) flat out uint test;
 
 void main() {
-    Box box = boxes[gl_InstanceIndex];
+    Box box = boxes[instance_number];
     Eye eye = eyes[gl_ViewIndex];
-    test = gl_InstanceIndex;
+    test = instance_number;
     gl_Position = box_vertex(box.low.xyz, box.high.xyz, eye.eye, eye.view_proj, gl_VertexIndex);
 }

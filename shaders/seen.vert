@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "instance.glsl"
+#include "instance_number.glsl"
 #include "snap.glsl"
 
 layout(location = 0) in vec3 position;
@@ -19,7 +20,7 @@ layout(location = 0) flat out uint leaf;
 invariant gl_Position;
 
 void main() {
-    vec4 clip = view_proj * vec4(vertex_to_world(instances[gl_InstanceIndex], position, view_proj), 1.0);
+    vec4 clip = view_proj * vec4(vertex_to_world(instances[instance_number], position, view_proj), 1.0);
     gl_Position = snapped(clip, snap_steps);
-    leaf = gl_InstanceIndex;
+    leaf = instance_number;
 }

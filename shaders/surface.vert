@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "instance.glsl"
+#include "instance_number.glsl"
 #include "material.glsl"
 #include "snap.glsl"
 #include "surface_constants.glsl"
@@ -51,7 +52,7 @@ vec3 unit_or_zero(vec3 v) {
 }
 
 void main() {
-    Instance instance = instances[gl_InstanceIndex];
+    Instance instance = instances[instance_number];
     vec3 world = vertex_to_world(instance, position, view_proj);
     vec4 clip = view_proj * vec4(world, 1.0);
     gl_Position = snapped(clip, vec2(ambient_above.w, ambient_below.w));

@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "instance.glsl"
+#include "instance_number.glsl"
 #include "material.glsl"
 #include "snap.glsl"
 #include "surface_constants.glsl"
@@ -23,7 +24,7 @@ layout(location = 3) flat out uvec4 material_cuts;
 invariant gl_Position;
 
 void main() {
-    Instance instance = instances[gl_InstanceIndex];
+    Instance instance = instances[instance_number];
     vec4 clip = view_proj * vec4(vertex_to_world(instance, position, view_proj), 1.0);
     gl_Position = snapped(clip, vec2(ambient_above.w, ambient_below.w));
     uvs = vec4(uv_first, uv_second);

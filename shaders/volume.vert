@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "instance.glsl"
+#include "instance_number.glsl"
 #include "snap.glsl"
 #include "volume_constants.glsl"
 
@@ -15,7 +16,7 @@ layout(location = 1) out flat uint name;
 invariant gl_Position;
 
 void main() {
-    Instance instance = instances[gl_InstanceIndex];
+    Instance instance = instances[instance_number];
     vec3 world = to_world(instance, position);
     vec4 clip = view_proj * vec4(world, 1.0);
     gl_Position = snapped(clip, steps);

@@ -5,7 +5,7 @@ use gpu::{
     Attachments, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
     GraphicsPipelineInfo, StorageLayout, vk,
 };
-use occlusion::{LeafTable, ShaderSet};
+use occlusion::{LeafTable, ProxyBox, ShaderSet};
 
 /// The indices of a box as `box.glsl` makes it up: three faces of two triangles.
 pub const BOX_INDICES: u32 = 18;
@@ -95,6 +95,7 @@ fn pipeline(device: &Device, attachments: Attachments) -> GraphicsPipeline {
         1 => ("proxy.vert", 1, 80),
         _ => ("proxy_multiview.vert", 3, 0),
     };
+    let vertex = shaders.find(vertex).unwrap();
     let storage = StorageLayout { buffers, push_bytes, ..Default::default() };
     let info = GraphicsPipelineInfo {
         fragment: Some(&fragment),
@@ -102,7 +103,7 @@ fn pipeline(device: &Device, attachments: Attachments) -> GraphicsPipeline {
         depth: DepthMode::TestAndWrite,
         blend: Blend::Opaque,
         attachments,
-        ..GraphicsPipelineInfo::of("numbered boxes", shaders.find(vertex).unwrap())
+        ..GraphicsPipelineInfo::of("numbered boxes", vertex).numbered::<ProxyBox>()
     };
     GraphicsPipeline::new(device, &info).unwrap()
 }

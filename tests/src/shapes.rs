@@ -7,7 +7,7 @@ use gpu::{
     Attachments, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
     Spirv, StorageLayout,
 };
-use occlusion::{ProxyPass, ShaderSet};
+use occlusion::{ProxyBox, ProxyPass, ShaderSet};
 use scene::{
     Light, Material, MaterialId, Mesh, MeshId, Object, Scene, SurfaceMesh, SurfaceVertex, Surfaces,
     Vertex, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
@@ -40,7 +40,7 @@ impl DepthBoxes {
             storage: StorageLayout::new::<Constants>(1),
             depth: DepthMode::TestAndWrite,
             attachments,
-            ..GraphicsPipelineInfo::of("depth boxes", &spirv)
+            ..GraphicsPipelineInfo::of("depth boxes", &spirv).numbered::<ProxyBox>()
         };
         Self { pipeline: GraphicsPipeline::new(device, &info).expect("a pipeline") }
     }

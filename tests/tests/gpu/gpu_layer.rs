@@ -1,5 +1,6 @@
 //! The GPU layer by itself, on both software drivers, under synchronization validation.
 
+mod instance_numbers;
 mod lifetimes;
 mod misuse;
 mod pass_times;

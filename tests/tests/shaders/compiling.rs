@@ -70,7 +70,7 @@ fn the_committed_spirv_is_what_the_compiler_makes() {
 #[test]
 fn a_mistake_is_told_with_file_and_line() {
     let copy = Copy::new("mistake");
-    copy.edit("proxy.vert", "test = gl_InstanceIndex;", "test = nonsense;");
+    copy.edit("proxy.vert", "test = instance_number;", "test = nonsense;");
     let place = format!("proxy.vert:{}: error:", copy.line_of("proxy.vert", "nonsense"));
     let error = copy.error_of("proxy.vert");
     assert!(error.contains(&place) && error.contains("nonsense"), "{place} is not in {error}");

@@ -8,6 +8,7 @@
     reason = "a test fails by panicking"
 )]
 
+mod instance_numbers;
 mod layouts;
 
 #[cfg(feature = "shader-compiler")]

@@ -17,6 +17,7 @@ use crate::core::executions::Executions;
 use crate::core::extensions::Extensions;
 use crate::core::host_callbacks::HostCallbacks;
 use crate::core::instance::{Instance, InstanceShared};
+use crate::core::number_buffer::NumberBuffer;
 use crate::core::open_device::{DeviceOptions, RawDevice, create_raw, equip};
 use crate::core::order::Order;
 use crate::core::ownership::{self, OfDevice, OwnerId, Ownership};
@@ -312,6 +313,10 @@ impl Device {
 
     pub(crate) fn pending_uploads(&self) -> MutexGuard<'_, PendingUploads> {
         lock(&self.shared.pending_uploads)
+    }
+
+    pub(crate) fn number_buffer(&self) -> MutexGuard<'_, Option<NumberBuffer>> {
+        lock(&self.shared.numbers)
     }
 
     pub(crate) fn raw(&self) -> &ash::Device {

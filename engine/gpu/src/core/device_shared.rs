@@ -14,6 +14,7 @@ use crate::core::executions::Executions;
 use crate::core::extensions::Extensions;
 use crate::core::host_callbacks::HostCallbacks;
 use crate::core::instance::InstanceShared;
+use crate::core::number_buffer::NumberBuffer;
 use crate::core::ownership::{OwnerId, Ownership};
 use crate::core::pending_uploads::PendingUploads;
 use crate::core::pipeline_cache::PipelineCache;
@@ -38,6 +39,8 @@ pub(crate) struct DeviceShared {
     pub(super) executions: Mutex<Executions>,
     /// Uploads that wait for a frame of a host.
     pub(super) pending_uploads: Mutex<PendingUploads>,
+    /// The numbers of instances, once a pipeline has read them.
+    pub(super) numbers: Mutex<Option<NumberBuffer>>,
     pub(super) wait_bound: Duration,
     pub(super) slot_waits: AtomicU64,
     pub(super) other_waits: AtomicU64,
@@ -142,6 +145,9 @@ impl Drop for DeviceShared {
             self.destroy(retired);
         }
         lock(&self.pending_uploads).drain().for_each(|retired| self.destroy(retired));
+        if let Some(numbers) = lock(&self.numbers).take() {
+            self.destroy(numbers.into());
+        }
         self.pipeline_cache.save(&self.raw);
         self.pipeline_cache.destroy(&self.raw, &self.callbacks);
         if let Some(allocator) = lock(&self.allocator).take() {

@@ -99,6 +99,7 @@ pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<Device
         clock: Clock::new(source),
         executions: Mutex::default(),
         pending_uploads: Mutex::default(),
+        numbers: Mutex::default(),
         wait_bound: options.wait_bound,
         slot_waits: AtomicU64::new(0),
         other_waits: AtomicU64::new(0),

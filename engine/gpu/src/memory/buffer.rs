@@ -152,6 +152,11 @@ impl Buffer {
         bytemuck::try_cast_slice(bytes).unwrap_or(&[])
     }
 
+    /// Returns the buffer and its memory, which are the caller's then.
+    pub(crate) fn into_parts(mut self) -> Option<(vk::Buffer, Allocation)> {
+        Some((self.raw, self.allocation.take()?))
+    }
+
     /// Returns the mapped bytes, for the upload arena.
     pub(crate) fn bytes_mut(&mut self) -> &mut [u8] {
         self.allocation.as_mut().and_then(Allocation::mapped_slice_mut).unwrap_or(&mut [])

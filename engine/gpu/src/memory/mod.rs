@@ -4,6 +4,7 @@ pub(crate) mod buffer;
 pub(crate) mod depth_layers;
 pub(crate) mod dynamic_texture;
 pub(crate) mod image;
+pub(crate) mod instance_numbers;
 pub(crate) mod readback;
 pub(crate) mod resample;
 pub(crate) mod sampled_texture;

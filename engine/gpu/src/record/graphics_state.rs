@@ -5,6 +5,7 @@ use ash::vk;
 use crate::core::capabilities::Optional;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
+use crate::memory::instance_numbers::{NUMBER_BINDING, NUMBER_LOCATION};
 use crate::record::attachments::{Attachments, COLOURS_MAX, NearDepth};
 use crate::record::pipeline::{
     Blend, DepthMode, DepthRange, FragmentChoice, GraphicsPipelineInfo, Polygon, StencilMode,
@@ -18,7 +19,7 @@ pub(super) fn create_graphics(
     layout: vk::PipelineLayout,
     stages: &[vk::PipelineShaderStageCreateInfo<'_>],
 ) -> Result<vk::Pipeline, Error> {
-    let (bindings, attributes) = vertex_input(&info.vertices);
+    let (bindings, attributes) = vertex_input(info);
     let mut vertices = vk::PipelineVertexInputStateCreateInfo::default();
     if !attributes.is_empty() {
         vertices = vertices
@@ -164,12 +165,14 @@ fn depth_bias(info: &GraphicsPipelineInfo<'_>) -> (f32, f32) {
     }
 }
 
-/// Returns the vertex bindings and their attributes.
+/// Returns the vertex bindings and their attributes, those of the numbers of instances last.
 fn vertex_input(
-    layout: &VertexLayout<'_>,
+    info: &GraphicsPipelineInfo<'_>,
 ) -> (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>) {
     let (mut bindings, mut attributes) = (Vec::new(), Vec::new());
-    let mut next = Some(layout);
+    // A binding without attributes would have to be bound all the same.
+    let mut next: Option<&VertexLayout<'_>> =
+        Some(&info.vertices).filter(|layout| !layout.attributes.is_empty());
     while let Some(layout) = next {
         let binding = bindings.len() as u32;
         bindings.push(vk::VertexInputBindingDescription {
@@ -187,6 +190,19 @@ fn vertex_input(
             });
         }
         next = layout.beside;
+    }
+    if info.instance_bytes > 0 {
+        bindings.push(vk::VertexInputBindingDescription {
+            binding: NUMBER_BINDING,
+            stride: size_of::<u32>() as u32,
+            input_rate: vk::VertexInputRate::INSTANCE,
+        });
+        attributes.push(vk::VertexInputAttributeDescription {
+            location: NUMBER_LOCATION,
+            binding: NUMBER_BINDING,
+            format: vk::Format::R32_UINT,
+            offset: 0,
+        });
     }
     (bindings, attributes)
 }

@@ -14,7 +14,7 @@ pub struct IndirectDraw {
     pub first_index: u32,
     /// The number added to every index.
     pub vertex_offset: i32,
-    /// The shader's instance index.
+    /// The first instance: the number that the shader has of it.
     pub first_instance: u32,
 }
 

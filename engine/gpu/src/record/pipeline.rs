@@ -134,6 +134,9 @@ pub struct GraphicsPipelineInfo<'a> {
     pub vertices: VertexLayout<'a>,
     /// Buffers and constants.
     pub storage: StorageLayout,
+    /// The bytes per instance in the first of the buffers, for vertex shaders that take the number
+    /// of the instance from `instance_number.glsl`; 0 for others.
+    pub instance_bytes: u32,
     /// Points, lines or triangles, for geometry shaders with adjacency.
     pub topology: vk::PrimitiveTopology,
     /// The rasterisation of triangles.
@@ -172,6 +175,7 @@ impl<'a> GraphicsPipelineInfo<'a> {
             fragment: None,
             vertices: VertexLayout::default(),
             storage: StorageLayout::default(),
+            instance_bytes: 0,
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             polygon: Polygon::Filled,
             cull: vk::CullModeFlags::NONE,
@@ -182,6 +186,13 @@ impl<'a> GraphicsPipelineInfo<'a> {
             blend: Blend::NoColour,
             attachments: Attachments::default(),
         }
+    }
+
+    /// Describes the same for a vertex shader that takes the number of the instance from
+    /// `instance_number.glsl` and finds a `T` by it in the first buffer.
+    #[must_use]
+    pub fn numbered<T>(self) -> Self {
+        Self { instance_bytes: size_of::<T>() as u32, ..self }
     }
 }
 
@@ -201,6 +212,8 @@ pub(crate) struct PipelineKind {
     pub(crate) textures: u32,
     pub(crate) texture_arrays: u32,
     pub(crate) push_bytes: u32,
+    /// As in [`GraphicsPipelineInfo::instance_bytes`].
+    pub(crate) instance_bytes: u32,
     /// The stages that see buffers and constants.
     pub(crate) stages: vk::ShaderStageFlags,
 }
@@ -243,7 +256,10 @@ impl GraphicsPipeline {
                 })
             })
         })
-        .map(Self)
+        .map(|mut kind| {
+            kind.instance_bytes = info.instance_bytes;
+            Self(kind)
+        })
     }
 }
 
@@ -306,6 +322,7 @@ impl PipelineKind {
             textures: layout.textures,
             texture_arrays: layout.texture_arrays,
             push_bytes: layout.push_bytes,
+            instance_bytes: 0,
             stages,
         };
         let sets = [storage];

@@ -21,10 +21,11 @@ pub struct Boxes {
 impl Boxes {
     pub fn new(device: &Device, shaders: &ShaderSet, bounds: &[Aabb]) -> Result<Self, Error> {
         let boxes: Vec<ProxyBox> = bounds.iter().map(|bounds| ProxyBox::from(*bounds)).collect();
+        let vertex = shaders.find("proxy.vert")?;
         let info = GraphicsPipelineInfo {
             storage: StorageLayout { buffers: 1, push_bytes: 80, ..Default::default() },
             depth: DepthMode::TestAndWrite,
-            ..GraphicsPipelineInfo::of("boxes", shaders.find("proxy.vert")?)
+            ..GraphicsPipelineInfo::of("boxes", vertex).numbered::<ProxyBox>()
         };
         let indices: Vec<u32> = (0..INDICES).collect();
         let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;

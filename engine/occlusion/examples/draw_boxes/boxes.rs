@@ -1,7 +1,7 @@
 //! The owner of the objects: boxes, and the pipeline that draws their depth.
 
 use antumbra_occlusion::{
-    BucketId, Error, LeafTable, ObjectPass, ObjectRenderer, Rendering, ShaderSet,
+    BucketId, Error, LeafTable, ObjectPass, ObjectRenderer, ProxyBox, Rendering, ShaderSet,
 };
 use cull::View;
 use gpu::{
@@ -20,10 +20,11 @@ pub struct Boxes {
 
 impl Boxes {
     pub fn new(device: &Device, shaders: &ShaderSet, leaves: &LeafTable) -> Result<Self, Error> {
+        let vertex = shaders.find("proxy.vert")?;
         let info = GraphicsPipelineInfo {
             storage: StorageLayout { buffers: 1, push_bytes: 80, ..Default::default() },
             depth: DepthMode::TestAndWrite,
-            ..GraphicsPipelineInfo::of("boxes", shaders.find("proxy.vert")?)
+            ..GraphicsPipelineInfo::of("boxes", vertex).numbered::<ProxyBox>()
         };
         let indices: Vec<u32> = (0..INDICES).collect();
         let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;

@@ -66,12 +66,13 @@ impl BoxVolumePass {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
+        let vertex = shaders.find("box_volume.vert")?;
         let info = GraphicsPipelineInfo {
             fragment: Some(shaders.find("proxy.frag")?),
             fragments: FragmentChoice::Representative,
             storage: StorageLayout::new::<BoxVolumeConstants>(2),
             attachments,
-            ..GraphicsPipelineInfo::of("shadow proxies", shaders.find("box_volume.vert")?)
+            ..GraphicsPipelineInfo::of("shadow proxies", vertex).numbered::<BoxVolume>()
         };
         Ok(Self(GraphicsPipeline::new(device, &info)?))
     }

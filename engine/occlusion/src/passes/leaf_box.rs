@@ -9,6 +9,7 @@ use gpu::{
 
 use crate::error::Error;
 use crate::passes::eyes::ProxyEyes;
+use crate::passes::proxy::ProxyBox;
 use crate::shader_set::ShaderSet;
 
 /// The pass that draws the front faces of the leaves' proxies against the depth so far. The
@@ -88,7 +89,7 @@ impl LeafBoxPass {
                 fragments: FragmentChoice::Representative,
                 storage,
                 attachments,
-                ..GraphicsPipelineInfo::of(name, vertex)
+                ..GraphicsPipelineInfo::of(name, vertex).numbered::<ProxyBox>()
             };
             Ok(GraphicsPipeline::new(device, &info)?)
         };

@@ -101,7 +101,7 @@ impl ProxyPass {
                     _ => StorageLayout::new::<[u8; 0]>(3),
                 },
                 attachments,
-                ..GraphicsPipelineInfo::of(name, vertex)
+                ..GraphicsPipelineInfo::of(name, vertex).numbered::<ProxyBox>()
             };
             Ok(GraphicsPipeline::new(device, &info)?)
         };

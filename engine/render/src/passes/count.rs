@@ -8,10 +8,11 @@ use gpu::{
 };
 
 use crate::passes::seen::SeenConstants;
-use occlusion::{ProxyConstants, ProxyIo};
+use occlusion::{ProxyBox, ProxyConstants, ProxyIo};
 
 use crate::passes::OpaqueIo;
 use crate::passes::opaque::POSITIONS;
+use crate::resources::instance::Instance;
 use occlusion::{Error, ShaderSet};
 
 /// The pass that draws objects a second time against their own depth, and proxies at any depth.
@@ -32,18 +33,19 @@ impl CountPass {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
+        let (proxy, seen) = (shaders.find("proxy.vert")?, shaders.find("seen.vert")?);
         let proxies = GraphicsPipelineInfo {
             storage: StorageLayout::new::<ProxyConstants>(1),
             depth: DepthMode::Ignored,
             attachments,
-            ..GraphicsPipelineInfo::of("counted proxies", shaders.find("proxy.vert")?)
+            ..GraphicsPipelineInfo::of("counted proxies", proxy).numbered::<ProxyBox>()
         };
         let objects = GraphicsPipelineInfo {
             vertices: POSITIONS,
             storage: StorageLayout::new::<SeenConstants>(1),
             cull: vk::CullModeFlags::BACK,
             attachments,
-            ..GraphicsPipelineInfo::of("counted objects", shaders.find("seen.vert")?)
+            ..GraphicsPipelineInfo::of("counted objects", seen).numbered::<Instance>()
         };
         Ok(Self {
             objects: GraphicsPipeline::new(device, &objects)?,

@@ -119,11 +119,13 @@ impl FlarePass {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
-        let block = shaders.find("flare_block.vert")?;
+        let (block, sprite) = (shaders.find("flare_block.vert")?, shaders.find("flare.vert")?);
         let counted = |name, depth| GraphicsPipelineInfo {
             storage: StorageLayout::new::<Constants>(1),
             depth,
             attachments,
+            // A veiled block has so many instances.
+            instance_bytes: size_of::<FlareBlockRow>() as u32 / VEIL_LEVELS,
             ..GraphicsPipelineInfo::of(name, block)
         };
         let veiled = GraphicsPipelineInfo {
@@ -138,7 +140,7 @@ impl FlarePass {
             // With an alpha of 0 this adds.
             blend: Blend::Premultiplied,
             attachments,
-            ..GraphicsPipelineInfo::of("lens flares", shaders.find("flare.vert")?)
+            ..GraphicsPipelineInfo::of("lens flares", sprite).numbered::<FlareSprite>()
         };
         let pipeline = |info| GraphicsPipeline::new(device, &info);
         let can_veil = device.capabilities().has(Optional::FragmentStores);

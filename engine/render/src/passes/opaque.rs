@@ -9,6 +9,7 @@ use gpu::{
 use scene::{Light, Vertex};
 
 use crate::passes::caster::CasterSide;
+use crate::resources::instance::Instance;
 use occlusion::{Error, ShaderSet};
 
 /// The pass that draws opaque objects: nearer ones win.
@@ -139,6 +140,7 @@ impl OpaquePass {
             _ => vk::CullModeFlags::BACK,
         };
         let polygon = if kind == Kind::Wireframe { Polygon::Wireframe } else { Polygon::Filled };
+        let vertex = shaders.find("opaque.vert")?;
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {
@@ -157,7 +159,7 @@ impl OpaquePass {
                 depth,
                 blend,
                 attachments,
-                ..GraphicsPipelineInfo::of(name, shaders.find("opaque.vert")?)
+                ..GraphicsPipelineInfo::of(name, vertex).numbered::<Instance>()
             },
         )?;
         Ok(Self { pipeline })

@@ -9,6 +9,7 @@ use gpu::{
 
 use crate::passes::OpaqueIo;
 use crate::passes::opaque::POSITIONS;
+use crate::resources::instance::Instance;
 use occlusion::{Error, ShaderSet};
 
 /// The pass that draws objects a second time against their own depth. A fragment that passes is
@@ -61,6 +62,7 @@ impl SeenPass {
             }
             .into());
         }
+        let vertex = shaders.find("seen.vert")?;
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {
@@ -69,7 +71,7 @@ impl SeenPass {
                 storage: StorageLayout::new::<SeenConstants>(2),
                 cull: vk::CullModeFlags::BACK,
                 attachments,
-                ..GraphicsPipelineInfo::of("seen", shaders.find("seen.vert")?)
+                ..GraphicsPipelineInfo::of("seen", vertex).numbered::<Instance>()
             },
         )?;
         Ok(Self { pipeline })

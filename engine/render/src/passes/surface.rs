@@ -12,6 +12,7 @@ use scene::{Light, SurfaceVertex};
 
 use crate::passes::caster::CasterSide;
 use crate::passes::opaque::POSITIONS;
+use crate::resources::instance::Instance;
 use crate::shading::surfaces::SurfaceResources;
 use crate::shadows::ShadowIo;
 use occlusion::{Error, ShaderSet};
@@ -225,7 +226,7 @@ impl SurfacePass {
             depth,
             blend,
             attachments,
-            ..GraphicsPipelineInfo::of(name, &vertex)
+            ..GraphicsPipelineInfo::of(name, &vertex).numbered::<Instance>()
         };
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)?, inputs })
     }

@@ -23,6 +23,7 @@ use shadows::{LitArea, VolumeCounting, VolumeEnd};
 use super::opaque::POSITIONS;
 use super::volume_constants::{VolumeConstants, VolumeGroup};
 use super::volume_extruder::{Batch, Extruder};
+use crate::resources::instance::Instance;
 
 /// The stage that extrudes volumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -406,7 +407,7 @@ fn volume_pipeline(
             vertices: POSITIONS,
             storage: StorageLayout::new::<VolumeConstants>(1),
             topology: vk::PrimitiveTopology::TRIANGLE_LIST_WITH_ADJACENCY,
-            ..info
+            ..info.numbered::<Instance>()
         },
         VolumePath::Compute => GraphicsPipelineInfo {
             vertices: VertexLayout {

@@ -66,12 +66,13 @@ impl Boxes {
         std::fs::write(&file, COLOUR).unwrap();
         let fragment = gpu::compile(&file).unwrap();
         std::fs::remove_file(file).unwrap();
+        let vertex = shaders.find("proxy.vert").unwrap();
         let info = GraphicsPipelineInfo {
             fragment: Some(&fragment),
             storage: StorageLayout { buffers: 1, push_bytes: 84, ..Default::default() },
             depth: DepthMode::TestAndWrite,
             blend: Blend::Opaque,
-            ..GraphicsPipelineInfo::of("host boxes", shaders.find("proxy.vert").unwrap())
+            ..GraphicsPipelineInfo::of("host boxes", vertex).numbered::<ProxyBox>()
         };
         let blended =
             GraphicsPipelineInfo { depth: DepthMode::TestOnly, blend: Blend::Alpha, ..info };

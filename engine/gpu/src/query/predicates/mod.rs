@@ -405,7 +405,7 @@ impl Predicates {
     }
 
     /// Draws [`BOX_VERTICES`] vertices per leaf in the range of a decision if the result is not
-    /// zero; the instance index is the number of the leaf.
+    /// zero; the number of the instance is that of the leaf.
     pub fn draw_boxes(&self, commands: &Commands, source: ResultSource, decision: u32) {
         if commands.admit(self).is_err() {
             return;

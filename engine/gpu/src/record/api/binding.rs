@@ -3,7 +3,9 @@
 use ash::vk;
 use bytemuck::Pod;
 
+use crate::core::error::Error;
 use crate::memory::buffer::BufferSlice;
+use crate::memory::instance_numbers::{NUMBER_BINDING, instance_numbers};
 use crate::memory::sampled_texture::SampledTexture;
 use crate::memory::texture_array::TextureArray;
 use crate::record::commands::{Commands, Failure};
@@ -56,6 +58,9 @@ impl Commands {
         let raw = self.device().raw();
         // SAFETY: a live pipeline of the right kind.
         unsafe { raw.cmd_bind_pipeline(self.raw(), point, pipeline.raw) };
+        if pipeline.instance_bytes > 0 {
+            self.bind_numbers(pipeline, storage);
+        }
         if storage.is_empty() && textures.is_empty() && arrays.is_empty() {
             return;
         }
@@ -78,6 +83,24 @@ impl Commands {
         unsafe {
             raw.cmd_bind_descriptor_sets(self.raw(), point, pipeline.layout, 0, &[set], &[]);
         }
+    }
+
+    /// Binds the numbers of the instances that the first of the buffers has room for.
+    fn bind_numbers(&self, pipeline: &PipelineKind, storage: &[BufferSlice]) {
+        let bytes = storage.first().map_or(0, |instances| instances.size_bytes);
+        let count = bytes / u64::from(pipeline.instance_bytes.max(1));
+        let numbers = match instance_numbers(self.device(), count) {
+            Ok(numbers) => numbers,
+            Err(Error::Vulkan { call, code }) => return self.fail(Failure::Call(call, code)),
+            Err(_) => {
+                let code = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+                return self.fail(Failure::Call("vkAllocateMemory", code));
+            }
+        };
+        let raw = self.device().raw();
+        // SAFETY: the buffer lives at least until this frame is over, also if a larger one takes
+        // its place; it holds a number for each instance that the shader may read by it.
+        unsafe { raw.cmd_bind_vertex_buffers(self.raw(), NUMBER_BINDING, &[numbers], &[0]) };
     }
 
     /// Returns true if all of it is of this device, and there is as much of each kind as the

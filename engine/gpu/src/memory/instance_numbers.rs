@@ -1,0 +1,46 @@
+//! The numbers of instances as a vertex attribute: one buffer per device, which grows.
+//!
+//! Vertex shaders of indirect draws do not read the built-in index of the instance: it includes the
+//! first instance of the draw, and some hardware (Intel's, by Mesa's ANV) walks a list of draws by
+//! itself only where no shader asks for that. The attribute has the same value.
+
+use ash::vk;
+
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::core::number_buffer::NumberBuffer;
+use crate::memory::buffer::{Buffer, MemoryKind};
+
+/// The location of the attribute, behind those of all layouts of vertices; mirrors
+/// `instance_number.glsl`.
+pub const NUMBER_LOCATION: u32 = 7;
+
+/// The binding of the buffer, behind those of all layouts of vertices.
+pub const NUMBER_BINDING: u32 = 2;
+
+/// The fewest numbers of a buffer.
+const COUNT_MIN: u64 = 4096;
+
+/// Returns the device's buffer of numbers, with at least `count` of them. Waits for nothing: the
+/// CPU writes the numbers before any command reads them.
+///
+/// # Errors
+/// No memory, or a failed call.
+pub(crate) fn instance_numbers(device: &Device, count: u64) -> Result<vk::Buffer, Error> {
+    let mut numbers = device.number_buffer();
+    if let Some(enough) = numbers.as_ref().filter(|numbers| numbers.count >= count) {
+        return Ok(enough.raw);
+    }
+    let count = count.max(COUNT_MIN).next_power_of_two().min(1 << 32);
+    let (usage, bytes) = (vk::BufferUsageFlags::VERTEX_BUFFER, count * size_of::<u32>() as u64);
+    let mut buffer = Buffer::new(device, "instance numbers", bytes, usage, MemoryKind::Upload)?;
+    for (bytes, number) in buffer.bytes_mut().as_chunks_mut().0.iter_mut().zip(0_u64..) {
+        *bytes = (number as u32).to_ne_bytes();
+    }
+    if let Some((raw, allocation)) = buffer.into_parts()
+        && let Some(smaller) = numbers.replace(NumberBuffer { raw, allocation, count })
+    {
+        device.retire(smaller.into());
+    }
+    Ok(numbers.as_ref().map_or(vk::Buffer::null(), |numbers| numbers.raw))
+}
