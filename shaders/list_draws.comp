@@ -15,7 +15,7 @@ layout(std430, binding = 5) writeonly buffer Counts { uint counts[]; };
 
 layout(push_constant) uniform Constants {
     uint first;
-    uint range_count;
+    uint end;
     uint threshold;
 };
 
@@ -28,7 +28,7 @@ void main() {
     uint number = first + gl_WorkGroupID.x;
     uint thread = gl_LocalInvocationID.x;
     ListedRange range = ranges[number];
-    bool is_last = number + 1 == range_count || ranges[number + 1].list != range.list;
+    bool is_last = number + 1 == end || ranges[number + 1].list != range.list;
     if (sizes[number] == 0 && !is_last) {
         return;
     }

@@ -16,7 +16,7 @@ layout(std430, binding = 6) writeonly buffer Sizes { uint sizes[]; };
 
 layout(push_constant) uniform Constants {
     uint first;
-    uint range_count;
+    uint end;
     uint threshold; // 0 unless all results are numbers of samples
 };
 

@@ -2,6 +2,7 @@
 //!
 //! The calls are replaced above the validation layer, which therefore never sees the hidden parts.
 
+mod draw_calls;
 mod replacements;
 mod representative;
 
@@ -14,6 +15,7 @@ use std::sync::OnceLock;
 use ash::vk;
 use gpu::{Entry, Required};
 
+pub use draw_calls::CALL_THAT_COUNTS_DRAWS;
 use replacements::replacements;
 pub use replacements::{
     CALLS_THAT_MAKE, CALLS_THAT_RESET, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW,

@@ -171,6 +171,13 @@
 
 #if defined(ANTUMBRA_VULKAN)
 /**
+ * Hidden draws are skipped by lists of those that show, one per bucket and round, with counts.
+ */
+#define ANTUMBRA_PREDICATION_COMPACTED 4
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
  * A host may submit a frame again before it is safe: each run resets its queries by commands.
  */
 #define ANTUMBRA_RESUBMISSION_ALLOWED 0

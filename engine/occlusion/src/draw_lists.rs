@@ -1,5 +1,5 @@
 //! The draws of a frame as lists: for hosts that record their draws themselves, where nothing of
-//! ours can be in between.
+//! ours can be in between, and for rounds whose draws are compacted.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use gpu::{
 use crate::error::Error;
 use crate::leaf_table::{BucketId, LeafTable};
 use crate::passes::{ListDrawsIo, ListedRange};
-use crate::test_layout::{RevealedRange, TestLayout, take_bucket};
+use crate::test_layout::{RevealedRange, RoundLayout, TestLayout, take_bucket};
 
 /// The indirect draws of one bucket in one phase of a frame. Their buffers live until the frame is
 /// over.
@@ -37,8 +37,19 @@ pub(crate) struct DrawLists {
     /// The bucket of each list of revealed draws, and its place among all commands.
     places: Vec<(BucketId, Range<u32>)>,
     ranges: Vec<ListedRange>,
+    /// The steps whose draws are listed; one where a host records them.
+    steps: Vec<ListedStep>,
     /// One memory per frame in flight.
     slots: Vec<ListMemory>,
+}
+
+/// The draws that one rendering of a frame reveals.
+#[derive(Clone, Debug)]
+pub(crate) struct ListedStep {
+    /// Its ranges among those of all steps.
+    pub(crate) ranges: Range<u32>,
+    /// Its lists, one per bucket.
+    lists: Range<usize>,
 }
 
 /// The memory that the lists of one frame are written to.
@@ -70,6 +81,12 @@ impl DrawLists {
         &self.revealed
     }
 
+    /// Returns a step of a frame whose draws are compacted, with its lists.
+    pub(crate) fn step(&self, step: usize) -> Option<(&ListedStep, &[DrawList])> {
+        let step = self.steps.get(step)?;
+        Some((step, self.revealed.get(step.lists.clone())?))
+    }
+
     /// Lists the draws of a frame: those that lie in `visible`, and those that its tests may
     /// reveal. Returns the buffers by which passes write the latter, if there are any.
     pub(crate) fn write(
@@ -90,8 +107,42 @@ impl DrawLists {
             let count = (has_counts && most <= limit).then(|| counts.part(list * 4, 4));
             DrawList { bucket: it.bucket, commands: commands(visible, &it.draws), most, count }
         }));
+        self.clear_revealed();
+        let round = layout.rounds.first();
+        self.lay_out(layout, [round, round]);
+        self.write_revealed(frame, device, leaves)
+    }
+
+    /// Lists the draws that the tests of a frame may reveal, step by step. Returns the buffers by
+    /// which passes write them, if there are any.
+    pub(crate) fn compact(
+        &mut self,
+        frame: &mut Frame<'_>,
+        device: &Device,
+        (layout, leaves): (&TestLayout, &LeafTable),
+    ) -> Result<Option<ListDrawsIo>, Error> {
+        self.visible.clear();
+        self.clear_revealed();
+        for step in 0..layout.step_count() {
+            self.lay_out(layout, layout.step(step));
+        }
+        self.write_revealed(frame, device, leaves)
+    }
+
+    fn clear_revealed(&mut self) {
         self.revealed.clear();
-        self.lay_out(layout);
+        self.places.clear();
+        self.ranges.clear();
+        self.steps.clear();
+    }
+
+    /// Makes the memory of the lists that are laid out.
+    fn write_revealed(
+        &mut self,
+        frame: &mut Frame<'_>,
+        device: &Device,
+        leaves: &LeafTable,
+    ) -> Result<Option<ListDrawsIo>, Error> {
         let Some((_, last)) = self.places.last() else { return Ok(None) };
         let slot = frame.slot().0 % self.slots.len();
         let ListMemory { commands: memory, counts, sizes } = &mut self.slots[slot];
@@ -106,8 +157,10 @@ impl DrawLists {
         let counts = reserve(device, counts, ("list counts", usage), bytes)?;
         let bytes = self.ranges.len() as u64 * 4;
         let sizes = reserve(device, sizes, ("list sizes", usage), bytes)?;
-        let is_counted = has_counts && last.end <= limit;
-        if !is_counted {
+        let limit = device.adapter().limits.max_draw_indirect_count;
+        let has_counts = device.capabilities().has(Optional::DrawIndirectCount);
+        let is_counted = |place: &Range<u32>| has_counts && place.len() as u32 <= limit;
+        if !self.places.iter().all(|(_, place)| is_counted(place)) {
             frame.commands().fill(all, 0);
         }
         let lists = self.places.iter().enumerate();
@@ -115,11 +168,12 @@ impl DrawLists {
             bucket: *bucket,
             commands: commands(all, place),
             most: place.len() as u32,
-            count: is_counted.then(|| counts.part(list as u64 * 4, 4)),
+            count: is_counted(place).then(|| counts.part(list as u64 * 4, 4)),
         }));
         Ok(Some(ListDrawsIo {
             ranges: frame.uploads().push(&self.ranges)?,
-            range_count: self.ranges.len() as u32,
+            first: 0,
+            end: self.ranges.len() as u32,
             draws: leaves.predicates.draws(),
             enabled: None,
             results: [None; ResultSource::ALL.len()],
@@ -130,16 +184,14 @@ impl DrawLists {
         }))
     }
 
-    /// Lays out the ranges that the tests of a plan's one round may reveal, bucket by bucket, in
-    /// the order of their tests.
-    fn lay_out(&mut self, layout: &TestLayout) {
-        self.places.clear();
-        self.ranges.clear();
-        let round = layout.rounds.first();
-        let mut enabled = layout.revealed(round, Reveal::EnabledDraws);
-        let mut whole = layout.revealed(round, Reveal::Draws);
+    /// Lays out the ranges of a step, bucket by bucket, in the order of their tests: those of the
+    /// leaves that boxes of the round `before` enable, and those that the `known` round reveals.
+    fn lay_out(&mut self, layout: &TestLayout, [before, known]: [Option<&RoundLayout>; 2]) {
+        let mut enabled = layout.revealed(before, Reveal::EnabledDraws);
+        let mut whole = layout.revealed(known, Reveal::Draws);
         let first = |list: &[RevealedRange]| list.first().map(|it| it.bucket);
-        let mut end = 0;
+        let mut end = self.places.last().map_or(0, |(_, place)| place.end);
+        let (first_range, first_place) = (self.ranges.len() as u32, self.places.len());
         while let Some(bucket) = [enabled, whole].into_iter().filter_map(first).min() {
             let (list, first_of_list) = (self.places.len() as u32, self.ranges.len() as u32);
             let first_command = end;
@@ -164,6 +216,10 @@ impl DrawLists {
             }
             self.places.push((bucket, first_command..end));
         }
+        self.steps.push(ListedStep {
+            ranges: first_range..self.ranges.len() as u32,
+            lists: first_place..self.places.len(),
+        });
     }
 }
 

@@ -5,12 +5,12 @@ mod listing;
 mod recording;
 
 use cull::{MultiView, View};
-use gpu::{Frame, Target};
+use gpu::{Frame, Predication, Target};
 
 use crate::error::{Error, TargetError, WrongAttachments};
 use crate::executor::PlanExecutor;
 use crate::object_renderer::ObjectRenderer;
-use crate::passes::ComputeTest;
+use crate::passes::{ComputeTest, ListDrawsPass};
 use crate::shader_set::ShaderSet;
 use crate::visibility_state::VisibilityState;
 use io::FrameIo;
@@ -35,7 +35,11 @@ pub fn execute<'v>(
     state.check_plan(&executor.leaves, views)?;
     check_target(executor, state, (objects.target(), views))?;
     make_compute_test(executor, state, (shaders, objects.target().size()))?;
-    let io = FrameIo::write(frame, state, &mut executor.leaves, views)?;
+    let mut io = FrameIo::write(frame, state, &mut executor.leaves, views)?;
+    if executor.leaves.predicates.predication() == Predication::Compacted {
+        make_list_pass(executor, state, shaders)?;
+        io.lists = state.compact(frame, &executor.leaves)?;
+    }
     Recording { executor, state, view: views.first(), io: &io }.record(frame.commands(), objects);
     Ok(())
 }
@@ -79,6 +83,18 @@ fn make_compute_test(
         let test = ComputeTest::new(state.device(), shaders, size)?;
         let samples = executor.passes.attachments().samples;
         executor.passes.compute_test = Some(test.of_samples(samples));
+    }
+    Ok(())
+}
+
+/// Creates the passes that list draws, for the first frame with lists.
+fn make_list_pass(
+    executor: &mut PlanExecutor,
+    state: &VisibilityState,
+    shaders: &ShaderSet,
+) -> Result<(), Error> {
+    if executor.passes.list_draws.is_none() {
+        executor.passes.list_draws = Some(ListDrawsPass::new(state.device(), shaders)?);
     }
     Ok(())
 }

@@ -216,6 +216,20 @@ impl TestLayout {
         &self.revealed[range.clone()]
     }
 
+    /// Returns the number of renderings behind the first: one per round, and one more if the last
+    /// has leaves that are tested one by one.
+    pub(crate) fn step_count(&self) -> usize {
+        let refined = self.rounds.last().is_some_and(|round| round.has_leaf_tests);
+        self.rounds.len() + usize::from(refined)
+    }
+
+    /// Returns the rounds whose results a rendering draws: the one before, if its leaves were
+    /// tested one by one, and the one just tested.
+    pub(crate) fn step(&self, step: usize) -> [Option<&RoundLayout>; 2] {
+        let before = step.checked_sub(1).and_then(|round| self.rounds.get(round));
+        [before.filter(|round| round.has_leaf_tests), self.rounds.get(step)]
+    }
+
     /// Returns true if nothing of this frame depends on a round of queries, which serves later
     /// frames only.
     pub(crate) fn is_for_later(&self, round: &RoundLayout) -> bool {

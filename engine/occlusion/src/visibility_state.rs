@@ -15,7 +15,7 @@ use gpu::{
 };
 
 use crate::costs::sent_frames::SentFrames;
-use crate::draw_lists::{DrawList, DrawLists};
+use crate::draw_lists::{DrawList, DrawLists, ListedStep};
 use crate::error::Error;
 use crate::leaf_table::{LeafCount, LeafTable, LeafTableId};
 use crate::method_state::MethodState;
@@ -232,6 +232,21 @@ impl VisibilityState {
         visible: BufferSlice,
     ) -> Result<Option<ListDrawsIo>, Error> {
         self.lists.write(frame, &self.device, (&self.layout, leaves), visible)
+    }
+
+    /// Lists the draws that the tests of the newest plan may reveal, step by step. Returns the
+    /// buffers by which passes write them, if there are any.
+    pub(crate) fn compact(
+        &mut self,
+        frame: &mut Frame<'_>,
+        leaves: &LeafTable,
+    ) -> Result<Option<ListDrawsIo>, Error> {
+        self.lists.compact(frame, &self.device, (&self.layout, leaves))
+    }
+
+    /// Returns a step of the newest frame whose draws are compacted, with its lists.
+    pub(crate) fn listed_step(&self, step: usize) -> Option<(&ListedStep, &[DrawList])> {
+        self.lists.step(step)
     }
 
     /// Returns the visible draws of the newest frame, a list per bucket, if they were

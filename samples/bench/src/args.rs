@@ -285,7 +285,7 @@ impl Arguments {
         let (strategies, left_out) = self.strategies()?;
         if threshold > 0 && predicates == PredicatesChoice::Conditional {
             return usage(format!(
-                "--threshold {threshold} and --predicates conditional do not go together: conditional rendering cannot compare; say auto, count or instances"
+                "--threshold {threshold} and --predicates conditional do not go together: conditional rendering cannot compare; say auto, count, instances or compacted"
             ));
         }
         let costs = self.costs(&strategies)?;

@@ -80,6 +80,8 @@ pub enum PredicatesChoice {
     Count,
     /// A compute pass that writes instance counts.
     Instances,
+    /// A compute pass that lists what a round reveals, for one draw by count.
+    Compacted,
 }
 
 /// The costs that the engine's cost model uses.

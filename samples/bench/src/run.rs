@@ -287,6 +287,7 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
             PredicatesChoice::Conditional => Some(Predication::Conditional),
             PredicatesChoice::Count => Some(Predication::Counts),
             PredicatesChoice::Instances => Some(Predication::Instances),
+            PredicatesChoice::Compacted => Some(Predication::Compacted),
         },
         shaders,
         threshold_samples: options.threshold_pixels,

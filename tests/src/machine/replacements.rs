@@ -6,6 +6,7 @@ use std::mem::transmute;
 use ash::vk;
 use gpu::Required;
 
+use super::draw_calls::calls_that_draw;
 use super::representative::that_pretend;
 use super::{Function, device_proc_addr, due, machine, real};
 
@@ -212,6 +213,7 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
         calls_that_show(),
         calls_that_save(),
         calls_that_start(),
+        calls_that_draw(),
     ]
     .concat();
     that_pretend().into_iter().chain(that_lie).chain(counted).collect()

@@ -1,5 +1,6 @@
 //! Machines that fail: each ends with a sentence, no panic, no leak and no hang.
 
+mod draw_calls;
 mod lacking;
 mod representative;
 mod shadows;

@@ -165,7 +165,7 @@ fn compare(
 }
 
 fn executors(device: &Device) -> Vec<Predication> {
-    let all = [Predication::Conditional, Predication::Counts, Predication::Instances];
+    let all = Predication::ALL;
     all.into_iter().filter(|it| Predicates::linked(device, Some(*it), 1, 1).is_ok()).collect()
 }
 

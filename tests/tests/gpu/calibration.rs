@@ -53,7 +53,7 @@ fn measured_costs_can_be_and_images_are_right() {
 #[test]
 fn every_way_to_skip_draws_can_be_measured() {
     run(Driver::Lavapipe, |device| {
-        for predication in [Predication::Counts, Predication::Instances] {
+        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
             let options =
                 RendererOptions { predication: Some(predication), ..options(Costs::Measured) };
             walk(device, &options);

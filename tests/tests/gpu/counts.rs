@@ -135,7 +135,7 @@ fn counts_of_all_objects_add_up_to_the_image() {
         let GeneratedScene { scene, routes } = SceneKind::City.build(300);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let all: Vec<ObjectId> = (0..scene.objects.len() as u32).map(ObjectId).collect();
-        for predication in [Predication::Counts, Predication::Instances] {
+        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
             let options = RendererOptions { predication: Some(predication), ..options() };
             let Ok(mut renderer) = Renderer::new(device, &scene, &options) else { continue };
             let mut finder = renderer.new_view().unwrap();

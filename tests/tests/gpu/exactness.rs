@@ -72,7 +72,7 @@ fn culling_culls() {
 fn every_way_to_skip_draws_is_exact() {
     run(Driver::Lavapipe, |device| {
         let scene = SceneKind::City.build(1500);
-        for predication in [Predication::Conditional, Predication::Counts, Predication::Instances] {
+        for predication in Predication::ALL {
             let options =
                 RendererOptions { predication: Some(predication), ..options([320, 180], 3) };
             let found = walk(device, &scene, PathKind::Cut, 25, &options);

@@ -201,7 +201,7 @@ fn sizes_beyond_the_device_are_refused_by_name() {
 #[test]
 fn a_way_to_skip_draws_that_the_device_lacks_is_refused() {
     run(Driver::SwiftShader, |device| {
-        for predication in [Predication::Conditional, Predication::Counts] {
+        for predication in [Predication::Conditional, Predication::Counts, Predication::Compacted] {
             let error = Predicates::new(device, Some(predication), &[], 1).err().expect("an error");
             assert!(error.to_string().contains("SwiftShader"), "{error}");
         }

@@ -147,7 +147,7 @@ fn swiftshader_is_exact_while_objects_move() {
 fn every_way_to_skip_draws_is_exact_while_objects_move() {
     run(Driver::Lavapipe, |device| {
         let moving = Moving::new(SceneKind::City.build(1_000), PathKind::Cut, 60);
-        for predication in [Predication::Conditional, Predication::Counts, Predication::Instances] {
+        for predication in Predication::ALL {
             let options = RendererOptions { predication: Some(predication), ..options(2) };
             moving.check(device, &options, 24);
         }
@@ -173,7 +173,7 @@ fn every_tester_is_exact_while_objects_move() {
 fn every_tester_and_way_to_skip_draws_is_exact_while_objects_move() {
     run(Driver::Lavapipe, |device| {
         let moving = Moving::new(SceneKind::City.build(800), PathKind::Cut, 60);
-        for predication in [Predication::Counts, Predication::Instances] {
+        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
             let options = RendererOptions { predication: Some(predication), ..options(2) };
             for strategy in TESTERS {
                 moving.check_with(device, strategy, &options, 22);

@@ -157,7 +157,7 @@ fn views(device: &Device, count: usize, frame: u32) -> Vec<View> {
 }
 
 fn executors(device: &Device) -> Vec<Predication> {
-    let all = [Predication::Conditional, Predication::Counts, Predication::Instances];
+    let all = Predication::ALL;
     all.into_iter().filter(|it| Predicates::linked(device, Some(*it), 1, 1).is_ok()).collect()
 }
 

@@ -96,7 +96,7 @@ fn check_everything(kind: Reported) {
         check(device, kind, &options(None), &[&OURS[..], &THEIRS].concat());
     });
     run(Driver::Lavapipe, |device| {
-        for predication in [Predication::Counts, Predication::Instances] {
+        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
             check(device, kind, &options(Some(predication)), &OURS);
         }
     });

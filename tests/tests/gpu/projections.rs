@@ -35,7 +35,7 @@ fn options(predication: Option<Predication>) -> RendererOptions {
 /// objects in the frustum that were drawn by the first.
 fn check(device: &Device, scene: &GeneratedScene, seen: &[Viewpoint], what: &str) -> f64 {
     let mut share = 1.0;
-    let all = [Predication::Conditional, Predication::Counts, Predication::Instances].map(Some);
+    let all = Predication::ALL.map(Some);
     let has_all = device.capabilities().has(Optional::ConditionalRendering);
     let ways = if has_all { &all[..] } else { &[None] };
     for (number, strategy) in STRATEGIES.into_iter().enumerate() {

@@ -3,7 +3,7 @@
 
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec3, vec3};
-use gpu::{Device, Readback};
+use gpu::{Device, Predication, Readback};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
 use scene::{
     Encoding, Image, ImageId, LightKind, Material, MaterialId, Mesh, MeshId, MorphTarget, Object,
@@ -300,9 +300,9 @@ fn joints_that_mirror_turn_bitangents_as_objects_do() {
 }
 
 /// Returns all frames with one strategy, in one go.
-fn film(device: &Device, strategy: Strategy, frames_in_flight: usize) -> Vec<Readback> {
+fn film(device: &Device, strategy: Strategy, options: &RendererOptions) -> Vec<Readback> {
     let scene = scene();
-    let mut renderer = Renderer::new(device, &scene, &options(frames_in_flight)).unwrap();
+    let mut renderer = Renderer::new(device, &scene, options).unwrap();
     let mut view = renderer.new_view().unwrap();
     let frame = |frame| {
         take(&mut renderer, turns(frame));
@@ -316,10 +316,18 @@ fn film(device: &Device, strategy: Strategy, frames_in_flight: usize) -> Vec<Rea
     images
 }
 
+/// Compares each frame.
+fn check_film(expected: &[Readback], found: &[Readback], what: &str) {
+    for (frame, (expected, found)) in expected.iter().zip(found).enumerate() {
+        let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());
+        assert_eq!(wrong, 0, "{what}, frame {frame}");
+    }
+}
+
 #[test]
 fn what_changes_its_form_hides_and_is_hidden_exactly() {
     run_on_all(|device| {
-        let expected = film(device, Strategy::FRUSTUM, 1);
+        let expected = film(device, Strategy::FRUSTUM, &options(1));
         let strategies = [
             methods::BATCHED,
             methods::COHERENT,
@@ -329,13 +337,14 @@ fn what_changes_its_form_hides_and_is_hidden_exactly() {
         ];
         for strategy in strategies {
             for in_flight in [1, 3] {
-                let found = film(device, strategy, in_flight);
-                for (frame, (expected, found)) in expected.iter().zip(&found).enumerate() {
-                    let wrong =
-                        pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());
-                    assert_eq!(wrong, 0, "{strategy}, {in_flight} in flight, frame {frame}");
-                }
+                let found = film(device, strategy, &options(in_flight));
+                check_film(&expected, &found, &format!("{strategy}, {in_flight} in flight"));
             }
+        }
+        let compacted = Some(Predication::Compacted);
+        if Predication::choose(device, compacted, 0, 0).is_ok() {
+            let options = RendererOptions { predication: compacted, ..options(2) };
+            check_film(&expected, &film(device, Strategy::ANTUMBRA, &options), "compacted");
         }
     });
 }

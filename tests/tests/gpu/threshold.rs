@@ -98,7 +98,7 @@ fn every_executor_that_can_compare_leaves_out_the_same() {
         let GeneratedScene { scene, routes } = SceneKind::City.build(700);
         let cameras = cameras(&routes, PathKind::Cut, 24);
         let mut found = Vec::new();
-        for predication in [Predication::Counts, Predication::Instances] {
+        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
             // With more frames in flight, a busy machine decides when answers come.
             let options = RendererOptions {
                 predication: Some(predication),

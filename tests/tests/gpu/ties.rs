@@ -172,7 +172,7 @@ fn swiftshader_ties_do_not_show() {
 #[test]
 fn every_way_to_skip_draws_is_exact_with_ties() {
     run(Driver::Lavapipe, |device| {
-        for predication in [Predication::Counts, Predication::Instances] {
+        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
             check(device, &RendererOptions { predication: Some(predication), ..options(2) }, 16);
         }
     });

@@ -136,7 +136,7 @@ fn every_strategy_shows_the_same_panes() {
         }
         compare(device, &expected, Strategy::ANTUMBRA, &options(1));
         compare(device, &expected, Strategy::ANTUMBRA, &options(3));
-        for predication in [Predication::Counts, Predication::Instances] {
+        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
             let options = RendererOptions { predication: Some(predication), ..options(2) };
             if Renderer::new(device, &scene(), &options).is_ok() {
                 compare(device, &expected, Strategy::ANTUMBRA_QUERIES, &options);

@@ -197,7 +197,7 @@ fn a_stereo_pair_is_exact_while_objects_move() {
 fn every_way_to_skip_draws_knows_its_view() {
     run(Driver::Lavapipe, |device| {
         let scene = SceneKind::City.build(1_200);
-        for predication in [Predication::Conditional, Predication::Counts, Predication::Instances] {
+        for predication in Predication::ALL {
             let options = RendererOptions { predication: Some(predication), ..options(2) };
             check_pair(device, &scene, (PathKind::Cut, 20), &options, 22);
         }

@@ -42,6 +42,8 @@ pub const ANTUMBRA_PREDICATION_CONDITIONAL: u32 = 1;
 pub const ANTUMBRA_PREDICATION_COUNTS: u32 = 2;
 /// Hidden draws are skipped by instance counts.
 pub const ANTUMBRA_PREDICATION_INSTANCES: u32 = 3;
+/// Hidden draws are skipped by lists of those that show, one per bucket and round, with counts.
+pub const ANTUMBRA_PREDICATION_COMPACTED: u32 = 4;
 
 /// A host may submit a frame again before it is safe: each run resets its queries by commands.
 pub const ANTUMBRA_RESUBMISSION_ALLOWED: u32 = 0;
@@ -240,6 +242,7 @@ impl HostedScene {
             ANTUMBRA_PREDICATION_CONDITIONAL => Some(Predication::Conditional),
             ANTUMBRA_PREDICATION_COUNTS => Some(Predication::Counts),
             ANTUMBRA_PREDICATION_INSTANCES => Some(Predication::Instances),
+            ANTUMBRA_PREDICATION_COMPACTED => Some(Predication::Compacted),
             other => {
                 let message = format!("there is no ANTUMBRA_PREDICATION_.. {other}");
                 return Err(Failure::argument(message));

@@ -5,7 +5,7 @@ use gpu::{BufferSlice, Frame, IndirectDraw, LeafDrawBuffers, ResultSource};
 
 use crate::error::Error;
 use crate::leaf_table::LeafTable;
-use crate::passes::{ComputeTestIo, EyeConstants, ProxyBox, ProxyEyes, ProxyIo};
+use crate::passes::{ComputeTestIo, EyeConstants, ListDrawsIo, ProxyBox, ProxyEyes, ProxyIo};
 use crate::visibility_state::VisibilityState;
 
 /// The buffers that one frame reads from its slot's memory.
@@ -15,6 +15,8 @@ pub(super) struct FrameIo {
     pub(super) proxies: ProxyIo,
     pub(super) computed: Option<ComputeTestIo>,
     pub(super) leaf_draws: Option<LeafDrawBuffers>,
+    /// The lists of the draws that are revealed, where they are compacted.
+    pub(super) lists: Option<ListDrawsIo>,
     /// The constants of the views, where several are drawn at once.
     eyes: Option<BufferSlice>,
 }
@@ -52,6 +54,7 @@ impl FrameIo {
             proxies: ProxyIo { boxes, flags: rings.flags.results() },
             computed: results.map(|results| ComputeTestIo { boxes, results, first: 0, count: 0 }),
             leaf_draws: rings.leaf_draws.buffers(),
+            lists: None,
         })
     }
 

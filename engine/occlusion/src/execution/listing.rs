@@ -5,12 +5,12 @@ use gpu::{Commands, Frame, RenderTarget, Target};
 
 use super::io::FrameIo;
 use super::recording::Recording;
-use super::{check_target, make_compute_test};
+use super::{check_target, make_compute_test, make_list_pass};
 use crate::error::{DrawsAmongTests, Error};
 use crate::executor::PlanExecutor;
 use crate::leaf_table::BucketId;
 use crate::object_renderer::{ObjectPass, ObjectRenderer, Rendering};
-use crate::passes::{ListDrawsIo, ListDrawsPass};
+use crate::passes::ListDrawsIo;
 use crate::shader_set::ShaderSet;
 use crate::visibility_state::VisibilityState;
 
@@ -98,9 +98,7 @@ impl ListedTests<'_> {
     ) -> Result<(), Error> {
         check_target(executor, state, (target, self.views))?;
         make_compute_test(executor, state, (shaders, target.size()))?;
-        if executor.passes.list_draws.is_none() {
-            executor.passes.list_draws = Some(ListDrawsPass::new(state.device(), shaders)?);
-        }
+        make_list_pass(executor, state, shaders)?;
         let Some(pass) = &executor.passes.list_draws else { return Ok(()) };
         let recording = Recording { executor, state, view: self.views.first(), io: &self.io };
         recording.record_tests(frame.commands(), &mut TestsAlone { target }, (pass, self.lists));

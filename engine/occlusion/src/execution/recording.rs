@@ -6,6 +6,8 @@
 //!                each; proxies of round 0
 //! per step       test boxes: where a compute shader answers for them
 //!                resolve tests: results of the round just tested decide
+//!                list draws: where draws are compacted, what is revealed becomes a list per
+//!                            bucket
 //!                draw revealed: leaves that the step before enabled; predicated ranges of this
 //!                               round; boxes of the leaves below nodes that showed; proxies of
 //!                               the next
@@ -45,7 +47,7 @@ impl Recording<'_> {
     /// `n` are tested together with round `n + 1`, and drawn with the leaves revealed by it.
     pub(super) fn record(&self, commands: &Commands, objects: &mut dyn ObjectRenderer) {
         let (state, view) = (self.state, self.view);
-        let rounds = &state.layout.rounds;
+        let layout = &state.layout;
         self.wait_for_reset(commands);
         if objects.has_draws_to_prepare() {
             objects.prepare_draws(commands, UpcomingDraws::Visible(state.plan()));
@@ -56,16 +58,13 @@ impl Recording<'_> {
                 self.draw_visible(commands, &|commands, bucket| {
                     objects.bind(commands, view, bucket, ObjectPass::Visibility);
                 });
-                self.draw_proxies(commands, objects, rounds.first());
+                self.draw_proxies(commands, objects, layout.rounds.first());
             });
         });
-        let refined = rounds.last().is_some_and(|round| round.has_leaf_tests);
-        for step in 0..rounds.len() + usize::from(refined) {
-            let before = step.checked_sub(1).and_then(|round| rounds.get(round));
-            let before = before.filter(|round| round.has_leaf_tests);
-            let (known, next) = (rounds.get(step), rounds.get(step + 1));
+        for step in 0..layout.step_count() {
+            let ([before, known], next) = (layout.step(step), layout.rounds.get(step + 1));
             if let (Some(last), None, None) = (known, next, before)
-                && state.layout.is_for_later(last)
+                && layout.is_for_later(last)
             {
                 commands.pass("resolve tests", |commands| {
                     state.rings().queries.resolve(commands, last.queries.clone());
@@ -73,12 +72,13 @@ impl Recording<'_> {
                 break;
             }
             self.test_by_compute(commands, objects, known);
-            commands.pass("resolve tests", |commands| self.resolve(commands, known, before));
+            commands.pass("resolve tests", |commands| self.resolve(commands, step));
+            self.list_revealed(commands, step);
             self.prepare_revealed(commands, objects, known);
             objects.target().prepare(commands);
             commands.pass("draw revealed", |commands| {
                 render(objects, commands, (view, Rendering::Next), |commands, objects| {
-                    self.draw_revealed(commands, [before, known], &|commands, bucket| {
+                    self.draw_step(commands, step, &|commands, bucket| {
                         objects.bind(commands, view, bucket, ObjectPass::Visibility);
                     });
                     self.test_leaves(commands, objects, known);
@@ -110,7 +110,7 @@ impl Recording<'_> {
             });
         });
         self.test_by_compute(commands, objects, Some(round));
-        commands.pass("resolve tests", |commands| self.resolve(commands, Some(round), None));
+        commands.pass("resolve tests", |commands| self.resolve(commands, 0));
         if round.has_leaf_tests {
             objects.target().prepare(commands);
             commands.pass("test leaves", |commands| {
@@ -120,16 +120,36 @@ impl Recording<'_> {
             });
         }
         if let Some(lists) = lists {
-            let rings = state.rings();
-            let io = ListDrawsIo {
-                enabled: self.io.leaf_draws.map(|it| it.draws),
-                results: [rings.queries.results(), rings.flags.results(), rings.computed.results()],
-                threshold_samples: state.plan().sample_threshold,
-                ..lists
-            };
-            commands.pass("list draws", |commands| pass.record(commands, &io));
+            self.list_draws(commands, pass, lists);
         }
         self.copy_results(commands);
+    }
+
+    /// Records the passes that list the draws which a step reveals, where they are compacted.
+    fn list_revealed(&self, commands: &Commands, step: usize) {
+        let pass = self.executor.passes.list_draws.as_ref();
+        if let (Some(lists), Some(pass)) = (self.listed(step), pass) {
+            self.list_draws(commands, pass, lists);
+        }
+    }
+
+    /// Returns the buffers of the lists of a step, if it has any.
+    fn listed(&self, step: usize) -> Option<ListDrawsIo> {
+        let (step, _) = self.state.listed_step(step)?;
+        let Range { start: first, end } = step.ranges;
+        self.io.lists.filter(|_| first < end).map(|lists| ListDrawsIo { first, end, ..lists })
+    }
+
+    /// Lists draws by the results of the tests.
+    fn list_draws(&self, commands: &Commands, pass: &ListDrawsPass, lists: ListDrawsIo) {
+        let rings = self.state.rings();
+        let io = ListDrawsIo {
+            enabled: self.io.leaf_draws.map(|it| it.draws),
+            results: [rings.queries.results(), rings.flags.results(), rings.computed.results()],
+            threshold_samples: self.state.plan().sample_threshold,
+            ..lists
+        };
+        commands.pass("list draws", |commands| pass.record(commands, &io));
     }
 
     /// Waits until the results of the frame are cleared.
@@ -224,14 +244,11 @@ impl Recording<'_> {
         });
     }
 
-    /// Turns the results of the `known` round into decisions, and those of the leaves under the
-    /// round `before` it.
-    fn resolve(
-        &self,
-        commands: &Commands,
-        known: Option<&RoundLayout>,
-        before: Option<&RoundLayout>,
-    ) {
+    /// Turns the results that a step knows into decisions: those of its round, and those of the
+    /// leaves under the round before it. Where its draws are listed, results alone do.
+    fn resolve(&self, commands: &Commands, step: usize) {
+        let state = self.state;
+        let [before, known] = state.layout.step(step);
         if before.is_some() {
             let enabled = MemoryBarrier::between(
                 &[Access::FragmentWrite],
@@ -240,10 +257,11 @@ impl Recording<'_> {
             commands.barrier(enabled);
         }
         if let Some(known) = known {
-            let state = self.state;
             state.rings().queries.resolve(commands, known.queries.clone());
             let (made, threshold) = (state.layout.made(known), state.plan().sample_threshold);
-            self.executor.leaves.predicates.resolve(commands, &made, threshold);
+            if known.has_leaf_tests || self.listed(step).is_none() {
+                self.executor.leaves.predicates.resolve(commands, &made, threshold);
+            }
         }
     }
 
@@ -271,6 +289,21 @@ impl Recording<'_> {
         decided.dedup_by_key(|it| it.test);
         let revealed: Vec<Predicate> = decided.into_iter().filter_map(predicate).collect();
         objects.prepare_draws(commands, UpcomingDraws::Revealed(&revealed));
+    }
+
+    /// Draws what a step reveals, bucket by bucket: by one call each where its draws are listed.
+    fn draw_step(&self, commands: &Commands, step: usize, bind: &dyn Fn(&Commands, BucketId)) {
+        if self.io.lists.is_none() {
+            return self.draw_revealed(commands, self.state.layout.step(step), bind);
+        }
+        let lists = self.state.listed_step(step).map_or(&[][..], |(_, lists)| lists);
+        for list in lists {
+            bind(commands, list.bucket);
+            match list.count {
+                Some(count) => commands.draw_indirect_count(list.commands, count),
+                None => commands.draw_indirect(list.commands),
+            }
+        }
     }
 
     /// Draws, bucket by bucket, the leaves that boxes of the round `before` switched on one by one,
@@ -306,8 +339,8 @@ impl Recording<'_> {
             let draws = self.io.visible.part(bytes(draws.start), bytes(draws.len() as u32));
             self.executor.leaves.predicates.draw_always(commands, draws);
         }
-        for round in &self.state.layout.rounds {
-            self.draw_revealed(commands, [Some(round); 2], bind);
+        for step in 0..self.state.layout.step_count() {
+            self.draw_step(commands, step, bind);
         }
     }
 

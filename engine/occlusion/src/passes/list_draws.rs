@@ -23,8 +23,10 @@ pub struct ListDrawsPass {
 pub struct ListDrawsIo {
     /// One [`ListedRange`] per range, those of a list in one piece.
     pub ranges: BufferSlice,
-    /// The number of ranges.
-    pub range_count: u32,
+    /// The first of the ranges that are listed: the first of a list.
+    pub first: u32,
+    /// The end of those that are listed: one more than the last of a list.
+    pub end: u32,
     /// All draws of the scene.
     pub draws: BufferSlice,
     /// The copy of all draws in which fragments of boxes set instances, if there is one.
@@ -68,7 +70,7 @@ pub struct ListedRange {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Constants {
     first: u32,
-    range_count: u32,
+    end: u32,
     threshold_samples: u32,
 }
 
@@ -88,11 +90,14 @@ impl ListDrawsPass {
     }
 
     /// Writes the lists, for indirect draws of any command that follows on the queue. All results
-    /// must be there, and what wrote them is waited for here. Outside of rendering.
+    /// must be there, and what wrote them is waited for here. Later tests may write other results
+    /// of the same buffers. Outside of rendering.
     pub fn record(&self, commands: &Commands, io: &ListDrawsIo) {
         let between = MemoryBarrier::between;
         // Results and enabled draws; draws whose instances a compute pass decided; cleared lists.
-        let written = [Access::FragmentWrite, Access::ComputeWrite, Access::CopyWrite];
+        // Other lists of the same buffers may still be drawn.
+        let written =
+            [Access::FragmentWrite, Access::ComputeWrite, Access::CopyWrite, Access::IndirectRead];
         commands.barrier(between(&written, &[Access::ComputeRead, Access::ComputeWrite]));
         // Nothing reads what is not there: no range names it.
         let enabled = io.enabled.unwrap_or(io.draws);
@@ -108,16 +113,18 @@ impl ListDrawsPass {
             &[io.ranges, io.draws, enabled, io.sizes, io.commands, io.counts],
         );
         self.dispatch(commands, &self.draws, io);
-        commands.barrier(between(&[Access::ComputeWrite], &[Access::IndirectRead]));
+        commands.barrier(between(
+            &[Access::ComputeWrite, Access::ComputeRead],
+            &[Access::IndirectRead, Access::CopyWrite, Access::CopyRead, Access::FragmentWrite],
+        ));
     }
 
     /// Dispatches a workgroup per range.
     fn dispatch(&self, commands: &Commands, pipeline: &ComputePipeline, io: &ListDrawsIo) {
-        let ListDrawsIo { range_count, threshold_samples, .. } = *io;
-        for first in (0..range_count).step_by(self.groups_max as usize) {
-            let constants = Constants { first, range_count, threshold_samples };
-            commands.push_compute_constants(pipeline, &constants);
-            commands.dispatch([(range_count - first).min(self.groups_max), 1, 1]);
+        let ListDrawsIo { end, threshold_samples, .. } = *io;
+        for first in (io.first..end).step_by(self.groups_max as usize) {
+            commands.push_compute_constants(pipeline, &Constants { first, end, threshold_samples });
+            commands.dispatch([(end - first).min(self.groups_max), 1, 1]);
         }
     }
 }

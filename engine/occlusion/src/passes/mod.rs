@@ -30,7 +30,8 @@ pub struct OcclusionPasses {
     pub leaf_boxes: Option<LeafBoxPass>,
     /// The pass that tests boxes by a compute shader, made for the first such frame.
     pub compute_test: Option<ComputeTest>,
-    /// The passes that list draws, made for the first frame whose draws a host records.
+    /// The passes that list draws, made for the first frame with lists: those of a host that
+    /// records its draws, and those of [`gpu::Predication::Compacted`].
     pub list_draws: Option<ListDrawsPass>,
     /// The pass that uploads changed leaves.
     pub scatter: ScatterPass,

@@ -202,7 +202,7 @@ fn unknown_names_are_refused_with_what_there_is() {
     assert!(refusal(&["--validation", "yes"]).contains("[possible values: off, on, sync]"));
     assert!(
         refusal(&["--predicates", "none"])
-            .contains("[possible values: auto, conditional, count, instances]")
+            .contains("[possible values: auto, conditional, count, instances, compacted]")
     );
     assert!(refusal(&["--verify", "0"]).contains("above 0"));
     assert!(refusal(&["--verify", "always"]).contains("'always'"));

@@ -54,7 +54,10 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
         (["--size", "1280"], "such as 1280x720"),
         (["--verify", "0"], "above 0"),
         (["--validation", "maybe"], "[possible values: off, on, sync]"),
-        (["--predicates", "maybe"], "[possible values: auto, conditional, count, instances]"),
+        (
+            ["--predicates", "maybe"],
+            "[possible values: auto, conditional, count, instances, compacted]",
+        ),
         (["--predicates", "condtional"], "a similar value exists: 'conditional'"),
         (["--top-down", "-1"], "a frame, or off"),
     ] {
@@ -153,9 +156,11 @@ fn sizes_beyond_the_device_end_with_2() {
 #[test]
 fn what_the_device_cannot_do_ends_with_2_and_says_what_it_lacks() {
     let scratch = Scratch::new("cannot");
-    for (predicates, lacks) in
-        [("conditional", "VK_EXT_conditional_rendering"), ("count", "drawIndirectCount")]
-    {
+    for (predicates, lacks) in [
+        ("conditional", "VK_EXT_conditional_rendering"),
+        ("count", "drawIndirectCount"),
+        ("compacted", "drawIndirectCount"),
+    ] {
         let asked = ["--device", "swiftshader", "--predicates", predicates];
         let output = small_walk(&scratch, &asked).output().expect("it starts");
         let message = refusal(&output, 2);

@@ -89,9 +89,11 @@ fn draw_counts_are_taken_where_they_hold_all_draws() {
         let chosen = |draws| predicates(None, draws).unwrap().predication();
         let fallback = if is_unconditional { Predication::Instances } else { best };
         assert_eq!((chosen(100), chosen(101)), (best, fallback));
-        assert!(predicates(Some(Predication::Counts), 100).is_ok());
-        let error = predicates(Some(Predication::Counts), 101).err().expect("an error").to_string();
-        assert!(error.contains("101") && error.contains("at most 100"), "{error}");
+        for counted in [Predication::Counts, Predication::Compacted] {
+            assert!(predicates(Some(counted), 100).is_ok());
+            let error = predicates(Some(counted), 101).err().expect("an error").to_string();
+            assert!(error.contains("101") && error.contains("at most 100"), "{error}");
+        }
         assert_eq!(instance.validation_log().drain(), []);
     }
 }

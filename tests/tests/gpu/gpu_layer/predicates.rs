@@ -14,7 +14,7 @@ use tests::shapes::{box_at, proxy_pass, square_view};
 const SOURCE: ResultSource = ResultSource::Fragments;
 
 fn executors(device: &Device) -> Vec<Predication> {
-    let all = [Predication::Conditional, Predication::Counts, Predication::Instances];
+    let all = Predication::ALL;
     all.into_iter().filter(|p| Predicates::new(device, Some(*p), &[], 1).is_ok()).collect()
 }
 

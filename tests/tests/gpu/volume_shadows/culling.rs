@@ -54,7 +54,7 @@ fn draws_of_casters_take_no_count_of_the_objects_before() {
         for culled in [options(CasterCulling::Culled), maps] {
             let all = ShadowOptions { culling: CasterCulling::Unculled, ..culled };
             let mut all = Side::new(device, &scene, all);
-            let ways = [Predication::Conditional, Predication::Counts, Predication::Instances];
+            let ways = Predication::ALL;
             let mut sides =
                 ways.map(|way| Side::of(renderer_that_skips(device, &scene, culled, Some(way))));
             for frame in 0..40 {

@@ -86,9 +86,20 @@ pub enum Predication {
     Counts,
     /// Instance counts written by a compute pass; every device.
     Instances,
+    /// As [`Predication::Counts`]; besides, the executor of plans copies what a round reveals into
+    /// a list per pipeline, in its order, which one call draws. Needs `drawIndirectCount`.
+    Compacted,
 }
 
 impl Predication {
+    /// All executors.
+    pub const ALL: [Predication; 4] = [
+        Predication::Conditional,
+        Predication::Counts,
+        Predication::Instances,
+        Predication::Compacted,
+    ];
+
     /// Returns the best executor for a device.
     pub fn best(capabilities: &Capabilities) -> Self {
         if capabilities.has(Optional::ConditionalRendering) {
@@ -106,7 +117,13 @@ impl Predication {
             Predication::Conditional => "conditional",
             Predication::Counts => "counts",
             Predication::Instances => "instances",
+            Predication::Compacted => "compacted",
         }
+    }
+
+    /// Returns true if draws take a count that a compute pass wrote.
+    pub(super) fn is_counted(self) -> bool {
+        matches!(self, Predication::Counts | Predication::Compacted)
     }
 
     /// Returns the executor for `draws` draws: the one wanted, else the best of the device for so
@@ -138,7 +155,7 @@ impl Predication {
             return Err(unsupported(Optional::PreciseQueries, "a visibility threshold"));
         }
         let limit = u64::from(device.adapter().limits.max_draw_indirect_count);
-        let is_too_much = |predication| predication == Predication::Counts && draws > limit;
+        let is_too_much = |predication: Predication| predication.is_counted() && draws > limit;
         let Some(wanted) = wanted else {
             let best = match Predication::best(capabilities) {
                 Predication::Conditional if compares => {
@@ -164,7 +181,7 @@ impl Predication {
     fn needs(self) -> Option<Optional> {
         match self {
             Predication::Conditional => Some(Optional::ConditionalRendering),
-            Predication::Counts => Some(Optional::DrawIndirectCount),
+            Predication::Counts | Predication::Compacted => Some(Optional::DrawIndirectCount),
             Predication::Instances => None,
         }
     }

@@ -1,11 +1,12 @@
 //! Predicates: ranges of draws that the GPU skips by itself when a test found nothing visible.
 //!
 //! A test leaves a result that is zero or not, from one of several writers ([`ResultSource`]). The
-//! same plan runs on every device, by one of three executors; they differ in their use of the
+//! same plan runs on every device, by one of four executors; they differ in their use of the
 //! result:
 //!
 //! - [`Predication::Conditional`]: the result is the predicate of conditional rendering.
-//! - [`Predication::Counts`]: a compute pass turns it into a draw count, 0 or all.
+//! - [`Predication::Counts`]: a compute pass turns it into a draw count, 0 or all. So does
+//!   [`Predication::Compacted`], whose user draws lists of the ranges in place of each.
 //! - [`Predication::Instances`]: a compute pass writes it into the instance count of every draw of
 //!   the range. For devices that have neither (SwiftShader); its cost on the GPU grows with the
 //!   range, not only with the number of ranges.
@@ -129,8 +130,8 @@ impl Predicates {
         check_frames_in_flight(frames_in_flight)?;
         let shader = match predication {
             Predication::Conditional => None,
-            Predication::Counts => Some(shaders::PREDICATE_COUNTS),
             Predication::Instances => Some(shaders::PREDICATE_INSTANCES),
+            _ => Some(shaders::PREDICATE_COUNTS),
         };
         let buffers = writer_buffers(predication) as u32;
         let storage = StorageLayout::new::<Decisions>(buffers);
@@ -212,7 +213,7 @@ impl Predicates {
     ) -> Result<(), Error> {
         frame.commands().admit(self)?;
         results.map_or(Ok(()), |results| frame.commands().admit(&results))?;
-        let counts = self.predication == Predication::Counts;
+        let counts = self.predication.is_counted();
         let device = &self.device;
         let Some(list) = self.lists.get_mut(source as usize) else { return Ok(()) };
         let has_results = results.is_some();
@@ -268,8 +269,8 @@ impl Predicates {
         for (source, range) in written.iter().filter(|(_, range)| !range.is_empty()) {
             let list = self.list(*source);
             let output = match self.predication {
-                Predication::Counts => list.counts(),
-                _ => Some(self.draws.whole()),
+                Predication::Instances => Some(self.draws.whole()),
+                _ => list.counts(),
             };
             let (Some(on_gpu), Some(results), Some(output)) = (list.on_gpu, list.results, output)
             else {
@@ -284,8 +285,8 @@ impl Predicates {
             );
             let threshold = self.threshold_of(*source, results, threshold_samples);
             let per_group = match self.predication {
-                Predication::Counts => 64, // a thread per decision
-                _ => 1,                    // a workgroup per decision
+                Predication::Instances => 1, // a workgroup per decision
+                _ => 64,                     // a thread per decision
             };
             let limits = &self.device.adapter().limits;
             let most = limits.max_compute_work_group_count[0].max(1).saturating_mul(per_group);
@@ -338,9 +339,9 @@ impl Predicates {
         if commands.admit(self).is_err() {
             return;
         }
-        match self.predication {
-            Predication::Counts => self.draw_after_counted(commands, draws),
-            _ => self.draw_uncounted(commands, draws),
+        match self.predication.is_counted() {
+            true => self.draw_after_counted(commands, draws),
+            false => self.draw_uncounted(commands, draws),
         }
     }
 
@@ -391,7 +392,7 @@ impl Predicates {
         let draws = draws.part(bytes(range.first), bytes(range.count));
         match self.predication {
             Predication::Instances => self.draw_uncounted(commands, draws),
-            Predication::Counts => {
+            Predication::Counts | Predication::Compacted => {
                 if let Some(count) = list.count(decision) {
                     commands.draw_indirect_count(draws, count);
                 }
@@ -415,8 +416,8 @@ impl Predicates {
         else {
             return;
         };
-        match (list.on_gpu, self.predication) {
-            (Some(on_gpu), Predication::Counts) => {
+        match (list.on_gpu, self.predication.is_counted()) {
+            (Some(on_gpu), true) => {
                 // Not a plain indirect draw: Mesa 22.3's lavapipe goes on using the count of the
                 // last draw that had one.
                 if let Some(count) = list.count(decision) {
@@ -493,6 +494,6 @@ fn draw_buffer(device: &Device, count: u32) -> Result<Buffer, Error> {
 fn writer_buffers(predication: Predication) -> usize {
     match predication {
         Predication::Instances => 5,
-        Predication::Conditional | Predication::Counts => 3,
+        _ => 3,
     }
 }

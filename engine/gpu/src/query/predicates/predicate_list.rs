@@ -94,7 +94,7 @@ impl PredicateList {
         frame: &mut Frame<'_>,
         predication: Predication,
     ) -> Result<(), Error> {
-        let are_counted = predication == Predication::Counts;
+        let are_counted = predication.is_counted();
         let decided = self.decided.iter().map(|decided| DecidedOnGpu {
             first: decided.range.first,
             count: decided.range.count,
