@@ -3,6 +3,7 @@
 //! The calls are replaced above the validation layer, which therefore never sees the hidden parts.
 
 mod draw_calls;
+mod lies;
 mod replacements;
 mod representative;
 
@@ -36,6 +37,21 @@ pub struct Fault {
     pub code: vk::Result,
 }
 
+/// Something that a driver does wrong without saying so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lie {
+    /// Every query has the result of the first one of its copy.
+    FirstResultForAll,
+    /// Conditional rendering draws all the same.
+    NoConditions,
+    /// Draws with a count draw all that they could.
+    NoCounts,
+    /// Compute shaders do nothing.
+    NoDispatches,
+    /// The draws of a call are drawn from the last to the first.
+    LastDrawFirst,
+}
+
 /// The faults of this machine. A test's thread has one.
 #[derive(Clone, Debug, Default)]
 pub struct Machine {
@@ -67,6 +83,8 @@ pub struct Machine {
     pub is_fenceless: bool,
     /// The calls that fail.
     pub faults: Vec<Fault>,
+    /// The lie of its driver.
+    pub lie: Option<Lie>,
 }
 
 #[derive(Default)]

@@ -3,7 +3,7 @@
 use ::shadows::ShadowOptions;
 use cull::{
     Aabb, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, QueryShares, SceneCosts,
-    Strategy, TesterSupport, View,
+    Strategy, Tester, TesterSupport, View,
 };
 use gpu::{Device, FrameRing, Optional, PassTime, Predication, SampleCount, Target, Tick};
 use occlusion::{
@@ -23,6 +23,7 @@ use crate::resources::limits::check_memory;
 use crate::resources::object_bounds::{check_hierarchy, object_bounds};
 use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites::has_sprites;
+use crate::self_test::{Assumption, Trust};
 use crate::update::UpdateScratch;
 use crate::view_state::{RendererId, ViewState};
 use crate::views::view_in;
@@ -74,6 +75,9 @@ pub struct RendererOptions {
     pub upload_bytes_per_frame: usize,
     /// The shadows of the lights of surfaces.
     pub shadows: ShadowOptions,
+    /// The assumptions about the driver that a [self-test](crate::self_test) found broken: tests
+    /// and executors that rest on them are replaced by the safest that is left, with a warning.
+    pub distrusted: Vec<Assumption>,
 }
 
 impl Default for RendererOptions {
@@ -93,6 +97,7 @@ impl Default for RendererOptions {
             spare: SpareRoom::default(),
             upload_bytes_per_frame: 1 << 20,
             shadows: ShadowOptions::default(),
+            distrusted: Vec::new(),
         }
     }
 }
@@ -150,6 +155,19 @@ pub struct Renderer {
     pub(crate) query_budget: usize,
     pub(crate) query_shares: QueryShares,
     costs: Option<CostTable>,
+    /// The parts of the driver that are used.
+    trust: Trust,
+}
+
+/// Returns the executor to use in place of the chosen one, which stays where none can be trusted:
+/// then nothing is put under a predicate ([`Renderer::trusted`]).
+fn trusted_executor(
+    trust: &Trust,
+    device: &Device,
+    (chosen, draws, threshold_samples): (Predication, u64, u32),
+) -> Predication {
+    let has = |it| Predication::choose(device, Some(it), draws, threshold_samples).is_ok();
+    trust.executor(chosen, has).unwrap_or(chosen)
 }
 
 impl Renderer {
@@ -193,12 +211,15 @@ impl Renderer {
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
         let room = (&options.spare, options.upload_bytes_per_frame);
-        let made_of = (slots, (room, options.shadows));
+        let trust = Trust::without(&options.distrusted);
+        trust.texts().iter().for_each(|text| tracing::warn!("{text}"));
+        let made_of = (slots, (room, trust.shadows(options.shadows)));
         let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, made_of)?;
         let draws = hierarchy.leaf_objects().len() as u64;
         let threshold_samples = options.threshold_samples;
         let predication =
             Predication::choose(device, options.predication, draws, threshold_samples)?;
+        let predication = trusted_executor(&trust, device, (predication, draws, threshold_samples));
         let leaves = LeafTableInfo {
             mesh_draws: passes.geometry.mesh_draws().clone(),
             predication: Some(predication),
@@ -239,6 +260,7 @@ impl Renderer {
             query_budget: options.query_budget,
             query_shares: QueryShares::default(),
             costs,
+            trust,
         })
     }
 
@@ -276,7 +298,32 @@ impl Renderer {
 
     /// Returns the testers that plans may use on this device.
     fn testers(&self) -> TesterSupport {
-        self.executor.testers(&self.device, &self.passes.target)
+        self.trust.testers(self.executor.testers(&self.device, &self.passes.target))
+    }
+
+    /// Returns the strategy to use in place of the wanted one, on a driver that cannot be trusted
+    /// with what that one rests on.
+    pub(crate) fn trusted(&self, wanted: Strategy) -> Strategy {
+        let offered = self.executor.testers(&self.device, &self.passes.target);
+        let is_skipped =
+            wanted.uses_cost_model() && !self.trust.allows_executor(self.predication());
+        match is_skipped {
+            true => Strategy::FRUSTUM,
+            false => self.trust.strategy(wanted, offered, self.threshold_samples),
+        }
+    }
+
+    /// Returns the strategy that decides if transparent objects are tested: by what fragments of
+    /// boxes write.
+    pub(crate) fn transparent_strategy(&self, strategy: Strategy) -> Strategy {
+        if self.trust.allows(Tester::Flag) { strategy } else { Strategy::FRUSTUM }
+    }
+
+    /// Returns a sentence for each assumption about the driver that does not hold, and for what is
+    /// used instead; none on a driver that is trusted
+    /// ([`RendererOptions::distrusted`]).
+    pub fn distrust(&self) -> Vec<String> {
+        self.trust.texts()
     }
 
     /// Refuses a strategy that the device lacks something for, with this scene and size.

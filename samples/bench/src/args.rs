@@ -10,7 +10,7 @@ use clap::{Args, Parser, value_parser};
 
 use crate::Options;
 use crate::choices::{
-    CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice, ProjectionChoice,
+    CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice, ProjectionChoice, TrustChoice,
     ValidationChoice, Verify, enumerate, parse_named, parse_strategy,
 };
 use crate::light_args::LightArguments;
@@ -50,6 +50,8 @@ Examples:
       At night under 16 street lamps: each way to make shadows with each filter.
   walkthrough --list-devices
       Lists the devices that --device can choose from.
+  walkthrough --self-test --device NAME
+      Asks if its driver can be trusted.
 
 Exit codes: 0 all went well; 2 the command line is wrong; 1 the machine cannot do it, pixels are \
 wrong, or a file cannot be written; 129, 130 or 143 a closed terminal, Ctrl-C or SIGTERM cut the \
@@ -137,6 +139,13 @@ pub struct Arguments {
     /// List the Vulkan devices and end
     #[arg(long, help_heading = "Device")]
     pub list_devices: bool,
+    /// Test what the driver is trusted with, print a line for each assumption, and end: with exit
+    /// code 1 if no tester or no way to skip draws can be trusted
+    #[arg(long, help_heading = "Device")]
+    pub self_test: bool,
+    /// Trust in the driver: as it is, or tested first, and what is found broken is not used
+    #[arg(long, value_name = "HOW", default_value = "driver", help_heading = "Device")]
+    pub trust: TrustChoice,
 
     /// Folder for images; made if it is missing [default: no images]
     #[arg(long, value_name = "DIR", help_heading = "Output")]
@@ -316,6 +325,7 @@ impl Arguments {
             time_passes: self.time_passes,
             device: self.device.choice(),
             validation: self.device.validation,
+            trust: self.trust,
             predicates,
             threshold_pixels: threshold,
             shaders: self.device.shaders.clone(),

@@ -84,6 +84,15 @@ pub enum PredicatesChoice {
     Compacted,
 }
 
+/// The trust in the driver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TrustChoice {
+    /// Everything is used as it is.
+    Driver,
+    /// A self-test comes first, and what it finds broken is not used.
+    Tested,
+}
+
 /// The costs that the engine's cost model uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CostsChoice {

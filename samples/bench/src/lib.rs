@@ -43,6 +43,7 @@ pub mod stopwatch;
 pub mod strategy;
 pub mod table;
 pub mod terminal;
+pub mod trust_table;
 pub mod walk;
 pub mod walk_images;
 pub mod walk_scene;

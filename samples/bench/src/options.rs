@@ -11,7 +11,7 @@ use thiserror::Error;
 
 use crate::choices::{
     CameraPathChoice, CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice,
-    ProjectionChoice, ValidationChoice, Verify,
+    ProjectionChoice, TrustChoice, ValidationChoice, Verify,
 };
 use crate::shadow_choice::ShadowChoice;
 use crate::strategy::Strategy;
@@ -162,6 +162,8 @@ pub struct Options {
     pub device: DeviceChoice,
     /// The checks of the validation layer.
     pub validation: ValidationChoice,
+    /// The trust in the driver.
+    pub trust: TrustChoice,
     /// The way in which hidden draws are skipped.
     pub predicates: PredicatesChoice,
     /// The largest number of visible pixels that counts as hidden; 0 where all is exact.

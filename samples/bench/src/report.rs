@@ -58,6 +58,9 @@ pub struct Report {
     pub build_ms: BuildReport,
     /// Strategies that could not run, and the reasons.
     pub left_out: Vec<LeftOut>,
+    /// The assumptions about the driver that do not hold, a sentence each; only `--trust tested`
+    /// finds any.
+    pub distrust: Vec<String>,
     /// The runs, in the order asked for: one per strategy, and per way to draw shadows.
     pub runs: Vec<RunReport>,
     /// "A/B": median frame time of A over that of B, for every ordered pair.

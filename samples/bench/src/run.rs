@@ -8,11 +8,11 @@ use antumbra::gpu::{
     Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem,
 };
 use antumbra::occlusion::MethodConstructor;
-use antumbra::render::{Renderer, RendererOptions, ShaderSet, object_bounds};
+use antumbra::render::{Renderer, RendererOptions, SelfTest, ShaderSet, object_bounds};
 use antumbra::scene::Scene;
 use antumbra::{gpu, methods, render};
 
-use crate::choices::{DeviceChoice, PredicatesChoice, ValidationChoice};
+use crate::choices::{DeviceChoice, PredicatesChoice, TrustChoice, ValidationChoice};
 use crate::options::{LeftOut, SceneChoice};
 use crate::progress::WalkProgress;
 use crate::provenance::Provenance;
@@ -76,6 +76,19 @@ pub fn list_devices() -> Result<Vec<String>, RunError> {
     Ok(adapters.iter().enumerate().map(line).collect())
 }
 
+/// Tests what the driver of the chosen device is trusted with. Returns the device's name and what
+/// was found.
+///
+/// # Errors
+/// A device that is missing or unsuited, a failed call.
+pub fn self_test(options: &Options) -> Result<(String, SelfTest), RunError> {
+    let instance = open_instance(options.validation, None)?;
+    let adapter = pick_adapter(&instance, &options.device)?;
+    let device = Device::new(&instance, &adapter, &DeviceOptions::default())?;
+    let found = render::self_test(&device, &renderer_options(options)?)?;
+    Ok((format!("{} ({}, Vulkan {})", adapter.name, adapter.driver, adapter.api), found))
+}
+
 /// Returns an instance, for windows of that system if there will be one.
 pub fn open_instance(
     validation: ValidationChoice,
@@ -135,11 +148,8 @@ pub fn walk_on(
     signals.check()?;
     progress.stage("uploading it to the device");
     let mut renderer = upload(device, &scene, hierarchy, options)?;
-    let build_ms = BuildReport {
-        scene: Some(scene_ms),
-        hierarchy: Some(hierarchy_ms),
-        upload: Some(clock.lap_ms()),
-    };
+    let upload = Some(clock.lap_ms());
+    let build_ms = BuildReport { scene: Some(scene_ms), hierarchy: Some(hierarchy_ms), upload };
     if let Some(file) = &mut file {
         file.notes.extend(renderer.degradations().texts());
     }
@@ -183,6 +193,7 @@ pub fn walk_on(
         build_ms,
         ratios: ratios(&runs),
         paired_ratios: paired_ratios(&runs),
+        distrust: renderer.distrust(),
         left_out: options.left_out.clone(),
         provenance: Provenance::of_this_process(),
         runs,
@@ -197,7 +208,15 @@ fn upload(
     hierarchy: Hierarchy,
     options: &Options,
 ) -> Result<Renderer, RunError> {
-    let renderer = Renderer::with_hierarchy(device, scene, hierarchy, &renderer_options(options)?);
+    let renderer_options = match options.trust {
+        TrustChoice::Driver => renderer_options(options)?,
+        TrustChoice::Tested => {
+            let options = renderer_options(options)?;
+            let distrusted = render::self_test(device, &options)?.broken();
+            RendererOptions { distrusted, ..options }
+        }
+    };
+    let renderer = Renderer::with_hierarchy(device, scene, hierarchy, &renderer_options);
     renderer.map_err(|error| match &options.scene {
         SceneChoice::File(file) => RunError::from(error).about(file),
         SceneChoice::Made(_) => error.into(),

@@ -156,6 +156,9 @@ fn more_lines(report: &Report) -> String {
             "\nnot exact: objects that show at most {most} pixels count as hidden in antumbra, antumbra_queries, coherent"
         );
     }
+    for distrust in &report.distrust {
+        lines += &format!("\n{distrust}");
+    }
     for LeftOut { strategy, reason } in &report.left_out {
         lines += &format!("\nwithout {strategy}: {reason}");
     }

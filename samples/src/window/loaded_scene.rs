@@ -147,6 +147,7 @@ impl LoadedScene {
         let covered = if options.hud == HudLevel::Off { 0.0 } else { PANEL_SHARE };
         let mut scene_view = SceneView::of_file(file, imported, settings, (size, covered))?;
         scene_view.notes.extend(renderer.degradations().texts());
+        scene_view.notes.extend(renderer.distrust());
         Ok(Self { renderer, scene_view, daylight: None })
     }
 }

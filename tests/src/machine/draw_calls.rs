@@ -5,7 +5,8 @@ use std::mem::transmute;
 
 use ash::vk;
 
-use super::{Function, due, real};
+use super::lies::DRAW;
+use super::{Function, Lie, due, machine, real};
 
 /// The call that draws as many indirect commands as a buffer says.
 pub const CALL_THAT_COUNTS_DRAWS: &CStr = c"vkCmdDrawIndexedIndirectCount";
@@ -26,8 +27,13 @@ unsafe extern "system" fn draw_counted(
     stride: u32,
 ) {
     due(CALL_THAT_COUNTS_DRAWS);
-    // SAFETY: the type is the function's; the caller passes what it would to it.
+    // SAFETY: the types are those of the functions; the caller passes what it would to the counted
+    // one, and the plain one takes the same commands.
     unsafe {
+        if machine(|machine| machine.lie == Some(Lie::NoCounts)) {
+            let plain = real::<vk::PFN_vkCmdDrawIndexedIndirect>(DRAW);
+            return plain(commands, buffer, offset, most, stride);
+        }
         real::<vk::PFN_vkCmdDrawIndexedIndirectCount>(CALL_THAT_COUNTS_DRAWS)(
             commands,
             buffer,

@@ -7,6 +7,7 @@ use ash::vk;
 use gpu::Required;
 
 use super::draw_calls::calls_that_draw;
+use super::lies::lies;
 use super::representative::that_pretend;
 use super::{Function, device_proc_addr, due, machine, real};
 
@@ -216,7 +217,7 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
         calls_that_draw(),
     ]
     .concat();
-    that_pretend().into_iter().chain(that_lie).chain(counted).collect()
+    that_pretend().into_iter().chain(that_lie).chain(lies()).chain(counted).collect()
 }
 
 fn lacks(what: Required) -> bool {

@@ -49,6 +49,7 @@ mod pyramid;
 mod relight;
 #[cfg(feature = "shader-compiler")]
 mod reload;
+mod self_test;
 mod shading;
 mod shadow_maps;
 mod shadow_volumes;

@@ -66,12 +66,13 @@ impl Renderer {
         request: &ViewsRequest<'_>,
         scene_image: Option<&Readback>,
     ) -> Result<FrameReport, Error> {
+        let request = &ViewsRequest { strategy: self.trusted(request.strategy), ..*request };
         let method = self.check_frame(targets, request, scene_image)?;
         let began = Instant::now();
         self.prepare(method, targets)?;
         let is_timed = self.is_timed(request.strategy, targets);
-        let outlined = self.outlined_bounds();
-        let views = self.take_views(targets)?;
+        let tests_by = self.transparent_strategy(request.strategy);
+        let (outlined, views) = (self.outlined_bounds(), self.take_views(targets)?);
         let (uploads, map_uses) = (self.pose_uploads(&views, targets), self.map_uses());
         let Self { device, frames, hierarchy, passes, executor, methods, shaders, flares, .. } =
             self;
@@ -91,8 +92,7 @@ impl Renderer {
             (0..).zip(targets.iter_mut().zip(&views))
         {
             let scene = (&*executor, &*hierarchy);
-            report.transparent +=
-                begin_view(passes, &mut frame, scene, (number, view), request.strategy)?;
+            report.transparent += begin_view(passes, &mut frame, scene, (number, view), tests_by)?;
             let wanted = method_request(*visible, view, request);
             let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
             let stats = method.record(&mut frame, &mut state.visibility, &mut scene, &wanted)?;

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::choices::{
-    CameraPathChoice, CostsChoice, PredicatesChoice, ProjectionChoice, ValidationChoice,
+    CameraPathChoice, CostsChoice, PredicatesChoice, ProjectionChoice, TrustChoice,
+    ValidationChoice,
 };
 use crate::strategy::Strategy;
 use antumbra::methods;
@@ -107,6 +108,7 @@ fn every_option_arrives() {
             frames_in_flight: 4,
             device: DeviceChoice::Name("llvmpipe".into()),
             validation: ValidationChoice::Sync,
+            trust: TrustChoice::Driver,
             predicates: PredicatesChoice::Instances,
             threshold_pixels: 9,
             shaders: Some("glsl".into()),

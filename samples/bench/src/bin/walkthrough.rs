@@ -13,7 +13,7 @@ use bench::terminal::{
     output::{say, say_wrote},
     print, style,
 };
-use bench::{exit_status, progress, strategy, table};
+use bench::{exit_status, progress, strategy, table, trust_table};
 
 fn main() -> ExitCode {
     let arguments = match terminal::start::<Arguments>("warn") {
@@ -37,6 +37,12 @@ fn walk(arguments: &Arguments) -> Result<Ending, RunError> {
     if arguments.list_devices {
         let text: String = run::list_devices()?.iter().map(|line| format!("{line}\n")).collect();
         ending.attempt(print(&text));
+        return Ok(ending);
+    }
+    if arguments.self_test {
+        let (device, found) = run::self_test(&options)?;
+        ending.attempt(print(&trust_table::render(&device, &found)));
+        trust_table::complaint(&found).into_iter().for_each(|complaint| ending.fail(complaint));
         return Ok(ending);
     }
     let _outputs = Outputs::of_walk(&options)?;

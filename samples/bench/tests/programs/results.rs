@@ -195,3 +195,21 @@ fn many_programs_write_into_one_new_folder() {
         assert_eq!(scratch.names(&format!("new-{round}/er/out")).len(), 8, "an image of each");
     }
 }
+
+#[test]
+fn a_self_test_prints_a_line_for_each_assumption() {
+    let scratch = Scratch::new("results-self-test");
+    for device in ["llvmpipe", "swiftshader"] {
+        let arguments = ["--self-test", "--device", device, "--validation=sync"];
+        let output = walkthrough(&scratch.0, &arguments).output().expect("it starts");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let table = stdout(&output);
+        assert!(table.contains("query counts") && table.contains("walk with flags"), "{table}");
+        assert!(table.ends_with("safest strategy: antumbra\n") && !table.contains("BROKEN"));
+    }
+    let output = run(&scratch, &["--trust=tested", "--report=report.json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
+    let report: Value = serde_json::from_str(&report).expect("JSON");
+    assert_eq!(report["distrust"], Value::Array(Vec::new()));
+}

@@ -178,6 +178,11 @@ impl Predication {
         Ok(wanted)
     }
 
+    /// Returns true if the device has what it needs, for some number of draws.
+    pub fn is_supported(self, device: &Device) -> bool {
+        self.needs().is_none_or(|optional| device.capabilities().has(optional))
+    }
+
     fn needs(self) -> Option<Optional> {
         match self {
             Predication::Conditional => Some(Optional::ConditionalRendering),

@@ -1,0 +1,177 @@
+//! The assumptions about a driver that exactness rests on, and what was found about each.
+
+use std::fmt;
+
+use cull::Tester;
+use gpu::Predication;
+
+/// An assumption about the driver of a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Assumption {
+    /// Occlusion queries tell what shows from what is hidden, and count exactly where they count.
+    QueryCounts,
+    /// The results of a frame are in mapped memory when its tick is over.
+    LateResults,
+    /// A proxy covers every sample that its object covers: vertices are snapped as finely as the
+    /// device says.
+    ProxyCoverage,
+    /// No fragment of a proxy is farther than that of its object at the same sample.
+    ProxyDepth,
+    /// Fragment shaders with early tests write nothing where the depth test fails.
+    EarlyTests,
+    /// The writes of fragment shaders are there for later commands.
+    FlagWrites,
+    /// Compute shaders read the depth that was drawn.
+    ComputedDepths,
+    /// Conditional rendering skips draws whose predicate is zero, and no others.
+    ConditionalRendering,
+    /// Draw counts out of a buffer are heeded.
+    DrawCounts,
+    /// Instance counts that a compute shader wrote are heeded.
+    InstanceCounts,
+    /// Of draws with equal depth the first one wins where only nearer ones pass, within one call
+    /// and between calls.
+    DrawOrder,
+    /// Two passes give the same vertex the same depth.
+    RepeatedDepth,
+    /// A walk with occlusion queries has the images of frustum culling.
+    QueriedWalk,
+    /// A walk with flags has the images of frustum culling.
+    FlaggedWalk,
+    /// A walk with the compute tester has the images of frustum culling.
+    ComputedWalk,
+}
+
+/// The part of the engine that rests on an assumption.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Support {
+    /// These testers.
+    Testers(&'static [Tester]),
+    /// These executors of predicates.
+    Executors(&'static [Predication]),
+    /// Speed alone: results steer what is tested, and images are right with any.
+    Speed,
+    /// Every strategy alike, plain frustum culling too.
+    Everything,
+}
+
+impl Assumption {
+    /// All of them, in the order in which they are checked.
+    pub const ALL: [Self; 15] = [
+        Self::QueryCounts,
+        Self::LateResults,
+        Self::ProxyCoverage,
+        Self::ProxyDepth,
+        Self::EarlyTests,
+        Self::FlagWrites,
+        Self::ComputedDepths,
+        Self::ConditionalRendering,
+        Self::DrawCounts,
+        Self::InstanceCounts,
+        Self::DrawOrder,
+        Self::RepeatedDepth,
+        Self::QueriedWalk,
+        Self::FlaggedWalk,
+        Self::ComputedWalk,
+    ];
+
+    /// Returns its name in tables and warnings.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::QueryCounts => "query counts",
+            Self::LateResults => "late results",
+            Self::ProxyCoverage => "proxy coverage",
+            Self::ProxyDepth => "proxy depth",
+            Self::EarlyTests => "early tests",
+            Self::FlagWrites => "flag writes",
+            Self::ComputedDepths => "computed depths",
+            Self::ConditionalRendering => "conditional rendering",
+            Self::DrawCounts => "draw counts",
+            Self::InstanceCounts => "instance counts",
+            Self::DrawOrder => "draw order",
+            Self::RepeatedDepth => "repeated depth",
+            Self::QueriedWalk => "walk with queries",
+            Self::FlaggedWalk => "walk with flags",
+            Self::ComputedWalk => "walk with the compute tester",
+        }
+    }
+
+    /// Returns what the engine does where it is broken, as a part of a sentence.
+    #[must_use]
+    pub const fn remedy(self) -> &'static str {
+        match self.support() {
+            Support::Testers([_]) => "another tester is used",
+            Support::Testers(_) => "no test draws boxes",
+            Support::Executors(_) => "draws are skipped in another way",
+            Support::Speed => "images stay right, frames are slower",
+            Support::Everything => "nothing can replace it",
+        }
+    }
+
+    /// Returns the part of the engine that rests on it.
+    pub(super) const fn support(self) -> Support {
+        const QUERY: &[Tester] = &[Tester::Query];
+        const FLAG: &[Tester] = &[Tester::Flag];
+        const COMPUTE: &[Tester] = &[Tester::Compute];
+        match self {
+            Self::QueryCounts | Self::QueriedWalk => Support::Testers(QUERY),
+            Self::ProxyCoverage | Self::ProxyDepth => {
+                Support::Testers(&[Tester::Query, Tester::Flag])
+            }
+            Self::EarlyTests | Self::FlagWrites | Self::FlaggedWalk => Support::Testers(FLAG),
+            Self::ComputedDepths | Self::ComputedWalk => Support::Testers(COMPUTE),
+            Self::ConditionalRendering => Support::Executors(&[Predication::Conditional]),
+            Self::DrawCounts => Support::Executors(&[Predication::Counts, Predication::Compacted]),
+            Self::InstanceCounts => Support::Executors(&[Predication::Instances]),
+            Self::LateResults => Support::Speed,
+            Self::DrawOrder | Self::RepeatedDepth => Support::Everything,
+        }
+    }
+}
+
+impl fmt::Display for Assumption {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
+}
+
+/// The outcome of the check of an assumption.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Finding {
+    /// It holds in all that was tried.
+    Held,
+    /// It does not hold: the observation, as a sentence.
+    Broken(String),
+    /// It was not tested: the reason, as a sentence.
+    NotTested(String),
+}
+
+impl Finding {
+    /// Returns [`Finding::Held`] if `faults` is 0, else the sentence with the number before it.
+    pub(super) fn of_faults(faults: usize, of: usize, sentence: &str) -> Self {
+        match faults {
+            0 => Self::Held,
+            _ => Self::Broken(format!("{faults} of {of} {sentence}")),
+        }
+    }
+
+    /// Returns a word for it.
+    #[must_use]
+    pub const fn word(&self) -> &'static str {
+        match self {
+            Self::Held => "held",
+            Self::Broken(_) => "BROKEN",
+            Self::NotTested(_) => "not tested",
+        }
+    }
+
+    /// Returns the observation or the reason; nothing where it held.
+    #[must_use]
+    pub fn detail(&self) -> &str {
+        match self {
+            Self::Held => "",
+            Self::Broken(detail) | Self::NotTested(detail) => detail,
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! The self-test: asks if the driver of a device can be trusted with what exactness rests on, by
+//! small purpose-built frames and a short walk with each tester. It takes about a second.
+
+mod assumption;
+mod judge;
+mod probe;
+mod probe_scene;
+mod trust;
+mod walk;
+
+use cull::Strategy;
+use gpu::{Device, Predication, ResultSource};
+use occlusion::{Rect, ShaderSet};
+
+pub use assumption::{Assumption, Finding};
+pub(crate) use trust::{EXECUTORS, Trust};
+
+use crate::error::Error;
+use crate::renderer::RendererOptions;
+use judge::CountsSamples;
+use probe::Probe;
+use probe_scene::{PROBES, TWINS};
+
+/// The outcome of a [self-test](self_test): each assumption and what was found about it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SelfTest {
+    /// A verdict for each assumption, in the order of [`Assumption::ALL`].
+    pub findings: Vec<(Assumption, Finding)>,
+    /// The strategy with the safest tester of those that hold: `antumbra` itself where nothing
+    /// that it may use is broken; `None` if every tester or every executor is broken. Then only
+    /// plain frustum culling is right.
+    pub safest: Option<Strategy>,
+}
+
+impl SelfTest {
+    /// Returns the assumptions that do not hold, for
+    /// [`RendererOptions::distrusted`](crate::RendererOptions::distrusted).
+    #[must_use]
+    pub fn broken(&self) -> Vec<Assumption> {
+        let is_broken = |(_, verdict): &&(_, Finding)| matches!(verdict, Finding::Broken(_));
+        self.findings.iter().filter(is_broken).map(|(assumption, _)| *assumption).collect()
+    }
+
+    /// Returns the verdict about an assumption; `None` for one that was not looked at.
+    #[must_use]
+    pub fn verdict(&self, assumption: Assumption) -> Option<&Finding> {
+        self.findings.iter().find(|(it, _)| *it == assumption).map(|(_, verdict)| verdict)
+    }
+}
+
+/// Tests the driver of a device, with the shaders of `options` and the embedded ones where it
+/// names none. Everything else in `options` is left aside. Waits for the device again and again:
+/// call it before the first frame, and keep its outcome for
+/// [`RendererOptions::distrusted`](crate::RendererOptions::distrusted).
+///
+/// # Errors
+/// No memory, a shader that does not compile, a failed call, a lost device. What a driver does
+/// wrong is a verdict and no error.
+pub fn self_test(device: &Device, options: &RendererOptions) -> Result<SelfTest, Error> {
+    let shaders = match &options.shaders {
+        Some(shaders) => shaders.clone(),
+        None => ShaderSet::embedded()?,
+    };
+    let plain = RendererOptions { shaders: Some(shaders.clone()), ..RendererOptions::default() };
+    let mut checks = Checks { findings: Vec::new(), device: device.clone() };
+    let mut probe = Probe::new(device, &plain)?;
+    let whole = probe.whole_image()?;
+    let pixels = judge::drawn_pixels(&whole);
+    checks.queries(&mut probe, &pixels, &judge::drawn_areas(&whole))?;
+    checks.flags(&mut probe, &pixels)?;
+    checks.compute(&mut probe, &pixels, &shaders)?;
+    checks.executors(&mut probe, &pixels)?;
+    checks.order(&mut probe)?;
+    drop(probe);
+    checks.repeated_depth(&plain, &pixels)?;
+    checks.walks(&plain)?;
+    let Checks { findings, .. } = checks;
+    let mut outcome = SelfTest { findings, safest: None };
+    outcome.safest = safest(&outcome.broken(), device);
+    Ok(outcome)
+}
+
+/// Returns the strategy with the safest tester, if there is one.
+fn safest(broken: &[Assumption], device: &Device) -> Option<Strategy> {
+    let trust = Trust::without(broken);
+    trust.executor(Predication::Conditional, |executor| executor.is_supported(device))?;
+    let offered = walk::offered(device);
+    let strategy = trust.strategy(Strategy::ANTUMBRA, offered, 0);
+    (strategy != Strategy::FRUSTUM).then_some(strategy)
+}
+
+/// The verdicts so far.
+struct Checks {
+    device: Device,
+    findings: Vec<(Assumption, Finding)>,
+}
+
+impl Checks {
+    fn note(&mut self, assumption: Assumption, verdict: Finding) {
+        if let Finding::Broken(observation) = &verdict {
+            tracing::warn!("this driver cannot be trusted with {assumption}: {observation}");
+        }
+        self.findings.push((assumption, verdict));
+    }
+
+    fn not_tested(&mut self, assumptions: &[Assumption], reason: &str) {
+        for assumption in assumptions {
+            self.note(*assumption, Finding::NotTested(reason.to_owned()));
+        }
+    }
+
+    /// Checks what queries count, and with them how proxies enclose objects.
+    fn queries(&mut self, probe: &mut Probe, pixels: &[u32], areas: &[Rect]) -> Result<(), Error> {
+        let found = probe.by_queries(areas)?;
+        let counts = match probe.can_count() {
+            true => CountsSamples::Exactly,
+            false => CountsSamples::No,
+        };
+        let verdict = judge::query_counts(pixels, &found, counts);
+        let are_right = verdict == Finding::Held;
+        self.note(Assumption::QueryCounts, verdict);
+        let [wrong, all] = probe.late_results()?;
+        let late = Finding::of_faults(wrong, all, "results are not those of their frame");
+        self.note(Assumption::LateResults, late);
+        if !are_right {
+            let geometry = [Assumption::ProxyCoverage, Assumption::ProxyDepth];
+            self.not_tested(&geometry, "it is measured by queries, which are broken");
+            return Ok(());
+        }
+        let coverage = "proxies leave out samples of their objects";
+        let coverage = judge::enclosing(pixels, &found.alone, counts, coverage);
+        self.note(Assumption::ProxyCoverage, coverage);
+        let depth = "proxies are behind their objects";
+        let depth = judge::enclosing(pixels, &found.proxies, counts, depth);
+        self.note(Assumption::ProxyDepth, depth);
+        Ok(())
+    }
+
+    fn flags(&mut self, probe: &mut Probe, pixels: &[u32]) -> Result<(), Error> {
+        match probe.by_flags()? {
+            Some(found) => {
+                let hidden = judge::hidden_proxies(pixels, &found, "flags");
+                self.note(Assumption::EarlyTests, hidden);
+                let shown = judge::shown_proxies(pixels, &found, "flags");
+                self.note(Assumption::FlagWrites, shown);
+            }
+            None => {
+                let reason = "fragment shaders of this device cannot write to buffers";
+                self.not_tested(&[Assumption::EarlyTests, Assumption::FlagWrites], reason);
+            }
+        }
+        Ok(())
+    }
+
+    fn compute(
+        &mut self,
+        probe: &mut Probe,
+        pixels: &[u32],
+        shaders: &ShaderSet,
+    ) -> Result<(), Error> {
+        let verdict = match probe.by_compute(shaders)? {
+            None => Finding::NotTested("this device has no compute tester".to_owned()),
+            Some(found) => match judge::shown_proxies(pixels, &found, "the compute tester") {
+                Finding::Held => judge::hidden_proxies(pixels, &found, "the compute tester"),
+                broken => broken,
+            },
+        };
+        self.note(Assumption::ComputedDepths, verdict);
+        Ok(())
+    }
+
+    /// Checks each way to skip draws with each kind of result.
+    fn executors(&mut self, probe: &mut Probe, pixels: &[u32]) -> Result<(), Error> {
+        for executor in EXECUTORS {
+            let assumption = match executor {
+                Predication::Conditional => Assumption::ConditionalRendering,
+                Predication::Counts | Predication::Compacted => Assumption::DrawCounts,
+                Predication::Instances => Assumption::InstanceCounts,
+            };
+            if !executor.is_supported(&self.device) {
+                self.not_tested(&[assumption], "this device does not have it");
+                continue;
+            }
+            let mut verdict = Finding::Held;
+            for source in [ResultSource::Queries, ResultSource::Fragments] {
+                // What is not known to set results right says nothing about their use.
+                let is_broken = self.findings.iter().any(|(it, verdict)| {
+                    let writes = match source {
+                        ResultSource::Queries => Assumption::QueryCounts,
+                        _ => Assumption::FlagWrites,
+                    };
+                    *it == writes && matches!(verdict, Finding::Broken(_))
+                });
+                if is_broken || verdict != Finding::Held {
+                    continue;
+                }
+                if let Some(image) = probe.predicated(executor, source)? {
+                    verdict = judge::predicated(pixels, &judge::drawn_pixels(&image), source);
+                }
+            }
+            self.note(assumption, verdict);
+        }
+        Ok(())
+    }
+
+    /// Checks the order of draws of equal depth: at the same place objects and their twins are
+    /// drawn, in one call and in two.
+    fn order(&mut self, probe: &mut Probe) -> Result<(), Error> {
+        let (objects, twins) = (0..TWINS, PROBES..PROBES + TWINS);
+        let [first, last] = [objects.clone(), twins.clone()].map(|it| probe.image_of(&[it]));
+        let (first, last) = (first?, last?);
+        let [all, without_twins] = [PROBES + TWINS, PROBES].map(|end| 0..end);
+        let (together, alone) = (probe.image_of(&[all])?, probe.image_of(&[without_twins])?);
+        let apart = probe.image_of(&[twins, objects])?;
+        let broken = |what: &str| Finding::Broken(what.to_owned());
+        let verdict = match (together == alone, apart == last, first == last) {
+            (_, _, true) => broken("two colours look the same"),
+            (false, _, _) => broken("of two draws of one call the later one wins"),
+            (_, false, _) => broken("of two calls the later one wins"),
+            (true, true, false) => Finding::Held,
+        };
+        self.note(Assumption::DrawOrder, verdict);
+        Ok(())
+    }
+
+    /// Checks that what a pass drew as depth alone is found again by the pass that shades.
+    fn repeated_depth(&mut self, options: &RendererOptions, pixels: &[u32]) -> Result<(), Error> {
+        let found = judge::shaded_pixels(&walk::shaded_probes(&self.device, options)?);
+        let lost = pixels.iter().zip(&found).filter(|(expected, found)| expected != found).count();
+        let sentence = "objects lose pixels between their depth and their colour";
+        self.note(Assumption::RepeatedDepth, Finding::of_faults(lost, pixels.len(), sentence));
+        Ok(())
+    }
+
+    /// Checks walks with each tester against plain frustum culling.
+    fn walks(&mut self, options: &RendererOptions) -> Result<(), Error> {
+        let walks = [
+            (Assumption::QueriedWalk, Strategy::ANTUMBRA_QUERIES),
+            (Assumption::FlaggedWalk, Strategy::ANTUMBRA_FLAGS),
+            (Assumption::ComputedWalk, Strategy::ANTUMBRA_COMPUTE),
+        ];
+        let broken: Vec<Assumption> =
+            SelfTest { findings: self.findings.clone(), safest: None }.broken();
+        // With the executor that would be used, or each walk would find its faults again.
+        let trust = Trust::without(&broken);
+        let has = |executor: Predication| executor.is_supported(&self.device);
+        let Some(executor) = trust.executor(Predication::best(self.device.capabilities()), has)
+        else {
+            let reason = "draws cannot be skipped in any way";
+            self.not_tested(&walks.map(|(assumption, _)| assumption), reason);
+            return Ok(());
+        };
+        let options = RendererOptions { predication: Some(executor), ..options.clone() };
+        for ((assumption, _), verdict) in walks.into_iter().zip(walk::walks(
+            &self.device,
+            &options,
+            walks.map(|(_, strategy)| strategy),
+        )?) {
+            self.note(assumption, verdict);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,432 @@
+//! The probe: frames of boxes in cells of their own, drawn and tested by hand, one tester and one
+//! executor at a time.
+
+use cull::View;
+use gpu::{
+    Access, BufferSlice, Commands, Counting, Device, DrawRange, FlagRing, Frame, IndirectDraw,
+    Load, MemoryBarrier, Optional, PredicatedRange, Predicates, Predication, QueryIndex, QueryRing,
+    Readback, ResultSource, Reveal,
+};
+use occlusion::{
+    BucketId, ComputeTest, ComputeTestIo, Costs, ObjectPass, ObjectRenderer, ProxyBox, ProxyIo,
+    Rect, ShaderSet,
+};
+
+use super::probe_scene::{self, PROBES, SIZE, TWINS};
+use crate::error::Error;
+use crate::frame_passes::FramePasses;
+use crate::renderer::{Renderer, RendererOptions};
+use crate::resources::object_bounds::object_bounds;
+use crate::views::{FrameRequest, finish_image};
+
+/// Draws under one decision of a predicate.
+pub(super) const PER_DECISION: usize = 4;
+
+/// Frames in a row whose results are read late.
+const LATE_FRAMES: u32 = 8;
+
+/// Queries of such a frame.
+const LATE_QUERIES: u32 = 32;
+
+/// The depth that hides everything, and the one that hides nothing.
+const HIDES_ALL: f32 = 1.0;
+const HIDES_NOTHING: f32 = 0.0;
+
+const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+
+/// The boxes on a device, with the passes that draw and test them.
+pub(super) struct Probe {
+    renderer: Renderer,
+    device: Device,
+    view: View,
+    /// The draws of the objects, and of the twins behind them.
+    draws: Vec<IndirectDraw>,
+    boxes: Vec<ProxyBox>,
+    image: Readback,
+}
+
+/// The samples that queries found, for each object.
+#[derive(Clone, Debug, Default)]
+pub(super) struct QueriedSamples {
+    /// Those of the object itself.
+    pub objects: Vec<u32>,
+    /// Those of its proxy before the object, within the object's area.
+    pub proxies: Vec<u32>,
+    /// Those of its proxy alone, within the object's area.
+    pub alone: Vec<u32>,
+    /// Those of its proxy there, behind something that hides all.
+    pub hidden: Vec<u32>,
+}
+
+/// The results of a tester, for each object: of its proxy before the object, and behind something
+/// that hides all.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TestedProxies {
+    pub shown: Vec<u32>,
+    pub hidden: Vec<u32>,
+}
+
+impl Probe {
+    /// Makes the boxes and the passes of `options`.
+    pub(super) fn new(device: &Device, options: &RendererOptions) -> Result<Self, Error> {
+        let scene = probe_scene::probes();
+        let options = RendererOptions { size: SIZE, costs: Costs::Ignored, ..options.clone() };
+        let renderer = Renderer::new(device, &scene, &options)?;
+        let view = renderer.view_of(&probe_scene::camera());
+        let draws = (0..(PROBES + TWINS) as u32).map(|object| {
+            let leaf = renderer.hierarchy.leaf_of(cull::ObjectId(object)).map_or(0, |leaf| leaf.0);
+            let mesh = renderer.passes.geometry.mesh_draw(scene::MeshId(0));
+            IndirectDraw { first_instance: leaf, instance_count: 1, ..mesh }
+        });
+        let boxes = object_bounds(&scene)?.into_iter().take(PROBES);
+        let boxes = boxes.filter_map(|it| view.margin.proxy(&it)).map(ProxyBox::from);
+        Ok(Self {
+            draws: draws.collect(),
+            boxes: boxes.collect(),
+            device: device.clone(),
+            image: Readback::new(device, SIZE)?,
+            view,
+            renderer,
+        })
+    }
+
+    /// Returns true if queries count samples exactly on this device.
+    pub(super) fn can_count(&self) -> bool {
+        self.device.capabilities().has(Optional::PreciseQueries)
+    }
+
+    /// Returns the image of a frame of frustum culling.
+    pub(super) fn whole_image(&mut self) -> Result<Vec<u8>, Error> {
+        let mut state = self.renderer.new_view()?;
+        let request = FrameRequest {
+            image: Some(&self.image),
+            ..FrameRequest::new(cull::Strategy::FRUSTUM, probe_scene::camera())
+        };
+        self.renderer.render(&mut state, &request)?;
+        self.renderer.drain(&mut state)?;
+        self.rgba()
+    }
+
+    fn rgba(&self) -> Result<Vec<u8>, Error> {
+        Ok(self.image.rgba8()?.to_vec())
+    }
+
+    /// Returns the image of the draws of these objects: call by call, the draws of each call
+    /// together.
+    pub(super) fn image_of(&mut self, calls: &[std::ops::Range<usize>]) -> Result<Vec<u8>, Error> {
+        let Self { renderer, view, draws, image, .. } = self;
+        let Renderer { frames, passes, .. } = renderer;
+        let mut frame = frames.begin()?;
+        let all = frame.uploads().push(draws)?;
+        frame.commands().pass("self-test order", |commands| {
+            rendering(passes, commands, HIDES_NOTHING, |passes, commands| {
+                bind(passes, commands, view);
+                for call in calls {
+                    let bytes = call.len() as u64 * DRAW_BYTES;
+                    commands.draw_indirect(all.part(call.start as u64 * DRAW_BYTES, bytes));
+                }
+            });
+        });
+        finish_image(&mut frame, passes, None, Some(image))?;
+        let tick = frame.submit(None)?;
+        renderer.submitted(tick);
+        self.device.drain()?;
+        self.rgba()
+    }
+
+    /// Counts the samples of objects and proxies by queries: of proxies those within `areas`, which
+    /// are as small as the objects.
+    pub(super) fn by_queries(&mut self, areas: &[Rect]) -> Result<QueriedSamples, Error> {
+        let mut queries = QueryRing::new(&self.device, 1, "self-test queries")?;
+        if self.can_count() {
+            queries.set_counting(Counting::Samples);
+        }
+        let Self { renderer, device, view, draws, boxes, .. } = self;
+        let count = boxes.len();
+        let Renderer { frames, passes, executor, .. } = renderer;
+        let mut frame = frames.begin()?;
+        queries.begin(&mut frame, &vec![(); 4 * count])?;
+        let draws = frame.uploads().push(draws)?;
+        let io = ProxyIo { boxes: frame.uploads().push(boxes)?, flags: None };
+        let proxies = &executor.passes.proxies;
+        let test = |commands: &Commands, first: usize| {
+            proxies.bind(commands, &io, &*view);
+            for (number, area) in (0..count as u32).zip(areas) {
+                let query = QueryIndex(first as u32 + number);
+                commands.clip(area.origin, area.size);
+                queries.scope(commands, query, |commands| proxies.draw(commands, number));
+            }
+        };
+        frame.commands().pass("self-test queries", |commands| {
+            rendering(passes, commands, HIDES_NOTHING, |passes, commands| {
+                bind(passes, commands, view);
+                for number in 0..count as u64 {
+                    let draw = draws.part(number * DRAW_BYTES, DRAW_BYTES);
+                    queries.scope(commands, QueryIndex(number as u32), |commands| {
+                        commands.draw_indirect(draw);
+                    });
+                }
+                test(commands, count);
+            });
+            for (depth, first) in [(HIDES_NOTHING, 2 * count), (HIDES_ALL, 3 * count)] {
+                rendering(passes, commands, depth, |_, commands| test(commands, first));
+            }
+        });
+        queries.resolve(frame.commands(), 0..4 * count as u32);
+        queries.read_back(frame.commands());
+        let tick = frame.submit(None)?;
+        queries.submitted(tick);
+        renderer.submitted(tick);
+        device.drain()?;
+        let mut samples = Vec::new();
+        queries.collect(device.completed()?, |(), found| samples.push(found));
+        let part = |number| samples.iter().copied().skip(number * count).take(count).collect();
+        Ok(QueriedSamples { objects: part(0), proxies: part(1), alone: part(2), hidden: part(3) })
+    }
+
+    /// Tests proxies by flags; `None` where the device has none.
+    pub(super) fn by_flags(&mut self) -> Result<Option<TestedProxies>, Error> {
+        let Self { renderer, device, view, draws, boxes, .. } = self;
+        let Renderer { frames, passes, executor, .. } = renderer;
+        let proxies = &executor.passes.proxies;
+        if !proxies.can_flag() {
+            return Ok(None);
+        }
+        let mut flags = FlagRing::new(device, 1, ResultSource::Fragments, "self-test flags");
+        let count = boxes.len();
+        let mut frame = frames.begin()?;
+        flags.begin(&frame, std::iter::repeat_n((), 2 * count))?;
+        let draws = frame.uploads().push(draws)?;
+        let doubled = [&boxes[..], &boxes[..]].concat();
+        let io = ProxyIo { boxes: frame.uploads().push(&doubled)?, flags: flags.results() };
+        frame.commands().pass("self-test flags", |commands| {
+            wait_for_reset(commands);
+            rendering(passes, commands, HIDES_NOTHING, |passes, commands| {
+                draw_objects(passes, commands, view, draws);
+                proxies.bind_flags(commands, &io, &*view);
+                proxies.draw_all(commands, 0..count as u32);
+            });
+            rendering(passes, commands, HIDES_ALL, |_, commands| {
+                proxies.bind_flags(commands, &io, &*view);
+                proxies.draw_all(commands, count as u32..2 * count as u32);
+            });
+        });
+        flags.read_back(frame.commands());
+        let tick = frame.submit(None)?;
+        flags.submitted(tick);
+        renderer.submitted(tick);
+        device.drain()?;
+        tested(&mut flags, device, count).map(Some)
+    }
+
+    /// Tests proxies by the compute tester; `None` where the device has none.
+    pub(super) fn by_compute(
+        &mut self,
+        shaders: &ShaderSet,
+    ) -> Result<Option<TestedProxies>, Error> {
+        let Self { renderer, device, view, draws, boxes, .. } = self;
+        let Renderer { frames, passes, executor, .. } = renderer;
+        if !executor.testers(device, &passes.target).compute {
+            return Ok(None);
+        }
+        let compute = ComputeTest::new(device, shaders, SIZE)?;
+        let mut results = FlagRing::new(device, 1, ResultSource::Compute, "self-test results");
+        let count = boxes.len();
+        let mut frame = frames.begin()?;
+        results.begin(&frame, std::iter::repeat_n((), 2 * count))?;
+        let draws = frame.uploads().push(draws)?;
+        let boxes = frame.uploads().push(&[&boxes[..], &boxes[..]].concat())?;
+        let Some(written) = results.results() else { return Ok(None) };
+        frame.commands().pass("self-test compute", |commands| {
+            wait_for_reset(commands);
+            for (depth, first) in [(HIDES_NOTHING, 0), (HIDES_ALL, count as u32)] {
+                rendering(passes, commands, depth, |passes, commands| {
+                    if depth == HIDES_NOTHING {
+                        draw_objects(passes, commands, view, draws);
+                    }
+                });
+                let area = Rect::whole(SIZE);
+                compute.record_grid(commands, &mut passes.target, area, view.depth);
+                let again = [Access::ComputeWrite];
+                commands.barrier(MemoryBarrier::between(&again, &again));
+                let io = ComputeTestIo { boxes, results: written, first, count: count as u32 };
+                compute.record_tests(commands, &io, view);
+            }
+        });
+        results.read_back(frame.commands());
+        let tick = frame.submit(None)?;
+        results.submitted(tick);
+        renderer.submitted(tick);
+        device.drain()?;
+        tested(&mut results, device, count).map(Some)
+    }
+
+    /// Returns the image of all objects, each range of [`PER_DECISION`] under the predicate that
+    /// its number is even, which tests of `source` find out; `None` where there is no such tester.
+    pub(super) fn predicated(
+        &mut self,
+        executor: Predication,
+        source: ResultSource,
+    ) -> Result<Option<Vec<u8>>, Error> {
+        if source == ResultSource::Fragments && !self.renderer.executor.passes.proxies.can_flag() {
+            return Ok(None);
+        }
+        let decisions = PROBES / PER_DECISION;
+        let mut predicates = Predicates::new(
+            &self.device,
+            Some(executor),
+            self.draws.get(..PROBES).unwrap_or_default(),
+            1,
+        )?;
+        let mut queries = QueryRing::new(&self.device, 1, "self-test predicates")?;
+        let mut flags = FlagRing::new(&self.device, 1, ResultSource::Fragments, "self-test flags");
+        let Self { renderer, view, boxes, image, .. } = self;
+        let Renderer { frames, passes, executor, .. } = renderer;
+        let mut frame = frames.begin()?;
+        queries.begin(&mut frame, &vec![(); decisions])?;
+        flags.begin(&frame, std::iter::repeat_n((), decisions))?;
+        let results = match source {
+            ResultSource::Queries => queries.results(),
+            _ => flags.results(),
+        };
+        begin_decisions(&mut predicates, &mut frame, source, results)?;
+        let io = ProxyIo { boxes: frame.uploads().push(boxes)?, flags: flags.results() };
+        let proxies = &executor.passes.proxies;
+        let numbers = 0..decisions as u32;
+        frame.commands().pass("self-test predicates", |commands| {
+            wait_for_reset(commands);
+            rendering(passes, commands, HIDES_NOTHING, |_, commands| {
+                if source == ResultSource::Fragments {
+                    proxies.bind_flags(commands, &io, &*view);
+                    let even = numbers.clone().step_by(2);
+                    even.for_each(|number| proxies.draw_all(commands, number..number + 1));
+                }
+                proxies.bind(commands, &io, &*view);
+                for number in numbers.clone() {
+                    queries.scope(commands, QueryIndex(number), |commands| {
+                        if number % 2 == 0 {
+                            proxies.draw(commands, number);
+                        }
+                    });
+                }
+            });
+            queries.resolve(commands, numbers.clone());
+            predicates.resolve(commands, &[(source, numbers.clone())], 0);
+            rendering(passes, commands, HIDES_NOTHING, |passes, commands| {
+                bind(passes, commands, view);
+                numbers.clone().for_each(|number| predicates.draw(commands, source, number));
+            });
+        });
+        finish_image(&mut frame, passes, None, Some(image))?;
+        let tick = frame.submit(None)?;
+        queries.submitted(tick);
+        flags.submitted(tick);
+        renderer.submitted(tick);
+        self.device.drain()?;
+        self.rgba().map(Some)
+    }
+
+    /// Reads the results of several frames as the ticks of these are over, without draining.
+    /// Returns the number of wrong ones, and of all.
+    pub(super) fn late_results(&mut self) -> Result<[usize; 2], Error> {
+        let mut queries = QueryRing::new(&self.device, 2, "self-test late queries")?;
+        let mut counts = [0; 2];
+        let mut judge = |(frame, number): (u32, u32), samples: u32| {
+            counts[0] += usize::from((samples > 0) != shows(frame, number));
+            counts[1] += 1;
+        };
+        for number in 0..LATE_FRAMES {
+            let Self { renderer, device, view, boxes, .. } = self;
+            let Renderer { frames, passes, executor, .. } = renderer;
+            let mut frame = frames.begin()?;
+            queries.collect(device.completed()?, &mut judge);
+            let tags: Vec<(u32, u32)> = (0..LATE_QUERIES).map(|query| (number, query)).collect();
+            queries.begin(&mut frame, &tags)?;
+            let io = ProxyIo { boxes: frame.uploads().push(boxes)?, flags: None };
+            frame.commands().pass("self-test late queries", |commands| {
+                rendering(passes, commands, HIDES_NOTHING, |_, commands| {
+                    executor.passes.proxies.bind(commands, &io, &*view);
+                    for query in 0..LATE_QUERIES {
+                        queries.scope(commands, QueryIndex(query), |commands| {
+                            if shows(number, query) {
+                                executor.passes.proxies.draw(commands, query);
+                            }
+                        });
+                    }
+                });
+            });
+            queries.resolve(frame.commands(), 0..LATE_QUERIES);
+            queries.read_back(frame.commands());
+            let tick = frame.submit(None)?;
+            queries.submitted(tick);
+            renderer.submitted(tick);
+        }
+        self.device.drain()?;
+        queries.collect(self.device.completed()?, &mut judge);
+        Ok(counts)
+    }
+}
+
+/// Returns true if a query of a frame has a box in it.
+fn shows(frame: u32, query: u32) -> bool {
+    (frame + query).is_multiple_of(2)
+}
+
+/// Begins a decision for each range of draws.
+fn begin_decisions(
+    predicates: &mut Predicates,
+    frame: &mut Frame<'_>,
+    source: ResultSource,
+    results: Option<BufferSlice>,
+) -> Result<(), Error> {
+    let count = PER_DECISION as u32;
+    let decided = (0..PROBES / PER_DECISION).map(|number| {
+        let result = number as u32;
+        let range = DrawRange { first: result * count, count };
+        PredicatedRange { result, range, reveal: Reveal::Draws }
+    });
+    Ok(predicates.begin(frame, source, results, decided)?)
+}
+
+/// Reads the results of two tests per object.
+fn tested(
+    results: &mut FlagRing<()>,
+    device: &Device,
+    count: usize,
+) -> Result<TestedProxies, Error> {
+    let mut found = TestedProxies::default();
+    results.collect(device.completed()?, |_, results| {
+        let (shown, hidden) = results.split_at(count.min(results.len()));
+        found = TestedProxies { shown: shown.to_vec(), hidden: hidden.to_vec() };
+    });
+    Ok(found)
+}
+
+/// Waits until the results of the frame are cleared.
+fn wait_for_reset(commands: &Commands) {
+    let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeWrite];
+    commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
+}
+
+/// Records a rendering over a black image of this depth.
+fn rendering(
+    passes: &mut FramePasses,
+    commands: &Commands,
+    depth: f32,
+    record: impl FnOnce(&FramePasses, &Commands),
+) {
+    passes.target.prepare(commands);
+    let mut target = passes.target.render_target(None);
+    (target.colour_load, target.depth_load) = (Load::Clear([0.0; 4]), Load::Clear(depth));
+    commands.rendering(target, |commands| record(passes, commands));
+}
+
+fn bind(passes: &FramePasses, commands: &Commands, view: &View) {
+    passes.bind(commands, view, BucketId(0), ObjectPass::Visibility);
+}
+
+/// Draws all objects without their twins.
+fn draw_objects(passes: &FramePasses, commands: &Commands, view: &View, draws: BufferSlice) {
+    bind(passes, commands, view);
+    commands.draw_indirect(draws.part(0, PROBES as u64 * DRAW_BYTES));
+}

@@ -1,0 +1,192 @@
+//! The self-test: it trusts the drivers that are right, finds each lie of one that is not, and the
+//! renderer then uses the safest tester that is left.
+
+use std::time::Instant;
+
+use cull::Strategy;
+use gpu::{Device, DeviceOptions, Predication};
+use render::{
+    Assumption, Costs, Finding, FrameRequest, Renderer, RendererOptions, SelfTest, self_test,
+};
+use scenes::{CameraPath, GeneratedScene, PathKind, city};
+use tests::machine::{Lie, Machine};
+use tests::{Driver, instance_with, run, run_on_all, still};
+
+fn examined(device: &Device) -> SelfTest {
+    self_test(device, &RendererOptions::default()).unwrap()
+}
+
+#[test]
+fn both_drivers_are_trusted() {
+    run_on_all(|device| {
+        let began = Instant::now();
+        let found = examined(device);
+        println!("{:?}: {found:#?}", began.elapsed());
+        assert_eq!(found.broken(), []);
+        assert_eq!(found.safest, Some(Strategy::ANTUMBRA));
+        let tested = found.findings.iter().map(|(assumption, _)| *assumption);
+        assert!(tested.eq(Assumption::ALL), "each once, in their order");
+        let is_lavapipe = device.adapter().name.contains("llvmpipe");
+        let is_untested = |(_, verdict): &&(_, Finding)| matches!(verdict, Finding::NotTested(_));
+        let untested = found.findings.iter().filter(is_untested).count();
+        assert_eq!(untested, if is_lavapipe { 0 } else { 2 }, "conditional rendering and counts");
+    });
+}
+
+/// Returns what is broken on a driver with this lie, and the safest strategy.
+fn broken_by(driver: Driver, lie: Lie) -> (Vec<Assumption>, Option<Strategy>) {
+    let instance = instance_with(Machine { lie: Some(lie), ..Machine::default() }.entry());
+    let adapter = instance.pick_adapter(Some(driver.device_name())).unwrap();
+    let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+    let found = examined(&device);
+    drop(device);
+    assert_eq!(instance.validation_log().drain(), []);
+    (found.broken(), found.safest)
+}
+
+#[test]
+fn a_lie_of_the_driver_is_found() {
+    use Assumption::*;
+    let (ours, flags) = (Some(Strategy::ANTUMBRA), Some(Strategy::ANTUMBRA_FLAGS));
+    let lavapipe = [
+        (Lie::FirstResultForAll, vec![QueryCounts, LateResults, QueriedWalk], flags),
+        (Lie::NoConditions, vec![ConditionalRendering], ours),
+        (Lie::NoCounts, vec![DrawCounts], ours),
+        (Lie::NoDispatches, vec![ComputedDepths, DrawCounts, InstanceCounts, ComputedWalk], ours),
+        (Lie::LastDrawFirst, vec![DrawOrder], ours),
+    ];
+    for (lie, expected, safest) in lavapipe {
+        assert_eq!(broken_by(Driver::Lavapipe, lie), (expected, safest), "{lie:?}");
+    }
+    let swift_shader = [
+        (Lie::FirstResultForAll, vec![QueryCounts, LateResults, QueriedWalk], flags),
+        // The only way to skip draws.
+        (Lie::NoDispatches, vec![ComputedDepths, InstanceCounts], None),
+    ];
+    for (lie, expected, safest) in swift_shader {
+        assert_eq!(broken_by(Driver::SwiftShader, lie), (expected, safest), "{lie:?}");
+    }
+}
+
+/// Draws the first frames of a walk under a strategy, on a renderer that distrusts this. Returns
+/// the number of tests by it, and checks that images are those of frustum culling.
+fn walk(device: &Device, distrusted: &[Assumption], strategy: Strategy) -> (Renderer, [u32; 2]) {
+    let GeneratedScene { scene, routes } = city(300, 3).unwrap();
+    let path = CameraPath::new(PathKind::Street, &routes).unwrap();
+    let options = RendererOptions {
+        size: [96, 54],
+        costs: Costs::Ignored,
+        distrusted: distrusted.to_vec(),
+        ..RendererOptions::default()
+    };
+    let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+    let [mut view, mut reference] = [0, 1].map(|_| renderer.new_view().unwrap());
+    let mut counts = [0; 2];
+    for frame in 0..6 {
+        let camera = path.camera(frame);
+        let report = renderer.render(&mut view, &FrameRequest::new(strategy, camera)).unwrap();
+        counts[0] += report.tests;
+        counts[1] += report.predicated_draws;
+        let found = still::image(&mut renderer, &mut view, strategy, camera);
+        let expected = still::image(&mut renderer, &mut reference, Strategy::FRUSTUM, camera);
+        assert!(found == expected, "frame {frame}");
+    }
+    (renderer, counts)
+}
+
+#[test]
+fn the_safest_tester_is_used_and_said() {
+    use Assumption::*;
+    run(Driver::Lavapipe, |device| {
+        for strategy in [Strategy::ANTUMBRA, Strategy::ANTUMBRA_FLAGS] {
+            let (renderer, trusted) = walk(device, &[], strategy);
+            assert!(trusted[0] > 0 && renderer.distrust().is_empty());
+            let (renderer, [tests, _]) = walk(device, &[EarlyTests], strategy);
+            assert!(tests > 0);
+            let said = renderer.distrust().concat();
+            assert!(said.contains("early tests") && said.contains("another tester"), "{said}");
+            let (_, counts) = walk(device, &[ProxyDepth, ComputedDepths], strategy);
+            assert_eq!(counts, [0, 0], "frustum culling");
+        }
+        let (renderer, counts) = walk(device, &[ConditionalRendering], Strategy::ANTUMBRA);
+        assert_eq!(renderer.predication(), Predication::Counts);
+        assert!(counts[1] > 0);
+        let none = [ConditionalRendering, DrawCounts, InstanceCounts];
+        assert_eq!(walk(device, &none, Strategy::ANTUMBRA).1, [0, 0], "nothing can be skipped");
+    });
+}
+
+#[test]
+fn images_are_right_on_a_driver_that_lies_and_is_not_trusted() {
+    let machine = Machine { lie: Some(Lie::FirstResultForAll), ..Machine::default() };
+    let instance = instance_with(machine.entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+    let broken = examined(&device).broken();
+    for strategy in [Strategy::ANTUMBRA, Strategy::ANTUMBRA_QUERIES] {
+        let (_, [tests, _]) = walk(&device, &broken, strategy);
+        assert!(tests > 0, "by flags");
+    }
+    drop(device);
+    assert_eq!(instance.validation_log().drain(), []);
+}
+
+/// Wrong shaders: a driver that compiles them wrong would do the same.
+#[cfg(feature = "shader-compiler")]
+mod shaders {
+    use std::fs;
+    use std::path::Path;
+
+    use render::ShaderSet;
+
+    use super::*;
+
+    /// Returns the shaders with a change in one of them.
+    fn changed(name: &str, from: &str, to: &str) -> ShaderSet {
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
+        let folder =
+            std::env::temp_dir().join(format!("antumbra-self-test-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        for file in fs::read_dir(source).unwrap().map(Result::unwrap) {
+            if file.path().is_file() {
+                fs::copy(file.path(), folder.join(file.file_name())).unwrap();
+            }
+        }
+        let text = fs::read_to_string(folder.join(name)).unwrap();
+        assert!(text.contains(from), "{name} has no longer `{from}`");
+        fs::write(folder.join(name), text.replace(from, to)).unwrap();
+        let shaders = ShaderSet::compiled_from(&folder).unwrap();
+        fs::remove_dir_all(&folder).unwrap();
+        shaders
+    }
+
+    #[test]
+    fn a_wrong_result_of_a_shader_is_found() {
+        use Assumption::*;
+        let position = "gl_Position = box_vertex(box.low.xyz, box.high.xyz, eye, view_proj, \
+                        gl_VertexIndex);";
+        let shaded = "gl_Position = snapped(clip, vec2(ambient_above.w, ambient_below.w));";
+        let moved = |by: &str| format!("{position} {by}");
+        let lies = [
+            ("proxy.frag", "layout(early_fragment_tests) in;", String::new(), EarlyTests),
+            ("proxy.frag", "flags[test] = 1;", "flags[test] = 0;".to_owned(), FlagWrites),
+            ("proxy.vert", position, moved("gl_Position.z *= 0.9;"), ProxyDepth),
+            (
+                "proxy.vert",
+                position,
+                moved("gl_Position.x += 0.02 * gl_Position.w;"),
+                ProxyCoverage,
+            ),
+            ("surface.vert", shaded, format!("{shaded} gl_Position.z *= 1.00001;"), RepeatedDepth),
+        ];
+        for (name, from, to, expected) in lies {
+            let shaders = Some(changed(name, from, &to));
+            run_on_all(|device| {
+                let options = RendererOptions { shaders: shaders.clone(), ..Default::default() };
+                let found = self_test(device, &options).unwrap();
+                println!("{name}, {to}: {:?}", found.broken());
+                assert!(found.broken().contains(&expected), "{name}: {:?}", found.broken());
+            });
+        }
+    }
+}
