@@ -5,7 +5,7 @@
 //! [`outputs`] checks that its files can be written, [`run`] draws the frames in the order of
 //! [`schedule`] and measures them with [`measurement`]. [`report`] and [`table`] present the
 //! results. The program `compare` makes one page of many such reports: `compare`, with the feature
-//! `charts`.
+//! `charts`; `gpu_page` makes the page of a device.
 #![forbid(unsafe_code)]
 
 pub mod args;
@@ -16,6 +16,8 @@ pub mod compare;
 pub mod destination;
 pub mod exit_status;
 pub mod eyes;
+#[cfg(feature = "charts")]
+pub mod gpu_page;
 pub mod image_difference;
 pub mod input_file;
 pub mod legend;

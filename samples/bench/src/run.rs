@@ -106,7 +106,11 @@ pub fn open_instance(
     Ok(Instance::new(gpu::load_entry()?, &options)?)
 }
 
-fn pick_adapter(instance: &Instance, choice: &DeviceChoice) -> Result<Adapter, RunError> {
+/// Returns the device of a choice.
+///
+/// # Errors
+/// A device that is missing or unsuited.
+pub fn pick_adapter(instance: &Instance, choice: &DeviceChoice) -> Result<Adapter, RunError> {
     Ok(instance.pick_adapter(wanted(choice).as_deref())?)
 }
 

@@ -26,6 +26,8 @@ pub struct BarChart {
     pub title: String,
     /// Each strategy with its count, from above; `None` where it was not measured.
     pub bars: Vec<(String, Option<f64>)>,
+    /// The width of their names, in pixels.
+    pub names_px: u32,
 }
 
 impl BarChart {
@@ -48,7 +50,7 @@ impl BarChart {
             .margin_top(8)
             .margin_right(76)
             .x_label_area_size(30)
-            .y_label_area_size(146)
+            .y_label_area_size(self.names_px)
             .build_cartesian_2d(logarithmic(LEAST, most), (rows..0).with_key_points(middles))?;
         let name = |middle: &i32| {
             let bar = usize::try_from(middle / 2).ok().and_then(|row| self.bars.get(row));
@@ -97,7 +99,7 @@ mod tests {
 
     fn svg(bars: &[(&str, Option<f64>)]) -> String {
         let bars = bars.iter().map(|&(name, count)| (name.to_owned(), count)).collect();
-        let chart = BarChart { title: "queries".to_owned(), bars };
+        let chart = BarChart { title: "queries".to_owned(), bars, names_px: 146 };
         picture((500, chart.height()), "Test", |area| chart.draw(area)).unwrap()
     }
 

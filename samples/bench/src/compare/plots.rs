@@ -207,6 +207,7 @@ pub fn counts(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, DrawErro
             .iter()
             .map(|name| ((*name).to_owned(), case.count(name, of).map(|count| count.median())))
             .collect(),
+        names_px: 146,
     };
     // Whoever has few queries may test many boxes by other means: both, or neither.
     let tests = chart("Boxes tested per frame", |run| run.tests);

@@ -1,4 +1,4 @@
-//! Runs `walkthrough` and `compare` as users do.
+//! Runs `walkthrough`, `compare` and `gpu_page` as users do.
 
 #![allow(
     clippy::expect_used,
@@ -10,6 +10,8 @@
 mod bad_input;
 #[cfg(feature = "charts")]
 mod compare;
+#[cfg(feature = "charts")]
+mod gpu_page;
 mod lights;
 #[cfg(unix)]
 mod results;

@@ -1,4 +1,4 @@
-//! Runs ci/compare, ci/demo and ci/verify with stand-ins for the programs: the scripts' own
+//! Runs ci/compare, ci/demo, ci/gpu and ci/verify with stand-ins for the programs: the scripts' own
 //! decisions.
 
 use std::fs;
@@ -51,6 +51,8 @@ fn tree(name: &str, script: &str) -> Scratch {
     program(&scratch.0.join("bin/cargo"), CARGO);
     program(&scratch.0.join("target/release/walkthrough"), WALKTHROUGH);
     program(&scratch.0.join("target/release/compare"), "#!/bin/sh\n");
+    let words = "#!/bin/sh\necho \"$*\" >words\n";
+    program(&scratch.0.join("target/release/gpu_page"), words);
     scratch
 }
 
@@ -175,4 +177,40 @@ fn options_of_the_demo_come_after_its_own() {
     let arguments: bench::args::Arguments = clap::Parser::try_parse_from(line).expect("options");
     let fly = bench::options::PathChoice::Made(bench::choices::CameraPathChoice::Fly);
     assert_eq!(arguments.options().expect("options").path, fly);
+}
+
+#[test]
+fn the_page_of_a_gpu_has_compared_and_timed_walks_of_every_way() {
+    let scratch = tree("script-gpu", "gpu");
+    let output = run(&scratch, "gpu", &["--quick", "--device", "some", "--out", "pages"]);
+    assert_ends_with(&output, 0);
+    let walks = fs::read_to_string(scratch.0.join("target/release/walkthrough.walks"));
+    let walks = walks.expect("walks");
+    let walks: Vec<&str> = walks.lines().collect();
+    assert!(walks.iter().all(|walk| walk.contains("--device some")), "{walks:?}");
+    let has = |parts: &[&str]| walks.iter().any(|walk| parts.iter().all(|it| walk.contains(it)));
+    for checks in ["--validation on", "--validation sync"] {
+        assert!(has(&[checks, "--verify every", "--strategy frustum,antumbra,ideal"]));
+    }
+    for way in ["count", "instances", "compacted"].map(|way| format!("--predicates {way}")) {
+        assert!(has(&[&way, "--verify every"]), "{way}");
+    }
+    assert!(has(&["--scene field", "--verify every"]));
+    assert!(walks.iter().any(|walk| walk.contains("--path fly") && !walk.contains("--verify")));
+    let words = fs::read_to_string(scratch.0.join("words")).expect("a page");
+    assert!(words.contains("--reports out/gpu/reports --out pages"), "{words}");
+}
+
+#[test]
+fn a_wrong_walk_leaves_no_page_and_what_a_gpu_lacks_is_left_out() {
+    for (code, message, expected) in [(1, "wrong pixels", 1), (2, "it lacks counts", 0)] {
+        let scratch = tree(&format!("script-gpu-{code}"), "gpu");
+        let failing =
+            format!("case \"$*\" in *instances*) echo '{message}' >&2; exit {code} ;; esac\n");
+        let text = WALKTHROUGH.replacen("#!/bin/sh\n", &format!("#!/bin/sh\n{failing}"), 1);
+        program(&scratch.0.join("target/release/walkthrough"), &text);
+        let output = run(&scratch, "gpu", &["--quick"]);
+        assert_ends_with(&output, expected);
+        assert_eq!(scratch.0.join("words").exists(), expected == 0);
+    }
 }

@@ -1,0 +1,335 @@
+//! The frames that prices are measured with: many of one item and little else.
+
+use std::time::Instant;
+
+use cull::{Aabb, Camera, Projection, Tester, View};
+use glam::Vec3;
+use gpu::{
+    Access, BufferSlice, Commands, Device, DrawRange, FlagRing, Frame, FrameRing, IndirectDraw,
+    Load, MemoryBarrier, Optional, PredicatedRange, Predicates, Predication, QueryIndex, QueryRing,
+    Resubmission, ResultSource, Reveal,
+};
+use occlusion::{
+    BucketId, ComputeTest, ComputeTestIo, Costs, ObjectPass, ObjectRenderer, ProxyBox, ProxyIo,
+    Rect, ShaderSet,
+};
+use scene::{Mesh, Scene};
+
+use super::PriceListOptions;
+use super::item::{BoxSize, PredicateResult, PricedItem};
+use crate::error::Error;
+use crate::frame_passes::FramePasses;
+use crate::renderer::{Renderer, RendererOptions};
+
+/// The distance of everything from the eye (metres).
+const DISTANCE_M: f32 = 10.0;
+
+/// The depth of something at the near plane, behind which all is hidden.
+const HIDES_ALL: f32 = 1.0;
+
+const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+
+/// The objects and passes that items are recorded with.
+pub(super) struct PriceBench {
+    device: Device,
+    renderer: Renderer,
+    frames: FrameRing,
+    has_timestamps: bool,
+    view: View,
+    most: u32,
+    predicates: Vec<Predicates>,
+    compute: Option<ComputeTest>,
+    queries: QueryRing<()>,
+    flags: FlagRing<()>,
+    computed: FlagRing<()>,
+}
+
+/// The buffers of a frame.
+struct Io {
+    draws: BufferSlice,
+    boxes: BufferSlice,
+}
+
+impl PriceBench {
+    pub(super) fn new(device: &Device, options: &PriceListOptions) -> Result<Self, Error> {
+        let corners = [[-0.5, -0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.5, 0.0]];
+        let mesh = Mesh::of_triangles("triangle", &corners.map(|corner| (corner, [1.0; 3])));
+        let size = options.size;
+        let plain = RendererOptions { size, costs: Costs::Ignored, ..RendererOptions::default() };
+        let renderer = Renderer::new(device, &Scene::single(mesh), &plain)?;
+        let projection = Projection::perspective(1.0);
+        let (eye, forward, up) = (Vec3::ZERO, Vec3::NEG_Z, Vec3::Y);
+        let view = renderer.view_of(&Camera { eye, forward, up, projection, near: 0.1 });
+        let draw = renderer.passes.geometry.mesh_draw(scene::MeshId(0));
+        let draws = vec![IndirectDraw { instance_count: 1, ..draw }; options.most.max(1) as usize];
+        let executors = [Predication::Conditional, Predication::Counts, Predication::Instances];
+        let has = |it: &Predication| {
+            Predication::choose(device, Some(*it), draws.len() as u64, 0).is_ok()
+        };
+        let predicates = executors.into_iter().filter(has);
+        let predicates = predicates.map(|it| Predicates::new(device, Some(it), &draws, 1));
+        let has_timestamps = device.capabilities().has(Optional::Timestamps);
+        let mut frames = FrameRing::new(device, 1)?;
+        if has_timestamps {
+            frames.time_passes()?;
+        }
+        let flags = |source, name| FlagRing::new(device, 1, source, name);
+        Ok(Self {
+            predicates: predicates.collect::<Result<_, _>>()?,
+            compute: ComputeTest::new(device, &ShaderSet::embedded()?, size).ok(),
+            queries: QueryRing::new(device, 1, "price queries")?,
+            flags: flags(ResultSource::Fragments, "price flags"),
+            computed: flags(ResultSource::Compute, "price results"),
+            device: device.clone(),
+            most: options.most.max(1),
+            renderer,
+            frames,
+            has_timestamps,
+            view,
+        })
+    }
+
+    /// Returns true if the device can do so many of an item.
+    pub(super) fn can(&self, item: PricedItem, count: u32) -> bool {
+        let can_flag = self.renderer.executor.passes.proxies.can_flag();
+        match item {
+            PricedItem::Predicates(executor, _) => {
+                can_flag && self.predicates.iter().any(|it| it.predication() == executor)
+            }
+            PricedItem::Boxes(Tester::Flag, _) => can_flag,
+            PricedItem::Boxes(Tester::Compute, _) => self.compute.is_some(),
+            PricedItem::IndirectDraws { per_call } => count >= per_call,
+            PricedItem::Resets(Resubmission::Never) => {
+                self.device.capabilities().has(Optional::HostQueryReset)
+            }
+            _ => true,
+        }
+    }
+
+    /// Returns the time of a frame with so many of an item (ns), alone on the GPU; of resets by
+    /// the CPU that of the CPU.
+    pub(super) fn time_ns(&mut self, item: PricedItem, count: u32) -> Result<f64, Error> {
+        let count = count.min(self.most);
+        if let PricedItem::Resets(by) = item {
+            return self.time_reset_ns(by, count);
+        }
+        let Self { frames, renderer, .. } = self;
+        let mut frame = frames.begin()?;
+        let (queries, results) = match item {
+            PricedItem::Queries | PricedItem::Boxes(Tester::Query, _) => (count, 1),
+            _ => (0, count.max(1)),
+        };
+        self.queries.begin(&mut frame, &vec![(); queries as usize])?;
+        self.flags.begin(&frame, std::iter::repeat_n((), results as usize))?;
+        self.computed.begin(&frame, std::iter::repeat_n((), results as usize))?;
+        begin_decisions(&mut self.predicates, &self.flags, &mut frame, (item, count))?;
+        let draw = renderer.passes.geometry.mesh_draw(scene::MeshId(0));
+        let draw = IndirectDraw { instance_count: 1, ..draw };
+        let bounds = match item {
+            PricedItem::Boxes(_, BoxSize::Large) => box_of([0.5, 0.5], &self.view),
+            _ => box_of(self.view.size.map(|pixels| 2.0 / pixels as f32), &self.view),
+        };
+        let number = count.max(1) as usize;
+        let io = Io {
+            draws: frame.uploads().push_iter(std::iter::repeat_n(draw, number))?,
+            boxes: frame.uploads().push_iter(std::iter::repeat_n(bounds, number))?,
+        };
+        let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeWrite];
+        frame.commands().barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
+        let Renderer { passes, executor, .. } = renderer;
+        let recorder = Recorder {
+            predicates: &self.predicates,
+            compute: self.compute.as_ref(),
+            computed: self.computed.results(),
+            proxies: &executor.passes.proxies,
+            flags: self.flags.results(),
+            queries: &self.queries,
+            view: &self.view,
+        };
+        frame.commands().pass("price", |commands| {
+            recorder.record(commands, passes, (item, count), &io);
+        });
+        let began = Instant::now();
+        let tick = frame.submit(None)?;
+        self.queries.submitted(tick);
+        self.flags.submitted(tick);
+        self.computed.submitted(tick);
+        self.renderer.submitted(tick);
+        self.device.drain()?;
+        let elapsed_ns = began.elapsed().as_secs_f64() * 1.0e9;
+        if self.has_timestamps
+            && let Some(time) = self.frames.begin()?.pass_times().first()
+        {
+            return Ok(time.gpu_ms * 1.0e6);
+        }
+        Ok(elapsed_ns)
+    }
+
+    /// Returns the time of the reset of so many queries: of the call on the CPU, or from submit to
+    /// end.
+    fn time_reset_ns(&mut self, by: Resubmission, count: u32) -> Result<f64, Error> {
+        let mut frames = FrameRing::new(&self.device, 1)?;
+        frames.set_resubmission(by);
+        let mut frame = frames.begin()?;
+        let tags = vec![(); count as usize];
+        let began = Instant::now();
+        self.queries.begin(&mut frame, &tags)?;
+        let reset_ns = began.elapsed().as_secs_f64() * 1.0e9;
+        let began = Instant::now();
+        let tick = frame.submit(None)?;
+        self.queries.submitted(tick);
+        self.device.drain()?;
+        match by {
+            Resubmission::Never => Ok(reset_ns),
+            Resubmission::Allowed => Ok(began.elapsed().as_secs_f64() * 1.0e9),
+        }
+    }
+}
+
+/// Begins a decision for each draw under predicates.
+fn begin_decisions(
+    predicates: &mut [Predicates],
+    flags: &FlagRing<()>,
+    frame: &mut Frame<'_>,
+    (item, count): (PricedItem, u32),
+) -> Result<(), Error> {
+    let PricedItem::Predicates(executor, result) = item else { return Ok(()) };
+    let decided = (0..count).map(|number| PredicatedRange {
+        result: number,
+        range: DrawRange { first: number, count: 1 },
+        reveal: Reveal::Draws,
+    });
+    // All flags are zero, and what has no result is drawn.
+    let results = match result {
+        PredicateResult::Skipped => flags.results(),
+        PredicateResult::Taken => None,
+    };
+    for predicates in predicates.iter_mut().filter(|it| it.predication() == executor) {
+        predicates.begin(frame, ResultSource::Fragments, results, decided.clone())?;
+    }
+    Ok(())
+}
+
+/// Returns a box that is a share of the image wide and high.
+fn box_of(share: [f32; 2], view: &View) -> ProxyBox {
+    let half = (view.rays.right * share[0] - view.rays.down * share[1]) * DISTANCE_M;
+    let front = Vec3::new(0.0, 0.0, -DISTANCE_M);
+    ProxyBox::from(Aabb::new(front - half - Vec3::Z, front + half))
+}
+
+/// The passes, rings and results that items are recorded with.
+struct Recorder<'a> {
+    predicates: &'a [Predicates],
+    compute: Option<&'a ComputeTest>,
+    computed: Option<BufferSlice>,
+    proxies: &'a occlusion::ProxyPass,
+    flags: Option<BufferSlice>,
+    queries: &'a QueryRing<()>,
+    view: &'a View,
+}
+
+impl Recorder<'_> {
+    /// Records so many of an item, over an image at whose near plane something hides all.
+    fn record(
+        &self,
+        commands: &Commands,
+        passes: &mut FramePasses,
+        (item, count): (PricedItem, u32),
+        io: &Io,
+    ) {
+        let source = ResultSource::Fragments;
+        let predicates = match item {
+            PricedItem::Predicates(executor, _) => {
+                self.predicates.iter().find(|it| it.predication() == executor)
+            }
+            _ => None,
+        };
+        if let Some(predicates) = predicates {
+            predicates.resolve(commands, &[(source, 0..count)], 0);
+        }
+        rendering(passes, commands, Load::Clear(HIDES_ALL), |passes, commands| {
+            passes.bind(commands, self.view, BucketId(0), ObjectPass::Visibility);
+            match item {
+                PricedItem::Predicates(..) => {
+                    let Some(predicates) = predicates else { return };
+                    (0..count).for_each(|number| predicates.draw(commands, source, number));
+                }
+                PricedItem::IndirectDraws { per_call } => {
+                    let bytes = u64::from(per_call) * DRAW_BYTES;
+                    for call in 0..u64::from(count / per_call.max(1)) {
+                        commands.draw_indirect(io.draws.part(call * bytes, bytes));
+                    }
+                }
+                PricedItem::Queries => self.each_query(commands, count, |_, _| {}),
+                PricedItem::Boxes(tester, _) => self.draw_boxes(commands, (tester, count), io),
+                PricedItem::Breaks | PricedItem::Resets(_) => {}
+            }
+        });
+        match item {
+            PricedItem::Breaks => (0..count).for_each(|_| {
+                let flags =
+                    MemoryBarrier::between(&[Access::FragmentWrite], &[Access::IndirectRead]);
+                commands.barrier(flags);
+                // Some drivers leave out a rendering without a draw.
+                rendering(passes, commands, Load::Keep, |passes, commands| {
+                    passes.bind(commands, self.view, BucketId(0), ObjectPass::Visibility);
+                    commands.draw_indirect(io.draws.part(0, DRAW_BYTES));
+                });
+            }),
+            PricedItem::Boxes(Tester::Compute, _) => self.test_boxes(commands, passes, count, io),
+            PricedItem::Queries | PricedItem::Boxes(Tester::Query, _) => {
+                self.queries.resolve(commands, 0..count);
+            }
+            _ => {}
+        }
+    }
+
+    /// Records so many queries, each around what `record` draws for its number.
+    fn each_query(&self, commands: &Commands, count: u32, record: impl Fn(&Commands, u32)) {
+        for number in 0..count {
+            self.queries.scope(commands, QueryIndex(number), |commands| record(commands, number));
+        }
+    }
+
+    fn draw_boxes(&self, commands: &Commands, (tester, count): (Tester, u32), io: &Io) {
+        let proxies = ProxyIo { boxes: io.boxes, flags: self.flags };
+        match tester {
+            Tester::Flag if count > 0 => {
+                self.proxies.bind_flags(commands, &proxies, self.view);
+                self.proxies.draw_all(commands, 0..count);
+            }
+            Tester::Flag | Tester::Compute => {}
+            _ => {
+                self.proxies.bind(commands, &proxies, self.view);
+                self.each_query(commands, count, |commands, number| {
+                    self.proxies.draw(commands, number);
+                });
+            }
+        }
+    }
+
+    fn test_boxes(&self, commands: &Commands, passes: &mut FramePasses, count: u32, io: &Io) {
+        let (Some(compute), Some(results), 1..) = (self.compute, self.computed, count) else {
+            return;
+        };
+        let area = Rect::whole(self.view.size);
+        compute.record_grid(commands, &mut passes.target, area, self.view.depth);
+        let tests = ComputeTestIo { boxes: io.boxes, results, first: 0, count };
+        compute.record_tests(commands, &tests, self.view);
+    }
+}
+
+/// Records a rendering whose depth is loaded in this way.
+fn rendering(
+    passes: &mut FramePasses,
+    commands: &Commands,
+    depth: Load<f32>,
+    record: impl FnOnce(&FramePasses, &Commands),
+) {
+    passes.target.prepare(commands);
+    let mut target = passes.target.render_target(None);
+    if depth == Load::Clear(HIDES_ALL) {
+        (target.colour_load, target.depth_load) = (Load::Clear([0.0; 4]), depth);
+    }
+    commands.rendering(target, |commands| record(passes, commands));
+}

@@ -1,0 +1,89 @@
+//! The page of a device: prices, trust and walks, so that what is known of it can be read and
+//! repeated.
+
+pub mod args;
+mod text;
+
+use antumbra::gpu::{Device, DeviceOptions};
+use antumbra::render::{self, PriceListOptions, RendererOptions};
+
+use self::args::Arguments;
+use self::text::{DevicePage, file_stem};
+use crate::compare::bar_chart::BarChart;
+use crate::compare::input::read_folder;
+use crate::compare::picture::picture;
+use crate::outputs::write_file;
+use crate::provenance::Provenance;
+use crate::run::{open_instance, pick_adapter};
+use crate::run_error::RunError;
+use crate::terminal::Ending;
+use crate::terminal::output::{say, say_wrote};
+use crate::trust_table;
+
+/// The width of the plot in pixels.
+const PLOT_WIDTH: u32 = 900;
+
+/// Measures, and writes the page and its plot.
+///
+/// # Errors
+/// A device that is missing or fails; reports that cannot be read, or of another device.
+pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
+    let reports = match &arguments.reports {
+        Some(folder) => read_folder(folder).map_err(RunError::user)?,
+        None => Vec::new(),
+    };
+    let instance = open_instance(arguments.device.validation, None)?;
+    let adapter = pick_adapter(&instance, &arguments.device.choice())?;
+    if let Some(other) = reports.iter().find(|report| report.device.name != adapter.name) {
+        let (file, name) = (&other.file, &other.device.name);
+        return Err(RunError::user(format!(
+            "{file} is a report of {name}, not of {}",
+            adapter.name
+        )));
+    }
+    let device = Device::new(&instance, &adapter, &DeviceOptions::default())?;
+    let trust = render::self_test(&device, &RendererOptions::default())?;
+    say("measuring prices");
+    let options = PriceListOptions {
+        size: [arguments.size.width, arguments.size.height],
+        most: arguments.most,
+        rounds: arguments.rounds as usize,
+        ..PriceListOptions::default()
+    };
+    let prices = render::price_list(&device, &options)?;
+    let stem = file_stem(&adapter.name);
+    let page = DevicePage {
+        adapter: &adapter,
+        is_software: adapter.is_software(),
+        provenance: &Provenance::of_this_process(),
+        commit: arguments.commit.as_deref(),
+        trust: &trust,
+        options,
+        prices: &prices,
+        reports: &reports,
+        plot: format!("{stem}.svg"),
+    };
+    let chart = BarChart {
+        title: "Time of one, in nanoseconds, where most are measured together".to_owned(),
+        bars: page.bars(),
+        names_px: 250,
+    };
+    let plot = picture((PLOT_WIDTH, chart.height()), &chart.title, |area| chart.draw(area));
+    let plot = plot.map_err(RunError::machine)?;
+    let mut ending = Ending::default();
+    for (extension, text) in [("svg", plot), ("md", page.render())] {
+        let file = arguments.out.join(format!("{stem}.{extension}"));
+        let made = std::fs::create_dir_all(&arguments.out);
+        ending.attempt(made.map_err(|error| format!("cannot make the folder: {error}")));
+        if ending.attempt(write_file(&file, text.as_bytes())).is_some() {
+            say_wrote(&file);
+        }
+    }
+    trust_table::complaint(&trust).into_iter().for_each(|complaint| ending.fail(complaint));
+    drop(device);
+    let messages = instance.validation_log().len();
+    if messages > 0 {
+        ending.fail(format!("the validation layer had {messages} messages (they are in the log)"));
+    }
+    Ok(ending)
+}

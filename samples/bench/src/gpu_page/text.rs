@@ -1,0 +1,232 @@
+//! The text of the page of a device, as Markdown.
+
+use std::fmt::Write;
+
+use antumbra::gpu::Adapter;
+use antumbra::render::{Finding, Price, PriceListOptions, PricedItem, SelfTest};
+
+use crate::compare::input::Measured;
+use crate::provenance::Provenance;
+
+/// The contents of the page of a device.
+pub struct DevicePage<'a> {
+    /// The device.
+    pub adapter: &'a Adapter,
+    /// True if the device draws on the CPU.
+    pub is_software: bool,
+    /// The command line and the time of the measurement.
+    pub provenance: &'a Provenance,
+    /// The commit of the code.
+    pub commit: Option<&'a str>,
+    /// The outcome of the self-test.
+    pub trust: &'a SelfTest,
+    /// The extent of the prices.
+    pub options: PriceListOptions,
+    /// The prices.
+    pub prices: &'a [Price],
+    /// The walks on this device.
+    pub reports: &'a [Measured],
+    /// The file of the plot, beside the page.
+    pub plot: String,
+}
+
+/// Returns the name of a device as a file's: letters, digits, one underscore between them.
+pub fn file_stem(name: &str) -> String {
+    let words = name.split(|letter: char| !letter.is_ascii_alphanumeric());
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    words.join("_").to_lowercase()
+}
+
+/// Returns the uses that a page of this device is good for.
+fn purpose(name: &str, is_software: bool) -> &'static str {
+    const COMPUTE: [&str; 8] = ["H100", "H200", "H800", "GH200", "B100", "B200", "A100", "MI3"];
+    if is_software {
+        return "This device draws on the CPU. Exactness found here holds for its driver. Ratios of \
+                strategies within this page mean something for software drivers alone, and prices \
+                even less: on a GPU a box costs next to nothing, and breaks and empty draws count.";
+    }
+    if COMPUTE.iter().any(|part| name.contains(part)) {
+        return "This is a GPU of a data centre: it draws triangles on few of its units (an H100 on 2 \
+                of 66), and computes on all. Exactness found here holds. Prices compare raster with \
+                raster only: compute looks many times cheaper than on a GPU for games.";
+    }
+    "This is a GPU: exactness, prices and ratios found here hold for it and this driver. Other \
+     machines have other ratios: measure them by the same command."
+}
+
+impl DevicePage<'_> {
+    /// Returns the page.
+    pub fn render(&self) -> String {
+        let Adapter { name, driver, api, .. } = self.adapter;
+        let command = self.provenance.command.join(" ");
+        let commit = self.commit.map_or(String::new(), |commit| format!(", commit {commit}"));
+        let head = format!(
+            "# {name}\n\n{driver}, Vulkan {api}; {}{commit}. Made by `ci/gpu` (`{command}`).\n\n{}\n",
+            self.provenance.day(),
+            purpose(name, self.is_software)
+        );
+        head + &self.trusted() + &self.exactness() + &self.price_table() + &self.walks()
+    }
+
+    /// Returns the price of each item in the largest number that was measured.
+    pub fn bars(&self) -> Vec<(String, Option<f64>)> {
+        let last = |item: PricedItem| self.prices.iter().rev().find(|price| price.item == item);
+        let bar = |item: PricedItem| {
+            last(item).map(|price| (item.name(), Some(price.each_ns().max(0.0).round())))
+        };
+        PricedItem::all().into_iter().filter_map(bar).collect()
+    }
+
+    fn trusted(&self) -> String {
+        let mut text = "\n## What the driver is trusted with\n\n".to_owned();
+        text += "The [self-test](../drivers.md#what-a-driver-is-trusted-with) found:\n\n";
+        text += &head(["assumption", "verdict", "seen"].map(str::to_owned).to_vec());
+        for (assumption, finding) in &self.trust.findings {
+            text += &row(&[assumption.name(), finding.word(), finding.detail()].map(str::to_owned));
+        }
+        let broken = |(_, it): &&(_, Finding)| matches!(it, Finding::Broken(_));
+        match (self.trust.findings.iter().filter(broken).count(), self.trust.safest) {
+            (0, _) => text + "\nNothing is broken.\n",
+            (_, Some(strategy)) => text + &format!("\nThe safest strategy is `{strategy}`.\n"),
+            (_, None) => text + "\nOnly plain frustum culling is safe.\n",
+        }
+    }
+
+    fn exactness(&self) -> String {
+        let verified: Vec<&Measured> = self.reports.iter().filter(|it| it.is_verified()).collect();
+        if verified.is_empty() {
+            return String::new();
+        }
+        let mut text = "\n## Exactness\n\nFrames compared bit for bit with plain frustum culling, \
+                        under the validation layer's checks; any message would have ended this.\n\n"
+            .to_owned();
+        let columns = ["walk", "objects", "draws skipped by", "checks", "strategies", "frames"];
+        text += &head(
+            [&columns[..], &["wrong pixels"]].concat().into_iter().map(str::to_owned).collect(),
+        );
+        for report in verified {
+            let frames =
+                report.runs.iter().map(|it| it.frames_verified + it.warm_up_frames_verified);
+            let wrong: u64 = report.runs.iter().filter_map(|run| run.pixels_wrong).sum();
+            let checks = match report.argument("--validation") {
+                Some("sync") => "core and synchronization",
+                Some("on") => "core",
+                _ => "none",
+            };
+            text += &row(&[
+                format!("{} {}", report.scene.name, report.path),
+                report.scene.objects.to_string(),
+                report.predicates.clone(),
+                checks.to_owned(),
+                report.runs.len().to_string(),
+                frames.sum::<u64>().to_string(),
+                wrong.to_string(),
+            ]);
+        }
+        text
+    }
+
+    fn price_table(&self) -> String {
+        let PriceListOptions { size: [width, height], rounds, .. } = self.options;
+        let mut text = format!(
+            "\n## Prices\n\nNanoseconds of one, of so many in a frame of {width}x{height}: medians of \
+             {rounds} rounds in which all take turns, above a frame without any; by the GPU's \
+             timestamps where it has them, resets by the CPU's clock. `-`: not measured, since it \
+             would take too long. Below 0: less than the noise.\n\n![Prices]({})\n\n",
+            self.plot
+        );
+        let mut counts: Vec<u32> = self.prices.iter().map(|price| price.count).collect();
+        counts.sort_unstable();
+        counts.dedup();
+        let mut columns = vec!["item".to_owned()];
+        columns.extend(counts.iter().map(u32::to_string));
+        text += &head(columns);
+        let is_measured = |item: &PricedItem| self.prices.iter().any(|price| price.item == *item);
+        for item in PricedItem::all().into_iter().filter(is_measured) {
+            let mut cells = vec![item.name()];
+            cells.extend(counts.iter().map(|count| {
+                let same = |price: &&Price| price.item == item && price.count == *count;
+                let price = self.prices.iter().find(same);
+                price.map_or("-".to_owned(), |price| format!("{:.0}", price.each_ns()))
+            }));
+            text += &row(&cells);
+        }
+        text
+    }
+
+    fn walks(&self) -> String {
+        let timed: Vec<&Measured> = self.reports.iter().filter(|it| !it.is_verified()).collect();
+        if timed.is_empty() {
+            return String::new();
+        }
+        let mut text =
+            "\n## Scenes and strategies\n\nMedian times of a frame, and ratios frame by \
+                        frame.\n\n"
+                .to_owned();
+        let columns = ["walk", "objects", "size", "strategy", "ms", "times the ideal"];
+        text += &head(
+            [&columns[..], &["times frustum"]].concat().into_iter().map(str::to_owned).collect(),
+        );
+        for report in timed {
+            for run in &report.runs {
+                let [width, height] = report.size;
+                let ratio = |other: &str| {
+                    if run.strategy == other {
+                        return "1".to_owned();
+                    }
+                    let ratio = report.paired_ratios.get(&format!("{}/{other}", run.strategy));
+                    ratio.copied().flatten().map_or("-".to_owned(), |it| format!("{it:.2}"))
+                };
+                let ms = run.frame_ms.median.map_or("-".to_owned(), |ms| format!("{ms:.2}"));
+                text += &row(&[
+                    format!("{} {}", report.scene.name, report.path),
+                    report.scene.objects.to_string(),
+                    format!("{width}x{height}"),
+                    format!("`{}`", run.strategy),
+                    ms,
+                    ratio("ideal"),
+                    ratio("frustum"),
+                ]);
+            }
+        }
+        text
+    }
+}
+
+fn row(cells: &[String]) -> String {
+    let mut text = "|".to_owned();
+    for cell in cells {
+        // Writing to a String cannot fail.
+        let _ok = write!(text, " {} |", cell.replace('|', "\\|"));
+    }
+    text + "\n"
+}
+
+fn head(columns: Vec<String>) -> String {
+    row(&columns) + &"|---".repeat(columns.len()) + "|\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_become_files() {
+        assert_eq!(file_stem("llvmpipe (LLVM 15.0.6, 256 bits)"), "llvmpipe_llvm_15_0_6_256_bits");
+        assert_eq!(file_stem("NVIDIA H100 80GB HBM3"), "nvidia_h100_80gb_hbm3");
+    }
+
+    #[test]
+    fn a_page_says_what_it_may_be_used_for() {
+        assert!(purpose("llvmpipe", true).contains("on the CPU"));
+        assert!(purpose("NVIDIA H100 80GB HBM3", false).contains("raster only"));
+        assert!(purpose("AMD Radeon RX 7900", false).starts_with("This is a GPU:"));
+    }
+
+    #[test]
+    fn rows_have_as_many_cells_as_heads() {
+        let text =
+            head(vec!["a".to_owned(), "b".to_owned()]) + &row(&["x|y", "2"].map(str::to_owned));
+        assert_eq!(text, "| a | b |\n|---|---|\n| x\\|y | 2 |\n");
+    }
+}

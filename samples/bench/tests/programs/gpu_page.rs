@@ -1,0 +1,68 @@
+//! Runs `gpu_page` as `ci/gpu` does, with little of everything, on both software drivers.
+
+use std::fs;
+use std::process::{Command, Output};
+
+use harness::{Scratch, stderr};
+
+use crate::walkthrough;
+
+fn gpu_page(scratch: &Scratch, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gpu_page"));
+    command.current_dir(&scratch.0).args(arguments).output().expect("it starts")
+}
+
+/// Walks with a little scene, into a report of the folder `reports`.
+fn walk(scratch: &Scratch, device: &str, name: &str, more: &[&str]) {
+    let report = format!("reports/{name}.json");
+    let common = ["--objects=100", "--frames=4", "--size=64x48", "--quiet", "--device", device];
+    let all = [&common[..], &["--strategy=frustum,antumbra,ideal", "--report", &report], more];
+    let output = walkthrough(&scratch.0, &all.concat()).output().expect("it starts");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+}
+
+#[test]
+fn a_page_of_each_driver_is_made() {
+    let most = ["--most=10", "--rounds=1", "--size=64x48", "--validation=sync", "--commit=abc"];
+    for (device, stem) in [("llvmpipe", "llvmpipe"), ("swiftshader", "swiftshader")] {
+        let scratch = Scratch::new(&format!("gpu-page-{device}"));
+        fs::create_dir_all(scratch.0.join("reports")).expect("writable");
+        walk(&scratch, device, "timed", &[]);
+        walk(&scratch, device, "compared", &["--verify=every", "--validation=sync"]);
+        let arguments = ["--device", device, "--reports=reports", "--out=out"];
+        let output = gpu_page(&scratch, &[&arguments[..], &most].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let files = scratch.names("out");
+        assert_eq!(files.len(), 2, "{files:?}");
+        let page = files.iter().find(|file| file.ends_with(".md")).expect("a page");
+        assert!(page.starts_with(stem), "{page}");
+        let page = fs::read_to_string(scratch.0.join("out").join(page)).expect("a page");
+        for part in [
+            "commit abc",
+            "draws on the CPU",
+            "Nothing is broken.",
+            "| core and synchronization | 3 | 24 | 0 |",
+            "| item | 1 | 10 |",
+            "| draws skipped by instances |",
+            "| large boxes by flags |",
+            "| draws in calls of 10 | - | ",
+            "| resets of queries by the CPU |",
+            "| resets of queries by a command |",
+            "| breaks of a rendering |",
+            "| `antumbra` |",
+        ] {
+            assert!(page.contains(part), "{part} is missing in\n{page}");
+        }
+        assert_eq!(page.contains("| draws taken by conditional |"), device == "llvmpipe");
+    }
+}
+
+#[test]
+fn reports_of_another_device_are_refused() {
+    let scratch = Scratch::new("gpu-page-other");
+    fs::create_dir_all(scratch.0.join("reports")).expect("writable");
+    walk(&scratch, "swiftshader", "timed", &[]);
+    let output = gpu_page(&scratch, &["--device=llvmpipe", "--reports=reports", "--out=out"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("is a report of SwiftShader"), "{}", stderr(&output));
+}
