@@ -226,6 +226,26 @@ fn nothing_unwraps_outside_tests() {
 }
 
 #[test]
+fn the_engine_logs_and_does_not_print() {
+    assert_obeyed(rules::prints);
+    assert_catches(
+        rules::prints,
+        &[
+            ("engine/gpu/src/a.rs", "fn a() {\n    eprintln!(\n        \"\"\n    );\n}\n"),
+            ("engine/cull/src/a.rs", "fn a() { print!(\"\") }"),
+        ],
+    );
+    assert_permits(
+        rules::prints,
+        &[
+            ("samples/src/a.rs", "fn a() { println!(\"\") }"),
+            ("engine/gpu/examples/a.rs", "fn a() { println!(\"\") }"),
+            ("engine/gpu/src/a.rs", "#[cfg(test)]\nmod tests {\n    fn a() { println!() }\n}\n"),
+        ],
+    );
+}
+
+#[test]
 fn the_engine_keeps_no_state_of_the_whole_process() {
     assert_obeyed(rules::global_state);
     assert_catches(

@@ -245,6 +245,26 @@ pub fn unwraps(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
+/// Finds prints of the engine: what it has to say goes to the log of its host.
+pub fn prints(files: &[SourceFile]) -> Vec<String> {
+    let mut findings = Vec::new();
+    let is_ours = |file: &&SourceFile| {
+        file.is_rust()
+            && !file.is_test()
+            && file.path.starts_with("engine/")
+            && file.path.contains("/src/")
+    };
+    for file in files.iter().filter(is_ours) {
+        let code = without_tests(&without_comments_and_strings(&file.text));
+        for (line, text) in (1..).zip(code.lines()) {
+            if ["print!(", "println!("].iter().any(|call| text.contains(call)) {
+                findings.push(file.finding(line, "log it by `tracing` instead"));
+            }
+        }
+    }
+    findings
+}
+
 /// Finds modules that do not lie where their names say; code that several programs share is a
 /// module or a crate.
 pub fn module_paths(files: &[SourceFile]) -> Vec<String> {

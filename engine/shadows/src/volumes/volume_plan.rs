@@ -68,12 +68,6 @@ impl VolumePlan {
                 continue;
             }
             let Some(area) = LitArea::of(view, &light.shape, &receivers) else { continue };
-            eprintln!(
-                "DBG {area:?} {:?} {:?} eye {:?}",
-                light.shape.reached(&receivers),
-                light.shape,
-                view.rays.origin
-            );
             if self.lights.len() >= lights_max {
                 self.unshadowed_lights += 1;
                 continue;
