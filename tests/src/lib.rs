@@ -21,6 +21,7 @@ pub mod machine;
 pub mod numbered_boxes;
 pub mod reference;
 pub mod reported;
+pub mod scene_rays;
 pub mod shapes;
 pub mod show;
 pub mod stage;

@@ -49,6 +49,7 @@ mod pyramid;
 mod relight;
 #[cfg(feature = "shader-compiler")]
 mod reload;
+mod scene_rays;
 mod self_test;
 mod shading;
 mod shadow_maps;

@@ -1,0 +1,158 @@
+//! Rays against the triangles of a scene, as it stands.
+
+use cull::{Aabb, Camera};
+use glam::{DAffine3, DVec3, Vec3};
+use scene::Scene;
+
+/// The triangles of a scene.
+pub struct SceneRays {
+    meshes: Vec<Vec<[DVec3; 3]>>,
+    objects: Vec<Placed>,
+}
+
+struct Placed {
+    mesh: usize,
+    bounds: Aabb,
+    to_world: DAffine3,
+    to_mesh: DAffine3,
+}
+
+/// The place where a ray meets a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Met {
+    /// The place in the world.
+    pub place: DVec3,
+    /// The unit normal of the triangle, towards where the ray comes from.
+    pub normal: DVec3,
+}
+
+/// The triangles that a ray meets.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sides {
+    Fronts,
+    Both,
+}
+
+impl SceneRays {
+    /// Takes the triangles of all objects that are not transparent.
+    pub fn new(scene: &Scene) -> Self {
+        let meshes = scene.meshes.iter().map(|mesh| {
+            let place =
+                |index: &u32| Vec3::from(mesh.vertices[*index as usize].position).as_dvec3();
+            mesh.indices.chunks_exact(3).map(|at| [0, 1, 2].map(|it| place(&at[it]))).collect()
+        });
+        let objects = scene.objects.iter().map(|object| {
+            let [x, y, z] =
+                [object.transform.x_axis, object.transform.y_axis, object.transform.z_axis]
+                    .map(|axis| Vec3::from(axis).as_dvec3());
+            let to_world =
+                DAffine3::from_cols(x, y, z, Vec3::from(object.transform.translation).as_dvec3());
+            Placed {
+                mesh: object.mesh.0 as usize,
+                bounds: scene.bounds_of(object).unwrap().enlarged(1e-3),
+                to_world,
+                to_mesh: to_world.inverse(),
+            }
+        });
+        Self { meshes: meshes.collect(), objects: objects.collect() }
+    }
+
+    /// Returns what a place in an image of `size` pixels shows to a camera of an angle of 1 radian.
+    pub fn shown_at(&self, (camera, size): (&Camera, [u32; 2]), [x, y]: [f64; 2]) -> Option<Met> {
+        let [width, height] = size.map(f64::from);
+        let half = 0.5_f64.tan();
+        let right = camera.forward.cross(camera.up).normalize();
+        let up = right.cross(camera.forward);
+        let across = (x / width * 2.0 - 1.0) * half * width / height;
+        let down = (y / height * 2.0 - 1.0) * half;
+        let [forward, right, up] = [camera.forward, right, up].map(Vec3::as_dvec3);
+        let along = forward + right * across - up * down;
+        let from = camera.eye.as_dvec3() + along * f64::from(camera.near);
+        self.first(from, along, Sides::Fronts)
+    }
+
+    /// Returns true if a triangle lies on a ray before `end`, in lengths of `along`.
+    pub fn is_blocked(&self, from: DVec3, along: DVec3, end: f64) -> bool {
+        let met = self.first(from, along, Sides::Both);
+        met.is_some_and(|met| (met.place - from).length() < end * along.length())
+    }
+
+    fn first(&self, from: DVec3, along: DVec3, sides: Sides) -> Option<Met> {
+        let mut nearest: Option<(f64, Met)> = None;
+        for placed in &self.objects {
+            let before = nearest.map_or(f64::INFINITY, |(at, _)| at);
+            if !enters(&placed.bounds, from, along).is_some_and(|at| at < before) {
+                continue;
+            }
+            // A transform changes no distance in lengths of the ray.
+            let [start, way] =
+                [placed.to_mesh.transform_point3(from), placed.to_mesh.transform_vector3(along)];
+            let is_mirrored = placed.to_world.matrix3.determinant() < 0.0;
+            for corners in &self.meshes[placed.mesh] {
+                let Some((at, is_front)) = hit(corners, start, way) else { continue };
+                let is_met = sides == Sides::Both || is_front != is_mirrored;
+                if is_met && nearest.is_none_or(|(before, _)| at < before) {
+                    let [a, b, c] = corners.map(|it| placed.to_world.transform_point3(it));
+                    let normal = (b - a).cross(c - a).normalize();
+                    let normal = normal * -normal.dot(along).signum();
+                    nearest = Some((at, Met { place: from + along * at, normal }));
+                }
+            }
+        }
+        nearest.map(|(_, met)| met)
+    }
+}
+
+/// Returns where a ray enters a box, in lengths of `along`.
+fn enters(bounds: &Aabb, from: DVec3, along: DVec3) -> Option<f64> {
+    let low = (bounds.min.as_dvec3() - from) / along;
+    let high = (bounds.max.as_dvec3() - from) / along;
+    let (near, far) = (low.min(high).max_element(), low.max(high).min_element());
+    (near <= far && far > 0.0).then_some(near.max(0.0))
+}
+
+/// Returns where a ray meets a triangle, in lengths of `along`, and true for its front.
+fn hit([a, b, c]: &[DVec3; 3], from: DVec3, along: DVec3) -> Option<(f64, bool)> {
+    let (ab, ac) = (b - a, c - a);
+    let across = along.cross(ac);
+    let determinant = ab.dot(across);
+    let to_start = from - a;
+    let u = to_start.dot(across) / determinant;
+    let beside = to_start.cross(ab);
+    let v = along.dot(beside) / determinant;
+    let at = ac.dot(beside) / determinant;
+    let is_met = determinant != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && at > 0.0;
+    is_met.then_some((at, determinant > 0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec3;
+
+    use super::*;
+    use crate::yard;
+
+    #[test]
+    fn rays_meet_boxes_where_rays_against_boxes_do() {
+        let boxes = yard::boxes();
+        let rays = SceneRays::new(&yard::scene(&boxes, &[]));
+        let size = [48, 36];
+        let mut met = 0;
+        for pixel in 0..size[0] * size[1] {
+            let at = [pixel % size[0], pixel / size[0]].map(|side| f64::from(side) + 0.5);
+            let of_boxes =
+                crate::box_rays::shown_at(&boxes, (&yard::camera(), size), at.map(|it| it as f32));
+            let found = rays.shown_at((&yard::camera(), size), at);
+            assert_eq!(found.is_some(), of_boxes.is_some(), "{at:?}");
+            let (Some(found), Some((place, normal))) = (found, of_boxes) else { continue };
+            if (found.place.as_vec3() - place).length() < 1e-3 {
+                met += u32::from(found.normal.as_vec3().dot(normal) > 0.999);
+            }
+        }
+        assert!(met > size[0] * size[1] / 2, "{met}");
+        let up = vec3(0.0, 1.0, 0.0).as_dvec3();
+        let under_the_roof = vec3(7.0, 1.0, 0.0).as_dvec3();
+        assert!(rays.is_blocked(under_the_roof, up, 2.0));
+        assert!(!rays.is_blocked(under_the_roof, up, 1.0));
+    }
+}
