@@ -156,7 +156,7 @@ pub struct Renderer {
     pub(crate) query_shares: QueryShares,
     costs: Option<CostTable>,
     /// The parts of the driver that are used.
-    trust: Trust,
+    pub(crate) trust: Trust,
 }
 
 /// Returns the executor to use in place of the chosen one, which stays where none can be trusted:

@@ -79,13 +79,15 @@ impl LightShape {
             Aabb::new(reached.min.max(others.min), reached.max.min(others.max))
         };
         let mut lit = both(Aabb::new(position, position).enlarged(reach_m), receivers);
-        if let Self::Spot { direction, outer_rad, .. } = *self {
+        // Rays of a wider cone never get to where it ends.
+        if let Self::Spot { direction, outer_rad, .. } = *self
+            && outer_rad < FRAC_PI_2
+        {
             let along_m = |corner: Vec3| direction.dot(corner - position);
             // Rays end where the box does, so that it gets smaller again.
             for _ in 0..CONE_STEPS {
                 let last_m = lit.corners().map(along_m).into_iter().fold(0.0, f32::max);
-                // A wide cone has rays that never get there.
-                let slant_m = last_m / outer_rad.min(FRAC_PI_2).cos().max(f32::MIN_POSITIVE);
+                let slant_m = last_m / outer_rad.cos().max(f32::MIN_POSITIVE);
                 let cone = cone_box(position, (direction, outer_rad), reach_m.min(slant_m));
                 lit = both(cone, &lit);
             }

@@ -9,8 +9,9 @@ use render::{
     Assumption, Costs, Finding, FrameRequest, Renderer, RendererOptions, SelfTest, self_test,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
+use shadows::{CasterCulling, ShadowMethod, ShadowOptions};
 use tests::machine::{Lie, Machine};
-use tests::{Driver, instance_with, run, run_on_all, still};
+use tests::{Driver, instance_with, run, run_on_all, still, yard};
 
 fn examined(device: &Device) -> SelfTest {
     self_test(device, &RendererOptions::default()).unwrap()
@@ -117,6 +118,30 @@ fn the_safest_tester_is_used_and_said() {
 }
 
 #[test]
+fn casters_stay_unculled_where_flags_are_distrusted() {
+    run(Driver::Lavapipe, |device| {
+        let culled = ShadowOptions { method: ShadowMethod::Maps, ..ShadowOptions::default() };
+        assert_eq!(culled.culling, CasterCulling::Culled);
+        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        for (distrusted, expected) in [
+            (vec![], CasterCulling::Culled),
+            (vec![Assumption::EarlyTests], CasterCulling::Unculled),
+        ] {
+            let options = RendererOptions {
+                size: [96, 54],
+                distrusted,
+                shadows: culled,
+                ..RendererOptions::default()
+            };
+            let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+            assert_eq!(renderer.shadows().culling, expected);
+            renderer.set_shadows(ShadowOptions { sun_side: 512, ..culled }).unwrap();
+            assert_eq!(renderer.shadows().culling, expected, "other options");
+        }
+    });
+}
+
+#[test]
 fn images_are_right_on_a_driver_that_lies_and_is_not_trusted() {
     let machine = Machine { lie: Some(Lie::FirstResultForAll), ..Machine::default() };
     let instance = instance_with(machine.entry());
@@ -169,7 +194,7 @@ mod shaders {
         let moved = |by: &str| format!("{position} {by}");
         let lies = [
             ("proxy.frag", "layout(early_fragment_tests) in;", String::new(), EarlyTests),
-            ("proxy.frag", "flags[test] = 1;", "flags[test] = 0;".to_owned(), FlagWrites),
+            ("proxy.frag", "flags[test], 1u,", "flags[test], 0u,".to_owned(), FlagWrites),
             ("proxy.vert", position, moved("gl_Position.z *= 0.9;"), ProxyDepth),
             (
                 "proxy.vert",

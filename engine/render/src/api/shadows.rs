@@ -22,13 +22,15 @@ impl Renderer {
     /// Draws shadows by other options from now on. Those of
     /// [single lights](Renderer::set_light_shadow) stay. Compiles passes and makes new maps, unless
     /// the options are those in use, and for volumes builds the adjacency of all meshes and waits
-    /// for copies: not for every frame.
+    /// for copies: not for every frame. Casters are not culled on a driver whose flags are
+    /// [distrusted](crate::RendererOptions::distrusted).
     ///
     /// # Errors
     /// [`Error::Shadows`]; [`Error::NoSurfacesForShadows`]; [`Error::MultisampledVolumes`]; maps or
     /// meshes beyond the device's limits, volumes on a device that lacks something for them, no
     /// memory, a failed call. Nothing has changed then.
     pub fn set_shadows(&mut self, options: ShadowOptions) -> Result<(), Error> {
+        let options = self.trust.shadows(options);
         if options == self.passes.shadows.options {
             return Ok(());
         }

@@ -168,6 +168,21 @@ mod tests {
     }
 
     #[test]
+    fn a_spot_wider_than_a_half_lights_what_is_behind_it() {
+        let view = view();
+        let receivers = Aabb::new(vec3(-9.0, 0.0, -9.0), vec3(9.0, 2.0, 9.0));
+        for outer_rad in [1.58, 2.0, 3.0] {
+            let (position, direction) = (vec3(0.0, 4.0, 0.0), Vec3::Y);
+            let shape = LightShape::Spot { position, direction, outer_rad, reach_m: 20.0 };
+            assert!(LitArea::of(&view, &shape, &receivers).is_some(), "{outer_rad}");
+            shown(&view, &shape, &receivers);
+        }
+        let (position, direction) = (vec3(0.0, 4.0, 0.0), Vec3::Y);
+        let narrow = LightShape::Spot { position, direction, outer_rad: 1.5, reach_m: 20.0 };
+        assert_eq!(LitArea::of(&view, &narrow, &receivers), None, "all is behind it");
+    }
+
+    #[test]
     fn suns_lamps_around_the_eye_and_odd_boxes_have_the_whole_view() {
         let view = view();
         let at_eye = LightShape::Point { position: view.rays.origin, reach_m: 1.0 };

@@ -39,13 +39,17 @@ pub fn file_stem(name: &str) -> String {
 
 /// Returns the uses that a page of this device is good for.
 fn purpose(name: &str, is_software: bool) -> &'static str {
-    const COMPUTE: [&str; 8] = ["H100", "H200", "H800", "GH200", "B100", "B200", "A100", "MI3"];
+    const COMPUTE: [&str; 10] =
+        ["A100", "A800", "B100", "B200", "GH200", "H100", "H200", "H800", "P100", "V100"];
+    let is_compute = |word: &str| {
+        COMPUTE.contains(&word) || ["MI1", "MI2", "MI3"].iter().any(|it| word.starts_with(it))
+    };
     if is_software {
         return "This device draws on the CPU. Exactness found here holds for its driver. Ratios of \
                 strategies within this page mean something for software drivers alone, and prices \
                 even less: on a GPU a box costs next to nothing, and breaks and empty draws count.";
     }
-    if COMPUTE.iter().any(|part| name.contains(part)) {
+    if name.split(|it: char| !it.is_alphanumeric()).any(is_compute) {
         return "This is a GPU of a data centre: it draws triangles on few of its units (an H100 on 2 \
                 of 66), and computes on all. Exactness found here holds. Prices compare raster with \
                 raster only: compute looks many times cheaper than on a GPU for games.";
@@ -132,7 +136,7 @@ impl DevicePage<'_> {
             "\n## Prices\n\nNanoseconds of one, of so many in a frame of {width}x{height}: medians of \
              {rounds} rounds in which all take turns, above a frame without any; by the GPU's \
              timestamps where it has them, resets by the CPU's clock. `-`: not measured, since it \
-             would take too long. Below 0: less than the noise.\n\n![Prices]({})\n\n",
+             would take too long, or no frame has so many. Below 0: less than the noise.\n\n![Prices]({})\n\n",
             self.plot
         );
         let mut counts: Vec<u32> = self.prices.iter().map(|price| price.count).collect();
@@ -220,7 +224,10 @@ mod tests {
     fn a_page_says_what_it_may_be_used_for() {
         assert!(purpose("llvmpipe", true).contains("on the CPU"));
         assert!(purpose("NVIDIA H100 80GB HBM3", false).contains("raster only"));
-        assert!(purpose("AMD Radeon RX 7900", false).starts_with("This is a GPU:"));
+        assert!(purpose("AMD Instinct MI250X", false).contains("raster only"));
+        for name in ["AMD Radeon RX 7900", "NVIDIA RTX A1000"] {
+            assert!(purpose(name, false).starts_with("This is a GPU:"), "{name}");
+        }
     }
 
     #[test]
