@@ -159,7 +159,7 @@ impl Drop for Folder {
 
 /// Lines of shaders that write no colour, and the lines in their place.
 const CHANGES: [(&str, &str); 2] = [
-    ("seen[leaf] = 1;", "seen[leaf] = 0;"),
+    ("seen[leaf], 1u,", "seen[leaf], 0u,"),
     ("vertices[place + 1] = values.y;", "vertices[place + 1] = 0;"),
 ];
 

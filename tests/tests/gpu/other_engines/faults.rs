@@ -31,8 +31,8 @@ const FAULTS: [Fault; 7] = [
         strategy: Strategy::ANTUMBRA_FLAGS,
         file: "proxy.frag",
         changes: &[[
-            "flags[test] = 1;",
-            "if (ivec2(gl_FragCoord.xy) % 8 == ivec2(4)) { flags[test] = 1; }",
+            "atomicStore(flags[test],",
+            "if (ivec2(gl_FragCoord.xy) % 8 == ivec2(4)) atomicStore(flags[test],",
         ]],
     },
     // A coarser level keeps the nearest depth and closes gaps.
