@@ -30,7 +30,7 @@ const APART_M: f64 = 0.3;
 /// The farthest places that are compared with maps, in metres from the eye: their texels grow.
 const FAR_M: f64 = 30.0;
 
-/// A light, and a box around what it shines on.
+/// A light, and the triangles that may stand between it and what it shines on.
 struct Lit<'a> {
     rays: &'a SceneRays,
     light: PunctualLight,
