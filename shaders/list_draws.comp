@@ -1,5 +1,6 @@
-// Writes the commands of each range that are drawn into its list, without gaps and in their order:
-// what is drawn first where depths are equal is the same in every run. One workgroup per range.
+// Writes the commands of each range that are drawn into its list, behind those of the ranges before
+// it, without gaps and in their order: what is drawn first where depths are equal is the same in
+// every run. One workgroup per range.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "listed.glsl"
@@ -9,7 +10,7 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Ranges { ListedRange ranges[]; };
 layout(std430, binding = 1) readonly buffer Draws { IndirectDraw draws[]; };
 layout(std430, binding = 2) readonly buffer Enabled { IndirectDraw enabled[]; };
-layout(std430, binding = 3) readonly buffer Sizes { uint sizes[]; };
+layout(std430, binding = 3) readonly buffer Sizes { RangeSize sizes[]; };
 layout(std430, binding = 4) writeonly buffer Commands { IndirectDraw commands[]; };
 layout(std430, binding = 5) writeonly buffer Counts { uint counts[]; };
 
@@ -19,8 +20,6 @@ layout(push_constant) uniform Constants {
     uint threshold;
 };
 
-// The number of commands of the list in front of those of the range.
-shared uint before;
 // A bit per thread: set if its draw is drawn.
 shared uint drawn[2];
 
@@ -29,22 +28,13 @@ void main() {
     uint thread = gl_LocalInvocationID.x;
     ListedRange range = ranges[number];
     bool is_last = number + 1 == end || ranges[number + 1].list != range.list;
-    if (sizes[number] == 0 && !is_last) {
-        return;
-    }
-    if (thread == 0) {
-        before = 0;
-    }
-    barrier();
-    for (uint other = range.first_of_list + thread; other < number; other += gl_WorkGroupSize.x) {
-        atomicAdd(before, sizes[other]);
-    }
-    barrier();
+    uint size = sizes[number].drawn;
+    uint before = sizes[number].before - sizes[range.first_of_list].before;
     uint place = range.first_command + before;
     if (is_last && thread == 0) {
-        counts[range.list] = before + sizes[number];
+        counts[range.list] = before + size;
     }
-    if (sizes[number] == 0) {
+    if (size == 0) {
         return;
     }
     for (uint at = 0; at < range.count; at += gl_WorkGroupSize.x) {

@@ -12,7 +12,7 @@ layout(std430, binding = 2) readonly buffer Enabled { IndirectDraw enabled[]; };
 layout(std430, binding = 3) readonly buffer Queries { uint queries[]; };
 layout(std430, binding = 4) readonly buffer Fragments { uint fragments[]; };
 layout(std430, binding = 5) readonly buffer Computed { uint computed[]; };
-layout(std430, binding = 6) writeonly buffer Sizes { uint sizes[]; };
+layout(std430, binding = 6) writeonly buffer Sizes { RangeSize sizes[]; };
 
 layout(push_constant) uniform Constants {
     uint first;
@@ -49,6 +49,6 @@ void main() {
     }
     barrier();
     if (gl_LocalInvocationID.x == 0) {
-        sizes[number] = size;
+        sizes[number].drawn = size;
     }
 }

@@ -22,3 +22,8 @@ struct IndirectDraw {
     int vertex_offset;
     uint first_instance;
 };
+
+struct RangeSize {
+    uint drawn;  // the commands of the range that are drawn
+    uint before; // those of all ranges before it, whatever their list
+};

@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 45] = [
+pub const PASSES: [Shader; 46] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -76,6 +76,7 @@ pub const PASSES: [Shader; 45] = [
     shader!("scatter.comp"),
     shader!("list_sizes.comp"),
     shader!("list_draws.comp"),
+    shader!("list_places.comp"),
     shader!("skinning.comp"),
     shader!("surface.vert"),
     shader!("surface.frag"),

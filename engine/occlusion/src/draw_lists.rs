@@ -10,7 +10,7 @@ use gpu::{
 
 use crate::error::Error;
 use crate::leaf_table::{BucketId, LeafTable};
-use crate::passes::{ListDrawsIo, ListedRange};
+use crate::passes::{ListDrawsIo, ListedRange, RANGE_SIZE_BYTES};
 use crate::test_layout::{RevealedRange, RoundLayout, TestLayout, take_bucket};
 
 /// The indirect draws of one bucket in one phase of a frame. Their buffers live until the frame is
@@ -58,7 +58,7 @@ struct ListMemory {
     commands: Option<Buffer>,
     /// The number of commands of each list.
     counts: Option<Buffer>,
-    /// The number of draws of each range.
+    /// The number of draws of each range, and of those before it.
     sizes: Option<Buffer>,
 }
 
@@ -155,7 +155,7 @@ impl DrawLists {
         let all = reserve(device, memory, ("listed draws", usage), bytes)?;
         let bytes = self.places.len() as u64 * 4;
         let counts = reserve(device, counts, ("list counts", usage), bytes)?;
-        let bytes = self.ranges.len() as u64 * 4;
+        let bytes = self.ranges.len() as u64 * RANGE_SIZE_BYTES;
         let sizes = reserve(device, sizes, ("list sizes", usage), bytes)?;
         let limit = device.adapter().limits.max_draw_indirect_count;
         let has_counts = device.capabilities().has(Optional::DrawIndirectCount);

@@ -104,8 +104,8 @@ pub use outcomes::{FrameOutcome, Outcomes};
 pub use passes::{
     BoxVolume, BoxVolumeConstants, BoxVolumeIo, BoxVolumePass, ComputeTest, ComputeTestIo,
     EyeConstants, LeafBoxIo, LeafBoxPass, LeafLinks, ListDrawsIo, ListDrawsPass, ListedRange,
-    OcclusionPasses, ProxyBox, ProxyConstants, ProxyEyes, ProxyIo, ProxyPass, ScatterIo,
-    ScatterPass,
+    OcclusionPasses, ProxyBox, ProxyConstants, ProxyEyes, ProxyIo, ProxyPass, RANGE_SIZE_BYTES,
+    ScatterIo, ScatterPass,
 };
 pub use planned::PlannedMethod;
 pub use rect::Rect;

@@ -35,6 +35,7 @@ mod host_frames;
 mod host_scenes;
 mod ideal;
 mod learning;
+mod list_draws;
 mod misuse;
 mod moving;
 mod msaa;

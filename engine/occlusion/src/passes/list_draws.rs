@@ -10,9 +10,10 @@ use crate::error::Error;
 use crate::shader_set::ShaderSet;
 
 /// The passes that turn the results of tests into lists of draws: one counts the draws of each
-/// range, one writes them behind those of the ranges before it.
+/// range, one those of the ranges before it, one writes them behind these.
 pub struct ListDrawsPass {
     sizes: ComputePipeline,
+    places: ComputePipeline,
     draws: ComputePipeline,
     /// The most workgroups of a dispatch.
     groups_max: u32,
@@ -35,13 +36,16 @@ pub struct ListDrawsIo {
     pub results: [Option<BufferSlice>; ResultSource::ALL.len()],
     /// The number of samples that a result must exceed.
     pub threshold_samples: u32,
-    /// The number of draws of each range.
+    /// [`RANGE_SIZE_BYTES`] per range: the number of its draws, and of those before it.
     pub sizes: BufferSlice,
     /// The commands of all lists.
     pub commands: BufferSlice,
     /// The number of commands of each list.
     pub counts: BufferSlice,
 }
+
+/// The bytes of [`ListDrawsIo::sizes`] per range; mirrors `listed.glsl`.
+pub const RANGE_SIZE_BYTES: u64 = 8;
 
 /// A range of draws that a result decides about, as the shaders read it; mirrors `listed.glsl`.
 #[repr(C)]
@@ -65,7 +69,7 @@ pub struct ListedRange {
     pub first_command: u32,
 }
 
-/// Mirrors `list_sizes.comp` and `list_draws.comp`.
+/// Mirrors `list_sizes.comp`, `list_places.comp` and `list_draws.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Constants {
@@ -85,8 +89,12 @@ impl ListDrawsPass {
             Ok(ComputePipeline::new(device, name, shaders.find(name)?, storage)?)
         };
         let groups_max = device.adapter().limits.max_compute_work_group_count[0].max(1);
-        let [sizes, draws] = [pipeline("list_sizes.comp", 7)?, pipeline("list_draws.comp", 6)?];
-        Ok(Self { sizes, draws, groups_max })
+        Ok(Self {
+            sizes: pipeline("list_sizes.comp", 7)?,
+            places: pipeline("list_places.comp", 1)?,
+            draws: pipeline("list_draws.comp", 6)?,
+            groups_max,
+        })
     }
 
     /// Writes the lists, for indirect draws of any command that follows on the queue. All results
@@ -107,6 +115,15 @@ impl ListDrawsPass {
             &[io.ranges, io.draws, enabled, queries, fragments, computed, io.sizes],
         );
         self.dispatch(commands, &self.sizes, io);
+        commands.barrier(between(
+            &[Access::ComputeWrite],
+            &[Access::ComputeRead, Access::ComputeWrite],
+        ));
+        commands.bind_compute(&self.places, &[io.sizes]);
+        let ListDrawsIo { first, end, threshold_samples, .. } = *io;
+        let constants = Constants { first, end, threshold_samples };
+        commands.push_compute_constants(&self.places, &constants);
+        commands.dispatch([1, 1, 1]);
         commands.barrier(between(&[Access::ComputeWrite], &[Access::ComputeRead]));
         commands.bind_compute(
             &self.draws,

@@ -17,7 +17,7 @@ pub use box_volume::{BoxVolume, BoxVolumeConstants, BoxVolumeIo, BoxVolumePass};
 pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use eyes::{EyeConstants, ProxyEyes};
 pub use leaf_box::{LeafBoxIo, LeafBoxPass, LeafLinks};
-pub use list_draws::{ListDrawsIo, ListDrawsPass, ListedRange};
+pub use list_draws::{ListDrawsIo, ListDrawsPass, ListedRange, RANGE_SIZE_BYTES};
 pub use proxy::{ProxyBox, ProxyConstants, ProxyIo, ProxyPass};
 pub use scatter::{ScatterIo, ScatterPass};
 
