@@ -29,6 +29,8 @@ pub enum Assumption {
     DrawCounts,
     /// Instance counts that a compute shader wrote are heeded.
     InstanceCounts,
+    /// Lists of commands that compute shaders wrote, with their counts, are drawn in their order.
+    CompactedLists,
     /// Of draws with equal depth the first one wins where only nearer ones pass, within one call
     /// and between calls.
     DrawOrder,
@@ -57,7 +59,7 @@ pub(super) enum Support {
 
 impl Assumption {
     /// All of them, in the order in which they are checked.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::QueryCounts,
         Self::LateResults,
         Self::ProxyCoverage,
@@ -68,6 +70,7 @@ impl Assumption {
         Self::ConditionalRendering,
         Self::DrawCounts,
         Self::InstanceCounts,
+        Self::CompactedLists,
         Self::DrawOrder,
         Self::RepeatedDepth,
         Self::QueriedWalk,
@@ -89,6 +92,7 @@ impl Assumption {
             Self::ConditionalRendering => "conditional rendering",
             Self::DrawCounts => "draw counts",
             Self::InstanceCounts => "instance counts",
+            Self::CompactedLists => "compacted lists",
             Self::DrawOrder => "draw order",
             Self::RepeatedDepth => "repeated depth",
             Self::QueriedWalk => "walk with queries",
@@ -124,6 +128,7 @@ impl Assumption {
             Self::ConditionalRendering => Support::Executors(&[Predication::Conditional]),
             Self::DrawCounts => Support::Executors(&[Predication::Counts, Predication::Compacted]),
             Self::InstanceCounts => Support::Executors(&[Predication::Instances]),
+            Self::CompactedLists => Support::Executors(&[Predication::Compacted]),
             Self::LateResults => Support::Speed,
             Self::DrawOrder | Self::RepeatedDepth => Support::Everything,
         }

@@ -4,6 +4,7 @@
 mod assumption;
 mod judge;
 mod probe;
+mod probe_lists;
 mod probe_scene;
 mod trust;
 mod walk;
@@ -69,7 +70,7 @@ pub fn self_test(device: &Device, options: &RendererOptions) -> Result<SelfTest,
     checks.queries(&mut probe, &pixels, &judge::drawn_areas(&whole))?;
     checks.flags(&mut probe, &pixels)?;
     checks.compute(&mut probe, &pixels, &shaders)?;
-    checks.executors(&mut probe, &pixels)?;
+    checks.executors(&mut probe, &pixels, &shaders)?;
     checks.order(&mut probe)?;
     drop(probe);
     checks.repeated_depth(&plain, &pixels)?;
@@ -170,12 +171,18 @@ impl Checks {
     }
 
     /// Checks each way to skip draws with each kind of result.
-    fn executors(&mut self, probe: &mut Probe, pixels: &[u32]) -> Result<(), Error> {
+    fn executors(
+        &mut self,
+        probe: &mut Probe,
+        pixels: &[u32],
+        shaders: &ShaderSet,
+    ) -> Result<(), Error> {
         for executor in EXECUTORS {
             let assumption = match executor {
                 Predication::Conditional => Assumption::ConditionalRendering,
-                Predication::Counts | Predication::Compacted => Assumption::DrawCounts,
+                Predication::Counts => Assumption::DrawCounts,
                 Predication::Instances => Assumption::InstanceCounts,
+                Predication::Compacted => Assumption::CompactedLists,
             };
             if !executor.is_supported(&self.device) {
                 self.not_tested(&[assumption], "this device does not have it");
@@ -194,7 +201,7 @@ impl Checks {
                 if is_broken || verdict != Finding::Held {
                     continue;
                 }
-                if let Some(image) = probe.predicated(executor, source)? {
+                if let Some(image) = probe.predicated(executor, source, shaders)? {
                     verdict = judge::predicated(pixels, &judge::drawn_pixels(&image), source);
                 }
             }

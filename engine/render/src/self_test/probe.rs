@@ -12,6 +12,7 @@ use occlusion::{
     Rect, ShaderSet,
 };
 
+use super::probe_lists::ProbeLists;
 use super::probe_scene::{self, PROBES, SIZE, TWINS};
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
@@ -267,6 +268,7 @@ impl Probe {
         &mut self,
         executor: Predication,
         source: ResultSource,
+        shaders: &ShaderSet,
     ) -> Result<Option<Vec<u8>>, Error> {
         if source == ResultSource::Fragments && !self.renderer.executor.passes.proxies.can_flag() {
             return Ok(None);
@@ -290,6 +292,14 @@ impl Probe {
             _ => flags.results(),
         };
         begin_decisions(&mut predicates, &mut frame, source, results)?;
+        let lists = match predicates.predication() {
+            Predication::Compacted => Some(ProbeLists::new(&self.device, shaders)?),
+            _ => None,
+        };
+        let listed = lists
+            .as_ref()
+            .map(|lists| lists.io(&mut frame, &decided_ranges(), (source, results), &predicates))
+            .transpose()?;
         let io = ProxyIo { boxes: frame.uploads().push(boxes)?, flags: flags.results() };
         let proxies = &executor.passes.proxies;
         let numbers = 0..decisions as u32;
@@ -311,10 +321,16 @@ impl Probe {
                 }
             });
             queries.resolve(commands, numbers.clone());
-            predicates.resolve(commands, &[(source, numbers.clone())], 0);
+            match (&lists, &listed) {
+                (Some(lists), Some(io)) => lists.pass.record(commands, io),
+                _ => predicates.resolve(commands, &[(source, numbers.clone())], 0),
+            }
             rendering(passes, commands, HIDES_NOTHING, |passes, commands| {
                 bind(passes, commands, view);
-                numbers.clone().for_each(|number| predicates.draw(commands, source, number));
+                match &listed {
+                    Some(io) => commands.draw_indirect_count(io.commands, io.counts),
+                    None => numbers.for_each(|number| predicates.draw(commands, source, number)),
+                }
             });
         });
         finish_image(&mut frame, passes, None, Some(image))?;
@@ -379,13 +395,17 @@ fn begin_decisions(
     source: ResultSource,
     results: Option<BufferSlice>,
 ) -> Result<(), Error> {
+    Ok(predicates.begin(frame, source, results, decided_ranges().into_iter())?)
+}
+
+/// Returns the ranges of draws, each with the result that decides about it.
+fn decided_ranges() -> Vec<PredicatedRange> {
     let count = PER_DECISION as u32;
-    let decided = (0..PROBES / PER_DECISION).map(|number| {
-        let result = number as u32;
+    let decided = (0..(PROBES / PER_DECISION) as u32).map(|result| {
         let range = DrawRange { first: result * count, count };
         PredicatedRange { result, range, reveal: Reveal::Draws }
     });
-    Ok(predicates.begin(frame, source, results, decided)?)
+    decided.collect()
 }
 
 /// Reads the results of two tests per object.

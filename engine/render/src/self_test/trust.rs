@@ -14,8 +14,8 @@ const TESTERS: [(Tester, Strategy); 3] = [
 ];
 
 /// Executors of predicates, the preferred one first.
-pub(crate) const EXECUTORS: [Predication; 3] =
-    [Predication::Conditional, Predication::Counts, Predication::Instances];
+pub(crate) const EXECUTORS: [Predication; 4] =
+    [Predication::Conditional, Predication::Counts, Predication::Instances, Predication::Compacted];
 
 /// The parts of a driver that may be used, given the assumptions about it that do not hold.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -188,6 +188,11 @@ mod tests {
         let trust = Trust::without(&[DrawCounts]);
         let compacted = Predication::Compacted;
         assert_eq!(trust.executor(compacted, |_| true), Some(wanted), "it counts, too");
+        let trust = Trust::without(&[Assumption::CompactedLists]);
+        assert_eq!(trust.executor(compacted, |_| true), Some(wanted));
+        assert_eq!(trust.executor(Predication::Counts, |_| true), Some(Predication::Counts));
+        let trust = Trust::without(&[ConditionalRendering, InstanceCounts]);
+        assert_eq!(trust.executor(wanted, |it| it == compacted), Some(compacted));
     }
 
     #[test]
