@@ -214,9 +214,9 @@ impl Culler {
         self.watch(views.first(), now);
         plan.sample_threshold = self.sample_threshold;
         let testers = self.testers();
-        let tester = tester(strategy, testers);
+        let mut tester = tester(strategy, testers);
         let config = self.tune(strategy, &mut plan.stats);
-        let costs = CostFilter::new(self.cost_model.as_ref(), strategy, tester, testers);
+        let mut costs = CostFilter::new(self.cost_model.as_ref(), strategy, tester, testers);
         let (scratch, has_leaf_tests) = (&mut self.scratch, testers.leaf_tests);
         let mut walk = Walk {
             hierarchy,
@@ -234,8 +234,9 @@ impl Culler {
         // The stages, each in the file of its name.
         walk.traverse(scratch, query_budget, &mut plan.stats);
         self.coarseness = walk.coarseness;
-        if let Some(costs) = &costs {
-            costs.drop_unpaid(scratch, &walk, &mut plan.stats);
+        if let Some(costs) = &mut costs {
+            let chosen = costs.drop_unpaid(scratch, &walk, &mut plan.stats);
+            tester = chosen.unwrap_or(tester);
         }
         let is_cut = !views.is_of_shadows() && occluders::is_cut(scratch, &config);
         if is_cut {
@@ -267,6 +268,10 @@ impl Culler {
             plan.stats.rounds_by_compute = costs.hand_to_compute(views, plan);
         }
         rounds::group_by_tester(plan, &mut self.grouping);
+        if let Some(cost_model) = self.cost_model.as_mut().filter(|_| tester == Tester::Flag) {
+            let shared = plan.stats.shared_proxies;
+            cost_model.note_proxies(plan.tests.len() as u32 - shared, shared);
+        }
         self.note_prospect(strategy, plan.stats.visible);
     }
 

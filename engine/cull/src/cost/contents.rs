@@ -14,6 +14,9 @@ pub struct FrameContents {
     pub triangles: u64,
     /// Tests by query, own draws included.
     pub queries: u32,
+    /// Indirect calls for the sake of queries of own draws: two each, for the draw and for those
+    /// behind it.
+    pub calls: u32,
     /// Boxes tested by query.
     pub queried_boxes: u32,
     /// Boxes tested by flag.
@@ -26,6 +29,8 @@ pub struct FrameContents {
     pub proxy_pixels: u64,
     /// Ranges under a predicate.
     pub predicates: u32,
+    /// Leaves of all these ranges.
+    pub predicated_leaves: u64,
     /// Breaks of rendering.
     pub breaks: u32,
 }
@@ -37,6 +42,7 @@ impl FrameContents {
         let mut contents = Self {
             queries: plan.query_count() as u32,
             breaks: plan.rounds.len() as u32,
+            calls: 2 * plan.queried_draws.len() as u32,
             ..Self::default()
         };
         for round in &plan.rounds {
@@ -52,6 +58,7 @@ impl FrameContents {
                 has_computed |= test.tester == Tester::Compute;
                 has_leaf_tests |= test.tag.kind == QueryKind::PerLeaf;
                 contents.predicates += u32::from(!test.leaves.is_empty());
+                contents.predicated_leaves += u64::from(test.leaves.count);
             }
             contents.computed_rounds += u32::from(has_computed);
             // The second level of a round shares its break with the round after it, if there is
@@ -68,17 +75,21 @@ impl FrameContents {
     /// Returns the time that this should take.
     pub(crate) fn predicted(&self, table: &CostTable) -> Predicted {
         let each = |count: u32, price_ns: f32| f64::from(count) * f64::from(price_ns);
+        // A range's own price is that of its first draw.
+        let skipped = self.predicated_leaves.saturating_sub(self.predicates.into());
         let draw_ns = self.draws as f64 * f64::from(table.draw_ns)
             + self.triangles as f64 * f64::from(table.triangle_ns);
         let waits = if self.breaks > 0 { table.break_wait_share } else { 0.0 };
         let test_ns = draw_ns * f64::from(waits)
             + each(self.queries, table.query_ns)
+            + each(self.calls, table.call_ns)
             + each(self.queried_boxes, table.query_box_ns)
             + each(self.flagged_boxes, table.flag_box_ns)
             + each(self.computed_boxes, table.compute_box_ns)
             + each(self.computed_rounds, table.compute_round_ns)
             + self.proxy_pixels as f64 * f64::from(table.hidden_pixel_ns)
             + each(self.predicates, table.predicate_ns)
+            + skipped as f64 * f64::from(table.skipped_draw_ns)
             + each(self.breaks, table.break_ns);
         Predicted { draw_ns, test_ns }
     }
@@ -90,12 +101,14 @@ impl AddAssign for FrameContents {
         self.draws += other.draws;
         self.triangles += other.triangles;
         self.queries += other.queries;
+        self.calls += other.calls;
         self.queried_boxes += other.queried_boxes;
         self.flagged_boxes += other.flagged_boxes;
         self.computed_boxes += other.computed_boxes;
         self.computed_rounds += other.computed_rounds;
         self.proxy_pixels += other.proxy_pixels;
         self.predicates += other.predicates;
+        self.predicated_leaves += other.predicated_leaves;
         self.breaks += other.breaks;
     }
 }

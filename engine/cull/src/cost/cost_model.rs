@@ -9,10 +9,11 @@
 use crate::cost::contents::FrameContents;
 use crate::cost::corrections::{Corrections, Learner};
 use crate::cost::decaying_rate::{DecayingRate, HideRate};
+use crate::cost::skip_prices::SkippedWork;
 use crate::cost::table::{BadCost, CostTable, SceneCosts};
 use crate::history::record::{NodeState, RetestReason};
 use crate::plan::config::CullConfig;
-use crate::plan::frame_plan::{QueryKind, Tester};
+use crate::plan::frame_plan::{QueryKind, Tester, TesterSupport};
 
 /// The interval of own-draw tests from which on there are none.
 const NEVER_FRAMES: u32 = 1 << 20;
@@ -42,6 +43,13 @@ const UNKNOWN_PRIOR: DecayingRate = DecayingRate { yes: 2.0, no: 2.0 };
 const DRAWN_PRIOR: DecayingRate = DecayingRate { yes: 0.0, no: 8.0 };
 /// The prior of hidden nodes: they stay hidden nine times of ten.
 const KNOWN_PRIOR: DecayingRate = DecayingRate { yes: 7.2, no: 0.8 };
+
+/// The pixels that the tests of a frame cover, as a multiple of those of the image: the boxes of a
+/// city at street level.
+const COVERED: f32 = 2.0;
+
+/// The prior of tests: each has a proxy of its own, until some were found to share.
+const OWN_PRIOR: DecayingRate = DecayingRate { yes: 1.0, no: 0.0 };
 
 /// A test that could be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,6 +93,8 @@ pub struct CostModel {
     /// The rate at which drawn leaves turn out hidden.
     drawn: DecayingRate,
     hides: HideRate,
+    /// The share of tests with a proxy of their own, of those that could share another's.
+    own: DecayingRate,
     learner: Learner,
     /// Frames since tests could have paid for the breaks of rendering that they need.
     idle_frames: u32,
@@ -110,6 +120,7 @@ impl CostModel {
             known: DecayingRate::default(),
             drawn: DecayingRate::default(),
             hides: HideRate::default(),
+            own: DecayingRate::default(),
             learner: Learner::default(),
             idle_frames: 0,
         })
@@ -145,7 +156,18 @@ impl CostModel {
         self.known = DecayingRate::default();
         self.drawn = DecayingRate::default();
         self.hides = HideRate::default();
+        self.own = DecayingRate::default();
         self.idle_frames = 0;
+    }
+
+    /// Returns the share of tests that are expected to have a proxy of their own.
+    pub(crate) fn own_proxies(&self) -> f32 {
+        self.own.probability(OWN_PRIOR)
+    }
+
+    /// Notes the tests of a frame that have a proxy of their own, and those that share another's.
+    pub(crate) fn note_proxies(&mut self, own: u32, shared: u32) {
+        self.own.note_many(own, shared);
     }
 
     /// Begins a frame, after one in which `visible` leaves were taken as visible.
@@ -209,7 +231,9 @@ impl CostModel {
     /// draws.
     pub(crate) fn retest_frames(&self, config: &CullConfig) -> u32 {
         let least = config.retest_max.max(1) as f32;
-        let price = f64::from(self.prices.query_ns) / f64::from(self.leaf_ns);
+        // The draw becomes a call of its own, and so do those behind it.
+        let CostTable { query_ns, call_ns, .. } = self.prices;
+        let price = (f64::from(query_ns) + 2.0 * f64::from(call_ns)) / f64::from(self.leaf_ns);
         if price.is_nan() {
             return config.retest_max;
         }
@@ -258,7 +282,8 @@ impl CostModel {
             false => (self.still_hidden(), 1.0),
         };
         let fill = LEAF_FILL * estimate.pixels * self.table.hidden_pixel_ns;
-        let drawing = estimate.leaves as f32 * self.leaf_ns + fill;
+        let leaf_ns = (self.leaf_ns - self.prices.skipped_draw_ns).max(0.0);
+        let drawing = estimate.leaves as f32 * leaf_ns + fill;
         let cost_ns = self.box_ns(estimate.pixels, hidden, tester) + self.prices.predicate_ns;
         let saving_now_ns = (hidden * drawing).min(f32::MAX);
         let saving_ns = (frames * saving_now_ns).min(f32::MAX);
@@ -306,11 +331,34 @@ impl CostModel {
         self.prices.compute_round_ns + computed * self.prices.compute_box_ns < raster
     }
 
-    /// Returns the cost of a break in a frame that takes `leaves` as visible. Tests that save less
-    /// together are left out.
-    pub(crate) fn break_ns(&self, leaves: usize) -> f32 {
+    /// Returns the tester that costs least in a frame of this work and of so many pixels by so many,
+    /// as far as is known before the first frame: boxes that cover [`COVERED`] times the image, in
+    /// as many rounds, or in one of the compute shader.
+    #[must_use]
+    pub fn tester_for(&self, work: &SkippedWork, size: [u32; 2], testers: TesterSupport) -> Tester {
+        let ranges = work.ranges.max(1);
+        let estimate = TestEstimate {
+            leaves: work.draws / ranges,
+            pixels: COVERED * size.map(|side| side as f32).iter().product::<f32>() / ranges as f32,
+            is_unknown: false,
+        };
+        let frame_ns = |tester, rounds: u32| {
+            let boxes_ns = ranges as f32 * self.weigh(&estimate, tester).cost_ns;
+            boxes_ns + rounds as f32 * self.break_ns(0, tester)
+        };
+        let rastered = self.cheaper(&estimate, testers.flags);
+        let is_computed = testers.compute
+            && frame_ns(Tester::Compute, 1) < frame_ns(rastered, work.rounds.max(1));
+        if is_computed { Tester::Compute } else { rastered }
+    }
+
+    /// Returns the cost of a break in a frame that takes `leaves` as visible, with what `tester`
+    /// costs however little it tests. Tests that save less together are left out.
+    pub(crate) fn break_ns(&self, leaves: usize, tester: Tester) -> f32 {
         let drawn = leaves as f32 * self.leaf_ns;
-        (self.prices.break_ns + self.prices.break_wait_share * drawn).min(f32::MAX)
+        let CostTable { break_ns, break_wait_share, compute_round_ns, .. } = self.prices;
+        let round_ns = if tester == Tester::Compute { compute_round_ns } else { 0.0 };
+        (break_ns + break_wait_share * drawn + round_ns).min(f32::MAX)
     }
 
     /// Takes the GPU time of a frame with these contents. If different frames agree that tests are

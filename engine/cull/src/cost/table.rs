@@ -8,7 +8,8 @@ use thiserror::Error;
 /// depends on them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CostTable {
-    /// Begin and end of an occlusion query, the copy of its result included.
+    /// Begin and end of an occlusion query, with the copy of its result and, where commands do it,
+    /// its reset.
     pub query_ns: f32,
     /// The box of a test by query, its pixels apart: a draw of its own.
     pub query_box_ns: f32,
@@ -18,8 +19,12 @@ pub struct CostTable {
     pub hidden_pixel_ns: f32,
     /// A pixel of a proxy that passes and sets a flag.
     pub flagged_pixel_ns: f32,
-    /// A predicate around a draw.
+    /// A range of draws that depends on a result, with one draw that is skipped.
     pub predicate_ns: f32,
+    /// Each further draw of such a range.
+    pub skipped_draw_ns: f32,
+    /// An indirect call, its draws apart.
+    pub call_ns: f32,
     /// A draw, its triangles apart.
     pub draw_ns: f32,
     /// A triangle of an object, with its share of vertices and of small pixels.
@@ -48,6 +53,8 @@ impl Default for CostTable {
             hidden_pixel_ns: 0.6,
             flagged_pixel_ns: 1.5,
             predicate_ns: 50.0,
+            skipped_draw_ns: 1.0,
+            call_ns: 50.0,
             draw_ns: 1_400.0,
             triangle_ns: 40.0,
             break_ns: 150_000.0,
@@ -82,6 +89,8 @@ impl CostTable {
             hidden_pixel_ns: ns,
             flagged_pixel_ns: ns,
             predicate_ns: ns,
+            skipped_draw_ns: ns,
+            call_ns: ns,
             draw_ns: ns,
             triangle_ns: ns,
             break_ns: ns,
@@ -101,18 +110,20 @@ impl CostTable {
             hidden_pixel_ns: value(3),
             flagged_pixel_ns: value(4),
             predicate_ns: value(5),
-            draw_ns: value(6),
-            triangle_ns: value(7),
-            break_ns: value(8),
-            break_wait_share: value(9),
-            compute_round_ns: value(10),
-            compute_box_ns: value(11),
+            skipped_draw_ns: value(6),
+            call_ns: value(7),
+            draw_ns: value(8),
+            triangle_ns: value(9),
+            break_ns: value(10),
+            break_wait_share: value(11),
+            compute_round_ns: value(12),
+            compute_box_ns: value(13),
         }
     }
 
     /// Returns every entry with its name, for reports.
     #[must_use]
-    pub const fn entries(&self) -> [(&'static str, f32); 12] {
+    pub const fn entries(&self) -> [(&'static str, f32); 14] {
         [
             ("query_ns", self.query_ns),
             ("query_box_ns", self.query_box_ns),
@@ -120,6 +131,8 @@ impl CostTable {
             ("hidden_pixel_ns", self.hidden_pixel_ns),
             ("flagged_pixel_ns", self.flagged_pixel_ns),
             ("predicate_ns", self.predicate_ns),
+            ("skipped_draw_ns", self.skipped_draw_ns),
+            ("call_ns", self.call_ns),
             ("draw_ns", self.draw_ns),
             ("triangle_ns", self.triangle_ns),
             ("break_ns", self.break_ns),
@@ -154,6 +167,8 @@ impl CostTable {
             hidden_pixel_ns: at(self.hidden_pixel_ns),
             flagged_pixel_ns: at(self.flagged_pixel_ns),
             predicate_ns: at(self.predicate_ns),
+            skipped_draw_ns: at(self.skipped_draw_ns),
+            call_ns: at(self.call_ns),
             draw_ns: self.draw_ns,
             triangle_ns: self.triangle_ns,
             break_ns: at(self.break_ns),

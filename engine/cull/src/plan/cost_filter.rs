@@ -2,12 +2,37 @@
 
 use std::ops::Range;
 
-use crate::cost::cost_model::{CostModel, TestEstimate, is_never};
+use crate::cost::cost_model::{CostBenefit, CostModel, TestEstimate, is_never};
 use crate::geom::multi_view::MultiView;
 use crate::plan::candidates::{Candidate, Draw, Scratch};
 use crate::plan::frame_plan::{FramePlan, PlanStats, ProxyTest, QueryKind, Tester, TesterSupport};
 use crate::plan::strategy::Strategy;
 use crate::plan::traverse::Walk;
+
+/// The least gain by which a compute shader is taken for a whole frame, as a share of what the tests
+/// cost without it: noise does not decide.
+const LEAST_GAIN: f32 = 0.1;
+
+/// The savings and costs of the tests of a frame that pay, with the break that they need.
+struct Prospect {
+    saving_ns: f32,
+    cost_ns: f32,
+}
+
+impl Prospect {
+    /// Adds a test, if it pays, at a share of its cost.
+    fn add(&mut self, benefit: Option<CostBenefit>, share: f32) {
+        if let Some(benefit) = benefit.filter(|it| it.pays()) {
+            self.saving_ns += benefit.saving_now_ns;
+            self.cost_ns += share * benefit.cost_ns;
+        }
+    }
+
+    /// Returns what the tests save on the whole; nothing if they are not made.
+    fn net_ns(&self) -> f32 {
+        (self.saving_ns - self.cost_ns).max(0.0)
+    }
+}
 
 /// The inputs that tests are weighed by.
 pub(crate) struct CostFilter<'a> {
@@ -17,6 +42,8 @@ pub(crate) struct CostFilter<'a> {
     has_flags: bool,
     /// True if a compute shader may test a round.
     has_compute: bool,
+    /// True if it tests all rounds of the frame by choice.
+    is_all_compute: bool,
 }
 
 impl<'a> CostFilter<'a> {
@@ -34,6 +61,7 @@ impl<'a> CostFilter<'a> {
             tester: (!is_open).then_some(tester),
             has_flags: testers.flags,
             has_compute: is_open && testers.compute,
+            is_all_compute: false,
         })
     }
 
@@ -46,8 +74,10 @@ impl<'a> CostFilter<'a> {
     /// number. A test with a shared result changes its tester only together with the tests that
     /// share it. So rounds with such tests in common change together or stay.
     pub(crate) fn hand_to_compute(&self, views: MultiView<'_>, plan: &mut FramePlan) -> u32 {
-        if !self.has_compute {
-            return 0;
+        match (self.is_all_compute, self.has_compute) {
+            (true, _) => return plan.rounds.len() as u32,
+            (false, false) => return 0,
+            (false, true) => {}
         }
         let mut handed = 0_u64;
         for (bit, round) in plan.rounds.iter().take(64).enumerate() {
@@ -98,24 +128,58 @@ impl<'a> CostFilter<'a> {
         }
     }
 
-    /// Removes each test that does not pay by itself, and all of them if together they do not pay
-    /// for the breaks of rendering.
-    pub(crate) fn drop_unpaid(
+    /// Weighs a test; `None` of one that is no reason for a round, of which there are few.
+    fn weigh(
         &self,
+        kind: QueryKind,
+        estimate: &TestEstimate,
+        tester: Tester,
+    ) -> Option<CostBenefit> {
+        match kind {
+            QueryKind::Proxy => Some(self.cost_model.weigh(estimate, tester)),
+            QueryKind::PullUpQuery => Some(self.cost_model.weigh_pull_up(estimate, tester)),
+            _ => None,
+        }
+    }
+
+    /// Lets a compute shader answer for all tests of the frame where that saves more: many tests may
+    /// pay by its low price of a box which by that of pixels or queries do not. The other testers
+    /// are paid for tests of their own alone, not for those that share another's proxy.
+    fn choose_compute(&mut self, scratch: &Scratch, views: MultiView<'_>) {
+        if !self.has_compute {
+            return;
+        }
+        let drawn = scratch.draws.len() + scratch.retests.len();
+        let own = self.cost_model.own_proxies();
+        let [mut rastered, mut computed] = [Tester::Flag, Tester::Compute]
+            .map(|it| Prospect { saving_ns: 0.0, cost_ns: self.cost_model.break_ns(drawn, it) });
+        for test in &scratch.tests {
+            let estimate = Self::estimate(views, test);
+            let by_raster = self.weigh(test.kind, &estimate, self.tester(&estimate));
+            rastered.add(by_raster, own);
+            computed.add(self.weigh(test.kind, &estimate, Tester::Compute), 1.0);
+        }
+        if computed.net_ns() > rastered.net_ns() + LEAST_GAIN * rastered.cost_ns {
+            self.tester = Some(Tester::Compute);
+            self.is_all_compute = true;
+        }
+    }
+
+    /// Removes each test that does not pay by itself, and all of them if together they do not pay
+    /// for the breaks of rendering. Returns the tester of the rounds, if it is chosen here.
+    pub(crate) fn drop_unpaid(
+        &mut self,
         scratch: &mut Scratch,
         walk: &Walk<'_>,
         stats: &mut PlanStats,
-    ) {
+    ) -> Option<Tester> {
+        self.choose_compute(scratch, walk.views);
         let mut saving_ns = 0.0;
         let mut dropped_leaves = 0;
         for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {
             let estimate = Self::estimate(walk.views, test);
-            let tester = self.tester(&estimate);
-            let benefit = match test.kind {
-                QueryKind::Proxy => self.cost_model.weigh(&estimate, tester),
-                QueryKind::PullUpQuery => self.cost_model.weigh_pull_up(&estimate, tester),
-                // Few, and no reason for a round.
-                _ => continue,
+            let Some(benefit) = self.weigh(test.kind, &estimate, self.tester(&estimate)) else {
+                continue;
             };
             if benefit.pays() {
                 // Breaks are paid in every frame, so only what each frame saves pays for them: what
@@ -129,7 +193,8 @@ impl<'a> CostFilter<'a> {
             }
         }
         let drawn = scratch.draws.len() + scratch.retests.len() + dropped_leaves;
-        scratch.prospect_ns = [saving_ns, self.cost_model.break_ns(drawn)];
+        let tester = self.tester.unwrap_or(Tester::Flag);
+        scratch.prospect_ns = [saving_ns, self.cost_model.break_ns(drawn, tester)];
         if saving_ns < scratch.prospect_ns[1] {
             scratch.is_dropped.fill(true);
             saving_ns = 0.0;
@@ -141,6 +206,7 @@ impl<'a> CostFilter<'a> {
         }
         scratch.discard();
         scratch.sort_draws();
+        self.tester
     }
 }
 

@@ -222,6 +222,8 @@ fn random_prices(random: &mut Random) -> CostTable {
         hidden_pixel_ns: price(usual.hidden_pixel_ns),
         flagged_pixel_ns: price(usual.flagged_pixel_ns),
         predicate_ns: price(usual.predicate_ns),
+        skipped_draw_ns: price(usual.skipped_draw_ns),
+        call_ns: price(usual.call_ns),
         draw_ns: price(usual.draw_ns),
         triangle_ns: price(usual.triangle_ns),
         // Mostly low, since one break decides about all tests of a frame.

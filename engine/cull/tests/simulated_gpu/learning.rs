@@ -34,6 +34,8 @@ fn dearer(times: f32) -> CostTable {
         query_box_ns: times * it.query_box_ns,
         hidden_pixel_ns: times * it.hidden_pixel_ns,
         predicate_ns: times * it.predicate_ns,
+        skipped_draw_ns: times * it.skipped_draw_ns,
+        call_ns: times * it.call_ns,
         break_ns: times * it.break_ns,
         break_wait_share: times * it.break_wait_share,
         ..it
@@ -140,10 +142,14 @@ fn cost_ns(plan: &FramePlan, draws: u64, prices: &CostTable) -> f64 {
     assert!(plan.tests.iter().all(|test| test.tester == Tester::Query));
     let drawing = draws as f64 * f64::from(prices.leaf_ns(100.0));
     let boxes = plan.tests.len() as f64 * f64::from(prices.query_ns + prices.query_box_ns);
-    let own = plan.queried_draws.len() as f64 * f64::from(prices.query_ns);
+    let own_ns = f64::from(prices.query_ns) + 2.0 * f64::from(prices.call_ns);
+    let own = plan.queried_draws.len() as f64 * own_ns;
     let pixels = plan.stats.proxy_pixels as f64 * f64::from(prices.hidden_pixel_ns);
     let predicated = plan.tests.iter().filter(|test| test.leaves.count > 0).count();
-    let predicates = predicated as f64 * f64::from(prices.predicate_ns);
+    let leaves: u32 = plan.tests.iter().map(|test| test.leaves.count).sum();
+    let skipped = f64::from(leaves) - predicated as f64;
+    let predicates = predicated as f64 * f64::from(prices.predicate_ns)
+        + skipped * f64::from(prices.skipped_draw_ns);
     let breaks = plan.rounds.len() as f64 * f64::from(prices.break_ns);
     let waits = if plan.rounds.is_empty() { 0.0 } else { prices.break_wait_share.into() };
     drawing * (1.0 + waits) + boxes + own + pixels + predicates + breaks

@@ -11,6 +11,7 @@ mod blocking;
 mod casters;
 mod cost_model;
 mod device;
+mod device_prices;
 mod exactness;
 mod explain;
 mod image;

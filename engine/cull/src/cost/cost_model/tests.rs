@@ -105,7 +105,7 @@ fn extreme_prices_give_decisions_all_the_same() {
             let cost_model = CostModel::new(CostTable::uniform(ns), scene).unwrap();
             let benefit = cost_model.weigh(&estimate, Tester::Query);
             assert!(benefit.cost_ns.is_finite() && benefit.saving_ns.is_finite());
-            assert!(cost_model.break_ns(usize::MAX).is_finite());
+            assert!(cost_model.break_ns(usize::MAX, Tester::Compute).is_finite());
             assert!(cost_model.retest_frames(&CullConfig::default()) > 0);
         }
     }

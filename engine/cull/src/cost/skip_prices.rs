@@ -1,0 +1,184 @@
+//! The prices of the ways to keep the GPU from drawing what tests found hidden, and the choice
+//! among them. Pure: a device's times come in, a place in a list goes out.
+
+use crate::cost::table::CostTable;
+
+/// The prices of one way to skip hidden draws, in nanoseconds of GPU time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SkipPrices {
+    /// A round: what turns the results of its tests into that which its draws depend on.
+    pub round_ns: f32,
+    /// A range of draws that depends on a result, with one draw that is skipped.
+    pub range_ns: f32,
+    /// Each further draw of such a range.
+    pub draw_ns: f32,
+}
+
+/// The skipped work of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SkippedWork {
+    /// Rounds of tests.
+    pub rounds: u32,
+    /// Ranges of draws that depend on a result.
+    pub ranges: u32,
+    /// Draws of all ranges together.
+    pub draws: u32,
+}
+
+/// The GPU times of frames with ranges that are skipped, in nanoseconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkipTimes {
+    /// No range at all.
+    pub nothing_ns: f64,
+    /// [`SkipTimes::RANGES`] ranges of a draw each, in one round.
+    pub few_ns: f64,
+    /// Twice as many.
+    pub many_ns: f64,
+    /// As many as in `few_ns`, of [`SkipTimes::WIDE_DRAWS`] draws each.
+    pub wide_ns: f64,
+}
+
+/// The factor by which a way must be cheaper than the ones before it: below, noise decides.
+const LEAST_GAIN: f64 = 1.25;
+
+impl SkipTimes {
+    /// The ranges of the shorter measurement.
+    pub const RANGES: u32 = 256;
+    /// The draws of a wide range.
+    pub const WIDE_DRAWS: u32 = 8;
+
+    /// Returns the prices that follow. What is lost in noise costs nothing; NaN of a time that was
+    /// not measured stays.
+    #[must_use]
+    pub fn prices(&self) -> SkipPrices {
+        let ranges = f64::from(Self::RANGES);
+        let at_least_0 = |value: f64| if value < 0.0 { 0.0 } else { value };
+        let range_ns = at_least_0((self.many_ns - self.few_ns) / ranges);
+        let further = f64::from(Self::WIDE_DRAWS - 1);
+        SkipPrices {
+            round_ns: at_least_0(self.few_ns - ranges * range_ns - self.nothing_ns) as f32,
+            range_ns: range_ns as f32,
+            draw_ns: at_least_0((self.wide_ns - self.few_ns) / (ranges * further)) as f32,
+        }
+    }
+}
+
+impl SkippedWork {
+    /// Returns what a frame skips of a scene of `leaves` objects that are nearly all hidden, as in
+    /// a city at street level: three rounds, and twice as many ranges as the square root of the
+    /// leaves, since subtrees are skipped as a whole.
+    #[must_use]
+    pub fn of_leaves(leaves: u32) -> Self {
+        Self { rounds: 3, ranges: (2 * leaves.isqrt()).min(leaves), draws: leaves }
+    }
+}
+
+impl SkipPrices {
+    /// Returns the time that skipping takes in a frame of this work (ns).
+    #[must_use]
+    pub fn frame_ns(&self, work: &SkippedWork) -> f64 {
+        let each = |count: u32, price_ns: f32| f64::from(count) * f64::from(price_ns);
+        each(work.rounds, self.round_ns)
+            + each(work.ranges, self.range_ns)
+            + each(work.draws.saturating_sub(work.ranges), self.draw_ns)
+    }
+
+    /// Returns the place of the way that skips `work` at the least price: the first, unless another
+    /// one is cheaper by a quarter at least, so that noise does not choose. Prices that are not
+    /// numbers are never chosen before others; `None` of no prices.
+    #[must_use]
+    pub fn cheapest(prices: &[SkipPrices], work: &SkippedWork) -> Option<usize> {
+        let mut best: Option<(usize, f64)> = None;
+        for (place, ns) in prices.iter().map(|it| it.frame_ns(work)).enumerate() {
+            let is_better = best.is_none_or(|(_, so_far)| {
+                ns.is_finite() && (!so_far.is_finite() || ns * LEAST_GAIN < so_far)
+            });
+            if is_better {
+                best = Some((place, ns));
+            }
+        }
+        best.map(|(place, _)| place)
+    }
+}
+
+impl CostTable {
+    /// Returns the table of a device that skips hidden draws at these prices. A round's own price
+    /// is part of its break.
+    #[must_use]
+    pub fn skipping_at(self, skip: &SkipPrices) -> Self {
+        Self {
+            predicate_ns: skip.range_ns,
+            skipped_draw_ns: skip.draw_ns,
+            break_ns: self.break_ns + skip.round_ns,
+            ..self
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WORK: SkippedWork = SkippedWork { rounds: 2, ranges: 100, draws: 1_000 };
+
+    fn at(round_ns: f32, range_ns: f32, draw_ns: f32) -> SkipPrices {
+        SkipPrices { round_ns, range_ns, draw_ns }
+    }
+
+    /// The times of a device of these prices, whose frames take `frame_ns` besides.
+    fn times(prices: SkipPrices, frame_ns: f64) -> SkipTimes {
+        let ns = |ranges: u32, each: u32| {
+            let work = SkippedWork { rounds: 1, ranges, draws: ranges * each };
+            frame_ns + prices.frame_ns(&work)
+        };
+        SkipTimes {
+            nothing_ns: frame_ns,
+            few_ns: ns(SkipTimes::RANGES, 1),
+            many_ns: ns(2 * SkipTimes::RANGES, 1),
+            wide_ns: ns(SkipTimes::RANGES, SkipTimes::WIDE_DRAWS),
+        }
+    }
+
+    #[test]
+    fn prices_follow_from_the_times_of_frames() {
+        for prices in [at(5_000.0, 80.0, 3.0), at(0.0, 1_000.0, 0.0), at(90_000.0, 2.0, 0.5)] {
+            let found = times(prices, 40_000.0).prices();
+            let near = |a: f32, b: f32| (a - b).abs() <= 1e-3 * b.max(1.0);
+            assert!(near(found.round_ns, prices.round_ns), "{found:?}");
+            assert!(near(found.range_ns, prices.range_ns), "{found:?}");
+            assert!(near(found.draw_ns, prices.draw_ns), "{found:?}");
+        }
+        let noise = SkipTimes { nothing_ns: 10.0, few_ns: 9.0, many_ns: 8.0, wide_ns: 7.0 };
+        assert_eq!(noise.prices(), SkipPrices::default());
+        let unknown = SkipTimes { wide_ns: f64::NAN, ..times(at(1.0, 1.0, 1.0), 1.0) };
+        assert!(unknown.prices().draw_ns.is_nan());
+    }
+
+    #[test]
+    fn the_work_of_a_scene_grows_with_it() {
+        assert_eq!(at(1.0, 10.0, 100.0).frame_ns(&WORK), 2.0 + 1_000.0 + 90_000.0);
+        assert_eq!(SkippedWork::of_leaves(0), SkippedWork { rounds: 3, ranges: 0, draws: 0 });
+        assert_eq!(SkippedWork::of_leaves(2).ranges, 2);
+        assert_eq!(SkippedWork::of_leaves(10_000).ranges, 200);
+        assert_eq!(SkippedWork::of_leaves(u32::MAX).draws, u32::MAX);
+    }
+
+    #[test]
+    fn the_first_stays_unless_another_is_clearly_cheaper() {
+        let [dear, near, cheap] = [at(0.0, 100.0, 0.0), at(0.0, 90.0, 0.0), at(0.0, 20.0, 0.0)];
+        let unknown = at(f32::NAN, 0.0, 0.0);
+        let cheapest = |prices: &[SkipPrices]| SkipPrices::cheapest(prices, &WORK);
+        assert_eq!(cheapest(&[dear, near]), Some(0));
+        assert_eq!(cheapest(&[dear, near, cheap]), Some(2));
+        assert_eq!(cheapest(&[unknown, near, dear]), Some(1));
+        assert_eq!(cheapest(&[near, unknown]), Some(0));
+        assert_eq!(cheapest(&[unknown, unknown]), Some(0));
+        assert_eq!(cheapest(&[]), None);
+    }
+
+    #[test]
+    fn a_table_takes_the_prices_of_the_way_that_skips() {
+        let table = CostTable::uniform(10.0).skipping_at(&at(5.0, 7.0, 3.0));
+        assert_eq!((table.predicate_ns, table.skipped_draw_ns, table.break_ns), (7.0, 3.0, 15.0));
+    }
+}
