@@ -235,8 +235,7 @@ impl Culler {
         walk.traverse(scratch, query_budget, &mut plan.stats);
         self.coarseness = walk.coarseness;
         if let Some(costs) = &mut costs {
-            let chosen = costs.drop_unpaid(scratch, &walk, &mut plan.stats);
-            tester = chosen.unwrap_or(tester);
+            tester = costs.drop_unpaid(scratch, &walk, &mut plan.stats).unwrap_or(tester);
         }
         let is_cut = !views.is_of_shadows() && occluders::is_cut(scratch, &config);
         if is_cut {
@@ -268,11 +267,7 @@ impl Culler {
             plan.stats.rounds_by_compute = costs.hand_to_compute(views, plan);
         }
         rounds::group_by_tester(plan, &mut self.grouping);
-        if let Some(cost_model) = self.cost_model.as_mut().filter(|_| tester == Tester::Flag) {
-            let shared = plan.stats.shared_proxies;
-            cost_model.note_proxies(plan.tests.len() as u32 - shared, shared);
-        }
-        self.note_prospect(strategy, plan.stats.visible);
+        self.note_prospect((strategy, tester), plan);
     }
 
     /// Begins the next frame and its plan.
@@ -283,12 +278,16 @@ impl Culler {
         now
     }
 
-    /// Notes the expected saving of this frame for the next.
-    fn note_prospect(&mut self, strategy: Strategy, visible: u32) {
+    /// Notes the expected saving of this frame for the next, and the proxies that its tests share.
+    fn note_prospect(&mut self, (strategy, tester): (Strategy, Tester), plan: &FramePlan) {
+        let PlanStats { visible, shared_proxies: shared, .. } = plan.stats;
         self.visible = visible;
         if let Some(cost_model) = self.cost_model.as_mut().filter(|_| strategy.uses_cost_model()) {
             let [saving_ns, break_ns] = self.scratch.prospect_ns;
             cost_model.note_prospect(saving_ns, break_ns, visible);
+            if tester == Tester::Flag {
+                cost_model.note_proxies(plan.tests.len() as u32 - shared, shared);
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! The executor of plans over the leaves of one scene.
 
-use cull::{DrawPhases, TesterSupport};
+use cull::TesterSupport;
 use gpu::{Device, Target};
 
 use crate::error::Error;
@@ -19,12 +19,7 @@ pub struct PlanExecutor {
 impl PlanExecutor {
     /// Returns the testers that plans may use on `device`, for views that are drawn to `target`.
     pub fn testers(&self, device: &Device, target: &Target) -> TesterSupport {
-        TesterSupport {
-            flags: self.passes.proxies.can_flag(),
-            compute: target.can_copy_depth() && ComputeTest::check(device, target.size()).is_ok(),
-            leaf_tests: self.passes.leaf_boxes.is_some(),
-            draw_phases: DrawPhases::PerRound,
-        }
+        self.passes.testers(device, target)
     }
 
     /// Refuses a change of the target's size, from the first to the second, that takes away a

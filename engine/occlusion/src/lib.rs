@@ -79,8 +79,10 @@ mod transparent_list;
 mod visibility_state;
 mod visible_draws;
 
-pub use costs::calibration::{CalibrationScene, Costs, PATCH_TRIANGLES, cost_table, measure};
+pub use costs::calibration::{CalibrationScene, PATCH_TRIANGLES, measure};
+pub use costs::device_prices::{ChoiceRequest, Costs, DevicePrices, PriceChoice, ResetPrices};
 pub use costs::frame_times::FrameTimes;
+pub use costs::skipped_ranges::SkippedRanges;
 pub use draw_lists::DrawList;
 pub use error::{
     BucketError, CannotCount, DrawsAmongTests, Error, NotUploaded, PlanError, TargetError,

@@ -1,12 +1,12 @@
 //! The objects that prices are measured with: a triangle and a patch of many, drawn as the scene's
 //! are.
 
-use cull::{CostTable, Hierarchy, View};
+use cull::{Hierarchy, View};
 use glam::{Affine3A, Vec3};
-use gpu::{Commands, IndirectDraw, RenderTarget, Target};
+use gpu::{Commands, IndirectDraw, Predication, RenderTarget, Target};
 use occlusion::{
-    BucketId, CalibrationScene, ObjectPass, ObjectRenderer, PATCH_TRIANGLES, PlanExecutor,
-    Rendering, ShaderSet,
+    BucketId, CalibrationScene, DevicePrices, ObjectPass, ObjectRenderer, OcclusionPasses,
+    PATCH_TRIANGLES, Rendering, ShaderSet,
 };
 use scene::{Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal, pack_unorm};
 
@@ -25,15 +25,15 @@ const QUADS: u32 = 16;
 
 const _: () = assert!(2 * QUADS * QUADS == PATCH_TRIANGLES);
 
-/// Measures the prices of tests and draws on the device of `passes`.
+/// Measures the prices of tests and draws on the device of `passes`, and of these executors.
 ///
 /// # Errors
 /// No memory, a failed call.
 pub(crate) fn measure(
     passes: &mut FramePasses,
-    executor: &PlanExecutor,
+    (occlusion_passes, executors): (&OcclusionPasses, &[Predication]),
     shaders: &ShaderSet,
-) -> Result<CostTable, Error> {
+) -> Result<DevicePrices, Error> {
     let device = passes.device.clone();
     let scene = scene();
     let hierarchy = Hierarchy::build(&object_bounds(&scene)?)?;
@@ -45,8 +45,8 @@ pub(crate) fn measure(
     Ok(occlusion::measure(CalibrationScene {
         device: &device,
         shaders,
-        passes: &executor.passes,
-        predication: executor.leaves.predicates().predication(),
+        passes: occlusion_passes,
+        executors,
         objects: &mut CalibrationObjects { passes, geometry },
         draws,
     })?)

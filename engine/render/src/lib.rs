@@ -61,7 +61,7 @@ pub use debug::visibility_snapshot::VisibilitySnapshot;
 pub use debug::visible_set::VisibleSet;
 pub use error::Error;
 pub use flares::{FlareBlock, FlareSamples, FlareState};
-pub use occlusion::{Costs, FrameOutcome, Rect, ShaderSet};
+pub use occlusion::{Costs, FrameOutcome, PriceChoice, Rect, ResetPrices, ShaderSet};
 pub use passes::FlatVertex;
 pub use price_list::{BoxSize, PredicateResult, Price, PriceListOptions, PricedItem, price_list};
 pub use renderer::{MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};

@@ -3,12 +3,13 @@
 use ::shadows::ShadowOptions;
 use cull::{
     Aabb, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, QueryShares, SceneCosts,
-    Strategy, Tester, TesterSupport, View,
+    SkippedWork, Strategy, Tester, TesterSupport, View,
 };
 use gpu::{Device, FrameRing, Optional, PassTime, Predication, SampleCount, Target, Tick};
 use occlusion::{
-    Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor, MethodSupport,
-    OcclusionPasses, PlanExecutor, PlannedMethod, Rect, ShaderSet, VisibilityState,
+    ChoiceRequest, Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor,
+    MethodSupport, OcclusionPasses, PlanExecutor, PlannedMethod, PriceChoice, Rect, ShaderSet,
+    VisibilityState,
 };
 use scene::{LensFlare, Scene};
 
@@ -43,7 +44,8 @@ pub struct RendererOptions {
     /// Frames that may be in flight at once, up to [`MAX_FRAMES_IN_FLIGHT`]; 0 counts as 1, and
     /// more than 4 only make results older.
     pub frames_in_flight: usize,
-    /// The way that hidden draws are skipped; `None` takes the device's best.
+    /// The way that hidden draws are skipped; `None` takes the one that costs least by the measured
+    /// prices ([`Renderer::price_choice`]), else the device's usual one.
     pub predication: Option<Predication>,
     /// The shaders; `None` takes the embedded ones.
     pub shaders: Option<ShaderSet>,
@@ -154,20 +156,48 @@ pub struct Renderer {
     pub(crate) samples: SampleCount,
     pub(crate) query_budget: usize,
     pub(crate) query_shares: QueryShares,
-    costs: Option<CostTable>,
+    choice: PriceChoice,
     /// The parts of the driver that are used.
     pub(crate) trust: Trust,
 }
 
-/// Returns the executor to use in place of the chosen one, which stays where none can be trusted:
-/// then nothing is put under a predicate ([`Renderer::trusted`]).
-fn trusted_executor(
+/// Returns the executors that may be used for so many draws with a threshold: the wanted one, or
+/// all, the device's usual one first. Where none can be trusted that one stays, and nothing is put
+/// under a predicate ([`Renderer::trusted`]).
+fn usable_executors(
     trust: &Trust,
     device: &Device,
-    (chosen, draws, threshold_samples): (Predication, u64, u32),
-) -> Predication {
+    wanted: Option<Predication>,
+    (draws, threshold_samples): (u64, u32),
+) -> Result<Vec<Predication>, Error> {
+    let first = Predication::choose(device, wanted, draws, threshold_samples)?;
     let has = |it| Predication::choose(device, Some(it), draws, threshold_samples).is_ok();
-    trust.executor(chosen, has).unwrap_or(chosen)
+    let mut usable = trust.executors(first, has);
+    if wanted.is_some() {
+        usable.truncate(1);
+    }
+    if usable.is_empty() {
+        usable.push(first);
+    }
+    Ok(usable)
+}
+
+/// Decides for a scene on a device, by prices that are measured if that is asked for.
+fn decide(
+    passes: &mut FramePasses,
+    (occlusion_passes, shaders): (&OcclusionPasses, &ShaderSet),
+    (trust, executors): (&Trust, &[Predication]),
+    (scene, options): (&Scene, &RendererOptions),
+) -> PriceChoice {
+    let request = ChoiceRequest {
+        executors,
+        testers: trust.testers(occlusion_passes.testers(&passes.device, &passes.target)),
+        work: SkippedWork::of_leaves(scene.objects.len() as u32),
+        size: options.size,
+    };
+    PriceChoice::by(options.costs, &request, || {
+        calibration_scene::measure(passes, (occlusion_passes, executors), shaders)
+    })
 }
 
 impl Renderer {
@@ -217,23 +247,21 @@ impl Renderer {
         let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, made_of)?;
         let draws = hierarchy.leaf_objects().len() as u64;
         let threshold_samples = options.threshold_samples;
-        let predication =
-            Predication::choose(device, options.predication, draws, threshold_samples)?;
-        let predication = trusted_executor(&trust, device, (predication, draws, threshold_samples));
+        let executors =
+            usable_executors(&trust, device, options.predication, (draws, threshold_samples))?;
+        let of = (&occlusion_passes, &shaders);
+        let choice = decide(&mut passes, of, (&trust, &executors), (scene, options));
         let leaves = LeafTableInfo {
             mesh_draws: passes.geometry.mesh_draws().clone(),
-            predication: Some(predication),
+            predication: Some(choice.predication),
             frames_in_flight: slots,
         };
         let draw_of = |object| passes.geometry.draw_of(object);
         let leaves = LeafTable::new(device, &hierarchy, leaves, draw_of)?;
         let executor = PlanExecutor { passes: occlusion_passes, leaves };
         let id = RendererId::new();
-        let costs = occlusion::cost_table(options.costs, || {
-            calibration_scene::measure(&mut passes, &executor, &shaders)
-        });
         let mut frames = FrameRing::new(device, slots)?;
-        let frame_times = FrameTimes::new(device, costs.as_ref());
+        let frame_times = FrameTimes::new(device, choice.table.as_ref());
         frame_times.enable(&mut frames)?;
         Ok(Self {
             id,
@@ -259,7 +287,7 @@ impl Renderer {
             samples: options.samples,
             query_budget: options.query_budget,
             query_shares: QueryShares::default(),
-            costs,
+            choice,
             trust,
         })
     }
@@ -272,7 +300,7 @@ impl Renderer {
         let mut culler = Culler::with_testers(self.cull_config, self.testers());
         culler.set_sample_threshold(self.threshold_samples);
         if let Some(Err(error)) =
-            self.costs.map(|table| culler.set_costs(table, self.scene_costs()))
+            self.choice.table.map(|table| culler.set_costs(table, self.scene_costs()))
         {
             tracing::warn!("{error}");
         }
@@ -284,7 +312,14 @@ impl Renderer {
 
     /// Returns the prices on this device, as given or measured.
     pub fn costs(&self) -> Option<CostTable> {
-        self.costs
+        self.choice.table
+    }
+
+    /// Returns what was decided about the device and the scene when the renderer was made: the way
+    /// that hidden draws are skipped, the tester that is expected to cost least, and by which
+    /// prices.
+    pub fn price_choice(&self) -> &PriceChoice {
+        &self.choice
     }
 
     fn scene_costs(&self) -> SceneCosts {

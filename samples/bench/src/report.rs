@@ -44,8 +44,16 @@ pub struct Report {
     pub cut_short: bool,
     /// The number of frames that the CPU was allowed to be ahead.
     pub frames_in_flight: u32,
-    /// The way in which hidden draws were skipped: the one that `--predicates` chose.
+    /// The way in which hidden draws were skipped: the one that `--predicates` chose, or the one
+    /// that costs least.
     pub predicates: String,
+    /// The expected time of skipping in a frame by each way, in nanoseconds; empty where none was
+    /// measured.
+    pub skip_ns: BTreeMap<String, Option<f64>>,
+    /// The tester that was expected to cost least before the first frame.
+    pub tester: String,
+    /// The times of the reset of a query in nanoseconds: by a command, and by the CPU.
+    pub reset_ns: BTreeMap<String, Option<f64>>,
     /// The largest number of visible pixels that counted as hidden; 0 where all was exact.
     pub threshold_pixels: u32,
     /// The costs on this device in nanoseconds of GPU time, measured before the walk.

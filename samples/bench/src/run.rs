@@ -8,7 +8,9 @@ use antumbra::gpu::{
     Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem,
 };
 use antumbra::occlusion::MethodConstructor;
-use antumbra::render::{Renderer, RendererOptions, SelfTest, ShaderSet, object_bounds};
+use antumbra::render::{
+    Renderer, RendererOptions, ResetPrices, SelfTest, ShaderSet, object_bounds,
+};
 use antumbra::scene::Scene;
 use antumbra::{gpu, methods, render};
 
@@ -166,7 +168,6 @@ pub fn walk_on(
     if options.time_passes {
         renderer.time_passes()?;
     }
-
     let options = &Options { strategies, left_out, ..options.clone() };
     let runs = Walk::new(&mut renderer, &path, &mut moving, options)?.run(progress, signals)?;
     let cut_short = signals.received().is_some();
@@ -190,6 +191,9 @@ pub fn walk_on(
         samples_per_pixel: options.samples.count(),
         frames_in_flight: options.frames_in_flight,
         predicates: renderer.predication().name().to_owned(),
+        skip_ns: skip_report(&renderer),
+        tester: renderer.price_choice().tester.name().to_owned(),
+        reset_ns: reset_report(&renderer),
         threshold_pixels: options.threshold_pixels,
         costs_ns: costs_report(&renderer),
         validation_messages: 0,
@@ -284,6 +288,22 @@ fn costs_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
         (name.to_owned(), value.is_finite().then(|| kept(value.into())))
     };
     entries.into_iter().flatten().map(entry).collect()
+}
+
+/// Returns the expected time of skipping in a frame by the name of each way.
+fn skip_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
+    let skip_ns = &renderer.price_choice().skip_ns;
+    let entry =
+        |(it, ns): &(Predication, f64)| (it.name().to_owned(), ns.is_finite().then(|| kept(*ns)));
+    skip_ns.iter().map(entry).collect()
+}
+
+/// Returns the measured times of resets.
+fn reset_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
+    let ResetPrices { command_ns, cpu_ns } = renderer.price_choice().reset_ns;
+    [("command", command_ns), ("cpu", cpu_ns)]
+        .map(|(name, ns)| (name.to_owned(), ns.is_finite().then(|| kept(ns.into()))))
+        .into()
 }
 
 /// Returns all methods; coherent hierarchical culling, the one method of the literature that has a

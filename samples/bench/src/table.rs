@@ -107,12 +107,13 @@ fn row(run: &RunReport, label: String) -> [String; 10] {
 fn head(report: &Report) -> String {
     let Report { device, scene, size: [width, height], .. } = report;
     format!(
-        "{} ({}, Vulkan {}), hidden draws skipped by {}\n\
+        "{} ({}, Vulkan {}), hidden draws skipped by {}, boxes cheapest by {}\n\
          {} of {} objects, {} triangles, seed {}; path {}, {} frames of {width}x{height}, {} in flight{}",
         device.name,
         device.driver,
         device.api,
         report.predicates,
+        report.tester,
         scene.name,
         count(Some(scene.objects)),
         count(Some(scene.triangles)),
@@ -128,6 +129,12 @@ fn head(report: &Report) -> String {
 /// run.
 fn more_lines(report: &Report) -> String {
     let mut lines = String::new();
+    if report.skip_ns.len() > 1 {
+        let ways = report.skip_ns.iter();
+        let ways = ways.filter_map(|(way, ns)| Some(format!("{way} {:.0}", (*ns)? / 1_000.0)));
+        lines += "\nskipping in a frame would take, in us: ";
+        lines += &ways.collect::<Vec<_>>().join(", ");
+    }
     if report.cut_short {
         let frames =
             |run: &RunReport| format!("{} {}", run.strategy, count(Some(run.frames_timed)));

@@ -52,6 +52,7 @@ pub struct Known<'a> {
     pub is_recording: bool,
     /// The way in which draws depend on results.
     pub predicates: &'a str,
+    pub tester: &'a str,
     /// The number of frames in flight.
     pub frames_in_flight: usize,
     /// The results of a comparison with and without culling, while it runs.
@@ -147,6 +148,7 @@ impl Known<'_> {
             fact("device", self.device),
             fact("size", format!("{width} x {height}")),
             fact("predicates", self.predicates),
+            fact("cheapest tester", self.tester),
             fact("frames in flight", self.frames_in_flight.to_string()),
             fact("GPU memory", format!("{} MiB", self.used_bytes >> 20)),
         ]

@@ -2,7 +2,7 @@
 //! are right with any costs.
 
 use cull::{CostTable, Strategy};
-use gpu::{Device, Predication, Readback};
+use gpu::{Device, Optional, Predication, Readback};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::{Driver, run, run_on_all};
@@ -62,9 +62,40 @@ fn every_way_to_skip_draws_can_be_measured() {
 }
 
 #[test]
+fn the_executor_is_the_cheapest_that_the_device_has() {
+    run_on_all(|device| {
+        let scene = city(400, 5).unwrap().scene;
+        let renderer = Renderer::new(device, &scene, &options(Costs::Measured)).unwrap();
+        let choice = renderer.price_choice();
+        let has = Predication::ALL.into_iter().filter(|it| it.is_supported(device));
+        let measured: Vec<Predication> = choice.skip_ns.iter().map(|(it, _)| *it).collect();
+        assert_eq!(measured.len(), has.clone().count());
+        assert!(has.clone().all(|it| measured.contains(&it)), "{measured:?}");
+        assert_eq!(measured.first(), Some(&Predication::best(device.capabilities())));
+        let ns_of = |wanted| choice.skip_ns.iter().find(|(it, _)| *it == wanted).unwrap().1;
+        let chosen_ns = ns_of(choice.predication);
+        // The first stays unless another is cheaper by a quarter.
+        assert!(choice.skip_ns.iter().all(|(_, ns)| chosen_ns <= 1.25 * ns), "{choice:?}");
+        assert_eq!(renderer.predication(), choice.predication);
+        assert!(choice.reset_ns.command_ns.is_finite());
+        assert_eq!(
+            choice.reset_ns.cpu_ns.is_finite(),
+            device.capabilities().has(Optional::HostQueryReset)
+        );
+        let wanted = Some(Predication::Instances);
+        let fixed = RendererOptions { predication: wanted, ..options(Costs::Measured) };
+        let renderer = Renderer::new(device, &scene, &fixed).unwrap();
+        assert_eq!(renderer.price_choice().skip_ns.len(), 1);
+        assert_eq!(renderer.predication(), Predication::Instances);
+    });
+}
+
+#[test]
 fn images_are_right_at_any_price() {
     run(Driver::Lavapipe, |device| {
-        let dear = CostTable { draw_ns: 1.0, triangle_ns: 1.0, ..CostTable::uniform(1.0e30) };
+        // Hidden pixels are a part of draws, too.
+        let draws = CostTable { hidden_pixel_ns: 0.0, ..CostTable::uniform(1.0e30) };
+        let dear = CostTable { draw_ns: 1.0, triangle_ns: 1.0, ..draws };
         let (costs, untested) = walk(device, &options(Costs::Table(dear)));
         assert_eq!(costs, Some(dear));
         assert!(untested > 0, "nothing pays for such tests");

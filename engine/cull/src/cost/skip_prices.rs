@@ -1,8 +1,6 @@
 //! The prices of the ways to keep the GPU from drawing what tests found hidden, and the choice
 //! among them. Pure: a device's times come in, a place in a list goes out.
 
-use crate::cost::table::CostTable;
-
 /// The prices of one way to skip hidden draws, in nanoseconds of GPU time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SkipPrices {
@@ -28,7 +26,7 @@ pub struct SkippedWork {
 /// The GPU times of frames with ranges that are skipped, in nanoseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkipTimes {
-    /// No range at all.
+    /// No range at all, but a draw.
     pub nothing_ns: f64,
     /// [`SkipTimes::RANGES`] ranges of a draw each, in one round.
     pub few_ns: f64,
@@ -101,23 +99,10 @@ impl SkipPrices {
     }
 }
 
-impl CostTable {
-    /// Returns the table of a device that skips hidden draws at these prices. A round's own price
-    /// is part of its break.
-    #[must_use]
-    pub fn skipping_at(self, skip: &SkipPrices) -> Self {
-        Self {
-            predicate_ns: skip.range_ns,
-            skipped_draw_ns: skip.draw_ns,
-            break_ns: self.break_ns + skip.round_ns,
-            ..self
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cost::table::CostTable;
 
     const WORK: SkippedWork = SkippedWork { rounds: 2, ranges: 100, draws: 1_000 };
 
@@ -125,7 +110,7 @@ mod tests {
         SkipPrices { round_ns, range_ns, draw_ns }
     }
 
-    /// The times of a device of these prices, whose frames take `frame_ns` besides.
+    /// Returns the times of a device of these prices, whose frames take `frame_ns` besides.
     fn times(prices: SkipPrices, frame_ns: f64) -> SkipTimes {
         let ns = |ranges: u32, each: u32| {
             let work = SkippedWork { rounds: 1, ranges, draws: ranges * each };

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::cost::skip_prices::SkipPrices;
+
 /// The prices of the work in a frame, in nanoseconds of GPU time.
 ///
 /// Only their proportions steer decisions. They may come from a measurement of the device; no image
@@ -175,6 +177,18 @@ impl CostTable {
             break_wait_share: at(self.break_wait_share),
             compute_round_ns: at(self.compute_round_ns),
             compute_box_ns: at(self.compute_box_ns),
+        }
+    }
+
+    /// Returns the table of a device that skips hidden draws at these prices. A round's own price
+    /// is part of its break.
+    #[must_use]
+    pub fn skipping_at(self, skip: &SkipPrices) -> Self {
+        Self {
+            predicate_ns: skip.range_ns,
+            skipped_draw_ns: skip.draw_ns,
+            break_ns: self.break_ns + skip.round_ns,
+            ..self
         }
     }
 

@@ -9,8 +9,8 @@ use crate::plan::frame_plan::{FramePlan, PlanStats, ProxyTest, QueryKind, Tester
 use crate::plan::strategy::Strategy;
 use crate::plan::traverse::Walk;
 
-/// The least gain by which a compute shader is taken for a whole frame, as a share of what the tests
-/// cost without it: noise does not decide.
+/// The least gain by which a compute shader is taken for a whole frame, as a share of what the
+/// tests cost without it: noise does not decide.
 const LEAST_GAIN: f32 = 0.1;
 
 /// The savings and costs of the tests of a frame that pay, with the break that they need.
@@ -142,9 +142,9 @@ impl<'a> CostFilter<'a> {
         }
     }
 
-    /// Lets a compute shader answer for all tests of the frame where that saves more: many tests may
-    /// pay by its low price of a box which by that of pixels or queries do not. The other testers
-    /// are paid for tests of their own alone, not for those that share another's proxy.
+    /// Lets a compute shader answer for all tests of the frame where that saves more: many tests
+    /// may pay by its low price of a box which by that of pixels or queries do not. The other
+    /// testers are paid for tests of their own alone, not for those that share another's proxy.
     fn choose_compute(&mut self, scratch: &Scratch, views: MultiView<'_>) {
         if !self.has_compute {
             return;

@@ -41,6 +41,19 @@ pub enum Tester {
     SharedProxy(u32),
 }
 
+impl Tester {
+    /// Returns its name in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Flag => "flags",
+            Self::Query => "queries",
+            Self::Compute => "compute",
+            Self::SharedProxy(_) => "shared proxies",
+        }
+    }
+}
+
 /// The places of the draws among the tests of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DrawPhases {

@@ -9,13 +9,14 @@
 
 mod batch;
 mod overlap;
+mod resets;
 
-use std::fmt::Display;
 use std::time::{Duration, Instant};
 
-use cull::CostTable;
+use cull::{CostTable, SkipPrices, SkipTimes};
 use gpu::{Device, FrameRing, IndirectDraw, Optional, Predication};
 
+use crate::costs::device_prices::{DevicePrices, ResetPrices};
 use crate::error::Error;
 use crate::object_renderer::ObjectRenderer;
 use crate::passes::OcclusionPasses;
@@ -29,19 +30,6 @@ const BUDGET: Duration = Duration::from_millis(60);
 /// The most rounds: more hardly make the shortest time shorter.
 const ROUNDS: usize = 5;
 
-/// The source of prices.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Costs {
-    /// No prices: everything that may be hidden is tested.
-    Ignored,
-    /// The given table.
-    Table(CostTable),
-    /// Prices that are measured when the renderer is made: a quarter of a second on a software
-    /// driver.
-    #[default]
-    Measured,
-}
-
 /// The objects that prices are measured with.
 pub struct CalibrationScene<'a> {
     /// The device whose prices are measured.
@@ -50,30 +38,12 @@ pub struct CalibrationScene<'a> {
     pub shaders: &'a ShaderSet,
     /// The passes that test boxes.
     pub passes: &'a OcclusionPasses,
-    /// The way that hidden draws are skipped.
-    pub predication: Predication,
+    /// The ways to skip hidden draws that are measured.
+    pub executors: &'a [Predication],
     /// The renderer that draws hidden objects in place of the scene's.
     pub objects: &'a mut dyn ObjectRenderer,
     /// An object of a triangle, and one of [`PATCH_TRIANGLES`] of which half face away.
     pub draws: [IndirectDraw; 2],
-}
-
-/// Returns the table for a scene; `None` where costs are ignored. Calls `measure` only to measure.
-pub fn cost_table<E: Display>(
-    costs: Costs,
-    measure: impl FnOnce() -> Result<CostTable, E>,
-) -> Option<CostTable> {
-    match costs {
-        Costs::Ignored => None,
-        Costs::Table(table) => Some(table.checked().unwrap_or_else(|error| {
-            tracing::warn!("{error}");
-            CostTable::default()
-        })),
-        Costs::Measured => Some(measure().unwrap_or_else(|error| {
-            tracing::warn!("the costs of this device could not be measured: {error}");
-            CostTable::default()
-        })),
-    }
 }
 
 /// The clock that times batches.
@@ -111,49 +81,49 @@ impl Clock {
     }
 }
 
-/// The times of one batch with a number of things and with twice as many.
-struct Pair {
-    single_ns: f64,
-    double_ns: f64,
-}
-
-impl Default for Pair {
-    fn default() -> Self {
-        Self { single_ns: f64::NAN, double_ns: f64::NAN }
-    }
-}
-
-impl Pair {
-    /// Keeps the shortest times: disturbances make them longer, never shorter.
-    fn add(&mut self, single_ns: f64, double_ns: f64) {
-        self.single_ns = self.single_ns.min(single_ns);
-        self.double_ns = self.double_ns.min(double_ns);
-    }
-
-    /// Returns the price of one thing (ns), or NaN if nothing was measured.
-    fn each_ns(&self, count: u32) -> f64 {
-        (self.double_ns - self.single_ns) / f64::from(count.max(1))
-    }
-}
-
 fn median(values: &mut [f64]) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// The shortest time of each batch: disturbances make times longer, never shorter.
+struct Times(Vec<(Batch, f64)>);
+
+impl Times {
+    /// Returns the shortest time of a batch (ns); NaN of one that was not measured.
+    fn of(&self, batch: Batch) -> f64 {
+        self.0.iter().find(|(it, _)| *it == batch).map_or(f64::NAN, |(_, ns)| *ns)
+    }
+
+    /// Returns the price of one thing (ns): the difference of twice as many and so many.
+    fn each_ns(&self, batch: Batch) -> f64 {
+        (self.of(batch.doubled()) - self.of(batch)) / f64::from(batch.count().max(1))
+    }
+
+    /// Returns the prices of skipping by an executor.
+    fn skip_prices(&self, executor: Predication) -> SkipPrices {
+        let [few, many, wide] = Batch::of_ranges(executor).map(|batch| self.of(batch));
+        let nothing_ns = self.of(Batch::NOTHING);
+        SkipTimes { nothing_ns, few_ns: few, many_ns: many, wide_ns: wide }.prices()
+    }
 }
 
 /// Measures every price.
 ///
 /// # Errors
 /// No memory, a failed call.
-pub fn measure(scene: CalibrationScene<'_>) -> Result<CostTable, Error> {
+pub fn measure(scene: CalibrationScene<'_>) -> Result<DevicePrices, Error> {
     let began = Instant::now();
-    let (device, predication) = (scene.device, scene.predication);
+    let (device, executors) = (scene.device, scene.executors);
     let mut bench = Bench::new(scene)?;
-    let batches: Vec<Batch> = Batch::ALL.into_iter().filter(|it| bench.can(*it)).collect();
-    let mut pairs: Vec<Pair> = batches.iter().map(|_| Pair::default()).collect();
+    let of_things = Batch::ALL.into_iter().flat_map(|batch| [batch, batch.doubled()]);
+    let of_ranges = executors.iter().flat_map(|it| Batch::of_ranges(*it));
+    let all = std::iter::once(Batch::NOTHING).chain(of_things).chain(of_ranges);
+    let able = all.filter(|it| bench.can(*it)).map(|it| (it, f64::NAN));
+    let mut times = Times(able.collect());
     let mut clock = Clock::new(device)?;
     // Drivers compile shaders at the first draw.
-    for batch in &batches {
+    for (batch, _) in &times.0 {
         clock.time_ns(&mut bench, *batch)?;
     }
     let started = Instant::now();
@@ -161,35 +131,43 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<CostTable, Error> {
         if round > 0 && started.elapsed() > BUDGET {
             break;
         }
-        for (batch, pair) in batches.iter().zip(&mut pairs) {
-            let single = clock.time_ns(&mut bench, *batch)?;
-            let double = clock.time_ns(&mut bench, batch.doubled())?;
-            tracing::debug!("{batch:?}: {single:.0} ns, twice as many {double:.0} ns");
-            pair.add(single, double);
+        for (batch, shortest_ns) in &mut times.0 {
+            let ns = clock.time_ns(&mut bench, *batch)?;
+            tracing::debug!("{batch:?}: {ns:.0} ns");
+            *shortest_ns = shortest_ns.min(ns);
         }
     }
     tracing::debug!("prepared in {:?}, measured in {:?}", started - began, started.elapsed());
     drop(clock);
-    let mut each = |wanted: Batch| {
-        let place = batches.iter().position(|batch| *batch == wanted);
-        place.and_then(|place| pairs.get(place)).map_or(f64::NAN, |it| it.each_ns(wanted.count()))
-    };
-    let measured = table(&mut each, bench.large_box_pixels());
+    let reset_ns = resets::measure(device)?;
+    let measured = table(&mut |batch| times.each_ns(batch), bench.large_box_pixels());
+    let measured = with_resets(measured, device, &reset_ns);
     let mut share = overlap::break_wait_share(device, &mut bench, f64::from(measured.break_ns))?;
     if device.adapter().is_software() {
         // The threads of a rasteriser share the cores with everything else: a batch that is alone
         // loses less at a break than a frame among frames does.
         share = share.max(CostTable::default().break_wait_share.into());
     }
-    let table = sensible(CostTable { break_wait_share: share as f32, ..measured }, predication);
-    tracing::info!("costs measured in {:?}: {table:?}", began.elapsed());
-    Ok(table)
+    let table = sensible(CostTable { break_wait_share: share as f32, ..measured });
+    let executors = executors.iter().map(|it| (*it, times.skip_prices(*it))).collect();
+    let prices = DevicePrices { table, executors, reset_ns };
+    tracing::info!("costs measured in {:?}: {prices:?}", began.elapsed());
+    Ok(prices)
+}
+
+/// Returns a table with the reset in the price of a query, where a command resets.
+fn with_resets(table: CostTable, device: &Device, reset_ns: &ResetPrices) -> CostTable {
+    match device.capabilities().has(Optional::HostQueryReset) {
+        true => table,
+        false => CostTable { query_ns: table.query_ns + reset_ns.command_ns.max(0.0), ..table },
+    }
 }
 
 /// Returns the prices that follow from the price per thing of each batch.
 fn table(each: &mut impl FnMut(Batch) -> f64, large_box_pixels: f64) -> CostTable {
     let draw = each(Batch::DRAWS);
-    let query = each(Batch::QUERIES) - draw;
+    let call = each(Batch::CALLS);
+    let query = each(Batch::QUERIES) - draw - call;
     let flag_box = each(Batch::FLAGS);
     let pixel = |box_ns: f64| ((box_ns - flag_box) / large_box_pixels) as f32;
     let patch = each(Batch::PATCHES);
@@ -199,19 +177,21 @@ fn table(each: &mut impl FnMut(Batch) -> f64, large_box_pixels: f64) -> CostTabl
         flag_box_ns: flag_box as f32,
         hidden_pixel_ns: pixel(each(Batch::HIDDEN_PIXELS)),
         flagged_pixel_ns: pixel(each(Batch::FLAGGED_PIXELS)),
-        predicate_ns: each(Batch::PREDICATES) as f32,
+        call_ns: call as f32,
         draw_ns: draw as f32,
         triangle_ns: ((patch - draw) / f64::from(batch::PATCH_TRIANGLES)) as f32,
         break_ns: each(Batch::BREAKS) as f32,
         break_wait_share: 0.0,
         compute_round_ns: each(Batch::GRIDS) as f32,
         compute_box_ns: each(Batch::COMPUTED_BOXES) as f32,
+        // Those of the executor come when it is chosen.
+        ..CostTable::default()
     }
 }
 
 /// Replaces impossible prices by the default. A small price may come out negative: then it is too
 /// small to be distinguished from noise, and counts as nothing.
-fn sensible(measured: CostTable, predication: Predication) -> CostTable {
+fn sensible(measured: CostTable) -> CostTable {
     let usual = CostTable::default();
     let mut doubtful = Vec::new();
     let mut kept = |(name, value): (&'static str, f32), usual: f32| {
@@ -225,14 +205,13 @@ fn sensible(measured: CostTable, predication: Predication) -> CostTable {
     let [measured, usual] = [measured.entries(), usual.entries()];
     let values: Vec<f32> =
         measured.into_iter().zip(usual).map(|(entry, (_, usual))| kept(entry, usual)).collect();
-    let by = predication.name();
-    // The share is bounded in any case.
-    if doubtful.len() + 1 >= measured.len() {
-        tracing::warn!("no cost could be measured with {by}: all count as usual");
+    // The share is bounded in any case, and the prices of executors are measured by themselves.
+    if doubtful.len() + 3 >= measured.len() {
+        tracing::warn!("no cost could be measured: all count as usual");
     } else if !doubtful.is_empty() {
         // Any one of them may drown in the noise of a busy machine.
         let doubtful = doubtful.join(", ");
-        tracing::debug!("these costs came out impossible with {by} and count as usual: {doubtful}");
+        tracing::debug!("these costs came out impossible and count as usual: {doubtful}");
     }
     CostTable::from_values(|place| values.get(place).copied().unwrap_or_default())
 }
@@ -244,23 +223,23 @@ mod tests {
     #[test]
     fn what_a_broken_clock_measures_counts_as_usual() {
         let usual = CostTable::default();
-        let predication = Predication::Conditional;
-        assert_eq!(sensible(usual, predication), usual);
+        assert_eq!(sensible(usual), usual);
         for value in [f32::NAN, f32::INFINITY, -1.0e9, f32::MAX] {
             let broken = CostTable::from_values(|_| value);
-            assert_eq!(sensible(broken, predication), usual);
+            assert_eq!(sensible(broken), usual);
             let one = CostTable { draw_ns: value, query_ns: 3.0, ..usual };
-            assert_eq!(sensible(one, predication), CostTable { query_ns: 3.0, ..usual });
+            assert_eq!(sensible(one), CostTable { query_ns: 3.0, ..usual });
         }
-        let noise = CostTable { predicate_ns: -2.0, ..usual };
-        assert_eq!(sensible(noise, predication), CostTable { predicate_ns: 0.0, ..usual });
+        let noise = CostTable { call_ns: -2.0, ..usual };
+        assert_eq!(sensible(noise), CostTable { call_ns: 0.0, ..usual });
     }
 
     #[test]
     fn prices_are_differences_of_batches() {
         let mut each = |batch: Batch| match batch {
             Batch::DRAWS => 10.0,
-            Batch::QUERIES => 17.0,
+            Batch::CALLS => 3.0,
+            Batch::QUERIES => 20.0,
             Batch::QUERIED_BOXES => 12.0,
             Batch::FLAGS => 3.0,
             Batch::HIDDEN_PIXELS => 103.0,
@@ -269,6 +248,7 @@ mod tests {
             _ => 5.0,
         };
         let table = table(&mut each, 100.0);
+        assert_eq!(table.call_ns, 3.0);
         assert_eq!((table.draw_ns, table.query_ns, table.query_box_ns), (10.0, 7.0, 5.0));
         assert_eq!((table.hidden_pixel_ns, table.flagged_pixel_ns), (1.0, 2.0));
         assert_eq!((table.triangle_ns, table.break_ns), (2.0, 5.0));

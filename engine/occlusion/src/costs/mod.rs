@@ -2,5 +2,7 @@
 //! times of frames, which correct them.
 
 pub(crate) mod calibration;
+pub(crate) mod device_prices;
 pub(crate) mod frame_times;
 pub(crate) mod sent_frames;
+pub(crate) mod skipped_ranges;

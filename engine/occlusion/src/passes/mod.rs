@@ -9,7 +9,8 @@ mod list_draws;
 mod proxy;
 mod scatter;
 
-use gpu::{Attachments, Device, Optional};
+use cull::{DrawPhases, TesterSupport};
+use gpu::{Attachments, Device, Optional, Target};
 
 use crate::error::Error;
 use crate::shader_set::ShaderSet;
@@ -80,6 +81,16 @@ impl OcclusionPasses {
         let fresh = Self::new(device, shaders, self.attachments)?;
         let (compute_test, list_draws) = (compute_test.transpose()?, list_draws.transpose()?);
         Ok(Self { compute_test, list_draws, ..fresh })
+    }
+
+    /// Returns the testers that plans may use on `device`, for views that are drawn to `target`.
+    pub fn testers(&self, device: &Device, target: &Target) -> TesterSupport {
+        TesterSupport {
+            flags: self.proxies.can_flag(),
+            compute: target.can_copy_depth() && ComputeTest::check(device, target.size()).is_ok(),
+            leaf_tests: self.leaf_boxes.is_some(),
+            draw_phases: DrawPhases::PerRound,
+        }
     }
 
     /// Returns the attachments that boxes are tested against.

@@ -83,6 +83,20 @@ impl ProxyPass {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
+        Self::of_fragments(device, shaders, attachments, FragmentChoice::Representative)
+    }
+
+    /// Compiles the pass like [`ProxyPass::new`], with these fragments for flags: a flag is the
+    /// same by all of them and by one that the device chooses, the price is not.
+    ///
+    /// # Errors
+    /// Those of [`ProxyPass::new`].
+    pub fn of_fragments(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+        flagging: FragmentChoice,
+    ) -> Result<Self, Error> {
         let vertex = shaders.find(match attachments.views {
             1 => "proxy.vert",
             _ => "proxy_multiview.vert",
@@ -92,7 +106,7 @@ impl ProxyPass {
                 fragment,
                 // Queries count all of them.
                 fragments: match fragment {
-                    Some(_) => FragmentChoice::Representative,
+                    Some(_) => flagging,
                     None => FragmentChoice::All,
                 },
                 storage: match attachments.views {

@@ -13,6 +13,8 @@ pub enum PricedItem {
     Queries,
     /// Tests of hidden boxes of this size.
     Boxes(Tester, BoxSize),
+    /// The same by flags that all fragments may set, on a device where one is chosen otherwise.
+    BoxesOfAllFragments(BoxSize),
     /// Draws of a hidden triangle in indirect calls of so many.
     IndirectDraws {
         /// The draws of each call.
@@ -47,16 +49,16 @@ pub enum BoxSize {
 impl PricedItem {
     /// Returns all of them, in the order of tables.
     pub fn all() -> Vec<Self> {
-        let executors = [Predication::Conditional, Predication::Counts, Predication::Instances];
         let results = [PredicateResult::Skipped, PredicateResult::Taken];
         let testers = [Tester::Query, Tester::Flag, Tester::Compute];
         let sizes = [BoxSize::Small, BoxSize::Large];
-        let mut all: Vec<Self> = executors
+        let mut all: Vec<Self> = Predication::ALL
             .into_iter()
             .flat_map(|executor| results.map(|result| Self::Predicates(executor, result)))
             .collect();
         all.push(Self::Queries);
         all.extend(testers.into_iter().flat_map(|it| sizes.map(|size| Self::Boxes(it, size))));
+        all.extend(sizes.map(Self::BoxesOfAllFragments));
         all.extend([10_000, 10].map(|per_call| Self::IndirectDraws { per_call }));
         all.push(Self::Breaks);
         all.extend([Resubmission::Never, Resubmission::Allowed].map(Self::Resets));
@@ -81,6 +83,9 @@ impl PricedItem {
             Self::Boxes(Tester::Flag, of) => format!("{} boxes by flags", size(of)),
             Self::Boxes(Tester::Compute, of) => format!("{} boxes by compute", size(of)),
             Self::Boxes(_, of) => format!("{} boxes by queries", size(of)),
+            Self::BoxesOfAllFragments(of) => {
+                format!("{} boxes by flags of all fragments", size(of))
+            }
             Self::IndirectDraws { per_call } => format!("draws in calls of {per_call}"),
             Self::Breaks => "breaks of a rendering".to_owned(),
             Self::Resets(Resubmission::Never) => "resets of queries by the CPU".to_owned(),

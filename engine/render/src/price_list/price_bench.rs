@@ -5,13 +5,13 @@ use std::time::Instant;
 use cull::{Aabb, Camera, Projection, Tester, View};
 use glam::Vec3;
 use gpu::{
-    Access, BufferSlice, Commands, Device, DrawRange, FlagRing, Frame, FrameRing, IndirectDraw,
-    Load, MemoryBarrier, Optional, PredicatedRange, Predicates, Predication, QueryIndex, QueryRing,
-    Resubmission, ResultSource, Reveal,
+    Access, BufferSlice, Commands, Device, FlagRing, FragmentChoice, Frame, FrameRing,
+    IndirectDraw, Load, MemoryBarrier, Optional, Predication, QueryIndex, QueryRing, Resubmission,
+    ResultSource,
 };
 use occlusion::{
     BucketId, ComputeTest, ComputeTestIo, Costs, ObjectPass, ObjectRenderer, ProxyBox, ProxyIo,
-    Rect, ShaderSet,
+    ProxyPass, Rect, ShaderSet, SkippedRanges,
 };
 use scene::{Mesh, Scene};
 
@@ -37,7 +37,9 @@ pub(super) struct PriceBench {
     has_timestamps: bool,
     view: View,
     most: u32,
-    predicates: Vec<Predicates>,
+    ranges: Vec<SkippedRanges>,
+    /// The pass whose flags all fragments may set, where one is chosen otherwise.
+    all_fragments: Option<ProxyPass>,
     compute: Option<ComputeTest>,
     queries: QueryRing<()>,
     flags: FlagRing<()>,
@@ -61,13 +63,16 @@ impl PriceBench {
         let (eye, forward, up) = (Vec3::ZERO, Vec3::NEG_Z, Vec3::Y);
         let view = renderer.view_of(&Camera { eye, forward, up, projection, near: 0.1 });
         let draw = renderer.passes.geometry.mesh_draw(scene::MeshId(0));
-        let draws = vec![IndirectDraw { instance_count: 1, ..draw }; options.most.max(1) as usize];
-        let executors = [Predication::Conditional, Predication::Counts, Predication::Instances];
-        let has = |it: &Predication| {
-            Predication::choose(device, Some(*it), draws.len() as u64, 0).is_ok()
-        };
-        let predicates = executors.into_iter().filter(has);
-        let predicates = predicates.map(|it| Predicates::new(device, Some(it), &draws, 1));
+        let draw = IndirectDraw { instance_count: 1, ..draw };
+        let shaders = ShaderSet::embedded()?;
+        let most = options.most.max(1);
+        let has = |it: &Predication| Predication::choose(device, Some(*it), most.into(), 0).is_ok();
+        let ranges = Predication::ALL.into_iter().filter(has);
+        let ranges = ranges.map(|it| SkippedRanges::new(device, &shaders, it, (draw, most)));
+        let is_chosen = device.capabilities().has(Optional::RepresentativeFragments);
+        let attachments = renderer.executor.passes.attachments();
+        let all_fragments = is_chosen
+            .then(|| ProxyPass::of_fragments(device, &shaders, attachments, FragmentChoice::All));
         let has_timestamps = device.capabilities().has(Optional::Timestamps);
         let mut frames = FrameRing::new(device, 1)?;
         if has_timestamps {
@@ -75,13 +80,14 @@ impl PriceBench {
         }
         let flags = |source, name| FlagRing::new(device, 1, source, name);
         Ok(Self {
-            predicates: predicates.collect::<Result<_, _>>()?,
-            compute: ComputeTest::new(device, &ShaderSet::embedded()?, size).ok(),
+            ranges: ranges.collect::<Result<_, _>>()?,
+            all_fragments: all_fragments.transpose()?,
+            compute: ComputeTest::new(device, &shaders, size).ok(),
             queries: QueryRing::new(device, 1, "price queries")?,
             flags: flags(ResultSource::Fragments, "price flags"),
             computed: flags(ResultSource::Compute, "price results"),
             device: device.clone(),
-            most: options.most.max(1),
+            most,
             renderer,
             frames,
             has_timestamps,
@@ -94,10 +100,11 @@ impl PriceBench {
         let can_flag = self.renderer.executor.passes.proxies.can_flag();
         match item {
             PricedItem::Predicates(executor, _) => {
-                can_flag && self.predicates.iter().any(|it| it.predication() == executor)
+                can_flag && self.ranges.iter().any(|it| it.predication() == executor)
             }
             PricedItem::Boxes(Tester::Flag, _) => can_flag,
             PricedItem::Boxes(Tester::Compute, _) => self.compute.is_some(),
+            PricedItem::BoxesOfAllFragments(_) => can_flag && self.all_fragments.is_some(),
             PricedItem::IndirectDraws { per_call } => count >= per_call,
             PricedItem::Resets(Resubmission::Never) => {
                 self.device.capabilities().has(Optional::HostQueryReset)
@@ -122,11 +129,12 @@ impl PriceBench {
         self.queries.begin(&mut frame, &vec![(); queries as usize])?;
         self.flags.begin(&frame, std::iter::repeat_n((), results as usize))?;
         self.computed.begin(&frame, std::iter::repeat_n((), results as usize))?;
-        begin_decisions(&mut self.predicates, &self.flags, &mut frame, (item, count))?;
+        begin_ranges(&mut self.ranges, &self.flags, &mut frame, (item, count))?;
         let draw = renderer.passes.geometry.mesh_draw(scene::MeshId(0));
         let draw = IndirectDraw { instance_count: 1, ..draw };
         let bounds = match item {
-            PricedItem::Boxes(_, BoxSize::Large) => box_of([0.5, 0.5], &self.view),
+            PricedItem::Boxes(_, BoxSize::Large)
+            | PricedItem::BoxesOfAllFragments(BoxSize::Large) => box_of([0.5, 0.5], &self.view),
             _ => box_of(self.view.size.map(|pixels| 2.0 / pixels as f32), &self.view),
         };
         let number = count.max(1) as usize;
@@ -138,10 +146,13 @@ impl PriceBench {
         frame.commands().barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
         let Renderer { passes, executor, .. } = renderer;
         let recorder = Recorder {
-            predicates: &self.predicates,
+            ranges: &self.ranges,
             compute: self.compute.as_ref(),
             computed: self.computed.results(),
-            proxies: &executor.passes.proxies,
+            proxies: match (item, &self.all_fragments) {
+                (PricedItem::BoxesOfAllFragments(_), Some(proxies)) => proxies,
+                _ => &executor.passes.proxies,
+            },
             flags: self.flags.results(),
             queries: &self.queries,
             view: &self.view,
@@ -186,26 +197,21 @@ impl PriceBench {
     }
 }
 
-/// Begins a decision for each draw under predicates.
-fn begin_decisions(
-    predicates: &mut [Predicates],
+/// Begins a range for each draw under predicates.
+fn begin_ranges(
+    ranges: &mut [SkippedRanges],
     flags: &FlagRing<()>,
     frame: &mut Frame<'_>,
     (item, count): (PricedItem, u32),
 ) -> Result<(), Error> {
     let PricedItem::Predicates(executor, result) = item else { return Ok(()) };
-    let decided = (0..count).map(|number| PredicatedRange {
-        result: number,
-        range: DrawRange { first: number, count: 1 },
-        reveal: Reveal::Draws,
-    });
     // All flags are zero, and what has no result is drawn.
     let results = match result {
         PredicateResult::Skipped => flags.results(),
         PredicateResult::Taken => None,
     };
-    for predicates in predicates.iter_mut().filter(|it| it.predication() == executor) {
-        predicates.begin(frame, ResultSource::Fragments, results, decided.clone())?;
+    for ranges in ranges.iter_mut().filter(|it| it.predication() == executor) {
+        ranges.begin(frame, results, (count, 1))?;
     }
     Ok(())
 }
@@ -219,10 +225,10 @@ fn box_of(share: [f32; 2], view: &View) -> ProxyBox {
 
 /// The passes, rings and results that items are recorded with.
 struct Recorder<'a> {
-    predicates: &'a [Predicates],
+    ranges: &'a [SkippedRanges],
     compute: Option<&'a ComputeTest>,
     computed: Option<BufferSlice>,
-    proxies: &'a occlusion::ProxyPass,
+    proxies: &'a ProxyPass,
     flags: Option<BufferSlice>,
     queries: &'a QueryRing<()>,
     view: &'a View,
@@ -237,22 +243,22 @@ impl Recorder<'_> {
         (item, count): (PricedItem, u32),
         io: &Io,
     ) {
-        let source = ResultSource::Fragments;
-        let predicates = match item {
+        let ranges = match item {
             PricedItem::Predicates(executor, _) => {
-                self.predicates.iter().find(|it| it.predication() == executor)
+                self.ranges.iter().find(|it| it.predication() == executor)
             }
             _ => None,
         };
-        if let Some(predicates) = predicates {
-            predicates.resolve(commands, &[(source, 0..count)], 0);
+        if let Some(ranges) = ranges {
+            ranges.record_resolve(commands);
         }
         rendering(passes, commands, Load::Clear(HIDES_ALL), |passes, commands| {
             passes.bind(commands, self.view, BucketId(0), ObjectPass::Visibility);
             match item {
                 PricedItem::Predicates(..) => {
-                    let Some(predicates) = predicates else { return };
-                    (0..count).for_each(|number| predicates.draw(commands, source, number));
+                    if let Some(ranges) = ranges {
+                        ranges.record_draws(commands);
+                    }
                 }
                 PricedItem::IndirectDraws { per_call } => {
                     let bytes = u64::from(per_call) * DRAW_BYTES;
@@ -262,6 +268,9 @@ impl Recorder<'_> {
                 }
                 PricedItem::Queries => self.each_query(commands, count, |_, _| {}),
                 PricedItem::Boxes(tester, _) => self.draw_boxes(commands, (tester, count), io),
+                PricedItem::BoxesOfAllFragments(_) => {
+                    self.draw_boxes(commands, (Tester::Flag, count), io);
+                }
                 PricedItem::Breaks | PricedItem::Resets(_) => {}
             }
         });

@@ -47,15 +47,25 @@ impl Trust {
         !self.broken.iter().any(rests)
     }
 
-    /// Returns the executor to use in place of the wanted one, out of those that the device
-    /// `has`; `None` if none can be trusted.
+    /// Returns the executors that may be used, out of those that the device `has`: the wanted one
+    /// first, then the others in their order. None if none can be trusted.
+    pub(crate) fn executors(
+        &self,
+        wanted: Predication,
+        has: impl Fn(Predication) -> bool,
+    ) -> Vec<Predication> {
+        let others = EXECUTORS.into_iter().filter(|it| *it != wanted);
+        let all = std::iter::once(wanted).chain(others);
+        all.filter(|executor| self.allows_executor(*executor) && has(*executor)).collect()
+    }
+
+    /// Returns the first of them.
     pub(crate) fn executor(
         &self,
         wanted: Predication,
         has: impl Fn(Predication) -> bool,
     ) -> Option<Predication> {
-        let mut candidates = std::iter::once(wanted).chain(EXECUTORS);
-        candidates.find(|executor| self.allows_executor(*executor) && has(*executor))
+        self.executors(wanted, has).first().copied()
     }
 
     /// Returns the testers of the device that may be used.
@@ -145,7 +155,8 @@ mod tests {
         }
         assert_eq!(trust.testers(ALL), ALL);
         for wanted in EXECUTORS {
-            assert_eq!(trust.executor(wanted, |_| true), Some(wanted));
+            let executors = trust.executors(wanted, |_| true);
+            assert_eq!((executors.len(), executors[0]), (EXECUTORS.len(), wanted));
         }
     }
 
@@ -180,11 +191,13 @@ mod tests {
         use Assumption::{ConditionalRendering, DrawCounts, InstanceCounts};
         let trust = Trust::without(&[ConditionalRendering]);
         let wanted = Predication::Conditional;
-        assert_eq!(trust.executor(wanted, |_| true), Some(Predication::Counts));
+        let (counts, instances) = (Predication::Counts, Predication::Instances);
+        let compacted = Predication::Compacted;
+        assert_eq!(trust.executors(wanted, |_| true), [counts, instances, compacted]);
         let has = |it| it != Predication::Counts;
-        assert_eq!(trust.executor(wanted, has), Some(Predication::Instances));
+        assert_eq!(trust.executors(wanted, has), [instances, compacted]);
         let nothing = Trust::without(&[ConditionalRendering, DrawCounts, InstanceCounts]);
-        assert_eq!(nothing.executor(wanted, |_| true), None);
+        assert!(nothing.executors(wanted, |_| true).is_empty());
         let trust = Trust::without(&[DrawCounts]);
         let compacted = Predication::Compacted;
         assert_eq!(trust.executor(compacted, |_| true), Some(wanted), "it counts, too");

@@ -120,6 +120,7 @@ fn known<'a>(
         is_frozen: false,
         is_recording: false,
         predicates: "flags",
+        tester: "queries",
         frames_in_flight: 2,
         compared: None,
         screen: Some(screen),
@@ -194,6 +195,7 @@ draw revealed: 4.50 ms
 device: a GPU
 size: 640 x 360
 predicates: flags
+cheapest tester: queries
 frames in flight: 2
 GPU memory: 5 MiB
 

@@ -3,7 +3,7 @@
 
 use cull::Strategy;
 use gpu::{Device, DeviceOptions, Optional, Readback};
-use render::{FrameRequest, Renderer, RendererOptions};
+use render::{FrameRequest, Price, PriceListOptions, PricedItem, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::machine::{Machine, OTHER_PIPELINES, REPRESENTATIVE_PIPELINES, calls};
 use tests::{Driver, instance_with};
@@ -33,6 +33,11 @@ fn drawn(machine: Machine) -> (Vec<u8>, [usize; 2]) {
         renderer.drain(&mut view).unwrap();
     }
     let pipelines = [REPRESENTATIVE_PIPELINES, OTHER_PIPELINES].map(calls);
+    let options = PriceListOptions { size: [32, 16], most: 10, rounds: 1, longest_ms: 100.0 };
+    let prices = render::price_list(&device, &options).unwrap();
+    let is_of_all = |it: &&Price| matches!(it.item, PricedItem::BoxesOfAllFragments(_));
+    // 1 and 10 of either size.
+    assert_eq!(prices.iter().filter(is_of_all).count(), if has_them { 4 } else { 0 });
     let pixels = image.rgba8().unwrap().to_vec();
     drop((image, renderer, device));
     assert_eq!(instance.validation_log().drain(), []);

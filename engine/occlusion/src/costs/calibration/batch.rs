@@ -1,14 +1,14 @@
 //! The batches that are timed: many of one thing and little else.
 
-use cull::{Aabb, Camera, Projection, View};
+use cull::{Aabb, Camera, Projection, SkipTimes, View};
 use glam::Vec3;
 use gpu::{
-    Access, Buffer, BufferSlice, Commands, DrawRange, FlagRing, Frame, IndirectDraw, Load,
-    MemoryBarrier, MemoryKind, PredicatedRange, Predicates, QueryIndex, QueryRing, ResultSource,
-    Reveal, vk,
+    Access, Buffer, BufferSlice, Commands, FlagRing, Frame, IndirectDraw, Load, MemoryBarrier,
+    MemoryKind, Predication, QueryIndex, QueryRing, ResultSource, vk,
 };
 
 use super::CalibrationScene;
+use crate::costs::skipped_ranges::SkippedRanges;
 use crate::error::Error;
 use crate::leaf_table::BucketId;
 use crate::object_renderer::{ObjectPass, ObjectRenderer};
@@ -38,8 +38,12 @@ enum Thing {
     HiddenPixels,
     /// The same, and all pass.
     FlaggedPixels,
-    /// Draws under predicates that forbid them.
-    Predicates,
+    /// A draw: some drivers leave out a rendering without any.
+    Nothing,
+    /// Indirect calls of a draw without instances.
+    Calls,
+    /// Ranges of so many draws each, all of which an executor skips.
+    Ranges { executor: Predication, width: u32 },
     /// Ends of rendering and begins.
     Breaks,
     /// Preparations of the compute tester.
@@ -56,7 +60,8 @@ impl Batch {
     pub(super) const FLAGS: Self = Self { thing: Thing::Flags, count: 256 };
     pub(super) const HIDDEN_PIXELS: Self = Self { thing: Thing::HiddenPixels, count: 8 };
     pub(super) const FLAGGED_PIXELS: Self = Self { thing: Thing::FlaggedPixels, count: 2 };
-    pub(super) const PREDICATES: Self = Self { thing: Thing::Predicates, count: MOST / 2 };
+    pub(super) const CALLS: Self = Self { thing: Thing::Calls, count: 256 };
+    pub(super) const NOTHING: Self = Self { thing: Thing::Nothing, count: 0 };
     pub(super) const BREAKS: Self = Self { thing: Thing::Breaks, count: 4 };
     pub(super) const GRIDS: Self = Self { thing: Thing::Grids, count: 1 };
     pub(super) const COMPUTED_BOXES: Self = Self { thing: Thing::ComputedBoxes, count: 128 };
@@ -69,11 +74,18 @@ impl Batch {
         Self::FLAGS,
         Self::HIDDEN_PIXELS,
         Self::FLAGGED_PIXELS,
-        Self::PREDICATES,
+        Self::CALLS,
         Self::BREAKS,
         Self::GRIDS,
         Self::COMPUTED_BOXES,
     ];
+
+    /// Returns the batches of ranges of an executor: few, many, and few that are wide.
+    pub(super) fn of_ranges(executor: Predication) -> [Self; 3] {
+        let few = SkipTimes::RANGES;
+        [(few, 1), (2 * few, 1), (few, SkipTimes::WIDE_DRAWS)]
+            .map(|(count, width)| Self { thing: Thing::Ranges { executor, width }, count })
+    }
 
     pub(super) fn count(self) -> u32 {
         self.count
@@ -104,7 +116,7 @@ const DISTANCE_M: f32 = 10.0;
 pub(super) struct Bench<'a> {
     passes: &'a OcclusionPasses,
     objects: &'a mut dyn ObjectRenderer,
-    predicates: Predicates,
+    ranges: Vec<SkippedRanges>,
     compute: Option<ComputeTest>,
     results: Buffer,
     queries: QueryRing<()>,
@@ -127,7 +139,7 @@ const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
 impl<'a> Bench<'a> {
     pub(super) fn new(scene: CalibrationScene<'a>) -> Result<Self, Error> {
-        let CalibrationScene { device, shaders, passes, predication, objects, draws } = scene;
+        let CalibrationScene { device, shaders, passes, executors, objects, draws } = scene;
         let size = objects.target().size();
         let camera = Camera {
             eye: Vec3::ZERO,
@@ -137,13 +149,12 @@ impl<'a> Bench<'a> {
             near: 0.1,
         };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let most = SkipTimes::RANGES * SkipTimes::WIDE_DRAWS;
+        let ranges = executors
+            .iter()
+            .map(|executor| SkippedRanges::new(device, shaders, *executor, (draws[0], most)));
         Ok(Self {
-            predicates: Predicates::new(
-                device,
-                Some(predication),
-                &vec![draws[0]; MOST as usize],
-                2,
-            )?,
+            ranges: ranges.collect::<Result<_, _>>()?,
             compute: ComputeTest::new(device, shaders, size)
                 .ok()
                 .map(|test| test.of_samples(passes.attachments().samples)),
@@ -167,7 +178,7 @@ impl<'a> Bench<'a> {
     /// Returns true if the device can do a batch at all.
     pub(super) fn can(&self, batch: Batch) -> bool {
         match batch.thing {
-            Thing::Flags | Thing::HiddenPixels | Thing::FlaggedPixels | Thing::Predicates => {
+            Thing::Flags | Thing::HiddenPixels | Thing::FlaggedPixels | Thing::Ranges { .. } => {
                 self.passes.proxies.can_flag()
             }
             Thing::Grids | Thing::ComputedBoxes => self.compute.is_some(),
@@ -186,15 +197,18 @@ impl<'a> Bench<'a> {
         let count = batch.count.min(MOST) as usize;
         self.queries.begin(frame, &[(); MOST as usize][..count])?;
         self.flags.begin(frame, std::iter::repeat_n((), MOST as usize))?;
-        let decided = (0..MOST).map(|number| PredicatedRange {
-            range: DrawRange { first: number, count: 1 },
-            reveal: Reveal::Draws,
-            ..PredicatedRange::default()
-        });
-        let results = self.flags.results();
-        self.predicates.begin(frame, ResultSource::Fragments, results, decided)?;
+        if let Thing::Ranges { executor, width } = batch.thing {
+            let results = self.flags.results();
+            for ranges in self.ranges.iter_mut().filter(|it| it.predication() == executor) {
+                ranges.begin(frame, results, (batch.count, width))?;
+            }
+        }
         let [single, patch] = self.draws;
-        let draw = if batch.thing == Thing::Patches { patch } else { single };
+        let draw = match batch.thing {
+            Thing::Patches => patch,
+            Thing::Calls => IndirectDraw { instance_count: 0, ..single },
+            _ => single,
+        };
         let rays = &self.view.rays;
         let face = |share_x: f32, share_y: f32| {
             let half = (rays.right * share_x - rays.down * share_y) * DISTANCE_M;
@@ -205,7 +219,7 @@ impl<'a> Bench<'a> {
         let small = face(pixel[0], pixel[1]);
         let uploads = frame.uploads();
         self.io = Some(Io {
-            draws: uploads.push_iter(std::iter::repeat_n(draw, count))?,
+            draws: uploads.push_iter(std::iter::repeat_n(draw, count.max(1)))?,
             small: uploads.push_iter(std::iter::repeat_n(small, MOST as usize))?,
             large: uploads.push_iter(std::iter::repeat_n(face(0.5, 0.5), MOST as usize))?,
         });
@@ -217,8 +231,8 @@ impl<'a> Bench<'a> {
         let Some(io) = self.io else { return };
         let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeRead];
         commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
-        if batch.thing == Thing::Predicates {
-            self.predicates.resolve(commands, &[(ResultSource::Fragments, 0..batch.count)], 0);
+        if let Some(ranges) = self.ranges_of(batch) {
+            ranges.record_resolve(commands);
         }
         self.objects.target().prepare(commands);
         // As if something at the near plane hid everything; nothing to draw, so nothing to take
@@ -234,6 +248,12 @@ impl<'a> Bench<'a> {
         if matches!(batch.thing, Thing::Queries | Thing::QueriedBoxes) {
             self.queries.resolve(commands, 0..batch.count);
         }
+    }
+
+    /// Returns the ranges of a batch of ranges.
+    fn ranges_of(&self, batch: Batch) -> Option<&SkippedRanges> {
+        let Thing::Ranges { executor, .. } = batch.thing else { return None };
+        self.ranges.iter().find(|it| it.predication() == executor)
     }
 
     /// Draws patches that show, in one rendering without a test or in two with a test of the
@@ -265,7 +285,7 @@ impl<'a> Bench<'a> {
 
     fn record_inside(&self, commands: &Commands, batch: Batch, io: &Io) {
         match batch.thing {
-            Thing::Draws | Thing::Patches => commands.draw_indirect(io.draws),
+            Thing::Draws | Thing::Patches | Thing::Nothing => commands.draw_indirect(io.draws),
             Thing::Queries => {
                 for number in 0..batch.count {
                     let draw = io.draws.part(u64::from(number) * DRAW_BYTES, DRAW_BYTES);
@@ -287,9 +307,14 @@ impl<'a> Bench<'a> {
             Thing::HiddenPixels | Thing::FlaggedPixels => {
                 self.draw_boxes(commands, batch, io.large);
             }
-            Thing::Predicates => {
-                for number in 0..batch.count {
-                    self.predicates.draw(commands, ResultSource::Fragments, number);
+            Thing::Calls => {
+                for number in 0..u64::from(batch.count) {
+                    commands.draw_indirect(io.draws.part(number * DRAW_BYTES, DRAW_BYTES));
+                }
+            }
+            Thing::Ranges { .. } => {
+                if let Some(ranges) = self.ranges_of(batch) {
+                    ranges.record_draws(commands);
                 }
             }
             Thing::Breaks | Thing::Grids | Thing::ComputedBoxes => {}

@@ -1,0 +1,72 @@
+//! Times resets of queries, by the CPU and by commands.
+
+use std::time::Instant;
+
+use gpu::{Device, FrameRing, Optional, QueryRing, Resubmission};
+
+use crate::costs::device_prices::ResetPrices;
+use crate::error::Error;
+
+/// Queries of the shorter measurement; the longer one has twice as many.
+const QUERIES: usize = 256;
+
+const ROUNDS: usize = 3;
+
+/// Measures the price of the reset of a query.
+///
+/// # Errors
+/// No memory, a failed call.
+pub(super) fn measure(device: &Device) -> Result<ResetPrices, Error> {
+    let each_ns = |by| -> Result<f32, Error> {
+        let mut shortest_ns = [f64::NAN; 2];
+        let mut frames = FrameRing::new(device, 1)?;
+        frames.set_resubmission(by);
+        let has_timestamps = device.capabilities().has(Optional::Timestamps);
+        if has_timestamps {
+            frames.time_frames()?;
+        }
+        let mut queries = QueryRing::new(device, 1, "reset queries")?;
+        // The first turn makes the pool.
+        for turn in 0..=ROUNDS {
+            for (count, shortest_ns) in [2 * QUERIES, QUERIES].into_iter().zip(&mut shortest_ns) {
+                let ns = time_ns(device, (&mut frames, by), &mut queries, count)?;
+                *shortest_ns = if turn == 0 { f64::NAN } else { shortest_ns.min(ns) };
+            }
+        }
+        let [many, few] = shortest_ns;
+        Ok(((many - few) / QUERIES as f64).max(0.0) as f32)
+    };
+    let cpu_ns = match device.capabilities().has(Optional::HostQueryReset) {
+        true => each_ns(Resubmission::Never)?,
+        false => f32::NAN,
+    };
+    Ok(ResetPrices { command_ns: each_ns(Resubmission::Allowed)?, cpu_ns })
+}
+
+/// Returns the time of a frame that resets so many queries (ns): of the call on the CPU, or of its
+/// commands on the GPU; where there are no timestamps from submit to end.
+fn time_ns(
+    device: &Device,
+    (frames, by): (&mut FrameRing, Resubmission),
+    queries: &mut QueryRing<()>,
+    count: usize,
+) -> Result<f64, Error> {
+    let tags = vec![(); count];
+    let mut frame = frames.begin()?;
+    frame.begin_timing();
+    let began = Instant::now();
+    queries.begin(&mut frame, &tags)?;
+    let called = began.elapsed();
+    let began = Instant::now();
+    let tick = frame.submit(None)?;
+    queries.submitted(tick);
+    device.drain()?;
+    let elapsed = began.elapsed();
+    if by == Resubmission::Never {
+        return Ok(called.as_secs_f64() * 1.0e9);
+    }
+    match frames.begin()?.last_time() {
+        Some(time) => Ok(time.gpu_ms * 1.0e6),
+        None => Ok(elapsed.as_secs_f64() * 1.0e9),
+    }
+}

@@ -1,0 +1,218 @@
+//! The prices of a device, and what is decided by them before the first frame: the way that hidden
+//! draws are skipped, and the tester that is expected to cost least.
+
+use std::fmt::Display;
+
+use cull::{CostModel, CostTable, SceneCosts, SkipPrices, SkippedWork, Tester, TesterSupport};
+use gpu::Predication;
+
+/// The source of prices.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Costs {
+    /// No prices: everything that may be hidden is tested.
+    Ignored,
+    /// The given table. The way that hidden draws are skipped is the device's usual one.
+    Table(CostTable),
+    /// Prices that are measured when the renderer is made: half a second on a software driver.
+    #[default]
+    Measured,
+}
+
+/// The measured prices of a device.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DevicePrices {
+    /// The prices of tests and draws, apart from those of the executor.
+    pub table: CostTable,
+    /// The prices of each executor that may be used, in the order of preference.
+    pub executors: Vec<(Predication, SkipPrices)>,
+    /// The time of the reset of a query by a command on the GPU, and by the CPU (nanoseconds); NaN
+    /// where that is not possible.
+    pub reset_ns: ResetPrices,
+}
+
+/// The prices of the reset of a query (nanoseconds).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResetPrices {
+    /// By a command: GPU time.
+    pub command_ns: f32,
+    /// By the CPU: CPU time.
+    pub cpu_ns: f32,
+}
+
+impl Default for ResetPrices {
+    fn default() -> Self {
+        Self { command_ns: f32::NAN, cpu_ns: f32::NAN }
+    }
+}
+
+/// The decisions about a device and a scene before the first frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PriceChoice {
+    /// The way that hidden draws are skipped.
+    pub predication: Predication,
+    /// The tester that is expected to cost least. [`Strategy::ANTUMBRA`](cull::Strategy::ANTUMBRA)
+    /// decides again for the boxes of each frame.
+    pub tester: Tester,
+    /// The prices that decide about tests; `None` where costs are ignored.
+    pub table: Option<CostTable>,
+    /// The expected time of skipping in a frame by each executor (nanoseconds); empty where none
+    /// was measured.
+    pub skip_ns: Vec<(Predication, f64)>,
+    /// The measured prices of resets.
+    pub reset_ns: ResetPrices,
+}
+
+/// A scene on a device, for which is decided.
+#[derive(Debug, Clone, Copy)]
+pub struct ChoiceRequest<'a> {
+    /// The executors that may be used, in the order of preference; the first is the device's usual
+    /// one.
+    pub executors: &'a [Predication],
+    /// The testers that may be used.
+    pub testers: TesterSupport,
+    /// The work of a frame of the scene.
+    pub work: SkippedWork,
+    /// Size of the image in pixels.
+    pub size: [u32; 2],
+}
+
+impl PriceChoice {
+    /// Decides by prices, which `measure` measures if that is asked for.
+    pub fn by<E: Display>(
+        costs: Costs,
+        request: &ChoiceRequest<'_>,
+        measure: impl FnOnce() -> Result<DevicePrices, E>,
+    ) -> Self {
+        match costs {
+            Costs::Ignored => Self::usual(request, None),
+            Costs::Table(table) => Self::usual(request, Some(checked(table))),
+            Costs::Measured => match measure() {
+                Ok(prices) => Self::of_prices(request, &prices),
+                Err(error) => {
+                    tracing::warn!("the costs of this device could not be measured: {error}");
+                    Self::usual(request, Some(CostTable::default()))
+                }
+            },
+        }
+    }
+
+    /// Takes the executor that is usual.
+    fn usual(request: &ChoiceRequest<'_>, table: Option<CostTable>) -> Self {
+        Self {
+            predication: request.executors.first().copied().unwrap_or(Predication::Instances),
+            tester: tester(request, table),
+            table,
+            skip_ns: Vec::new(),
+            reset_ns: ResetPrices::default(),
+        }
+    }
+
+    /// Takes the executor that skips the scene's work at the least price.
+    fn of_prices(request: &ChoiceRequest<'_>, prices: &DevicePrices) -> Self {
+        let of_each: Vec<SkipPrices> = prices.executors.iter().map(|(_, it)| *it).collect();
+        let cheapest = SkipPrices::cheapest(&of_each, &request.work);
+        let is_known = |(_, it): &&(_, SkipPrices)| it.frame_ns(&request.work).is_finite();
+        let cheapest = cheapest.and_then(|it| prices.executors.get(it)).filter(is_known);
+        let Some((predication, skip)) = cheapest else {
+            return Self { reset_ns: prices.reset_ns, ..Self::usual(request, Some(prices.table)) };
+        };
+        let table = checked(prices.table.skipping_at(skip));
+        let skip_ns =
+            |(it, prices): &(Predication, SkipPrices)| (*it, prices.frame_ns(&request.work));
+        Self {
+            predication: *predication,
+            tester: tester(request, Some(table)),
+            table: Some(table),
+            skip_ns: prices.executors.iter().map(skip_ns).collect(),
+            reset_ns: prices.reset_ns,
+        }
+    }
+}
+
+/// Returns a table without impossible prices.
+fn checked(table: CostTable) -> CostTable {
+    table.checked().unwrap_or_else(|error| {
+        tracing::warn!("{error}");
+        CostTable::default()
+    })
+}
+
+/// Returns the tester that is expected to cost least; without prices flags, where there are any.
+fn tester(request: &ChoiceRequest<'_>, table: Option<CostTable>) -> Tester {
+    let usual = if request.testers.flags { Tester::Flag } else { Tester::Query };
+    let model = table.and_then(|table| CostModel::new(table, SceneCosts::default()).ok());
+    model.map_or(usual, |it| it.tester_for(&request.work, request.size, request.testers))
+}
+
+#[cfg(test)]
+mod tests {
+    use cull::DrawPhases;
+
+    use super::*;
+
+    const EXECUTORS: [Predication; 2] = [Predication::Conditional, Predication::Compacted];
+
+    const REQUEST: ChoiceRequest<'_> = ChoiceRequest {
+        executors: &EXECUTORS,
+        testers: TesterSupport {
+            flags: true,
+            compute: true,
+            leaf_tests: true,
+            draw_phases: DrawPhases::PerRound,
+        },
+        work: SkippedWork { rounds: 3, ranges: 200, draws: 10_000 },
+        size: [1280, 720],
+    };
+
+    fn prices(conditional_ns: f32, compacted_ns: f32) -> DevicePrices {
+        let at = |range_ns| SkipPrices { range_ns, round_ns: 9.0, draw_ns: 0.0 };
+        let executors = EXECUTORS.into_iter().zip([at(conditional_ns), at(compacted_ns)]).collect();
+        DevicePrices { executors, ..DevicePrices::default() }
+    }
+
+    fn choice(prices: DevicePrices) -> PriceChoice {
+        PriceChoice::by(Costs::Measured, &REQUEST, || Ok::<_, String>(prices))
+    }
+
+    #[test]
+    fn a_dear_predicate_gives_way_and_its_price_steers_tests() {
+        assert_eq!(choice(prices(50.0, 60.0)).predication, Predication::Conditional);
+        let dear = choice(prices(5_000.0, 60.0));
+        assert_eq!(dear.predication, Predication::Compacted);
+        let table = dear.table.unwrap();
+        assert_eq!((table.predicate_ns, table.break_ns), (60.0, 150_009.0));
+        assert_eq!(dear.skip_ns[0], (Predication::Conditional, 27.0 + 1.0e6));
+    }
+
+    #[test]
+    fn without_prices_the_usual_executor_and_flags_are_taken() {
+        let failed = || Err::<DevicePrices, _>("no clock");
+        for costs in [Costs::Ignored, Costs::Table(CostTable::default()), Costs::Measured] {
+            let choice = PriceChoice::by(costs, &REQUEST, failed);
+            assert_eq!(choice.predication, Predication::Conditional);
+            assert_eq!(choice.table.is_none(), costs == Costs::Ignored);
+            assert!(choice.skip_ns.is_empty());
+        }
+        let ignored = PriceChoice::by(Costs::Ignored, &REQUEST, failed);
+        assert_eq!(ignored.tester, Tester::Flag);
+        let no_flags = TesterSupport { flags: false, ..REQUEST.testers };
+        let request = ChoiceRequest { testers: no_flags, executors: &[], ..REQUEST };
+        let choice = PriceChoice::by(Costs::Ignored, &request, failed);
+        assert_eq!((choice.tester, choice.predication), (Tester::Query, Predication::Instances));
+    }
+
+    #[test]
+    fn an_impossible_table_is_replaced() {
+        let nan = CostTable::uniform(f32::NAN);
+        let failed = || Err::<DevicePrices, _>("not asked");
+        let choice = PriceChoice::by(Costs::Table(nan), &REQUEST, failed);
+        assert_eq!(choice.table, Some(CostTable::default()));
+        let broken = choice_of_broken_clock();
+        assert_eq!(broken.predication, Predication::Conditional);
+        assert_eq!(broken.table, Some(CostTable::default()));
+    }
+
+    fn choice_of_broken_clock() -> PriceChoice {
+        choice(prices(f32::NAN, f32::NAN))
+    }
+}
