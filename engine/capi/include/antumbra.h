@@ -1503,6 +1503,15 @@ typedef struct AntumbraRendererStats {
      * The boxes that were tested.
      */
     uint64_t tests;
+    /**
+     * An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped. It costs least by the
+     * prices that were measured when the renderer was created.
+     */
+    uint32_t predication;
+    /**
+     * An `ANTUMBRA_TESTER_..`: the tester that was expected to cost least.
+     */
+    uint32_t tester;
 } AntumbraRendererStats;
 #endif
 

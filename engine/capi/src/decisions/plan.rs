@@ -263,19 +263,23 @@ impl PlanArrays {
     }
 }
 
-/// Returns a test as C reads it. Cullers for C have no tests by leaf, so no test shares another's.
-fn test(test: &ProxyTest) -> AntumbraTest {
-    let tester = match test.tester {
+/// Returns the number of a tester in C.
+pub(crate) fn tester_number(tester: Tester) -> u32 {
+    match tester {
         Tester::Query => ANTUMBRA_TESTER_QUERY,
         Tester::Flag | Tester::SharedProxy(_) => ANTUMBRA_TESTER_FLAG,
         Tester::Compute => ANTUMBRA_TESTER_COMPUTE,
-    };
+    }
+}
+
+/// Returns a test as C reads it. Cullers for C have no tests by leaf, so no test shares another's.
+fn test(test: &ProxyTest) -> AntumbraTest {
     AntumbraTest {
         tag: AntumbraQueryTag::new(&test.tag),
         bounds: test.bounds.into(),
         first_leaf: test.leaves.first.0,
         leaf_count: test.leaves.count,
-        tester,
+        tester: tester_number(test.tester),
         level: test.level,
     }
 }

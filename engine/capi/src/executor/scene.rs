@@ -45,6 +45,16 @@ pub const ANTUMBRA_PREDICATION_INSTANCES: u32 = 3;
 /// Hidden draws are skipped by lists of those that show, one per bucket and round, with counts.
 pub const ANTUMBRA_PREDICATION_COMPACTED: u32 = 4;
 
+/// Returns the number of an executor in C.
+pub(crate) fn predication_number(predication: Predication) -> u32 {
+    match predication {
+        Predication::Conditional => ANTUMBRA_PREDICATION_CONDITIONAL,
+        Predication::Counts => ANTUMBRA_PREDICATION_COUNTS,
+        Predication::Instances => ANTUMBRA_PREDICATION_INSTANCES,
+        Predication::Compacted => ANTUMBRA_PREDICATION_COMPACTED,
+    }
+}
+
 /// A host may submit a frame again before it is safe: each run resets its queries by commands.
 pub const ANTUMBRA_RESUBMISSION_ALLOWED: u32 = 0;
 /// A host submits each frame once at most. Its queries are reset by the CPU where the device's

@@ -10,7 +10,9 @@ use shadows::{ShadowMethod, ShadowOptions};
 
 use crate::decisions::camera::AntumbraCamera;
 use crate::decisions::culler::{ANTUMBRA_STRATEGY_ANTUMBRA, strategy};
+use crate::decisions::plan::{ANTUMBRA_TESTER_QUERY, tester_number};
 use crate::error::Failure;
+use crate::executor::scene::{ANTUMBRA_PREDICATION_BEST, predication_number};
 use crate::executor::target::AntumbraImageState;
 use crate::layout::{Versioned, layout};
 use crate::renderer::description::surface_of;
@@ -121,8 +123,14 @@ pub struct AntumbraRendererStats {
     pub revealed: u64,
     /// The boxes that were tested.
     pub tests: u64,
+    /// An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped. It costs least by the
+    /// prices that were measured when the renderer was created.
+    pub predication: u32,
+    /// An `ANTUMBRA_TESTER_..`: the tester that was expected to cost least.
+    pub tester: u32,
 }
-layout!(AntumbraRendererStats: struct_size, is_uploading, frame, total, drawn, revealed, tests);
+layout!(AntumbraRendererStats: struct_size, is_uploading, frame, total, drawn, revealed, tests,
+    predication, tester);
 
 // SAFETY: the first field is the size.
 unsafe impl Versioned for AntumbraRendererStats {
@@ -135,6 +143,8 @@ unsafe impl Versioned for AntumbraRendererStats {
         drawn: 0,
         revealed: 0,
         tests: 0,
+        predication: ANTUMBRA_PREDICATION_BEST,
+        tester: ANTUMBRA_TESTER_QUERY,
     };
 }
 
@@ -237,7 +247,12 @@ impl HostedRenderer {
     pub fn stats(&mut self) -> AntumbraRendererStats {
         self.take_outcomes();
         let is_uploading = u32::from(self.renderer.is_uploading());
-        AntumbraRendererStats { is_uploading, ..self.stats }
+        AntumbraRendererStats {
+            is_uploading,
+            predication: predication_number(self.renderer.predication()),
+            tester: tester_number(self.renderer.price_choice().tester),
+            ..self.stats
+        }
     }
 
     fn take_outcomes(&mut self) {

@@ -18,6 +18,7 @@ use capi::error::AntumbraError;
 use capi::error::AntumbraResult::{self, BadArgument, Busy, Ok, UnknownHandle};
 use capi::executor::device::AntumbraDevice;
 use capi::executor::queue::AntumbraQueueDesc;
+use capi::executor::scene::ANTUMBRA_PREDICATION_BEST;
 use capi::layout::Versioned;
 use capi::renderer::description::*;
 use capi::renderer::frame::*;
@@ -279,6 +280,7 @@ fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
         let stats = c.stats(renderer);
         assert_eq!((stats.frame, stats.total), (10, OBJECTS as u64));
         assert!(stats.drawn < 20 && stats.tests > 0, "{stats:?}");
+        assert_ne!(stats.predication, ANTUMBRA_PREDICATION_BEST, "one of them is in use");
 
         // Another mesh comes, with two objects in front of the wall.
         let (x, error) = (c.context, &raw mut c.error);
