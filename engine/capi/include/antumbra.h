@@ -347,6 +347,118 @@
 #define ANTUMBRA_CASTER_CULLING_UNCULLED 1
 #endif
 
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Occlusion queries tell what shows from what is hidden, and count exactly.
+ */
+#define ANTUMBRA_ASSUMPTION_QUERY_COUNTS (1 << 0)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The results of a frame are in mapped memory when the frame is over.
+ */
+#define ANTUMBRA_ASSUMPTION_LATE_RESULTS (1 << 1)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A proxy covers every sample that its object covers.
+ */
+#define ANTUMBRA_ASSUMPTION_PROXY_COVERAGE (1 << 2)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * No fragment of a proxy is farther than that of its object at the same sample.
+ */
+#define ANTUMBRA_ASSUMPTION_PROXY_DEPTH (1 << 3)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Fragment shaders with early tests write nothing where the depth test fails.
+ */
+#define ANTUMBRA_ASSUMPTION_EARLY_TESTS (1 << 4)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The writes of fragment shaders are there for later commands.
+ */
+#define ANTUMBRA_ASSUMPTION_FLAG_WRITES (1 << 5)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Compute shaders read the depth that was drawn.
+ */
+#define ANTUMBRA_ASSUMPTION_COMPUTED_DEPTHS (1 << 6)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Conditional rendering skips draws whose predicate is zero, and no others.
+ */
+#define ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING (1 << 7)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Draw counts out of a buffer are heeded.
+ */
+#define ANTUMBRA_ASSUMPTION_DRAW_COUNTS (1 << 8)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Instance counts that a compute shader wrote are heeded.
+ */
+#define ANTUMBRA_ASSUMPTION_INSTANCE_COUNTS (1 << 9)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Lists of commands that compute shaders wrote are drawn in their order.
+ */
+#define ANTUMBRA_ASSUMPTION_COMPACTED_LISTS (1 << 10)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Of draws with equal depth the first one wins.
+ */
+#define ANTUMBRA_ASSUMPTION_DRAW_ORDER (1 << 11)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Two passes give the same vertex the same depth.
+ */
+#define ANTUMBRA_ASSUMPTION_REPEATED_DEPTH (1 << 12)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A walk with occlusion queries has the images of frustum culling.
+ */
+#define ANTUMBRA_ASSUMPTION_QUERIED_WALK (1 << 13)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A walk with flags has the images of frustum culling.
+ */
+#define ANTUMBRA_ASSUMPTION_FLAGGED_WALK (1 << 14)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A walk with the compute tester has the images of frustum culling.
+ */
+#define ANTUMBRA_ASSUMPTION_COMPUTED_WALK (1 << 15)
+#endif
+
 /**
  * The version of the interface: its declarations and their meaning. It grows by one with a change
  * that breaks programs compiled before. New functions, and new fields at the end of structs with a
@@ -1041,6 +1153,31 @@ typedef struct AntumbraLeaves {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
+ * The outcome of a self-test: sets of `ANTUMBRA_ASSUMPTION_..`. What is in none of them holds.
+ */
+typedef struct AntumbraSelfTest {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Those that do not hold, for `AntumbraRendererDesc::distrusted`.
+     */
+    uint32_t broken;
+    /**
+     * Those that could not be tested, since the device lacks what rests on them.
+     */
+    uint32_t not_tested;
+    /**
+     * 1 if a tester and a way to skip draws are left; 0 if only `ANTUMBRA_STRATEGY_FRUSTUM` is
+     * right, which renderers then draw by.
+     */
+    uint32_t can_cull;
+} AntumbraSelfTest;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
  * A vertex of a mesh.
  */
 typedef struct AntumbraVertex {
@@ -1304,6 +1441,15 @@ typedef struct AntumbraRendererDesc {
      * it can have some later: `antumbra_renderer_set_shadows`. Default: null.
      */
     const struct AntumbraShadowDesc *shadows;
+    /**
+     * A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
+     * used. Default: 0.
+     */
+    uint32_t distrusted;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved_2;
 } AntumbraRendererDesc;
 #endif
 
@@ -2246,6 +2392,21 @@ AntumbraResult antumbra_renderer_requirements(const struct AntumbraContext *cont
                                               const struct AntumbraFeatures *features,
                                               struct AntumbraRequirements *requirements,
                                               struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Tests the driver of a device that was adopted with a queue: each assumption that exactness rests
+ * on, by small frames of its own. Takes about a second, and waits for the device again and again:
+ * for before the first frame.
+ *
+ * # Safety
+ * The rules of the interface. The callbacks of the queue do what they say.
+ */
+AntumbraResult antumbra_self_test(const struct AntumbraContext *context,
+                                  struct AntumbraDevice device,
+                                  struct AntumbraSelfTest *outcome,
+                                  struct AntumbraError *error);
 #endif
 
 #if defined(ANTUMBRA_VULKAN)

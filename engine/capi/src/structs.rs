@@ -14,7 +14,7 @@ use crate::error::AntumbraError;
 use crate::executor::{device, frame, lists, queue, scene, target};
 use crate::layout::StructLayout;
 #[cfg(feature = "renderer")]
-use crate::renderer::{description, frame as rendered, shadows};
+use crate::renderer::{description, frame as rendered, shadows, trust};
 
 /// All structs of the interface, for comparison with a C compiler.
 pub const STRUCTS: &[StructLayout] = &[
@@ -94,6 +94,8 @@ pub const STRUCTS: &[StructLayout] = &[
     StructLayout::of::<shadows::AntumbraShadowDesc>(),
     #[cfg(feature = "renderer")]
     StructLayout::of::<shadows::AntumbraShadowStats>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<trust::AntumbraSelfTest>(),
     #[cfg(feature = "renderer")]
     StructLayout::of::<rendered::AntumbraRenderer>(),
     #[cfg(feature = "renderer")]

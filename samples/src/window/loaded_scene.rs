@@ -15,7 +15,7 @@ use super::show::ShowOptions;
 use super::source::FileSource;
 use crate::hud::{HudLevel, PANEL_SHARE};
 use bench::camera_path::CameraTrack;
-use bench::choices;
+use bench::choices::{self, TrustChoice};
 use bench::options::{MadeScene, PathChoice};
 use bench::run_error::RunError;
 use bench::scene_file::{self, LoadProgress};
@@ -42,7 +42,7 @@ impl LoadedScene {
         let renderer_options = RendererOptions {
             costs: Costs::Ignored,
             shadows: ShadowOptions::default(),
-            ..renderer_options(options, size)?
+            ..renderer_options(device, options, size)?
         };
         let renderer = Renderer::new(device, &scene, &renderer_options)?;
         let camera = cull::Camera {
@@ -86,7 +86,7 @@ impl LoadedScene {
                 None => ShadowOptions::default(),
                 Some(_) => options.shadows.options(),
             },
-            ..renderer_options(options, size)?
+            ..renderer_options(device, options, size)?
         };
         let mut renderer = Renderer::new(device, &scene, &renderer_options)?;
         if let Some(daylight) = &daylight {
@@ -112,7 +112,8 @@ impl LoadedScene {
         size: [u32; 2],
     ) -> Result<Self, RunError> {
         let Courtyard { scene, daylight, motion, camera } = scenes::courtyard(hour);
-        let mut renderer = Renderer::new(device, &scene, &renderer_options(options, size)?)?;
+        let mut renderer =
+            Renderer::new(device, &scene, &renderer_options(device, options, size)?)?;
         show_hour(&mut renderer, &daylight)?;
         let scene_view = SceneView::still(&scene.name, camera).with_names(&scene);
         let scene_view = scene_view.with_motion(motion);
@@ -140,7 +141,7 @@ impl LoadedScene {
         }
         let hierarchy = scene_file::hierarchy(&imported.scene, progress_fn)?;
         scene_file::report_progress(progress_fn, "uploading it to the device", None)?;
-        let renderer_options = renderer_options(options, size)?;
+        let renderer_options = renderer_options(device, options, size)?;
         let renderer =
             Renderer::with_hierarchy(device, &imported.scene, hierarchy, &renderer_options)
                 .map_err(|error| RunError::from(error).about(file))?;
@@ -205,9 +206,14 @@ fn start(routes: &Routes) -> Result<CameraTrack, RunError> {
     made(choices::CameraPathChoice::Street).or_else(|_| made(choices::CameraPathChoice::Fly))
 }
 
-fn renderer_options(options: &ShowOptions, size: [u32; 2]) -> Result<RendererOptions, RunError> {
+/// Returns the options of renderers on a device, which is tested first, once, if that is asked for.
+fn renderer_options(
+    device: &Device,
+    options: &ShowOptions,
+    size: [u32; 2],
+) -> Result<RendererOptions, RunError> {
     let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from);
-    Ok(RendererOptions {
+    let untested = RendererOptions {
         methods: methods::all(),
         size,
         samples: options.samples,
@@ -216,5 +222,16 @@ fn renderer_options(options: &ShowOptions, size: [u32; 2]) -> Result<RendererOpt
         costs: options.costs.into(),
         shadows: options.shadows.options(),
         ..RendererOptions::default()
-    })
+    };
+    if options.trust == TrustChoice::Driver {
+        return Ok(untested);
+    }
+    let distrusted = match options.distrusted.get() {
+        Some(distrusted) => distrusted.clone(),
+        None => {
+            let found = render::self_test(device, &untested)?.broken();
+            options.distrusted.get_or_init(|| found).clone()
+        }
+    };
+    Ok(RendererOptions { distrusted, ..untested })
 }

@@ -1,12 +1,14 @@
 //! The options that `city` and `viewer` share: the ways to show any scene.
 
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 use antumbra::gpu::{PresentMode, SampleCount};
 use antumbra::pacing;
+use antumbra::render::Assumption;
 use antumbra::shadows::{ShadowBias, ShadowFilter};
 use bench::args::DeviceArguments;
-use bench::choices::{CostsChoice, DeviceChoice, ValidationChoice, parse_strategy};
+use bench::choices::{CostsChoice, DeviceChoice, TrustChoice, ValidationChoice, parse_strategy};
 use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, parse_samples};
 use bench::shadow_choice::{ShadowChoice, ShadowWay, parse_bias, parse_filter};
 use bench::strategy::Strategy;
@@ -79,6 +81,9 @@ pub struct ShowArguments {
     #[arg(long, help_heading = "Frames")]
     pub time_passes: bool,
 
+    /// Trust in the driver: as it is, or tested first, and what is found broken is not used
+    #[arg(long, value_name = "HOW", default_value = "driver", help_heading = "Device")]
+    pub trust: TrustChoice,
     /// The device that draws.
     #[command(flatten)]
     pub device: DeviceArguments,
@@ -137,6 +142,10 @@ pub struct ShowOptions {
     pub flares: FlareChoice,
     /// True if passes are timed at the start.
     pub times_passes: bool,
+    /// The trust in the driver.
+    pub trust: TrustChoice,
+    /// The assumptions that the self-test found broken, once it ran.
+    pub distrusted: OnceLock<Vec<Assumption>>,
     /// The device that draws.
     pub device: DeviceChoice,
     /// The checks of the validation layer.
@@ -176,6 +185,8 @@ impl ShowArguments {
             },
             flares: self.flares.unwrap_or_default(),
             times_passes: self.time_passes || self.trace.is_some(),
+            trust: self.trust,
+            distrusted: OnceLock::new(),
             device: self.device.choice(),
             validation: self.device.validation,
             shaders: self.device.shaders.clone(),

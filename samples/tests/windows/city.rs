@@ -111,6 +111,28 @@ fn a_recorded_path_is_walked_again_bit_for_bit() {
     }
 }
 
+/// Checks that a driver that lies is not believed where it was tested first: here its fragment
+/// shaders write before the depth test.
+#[cfg(feature = "shader-compiler")]
+#[test]
+fn a_driver_that_lies_is_found_and_named() {
+    let scratch = Scratch::new("city-trust");
+    let shaders = scratch.0.join("shaders");
+    copy_shaders(&shaders);
+    let (shader, line) = (shaders.join("proxy.frag"), "layout(early_fragment_tests) in;");
+    let text = fs::read_to_string(&shader).unwrap();
+    assert!(text.contains(line));
+    fs::write(&shader, text.replace(line, "")).unwrap();
+    let line = ["--frames", "2", "--shaders", "shaders", "--device", "llvmpipe", "--trust"];
+    for (trust, is_named) in [("driver", false), ("tested", true)] {
+        let output = city(&scratch, &[&SMALL[..], &line, &[trust]].concat());
+        let message = stderr(&output);
+        assert!(output.status.success(), "{message}");
+        let is_found = message.contains("cannot be trusted with early tests");
+        assert_eq!(is_found, is_named, "{message}");
+    }
+}
+
 /// Checks that no change of strategies and frames in flight changes the image.
 #[test]
 fn strategies_and_frames_in_flight_change_no_pixel() {
@@ -355,20 +377,26 @@ fn check_trace(text: &str) {
     assert!(trace["otherData"]["gpu_clock"].as_str().unwrap().contains("within"), "{trace}");
 }
 
+/// Copies the GLSL of the engine into a folder of its own.
+#[cfg(feature = "shader-compiler")]
+fn copy_shaders(to: &std::path::Path) {
+    fs::create_dir(to).unwrap();
+    let committed = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
+    for entry in fs::read_dir(committed).unwrap() {
+        let entry = entry.unwrap();
+        if entry.path().is_file() {
+            fs::copy(entry.path(), to.join(entry.file_name())).unwrap();
+        }
+    }
+}
+
 /// Checks that shaders that change while it runs are loaded; the second change does not compile.
 #[cfg(feature = "shader-compiler")]
 #[test]
 fn shaders_are_loaded_while_it_runs() {
     let scratch = Scratch::new("city-shaders");
     let folder = scratch.0.join("shaders");
-    fs::create_dir(&folder).unwrap();
-    let committed = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
-    for entry in fs::read_dir(committed).unwrap() {
-        let entry = entry.unwrap();
-        if entry.path().is_file() {
-            fs::copy(entry.path(), folder.join(entry.file_name())).unwrap();
-        }
-    }
+    copy_shaders(&folder);
     let arguments = [&SMALL[..], &["--shaders", "shaders", "--frames", "1000000"]].concat();
     let mut command = program(crate::CITY, &scratch.0, &arguments);
     let log = fs::File::create(scratch.0.join("log")).unwrap();

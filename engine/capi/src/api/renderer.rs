@@ -2,12 +2,15 @@
 
 use cull::ObjectId;
 use gpu::Purpose;
+use render::RendererOptions;
 use scene::{MeshId, Object, ObjectChange};
 
 use crate::api::device::write_needs;
 use crate::context::{AntumbraContext, entry};
 use crate::error::{AntumbraError, AntumbraResult};
-use crate::executor::device::{AntumbraAdapterDesc, AntumbraFeatures, AntumbraRequirements};
+use crate::executor::device::{
+    AntumbraAdapterDesc, AntumbraDevice, AntumbraFeatures, AntumbraRequirements,
+};
 use crate::pointers::{Output, check_output, output_slice, read, slice};
 use crate::renderer::description::{
     AntumbraMeshDesc, AntumbraMeshObject, AntumbraRendererDesc, AntumbraTransform, added,
@@ -17,6 +20,7 @@ use crate::renderer::frame::{
     HostedRenderer,
 };
 use crate::renderer::shadows::{AntumbraShadowDesc, AntumbraShadowStats};
+use crate::renderer::trust::AntumbraSelfTest;
 
 /// Writes what `antumbra_requirements` does, for devices that are adopted with a queue.
 ///
@@ -33,6 +37,32 @@ pub unsafe extern "C" fn antumbra_renderer_requirements(
     // SAFETY: the caller's promises.
     unsafe {
         entry(context, error, |_| write_needs(adapter, features, requirements, Purpose::Renderer))
+    }
+}
+
+/// Tests the driver of a device that was adopted with a queue: each assumption that exactness rests
+/// on, by small frames of its own. Takes about a second, and waits for the device again and again:
+/// for before the first frame.
+///
+/// # Safety
+/// The rules of the interface. The callbacks of the queue do what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_self_test(
+    context: *const AntumbraContext,
+    device: AntumbraDevice,
+    outcome: *mut AntumbraSelfTest,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let output = Output::new("outcome", outcome)?;
+            let device = context.devices.find(device)?.read()?.clone();
+            HostedRenderer::check_device(&device)?;
+            let found = render::self_test(&device, &RendererOptions::default())?;
+            output.write(&AntumbraSelfTest::from(&found));
+            Ok(())
+        })
     }
 }
 

@@ -15,6 +15,7 @@ use crate::executor::device::AntumbraDevice;
 use crate::layout::{Versioned, layout};
 use crate::pointers::{read, slice};
 use crate::renderer::shadows::AntumbraShadowDesc;
+use crate::renderer::trust::assumptions;
 
 /// A vertex of a mesh.
 #[repr(C)]
@@ -198,10 +199,16 @@ pub struct AntumbraRendererDesc {
     /// The shadows of the sun; null for a renderer that never has any. With `ANTUMBRA_SHADOWS_OFF`
     /// it can have some later: `antumbra_renderer_set_shadows`. Default: null.
     pub shadows: *const AntumbraShadowDesc,
+    /// A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
+    /// used. Default: 0.
+    pub distrusted: u32,
+    /// Must be 0.
+    pub reserved_2: u32,
 }
 layout!(AntumbraRendererDesc: struct_size, frames_in_flight, device, width, height, meshes,
     mesh_count, objects, object_count, light, query_budget, costs, spare_objects, spare_meshes,
-    spare_vertices, spare_indices, upload_bytes_per_frame, samples, reserved, shadows);
+    spare_vertices, spare_indices, upload_bytes_per_frame, samples, reserved, shadows, distrusted,
+    reserved_2);
 
 // SAFETY: the first field is the size.
 unsafe impl Versioned for AntumbraRendererDesc {
@@ -227,6 +234,8 @@ unsafe impl Versioned for AntumbraRendererDesc {
         samples: 0,
         reserved: 0,
         shadows: std::ptr::null(),
+        distrusted: 0,
+        reserved_2: 0,
     };
 }
 
@@ -280,6 +289,7 @@ impl AntumbraRendererDesc {
                 ..default.spare
             },
             upload_bytes_per_frame: given(upload_bytes, default.upload_bytes_per_frame),
+            distrusted: assumptions(self.distrusted)?,
             ..default
         })
     }

@@ -3,3 +3,4 @@
 pub mod description;
 pub mod frame;
 pub mod shadows;
+pub mod trust;

@@ -11,6 +11,7 @@ use antumbra_capi::layout::Versioned;
 use antumbra_capi::renderer::description::AntumbraRendererDesc;
 use antumbra_capi::renderer::frame::*;
 use antumbra_capi::renderer::shadows::*;
+use antumbra_capi::renderer::trust::AntumbraSelfTest;
 
 use crate::Host;
 
@@ -24,7 +25,7 @@ fn every_function_of_the_renderer_checks_its_handles() {
     let camera = AntumbraCamera::DEFAULT;
     let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::DEFAULT };
     // SAFETY: of all closures: pointers to values that live as long as the call, or null.
-    let calls: [Call; 14] = unsafe {
+    let calls: [Call; 15] = unsafe {
         [
             ("create", &|x, id| {
                 let desc =
@@ -59,6 +60,10 @@ fn every_function_of_the_renderer_checks_its_handles() {
             ("shadow_stats", &|x, id| {
                 let mut stats = AntumbraShadowStats::DEFAULT;
                 antumbra_renderer_shadow_stats(x, r(id), &mut stats, e())
+            }),
+            ("self_test", &|x, id| {
+                let mut outcome = AntumbraSelfTest::DEFAULT;
+                antumbra_self_test(x, AntumbraDevice { id }, &mut outcome, e())
             }),
             ("wait", &|x, id| antumbra_renderer_wait(x, r(id), e())),
         ]

@@ -6,7 +6,7 @@ use gpu::{
     Counting, Device, DeviceOptions, Error, FrameRing, IndirectDraw, Instance, Predicates,
     Predication, QueryRing, Readback, Required,
 };
-use render::{FrameRequest, Renderer, RendererOptions};
+use render::{Costs, FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::machine::{CALLS_THAT_RESET, CALLS_THAT_START, Fault, Machine, calls};
 use tests::{Driver, instance_with, take_turn};
@@ -140,8 +140,13 @@ fn queries_are_reset_by_commands_only_where_the_cpu_cannot() {
         let instance = instance_with(machine.entry());
         let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
         let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
-        let options =
-            RendererOptions { methods: methods::all(), size: [64, 48], ..Default::default() };
+        let options = RendererOptions {
+            methods: methods::all(),
+            size: [64, 48],
+            // The prices of both are measured.
+            costs: Costs::Ignored,
+            ..Default::default()
+        };
         let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
         renderer.time_passes().unwrap();
         let image = Readback::new(&device, renderer.size()).unwrap();

@@ -18,10 +18,11 @@ use capi::error::AntumbraError;
 use capi::error::AntumbraResult::{self, BadArgument, Busy, Ok, UnknownHandle};
 use capi::executor::device::AntumbraDevice;
 use capi::executor::queue::AntumbraQueueDesc;
-use capi::executor::scene::ANTUMBRA_PREDICATION_BEST;
+use capi::executor::scene::{ANTUMBRA_PREDICATION_BEST, ANTUMBRA_PREDICATION_INSTANCES};
 use capi::layout::Versioned;
 use capi::renderer::description::*;
 use capi::renderer::frame::*;
+use capi::renderer::trust::*;
 use cull::{ClipY, DepthConvention, Strategy, ViewProjection};
 use glam::{Affine3A, Mat4, Vec3};
 use gpu::{FeatureStructures, FinishedImage, ImageState, Purpose, Tick};
@@ -355,6 +356,45 @@ fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
             assert_eq!(result, Ok, "{}", text(&*error));
         }
         c.same_image(renderer);
+        c.finish();
+        host.finish();
+    }
+}
+
+#[test]
+fn a_driver_is_tested_in_c_and_what_is_distrusted_is_not_used() {
+    for driver in Driver::ALL {
+        let host = Host::new(driver, Purpose::Renderer);
+        let mut c = CHost::new(&host);
+        let mut found = AntumbraSelfTest::DEFAULT;
+        // SAFETY: pointers to values on this stack.
+        let result = unsafe { antumbra_self_test(c.context, c.device, &mut found, &mut c.error) };
+        assert_eq!(result, Ok, "{}", text(&c.error));
+        assert_eq!((found.broken, found.can_cull), (0, 1), "{found:?}");
+        let lacks_counts = found.not_tested & ANTUMBRA_ASSUMPTION_DRAW_COUNTS != 0;
+        assert_eq!(lacks_counts, driver == Driver::SwiftShader, "{found:?}");
+
+        let (mesh, objects) = (box_of([0.8, 0.5, 0.2]), objects());
+        let vertices = vertices_of(&mesh);
+        let it = mesh_desc(&vertices, &mesh.indices);
+        let meshes = [&raw const it];
+        let desc = AntumbraRendererDesc {
+            width: SIZE[0],
+            height: SIZE[1],
+            meshes: meshes.as_ptr(),
+            mesh_count: 1,
+            objects: objects.as_ptr(),
+            object_count: objects.len(),
+            costs: ANTUMBRA_COSTS_IGNORED,
+            distrusted: ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING | ANTUMBRA_ASSUMPTION_DRAW_COUNTS,
+            ..Versioned::DEFAULT
+        };
+        let unknown = AntumbraRendererDesc { distrusted: 1 << 20, ..desc };
+        expect(c.create(&unknown).0, BadArgument, "0x100000", &c.error);
+        let (created, renderer) = c.create(&desc);
+        assert_eq!(created, Ok, "{}", text(&c.error));
+        c.same_image(renderer);
+        assert_eq!(c.stats(renderer).predication, ANTUMBRA_PREDICATION_INSTANCES);
         c.finish();
         host.finish();
     }
