@@ -1,5 +1,5 @@
-// Adds up the draws of the ranges before each range: a single workgroup, so that the work grows with
-// the ranges and not with their square. Each thread adds up a run of ranges.
+// Adds up the draws of the ranges before each range: a single workgroup, so that the work grows
+// with the ranges and not with their square. Each thread adds up a run of ranges.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "listed.glsl"

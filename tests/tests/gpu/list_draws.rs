@@ -43,7 +43,7 @@ impl Ranges {
                     count: draw_count,
                     source: noise(seed + 1) % 3,
                     result: noise(seed + 2) % count,
-                    is_enabled: u32::from(noise(seed + 3) % 5 == 0),
+                    is_enabled: u32::from(noise(seed + 3).is_multiple_of(5)),
                     list,
                     first_of_list,
                     first_command,
@@ -51,14 +51,14 @@ impl Ranges {
                 let first = draws.len() as u32;
                 draws.extend((first..first + draw_count).map(|number| IndirectDraw {
                     index_count: number,
-                    instance_count: u32::from(noise(number) % 7 > 0),
+                    instance_count: u32::from(!noise(number).is_multiple_of(7)),
                     ..IndirectDraw::default()
                 }));
                 end += draw_count;
             }
         }
         let enabled = draws.iter().map(|draw| IndirectDraw {
-            instance_count: u32::from(noise(draw.index_count + 9) % 2 == 0),
+            instance_count: u32::from(noise(draw.index_count + 9).is_multiple_of(2)),
             first_instance: 1,
             ..*draw
         });

@@ -1,6 +1,8 @@
 //! The probe: frames of boxes in cells of their own, drawn and tested by hand, one tester and one
 //! executor at a time.
 
+use std::ops::Range;
+
 use cull::View;
 use gpu::{
     Access, BufferSlice, Commands, Counting, Device, DrawRange, FlagRing, Frame, IndirectDraw,
@@ -9,7 +11,7 @@ use gpu::{
 };
 use occlusion::{
     BucketId, ComputeTest, ComputeTestIo, Costs, ObjectPass, ObjectRenderer, ProxyBox, ProxyIo,
-    Rect, ShaderSet,
+    ProxyPass, Rect, ShaderSet,
 };
 
 use super::probe_lists::ProbeLists;
@@ -114,7 +116,7 @@ impl Probe {
 
     /// Returns the image of the draws of these objects: call by call, the draws of each call
     /// together.
-    pub(super) fn image_of(&mut self, calls: &[std::ops::Range<usize>]) -> Result<Vec<u8>, Error> {
+    pub(super) fn image_of(&mut self, calls: &[Range<usize>]) -> Result<Vec<u8>, Error> {
         let Self { renderer, view, draws, image, .. } = self;
         let Renderer { frames, passes, .. } = renderer;
         let mut frame = frames.begin()?;
@@ -306,19 +308,8 @@ impl Probe {
         frame.commands().pass("self-test predicates", |commands| {
             wait_for_reset(commands);
             rendering(passes, commands, HIDES_NOTHING, |_, commands| {
-                if source == ResultSource::Fragments {
-                    proxies.bind_flags(commands, &io, &*view);
-                    let even = numbers.clone().step_by(2);
-                    even.for_each(|number| proxies.draw_all(commands, number..number + 1));
-                }
-                proxies.bind(commands, &io, &*view);
-                for number in numbers.clone() {
-                    queries.scope(commands, QueryIndex(number), |commands| {
-                        if number % 2 == 0 {
-                            proxies.draw(commands, number);
-                        }
-                    });
-                }
+                let tests = (&queries, source, numbers.clone());
+                test_even((proxies, &io), commands, view, tests);
             });
             queries.resolve(commands, numbers.clone());
             match (&lists, &listed) {
@@ -386,6 +377,28 @@ impl Probe {
 /// Returns true if a query of a frame has a box in it.
 fn shows(frame: u32, query: u32) -> bool {
     (frame + query).is_multiple_of(2)
+}
+
+/// Draws every other proxy, from the first on, by queries and by flags where these are asked for.
+fn test_even(
+    (proxies, io): (&ProxyPass, &ProxyIo),
+    commands: &Commands,
+    view: &View,
+    (queries, source, numbers): (&QueryRing<()>, ResultSource, Range<u32>),
+) {
+    if source == ResultSource::Fragments {
+        proxies.bind_flags(commands, io, view);
+        let even = numbers.clone().step_by(2);
+        even.for_each(|number| proxies.draw_all(commands, number..number + 1));
+    }
+    proxies.bind(commands, io, view);
+    for number in numbers {
+        queries.scope(commands, QueryIndex(number), |commands| {
+            if number % 2 == 0 {
+                proxies.draw(commands, number);
+            }
+        });
+    }
 }
 
 /// Begins a decision for each range of draws.
