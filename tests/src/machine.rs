@@ -2,6 +2,7 @@
 //!
 //! The calls are replaced above the validation layer, which therefore never sees the hidden parts.
 
+mod attachments;
 mod draw_calls;
 mod lies;
 mod replacements;
@@ -16,6 +17,7 @@ use std::sync::OnceLock;
 use ash::vk;
 use gpu::{Entry, Required};
 
+pub use attachments::{AttachmentKind, AttachmentTraffic, attachment_traffic};
 pub use draw_calls::CALL_THAT_COUNTS_DRAWS;
 use replacements::replacements;
 pub use replacements::{

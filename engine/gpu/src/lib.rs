@@ -126,7 +126,7 @@ pub use crate::record::pipeline::{
     Blend, ComputePipeline, DepthMode, DepthRange, FragmentChoice, GraphicsPipeline,
     GraphicsPipelineInfo, Polygon, StencilMode, StorageLayout, VertexLayout,
 };
-pub use crate::record::render_target::{Load, RenderTarget};
+pub use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 pub use crate::record::resubmission::Resubmission;
 pub use crate::record::sample_count::SampleCount;
 pub use crate::record::shader::Spirv;

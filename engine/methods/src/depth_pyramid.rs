@@ -27,7 +27,7 @@ use gpu::{
 use occlusion::{
     BucketId, Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats,
     MethodSupport, ObjectPass, ObjectRenderer, PlanExecutor, Rect, Rendering, ShaderSet,
-    UpcomingDraws, VisibilityState, render,
+    UpcomingDraws, VisibilityState, render, render_last,
 };
 
 pub use build::{PyramidLevel, PyramidPass, pyramid_levels};
@@ -253,7 +253,7 @@ impl PyramidFrame {
         });
         objects.target().prepare(commands);
         commands.pass("draw revealed", |commands| {
-            render(objects, commands, (view, Rendering::Next), |commands, objects| {
+            render_last(objects, commands, (view, Rendering::Next), |commands, objects| {
                 objects.bind(commands, view, BucketId(0), ObjectPass::Visibility);
                 self.draw(commands, Phase::Second);
             });

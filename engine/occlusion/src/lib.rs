@@ -100,7 +100,7 @@ pub use method::{
 };
 pub use method_state::MethodState;
 pub use object_renderer::{
-    DrawBuckets, ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render,
+    DrawBuckets, ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render, render_last,
 };
 pub use outcomes::{FrameOutcome, Outcomes};
 pub use passes::{

@@ -59,6 +59,19 @@ pub trait ObjectRenderer {
         commands.begin_rendering(self.rendering(view, rendering))
     }
 
+    /// Begins the last rendering of a view that decides what is visible, in place of
+    /// [`ObjectRenderer::begin_rendering`]. A method that knows which one is the last calls this:
+    /// neither it nor the executor reads the depth afterwards, so an owner who does not read it
+    /// either need not store it.
+    fn begin_last_rendering(
+        &mut self,
+        commands: &Commands,
+        view: &View,
+        rendering: Rendering,
+    ) -> bool {
+        self.begin_rendering(commands, view, rendering)
+    }
+
     /// Ends what [`ObjectRenderer::begin_rendering`] began.
     fn end_rendering(&mut self, commands: &Commands) {
         commands.end_rendering();
@@ -113,6 +126,19 @@ pub trait ObjectRenderer {
         _view: &View,
         _draw: DrawBuckets<'_>,
     ) {
+    }
+}
+
+/// Records the last rendering of a view that decides what is visible, as [`render`] does others.
+pub fn render_last(
+    objects: &mut dyn ObjectRenderer,
+    commands: &Commands,
+    (view, rendering): (&View, Rendering),
+    record: impl FnOnce(&Commands, &mut dyn ObjectRenderer),
+) {
+    if objects.begin_last_rendering(commands, view, rendering) {
+        record(commands, objects);
+        objects.end_rendering(commands);
     }
 }
 

@@ -1,9 +1,11 @@
 //! The passes that draw a scene's objects, as the executor and the methods see them.
 
+mod api;
+
 use ::shadows::{ShadowMethod, ShadowOptions};
 use cull::{Aabb, Containment, Hierarchy, PlaneMask, Strategy, View};
 use glam::Affine3A;
-use gpu::{BufferSlice, Commands, Device, Frame, RenderTarget, Target, Tick, Viewport};
+use gpu::{Commands, Device, Frame, RenderTarget, Target, Tick};
 use occlusion::{
     BucketId, DrawBuckets, Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering, ShaderSet,
     UpcomingDraws,
@@ -17,10 +19,11 @@ use crate::resources::skinned_mesh_state::SkinnedMeshState;
 use crate::resources::skinned_meshes::{PoseUploads, Skinned, SkinnedMeshes};
 use crate::resources::spare_room::SpareRoom;
 use crate::resources::volume_meshes::VolumeMeshes;
-use crate::shading::depth_first::{DARK, DepthPass, Shading};
+use crate::shading::depth_first::{DARK, DepthPass};
 use crate::shading::surfaces::SurfaceResources;
 use crate::shading::transparent::{Transparent, TransparentObject};
 use crate::shadows::{MapUses, Shadows};
+use crate::view_scopes::{ViewScope, ViewScopes};
 
 /// The passes and data that the objects of a scene are drawn with.
 pub(crate) struct FramePasses {
@@ -34,6 +37,8 @@ pub(crate) struct FramePasses {
     /// The transparent objects, if there are any.
     pub(crate) transparent: Option<Transparent>,
     pub(crate) shadows: Shadows,
+    /// The renderings of the view that is recorded, if they are known.
+    pub(crate) scopes: Option<ViewScopes>,
 }
 
 fn needs<'a>(
@@ -64,6 +69,17 @@ impl ObjectRenderer for FramePasses {
             Rendering::Next => self.target_of(view, None),
         };
         if self.pipelines.shading.is_some() { target.depth_only() } else { target }
+    }
+
+    fn begin_last_rendering(
+        &mut self,
+        commands: &Commands,
+        view: &View,
+        rendering: Rendering,
+    ) -> bool {
+        let target = self.rendering(view, rendering);
+        let target = self.scope_target(commands, ViewScope::LastRound, target);
+        commands.begin_rendering(target)
     }
 
     fn colour_rendering(&self, view: &View) -> RenderTarget {
@@ -150,6 +166,7 @@ impl FramePasses {
             skinned_meshes,
             transparent,
             shadows,
+            scopes: None,
         })
     }
 
@@ -170,6 +187,22 @@ impl FramePasses {
     /// Returns the attachments of a view: its part of the target.
     pub(crate) fn target_of(&self, view: &View, clear: Option<[f32; 4]>) -> RenderTarget {
         self.target.render_target(clear).within(view.origin, view.size)
+    }
+
+    /// Returns the attachments of a rendering with the least to load and to store. To be called
+    /// right before it begins, once the target is prepared.
+    pub(crate) fn scope_target(
+        &mut self,
+        commands: &Commands,
+        scope: ViewScope,
+        target: RenderTarget,
+    ) -> RenderTarget {
+        let Some(scopes) = self.scopes else { return target };
+        let target = scopes.limit(scope, target);
+        match scopes.averages(scope) {
+            true => self.target.resolved_by(commands, target),
+            false => target,
+        }
     }
 
     pub(crate) fn opaque_io(&self) -> OpaqueIo {
@@ -218,94 +251,6 @@ impl FramePasses {
         })
     }
 
-    /// Adds the colour to the draws of the rounds, if they have none yet: `draw` draws all of it
-    /// again.
-    pub(crate) fn shade_surfaces(
-        &mut self,
-        executor: &PlanExecutor,
-        commands: &Commands,
-        view: &View,
-        draw: &dyn Fn(&Commands),
-    ) {
-        if self.pipelines.shading.is_none() {
-            return;
-        }
-        self.draw_culled_maps(commands, view);
-        let Self { geometry, pipelines, shadows, target, .. } = self;
-        shadows.count_volumes(commands, (geometry, pipelines), (view, target));
-        if let Some(transparent) = &self.transparent {
-            transparent.list().prepare(commands);
-        }
-        self.target.prepare(commands);
-        commands.pass("shade surfaces", |commands| {
-            let target = self.target_of(view, None).cleared_to(DARK);
-            commands.rendering(target, |commands| {
-                self.draw_surfaces(commands, view, None, draw);
-                if let Some(transparent) = &self.transparent {
-                    let viewport = Viewport::covering(view.origin, view.size);
-                    transparent.list().test(&executor.passes, commands, (view, viewport));
-                }
-            });
-        });
-        self.shadows.end_view();
-        self.record_transparent(executor, commands, view);
-    }
-
-    /// Draws the shadow maps that waited for the finished depth of the view.
-    fn draw_culled_maps(&mut self, commands: &Commands, view: &View) {
-        if !self.shadows.has_culled() {
-            return;
-        }
-        self.target.prepare(commands);
-        let target = self.target_of(view, None).depth_only();
-        let Self { geometry, pipelines, shadows, .. } = self;
-        shadows.record_culled(commands, (geometry, pipelines), (target, view));
-    }
-
-    fn draw_surfaces(
-        &self,
-        commands: &Commands,
-        view: &View,
-        backdrop: Option<[f32; 3]>,
-        draw: impl FnOnce(&Commands),
-    ) {
-        let (Some(Shading { surfaces, sky, .. }), Some(io)) =
-            (&self.pipelines.shading, self.surface_io())
-        else {
-            return;
-        };
-        surfaces.bind(commands, &io, view, &self.light);
-        draw(commands);
-        let around = &io.surfaces.environment;
-        match backdrop {
-            None if around.is_there() => {
-                let look = (view, io.surfaces.exposure());
-                sky.draw_around(commands, around, look);
-            }
-            _ => sky.draw(commands, backdrop.unwrap_or(self.sky())),
-        }
-    }
-
-    /// Draws all of the `draws`, a buffer and a count, in their own colours, before a backdrop or
-    /// the sky, to the [image's target](FramePasses::image_target).
-    pub(crate) fn draw_all(
-        &self,
-        executor: &PlanExecutor,
-        commands: &Commands,
-        view: &View,
-        (draws, count): (BufferSlice, u32),
-        backdrop: Option<[f32; 3]>,
-    ) {
-        let draw = |commands: &Commands| {
-            if count > 0 {
-                executor.leaves.predicates().draw_after_counted(commands, draws);
-            }
-        };
-        self.bind_visibility(commands, view);
-        draw(commands);
-        self.draw_surfaces(commands, view, backdrop, draw);
-    }
-
     /// Gathers the transparent objects of a view, which its [shading](ObjectRenderer::shade) draws.
     /// Returns the number in its frustum.
     ///
@@ -335,38 +280,6 @@ impl FramePasses {
             surfaces.move_transparent(id, &bounds)?;
         }
         Ok(())
-    }
-
-    /// Draws the transparent objects over the finished image of a view, in a rendering of their
-    /// own.
-    fn record_transparent(&mut self, executor: &PlanExecutor, commands: &Commands, view: &View) {
-        let Some(transparent) =
-            self.transparent.as_ref().filter(|transparent| !transparent.list().is_empty())
-        else {
-            return;
-        };
-        transparent.list().decide(commands);
-        self.target.prepare(commands);
-        commands.pass("draw transparent", |commands| {
-            let target = self.target_of(view, None);
-            commands.rendering(target, |commands| self.draw_transparent(executor, commands, view));
-        });
-    }
-
-    /// Draws the transparent objects of a view to the current attachments.
-    pub(crate) fn draw_transparent(
-        &self,
-        executor: &PlanExecutor,
-        commands: &Commands,
-        view: &View,
-    ) {
-        let (Some(transparent), Some(pass)) = (&self.transparent, &self.pipelines.transparent)
-        else {
-            return;
-        };
-        if let Some(surfaces) = self.surface_io() {
-            transparent.draw((pass, executor), commands, surfaces, (view, &self.light));
-        }
     }
 
     /// Records the upload of all changes since the last frame, before anything of `frame` reads

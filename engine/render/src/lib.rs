@@ -49,6 +49,7 @@ mod self_test;
 mod shading;
 mod shadows;
 mod update;
+mod view_scopes;
 mod view_state;
 mod views;
 

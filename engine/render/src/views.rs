@@ -217,12 +217,12 @@ pub(crate) fn finish_scene(
 /// of several samples, and the copy of the image if it is wanted.
 pub(crate) fn finish_image(
     frame: &mut Frame<'_>,
-    FramePasses { pipelines, target, .. }: &mut FramePasses,
+    FramePasses { pipelines, target, scopes, .. }: &mut FramePasses,
     overlay: Option<&mut FlatOverlay>,
     image: Option<&Readback>,
 ) -> Result<(), Error> {
     if let (Some(overlay), Some(pass)) = (overlay, pipelines.flat.get()) {
-        overlay.record(frame, pass, target)?;
+        overlay.record(frame, pass, (target, *scopes))?;
     }
     if target.needs_resolve() {
         frame.commands().pass("resolve samples", |commands| target.resolve(commands));

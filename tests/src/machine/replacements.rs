@@ -6,6 +6,7 @@ use std::mem::transmute;
 use ash::vk;
 use gpu::Required;
 
+use super::attachments::calls_that_attach;
 use super::draw_calls::calls_that_draw;
 use super::lies::lies;
 use super::representative::that_pretend;
@@ -217,7 +218,8 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
         calls_that_draw(),
     ]
     .concat();
-    that_pretend().into_iter().chain(that_lie).chain(lies()).chain(counted).collect()
+    let first = that_pretend().into_iter().chain(calls_that_attach());
+    first.chain(that_lie).chain(lies()).chain(counted).collect()
 }
 
 fn lacks(what: Required) -> bool {

@@ -7,6 +7,7 @@
     reason = "a test fails by panicking"
 )]
 
+mod attachments;
 mod bad_machine;
 #[cfg(feature = "shader-compiler")]
 mod bare_boxes;

@@ -12,7 +12,7 @@ use crate::memory::sampled_texture::{Contents, SampledTexture};
 use crate::record::access::{Access, LayoutChange};
 use crate::record::attachments::{Attachments, COLOURS_MAX, ColourFormats, DEPTH_FORMAT};
 use crate::record::commands::Commands;
-use crate::record::render_target::{Load, RenderTarget};
+use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 
 /// Layers of depth, reversed: 0 is the farthest. The contents outlast frames. Between two calls
 /// they are ready to be sampled.
@@ -151,6 +151,8 @@ impl DepthLayers {
             size: [self.side; 2],
             colour_load: Load::Forget,
             depth_load: Load::Keep,
+            colour_store: AttachmentStore::Keep,
+            depth_store: AttachmentStore::Keep,
         })
     }
 

@@ -16,7 +16,7 @@ use crate::memory::buffer::BufferSlice;
 use crate::record::access::{Access, LayoutChange, MemoryBarrier};
 use crate::record::attachments::COLOURS_MAX;
 use crate::record::label::LabelName;
-use crate::record::render_target::{Load, RenderTarget};
+use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 use crate::record::resubmission::Resubmission;
 use crate::record::ticket::Ticket;
 use crate::record::timing::PassTimer;
@@ -228,8 +228,9 @@ impl Commands {
         if self.admit(&target).is_err() {
             return false;
         }
-        let (colour_load, colour_store, colour_clear) = load_ops(target.colour_load);
-        let (depth_load, depth_store, depth_clear) = load_ops(target.depth_load);
+        let (colour_load, colour_clear) = load_op(target.colour_load);
+        let (depth_load, depth_clear) = load_op(target.depth_load);
+        let [colour_store, depth_store] = [target.colour_store, target.depth_store].map(store_op);
         let mut colours = target.colours.map(|view| {
             vk::RenderingAttachmentInfo::default()
                 .image_view(view)
@@ -394,12 +395,19 @@ fn foreign(thing: &'static str) -> Error {
     Error::Foreign { thing, user: "commands (`Commands`)", owner: "Device" }
 }
 
-/// Returns the load and store operations of an image, and its clear value.
-fn load_ops<T: Default>(load: Load<T>) -> (vk::AttachmentLoadOp, vk::AttachmentStoreOp, T) {
-    use vk::{AttachmentLoadOp as L, AttachmentStoreOp as S};
+/// Returns the load operation of an image, and its clear value.
+fn load_op<T: Default>(load: Load<T>) -> (vk::AttachmentLoadOp, T) {
     match load {
-        Load::Keep => (L::LOAD, S::STORE, T::default()),
-        Load::Clear(value) => (L::CLEAR, S::STORE, value),
-        Load::Forget => (L::DONT_CARE, S::DONT_CARE, T::default()),
+        Load::Keep => (vk::AttachmentLoadOp::LOAD, T::default()),
+        Load::Clear(value) => (vk::AttachmentLoadOp::CLEAR, value),
+        Load::Forget => (vk::AttachmentLoadOp::DONT_CARE, T::default()),
+    }
+}
+
+fn store_op(store: AttachmentStore) -> vk::AttachmentStoreOp {
+    match store {
+        AttachmentStore::Keep => vk::AttachmentStoreOp::STORE,
+        AttachmentStore::Forget => vk::AttachmentStoreOp::DONT_CARE,
+        AttachmentStore::Unchanged => vk::AttachmentStoreOp::NONE,
     }
 }

@@ -26,6 +26,8 @@ pub(super) struct Multisampling {
     samples: SampleCount,
     /// One colour per pixel, as the last resolve left it.
     pub(super) average: TargetImage,
+    /// True if the samples drawn last are in the averages, or will be when their rendering ends.
+    pub(super) is_resolved: bool,
     farthest_depths: ComputePipeline,
     sampler: vk::Sampler,
 }
@@ -66,7 +68,8 @@ impl Multisampling {
         let sampler = unsafe { device.raw().create_sampler(&info, device.callbacks()) }
             .called("vkCreateSampler")?;
         device.name(sampler, name);
-        Ok(Self { device: device.clone(), samples, average, farthest_depths, sampler })
+        let device = device.clone();
+        Ok(Self { device, samples, average, is_resolved: false, farthest_depths, sampler })
     }
 
     /// Writes the farthest depth of each pixel of an area to a storage buffer that holds it, in the

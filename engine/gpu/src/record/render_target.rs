@@ -23,6 +23,10 @@ pub struct RenderTarget {
     pub colour_load: Load<[f32; 4]>,
     /// The depth to start from.
     pub depth_load: Load<f32>,
+    /// The use of the colour images when the rendering is over.
+    pub colour_store: AttachmentStore,
+    /// The use of the depth when the rendering is over.
+    pub depth_store: AttachmentStore,
 }
 
 /// The contents of an image when a rendering to it begins.
@@ -32,9 +36,22 @@ pub enum Load<T> {
     Keep,
     /// One value everywhere.
     Clear(T),
-    /// Undefined contents: nothing is drawn to the image, and nobody reads what the rendering
-    /// leaves.
+    /// Undefined contents: nobody reads what was there before.
     Forget,
+}
+
+/// The use of an image's contents after a rendering. A GPU that draws tile by tile writes them to
+/// memory for it, or does not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AttachmentStore {
+    /// They are written to memory: a later command reads them.
+    #[default]
+    Keep,
+    /// They are undefined: nobody reads them.
+    Forget,
+    /// They stay as they were, and nothing is written to memory. The rendering draws nothing to the
+    /// image, though it may test against it.
+    Unchanged,
 }
 
 impl OfDevice for RenderTarget {
@@ -62,7 +79,14 @@ impl RenderTarget {
     /// afterwards.
     #[must_use]
     pub fn depth_only(self) -> Self {
-        Self { colour_load: Load::Forget, ..self }
+        Self { colour_load: Load::Forget, colour_store: AttachmentStore::Forget, ..self }
+    }
+
+    /// Returns the target for a rendering whose images nobody reads afterwards.
+    #[must_use]
+    pub fn forgotten(self) -> Self {
+        let forget = AttachmentStore::Forget;
+        Self { colour_store: forget, depth_store: forget, ..self }
     }
 
     /// Returns the target with a colour to start from, whatever the depth starts from.

@@ -12,7 +12,7 @@ use crate::memory::image::Image;
 use crate::record::access::{Access, LayoutChange};
 use crate::record::attachments::{Attachments, COLOURS_MAX, ColourFormats};
 use crate::record::commands::Commands;
-use crate::record::render_target::{Load, RenderTarget};
+use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 use crate::record::target::check_size;
 
 /// The depth of a [`Target`](crate::Target), to the bit, and eight bits of stencil.
@@ -115,6 +115,8 @@ impl StencilTarget {
             size: self.size,
             colour_load: Load::Forget,
             depth_load: Load::Keep,
+            colour_store: AttachmentStore::Keep,
+            depth_store: AttachmentStore::Keep,
         }
         .within([0, 0], size)
     }

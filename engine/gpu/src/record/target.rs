@@ -16,7 +16,7 @@ use crate::record::commands::Commands;
 use crate::record::finished_image::FinishedImage;
 use crate::record::host_image::{HostImages, ImageState};
 use crate::record::multisampling::Multisampling;
-use crate::record::render_target::{Load, RenderTarget};
+use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 use crate::record::sample_count::SampleCount;
 use crate::record::target_image::TargetImage;
 
@@ -212,7 +212,7 @@ impl Target {
 
     /// Returns true if draws show in the finished image only after [`Target::resolve`].
     pub fn needs_resolve(&self) -> bool {
-        self.multisampling.is_some()
+        self.multisampling.as_ref().is_some_and(|multisampling| !multisampling.is_resolved)
     }
 
     /// Prepares all images to be drawn to, after any earlier access. This is needed between two
@@ -223,6 +223,9 @@ impl Target {
             return;
         }
         self.submitted = None;
+        if let Some(multisampling) = &mut self.multisampling {
+            multisampling.is_resolved = false;
+        }
         let is_first = self.recording.replace(commands.recording()) != Some(commands.recording());
         let change = |image: &mut TargetImage, to| match is_first {
             true => image.first_change(&[to, Access::CopyRead], to),
@@ -264,6 +267,8 @@ impl Target {
             size: self.size,
             colour_load: clear.map_or(Load::Keep, Load::Clear),
             depth_load: clear.map_or(Load::Keep, |_| Load::Clear(far)),
+            colour_store: AttachmentStore::Keep,
+            depth_store: AttachmentStore::Keep,
         }
     }
 }

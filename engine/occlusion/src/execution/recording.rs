@@ -23,7 +23,9 @@ use gpu::{Access, Commands, LeafDrawBuffers, MemoryBarrier, Predicate, QueryInde
 use super::io::{DRAW_BYTES, FrameIo};
 use crate::executor::PlanExecutor;
 use crate::leaf_table::{BucketId, draw_range};
-use crate::object_renderer::{ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render};
+use crate::object_renderer::{
+    ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render, render_last,
+};
 use crate::passes::{ComputeTestIo, LeafBoxIo, ListDrawsIo, ListDrawsPass};
 use crate::rect::Rect;
 use crate::test_layout::{RevealedRange, RoundLayout, take_bucket};
@@ -53,43 +55,60 @@ impl Recording<'_> {
             objects.prepare_draws(commands, UpcomingDraws::Visible(state.plan()));
         }
         objects.target().prepare(commands);
+        let steps = self.drawn_steps();
         commands.pass("draw visible", |commands| {
-            render(objects, commands, (view, Rendering::First), |commands, objects| {
+            let draw = |commands: &Commands, objects: &mut dyn ObjectRenderer| {
                 self.draw_visible(commands, &|commands, bucket| {
                     objects.bind(commands, view, bucket, ObjectPass::Visibility);
                 });
                 self.draw_proxies(commands, objects, layout.rounds.first());
-            });
-        });
-        for step in 0..layout.step_count() {
-            let ([before, known], next) = (layout.step(step), layout.rounds.get(step + 1));
-            if let (Some(last), None, None) = (known, next, before)
-                && layout.is_for_later(last)
-            {
-                commands.pass("resolve tests", |commands| {
-                    state.rings().queries.resolve(commands, last.queries.clone());
-                });
-                break;
+            };
+            match steps {
+                0 => render_last(objects, commands, (view, Rendering::First), draw),
+                _ => render(objects, commands, (view, Rendering::First), draw),
             }
+        });
+        for step in 0..steps {
+            let ([_, known], next) = (layout.step(step), layout.rounds.get(step + 1));
             self.test_by_compute(commands, objects, known);
             commands.pass("resolve tests", |commands| self.resolve(commands, step));
             self.list_revealed(commands, step);
             self.prepare_revealed(commands, objects, known);
             objects.target().prepare(commands);
             commands.pass("draw revealed", |commands| {
-                render(objects, commands, (view, Rendering::Next), |commands, objects| {
+                let draw = |commands: &Commands, objects: &mut dyn ObjectRenderer| {
                     self.draw_step(commands, step, &|commands, bucket| {
                         objects.bind(commands, view, bucket, ObjectPass::Visibility);
                     });
                     self.test_leaves(commands, objects, known);
                     self.draw_proxies(commands, objects, next);
-                });
+                };
+                match step + 1 == steps {
+                    true => render_last(objects, commands, (view, Rendering::Next), draw),
+                    false => render(objects, commands, (view, Rendering::Next), draw),
+                }
+            });
+        }
+        if let Some(last) = layout.rounds.get(steps) {
+            commands.pass("resolve tests", |commands| {
+                state.rings().queries.resolve(commands, last.queries.clone());
             });
         }
         objects.shade(self.executor, commands, view, &|commands, bind| {
             self.draw_again(commands, bind);
         });
         self.copy_results(commands);
+    }
+
+    /// Returns the number of steps that draw: all but a last one whose results only serve later
+    /// frames.
+    fn drawn_steps(&self) -> usize {
+        let layout = &self.state.layout;
+        let steps = layout.step_count();
+        match steps.checked_sub(1).map(|last| layout.step(last)) {
+            Some([None, Some(last)]) if layout.is_for_later(last) => steps - 1,
+            _ => steps,
+        }
     }
 
     /// Records the tests of a plan of two phases, whose draws a host records before and after, and

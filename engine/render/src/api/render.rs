@@ -18,6 +18,7 @@ use crate::frame_passes::FramePasses;
 use crate::renderer::Renderer;
 use crate::resources::skinned_meshes::PoseUploads;
 use crate::shadows::MapUses;
+use crate::view_scopes::{ColourEnd, ViewScope, ViewScopes};
 use crate::view_state::{RendererId, ViewState};
 use crate::views::{
     FrameReport, FrameRequest, ViewTarget, Viewpoint, ViewsRequest, finish_image, finish_scene,
@@ -74,6 +75,7 @@ impl Renderer {
         let tests_by = self.transparent_strategy(request.strategy);
         let (outlined, views) = (self.outlined_bounds(), self.take_views(targets)?);
         let (uploads, map_uses) = (self.pose_uploads(&views, targets), self.map_uses());
+        let after_views = self.overlay_scopes(targets, scene_image);
         let Self { device, frames, hierarchy, passes, executor, methods, shaders, flares, .. } =
             self;
 
@@ -93,6 +95,7 @@ impl Renderer {
         {
             let scene = (&*executor, &*hierarchy);
             report.transparent += begin_view(passes, &mut frame, scene, (number, view), tests_by)?;
+            begin_scopes(passes, (state, flares), (number, after_views));
             let wanted = method_request(*visible, view, request);
             let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
             let stats = method.record(&mut frame, &mut state.visibility, &mut scene, &wanted)?;
@@ -102,11 +105,8 @@ impl Renderer {
             finish_view(passes, &mut frame, scene, state, view)?;
         }
         finish_scene(&mut frame, passes, scene_image)?;
-        let overlays = Overlays {
-            debug_overlay: self.debug_overlay,
-            outlined,
-            flat: self.flat_overlay.as_mut(),
-        };
+        let (debug_overlay, flat) = (self.debug_overlay, self.flat_overlay.as_mut());
+        let overlays = Overlays { debug_overlay, outlined, flat, scopes: after_views };
         let scene = (&mut *passes, &*executor, &*hierarchy);
         report.overlay_cpu = overlays.record(&mut frame, scene, targets.first(), request.image)?;
         passes.read_back(frame.commands());
@@ -118,6 +118,29 @@ impl Renderer {
         self.note_submitted(targets, is_timed, &mut report);
         report.cpu = began.elapsed().saturating_sub(waited + report.overlay_cpu);
         Ok(report)
+    }
+
+    /// Returns the renderings of a frame behind those of its views. Several samples per pixel are
+    /// averaged by the last rendering, where that covers all and nobody reads the image before.
+    fn overlay_scopes(
+        &self,
+        targets: &[ViewTarget<'_>],
+        scene_image: Option<&Readback>,
+    ) -> ViewScopes {
+        let has_debug = !self.debug_overlay.is_empty();
+        let has_flat = self.flat_overlay.as_ref().is_some_and(FlatOverlay::has_draws);
+        let overlays = [
+            (ViewScope::DebugLines, has_debug),
+            (ViewScope::ViewFromAbove, has_debug),
+            (ViewScope::Outline, self.outlined_bounds().is_some()),
+            (ViewScope::FlatOverlay, has_flat),
+        ];
+        let colour = match (self.samples, targets, scene_image) {
+            (SampleCount::One, ..) => ColourEnd::Read,
+            (_, [_], None) if !has_debug => ColourEnd::Averaged,
+            _ => ColourEnd::Read,
+        };
+        ViewScopes::ending(colour).and(overlays)
     }
 
     /// Returns the views of a frame, in memory that is kept from frame to frame.
@@ -292,6 +315,27 @@ fn begin_view(
     passes.gather_transparent(frame, executor, view, strategy)
 }
 
+/// Notes the renderings of a view, by its number in the frame. Overlays follow those of the first.
+fn begin_scopes(
+    passes: &mut FramePasses,
+    (state, flares): (&ViewState, &[LensFlare]),
+    (number, after_views): (u32, ViewScopes),
+) {
+    let (has_flares, shades) = (!flares.is_empty(), passes.pipelines.shading.is_some());
+    let has_transparent = passes.transparent.as_ref().is_some_and(|it| !it.list().is_empty());
+    let later = if number == 0 { after_views } else { ViewScopes::default() };
+    passes.scopes = Some(later.and([
+        (ViewScope::LastRound, true),
+        (ViewScope::CasterTests, shades),
+        (ViewScope::Shade, shades),
+        (ViewScope::Transparent, shades && has_transparent),
+        (ViewScope::SampleCounts, state.counts.is_watching()),
+        (ViewScope::FlareVeil, has_flares),
+        (ViewScope::FlareCounts, has_flares),
+        (ViewScope::Flares, has_flares),
+    ]));
+}
+
 /// Records the end of a view, once everything of its frame is drawn: its counts, and its flares.
 fn finish_view(
     passes: &mut FramePasses,
@@ -321,6 +365,8 @@ struct Overlays<'a> {
     /// The box that is outlined.
     outlined: Option<Aabb>,
     flat: Option<&'a mut FlatOverlay>,
+    /// The renderings of all of them.
+    scopes: ViewScopes,
 }
 
 impl Overlays<'_> {
@@ -334,6 +380,7 @@ impl Overlays<'_> {
         image: Option<&Readback>,
     ) -> Result<Duration, Error> {
         let began = Instant::now();
+        passes.scopes = Some(self.scopes);
         if let Some(target) = target {
             let view = target.view(&passes.device)?;
             let scene = (&mut *passes, executor, hierarchy);
@@ -343,6 +390,7 @@ impl Overlays<'_> {
             }
         }
         finish_image(frame, passes, self.flat, image)?;
+        passes.scopes = None;
         Ok(began.elapsed())
     }
 }

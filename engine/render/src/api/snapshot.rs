@@ -125,6 +125,7 @@ impl Renderer {
             Backdrop::Sky => (passes.sky(), self.debug_overlay),
         };
         let mut frame = frames.begin()?;
+        passes.scopes = None;
         let uploads = (PoseUploads::All, std::slice::from_ref(&view), MapUses::Anywhere);
         passes.upload_changes(&mut frame, hierarchy, executor, uploads)?;
         passes.gather_transparent(&mut frame, executor, &view, Strategy::FRUSTUM)?;

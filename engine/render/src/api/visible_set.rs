@@ -105,7 +105,8 @@ impl Renderer {
             commands.fill(values, 0);
             commands.barrier(between(&[Access::CopyWrite], &[Access::FragmentWrite]));
             passes.target.prepare(commands);
-            commands.rendering(passes.rendering(view, Rendering::First), |commands| {
+            let target = passes.rendering(view, Rendering::First).forgotten();
+            commands.rendering(target, |commands| {
                 passes.bind(commands, view, BucketId(0), ObjectPass::Visibility);
                 if !leaves.is_empty() {
                     commands.draw_indirect(draws);

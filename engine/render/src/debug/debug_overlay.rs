@@ -14,6 +14,7 @@ use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::OverlayIo;
 use crate::passes::pipelines::Pipelines;
+use crate::view_scopes::ViewScope;
 use crate::view_state::ViewState;
 use crate::views::view_in;
 
@@ -105,15 +106,20 @@ impl DebugOverlay {
         view: &View,
         (draws, boxes): ((BufferSlice, u32), Option<OverlayIo>),
     ) {
-        let Pipelines { wireframe, overlay, .. } = &passes.pipelines;
-        let wireframe = wireframe.get().filter(|_| self.has_wireframe && draws.1 > 0);
-        let boxes = overlay.get().zip(boxes);
-        if wireframe.is_none() && boxes.is_none() {
+        let has_wireframe =
+            self.has_wireframe && draws.1 > 0 && passes.pipelines.wireframe.get().is_some();
+        let has_boxes = boxes.is_some() && passes.pipelines.overlay.get().is_some();
+        if !has_wireframe && !has_boxes {
             return;
         }
         passes.target.prepare(frame.commands());
+        let target = passes.target_of(view, None);
+        let target = passes.scope_target(frame.commands(), ViewScope::DebugLines, target);
+        let Pipelines { wireframe, overlay, .. } = &passes.pipelines;
+        let wireframe = wireframe.get().filter(|_| has_wireframe);
+        let boxes = overlay.get().zip(boxes);
         frame.commands().pass(BOXES_AND_WIREFRAME, |commands| {
-            commands.rendering(passes.target_of(view, None), |commands| {
+            commands.rendering(target, |commands| {
                 if let Some(wireframe) = wireframe {
                     wireframe.bind(commands, &passes.opaque_io(), view, &passes.light);
                     executor.leaves.predicates().draw_after_counted(commands, draws.0);
@@ -137,8 +143,10 @@ impl DebugOverlay {
         let io = Sketch::of(snapshot, reach).upload(frame)?;
         let view = &view_in(&passes.device, &above(snapshot, reach), area);
         passes.target.prepare(frame.commands());
+        let target = passes.image_target(view, BACKGROUND);
+        let target = passes.scope_target(frame.commands(), ViewScope::ViewFromAbove, target);
         frame.commands().pass(VIEW_FROM_ABOVE, |commands| {
-            commands.rendering(passes.image_target(view, BACKGROUND), |commands| {
+            commands.rendering(target, |commands| {
                 passes.draw_all(executor, commands, view, draws, Some(BACKGROUND));
                 if let Some(overlay) = passes.pipelines.overlay.get() {
                     overlay.record(commands, &io, view);

@@ -4,6 +4,7 @@ use gpu::{Device, DynamicTexture, Frame, Target};
 
 use crate::error::Error;
 use crate::passes::{FlatDraw, FlatIo, FlatPass, FlatVertex};
+use crate::view_scopes::{ViewScope, ViewScopes};
 
 /// The labels of the pass that writes the atlas, and of the drawing one.
 pub(crate) const GLYPHS: &str = "HUD glyphs";
@@ -111,7 +112,7 @@ impl FlatOverlay {
         &mut self,
         frame: &mut Frame<'_>,
         pass: &FlatPass,
-        target: &mut Target,
+        (target, scopes): (&mut Target, Option<ViewScopes>),
     ) -> Result<(), Error> {
         let Some(atlas) = &mut self.atlas else { return Ok(()) };
         let mut rest = self.pixels.as_slice();
@@ -134,12 +135,24 @@ impl FlatOverlay {
         let io = FlatIo { vertices, indices, atlas };
         let commands = frame.commands();
         target.prepare(commands);
+        let mut drawn_to = target.render_target(None);
+        if let Some(scopes) = scopes {
+            drawn_to = scopes.limit(ViewScope::FlatOverlay, drawn_to);
+            if scopes.averages(ViewScope::FlatOverlay) {
+                drawn_to = target.resolved_by(commands, drawn_to);
+            }
+        }
         commands.pass(OVERLAY, |commands| {
-            commands.rendering(target.render_target(None), |commands| {
+            commands.rendering(drawn_to, |commands| {
                 pass.record(commands, &io, &self.draws, size);
             });
         });
         Ok(())
+    }
+
+    /// Returns true if it draws anything.
+    pub(crate) fn has_draws(&self) -> bool {
+        self.atlas.is_some() && !self.draws.is_empty()
     }
 
     /// Notes that the frame recorded last was submitted: the GPU has the atlas.

@@ -7,6 +7,7 @@ use crate::debug::palette::SELECTED;
 use crate::debug::top_down::Sketch;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
+use crate::view_scopes::ViewScope;
 
 /// The pass that outlines an object.
 pub(crate) const OUTLINE: &str = "outline";
@@ -20,8 +21,10 @@ pub(crate) fn record_outline(
 ) -> Result<(), Error> {
     let io = Sketch::through(std::iter::once((bounds, SELECTED))).upload(frame)?;
     passes.target.prepare(frame.commands());
+    let target = passes.target_of(view, None);
+    let target = passes.scope_target(frame.commands(), ViewScope::Outline, target);
     frame.commands().pass(OUTLINE, |commands| {
-        commands.rendering(passes.target_of(view, None), |commands| {
+        commands.rendering(target, |commands| {
             if let Some(overlay) = passes.pipelines.overlay.get() {
                 overlay.record(commands, &io, view);
             }

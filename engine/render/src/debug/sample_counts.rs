@@ -13,6 +13,7 @@ use occlusion::{LeafTable, PlanExecutor, ProxyBox, ProxyIo, ProxyPass, Visibilit
 use crate::debug::settled_counts::{SettledCounts, keep_newest};
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
+use crate::view_scopes::ViewScope;
 
 /// The number of visible samples of an object in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -273,8 +274,10 @@ pub(crate) fn count_samples(
     let io = ProxyIo { boxes: frame.uploads().push_iter(boxes)?, flags: None };
     counts.is_asking = true;
     passes.target.prepare(frame.commands());
+    let target = passes.target_of(view, None);
+    let target = passes.scope_target(frame.commands(), ViewScope::SampleCounts, target);
     frame.commands().pass("count samples", |commands| {
-        commands.rendering(passes.target_of(view, None), |commands| {
+        commands.rendering(target, |commands| {
             draw_counted(
                 passes,
                 commands,

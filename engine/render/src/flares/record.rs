@@ -11,6 +11,7 @@ use crate::flares::counts::FlareCounts;
 use crate::flares::sprites::sprites;
 use crate::frame_passes::FramePasses;
 use crate::passes::FlareBlockIo;
+use crate::view_scopes::ViewScope;
 
 /// Counts the flares of a view, once everything of its frame is drawn, and draws those that earlier
 /// frames have counted.
@@ -72,9 +73,11 @@ fn record_veil(
     let origin = [0, 1].map(|axis| view.origin[axis] + low[axis]);
     let size = [0, 1].map(|axis| high[axis].saturating_sub(low[axis]));
     passes.target.prepare(frame.commands());
+    let target = passes.target_of(view, None);
+    let target = passes.scope_target(frame.commands(), ViewScope::FlareVeil, target);
     let passes = &*passes;
     frame.commands().pass("veil flares", |commands| {
-        commands.rendering(passes.target_of(view, None), |commands| {
+        commands.rendering(target, |commands| {
             let (Some(transparent), Some(pass), Some(surfaces)) =
                 (&passes.transparent, &passes.pipelines.veil, passes.surface_io())
             else {
@@ -101,9 +104,11 @@ fn record_counts(
 ) {
     let (Some(queries), asked) = (&counts.queries, &counts.asked) else { return };
     passes.target.prepare(frame.commands());
+    let target = passes.target_of(view, None);
+    let target = passes.scope_target(frame.commands(), ViewScope::FlareCounts, target);
     let Some(pass) = passes.pipelines.flares.get() else { return };
     frame.commands().pass("count flares", |commands| {
-        commands.rendering(passes.target_of(view, None), |commands| {
+        commands.rendering(target, |commands| {
             for (number, kind) in (0..).zip(io.kinds()) {
                 pass.bind_blocks(commands, *kind, &io, view);
                 for (block, QueryIndex(first)) in (0..).zip(&asked.queries) {
@@ -140,10 +145,15 @@ fn record_sprites(
     if count == 0 {
         return Ok(());
     }
+    if passes.pipelines.flares.get().is_none() {
+        return Ok(());
+    }
     passes.target.prepare(frame.commands());
+    let target = passes.target_of(view, None);
+    let target = passes.scope_target(frame.commands(), ViewScope::Flares, target);
     let Some(pass) = passes.pipelines.flares.get() else { return Ok(()) };
     frame.commands().pass("lens flares", |commands| {
-        commands.rendering(passes.target_of(view, None), |commands| {
+        commands.rendering(target, |commands| {
             pass.draw_sprites(commands, rows, count);
         });
     });

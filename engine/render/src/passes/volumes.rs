@@ -13,9 +13,9 @@ use bytemuck::{Pod, Zeroable};
 use cull::View;
 use glam::Vec4;
 use gpu::{
-    Access, Buffer, BufferSlice, Commands, DepthMode, DepthRange, Device, Frame, GraphicsPipeline,
-    GraphicsPipelineInfo, IndirectDraw, MemoryBarrier, MemoryKind, Optional, StencilMode,
-    StencilTarget, StorageLayout, Target, VertexLayout, vk,
+    Access, AttachmentStore, Buffer, BufferSlice, Commands, DepthMode, DepthRange, Device, Frame,
+    GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, MemoryBarrier, MemoryKind, Optional,
+    StencilMode, StencilTarget, StorageLayout, Target, VertexLayout, vk,
 };
 use occlusion::{Error, ShaderSet};
 use shadows::{LitArea, VolumeCounting, VolumeEnd};
@@ -258,8 +258,12 @@ impl VolumePass {
                 _ if !fits => {}
                 None => self.draw_lights(commands, io, view, (&draws.lights, culled)),
                 Some(extruder) => {
-                    for light in &draws.lights {
-                        self.draw_extruded(commands, io, view, (extruder, light));
+                    for (number, light) in (1..).zip(&draws.lights) {
+                        let last = match number == draws.lights.len() {
+                            true => AttachmentStore::Forget,
+                            false => AttachmentStore::Keep,
+                        };
+                        self.draw_extruded(commands, io, view, (extruder, light, last));
                     }
                 }
             }
@@ -292,7 +296,9 @@ impl VolumePass {
         view: &View,
         (lights, culled): (&[LightDraws], DrawGroup<'_>),
     ) {
-        commands.rendering(self.target.render_target(view.size), |commands| {
+        // The mask holds all that anybody reads.
+        let target = self.target.render_target(view.size).forgotten();
+        commands.rendering(target, |commands| {
             for light in lights {
                 begin_light(commands, light);
                 for (group, work) in &light.work {
@@ -314,33 +320,46 @@ impl VolumePass {
         });
     }
 
-    /// Extrudes the volumes of a light batch by batch, and draws each.
+    /// Extrudes the volumes of a light batch by batch, and draws each. Only extruding breaks the
+    /// rendering, which starts with what the light before left and ends with the mask of this one.
     fn draw_extruded(
         &self,
         commands: &Commands,
         io: &VolumeIo,
         view: &View,
-        (extruder, light): (&Extruder, &LightDraws),
+        (extruder, light, last): (&Extruder, &LightDraws, AttachmentStore),
     ) {
-        let target = self.target.render_target(view.size);
-        self.target.prepare(commands);
-        commands.rendering(target, |commands| begin_light(commands, light));
-        for (group, work) in &light.work {
-            let Work::Batch(batch) = work else { continue };
-            let constants = VolumeConstants::new(view, (light.light, &light.ends), *group);
-            extruder.extrude(commands, io, batch, &constants);
+        let batches = light.work.iter().filter_map(|(group, work)| match work {
+            Work::Batch(batch) => Some((group, batch)),
+            _ => None,
+        });
+        let mut batches = batches.peekable();
+        let mut is_first = true;
+        while is_first || batches.peek().is_some() {
+            let next = batches.next();
+            if let Some((group, batch)) = next {
+                let constants = VolumeConstants::new(view, (light.light, &light.ends), *group);
+                extruder.extrude(commands, io, batch, &constants);
+            }
+            let is_last = batches.peek().is_none();
+            let mut target = self.target.render_target(view.size);
+            target.depth_store = if is_last { last } else { AttachmentStore::Keep };
             self.target.prepare(commands);
             commands.rendering(target, |commands| {
+                if is_first {
+                    begin_light(commands, light);
+                }
                 commands.clip(light.area.origin, light.area.size);
-                commands.bind(self.pipeline(group.counting), &[]);
-                extruder.draw(commands, self.all.whole());
+                if let Some((group, _)) = next {
+                    commands.bind(self.pipeline(group.counting), &[]);
+                    extruder.draw(commands, self.all.whole());
+                }
+                if is_last {
+                    self.draw_mask(commands, io, view, light.mask);
+                }
             });
+            is_first = false;
         }
-        self.target.prepare(commands);
-        commands.rendering(target, |commands| {
-            commands.clip(light.area.origin, light.area.size);
-            self.draw_mask(commands, io, view, light.mask);
-        });
     }
 
     fn draw_mask(&self, commands: &Commands, io: &VolumeIo, view: &View, mask: MaskBits) {

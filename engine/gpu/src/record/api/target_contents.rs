@@ -7,7 +7,7 @@ use crate::memory::readback::Readback;
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::attachments::Attachments;
 use crate::record::commands::{Commands, Failure};
-use crate::record::render_target::{Load, RenderTarget};
+use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 use crate::record::target::Target;
 
 impl Target {
@@ -33,7 +33,26 @@ impl Target {
             average,
             ..kept
         };
-        commands.rendering(target, |_| ());
+        let unchanged = AttachmentStore::Unchanged;
+        commands.rendering(RenderTarget { colour_store: unchanged, ..target }, |_| ());
+    }
+
+    /// Lets a rendering of all that is shown average the samples of each pixel into the finished
+    /// image where it ends, so that nobody reads them afterwards. To be called right before the
+    /// rendering begins, the last one of the frame that draws colours. Changes nothing where a
+    /// pixel has one sample.
+    #[must_use]
+    pub fn resolved_by(&mut self, commands: &Commands, rendering: RenderTarget) -> RenderTarget {
+        if self.recording != Some(commands.recording()) || commands.admit(self).is_err() {
+            return rendering;
+        }
+        let Some(multisampling) = &mut self.multisampling else { return rendering };
+        multisampling.is_resolved = true;
+        let average = &mut multisampling.average;
+        let uses = [Access::Colour, Access::CopyRead];
+        commands.change_layouts([average.first_change(&uses, Access::Colour)]);
+        let colour_store = AttachmentStore::Forget;
+        RenderTarget { average: average.view, colour_store, ..rendering }
     }
 
     /// Copies the depth of `size` pixels from `origin` on (from the upper left) to `to`, a storage

@@ -1,0 +1,3 @@
+//! The draws of frames by concern.
+
+mod shading;

@@ -1,0 +1,134 @@
+//! The draws of a scene for their colour: surfaces, the sky, and transparent objects.
+
+use cull::View;
+use gpu::{BufferSlice, Commands, Viewport};
+use occlusion::PlanExecutor;
+
+use crate::frame_passes::FramePasses;
+use crate::shading::depth_first::{DARK, Shading};
+use crate::view_scopes::ViewScope;
+
+impl FramePasses {
+    /// Adds the colour to the draws of the rounds, if they have none yet: `draw` draws all of it
+    /// again.
+    pub(crate) fn shade_surfaces(
+        &mut self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        view: &View,
+        draw: &dyn Fn(&Commands),
+    ) {
+        if self.pipelines.shading.is_none() {
+            return;
+        }
+        self.draw_culled_maps(commands, view);
+        let Self { geometry, pipelines, shadows, target, .. } = self;
+        shadows.count_volumes(commands, (geometry, pipelines), (view, target));
+        if let Some(transparent) = &self.transparent {
+            transparent.list().prepare(commands);
+        }
+        self.target.prepare(commands);
+        let target = self.target_of(view, None).cleared_to(DARK);
+        let target = self.scope_target(commands, ViewScope::Shade, target);
+        commands.pass("shade surfaces", |commands| {
+            commands.rendering(target, |commands| {
+                self.draw_surfaces(commands, view, None, draw);
+                if let Some(transparent) = &self.transparent {
+                    let viewport = Viewport::covering(view.origin, view.size);
+                    transparent.list().test(&executor.passes, commands, (view, viewport));
+                }
+            });
+        });
+        self.shadows.end_view();
+        self.record_transparent(executor, commands, view);
+    }
+
+    /// Draws the shadow maps that waited for the finished depth of the view.
+    fn draw_culled_maps(&mut self, commands: &Commands, view: &View) {
+        if !self.shadows.has_culled() {
+            return;
+        }
+        self.target.prepare(commands);
+        let target = self.target_of(view, None).depth_only();
+        let target = self.scope_target(commands, ViewScope::CasterTests, target);
+        let Self { geometry, pipelines, shadows, .. } = self;
+        shadows.record_culled(commands, (geometry, pipelines), (target, view));
+    }
+
+    fn draw_surfaces(
+        &self,
+        commands: &Commands,
+        view: &View,
+        backdrop: Option<[f32; 3]>,
+        draw: impl FnOnce(&Commands),
+    ) {
+        let (Some(Shading { surfaces, sky, .. }), Some(io)) =
+            (&self.pipelines.shading, self.surface_io())
+        else {
+            return;
+        };
+        surfaces.bind(commands, &io, view, &self.light);
+        draw(commands);
+        let around = &io.surfaces.environment;
+        match backdrop {
+            None if around.is_there() => {
+                let look = (view, io.surfaces.exposure());
+                sky.draw_around(commands, around, look);
+            }
+            _ => sky.draw(commands, backdrop.unwrap_or(self.sky())),
+        }
+    }
+
+    /// Draws all of the `draws`, a buffer and a count, in their own colours, before a backdrop or
+    /// the sky, to the [image's target](FramePasses::image_target).
+    pub(crate) fn draw_all(
+        &self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        view: &View,
+        (draws, count): (BufferSlice, u32),
+        backdrop: Option<[f32; 3]>,
+    ) {
+        let draw = |commands: &Commands| {
+            if count > 0 {
+                executor.leaves.predicates().draw_after_counted(commands, draws);
+            }
+        };
+        self.bind_visibility(commands, view);
+        draw(commands);
+        self.draw_surfaces(commands, view, backdrop, draw);
+    }
+
+    /// Draws the transparent objects over the finished image of a view, in a rendering of their
+    /// own.
+    fn record_transparent(&mut self, executor: &PlanExecutor, commands: &Commands, view: &View) {
+        let Some(transparent) =
+            self.transparent.as_ref().filter(|transparent| !transparent.list().is_empty())
+        else {
+            return;
+        };
+        transparent.list().decide(commands);
+        self.target.prepare(commands);
+        let target = self.target_of(view, None);
+        let target = self.scope_target(commands, ViewScope::Transparent, target);
+        commands.pass("draw transparent", |commands| {
+            commands.rendering(target, |commands| self.draw_transparent(executor, commands, view));
+        });
+    }
+
+    /// Draws the transparent objects of a view to the current attachments.
+    pub(crate) fn draw_transparent(
+        &self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        view: &View,
+    ) {
+        let (Some(transparent), Some(pass)) = (&self.transparent, &self.pipelines.transparent)
+        else {
+            return;
+        };
+        if let Some(surfaces) = self.surface_io() {
+            transparent.draw((pass, executor), commands, surfaces, (view, &self.light));
+        }
+    }
+}

@@ -1,0 +1,300 @@
+//! The renderings at the end of a view's frame, and what each of them loads and stores. A GPU that
+//! draws tile by tile (a tiler) reads an image from memory where a rendering begins and writes it
+//! back where it ends, unless it is told that nobody needs that. Pure: tests need no device.
+
+use gpu::{AttachmentStore, Load, RenderTarget};
+
+/// A rendering of a view's frame, in the order in which they are recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum ViewScope {
+    /// The last one that decides what is visible. Those before it keep all that they draw.
+    LastRound,
+    /// The tests of casters against the finished depth.
+    CasterTests,
+    /// The colours of surfaces, over what was there.
+    Shade,
+    /// The transparent objects.
+    Transparent,
+    /// The counts of the samples of watched objects.
+    SampleCounts,
+    /// The sum of what is transparent in front of flares.
+    FlareVeil,
+    /// The counts of the samples of flares.
+    FlareCounts,
+    /// The flares.
+    Flares,
+    /// The lines and boxes of the debug overlay.
+    DebugLines,
+    /// The view from above, in a corner of the image.
+    ViewFromAbove,
+    /// The outline of an object.
+    Outline,
+    /// The flat overlay.
+    FlatOverlay,
+}
+
+/// The use that a rendering makes of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum AttachmentUse {
+    /// It neither reads nor writes it.
+    Nothing,
+    /// It tests against it.
+    Reads,
+    /// It reads and writes it.
+    Writes,
+    /// It writes over all that was there.
+    Replaces,
+}
+
+/// An image of a rendering.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Image {
+    Colour,
+    Depth,
+}
+
+/// The end of the samples of the colour image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum ColourEnd {
+    /// A later command reads the image.
+    #[default]
+    Read,
+    /// The last rendering that writes it averages it into another image, and nobody reads it then.
+    Averaged,
+}
+
+/// The renderings that a view's frame has, as far as they are known when it begins: some of them
+/// may turn out empty and be left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ViewScopes {
+    present: u16,
+    colour: ColourEnd,
+}
+
+impl ViewScope {
+    /// All of them, in their order.
+    pub(crate) const ALL: [Self; 12] = [
+        Self::LastRound,
+        Self::CasterTests,
+        Self::Shade,
+        Self::Transparent,
+        Self::SampleCounts,
+        Self::FlareVeil,
+        Self::FlareCounts,
+        Self::Flares,
+        Self::DebugLines,
+        Self::ViewFromAbove,
+        Self::Outline,
+        Self::FlatOverlay,
+    ];
+
+    const fn bit(self) -> u16 {
+        1 << self as u16
+    }
+}
+
+impl ViewScopes {
+    /// Creates a frame of no rendering yet, with this end of its colours.
+    pub(crate) fn ending(colour: ColourEnd) -> Self {
+        Self { present: 0, colour }
+    }
+
+    /// Returns these renderings and those of `scopes` that are there.
+    pub(crate) fn and(self, scopes: impl IntoIterator<Item = (ViewScope, bool)>) -> Self {
+        let there = scopes.into_iter().filter(|(_, is_there)| *is_there);
+        let present = there.fold(self.present, |present, (scope, _)| present | scope.bit());
+        Self { present, ..self }
+    }
+
+    fn has(self, scope: ViewScope) -> bool {
+        self.present & scope.bit() != 0
+    }
+
+    /// Returns the uses of the colours and of the depth by a rendering.
+    fn uses(self, scope: ViewScope) -> [AttachmentUse; 2] {
+        use AttachmentUse::{Nothing, Reads, Replaces, Writes};
+        match scope {
+            // Scenes that are shaded later draw depth alone.
+            ViewScope::LastRound if self.has(ViewScope::Shade) => [Nothing, Writes],
+            ViewScope::LastRound | ViewScope::ViewFromAbove => [Writes, Writes],
+            ViewScope::Shade => [Replaces, Reads],
+            ViewScope::CasterTests
+            | ViewScope::SampleCounts
+            | ViewScope::FlareVeil
+            | ViewScope::FlareCounts => [Nothing, Reads],
+            ViewScope::Transparent | ViewScope::DebugLines | ViewScope::Outline => [Writes, Reads],
+            ViewScope::Flares | ViewScope::FlatOverlay => [Writes, Nothing],
+        }
+    }
+
+    /// Returns the uses of an image by a rendering and by all that comes after it.
+    fn uses_from(self, scope: ViewScope, image: Image) -> impl Iterator<Item = AttachmentUse> {
+        let here = std::iter::once(scope);
+        let later = ViewScope::ALL.into_iter().filter(move |it| *it > scope && self.has(*it));
+        let end = match (image, self.colour) {
+            (Image::Colour, ColourEnd::Read) => Some(AttachmentUse::Reads),
+            _ => None,
+        };
+        let uses = here.chain(later).map(move |it| {
+            let [colour, depth] = self.uses(it);
+            if image == Image::Colour { colour } else { depth }
+        });
+        uses.chain(end)
+    }
+
+    /// Returns true if the colours of a rendering are to be averaged where it ends: no later one
+    /// writes any.
+    pub(crate) fn averages(self, scope: ViewScope) -> bool {
+        let writes =
+            |it: &AttachmentUse| matches!(it, AttachmentUse::Writes | AttachmentUse::Replaces);
+        let mut uses = self.uses_from(scope, Image::Colour);
+        let is_writer = uses.next().is_some_and(|it| writes(&it));
+        self.colour == ColourEnd::Averaged && is_writer && !uses.any(|it| writes(&it))
+    }
+
+    /// Returns the target of a rendering with the least to load and to store.
+    pub(crate) fn limit(self, scope: ViewScope, mut target: RenderTarget) -> RenderTarget {
+        let uses = |image| self.uses_from(scope, image);
+        (target.colour_load, target.colour_store) =
+            limited(uses(Image::Colour), target.colour_load);
+        (target.depth_load, target.depth_store) = limited(uses(Image::Depth), target.depth_load);
+        target
+    }
+}
+
+/// Returns what a rendering loads and stores of an image, by its use of it and those that follow.
+fn limited<T>(
+    mut uses: impl Iterator<Item = AttachmentUse>,
+    load: Load<T>,
+) -> (Load<T>, AttachmentStore) {
+    let here = uses.next().unwrap_or(AttachmentUse::Nothing);
+    let is_needed = match uses.find(|it| *it != AttachmentUse::Nothing) {
+        Some(AttachmentUse::Replaces) | None => false,
+        Some(_) => true,
+    };
+    let store = match here {
+        _ if !is_needed => AttachmentStore::Forget,
+        AttachmentUse::Nothing | AttachmentUse::Reads => AttachmentStore::Unchanged,
+        AttachmentUse::Writes | AttachmentUse::Replaces => AttachmentStore::Keep,
+    };
+    let load = match here {
+        AttachmentUse::Nothing if !is_needed => Load::Forget,
+        _ => load,
+    };
+    (load, store)
+}
+
+#[cfg(test)]
+mod tests {
+    use AttachmentStore::{Forget, Keep, Unchanged};
+
+    use super::ViewScope::*;
+    use super::*;
+
+    fn frame(scopes: &[ViewScope], colour: ColourEnd) -> ViewScopes {
+        ViewScopes::ending(colour).and(scopes.iter().map(|scope| (*scope, true)))
+    }
+
+    /// Returns what each rendering loads, if it finds contents, and stores: of colour and of depth.
+    fn ends(scopes: &[ViewScope], colour: ColourEnd) -> Vec<[(bool, AttachmentStore); 2]> {
+        let frame = frame(scopes, colour);
+        let end = |scope: &ViewScope| {
+            [Image::Colour, Image::Depth].map(|image| {
+                let (load, store) = limited(frame.uses_from(*scope, image), Load::<f32>::Keep);
+                (load == Load::Keep, store)
+            })
+        };
+        scopes.iter().map(end).collect()
+    }
+
+    #[test]
+    fn depth_is_not_stored_unless_it_is_read() {
+        let read = ColourEnd::Read;
+        assert_eq!(ends(&[LastRound], read), [[(true, Keep), (true, Forget)]]);
+        assert_eq!(
+            ends(&[LastRound, FlatOverlay], read),
+            [[(true, Keep), (true, Forget)], [(true, Keep), (false, Forget)]],
+        );
+        assert_eq!(
+            ends(&[LastRound, FlareCounts, Flares, Outline], read),
+            [
+                [(true, Keep), (true, Keep)],
+                [(true, Unchanged), (true, Unchanged)],
+                [(true, Keep), (true, Unchanged)],
+                [(true, Keep), (true, Forget)],
+            ],
+        );
+    }
+
+    #[test]
+    fn colours_of_depth_first_scenes_begin_where_they_are_shaded() {
+        assert_eq!(
+            ends(&[LastRound, CasterTests, Shade, Transparent], ColourEnd::Read),
+            [
+                [(false, Forget), (true, Keep)],
+                [(false, Forget), (true, Unchanged)],
+                [(true, Keep), (true, Unchanged)],
+                [(true, Keep), (true, Forget)],
+            ],
+        );
+    }
+
+    #[test]
+    fn samples_are_averaged_by_the_last_that_draws_colours() {
+        let averaged = |scopes: &[ViewScope]| -> Vec<ViewScope> {
+            let frame = frame(scopes, ColourEnd::Averaged);
+            scopes.iter().copied().filter(|it| frame.averages(*it)).collect()
+        };
+        assert_eq!(averaged(&[LastRound]), [LastRound]);
+        assert_eq!(averaged(&[LastRound, Shade]), [Shade]);
+        assert_eq!(averaged(&[LastRound, Shade, Transparent, FlareCounts]), [Transparent]);
+        assert_eq!(averaged(&[LastRound, Outline, FlatOverlay]), [FlatOverlay]);
+        assert!(!frame(&[LastRound], ColourEnd::Read).averages(LastRound));
+        assert_eq!(ends(&[LastRound], ColourEnd::Averaged), [[(true, Forget), (true, Forget)]]);
+        assert_eq!(
+            ends(&[LastRound, FlareCounts], ColourEnd::Averaged),
+            [[(true, Forget), (true, Keep)], [(false, Forget), (true, Forget)]],
+        );
+    }
+
+    /// Checks every frame that there can be: what is read was kept since it was written, and what
+    /// is kept is read.
+    #[test]
+    fn what_is_read_is_there_and_what_is_kept_is_read() {
+        for present in 0..1_u16 << (ViewScope::ALL.len() - 1) {
+            let present = 2 * present + 1;
+            let scopes = ViewScope::ALL.into_iter().filter(|it| present & it.bit() != 0);
+            let scopes: Vec<ViewScope> = scopes.collect();
+            for colour in [ColourEnd::Read, ColourEnd::Averaged] {
+                check(&scopes, colour);
+            }
+        }
+    }
+
+    fn check(scopes: &[ViewScope], colour: ColourEnd) {
+        let frame = frame(scopes, colour);
+        let ends = ends(scopes, colour);
+        for image in [0, 1] {
+            // The first rendering finds what earlier rounds kept.
+            let (mut is_there, mut is_due) = (true, false);
+            for (scope, end) in scopes.iter().zip(&ends) {
+                let (uses, (loads, store)) = (frame.uses(*scope)[image], end[image]);
+                let reads = matches!(uses, AttachmentUse::Reads | AttachmentUse::Writes);
+                assert!(!reads || (is_there && loads), "{scopes:?}: {scope:?} of {image}");
+                is_due &= !(reads || uses == AttachmentUse::Nothing && store == Unchanged);
+                assert!(!is_due || uses == AttachmentUse::Nothing, "{scopes:?}: before {scope:?}");
+                let writes = uses == AttachmentUse::Writes || uses == AttachmentUse::Replaces;
+                assert!(!(writes && store == Unchanged), "{scopes:?}: {scope:?} draws");
+                is_there = match store {
+                    Keep => true,
+                    Unchanged => is_there,
+                    Forget => false,
+                };
+                is_due |= store == Keep;
+            }
+            let is_read = image == 0 && colour == ColourEnd::Read;
+            assert!(!is_read || is_there, "{scopes:?}: {image} is lost at the end");
+            assert!(is_read || !is_due, "{scopes:?}: {image} is kept for nobody");
+        }
+    }
+}

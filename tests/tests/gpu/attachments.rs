@@ -1,0 +1,196 @@
+//! The loads and stores of attachments of every strategy: no undefined contents are read, none are
+//! written to memory for nobody, and a frame moves as little as its renderings allow.
+
+use cull::{CullConfig, Strategy};
+use gpu::{Device, DeviceOptions, Optional, Readback, SampleCount};
+use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions};
+use scene::Scene;
+use scenes::{CameraPath, PathKind};
+use shadows::{CasterCulling, ShadowMethod, ShadowOptions};
+use tests::machine::AttachmentKind::{Average, Colour, Depth};
+use tests::machine::{AttachmentTraffic, Machine, attachment_traffic};
+use tests::walk::SceneKind;
+use tests::{Driver, instance_with, yard};
+
+const SIZE: [u32; 2] = [128, 72];
+
+/// Calls `body` with a device of each driver whose loads and stores are recorded.
+fn with_recorder(body: impl Fn(&Device)) {
+    for driver in [Driver::Lavapipe, Driver::SwiftShader] {
+        let instance = instance_with(Machine::default().entry());
+        let adapter = instance.pick_adapter(Some(driver.device_name())).unwrap();
+        let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+        body(&device);
+        drop(device);
+        assert_eq!(instance.validation_log().drain(), []);
+    }
+}
+
+fn options() -> RendererOptions {
+    RendererOptions {
+        methods: methods::all(),
+        size: SIZE,
+        frames_in_flight: 1,
+        costs: Costs::Ignored,
+        ..RendererOptions::default()
+    }
+}
+
+fn supported(renderer: &Renderer) -> Vec<Strategy> {
+    methods::strategies().into_iter().filter(|it| renderer.supports(*it).is_ok()).collect()
+}
+
+/// Renders frames of a walk, and hands out the traffic of each. Nobody reads the image.
+fn walk(
+    renderer: &mut Renderer,
+    strategy: Strategy,
+    cameras: &[cull::Camera],
+    check: impl Fn(usize, &AttachmentTraffic),
+) {
+    let mut view = renderer.new_view().unwrap();
+    let mut finding = renderer.new_view().unwrap();
+    for (frame, camera) in cameras.iter().enumerate() {
+        let area = Rect::whole(renderer.size());
+        let needs_set = strategy.needs_still_scene();
+        let visible = needs_set.then(|| renderer.visible_set(&mut finding, camera, area).unwrap());
+        // Sets are found by frames whose images nobody wants.
+        attachment_traffic();
+        let request = FrameRequest::new(strategy, *camera);
+        renderer.render(&mut view, &FrameRequest { visible: visible.as_ref(), ..request }).unwrap();
+        let traffic = attachment_traffic();
+        assert_eq!(traffic.faults, [""; 0], "{strategy}, frame {frame}");
+        check(frame, &traffic);
+        renderer.drain(&mut view).unwrap();
+    }
+}
+
+/// Returns cameras of a walk and of a cut.
+fn cameras(scene: &scenes::GeneratedScene) -> Vec<cull::Camera> {
+    let path = CameraPath::new(PathKind::Cut, &scene.routes).unwrap();
+    (0..14).map(|frame| path.camera(frame)).collect()
+}
+
+#[test]
+fn depth_is_stored_for_later_rounds_alone() {
+    with_recorder(|device| {
+        let generated = SceneKind::City.build(800);
+        // The first, one per round, and one for leaves below nodes that showed in the last.
+        let most = CullConfig::default().rounds_cut as usize + 2;
+        let mut renderer = Renderer::new(device, &generated.scene, &options()).unwrap();
+        for strategy in supported(&renderer) {
+            walk(&mut renderer, strategy, &cameras(&generated), |frame, traffic| {
+                let what = format!("{strategy}, frame {frame}: {traffic:?}");
+                let renderings = traffic.renderings;
+                assert_eq!(traffic.stores(Colour), renderings, "{what}");
+                assert_eq!(traffic.loads(Colour), renderings - 1, "{what}");
+                assert_eq!(traffic.loads(Depth), renderings - 1, "{what}");
+                // Methods that wait do not know which rendering is their last.
+                let last = usize::from(strategy.is_blocking());
+                assert_eq!(traffic.stores(Depth), renderings - 1 + last, "{what}");
+                let unread = &[Colour, Depth][..1 + last];
+                assert_eq!(traffic.unread, unread, "{what}");
+                assert!(strategy.is_blocking() || renderings <= most, "{what}");
+                let is_single = strategy == Strategy::FRUSTUM || strategy == methods::IDEAL;
+                assert!(!is_single || renderings == 1, "{what}");
+            });
+        }
+    });
+}
+
+fn shadowed(method: ShadowMethod) -> RendererOptions {
+    let shadows = ShadowOptions { method, ..ShadowOptions::default() };
+    RendererOptions { shadows, ..options() }
+}
+
+#[test]
+fn surfaces_load_no_colour_and_store_it_once() {
+    with_recorder(|device| {
+        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        for method in [ShadowMethod::Off, ShadowMethod::Maps, ShadowMethod::Volumes] {
+            let Ok(mut renderer) = Renderer::new(device, &scene, &shadowed(method)) else {
+                assert!(method == ShadowMethod::Volumes && !has_volumes(device));
+                continue;
+            };
+            for strategy in supported(&renderer) {
+                let cameras = [yard::camera(); 4];
+                walk(&mut renderer, strategy, &cameras, |frame, traffic| {
+                    let what = format!("{strategy}, {method:?}, frame {frame}: {traffic:?}");
+                    assert_eq!((traffic.loads(Colour), traffic.stores(Colour)), (0, 1), "{what}");
+                    assert_eq!(traffic.unread, [Colour], "{what}");
+                    if method == ShadowMethod::Off {
+                        assert!(traffic.stores(Depth) < traffic.renderings, "{what}");
+                    }
+                });
+            }
+        }
+    });
+}
+
+fn has_volumes(device: &Device) -> bool {
+    device.capabilities().has(Optional::DepthClamp)
+}
+
+/// Returns the traffic of the first frame of frustum culling.
+fn first_frame(device: &Device, scene: &Scene, options: &RendererOptions) -> AttachmentTraffic {
+    let mut renderer = Renderer::new(device, scene, options).unwrap();
+    let mut view = renderer.new_view().unwrap();
+    let image = Readback::new(device, renderer.size()).unwrap();
+    attachment_traffic();
+    let request = FrameRequest::new(Strategy::FRUSTUM, yard::camera());
+    renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request }).unwrap();
+    let traffic = attachment_traffic();
+    renderer.drain(&mut view).unwrap();
+    assert_eq!((&traffic.faults[..], &traffic.unread[..]), (&[][..], &[][..]), "{traffic:?}");
+    traffic
+}
+
+#[test]
+fn samples_never_leave_the_gpu() {
+    with_recorder(|device| {
+        let surfaces = yard::scene(&yard::boxes(), &[]);
+        let plain = Scene { surfaces: None, ..surfaces.clone() };
+        let samples = RendererOptions { samples: SampleCount::Four, ..options() };
+        for scene in [plain, surfaces] {
+            let traffic = first_frame(device, &scene, &samples);
+            assert_eq!(traffic.stores(Average), 1, "{traffic:?}");
+            assert_eq!((traffic.loads(Colour), traffic.stores(Colour)), (0, 0), "{traffic:?}");
+        }
+    });
+}
+
+#[test]
+fn several_samples_are_averaged_once_by_every_strategy() {
+    with_recorder(|device| {
+        let generated = SceneKind::City.build(400);
+        let samples = RendererOptions { samples: SampleCount::Four, ..options() };
+        let mut renderer = Renderer::new(device, &generated.scene, &samples).unwrap();
+        for strategy in supported(&renderer) {
+            walk(&mut renderer, strategy, &cameras(&generated)[..6], |frame, traffic| {
+                let what = format!("{strategy}, frame {frame}: {traffic:?}");
+                assert_eq!(traffic.stores(Average), 1, "{what}");
+                let of_blocking = usize::from(strategy.is_blocking());
+                let unread = &[Depth, Average][1 - of_blocking..];
+                assert_eq!(traffic.unread, unread, "{what}");
+                assert_eq!(traffic.stores(Colour), traffic.loads(Colour), "{what}");
+            });
+        }
+    });
+}
+
+#[test]
+fn casters_that_are_culled_store_nothing_of_the_view() {
+    with_recorder(|device| {
+        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        for method in [ShadowMethod::Maps, ShadowMethod::Volumes] {
+            let shadows = ShadowOptions { method, ..ShadowOptions::default() };
+            assert_ne!(shadows.culling, CasterCulling::Unculled);
+            let options = RendererOptions { shadows, ..options() };
+            if method == ShadowMethod::Volumes && !has_volumes(device) {
+                continue;
+            }
+            let traffic = first_frame(device, &scene, &options);
+            assert!(traffic.renderings > 2, "{traffic:?}");
+            assert_eq!((traffic.loads(Colour), traffic.stores(Colour)), (0, 1), "{traffic:?}");
+        }
+    });
+}
