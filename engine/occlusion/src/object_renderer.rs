@@ -127,6 +127,27 @@ pub trait ObjectRenderer {
         _draw: DrawBuckets<'_>,
     ) {
     }
+
+    /// Prepares to add the colours within the last rendering of a view that decides what is
+    /// visible, right before it begins. Returns false if they can only be added
+    /// [later](ObjectRenderer::shade): they depend on its finished depth, or need no pass at all.
+    fn prepare_to_shade_within(&mut self, _commands: &Commands) -> bool {
+        false
+    }
+
+    /// Adds the colours within that rendering, in place of [`ObjectRenderer::shade`], with the same
+    /// draws.
+    fn shade_within(
+        &mut self,
+        _executor: &PlanExecutor,
+        _commands: &Commands,
+        _view: &View,
+        _draw: DrawBuckets<'_>,
+    ) {
+    }
+
+    /// Draws what follows the colours of a view, after that rendering.
+    fn finish_shading(&mut self, _executor: &PlanExecutor, _commands: &Commands, _view: &View) {}
 }
 
 /// Records the last rendering of a view that decides what is visible, as [`render`] does others.

@@ -77,8 +77,11 @@ impl ObjectRenderer for FramePasses {
         view: &View,
         rendering: Rendering,
     ) -> bool {
-        let target = self.rendering(view, rendering);
-        let target = self.scope_target(commands, ViewScope::LastRound, target);
+        let (target, within) = (self.rendering(view, rendering), ViewScope::ShadedRound);
+        let target = match self.scopes.is_some_and(|scopes| scopes.has(within)) {
+            true => self.scope_target(commands, within, target.cleared_to(DARK)),
+            false => self.scope_target(commands, ViewScope::LastRound, target),
+        };
         commands.begin_rendering(target)
     }
 
@@ -128,6 +131,35 @@ impl ObjectRenderer for FramePasses {
         // Bound already: there is one bucket.
         let draw = |commands: &Commands| draw(commands, &|_, _| {});
         self.shade_surfaces(executor, commands, view, &draw);
+    }
+
+    fn prepare_to_shade_within(&mut self, commands: &Commands) -> bool {
+        let Some(scopes) = self.scopes else { return false };
+        if !self.shades_later() || self.shadows.wait_for_depth() {
+            return false;
+        }
+        self.scopes = Some(scopes.shaded_within());
+        if let Some(transparent) = &self.transparent {
+            transparent.list().prepare(commands);
+        }
+        true
+    }
+
+    fn shade_within(
+        &mut self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        view: &View,
+        draw: DrawBuckets<'_>,
+    ) {
+        let draw = |commands: &Commands| draw(commands, &|_, _| {});
+        commands.label("shade surfaces", |commands| {
+            self.draw_colours(executor, commands, view, &draw);
+        });
+    }
+
+    fn finish_shading(&mut self, executor: &PlanExecutor, commands: &Commands, view: &View) {
+        self.record_transparent(executor, commands, view);
     }
 }
 

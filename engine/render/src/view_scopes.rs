@@ -9,6 +9,8 @@ use gpu::{AttachmentStore, Load, RenderTarget};
 pub(crate) enum ViewScope {
     /// The last one that decides what is visible. Those before it keep all that they draw.
     LastRound,
+    /// The same with the colours of surfaces behind it, over what was there.
+    ShadedRound,
     /// The tests of casters against the finished depth.
     CasterTests,
     /// The colours of surfaces, over what was there.
@@ -73,8 +75,9 @@ pub(crate) struct ViewScopes {
 
 impl ViewScope {
     /// All of them, in their order.
-    pub(crate) const ALL: [Self; 12] = [
+    pub(crate) const ALL: [Self; 13] = [
         Self::LastRound,
+        Self::ShadedRound,
         Self::CasterTests,
         Self::Shade,
         Self::Transparent,
@@ -106,7 +109,15 @@ impl ViewScopes {
         Self { present, ..self }
     }
 
-    fn has(self, scope: ViewScope) -> bool {
+    /// Returns the same with the colours in the last round.
+    pub(crate) fn shaded_within(self) -> Self {
+        let apart = [ViewScope::LastRound, ViewScope::CasterTests, ViewScope::Shade];
+        let apart = apart.into_iter().fold(0, |bits, scope| bits | scope.bit());
+        Self { present: self.present & !apart | ViewScope::ShadedRound.bit(), ..self }
+    }
+
+    /// Returns true if a rendering is among them.
+    pub(crate) fn has(self, scope: ViewScope) -> bool {
         self.present & scope.bit() != 0
     }
 
@@ -117,6 +128,7 @@ impl ViewScopes {
             // Scenes that are shaded later draw depth alone.
             ViewScope::LastRound if self.has(ViewScope::Shade) => [Nothing, Writes],
             ViewScope::LastRound | ViewScope::ViewFromAbove => [Writes, Writes],
+            ViewScope::ShadedRound => [Replaces, Writes],
             ViewScope::Shade => [Replaces, Reads],
             ViewScope::CasterTests
             | ViewScope::SampleCounts
@@ -240,6 +252,15 @@ mod tests {
     }
 
     #[test]
+    fn colours_within_the_last_round_break_nothing() {
+        let apart = frame(&[LastRound, CasterTests, Shade, Transparent], ColourEnd::Read);
+        let within = frame(&[ShadedRound, Transparent], ColourEnd::Read);
+        assert_eq!(apart.shaded_within(), within);
+        assert_eq!(ends(&[ShadedRound], ColourEnd::Read), [[(true, Keep), (true, Forget)]]);
+        assert!(frame(&[ShadedRound], ColourEnd::Averaged).averages(ShadedRound));
+    }
+
+    #[test]
     fn samples_are_averaged_by_the_last_that_draws_colours() {
         let averaged = |scopes: &[ViewScope]| -> Vec<ViewScope> {
             let frame = frame(scopes, ColourEnd::Averaged);
@@ -261,12 +282,15 @@ mod tests {
     /// is kept is read.
     #[test]
     fn what_is_read_is_there_and_what_is_kept_is_read() {
-        for present in 0..1_u16 << (ViewScope::ALL.len() - 1) {
-            let present = 2 * present + 1;
-            let scopes = ViewScope::ALL.into_iter().filter(|it| present & it.bit() != 0);
-            let scopes: Vec<ViewScope> = scopes.collect();
-            for colour in [ColourEnd::Read, ColourEnd::Averaged] {
-                check(&scopes, colour);
+        for present in 0..1_u16 << ViewScope::ALL.len() {
+            let frame = ViewScopes { present, colour: ColourEnd::Read };
+            let apart = !frame.has(ShadedRound) && frame.has(LastRound);
+            let within = frame.has(ShadedRound) && frame == frame.shaded_within();
+            if apart || within {
+                let scopes: Vec<ViewScope> =
+                    ViewScope::ALL.into_iter().filter(|it| frame.has(*it)).collect();
+                check(&scopes, ColourEnd::Read);
+                check(&scopes, ColourEnd::Averaged);
             }
         }
     }

@@ -11,7 +11,8 @@
 //!                draw revealed: leaves that the step before enabled; predicated ranges of this
 //!                               round; boxes of the leaves below nodes that showed; proxies of
 //!                               the next
-//! shade          all draws once more for their colour, where the owner of the objects does that
+//! shade          all draws once more for their colour, where the owner of the objects does that;
+//!                in the last rendering above if nothing has to be known before
 //! copy results   results and lists -> mapped memory of this slot
 //! ```
 
@@ -55,7 +56,7 @@ impl Recording<'_> {
             objects.prepare_draws(commands, UpcomingDraws::Visible(state.plan()));
         }
         objects.target().prepare(commands);
-        let steps = self.drawn_steps();
+        let (steps, mut is_shaded) = (self.drawn_steps(), false);
         commands.pass("draw visible", |commands| {
             let draw = |commands: &Commands, objects: &mut dyn ObjectRenderer| {
                 self.draw_visible(commands, &|commands, bucket| {
@@ -64,7 +65,7 @@ impl Recording<'_> {
                 self.draw_proxies(commands, objects, layout.rounds.first());
             };
             match steps {
-                0 => render_last(objects, commands, (view, Rendering::First), draw),
+                0 => is_shaded = self.render_last(commands, objects, Rendering::First, draw),
                 _ => render(objects, commands, (view, Rendering::First), draw),
             }
         });
@@ -84,7 +85,7 @@ impl Recording<'_> {
                     self.draw_proxies(commands, objects, next);
                 };
                 match step + 1 == steps {
-                    true => render_last(objects, commands, (view, Rendering::Next), draw),
+                    true => is_shaded = self.render_last(commands, objects, Rendering::Next, draw),
                     false => render(objects, commands, (view, Rendering::Next), draw),
                 }
             });
@@ -94,10 +95,34 @@ impl Recording<'_> {
                 state.rings().queries.resolve(commands, last.queries.clone());
             });
         }
-        objects.shade(self.executor, commands, view, &|commands, bind| {
-            self.draw_again(commands, bind);
-        });
+        match is_shaded {
+            true => objects.finish_shading(self.executor, commands, view),
+            false => objects.shade(self.executor, commands, view, &|commands, bind| {
+                self.draw_again(commands, bind);
+            }),
+        }
         self.copy_results(commands);
+    }
+
+    /// Records the last rendering that decides what is visible. Returns true if it has the colours,
+    /// too: nothing that they need breaks it, since all decisions are made before it.
+    fn render_last(
+        &self,
+        commands: &Commands,
+        objects: &mut dyn ObjectRenderer,
+        rendering: Rendering,
+        draw: impl FnOnce(&Commands, &mut dyn ObjectRenderer),
+    ) -> bool {
+        let shades = objects.prepare_to_shade_within(commands);
+        render_last(objects, commands, (self.view, rendering), |commands, objects| {
+            draw(commands, objects);
+            if shades {
+                objects.shade_within(self.executor, commands, self.view, &|commands, bind| {
+                    self.draw_again(commands, bind);
+                });
+            }
+        });
+        shades
     }
 
     /// Returns the number of steps that draw: all but a last one whose results only serve later

@@ -118,6 +118,11 @@ impl Shadows {
         self.maps.as_ref().is_some_and(ShadowMaps::has_culled)
     }
 
+    /// Returns true if the surfaces of a view cannot be shaded before its depth is finished.
+    pub(crate) fn wait_for_depth(&self) -> bool {
+        self.has_culled() || self.volumes.is_some()
+    }
+
     /// Draws the maps that wait for the finished depth of the view, which `target` holds.
     pub(crate) fn record_culled(
         &mut self,

@@ -32,15 +32,26 @@ impl FramePasses {
         let target = self.scope_target(commands, ViewScope::Shade, target);
         commands.pass("shade surfaces", |commands| {
             commands.rendering(target, |commands| {
-                self.draw_surfaces(commands, view, None, draw);
-                if let Some(transparent) = &self.transparent {
-                    let viewport = Viewport::covering(view.origin, view.size);
-                    transparent.list().test(&executor.passes, commands, (view, viewport));
-                }
+                self.draw_colours(executor, commands, view, draw);
             });
         });
         self.shadows.end_view();
         self.record_transparent(executor, commands, view);
+    }
+
+    /// Draws the surfaces and the sky, and tests the boxes of transparent objects against them.
+    pub(crate) fn draw_colours(
+        &self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        view: &View,
+        draw: &dyn Fn(&Commands),
+    ) {
+        self.draw_surfaces(commands, view, None, draw);
+        if let Some(transparent) = &self.transparent {
+            let viewport = Viewport::covering(view.origin, view.size);
+            transparent.list().test(&executor.passes, commands, (view, viewport));
+        }
     }
 
     /// Draws the shadow maps that waited for the finished depth of the view.
@@ -101,7 +112,12 @@ impl FramePasses {
 
     /// Draws the transparent objects over the finished image of a view, in a rendering of their
     /// own.
-    fn record_transparent(&mut self, executor: &PlanExecutor, commands: &Commands, view: &View) {
+    pub(crate) fn record_transparent(
+        &mut self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        view: &View,
+    ) {
         let Some(transparent) =
             self.transparent.as_ref().filter(|transparent| !transparent.list().is_empty())
         else {
