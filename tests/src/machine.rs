@@ -4,6 +4,7 @@
 
 mod attachments;
 mod draw_calls;
+mod lazy_memory;
 mod lies;
 mod replacements;
 mod representative;
@@ -19,6 +20,7 @@ use gpu::{Entry, Required};
 
 pub use attachments::{AttachmentKind, AttachmentTraffic, attachment_traffic};
 pub use draw_calls::CALL_THAT_COUNTS_DRAWS;
+pub use lazy_memory::LAZY_ALLOCATIONS;
 use replacements::replacements;
 pub use replacements::{
     CALLS_THAT_MAKE, CALLS_THAT_RESET, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW,
@@ -69,6 +71,8 @@ pub struct Machine {
     pub is_imprecise: bool,
     /// True if every device says that it has representative fragments.
     pub is_representative: bool,
+    /// True if every device says that it has memory which transient attachments take lazily.
+    pub is_lazy: bool,
     /// True if no device resets queries on the CPU.
     pub resets_by_commands: bool,
     /// The change of the features of Vulkan 1.0 that every device reports.

@@ -8,6 +8,7 @@ use gpu::Required;
 
 use super::attachments::calls_that_attach;
 use super::draw_calls::calls_that_draw;
+use super::lazy_memory::that_are_lazy;
 use super::lies::lies;
 use super::representative::that_pretend;
 use super::{Function, device_proc_addr, due, machine, real};
@@ -218,7 +219,7 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
         calls_that_draw(),
     ]
     .concat();
-    let first = that_pretend().into_iter().chain(calls_that_attach());
+    let first = that_pretend().into_iter().chain(calls_that_attach()).chain(that_are_lazy());
     first.chain(that_lie).chain(lies()).chain(counted).collect()
 }
 

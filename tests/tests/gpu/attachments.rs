@@ -8,7 +8,7 @@ use scene::Scene;
 use scenes::{CameraPath, PathKind};
 use shadows::{CasterCulling, ShadowMethod, ShadowOptions};
 use tests::machine::AttachmentKind::{Average, Colour, Depth};
-use tests::machine::{AttachmentTraffic, Machine, attachment_traffic};
+use tests::machine::{AttachmentTraffic, LAZY_ALLOCATIONS, Machine, attachment_traffic, calls};
 use tests::walk::SceneKind;
 use tests::{Driver, instance_with, yard};
 
@@ -16,8 +16,13 @@ const SIZE: [u32; 2] = [128, 72];
 
 /// Calls `body` with a device of each driver whose loads and stores are recorded.
 fn with_recorder(body: impl Fn(&Device)) {
+    on_both(&Machine::default(), body);
+}
+
+/// Calls `body` with a device of each driver on such a machine.
+fn on_both(machine: &Machine, body: impl Fn(&Device)) {
     for driver in [Driver::Lavapipe, Driver::SwiftShader] {
-        let instance = instance_with(Machine::default().entry());
+        let instance = instance_with(machine.clone().entry());
         let adapter = instance.pick_adapter(Some(driver.device_name())).unwrap();
         let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
         body(&device);
@@ -160,6 +165,23 @@ fn samples_never_leave_the_gpu() {
             assert_eq!((traffic.loads(Colour), traffic.stores(Colour)), (0, 0), "{traffic:?}");
         }
     });
+}
+
+#[test]
+fn samples_take_no_memory_where_they_need_none() {
+    for is_lazy in [false, true] {
+        on_both(&Machine { is_lazy, ..Machine::default() }, |device| {
+            for samples in [SampleCount::One, SampleCount::Four] {
+                let options = RendererOptions { samples, ..options() };
+                let scene = yard::scene(&yard::boxes(), &[]);
+                let before = calls(LAZY_ALLOCATIONS);
+                drop(first_frame(device, &scene, &options));
+                let taken = calls(LAZY_ALLOCATIONS) - before;
+                let expected = usize::from(is_lazy && samples == SampleCount::Four);
+                assert_eq!(taken, expected, "lazy: {is_lazy}, {samples:?}");
+            }
+        });
+    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
 use crate::core::deletion::Retired;
 use crate::core::device::Device;
@@ -14,7 +15,7 @@ pub(crate) struct Image {
     device: Device,
     pub(crate) raw: vk::Image,
     pub(crate) view: vk::ImageView,
-    allocation: Option<gpu_allocator::vulkan::Allocation>,
+    allocation: Option<Allocation>,
 }
 
 impl Image {
@@ -55,6 +56,8 @@ impl Image {
     }
 
     /// Creates an image of one layer with so many samples per pixel, which the device draws to.
+    /// One that is a transient attachment takes memory only when it is stored, where the device has
+    /// such memory (tilers do).
     pub(crate) fn multisampled(
         device: &Device,
         name: &str,
@@ -126,15 +129,20 @@ impl Image {
         device.name(raw, name);
         // SAFETY: just made.
         let requirements = unsafe { device.raw().get_image_memory_requirements(raw) };
-        let made = allocate(device, name, requirements, MemoryLocation::GpuOnly, false).and_then(
-            |memory| match bind_and_view(device, &memory, view.image(raw)) {
+        let is_transient = info.usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT);
+        let lazily = is_transient.then(|| allocate_lazily(device, name, requirements, raw));
+        let memory = match lazily.flatten() {
+            Some(memory) => Ok(memory),
+            None => allocate(device, name, requirements, MemoryLocation::GpuOnly, false),
+        };
+        let made =
+            memory.and_then(|memory| match bind_and_view(device, &memory, view.image(raw)) {
                 Ok(view) => Ok((view, memory)),
                 Err(error) => {
                     free(device, memory);
                     Err(error)
                 }
-            },
-        );
+            });
         match made {
             Ok((view, memory)) => {
                 device.name(view, name);
@@ -156,6 +164,40 @@ impl Image {
     ) -> LayoutChange {
         LayoutChange::new(self.raw, aspect, from, to)
     }
+}
+
+/// Takes memory of its own for an image that is only taken from the device when the image is
+/// stored; `None` where there is none of that kind.
+fn allocate_lazily(
+    device: &Device,
+    name: &str,
+    requirements: vk::MemoryRequirements,
+    image: vk::Image,
+) -> Option<Allocation> {
+    let physical = device.adapter().physical;
+    // SAFETY: the device's own adapter.
+    let memory = unsafe { device.instance().raw.get_physical_device_memory_properties(physical) };
+    let memory_type_bits = requirements.memory_type_bits & lazy_types(&memory);
+    if memory_type_bits == 0 {
+        return None;
+    }
+    let requirements = vk::MemoryRequirements { memory_type_bits, ..requirements };
+    let wanted = AllocationCreateDesc {
+        name,
+        requirements,
+        location: MemoryLocation::GpuOnly,
+        linear: false,
+        allocation_scheme: AllocationScheme::DedicatedImage(image),
+    };
+    device.allocator().as_mut()?.allocate(&wanted).ok()
+}
+
+/// Returns a bit for each type of memory that is taken lazily.
+fn lazy_types(memory: &vk::PhysicalDeviceMemoryProperties) -> u32 {
+    let lazily = vk::MemoryPropertyFlags::LAZILY_ALLOCATED;
+    let is_lazy = |(_, it): &(u32, &vk::MemoryType)| it.property_flags.contains(lazily);
+    let types = (0..memory.memory_type_count).zip(&memory.memory_types);
+    types.filter(is_lazy).fold(0, |bits, (number, _)| bits | 1 << number)
 }
 
 fn plain_image<'a>(
@@ -187,7 +229,7 @@ fn plain_view<'a>(
 
 fn bind_and_view(
     device: &Device,
-    memory: &gpu_allocator::vulkan::Allocation,
+    memory: &Allocation,
     view: vk::ImageViewCreateInfo<'_>,
 ) -> Result<vk::ImageView, Error> {
     // SAFETY: fresh memory that fits the image's requirements; the view is made after binding.
@@ -205,5 +247,25 @@ impl Drop for Image {
         if let Some(allocation) = self.allocation.take() {
             self.device.retire(Retired::Image(self.raw, self.view, allocation));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lazy_memory_is_found_among_all_types() {
+        let plain = vk::MemoryPropertyFlags::DEVICE_LOCAL;
+        let lazy = plain | vk::MemoryPropertyFlags::LAZILY_ALLOCATED;
+        let mut memory = vk::PhysicalDeviceMemoryProperties::default();
+        for (kind, property_flags) in memory.memory_types.iter_mut().zip([plain, lazy, plain, lazy])
+        {
+            kind.property_flags = property_flags;
+        }
+        memory.memory_type_count = 3;
+        assert_eq!(lazy_types(&memory), 0b10, "the fourth is not there");
+        memory.memory_type_count = 4;
+        assert_eq!(lazy_types(&memory), 0b1010);
     }
 }

@@ -109,7 +109,9 @@ impl Target {
             let (name, size) = (format!("{name} {what} samples"), (size, samples));
             TargetImage::multisampled(device, &name, size, format, usage, aspect)
         };
-        let colour_usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        // Averaged where they are drawn, unless something is drawn over the finished image.
+        let colour_usage =
+            vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
         let depth_usage =
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
         let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
