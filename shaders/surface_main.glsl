@@ -121,7 +121,6 @@ void main() {
         picture_step_y = dFdy(world_position);
     }
     vec4 base = base_colour();
-    if (MASKED && is_hole(base)) discard;
     float alpha = BLENDED ? clamp(base.a, 0.0, 1.0) : 1.0;
 
     vec2 roughness_metallic = unpackUnorm2x16(material_factors.z);
@@ -139,6 +138,8 @@ void main() {
         if (EMISSION_PAGES != 0u) emission *= texel(EMISSION_PAGES, material_emission.w, uvs).rgb;
     }
     vec3 n = shading_normal();
+    // Not before the last texel: where a neighbour is gone, derivatives are not defined.
+    if (MASKED && is_hole(base)) discard;
     vec3 v = unit_or(eye.xyz - world_position * eye.w, n);
     Brdf brdf = brdf_of(base.rgb, roughness_metallic.y, roughness_metallic.x, n, v);
     vec3 light = ambient(brdf, roughness_metallic.x) * occlusion + direct(brdf) + emission;
