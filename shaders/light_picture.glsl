@@ -19,9 +19,13 @@ vec3 picture_colour(PunctualLight light, vec3 from_light) {
     vec2 place = picture_place(light, from_light);
     vec2 step_x = picture_place(light, from_light + picture_step_x) - place;
     vec2 step_y = picture_place(light, from_light + picture_step_y) - place;
+    vec3 found = vec3(1.0);
+#ifdef INDEXED_TEXTURES
+    uint number = texture_number(light.picture);
+    found = textureGrad(textures[nonuniformEXT(number)], vec3(place, 0.0), step_x, step_y).rgb;
+#else
     vec3 at = vec3(place, float((light.picture >> 5) & 2047u));
     uint page = light.picture & 15u;
-    vec3 found = vec3(1.0);
 #define PICTURE_OF_PAGE(number) \
     if ((PICTURE_PAGES & (1u << number)) != 0u && page == number) \
         found = textureGrad(pages[number], at, step_x, step_y).rgb
@@ -38,5 +42,6 @@ vec3 picture_colour(PunctualLight light, vec3 from_light) {
     PICTURE_OF_PAGE(10);
     PICTURE_OF_PAGE(11);
 #undef PICTURE_OF_PAGE
+#endif
     return found;
 }

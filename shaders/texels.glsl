@@ -1,4 +1,5 @@
-// Texels of materials: the page that a texture lies on, and its place there.
+// Texels of materials. A texture lies on a page, an array of images of one size; or, with
+// INDEXED_TEXTURES defined, it has an image of its own, which is found by its number.
 
 // The transform from texture coordinates to those of one texture.
 struct TextureTransform {
@@ -7,17 +8,28 @@ struct TextureTransform {
 };
 
 layout(std430, binding = 2) readonly buffer TextureTransforms { TextureTransform transforms[]; };
+#ifdef INDEXED_TEXTURES
+layout(set = 1, binding = 0) uniform sampler2DArray textures[];
+#else
 layout(binding = PAGES_BINDING) uniform sampler2DArray pages[12];
+#endif
 
-const uint NO_PAGE = 15;
+// All bits of a place: four and eleven, around that of the set of coordinates.
+const uint NO_TEXTURE = 0xFFEFu;
 
 bool has_texture(uint packed) {
-    return (packed & 15u) != NO_PAGE;
+    return (packed & NO_TEXTURE) != NO_TEXTURE;
 }
 
-// The texel of a texture on one of the `used` pages, white if there is none. Arrays of samplers are
-// indexed by constants only, so no feature is needed. Fragments of a quad belong to one draw, and
-// with it to one material: they take the same branch, and derivatives are defined.
+// The number of a texture with an image of its own.
+uint texture_number(uint packed) {
+    return (packed & 15u) | ((packed & 0xFFE0u) >> 1);
+}
+
+// The texel of a texture on one of the `used` pages, white if there is none. Arrays of pages are
+// indexed by constants only, so no feature is needed; textures with an image of their own are all
+// on pages that are used. Fragments of a quad belong to one draw, and with it to one material: they
+// take the same branch, and derivatives are defined.
 vec4 texel(const uint used, uint packed, vec4 uvs) {
     vec2 uv = (packed & 16u) != 0u ? uvs.zw : uvs.xy;
     // Of coordinates that were not transformed yet: beyond a triangle's edge, where only
@@ -31,9 +43,17 @@ vec4 texel(const uint used, uint packed, vec4 uvs) {
         step_x = axes * step_x;
         step_y = axes * step_y;
     }
+    vec4 found = vec4(1.0);
+#ifdef INDEXED_TEXTURES
+    if (used != 0u && has_texture(packed)) {
+        uint number = texture_number(packed);
+        vec3 place = vec3(uv, 0.0);
+        found = TRANSFORMED ? textureGrad(textures[nonuniformEXT(number)], place, step_x, step_y)
+                            : texture(textures[nonuniformEXT(number)], place);
+    }
+#else
     uint page = packed & 15u;
     vec3 place = vec3(uv, float((packed >> 5) & 2047u));
-    vec4 found = vec4(1.0);
 #define TEXEL_OF_PAGE(number) \
     if ((used & (1u << number)) != 0u && page == number) \
         found = TRANSFORMED ? textureGrad(pages[number], place, step_x, step_y) : texture(pages[number], place)
@@ -50,5 +70,6 @@ vec4 texel(const uint used, uint packed, vec4 uvs) {
     TEXEL_OF_PAGE(10);
     TEXEL_OF_PAGE(11);
 #undef TEXEL_OF_PAGE
+#endif
     return found;
 }

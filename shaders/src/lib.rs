@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 46] = [
+pub const PASSES: [Shader; 51] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -65,6 +65,7 @@ pub const PASSES: [Shader; 46] = [
     shader!("flare_block.vert"),
     shader!("flare_block.frag"),
     shader!("flare_veil.frag"),
+    shader!("flare_veil_indexed.frag"),
     shader!("sky.vert"),
     shader!("sky.frag"),
     shader!("sky_around.frag"),
@@ -84,6 +85,10 @@ pub const PASSES: [Shader; 46] = [
     shader!("surface_volumes.frag"),
     shader!("surface_depth.vert"),
     shader!("surface_depth.frag"),
+    shader!("surface_indexed.frag"),
+    shader!("surface_shadowed_indexed.frag"),
+    shader!("surface_volumes_indexed.frag"),
+    shader!("surface_depth_indexed.frag"),
     shader!("midpoint.frag"),
     shader!("volume.vert"),
     shader!("volume.geom"),

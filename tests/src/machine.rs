@@ -75,6 +75,8 @@ pub struct Machine {
     pub is_lazy: bool,
     /// True if no device resets queries on the CPU.
     pub resets_by_commands: bool,
+    /// True if no device indexes arrays of textures.
+    pub has_no_indexing: bool,
     /// The change of the features of Vulkan 1.0 that every device reports.
     pub hides: Option<fn(&mut vk::PhysicalDeviceFeatures)>,
     /// The most draws that a device draws or counts at once.

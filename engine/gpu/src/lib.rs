@@ -88,6 +88,7 @@ pub use crate::memory::readback::{Pixels, Readback};
 pub use crate::memory::resample::resampled;
 pub use crate::memory::sampled_texture::SampledTexture;
 pub use crate::memory::texture_array::{MipMaking, TextureArray, TextureArrayInfo};
+pub use crate::memory::texture_table::{TextureNumber, TextureTable};
 pub use crate::memory::texture_uploads::TextureUploads;
 pub use crate::memory::upload::Uploads;
 pub use crate::memory::volume_texture::{VolumeTexels, VolumeTexture};
@@ -113,6 +114,7 @@ pub use crate::query::predicates::{
 };
 pub use crate::query::query_ring::QueryRing;
 pub use crate::record::access::{Access, MemoryBarrier};
+pub use crate::record::api::binding::SampledArrays;
 pub use crate::record::api::textures::TextureRows;
 pub use crate::record::attachments::{
     Attachments, COLOURS_MAX, ColourFormats, HostPass, NearDepth,

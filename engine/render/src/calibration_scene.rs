@@ -15,7 +15,7 @@ use crate::frame_passes::FramePasses;
 use crate::passes::OpaqueIo;
 use crate::resources::geometry::Geometry;
 use crate::resources::object_bounds::object_bounds;
-use crate::resources::spare_room::SpareRoom;
+use crate::shading::surfaces::SurfaceOptions;
 
 /// The distance of the objects from the eye (metres).
 const DISTANCE_M: f32 = 10.0;
@@ -37,7 +37,7 @@ pub(crate) fn measure(
     let device = passes.device.clone();
     let scene = scene();
     let hierarchy = Hierarchy::build(&object_bounds(&scene)?)?;
-    let geometry = Geometry::upload(&device, &scene, &hierarchy, (&SpareRoom::default(), 0))?;
+    let geometry = Geometry::upload(&device, &scene, &hierarchy, (&SurfaceOptions::default(), 0))?;
     let draws = [0, 1].map(|object| {
         let leaf = hierarchy.leaf_of(cull::ObjectId(object)).map_or(0, |leaf| leaf.0);
         IndirectDraw { first_instance: leaf, ..geometry.mesh_draw(MeshId(object)) }

@@ -17,9 +17,9 @@ use crate::passes::{OpaqueIo, SurfaceIo};
 use crate::resources::geometry::{Geometry, bounds_in_world};
 use crate::resources::skinned_mesh_state::SkinnedMeshState;
 use crate::resources::skinned_meshes::{PoseUploads, Skinned, SkinnedMeshes};
-use crate::resources::spare_room::SpareRoom;
 use crate::resources::volume_meshes::VolumeMeshes;
 use crate::shading::depth_first::{DARK, DepthPass};
+use crate::shading::surfaces::SurfaceOptions;
 use crate::shading::surfaces::SurfaceResources;
 use crate::shading::transparent::{Transparent, TransparentObject};
 use crate::shadows::{MapUses, Shadows};
@@ -174,7 +174,7 @@ impl FramePasses {
         shaders: &ShaderSet,
         (scene, hierarchy): (&Scene, &Hierarchy),
         target: Target,
-        (frames_in_flight, (room, shadows)): (usize, ((&SpareRoom, usize), ShadowOptions)),
+        (frames_in_flight, (room, shadows)): (usize, ((&SurfaceOptions, usize), ShadowOptions)),
     ) -> Result<Self, crate::Error> {
         let needs_of = (scene.surfaces.is_some(), frames_in_flight);
         let shadows = Shadows::new(device, shadows, &target, needs_of)?;

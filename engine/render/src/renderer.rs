@@ -25,6 +25,7 @@ use crate::resources::object_bounds::{check_hierarchy, object_bounds};
 use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites::has_sprites;
 use crate::self_test::{Assumption, Trust};
+use crate::shading::surfaces::{SurfaceOptions, TextureStorage};
 use crate::update::UpdateScratch;
 use crate::view_state::{RendererId, ViewState};
 use crate::views::view_in;
@@ -72,6 +73,9 @@ pub struct RendererOptions {
     /// Room for what is added later beside objects ([`Renderer::add_meshes`],
     /// [`Renderer::add_textures`], [`Renderer::add_materials`], [`Renderer::add_lights`]).
     pub spare: SpareRoom,
+    /// The way that textures lie on the GPU; `None` takes the device's best.
+    /// [`Renderer::degradations`] says which it is.
+    pub textures: Option<TextureStorage>,
     /// The most bytes of meshes and textures that a frame copies to the GPU; at least one
     /// byte of a mesh, or one row of a texture.
     pub upload_bytes_per_frame: usize,
@@ -97,6 +101,7 @@ impl Default for RendererOptions {
             costs: Costs::default(),
             spare_objects: 0,
             spare: SpareRoom::default(),
+            textures: None,
             upload_bytes_per_frame: 1 << 20,
             shadows: ShadowOptions::default(),
             distrusted: Vec::new(),
@@ -112,6 +117,12 @@ fn methods_of(options: &RendererOptions) -> Vec<Box<dyn Method>> {
 }
 
 impl RendererOptions {
+    /// Returns those of surfaces.
+    fn surfaces(&self) -> SurfaceOptions {
+        let (textures, spare) = (self.textures, self.spare.clone());
+        SurfaceOptions { textures, spare, ..SurfaceOptions::default() }
+    }
+
     /// Refuses options that are impossible on every device.
     fn check(&self) -> Result<(), Error> {
         if self.frames_in_flight > MAX_FRAMES_IN_FLIGHT {
@@ -240,7 +251,8 @@ impl Renderer {
         let occlusion_passes = OcclusionPasses::new(device, &shaders, target.attachments())?;
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
-        let room = (&options.spare, options.upload_bytes_per_frame);
+        let surfaces = options.surfaces();
+        let room = (&surfaces, options.upload_bytes_per_frame);
         let trust = Trust::without(&options.distrusted);
         trust.texts().iter().for_each(|text| tracing::warn!("{text}"));
         let made_of = (slots, (room, trust.shadows(options.shadows)));

@@ -28,6 +28,10 @@ pub const MAX_PAGES: usize = 12;
 /// The most layers of a page on any device: a texture's place must fit 32 bits.
 pub const MAX_LAYERS: u32 = 2048;
 
+/// The most textures with an image each, on devices that index them: a texture's place has 15 bits,
+/// and one value means none.
+pub const MAX_OWN_IMAGES: u32 = (1 << 15) - 1;
+
 /// The most texture transforms that differ, beside none at all: a transform's number has 16 bits.
 pub const MAX_TEXTURE_TRANSFORMS: usize = (1 << 16) - 1;
 

@@ -330,6 +330,9 @@ unsafe extern "system" fn features(
                     if machine(|machine| machine.resets_by_commands) {
                         more.host_query_reset = vk::FALSE;
                     }
+                    if machine(|machine| machine.has_no_indexing) {
+                        more.shader_sampled_image_array_non_uniform_indexing = vk::FALSE;
+                    }
                 }
                 vk::StructureType::PHYSICAL_DEVICE_VULKAN_1_3_FEATURES => {
                     let more = &mut *next.cast::<vk::PhysicalDeviceVulkan13Features<'_>>();

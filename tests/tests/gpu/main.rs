@@ -43,6 +43,7 @@ mod msaa;
 mod multiview;
 mod object_pairs;
 mod other_engines;
+mod own_images;
 mod pick;
 mod pictures;
 mod poses;

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 
 use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Vec3, vec3};
-use gpu::{Device, Purpose, Readback};
+use gpu::{Device, Optional, Purpose, Readback};
 use render::{Error, FrameRequest, Renderer, SpareRoom, ViewState};
 use scene::{
     Encoding, ImageId, Material, MaterialId, Mesh, MeshId, Object, ObjectChange, PreparedMesh,
@@ -22,7 +22,7 @@ use tests::{Driver, run_on_all};
 
 use self::scenes::{
     COARSE, FINEST, FIRST_MATERIALS, FIRST_TEXTURES, Kind, SIZE, SPARE, first_scene, object,
-    options, some_material, some_mesh, some_texture, spare, uses,
+    options_of, some_material, some_mesh, some_texture, spare, uses,
 };
 
 /// A renderer, and what it should show.
@@ -46,7 +46,7 @@ struct Stream {
 impl Stream {
     fn new(device: &Device, kind: Kind) -> Self {
         let scene = first_scene(kind);
-        let renderer = Renderer::new(device, &scene, &options(spare(kind))).unwrap();
+        let renderer = Renderer::new(device, &scene, &options_of(kind, spare(kind))).unwrap();
         let ids = (0..).map(ObjectId);
         let prepared = |(number, mesh): (usize, &Mesh)| {
             let surface = scene.surfaces.as_ref().map(|all| all.meshes[number].clone());
@@ -270,7 +270,8 @@ impl Stream {
         }
         let object = |it: &Object| Object { mesh: MeshId(numbers[&it.mesh]), ..*it };
         scene.objects = self.objects.values().map(object).collect();
-        let renderer = Renderer::new(device, &scene, &options(SpareRoom::default())).unwrap();
+        let renderer =
+            Renderer::new(device, &scene, &options_of(self.kind, SpareRoom::default())).unwrap();
         let [view, other] = [(); 2].map(|()| renderer.new_view().unwrap());
         let images = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
         let (meshes, objects) = (BTreeMap::new(), BTreeMap::new());
@@ -308,15 +309,18 @@ fn stream(device: &Device, kind: Kind, rounds: u32) -> Stream {
 #[test]
 fn meshes_that_come_and_go_look_as_if_they_had_always_been_there() {
     run_on_all(|device| {
-        for kind in [Kind::Plain, Kind::Surfaces] {
+        let has_indexing = device.capabilities().has(Optional::IndexedTextures);
+        let kinds = [Some(Kind::Plain), Some(Kind::Surfaces), has_indexing.then_some(Kind::Images)];
+        for kind in kinds.into_iter().flatten() {
             let stream = stream(device, kind, 48);
             // The room is taken again and again, in pieces of all sizes.
             assert!(stream.added > 5 * SPARE.meshes, "{} meshes came", stream.added);
             assert!(stream.refused > 0, "there was always room");
-            let had_materials = kind == Kind::Surfaces;
+            let had_materials = kind != Kind::Plain;
             assert_eq!(stream.refused_materials > 0, had_materials, "room for materials");
             assert_eq!(stream.added_textures > 10, had_materials, "textures came");
-            assert_eq!(stream.refused_textures > 0, had_materials, "room for textures");
+            let had_pages = kind == Kind::Surfaces;
+            assert_eq!(stream.refused_textures > 0, had_pages, "room for textures");
         }
     });
 }

@@ -4,14 +4,17 @@
 use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Affine2, Affine3A, Vec2, Vec3, vec3};
 use gpu::{Device, Readback};
+use render::surfaces::TextureStorage;
 use render::{Error, FrameRequest, Renderer, RendererOptions, SceneDegradations, ViewState};
-use scene::limits::{MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES, MAX_TEXTURE_TRANSFORMS};
+use scene::limits::{
+    MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_OWN_IMAGES, MAX_PAGES, MAX_TEXTURE_TRANSFORMS,
+};
 use scene::{
     Encoding, Image, ImageId, LightId, LightKind, Material, MaterialId, MeshId, Object,
     ObjectChange, PunctualLight, Sampler, Scene, Surfaces, Texture, TextureId, TextureUse,
 };
-use tests::run_on_all;
 use tests::shapes::coloured_cubes;
+use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [64, 36];
 
@@ -28,7 +31,12 @@ fn with(change: impl FnOnce(&mut Surfaces)) -> Scene {
 }
 
 fn renderer(device: &Device, scene: &Scene) -> Result<Renderer, Error> {
-    Renderer::new(device, scene, &RendererOptions { size: SIZE, ..Default::default() })
+    stored(device, scene, TextureStorage::Pages)
+}
+
+fn stored(device: &Device, scene: &Scene, textures: TextureStorage) -> Result<Renderer, Error> {
+    let textures = Some(textures);
+    Renderer::new(device, scene, &RendererOptions { size: SIZE, textures, ..Default::default() })
 }
 
 fn lamp(position: Vec3) -> PunctualLight {
@@ -150,36 +158,66 @@ fn objects_that_too_many_lamps_reach_are_counted_as_things_are_now() {
 }
 
 #[test]
-fn images_of_hundreds_of_sizes_show_their_colours() {
-    run_on_all(|device| {
-        const COUNT: u32 = 300;
-        let colour = |number: u32| [(number % 16 * 16) as u8, (number / 16 * 12) as u8, 77, 255];
-        let mut scene = cubes(COUNT);
-        let surfaces = scene.surfaces.as_mut().unwrap();
-        let size = |number: u32| [1 + number % 20 * 3, 1 + number / 20 * 5];
-        surfaces.images = (0..COUNT).map(|it| image(size(it), colour(it))).collect();
-        surfaces.textures = (0..COUNT).map(look).collect();
-        surfaces.materials = (0..COUNT).map(|it| textured(it, Affine2::IDENTITY)).collect();
-        let (mesh, mut surface) = (scene.meshes[0].clone(), surfaces.meshes[0].clone());
-        surface.vertices.iter_mut().for_each(|vertex| vertex.colour = [u16::MAX; 4]);
-        scene.meshes = vec![mesh; COUNT as usize];
-        let of = |material| scene::SurfaceMesh { material, ..surface.clone() };
-        surfaces.meshes = (0..COUNT).map(|it| of(MaterialId(it))).collect();
-        for (mesh, object) in (0..).zip(&mut scene.objects) {
-            object.mesh = MeshId(mesh);
-        }
-        let mut renderer = renderer(device, &scene).unwrap();
-        let mut view = renderer.new_view().unwrap();
-        let SceneDegradations { shrunk_images, enlarged_images, .. } = renderer.degradations();
-        assert!(shrunk_images == 0 && enlarged_images > 200, "{enlarged_images}");
-        for number in (0..COUNT).step_by(13) {
-            let eye = vec3(number as f32 * 3.0 + 0.5, 0.5, 4.0);
-            let image = draw(&mut renderer, &mut view, eye);
-            let middle = ((SIZE[0] * SIZE[1] / 2 + SIZE[0] / 2) * 4) as usize;
-            let pixels = image.rgba8().unwrap();
-            let found = &pixels[middle..middle + 4];
-            let is_close = found.iter().zip(colour(number)).all(|(a, b)| a.abs_diff(b) <= 2);
-            assert!(is_close, "{number}: {found:?}, {:?}", colour(number));
-        }
+fn more_textures_than_have_numbers_are_refused_before_any_is_made() {
+    run(Driver::SwiftShader, |device| {
+        let most = MAX_OWN_IMAGES;
+        let scene = with(|it| {
+            it.images = vec![image([1, 1], [255; 4]); most as usize + 1];
+            it.textures = (0..=most).map(look).collect();
+            it.materials = (0..=most).map(|it| textured(it, Affine2::IDENTITY)).collect();
+        });
+        let error = stored(device, &scene, TextureStorage::Images).err().unwrap().to_string();
+        let says = |part: &str| assert!(error.contains(part), "{error}");
+        says(&(most + 1).to_string());
+        says("textures with an image each");
+        says("TextureStorage::Pages");
     });
+}
+
+#[test]
+fn images_of_hundreds_of_sizes_show_their_colours() {
+    let all = [
+        (Driver::Lavapipe, TextureStorage::Pages),
+        (Driver::SwiftShader, TextureStorage::Pages),
+        (Driver::SwiftShader, TextureStorage::Images),
+    ];
+    for (driver, textures) in all {
+        run(driver, |device| show_hundreds_of_sizes(device, textures));
+    }
+}
+
+fn show_hundreds_of_sizes(device: &Device, textures: TextureStorage) {
+    const COUNT: u32 = 300;
+    let colour = |number: u32| [(number % 16 * 16) as u8, (number / 16 * 12) as u8, 77, 255];
+    let mut scene = cubes(COUNT);
+    let surfaces = scene.surfaces.as_mut().unwrap();
+    let size = |number: u32| [1 + number % 20 * 3, 1 + number / 20 * 5];
+    surfaces.images = (0..COUNT).map(|it| image(size(it), colour(it))).collect();
+    surfaces.textures = (0..COUNT).map(look).collect();
+    surfaces.materials = (0..COUNT).map(|it| textured(it, Affine2::IDENTITY)).collect();
+    let (mesh, mut surface) = (scene.meshes[0].clone(), surfaces.meshes[0].clone());
+    surface.vertices.iter_mut().for_each(|vertex| vertex.colour = [u16::MAX; 4]);
+    scene.meshes = vec![mesh; COUNT as usize];
+    let of = |material| scene::SurfaceMesh { material, ..surface.clone() };
+    surfaces.meshes = (0..COUNT).map(|it| of(MaterialId(it))).collect();
+    for (mesh, object) in (0..).zip(&mut scene.objects) {
+        object.mesh = MeshId(mesh);
+    }
+    let mut renderer = stored(device, &scene, textures).unwrap();
+    let mut view = renderer.new_view().unwrap();
+    let found = renderer.degradations();
+    assert_eq!(found.textures, textures);
+    let SceneDegradations { shrunk_images, enlarged_images, .. } = found;
+    let are_shared = textures == TextureStorage::Pages;
+    assert_eq!((shrunk_images, enlarged_images > 200), (0, are_shared), "{enlarged_images}");
+    assert_eq!(enlarged_images > 0, are_shared);
+    for number in (0..COUNT).step_by(13) {
+        let eye = vec3(number as f32 * 3.0 + 0.5, 0.5, 4.0);
+        let image = draw(&mut renderer, &mut view, eye);
+        let middle = ((SIZE[0] * SIZE[1] / 2 + SIZE[0] / 2) * 4) as usize;
+        let pixels = image.rgba8().unwrap();
+        let found = &pixels[middle..middle + 4];
+        let is_close = found.iter().zip(colour(number)).all(|(a, b)| a.abs_diff(b) <= 2);
+        assert!(is_close, "{number}: {found:?}, {:?}", colour(number));
+    }
 }

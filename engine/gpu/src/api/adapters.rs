@@ -129,6 +129,7 @@ mod tests {
             driver: "test".to_owned(),
             api: "1.3.0".to_owned(),
             kind,
+            indexed_textures: 0,
             limits: vk::PhysicalDeviceLimits::default(),
             capabilities: Capabilities { missing, optional: Vec::new() },
         }

@@ -24,6 +24,9 @@ pub struct Adapter {
     pub kind: vk::PhysicalDeviceType,
     /// The limits of the device, as the driver reports them.
     pub limits: vk::PhysicalDeviceLimits,
+    /// The most textures of a [`TextureTable`](crate::TextureTable), on devices with
+    /// [`Optional::IndexedTextures`].
+    pub indexed_textures: u32,
     /// The entries of the engine's capability table that it has.
     pub capabilities: Capabilities,
 }
@@ -52,6 +55,7 @@ impl Adapter {
             api: version_text(api),
             kind: properties.device_type,
             limits: properties.limits,
+            indexed_textures: offer.indexed_textures,
             capabilities: Capabilities::of(offer),
         }
     }

@@ -36,6 +36,10 @@ pub enum Required {
 /// promises four.
 pub(crate) const STAGE_STORAGE_BUFFERS: u32 = 7;
 
+/// The fewest textures that are worth a table. Devices with descriptor indexing have half a million
+/// (specification, "Required Limits").
+pub(crate) const LEAST_INDEXED_TEXTURES: u32 = 1024;
+
 impl Required {
     /// All required capabilities, in the order in which they are shown to the user.
     pub const ALL: [Required; 9] = [
@@ -136,6 +140,9 @@ pub enum Optional {
     Wireframe,
     /// Textures that stay sharp at grazing angles.
     Anisotropy,
+    /// Textures that shaders find by number, thousands of them, to which more are added while
+    /// frames are in flight ([`TextureTable`](crate::TextureTable)).
+    IndexedTextures,
     /// Depths of several samples per pixel, each at the place that its coverage is taken from, as
     /// Vulkan demands. Without it no test of a proxy is exact there.
     SampleDepths,
@@ -158,7 +165,7 @@ pub enum Optional {
 
 impl Optional {
     /// All optional capabilities.
-    pub const ALL: [Optional; 18] = [
+    pub const ALL: [Optional; 19] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
@@ -169,6 +176,7 @@ impl Optional {
         Optional::Multiview,
         Optional::Wireframe,
         Optional::Anisotropy,
+        Optional::IndexedTextures,
         Optional::SampleDepths,
         Optional::GeometryShaders,
         Optional::DepthClamp,
@@ -192,6 +200,7 @@ impl Optional {
             Optional::Multiview => "multiview",
             Optional::Wireframe => "fillModeNonSolid",
             Optional::Anisotropy => "samplerAnisotropy",
+            Optional::IndexedTextures => "descriptor indexing of sampled images",
             Optional::SampleDepths => "depths of samples at their own places",
             Optional::GeometryShaders => "geometryShader",
             Optional::DepthClamp => "depthClamp",
@@ -234,6 +243,14 @@ impl Optional {
             Optional::Multiview => Features { multiview: true, ..none },
             Optional::Wireframe => Features { fill_mode_non_solid: true, ..none },
             Optional::Anisotropy => Features { sampler_anisotropy: true, ..none },
+            Optional::IndexedTextures => Features {
+                runtime_descriptor_array: true,
+                shader_sampled_image_array_non_uniform_indexing: true,
+                descriptor_binding_partially_bound: true,
+                descriptor_binding_sampled_image_update_after_bind: true,
+                descriptor_binding_update_unused_while_pending: true,
+                ..none
+            },
             Optional::GeometryShaders => Features { geometry_shader: true, ..none },
             Optional::DepthClamp => Features { depth_clamp: true, ..none },
             Optional::PresentFences => Features { swapchain_maintenance1: true, ..none },
@@ -271,6 +288,7 @@ impl Optional {
             Optional::Timestamps | Optional::CalibratedTimestamps => offer.timestamp_bits == 0,
             Optional::Multiview => offer.draws_views_wrong(),
             Optional::SampleDepths => offer.misplaces_sample_depths(),
+            Optional::IndexedTextures => offer.indexed_textures < LEAST_INDEXED_TEXTURES,
             _ => false,
         };
         let has_any = |names: &&[&'static CStr]| names.iter().any(|name| offer.has(name));

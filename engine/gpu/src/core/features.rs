@@ -66,6 +66,11 @@ features! {
         timeline_semaphore "timelineSemaphore"
         draw_indirect_count "drawIndirectCount"
         host_query_reset "hostQueryReset"
+        runtime_descriptor_array "runtimeDescriptorArray"
+        shader_sampled_image_array_non_uniform_indexing "shaderSampledImageArrayNonUniformIndexing"
+        descriptor_binding_partially_bound "descriptorBindingPartiallyBound"
+        descriptor_binding_sampled_image_update_after_bind "descriptorBindingSampledImageUpdateAfterBind"
+        descriptor_binding_update_unused_while_pending "descriptorBindingUpdateUnusedWhilePending"
     }
     vulkan_13 {
         dynamic_rendering "dynamicRendering"

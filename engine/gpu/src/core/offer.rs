@@ -20,6 +20,8 @@ pub(crate) struct Offer {
     pub(crate) has_depth_32: bool,
     /// The most storage buffers that a shader stage may bind.
     pub(crate) stage_storage_buffers: u32,
+    /// The most textures of a [`TextureTable`](crate::TextureTable), by the device's limits.
+    pub(crate) indexed_textures: u32,
     /// The driver, if it says so.
     driver: vk::DriverId,
 }
@@ -27,6 +29,10 @@ pub(crate) struct Offer {
 /// The flags of a queue family that the engine can use.
 pub(crate) const QUEUE_FLAGS: vk::QueueFlags =
     vk::QueueFlags::from_raw(vk::QueueFlags::GRAPHICS.as_raw() | vk::QueueFlags::COMPUTE.as_raw());
+
+/// The descriptors that a pipeline has beside a table of textures, with room to spare: they count
+/// towards the same limits.
+const OTHER_DESCRIPTORS: u32 = 64;
 
 impl Offer {
     /// Reads all that an adapter offers. Frames in windows are part of it if the instance is for
@@ -91,6 +97,8 @@ impl Offer {
             stage_storage_buffers: properties.limits.max_per_stage_descriptor_storage_buffers,
             has_depth_32: depth.optimal_tiling_features.contains(needed),
             // SAFETY: as above.
+            indexed_textures: unsafe { indexed_textures(instance, physical, &properties) },
+            // SAFETY: as above.
             driver: unsafe { driver_of(instance, physical, &properties) },
             ..Self::default()
         }
@@ -140,6 +148,33 @@ unsafe fn driver_of(
     // SAFETY: driver properties are core since 1.2, checked above.
     unsafe { instance.get_physical_device_properties2(physical, &mut chain) };
     driver.driver_id
+}
+
+/// Returns the most textures that shaders find by number; 0 where Vulkan is too old to say.
+///
+/// # Safety
+/// `physical` is of `instance`, with these properties.
+unsafe fn indexed_textures(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    properties: &vk::PhysicalDeviceProperties,
+) -> u32 {
+    if properties.api_version < vk::API_VERSION_1_2 {
+        return 0;
+    }
+    let mut limits = vk::PhysicalDeviceVulkan12Properties::default();
+    let mut chain = vk::PhysicalDeviceProperties2::default().push_next(&mut limits);
+    // SAFETY: properties of Vulkan 1.2, checked above.
+    unsafe { instance.get_physical_device_properties2(physical, &mut chain) };
+    let all = [
+        limits.max_per_stage_descriptor_update_after_bind_samplers,
+        limits.max_per_stage_descriptor_update_after_bind_sampled_images,
+        limits.max_per_stage_update_after_bind_resources,
+        limits.max_descriptor_set_update_after_bind_samplers,
+        limits.max_descriptor_set_update_after_bind_sampled_images,
+        limits.max_update_after_bind_descriptors_in_all_pools,
+    ];
+    all.into_iter().min().unwrap_or(0).saturating_sub(OTHER_DESCRIPTORS)
 }
 
 /// Returns true if the instance has its half of a device extension.

@@ -9,6 +9,8 @@ pub(crate) mod readback;
 pub(crate) mod resample;
 pub(crate) mod sampled_texture;
 pub(crate) mod texture_array;
+mod texture_sampler;
+pub(crate) mod texture_table;
 pub(crate) mod texture_uploads;
 pub(crate) mod upload;
 pub(crate) mod volume_texture;

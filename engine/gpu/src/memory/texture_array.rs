@@ -1,15 +1,16 @@
 //! Texture arrays: images of one size and one sampler with all their mip maps.
 
+use std::sync::Arc;
+
 use ash::vk;
 
-use crate::core::capabilities::Optional;
-use crate::core::deletion::Retired;
 use crate::core::device::Device;
-use crate::core::error::{Called, Error};
+use crate::core::error::Error;
 use crate::core::ownership::of_device;
 use crate::memory::buffer::BufferSlice;
 use crate::memory::image::Image;
 use crate::memory::resample::resampled;
+use crate::memory::texture_sampler::TextureSampler;
 use crate::record::access::{Access, LayoutChange};
 use crate::record::commands::Commands;
 
@@ -53,7 +54,7 @@ pub struct TextureArrayInfo<'a> {
 pub struct TextureArray {
     device: Device,
     image: Image,
-    sampler: vk::Sampler,
+    sampler: Arc<TextureSampler>,
     pub(super) size: [u32; 2],
     pub(super) format: vk::Format,
     pub(crate) levels: u32,
@@ -78,6 +79,16 @@ impl TextureArray {
     /// [`Error::TooLarge`] for a size or number of layers of 0 or beyond the device's limits;
     /// [`Error::WrongCommands`] for another format; no memory.
     pub fn new(device: &Device, info: &TextureArrayInfo<'_>) -> Result<Self, Error> {
+        Self::with_sampler(device, info, Arc::new(TextureSampler::new(device, info)?))
+    }
+
+    /// Creates the same with a sampler that was made for such a description, and that others have
+    /// too.
+    pub(super) fn with_sampler(
+        device: &Device,
+        info: &TextureArrayInfo<'_>,
+        sampler: Arc<TextureSampler>,
+    ) -> Result<Self, Error> {
         let limits = &device.adapter().limits;
         let [width, height] = info.size;
         for (what, wanted, limit) in [
@@ -106,7 +117,6 @@ impl TextureArray {
             | vk::ImageUsageFlags::TRANSFER_SRC;
         let counts = [levels, info.layers];
         let image = Image::array(device, info.name, info.size, counts, info.format, usage)?;
-        let sampler = create_sampler(device, info)?;
         Ok(Self {
             device: device.clone(),
             image,
@@ -148,6 +158,13 @@ impl TextureArray {
         levels
     }
 
+    /// Counts all layers as reserved. The caller [opens](crate::Commands::open_texture) them with
+    /// the next frame, before anything samples or writes them.
+    pub fn announce(&mut self) {
+        let rows = self.size[1];
+        self.layers.iter_mut().for_each(|layer| layer.rows = rows);
+    }
+
     /// Returns true if all layers were written or reserved.
     pub fn is_filled(&self) -> bool {
         self.layers.iter().all(|layer| layer.rows == self.size[1])
@@ -155,7 +172,7 @@ impl TextureArray {
 
     pub(crate) fn descriptor(&self) -> vk::DescriptorImageInfo {
         vk::DescriptorImageInfo {
-            sampler: self.sampler,
+            sampler: self.sampler.raw,
             image_view: self.image.view,
             image_layout: Access::FragmentSample.layout(),
         }
@@ -263,34 +280,5 @@ fn level_of(layer: u32, level: u32) -> vk::ImageSubresourceLayers {
         mip_level: level,
         base_array_layer: layer,
         layer_count: 1,
-    }
-}
-
-fn create_sampler(device: &Device, info: &TextureArrayInfo<'_>) -> Result<vk::Sampler, Error> {
-    let limit = device.adapter().limits.max_sampler_anisotropy;
-    let is_linear = [info.magnified, info.minified] == [vk::Filter::LINEAR; 2];
-    let has_it = is_linear && device.capabilities().has(Optional::Anisotropy);
-    let anisotropy = if has_it { info.anisotropy.clamp(1.0, limit.max(1.0)) } else { 1.0 };
-    let [across, down] = info.wrap;
-    let create = vk::SamplerCreateInfo::default()
-        .mag_filter(info.magnified)
-        .min_filter(info.minified)
-        .mipmap_mode(info.between_levels.unwrap_or(vk::SamplerMipmapMode::NEAREST))
-        .max_lod(if info.between_levels.is_some() { vk::LOD_CLAMP_NONE } else { 0.25 })
-        .address_mode_u(across)
-        .address_mode_v(down)
-        .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE)
-        .anisotropy_enable(anisotropy > 1.0)
-        .max_anisotropy(anisotropy);
-    // SAFETY: anisotropy is asked for only where the feature is on, and within the limit.
-    let sampler = unsafe { device.raw().create_sampler(&create, device.callbacks()) }
-        .called("vkCreateSampler")?;
-    device.name(sampler, info.name);
-    Ok(sampler)
-}
-
-impl Drop for TextureArray {
-    fn drop(&mut self) {
-        self.device.retire(Retired::Sampler(self.sampler));
     }
 }

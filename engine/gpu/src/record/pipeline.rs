@@ -7,6 +7,7 @@ use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::of_device;
+use crate::memory::texture_table::TextureTable;
 use crate::record::attachments::Attachments;
 use crate::record::graphics_state::create_graphics;
 use crate::record::shader::Spirv;
@@ -134,6 +135,9 @@ pub struct GraphicsPipelineInfo<'a> {
     pub vertices: VertexLayout<'a>,
     /// Buffers and constants.
     pub storage: StorageLayout,
+    /// A table of textures like the ones that draws find textures in by number, at binding 0 of set
+    /// 1.
+    pub table: Option<&'a TextureTable>,
     /// The bytes per instance in the first of the buffers, for vertex shaders that take the number
     /// of the instance from `instance_number.glsl`; 0 for others.
     pub instance_bytes: u32,
@@ -175,6 +179,7 @@ impl<'a> GraphicsPipelineInfo<'a> {
             fragment: None,
             vertices: VertexLayout::default(),
             storage: StorageLayout::default(),
+            table: None,
             instance_bytes: 0,
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             polygon: Polygon::Filled,
@@ -211,6 +216,8 @@ pub(crate) struct PipelineKind {
     pub(crate) buffers: u32,
     pub(crate) textures: u32,
     pub(crate) texture_arrays: u32,
+    /// True if there is a set 1, a table of textures.
+    pub(crate) has_table: bool,
     pub(crate) push_bytes: u32,
     /// As in [`GraphicsPipelineInfo::instance_bytes`].
     pub(crate) instance_bytes: u32,
@@ -225,9 +232,13 @@ impl GraphicsPipeline {
     ///
     /// # Errors
     /// [`Error::Unsupported`] for a wireframe, several views, a geometry shader or clamped depths
-    /// where the device has no such thing; a failed call.
+    /// where the device has no such thing; [`Error::Foreign`] for a table of another device; a
+    /// failed call.
     pub fn new(device: &Device, info: &GraphicsPipelineInfo<'_>) -> Result<Self, Error> {
         info.attachments.check(device)?;
+        if let Some(table) = info.table {
+            device.check(table, "pipelines (`GraphicsPipeline`)")?;
+        }
         let needs = [
             (info.polygon == Polygon::Wireframe, Optional::Wireframe, "drawing a wireframe"),
             (info.attachments.views > 1, Optional::Multiview, "drawing several views at once"),
@@ -245,7 +256,8 @@ impl GraphicsPipeline {
         if info.geometry.is_some() {
             stages |= Stage::GEOMETRY;
         }
-        PipelineKind::new(device, info.name, info.storage, stages, |layout| {
+        let layouts = (info.storage, info.table);
+        PipelineKind::new(device, info.name, layouts, stages, |layout| {
             info.vertex.with_stage(device, Stage::VERTEX, |vertex| {
                 with_optional(device, info.geometry, Stage::GEOMETRY, |geometry| {
                     with_optional(device, info.fragment, Stage::FRAGMENT, |fragment| {
@@ -274,7 +286,8 @@ impl ComputePipeline {
         shader: &Spirv,
         storage: StorageLayout,
     ) -> Result<Self, Error> {
-        PipelineKind::new(device, name, storage, vk::ShaderStageFlags::COMPUTE, |layout| {
+        let layouts = (storage, None);
+        PipelineKind::new(device, name, layouts, vk::ShaderStageFlags::COMPUTE, |layout| {
             shader.with_stage(device, vk::ShaderStageFlags::COMPUTE, |stage| {
                 let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
                 let cache = device.pipeline_cache();
@@ -306,7 +319,7 @@ impl PipelineKind {
     fn new(
         device: &Device,
         name: &str,
-        layout: StorageLayout,
+        (layout, table): (StorageLayout, Option<&TextureTable>),
         stages: vk::ShaderStageFlags,
         make: impl FnOnce(vk::PipelineLayout) -> Result<vk::Pipeline, Error>,
     ) -> Result<Self, Error> {
@@ -321,18 +334,20 @@ impl PipelineKind {
             buffers: layout.buffers,
             textures: layout.textures,
             texture_arrays: layout.texture_arrays,
+            has_table: table.is_some(),
             push_bytes: layout.push_bytes,
             instance_bytes: 0,
             stages,
         };
-        let sets = [storage];
+        let sets = [Some(storage), table.map(|table| table.layout)];
+        let sets: Vec<_> = sets.into_iter().flatten().collect();
         let constants =
             [vk::PushConstantRange { stage_flags: stages, offset: 0, size: layout.push_bytes }];
         let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
         if layout.push_bytes > 0 {
             info = info.push_constant_ranges(&constants);
         }
-        // SAFETY: the set layout is alive.
+        // SAFETY: the set layouts are alive.
         kind.layout = unsafe { device.raw().create_pipeline_layout(&info, device.callbacks()) }
             .called("vkCreatePipelineLayout")?;
         kind.raw = make(kind.layout)?;

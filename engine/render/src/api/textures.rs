@@ -8,19 +8,21 @@ use crate::renderer::Renderer;
 impl Renderer {
     /// Adds textures, and returns their ids in the same order: all of them, or none. Materials that
     /// are [added](Renderer::add_materials) can use them at once. An id may have belonged to a
-    /// texture that was removed. There must be room for their size, encoding and sampler
-    /// ([`SpareRoom::textures`](crate::SpareRoom::textures)).
+    /// texture that was removed. Where textures lie on [pages], there must be room for their size,
+    /// encoding and sampler ([`SpareRoom::textures`](crate::SpareRoom::textures)); images of their
+    /// own take none.
     ///
     /// Nothing waits: each frame copies some rows of what was added first
     /// ([`RendererOptions::upload_bytes_per_frame`]), and makes the mip maps of what is whole.
     /// Meshes that were added later arrive later, so that none is drawn without its textures. Where
     /// the device cannot make mip maps, this call does.
     ///
+    /// [pages]: crate::surfaces::TextureStorage::Pages
     /// [`RendererOptions::upload_bytes_per_frame`]: crate::RendererOptions::upload_bytes_per_frame
     ///
     /// # Errors
-    /// [`Error::Texture`] for a scene without surfaces or a texture that no room is kept for;
-    /// [`Error::NoRoom`].
+    /// [`Error::Texture`] for a scene without surfaces or a texture that no room is kept for, or
+    /// beyond the device's size; [`Error::NoRoom`]; no memory for images of their own.
     pub fn add_textures(
         &mut self,
         textures: Vec<PreparedTexture>,
@@ -30,7 +32,7 @@ impl Renderer {
             return refused(textures.len());
         };
         for (index, texture) in textures.iter().enumerate() {
-            let checked = surfaces.texture_slots.check(texture);
+            let checked = surfaces.textures.check(texture);
             checked.map_err(|reason| Error::Texture { index, reason })?;
         }
         let mut added = Vec::with_capacity(textures.len());

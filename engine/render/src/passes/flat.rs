@@ -5,7 +5,7 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, DepthMode, Device, DynamicTexture, GraphicsPipeline,
-    GraphicsPipelineInfo, IndirectDraw, StorageLayout, VertexLayout, vk,
+    GraphicsPipelineInfo, IndirectDraw, SampledArrays, StorageLayout, VertexLayout, vk,
 };
 
 use occlusion::{Error, ShaderSet};
@@ -92,7 +92,7 @@ impl FlatPass {
     /// Draws `draws` in their order, each cut to its part, in an image of `size` pixels.
     pub fn record(&self, commands: &Commands, io: &FlatIo<'_>, draws: &[FlatDraw], size: [u32; 2]) {
         let constants = Constants { clip_per_pixel: size.map(|side| 2.0 / side as f32) };
-        commands.bind_sampled(&self.pipeline, &[], &[io.atlas.sampled()], &[]);
+        commands.bind_sampled(&self.pipeline, &[], &[io.atlas.sampled()], SampledArrays::NONE);
         commands.push_constants(&self.pipeline, &constants);
         commands.bind_geometry(io.vertices, Some(io.indices));
         for draw in draws {

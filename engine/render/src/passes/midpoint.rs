@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use cull::{ProjectionKind, View};
 use gpu::{
     Commands, DepthLayers, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    SampledTexture, StorageLayout,
+    SampledArrays, SampledTexture, StorageLayout,
 };
 use occlusion::{Error, ShaderSet};
 
@@ -65,7 +65,7 @@ impl MidpointPass {
 
     /// Binds everything but the tile.
     pub(crate) fn bind(&self, commands: &Commands, io: &MidpointIo<'_>) {
-        commands.bind_sampled(&self.pipeline, &[], &[io.fronts, io.backs], &[]);
+        commands.bind_sampled(&self.pipeline, &[], &[io.fronts, io.backs], SampledArrays::NONE);
     }
 
     /// Draws a tile, which the viewport covers.

@@ -4,7 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use cull::{ProjectionKind, View};
 use glam::Vec3;
 use gpu::{
-    Attachments, Blend, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, StorageLayout,
+    Attachments, Blend, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, SampledArrays,
+    StorageLayout,
 };
 
 use occlusion::{Error, ShaderSet};
@@ -115,7 +116,7 @@ impl SkyPass {
                 AroundConstants { middle, right, down, ..constants }
             }
         };
-        commands.bind_sampled(&self.around, &[], &[environment.sampled()], &[]);
+        commands.bind_sampled(&self.around, &[], &[environment.sampled()], SampledArrays::NONE);
         commands.push_constants(&self.around, &constants);
         commands.draw(3, 0);
     }

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, StorageLayout, VertexLayout, vk,
+    GraphicsPipelineInfo, SampledArrays, StorageLayout, VertexLayout, vk,
 };
 use scene::limits::MAX_PAGES;
 use scene::{Light, SurfaceVertex};
@@ -13,7 +13,7 @@ use scene::{Light, SurfaceVertex};
 use crate::passes::caster::CasterSide;
 use crate::passes::opaque::POSITIONS;
 use crate::resources::instance::Instance;
-use crate::shading::surfaces::SurfaceResources;
+use crate::shading::surfaces::{SurfaceResources, SurfaceTextures};
 use crate::shadows::ShadowIo;
 use occlusion::{Error, ShaderSet};
 
@@ -168,21 +168,7 @@ impl SurfacePass {
         surfaces: &SurfaceResources,
         shadows: Option<SurfaceShadows>,
     ) -> Result<Self, Error> {
-        let (name, shader, depth, blend) = match kind {
-            SurfaceKind::Depth => {
-                ("surface depth", "surface_depth", DepthMode::TestEqualAndWrite, Blend::NoColour)
-            }
-            SurfaceKind::Colour => ("surface", "surface", DepthMode::Equal, Blend::Max),
-            SurfaceKind::Transparent => {
-                ("transparent surface", "surface", DepthMode::TestOnly, Blend::Alpha)
-            }
-            SurfaceKind::Casters(side) => {
-                (side.name_masked(), "surface_depth", DepthMode::TestAndWrite, Blend::NoColour)
-            }
-            SurfaceKind::Veil => {
-                ("veil of flares", "surface_depth", DepthMode::TestOnly, Blend::NoColour)
-            }
-        };
+        let (name, shader, depth, blend) = look_of(kind);
         let inputs = Inputs::of(kind, shadows);
         let is_depth = inputs == Inputs::Holes;
         let fragment = match (kind, inputs) {
@@ -214,14 +200,21 @@ impl SurfacePass {
             beside: None,
         };
         let vertex = stage(shader, "vert")?;
+        let (fragment, texture_arrays, table) = match &surfaces.textures {
+            SurfaceTextures::Pages { .. } => (fragment.to_owned(), MAX_PAGES as u32, None),
+            SurfaceTextures::Images(images) => {
+                (format!("{fragment}_indexed"), 0, Some(images.table()))
+            }
+        };
         let info = GraphicsPipelineInfo {
-            fragment: Some(&stage(fragment, "frag")?),
+            fragment: Some(&stage(&fragment, "frag")?),
             vertices: VertexLayout { beside: Some(&surface_vertices), ..first },
             storage: StorageLayout {
                 textures: inputs.textures(),
-                texture_arrays: MAX_PAGES as u32,
+                texture_arrays,
                 ..StorageLayout::new::<Constants>(inputs.buffers())
             },
+            table,
             cull,
             depth,
             blend,
@@ -261,8 +254,17 @@ impl SurfacePass {
     }
 
     fn bind_buffers(&self, commands: &Commands, io: &SurfaceIo<'_>, own: [BufferSlice; 5]) {
-        let pages = io.surfaces.pages();
-        let pages = pages.as_ref().map_or(&[][..], |pages| &pages[..]);
+        io.surfaces.textures.bound(|pages| self.bind_inputs_with(commands, io, own, pages));
+        commands.bind_geometry_beside([io.vertices, io.surfaces.vertices()], io.indices);
+    }
+
+    fn bind_inputs_with(
+        &self,
+        commands: &Commands,
+        io: &SurfaceIo<'_>,
+        own: [BufferSlice; 5],
+        pages: SampledArrays<'_>,
+    ) {
         let around = io.surfaces.environment.sampled();
         let [instances, materials, transforms, lights, lists] = own;
         match (self.inputs, &io.shadows) {
@@ -281,7 +283,6 @@ impl SurfacePass {
                 commands.bind_sampled(&self.pipeline, &own, &[around], pages);
             }
         }
-        commands.bind_geometry_beside([io.vertices, io.surfaces.vertices()], io.indices);
     }
 
     /// Sets the view of the draws that follow.
@@ -308,6 +309,25 @@ impl SurfacePass {
                 },
             },
         );
+    }
+}
+
+/// Returns the name of a pass and of its shaders, its test of the depth, and the use of its colour.
+fn look_of(kind: SurfaceKind) -> (&'static str, &'static str, DepthMode, Blend) {
+    match kind {
+        SurfaceKind::Depth => {
+            ("surface depth", "surface_depth", DepthMode::TestEqualAndWrite, Blend::NoColour)
+        }
+        SurfaceKind::Colour => ("surface", "surface", DepthMode::Equal, Blend::Max),
+        SurfaceKind::Transparent => {
+            ("transparent surface", "surface", DepthMode::TestOnly, Blend::Alpha)
+        }
+        SurfaceKind::Casters(side) => {
+            (side.name_masked(), "surface_depth", DepthMode::TestAndWrite, Blend::NoColour)
+        }
+        SurfaceKind::Veil => {
+            ("veil of flares", "surface_depth", DepthMode::TestOnly, Blend::NoColour)
+        }
     }
 }
 

@@ -21,7 +21,6 @@ use crate::resources::limits::{check_memory, check_storage};
 use crate::resources::lod::{LodTable, stretch};
 use crate::resources::mesh_slots::{MeshSlots, Residency, draws_of};
 use crate::resources::skinned_meshes::{SkinnedVertices, are_skinned, skinned_vertices};
-use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites;
 use crate::resources::upload_queue::{UploadQueue, UploadTargets};
 use crate::resources::volume_meshes::{VolumeDraw, VolumeMeshes};
@@ -86,8 +85,9 @@ impl Geometry {
         device: &Device,
         scene: &Scene,
         hierarchy: &Hierarchy,
-        (spare, frame_bytes): (&SpareRoom, usize),
+        (options, frame_bytes): (&SurfaceOptions, usize),
     ) -> Result<Self, Error> {
+        let spare = &options.spare;
         let objects = hierarchy.leaf_objects().len();
         check_memory("the objects on their way to the GPU", objects, UPLOAD_BYTES_PER_OBJECT)?;
         let joined = JoinedMeshes::new(scene, spare)?;
@@ -100,8 +100,7 @@ impl Geometry {
             (skinned_vertices(scene), size_of::<SurfaceVertex>() as u64),
             "make those meshes simpler, or fewer",
         )?;
-        let options = SurfaceOptions { spare: spare.clone(), ..Default::default() };
-        let surfaces = SurfaceResources::upload(device, scene, hierarchy, &options)?;
+        let surfaces = SurfaceResources::upload(device, scene, hierarchy, options)?;
         let mut object_meshes = vec![NO_MESH; leaf_count];
         let mut object_instances = vec![Instance::default(); leaf_count];
         let places = object_meshes.iter_mut().zip(&mut object_instances);
@@ -440,7 +439,7 @@ impl Geometry {
             surfaces: self.surfaces.as_ref().map(SurfaceResources::vertices),
             indices: self.indices.whole(),
             adjacency: self.volumes.as_ref().map(VolumeMeshes::adjacency),
-            pages: self.surfaces.as_ref().map_or(&[], SurfaceResources::own_pages),
+            textures: self.surfaces.as_ref().map(|surfaces| &surfaces.textures),
         };
         self.uploads.record(frame, targets)?;
         let PlanExecutor { passes, leaves } = executor;

@@ -30,7 +30,8 @@ pub struct SpareRoom {
     /// textures. With any, the pipelines are compiled for holes, emission, unlit materials and
     /// textures of all kinds, which costs every pixel a little.
     pub materials: u32,
-    /// Textures of a scene with surfaces, for materials that come later: a page for each kind.
+    /// Textures of a scene with surfaces, for materials that come later, where textures lie on
+    /// [pages](crate::surfaces::TextureStorage::Pages): a page for each kind.
     /// Together with those of the scene there are at most
     /// [`MAX_PAGES`](scene::limits::MAX_PAGES), so that images of the scene may be resampled to
     /// share a page.

@@ -9,7 +9,7 @@ use scene::{MeshId, PreparedMesh, PreparedTexture, SurfaceVertex, TextureId, Ver
 use crate::error::Error;
 use crate::resources::mesh_slots::MeshPlace;
 use crate::resources::volume_meshes::ADJACENCY_PER_INDEX;
-use crate::shading::surfaces::TexturePlace;
+use crate::shading::surfaces::{SurfaceTextures, TexturePlace, TextureStorage};
 
 /// The arrays that meshes and textures are copied to.
 #[derive(Clone, Copy)]
@@ -20,7 +20,8 @@ pub(crate) struct UploadTargets<'a> {
     pub(crate) indices: BufferSlice,
     /// The triangles with adjacency of renderers that draw shadow volumes.
     pub(crate) adjacency: Option<BufferSlice>,
-    pub(crate) pages: &'a [TextureArray],
+    /// The textures of a scene that has them.
+    pub(crate) textures: Option<&'a SurfaceTextures>,
 }
 
 /// A mesh or a texture that is not on the GPU as a whole.
@@ -37,6 +38,8 @@ enum PendingUpload {
         texture: PreparedTexture,
         place: TexturePlace,
         levels: Vec<Vec<u8>>,
+        /// True if no frame knows it yet.
+        is_new: bool,
     },
 }
 
@@ -61,7 +64,7 @@ enum QueuedCopy {
     },
     Rows {
         from: BufferSlice,
-        page: usize,
+        place: TexturePlace,
         rows: TextureRows,
     },
     /// The mip maps of a texture whose rows are all there.
@@ -133,7 +136,7 @@ impl UploadQueue {
         texture: PreparedTexture,
         (place, levels): (TexturePlace, Vec<Vec<u8>>),
     ) {
-        self.queue.push_back(PendingUpload::Texture { id, texture, place, levels });
+        self.queue.push_back(PendingUpload::Texture { id, texture, place, levels, is_new: true });
     }
 
     /// Forgets a mesh.
@@ -169,19 +172,21 @@ impl UploadQueue {
         if self.copies.is_empty() {
             return Ok(());
         }
+        let array = |place| targets.textures.and_then(|textures| textures.array(place));
         frame.commands().pass("stream meshes and textures", |commands| {
+            self.new_images(targets).for_each(|image| commands.open_texture(image));
             commands.barrier(MemoryBarrier::between(&[Access::Any], &[Access::CopyWrite]));
             for copy in &self.copies {
                 match *copy {
                     QueuedCopy::Buffer { from, to } => commands.copy_buffer(from, to),
-                    QueuedCopy::Rows { from, page, rows } => {
-                        if let Some(page) = targets.pages.get(page) {
-                            commands.write_texture(page, rows, from);
+                    QueuedCopy::Rows { from, place, rows } => {
+                        if let Some(array) = array(place) {
+                            commands.write_texture(array, rows, from);
                         }
                     }
-                    QueuedCopy::Levels(TexturePlace { page, layer }) => {
-                        if let Some(page) = targets.pages.get(page) {
-                            commands.make_texture_levels(page, layer);
+                    QueuedCopy::Levels(place) => {
+                        if let Some(array) = array(place) {
+                            commands.make_texture_levels(array, place.layer);
                         }
                     }
                 }
@@ -189,6 +194,17 @@ impl UploadQueue {
             commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
         });
         Ok(())
+    }
+
+    /// Returns the images of textures that have one each and that no frame knows. The next one must
+    /// open them, whether it copies to them or not: its draws may sample them.
+    fn new_images<'a>(&self, targets: UploadTargets<'a>) -> impl Iterator<Item = &'a TextureArray> {
+        let has_own = |textures: &&SurfaceTextures| textures.storage() == TextureStorage::Images;
+        let textures = targets.textures.filter(has_own);
+        self.queue.iter().filter_map(move |pending| match pending {
+            PendingUpload::Texture { place, is_new: true, .. } => textures?.array(*place),
+            _ => None,
+        })
     }
 
     /// Chooses the copies of a frame, and writes what they copy to its memory.
@@ -234,6 +250,11 @@ impl UploadQueue {
             PendingUpload::Texture { .. } => None,
         }));
         self.copied = copied;
+        for pending in &mut self.queue {
+            if let PendingUpload::Texture { is_new, .. } = pending {
+                *is_new = false;
+            }
+        }
     }
 
     /// Takes the meshes that are whole for all frames from now on.
@@ -315,9 +336,10 @@ impl Destination {
             Self::Array(array) => {
                 QueuedCopy::Buffer { from, to: array.part(first as u64, count as u64) }
             }
-            Self::Level { place: TexturePlace { page, layer }, level, row_bytes } => {
+            Self::Level { place, level, row_bytes } => {
+                let layer = place.layer;
                 let [first, count] = [first, count].map(|bytes| (bytes / row_bytes) as u32);
-                QueuedCopy::Rows { from, page, rows: TextureRows { layer, level, first, count } }
+                QueuedCopy::Rows { from, place, rows: TextureRows { layer, level, first, count } }
             }
         }
     }

@@ -1,5 +1,6 @@
 //! The parts of a scene that are shown in a degraded form, and the reasons.
 
+use crate::shading::surfaces::TextureStorage;
 use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES};
 
 /// The parts of a scene beyond a renderer's limits, which are shown in a degraded form.
@@ -21,6 +22,9 @@ pub struct SceneDegradations {
     pub enlarged_images: usize,
     /// Textures that are sampled by another sampler than their own.
     pub borrowed_samplers: usize,
+    /// The way that textures lie on the GPU: of the two, only pages enlarge images and borrow
+    /// samplers.
+    pub textures: TextureStorage,
 }
 
 impl SceneDegradations {
@@ -28,7 +32,13 @@ impl SceneDegradations {
     #[must_use]
     pub fn texts(&self) -> Vec<String> {
         let Self { crowded_objects, dark_suns, broken_lights, .. } = *self;
-        let Self { shrunk_images, borrowed_samplers, .. } = *self;
+        let Self { shrunk_images, borrowed_samplers, textures, .. } = *self;
+        let shrunk_by = match textures {
+            TextureStorage::Images => "they are larger than the device takes".to_owned(),
+            TextureStorage::Pages => format!(
+                "they are of more sizes than {MAX_PAGES} texture pages hold, or larger than the device takes"
+            ),
+        };
         [
             (crowded_objects > 0).then(|| {
                 format!(
@@ -47,7 +57,7 @@ impl SceneDegradations {
             }),
             (shrunk_images > 0).then(|| {
                 format!(
-                    "{shrunk_images} images are less sharp than they are in the scene: they are of more sizes than {MAX_PAGES} texture pages hold, or larger than the device takes"
+                    "{shrunk_images} images are less sharp than they are in the scene: {shrunk_by}"
                 )
             }),
             (borrowed_samplers > 0).then(|| {
@@ -81,10 +91,14 @@ mod tests {
             shrunk_images: 7,
             enlarged_images: 8,
             borrowed_samplers: 9,
+            textures: TextureStorage::Pages,
         };
         for (text, number) in all.texts().iter().zip([5, 6, 4, 7, 9]) {
             assert!(text.starts_with(&number.to_string()), "{text}");
         }
         assert_eq!(all.texts().len(), 5);
+        assert!(all.texts()[3].contains("texture pages"), "{}", all.texts()[3]);
+        let own = SceneDegradations { textures: TextureStorage::Images, ..all }.texts();
+        assert!(!own[3].contains("pages"), "{}", own[3]);
     }
 }

@@ -1,6 +1,6 @@
 //! Calls that record: the recording fails, and with it the submit.
 
-use gpu::{Counting, QueryIndex, TextureRows};
+use gpu::{Counting, QueryIndex, SampledArrays, TextureRows};
 
 use super::Row;
 use super::side::{SOURCE, Side, recorded};
@@ -38,12 +38,22 @@ fn binds() -> Vec<Row> {
         }),
         row("Commands::bind_sampled", SAMPLED, |ours, theirs| {
             recorded(&ours.device(), |commands| {
-                commands.bind_sampled(&ours.graphics, &[], &[theirs.texture.sampled()], &[]);
+                commands.bind_sampled(
+                    &ours.graphics,
+                    &[],
+                    &[theirs.texture.sampled()],
+                    SampledArrays::NONE,
+                );
             })
         }),
         row("Commands::bind_sampled", "a texture array (`TextureArray`)", |ours, theirs| {
             recorded(&ours.device(), |commands| {
-                commands.bind_sampled(&ours.graphics, &[], &[], &[&theirs.array]);
+                commands.bind_sampled(
+                    &ours.graphics,
+                    &[],
+                    &[],
+                    SampledArrays::Few(&[&theirs.array]),
+                );
             })
         }),
         row("Commands::write_texture", "a texture array (`TextureArray`)", |ours, theirs| {
@@ -53,6 +63,9 @@ fn binds() -> Vec<Row> {
         row("Commands::write_texture", BUFFER, |ours, theirs| {
             let slice = theirs.slice();
             recorded(&ours.device(), |commands| commands.write_texture(&ours.array, ROW, slice))
+        }),
+        row("Commands::open_texture", "a texture array (`TextureArray`)", |ours, theirs| {
+            recorded(&ours.device(), |commands| commands.open_texture(&theirs.array))
         }),
         row("Commands::make_texture_levels", "a texture array (`TextureArray`)", |ours, theirs| {
             recorded(&ours.device(), |commands| commands.make_texture_levels(&theirs.array, 0))

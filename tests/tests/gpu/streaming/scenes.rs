@@ -2,6 +2,7 @@
 
 use cull::DetailPolicy;
 use glam::{Affine2, Affine3A, Vec2, Vec3, vec2, vec3};
+use render::surfaces::TextureStorage;
 use render::{Costs, RendererOptions, SpareRoom, TextureRoom};
 use scene::{
     Alpha, Encoding, Image, ImageId, LodLevel, Material, MaterialId, Mesh, MeshId, Object,
@@ -33,11 +34,13 @@ const fn by_distance(error_pixels: f32) -> DetailPolicy {
     DetailPolicy { error_pixels, hysteresis: 0.0, by_samples: None }
 }
 
-/// The scenes: one whose vertices hold the whole appearance, and one with surfaces.
+/// The scenes: one whose vertices hold the whole appearance, and one with surfaces, whose textures
+/// lie on pages or have an image each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Plain,
     Surfaces,
+    Images,
 }
 
 /// Returns a mesh of some triangles in a box of two metres; with surfaces it has a coarser level.
@@ -49,7 +52,7 @@ pub(super) fn some_mesh(random: &mut Random, kind: Kind, material: MaterialId) -
     let mesh = Mesh::of_triangles("some", &corners);
     match kind {
         Kind::Plain => PreparedMesh::new(mesh).unwrap(),
-        Kind::Surfaces => {
+        Kind::Surfaces | Kind::Images => {
             let levels = match random.below(3) {
                 0 => Vec::new(),
                 _ => vec![LodLevel {
@@ -164,7 +167,7 @@ pub(super) fn first_scene(kind: Kind) -> Scene {
     let mut scene = Scene::single(meshes[0].clone());
     scene.objects = vec![object(0, Vec3::ZERO), object(1, vec3(2.5, 0.0, -1.0))];
     scene.meshes = meshes;
-    scene.surfaces = (kind == Kind::Surfaces).then_some(surfaces);
+    scene.surfaces = (kind != Kind::Plain).then_some(surfaces);
     scene
 }
 
@@ -172,8 +175,10 @@ pub(super) fn object(mesh: u32, at: Vec3) -> Object {
     Object { mesh: MeshId(mesh), transform: Affine3A::from_translation(at), tint: u32::MAX }
 }
 
+/// Returns options with textures on pages.
 pub(super) fn options(spare: SpareRoom) -> RendererOptions {
     RendererOptions {
+        textures: Some(TextureStorage::Pages),
         size: SIZE,
         costs: Costs::Ignored,
         spare_objects: 40,
@@ -182,6 +187,15 @@ pub(super) fn options(spare: SpareRoom) -> RendererOptions {
         upload_bytes_per_frame: 900,
         ..Default::default()
     }
+}
+
+/// Returns options for a scene of a kind.
+pub(super) fn options_of(kind: Kind, spare: SpareRoom) -> RendererOptions {
+    let textures = match kind {
+        Kind::Plain | Kind::Surfaces => TextureStorage::Pages,
+        Kind::Images => TextureStorage::Images,
+    };
+    RendererOptions { textures: Some(textures), ..options(spare) }
 }
 
 /// Returns room for what comes to a scene of a kind.

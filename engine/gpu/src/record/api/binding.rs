@@ -8,13 +8,45 @@ use crate::memory::buffer::BufferSlice;
 use crate::memory::instance_numbers::{NUMBER_BINDING, instance_numbers};
 use crate::memory::sampled_texture::SampledTexture;
 use crate::memory::texture_array::TextureArray;
+use crate::memory::texture_table::TextureTable;
 use crate::record::commands::{Commands, Failure};
 use crate::record::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
+
+/// The texture arrays that draws sample.
+#[derive(Clone, Copy)]
+pub enum SampledArrays<'a> {
+    /// As many as the pipeline has in its last binding
+    /// ([`StorageLayout::texture_arrays`](crate::StorageLayout::texture_arrays)).
+    Few(&'a [&'a TextureArray]),
+    /// Those of a table, for pipelines that were made for
+    /// [one](crate::GraphicsPipelineInfo::table).
+    Table(&'a TextureTable),
+}
+
+impl SampledArrays<'_> {
+    /// No array.
+    pub const NONE: Self = Self::Few(&[]);
+
+    /// Returns those that have a descriptor each.
+    fn few(&self) -> &[&TextureArray] {
+        match self {
+            Self::Few(few) => few,
+            Self::Table(_) => &[],
+        }
+    }
+
+    fn table(&self) -> Option<&TextureTable> {
+        match self {
+            Self::Few(_) => None,
+            Self::Table(table) => Some(table),
+        }
+    }
+}
 
 impl Commands {
     /// Binds a graphics pipeline and the storage buffers it reads, in the order of its layout.
     pub fn bind(&self, pipeline: &GraphicsPipeline, storage: &[BufferSlice]) {
-        self.bind_sampled(pipeline, storage, &[], &[]);
+        self.bind_sampled(pipeline, storage, &[], SampledArrays::NONE);
     }
 
     /// Binds a graphics pipeline, the storage buffers it reads, the textures it samples, and the
@@ -24,14 +56,20 @@ impl Commands {
         pipeline: &GraphicsPipeline,
         storage: &[BufferSlice],
         textures: &[SampledTexture<'_>],
-        arrays: &[&TextureArray],
+        arrays: SampledArrays<'_>,
     ) {
         self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, textures, arrays);
     }
 
     /// Binds a compute pipeline and its storage buffers.
     pub fn bind_compute(&self, pipeline: &ComputePipeline, storage: &[BufferSlice]) {
-        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::COMPUTE, storage, &[], &[]);
+        self.bind_kind(
+            &pipeline.0,
+            vk::PipelineBindPoint::COMPUTE,
+            storage,
+            &[],
+            SampledArrays::NONE,
+        );
     }
 
     /// Binds a compute pipeline, its storage buffers, and the textures that it samples.
@@ -41,7 +79,13 @@ impl Commands {
         storage: &[BufferSlice],
         textures: &[SampledTexture<'_>],
     ) {
-        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::COMPUTE, storage, textures, &[]);
+        self.bind_kind(
+            &pipeline.0,
+            vk::PipelineBindPoint::COMPUTE,
+            storage,
+            textures,
+            SampledArrays::NONE,
+        );
     }
 
     fn bind_kind(
@@ -50,7 +94,7 @@ impl Commands {
         point: vk::PipelineBindPoint,
         storage: &[BufferSlice],
         textures: &[SampledTexture<'_>],
-        arrays: &[&TextureArray],
+        arrays: SampledArrays<'_>,
     ) {
         if !self.admit_bindings(pipeline, storage, textures, arrays) {
             return;
@@ -61,6 +105,21 @@ impl Commands {
         if pipeline.instance_bytes > 0 {
             self.bind_numbers(pipeline, storage);
         }
+        if let Some(table) = arrays.table() {
+            // SAFETY: the set was made for such a layout; it lives at least until this frame is
+            // over.
+            unsafe {
+                raw.cmd_bind_descriptor_sets(
+                    self.raw(),
+                    point,
+                    pipeline.layout,
+                    1,
+                    &[table.set],
+                    &[],
+                );
+            }
+        }
+        let arrays = arrays.few();
         if storage.is_empty() && textures.is_empty() && arrays.is_empty() {
             return;
         }
@@ -110,12 +169,13 @@ impl Commands {
         pipeline: &PipelineKind,
         storage: &[BufferSlice],
         textures: &[SampledTexture<'_>],
-        arrays: &[&TextureArray],
+        arrays: SampledArrays<'_>,
     ) -> bool {
         let are_ours = self.admit(pipeline).is_ok()
             && self.admit_all(storage)
             && self.admit_all(textures)
-            && self.admit_all(arrays.iter().copied());
+            && self.admit_all(arrays.few().iter().copied())
+            && self.admit_all(arrays.table());
         if !are_ours {
             return false;
         }
@@ -128,8 +188,13 @@ impl Commands {
             self.fail(Failure::Wrong("a pipeline is bound with textures that are not there"));
             return false;
         }
-        let are_filled = arrays.iter().all(|array| array.is_filled());
-        if arrays.len() != pipeline.texture_arrays as usize || !are_filled {
+        let few = arrays.few();
+        let are_filled = few.iter().all(|array| array.is_filled());
+        let has_table = arrays.table().is_some();
+        if few.len() != pipeline.texture_arrays as usize
+            || has_table != pipeline.has_table
+            || !are_filled
+        {
             self.fail(Failure::Wrong("a pipeline is bound with texture arrays that are not there"));
             return false;
         }

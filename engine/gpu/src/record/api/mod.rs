@@ -1,6 +1,6 @@
 //! Recording that depends on pipelines, textures and draws.
 
-mod binding;
+pub(crate) mod binding;
 mod draws;
 mod target_contents;
 pub(crate) mod textures;

@@ -19,6 +19,20 @@ pub struct TextureRows {
 }
 
 impl Commands {
+    /// Makes all layers of an array that nothing was written to ready to be sampled and
+    /// [written](Commands::write_texture), with texels that are not defined: as
+    /// [`TextureUploads::reserve`](crate::TextureUploads::reserve) does, without waiting. The array
+    /// counts as filled once it was [announced](TextureArray::announce).
+    pub fn open_texture(&self, array: &TextureArray) {
+        if self.admit(array).is_err() {
+            return;
+        }
+        let opened = [Access::Nothing, Access::FragmentSample];
+        for layer in 0..array.layers() {
+            self.change_layouts([array.change(layer, 0..array.levels, opened)]);
+        }
+    }
+
     /// Copies rows to a layer that was [written](crate::TextureUploads::write) or
     /// [reserved](crate::TextureUploads::reserve): four bytes per pixel, from the beginning of
     /// `from`. Waits for draws recorded before that sample the array, and draws recorded later wait

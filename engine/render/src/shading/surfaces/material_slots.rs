@@ -128,7 +128,7 @@ impl MaterialSlots {
                 Err("the texture of its picture is not on the GPU: it was removed, or nothing \
                          of the scene that the renderer began with used it")
             }
-            Some(place) if features.pictures >> place.page & 1 == 0 => {
+            Some(place) if features.pictures & place.bit == 0 => {
                 Err("pipelines are compiled for pictures only where the scene that the renderer \
                      began with has a light with one, and for textures of `Encoding::Srgb`")
             }

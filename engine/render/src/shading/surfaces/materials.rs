@@ -31,8 +31,8 @@ pub(crate) struct MaterialEntry {
 
 const _: () = assert!(size_of::<MaterialEntry>() == 64);
 
-/// A packed texture without a page.
-pub(super) const NO_TEXTURE: u32 = 15;
+/// No texture: all bits of a place.
+pub(super) const NO_TEXTURE: u32 = 0xFFEF;
 const UNLIT_FLAG: u32 = 1 << 16;
 /// The textures of a material: each may have a transform of its own.
 const TEXTURES: usize = 5;
@@ -41,7 +41,7 @@ const TEXTURES: usize = 5;
 pub(crate) struct MaterialTable {
     pub(crate) entries: Vec<MaterialEntry>,
     pub(crate) transforms: TextureTransforms,
-    plan: PagePlan,
+    places: Vec<Option<TexturePlace>>,
     /// By texture, the number of uses by materials and lights.
     texture_users: Vec<u32>,
 }
@@ -58,22 +58,26 @@ pub(crate) struct Features {
     pub(crate) has_local_lights: bool,
     pub(crate) has_spots: bool,
     /// The pages of base colours, of roughness and metallic, normals, occlusion, emission: a bit
-    /// per page.
+    /// per page; or per encoding, where textures have an image each.
     pub(crate) pages: [u32; 5],
-    /// The pages of the pictures that spots project, a bit per page.
+    /// The same for the pictures that spots project.
     pub(crate) pictures: u32,
 }
 
 impl MaterialTable {
-    /// Packs the materials, whose textures are in the places of `plan`, with room for `spare` more.
-    pub(crate) fn new(surfaces: &Surfaces, plan: PagePlan, spare: u32) -> Result<Self, Error> {
+    /// Packs the materials, with room for `spare` more, and notes the places of their textures.
+    pub(crate) fn new(
+        surfaces: &Surfaces,
+        places: Vec<Option<TexturePlace>>,
+        spare: u32,
+    ) -> Result<Self, Error> {
         let mut transforms = TextureTransforms::new();
         let fallback = Material::default();
         let fallbacks = std::iter::repeat_n(&fallback, spare as usize + 1);
         let all = surfaces.materials.iter().chain(fallbacks);
-        let entries = all.map(|material| entry_of(material, &plan, &mut transforms)).collect();
+        let entries = all.map(|material| entry_of(material, &places, &mut transforms)).collect();
         transforms.keep_room((spare as usize).saturating_mul(TEXTURES))?;
-        let mut table = Self { entries, transforms, plan, texture_users: Vec::new() };
+        let mut table = Self { entries, transforms, places, texture_users: Vec::new() };
         surfaces.materials.iter().for_each(|material| table.count_textures(material, 1));
         surfaces.lights.iter().for_each(|light| table.count_picture(light, 1));
         Ok(table)
@@ -81,7 +85,7 @@ impl MaterialTable {
 
     /// Returns the number of the scene's textures.
     pub(crate) fn texture_count(&self) -> usize {
-        self.plan.places.len()
+        self.places.len()
     }
 
     /// Returns the reason why passes that are compiled for `features` cannot draw a material.
@@ -91,13 +95,13 @@ impl MaterialTable {
         features: &Features,
     ) -> Result<(), &'static str> {
         let mut uses = textures_of(material).into_iter().flatten();
-        if uses.any(|texture_use| place_of(texture_use, &self.plan).is_none()) {
+        if uses.any(|texture_use| place_of(texture_use, &self.places).is_none()) {
             return Err(
                 "one of its textures is not on the GPU: it was removed, or no material of the \
                         scene that the renderer began with used it",
             );
         }
-        if Features::of([material].into_iter(), &self.plan).are_within(features) {
+        if Features::of([material].into_iter(), &self.places).are_within(features) {
             return Ok(());
         }
         Err("it samples numbers as colours, or colours as numbers: base colours and emission are \
@@ -116,7 +120,7 @@ impl MaterialTable {
     /// Packs a material that was [checked](MaterialTable::check) and that there is
     /// [room](MaterialTable::check_room) for at its place.
     pub(crate) fn set(&mut self, number: u32, material: &Material) {
-        let entry = entry_of(material, &self.plan, &mut self.transforms);
+        let entry = entry_of(material, &self.places, &mut self.transforms);
         self.count_textures(material, 1);
         if let Some(there) = self.entries.get_mut(number as usize) {
             *there = entry;
@@ -126,17 +130,16 @@ impl MaterialTable {
     /// Notes the place of a texture.
     pub(crate) fn place_texture(&mut self, texture: TextureId, place: Option<TexturePlace>) {
         let number = texture.0 as usize;
-        let places = &mut self.plan.places;
+        let places = &mut self.places;
         places.resize(places.len().max(number + 1), None);
         if let Some(there) = places.get_mut(number) {
-            *there = place.map(|place| (place.page, place.layer));
+            *there = place;
         }
     }
 
     /// Returns the place of a texture, if it is on the GPU.
     pub(crate) fn place(&self, texture: TextureId) -> Option<TexturePlace> {
-        let place = self.plan.places.get(texture.0 as usize).copied().flatten();
-        place.map(|(page, layer)| TexturePlace { page, layer })
+        self.places.get(texture.0 as usize).copied().flatten()
     }
 
     /// Notes a light that comes or goes, with the picture that it projects.
@@ -159,7 +162,7 @@ impl MaterialTable {
 
     fn count_texture(&mut self, texture: TextureId, change: i32) {
         let number = texture.0 as usize;
-        if number < self.plan.places.len() {
+        if number < self.places.len() {
             let users = &mut self.texture_users;
             users.resize(users.len().max(number + 1), 0);
             if let Some(users) = users.get_mut(number) {
@@ -172,7 +175,7 @@ impl MaterialTable {
     pub(crate) fn free(&mut self, material: &Material) {
         self.count_textures(material, -1);
         for texture_use in textures_of(material).into_iter().flatten() {
-            if place_of(texture_use, &self.plan).is_some() {
+            if place_of(texture_use, &self.places).is_some() {
                 self.transforms.free(texture_use.transform);
             }
         }
@@ -186,19 +189,19 @@ impl MaterialTable {
 
 impl Features {
     /// Returns the features that materials use; lights are left to the caller.
-    pub(crate) fn of<'a>(materials: impl Iterator<Item = &'a Material>, plan: &PagePlan) -> Self {
+    pub(crate) fn of<'a>(
+        materials: impl Iterator<Item = &'a Material>,
+        places: &[Option<TexturePlace>],
+    ) -> Self {
         let mut found = Self::default();
         for material in materials {
             found.is_masked |= matches!(material.alpha, Alpha::Mask { .. });
             found.is_unlit |= material.is_unlit;
             found.is_emissive |= material.emission.iter().any(|part| *part > 0.0);
             for (pages, texture_use) in found.pages.iter_mut().zip(textures_of(material)) {
-                let Some((page, _)) =
-                    texture_use.and_then(|texture_use| place_of(texture_use, plan))
-                else {
-                    continue;
-                };
-                *pages |= 1 << page;
+                let place = texture_use.and_then(|texture_use| place_of(texture_use, places));
+                let Some(TexturePlace { bit, .. }) = place else { continue };
+                *pages |= bit;
                 found.is_transformed |= texture_use
                     .is_some_and(|texture_use| texture_use.transform != Affine2::IDENTITY);
             }
@@ -207,24 +210,21 @@ impl Features {
     }
 
     /// Returns the pages that lights may project pictures of: where one does, those of all colours.
-    pub(crate) fn picture_pages(surfaces: &Surfaces, plan: &PagePlan) -> u32 {
-        let place = |picture: LightPicture| *plan.places.get(picture.texture.0 as usize)?;
+    pub(crate) fn picture_pages(
+        surfaces: &Surfaces,
+        places: &[Option<TexturePlace>],
+        plan: &PagePlan,
+    ) -> u32 {
+        let place = |picture: LightPicture| *places.get(picture.texture.0 as usize)?;
         let places = surfaces.lights.iter().filter_map(|light| place(light.picture?));
-        let own = places.fold(0, |bits, (page, _)| bits | 1 << page);
-        let colours = plan.pages.iter().enumerate();
-        let colours = colours.filter(|(_, page)| own != 0 && page.encoding == Encoding::Srgb);
-        colours.fold(own, |bits, (page, _)| bits | 1 << page)
+        let own = places.fold(0, |bits, place| bits | place.bit);
+        if own == 0 { 0 } else { own | plan.bits_of(Encoding::Srgb) }
     }
 
     /// Returns the features that any material without blending may use, with these lights and with
     /// textures for what they are made for.
     pub(crate) fn of_any(self, plan: &PagePlan) -> Self {
-        let pages = |encoding: Encoding| {
-            let pages = plan.pages.iter().enumerate();
-            let pages = pages.filter(move |(_, page)| page.encoding == encoding);
-            pages.fold(0, |bits, (page, _)| bits | 1 << page)
-        };
-        let [colours, numbers] = [Encoding::Srgb, Encoding::Linear].map(pages);
+        let [colours, numbers] = [Encoding::Srgb, Encoding::Linear].map(|it| plan.bits_of(it));
         let of_kind = [colours, numbers, numbers, numbers, colours];
         Self {
             is_masked: true,
@@ -279,27 +279,27 @@ fn textures_of(material: &Material) -> [Option<TextureUse>; TEXTURES] {
     ]
 }
 
-/// Returns a texture's place, without a set of coordinates and a transform.
-pub(super) fn packed(TexturePlace { page, layer }: TexturePlace) -> u32 {
-    page as u32 | layer << 5
+/// Returns a texture's place, without a set of coordinates and a transform: four bits of a page and
+/// eleven of its layer, or fifteen bits of the number of an image, without the fifth bit.
+pub(super) fn packed(TexturePlace { page, layer, .. }: TexturePlace) -> u32 {
+    let number = page as u32;
+    number & 15 | ((number >> 4) + layer) << 5
 }
 
-fn place_of(texture_use: TextureUse, plan: &PagePlan) -> Option<(usize, u32)> {
-    plan.places.get(texture_use.texture.0 as usize).copied().flatten()
+fn place_of(texture_use: TextureUse, places: &[Option<TexturePlace>]) -> Option<TexturePlace> {
+    places.get(texture_use.texture.0 as usize).copied().flatten()
 }
 
 fn entry_of(
     material: &Material,
-    plan: &PagePlan,
+    places: &[Option<TexturePlace>],
     transforms: &mut TextureTransforms,
 ) -> MaterialEntry {
     let mut texture = |texture_use: Option<TextureUse>| {
-        let placed = texture_use.and_then(|used| Some((used, place_of(used, plan)?)));
-        let Some((texture_use, (page, layer))) = placed else { return NO_TEXTURE };
+        let placed = texture_use.and_then(|used| Some((used, place_of(used, places)?)));
+        let Some((texture_use, place)) = placed else { return NO_TEXTURE };
         let set = u32::from(texture_use.uv_set.min(1));
-        packed(TexturePlace { page, layer })
-            | set << 4
-            | transforms.take(texture_use.transform) << 16
+        packed(place) | set << 4 | transforms.take(texture_use.transform) << 16
     };
     let [base, metallic_roughness, normal, occlusion, emission] =
         textures_of(material).map(&mut texture);

@@ -1,4 +1,4 @@
-//! Surfaces on the GPU: textures in pages, materials, lights, and the lights that reach each
+//! Surfaces on the GPU: textures, materials, lights, and the lights that reach each
 //! object.
 
 mod checks;
@@ -8,17 +8,24 @@ mod lights;
 mod marked;
 mod material_slots;
 mod materials;
+mod own_images;
 mod page_groups;
 mod page_upload;
 mod pages;
 mod resources;
+mod surface_options;
 mod texture_slots;
+mod texture_storage;
 mod texture_transforms;
+mod textures;
 
 pub use lights::reach_m;
 pub(crate) use lights::{LightTable, is_bright};
-pub use resources::{SurfaceOptions, SurfaceResources};
+pub use resources::SurfaceResources;
+pub use surface_options::SurfaceOptions;
 pub(crate) use texture_slots::TexturePlace;
+pub use texture_storage::TextureStorage;
+pub(crate) use textures::SurfaceTextures;
 
 #[cfg(test)]
 mod light_tests;

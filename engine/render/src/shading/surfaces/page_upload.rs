@@ -1,4 +1,4 @@
-//! Texture pages on the GPU.
+//! Texture pages on the GPU. An image of its own is a page of one layer.
 
 use gpu::{Device, MipMaking, TextureArray, TextureArrayInfo, TextureUploads, vk};
 use scene::limits::{MAX_LAYERS, MAX_PAGES};
@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::resources::limits;
 use crate::resources::spare_room::TextureRoom;
 use crate::shading::surfaces::pages::{Page, PagePlan};
-use crate::shading::surfaces::resources::SurfaceOptions;
+use crate::shading::surfaces::surface_options::SurfaceOptions;
 
 /// Plans the page of each image.
 pub(super) fn plan(
@@ -45,21 +45,64 @@ pub(super) fn plan(
     Ok(plan)
 }
 
-/// Makes and fills the pages; one white texel where there are none.
+/// The part of the sampling of textures that is the same for all of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sampling {
+    anisotropy: f32,
+    mip_making: MipMaking,
+}
+
+impl Sampling {
+    /// Returns the sampling that `options` say, or the best of the device.
+    pub(super) fn of(device: &Device, options: &SurfaceOptions) -> Self {
+        let is_cpu = device.adapter().kind == vk::PhysicalDeviceType::CPU;
+        let anisotropy = options.anisotropy.unwrap_or(if is_cpu { 1.0 } else { 8.0 });
+        Self { anisotropy, mip_making: options.mip_making }
+    }
+
+    /// Returns the description of a page's array.
+    pub(super) fn array_info<'a>(self, name: &'a str, page: &Page) -> TextureArrayInfo<'a> {
+        let filter = |filter: Filter| match filter {
+            Filter::Nearest => vk::Filter::NEAREST,
+            Filter::Linear => vk::Filter::LINEAR,
+        };
+        let wrap = |wrap: Wrap| match wrap {
+            Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
+            Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
+            Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+        };
+        let between = |filter: Filter| match filter {
+            Filter::Nearest => vk::SamplerMipmapMode::NEAREST,
+            Filter::Linear => vk::SamplerMipmapMode::LINEAR,
+        };
+        TextureArrayInfo {
+            name,
+            size: page.size,
+            layers: page.layers.len() as u32 + page.spare,
+            format: format_of(page.encoding),
+            wrap: page.sampler.wrap.map(wrap),
+            magnified: filter(page.sampler.magnified),
+            minified: filter(page.sampler.minified),
+            between_levels: page.sampler.between_levels.map(between),
+            anisotropy: self.anisotropy,
+            mip_making: self.mip_making,
+        }
+    }
+}
+
+/// Makes and fills the pages, by a function that creates an array.
 pub(super) fn upload_pages(
     device: &Device,
     surfaces: &Surfaces,
     plan: &PagePlan,
-    options: &SurfaceOptions,
+    sampling: Sampling,
+    mut create: impl FnMut(&TextureArrayInfo<'_>) -> Result<TextureArray, gpu::Error>,
 ) -> Result<Vec<TextureArray>, Error> {
-    let is_cpu = device.adapter().kind == vk::PhysicalDeviceType::CPU;
-    let anisotropy = options.anisotropy.unwrap_or(if is_cpu { 1.0 } else { 8.0 });
     let mut uploads = TextureUploads::new(device)?;
     let mut pages = Vec::with_capacity(plan.pages.len().max(1));
     for (number, page) in plan.pages.iter().enumerate() {
         let name = format!("texture page {number}");
-        let mut array =
-            TextureArray::new(device, &array_info(&name, page, anisotropy, options.mip_making))?;
+        let mut array = create(&sampling.array_info(&name, page))?;
         for (layer, image) in (0..).zip(&page.layers) {
             let Some(image) = surfaces.images.get(image.0 as usize) else { continue };
             if image.size == page.size {
@@ -85,6 +128,18 @@ pub(super) fn upload_pages(
         uploads.reserve(&mut array, used..used + page.spare)?;
         pages.push(array);
     }
+    Ok(pages)
+}
+
+/// Makes and fills the pages of passes that sample pages; one white texel where there are none.
+pub(super) fn upload_all_pages(
+    device: &Device,
+    surfaces: &Surfaces,
+    plan: &PagePlan,
+    sampling: Sampling,
+) -> Result<Vec<TextureArray>, Error> {
+    let create = |info: &TextureArrayInfo<'_>| TextureArray::new(device, info);
+    let mut pages = upload_pages(device, surfaces, plan, sampling, create)?;
     if pages.is_empty() {
         let sampler = Sampler { between_levels: None, ..Sampler::default() };
         let white = Page {
@@ -94,9 +149,9 @@ pub(super) fn upload_pages(
             layers: Vec::new(),
             spare: 1,
         };
-        let info = array_info("no texture", &white, 1.0, MipMaking::Blits);
-        let mut array = TextureArray::new(device, &info)?;
-        uploads.write(&mut array, 0, &[255; 4])?;
+        let plain = Sampling { anisotropy: 1.0, mip_making: MipMaking::Blits };
+        let mut array = create(&plain.array_info("no texture", &white))?;
+        TextureUploads::new(device)?.write(&mut array, 0, &[255; 4])?;
         pages.push(array);
     }
     Ok(pages)
@@ -106,38 +161,5 @@ fn format_of(encoding: Encoding) -> vk::Format {
     match encoding {
         Encoding::Srgb => vk::Format::R8G8B8A8_SRGB,
         Encoding::Linear => vk::Format::R8G8B8A8_UNORM,
-    }
-}
-
-fn array_info<'a>(
-    name: &'a str,
-    page: &Page,
-    anisotropy: f32,
-    mip_making: MipMaking,
-) -> TextureArrayInfo<'a> {
-    let filter = |filter: Filter| match filter {
-        Filter::Nearest => vk::Filter::NEAREST,
-        Filter::Linear => vk::Filter::LINEAR,
-    };
-    let wrap = |wrap: Wrap| match wrap {
-        Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
-        Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
-        Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
-    };
-    let between = |filter: Filter| match filter {
-        Filter::Nearest => vk::SamplerMipmapMode::NEAREST,
-        Filter::Linear => vk::SamplerMipmapMode::LINEAR,
-    };
-    TextureArrayInfo {
-        name,
-        size: page.size,
-        layers: page.layers.len() as u32 + page.spare,
-        format: format_of(page.encoding),
-        wrap: page.sampler.wrap.map(wrap),
-        magnified: filter(page.sampler.magnified),
-        minified: filter(page.sampler.minified),
-        between_levels: page.sampler.between_levels.map(between),
-        anisotropy,
-        mip_making,
     }
 }

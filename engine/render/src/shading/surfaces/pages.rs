@@ -8,6 +8,7 @@ use scene::{Encoding, ImageId, Sampler, Surfaces, Texture, TextureId};
 
 use crate::resources::spare_room::TextureRoom;
 use crate::shading::surfaces::page_groups::{Group, joined, most_texels};
+use crate::shading::surfaces::texture_slots::TexturePlace;
 
 /// Images of one size, encoding and sampler.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,6 +38,17 @@ pub struct PagePlan {
     pub shrunk: usize,
     /// Textures that are sampled by another sampler than their own.
     pub resampled_by_others: usize,
+    /// True if each page is the image of one texture, which shaders find by the page's number.
+    pub are_own: bool,
+}
+
+/// Returns the bit of [`Features`](super::materials::Features) for textures with an image of their
+/// own: pipelines tell colours and numbers apart.
+pub(super) fn bit_of(encoding: Encoding) -> u32 {
+    match encoding {
+        Encoding::Srgb => 1,
+        Encoding::Linear => 2,
+    }
 }
 
 /// The properties that textures on one page have in common.
@@ -109,6 +121,51 @@ impl PagePlan {
             .collect();
         plan.count_resampled(surfaces);
         plan
+    }
+
+    /// Plans an image for each texture of `surfaces` that materials and lights use, as large as it
+    /// is; beyond `max_side` pixels per side it is halved until it fits. Textures of the same
+    /// image, encoding and sampler share one.
+    pub(crate) fn of_images(surfaces: &Surfaces, max_side: u32) -> Self {
+        let used = used_textures(surfaces);
+        let mut plan = Self { are_own: true, ..Self::default() };
+        let mut known: HashMap<Texture, usize> = HashMap::new();
+        for (id, texture) in (0..).map(TextureId).zip(&surfaces.textures) {
+            let image = surfaces.images.get(texture.image.0 as usize);
+            let place = image.filter(|_| used.contains(&id)).map(|image| {
+                let next = plan.pages.len();
+                let page = *known.entry(*texture).or_insert(next);
+                if page == next {
+                    let Texture { image: layer, encoding, sampler } = *texture;
+                    let (size, layers) = (fitting(image.size, max_side.max(1)), vec![layer]);
+                    plan.pages.push(Page { size, encoding, sampler, layers, spare: 0 });
+                }
+                (page, 0)
+            });
+            plan.places.push(place);
+        }
+        plan.count_resampled(surfaces);
+        plan
+    }
+
+    /// Returns the place of each texture.
+    pub(crate) fn texture_places(&self) -> Vec<Option<TexturePlace>> {
+        let place = |(page, layer): (usize, u32)| {
+            let encoding = self.pages.get(page)?.encoding;
+            let bit = if self.are_own { bit_of(encoding) } else { 1 << page };
+            Some(TexturePlace { page, layer, bit })
+        };
+        self.places.iter().map(|there| there.and_then(place)).collect()
+    }
+
+    /// Returns the bits of [`Features`](super::materials::Features) for all textures of an encoding
+    /// that are there or may come.
+    pub(crate) fn bits_of(&self, encoding: Encoding) -> u32 {
+        if self.are_own {
+            return bit_of(encoding);
+        }
+        let pages = self.pages.iter().enumerate().filter(|(_, page)| page.encoding == encoding);
+        pages.fold(0, |bits, (page, _)| bits | 1 << page)
     }
 
     /// Adds a page for each kind of textures that may come later.

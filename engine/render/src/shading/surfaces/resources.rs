@@ -1,8 +1,7 @@
 //! A scene's surfaces in GPU memory.
 
 use cull::{Aabb, Hierarchy, HierarchyError, ObjectId};
-use gpu::{Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, vk};
-use scene::limits::MAX_PAGES;
+use gpu::{Buffer, BufferSlice, Device, Frame, vk};
 use scene::{
     Alpha, LightId, LightKind, Material, MaterialId, MeshId, Object, PreparedTexture,
     PunctualLight, Scene, SurfaceVertex, Surfaces, TextureId, TransparentId,
@@ -12,7 +11,7 @@ use crate::error::Error;
 use crate::resources::instance::lights_and_tint;
 use crate::resources::limits;
 use crate::resources::skinned_meshes::mesh_order;
-use crate::resources::spare_room::{SpareRoom, TextureRoom};
+use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites;
 use crate::shading::environment_texture::EnvironmentTexture;
 use crate::shading::scene_degradations::SceneDegradations;
@@ -22,28 +21,12 @@ use crate::shading::surfaces::lights::{LightEntry, LightTable, dark_light, is_br
 use crate::shading::surfaces::marked::Marked;
 use crate::shading::surfaces::material_slots::MaterialSlots;
 use crate::shading::surfaces::materials::{Features, MaterialTable};
-use crate::shading::surfaces::page_upload::{plan, upload_pages};
 use crate::shading::surfaces::pages::PagePlan;
-use crate::shading::surfaces::texture_slots::{TexturePlace, TextureSlots};
+use crate::shading::surfaces::surface_options::SurfaceOptions;
+use crate::shading::surfaces::texture_slots::TexturePlace;
+use crate::shading::surfaces::texture_storage::TextureStorage;
+use crate::shading::surfaces::textures::SurfaceTextures;
 use occlusion::{ScatterIo, ScatterPass};
-
-/// The options of the upload of surfaces.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SurfaceOptions {
-    /// The most samples of textures along grazing surfaces; `None` takes 8, and 1 on a CPU, where
-    /// each costs as much as another texture.
-    pub anisotropy: Option<f32>,
-    /// The maker of the mip maps.
-    pub mip_making: MipMaking,
-    /// Room for what comes later.
-    pub spare: SpareRoom,
-}
-
-impl Default for SurfaceOptions {
-    fn default() -> Self {
-        Self { anisotropy: None, mip_making: MipMaking::Blits, spare: SpareRoom::default() }
-    }
-}
 
 /// The data that the surface pass reads of a scene beside positions, indices and instances.
 ///
@@ -56,11 +39,10 @@ pub struct SurfaceResources {
     transforms: Buffer,
     lights: Buffer,
     lists: Buffer,
-    pages: Vec<TextureArray>,
+    pub(crate) textures: SurfaceTextures,
     features: [Features; 2],
     mesh_materials: Vec<u32>,
     pub(crate) material_slots: MaterialSlots,
-    pub(crate) texture_slots: TextureSlots,
     /// For each mesh the place of its sprites behind the instances, 0 without any.
     mesh_sprites: Vec<u32>,
     /// The material of meshes that name none.
@@ -93,8 +75,8 @@ impl SurfaceResources {
         let Some(surfaces) = &scene.surfaces else { return Ok(None) };
         check_counts(device, surfaces, hierarchy, &options.spare)?;
         check(scene, surfaces)?;
-        let plan = plan(device, surfaces, &options.spare.textures)?;
-        let pages = upload_pages(device, surfaces, &plan, options)?;
+        let (textures, plan) = SurfaceTextures::new(device, surfaces, options)?;
+        let places = plan.texture_places();
         let table = LightTable::new(surfaces, &options.spare);
         let first_transparent_slot = hierarchy.leaf_objects().len() as u32;
         let slots = first_transparent_slot as usize + surfaces.transparent.len();
@@ -114,9 +96,8 @@ impl SurfaceResources {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let beside = vk::BufferUsageFlags::VERTEX_BUFFER | storage;
         let degradations = degradations_of(&plan, &table);
-        let features = features(surfaces, &plan, (&table, &light_lists), &options.spare);
-        let texture_slots = texture_slots(surfaces, &plan, &options.spare.textures);
-        let materials = MaterialTable::new(surfaces, plan, options.spare.materials)?;
+        let features = features(surfaces, (&plan, &places), (&table, &light_lists), &options.spare);
+        let materials = MaterialTable::new(surfaces, places, options.spare.materials)?;
         let light_entries = table.entries(|texture| materials.place(texture));
         let default_material = materials.entries.len() as u32 - 1;
         let of_scene = surfaces.materials.len() as u32;
@@ -135,11 +116,10 @@ impl SurfaceResources {
             )?,
             lights: device.upload("lights", &light_entries, storage)?,
             lists: device.upload("light lists", &lists, storage)?,
-            pages,
+            textures,
             features,
             mesh_materials: mesh_materials.chain(to_come).collect(),
             material_slots: MaterialSlots::new(surfaces, materials, &options.spare),
-            texture_slots,
             mesh_sprites: sprites::places(scene, hierarchy.leaf_objects().len()),
             default_material,
             degradations,
@@ -205,7 +185,7 @@ impl SurfaceResources {
         &mut self,
         texture: &PreparedTexture,
     ) -> Result<(TextureId, TexturePlace), Error> {
-        let (id, place) = self.texture_slots.add(texture)?;
+        let (id, place) = self.textures.add(texture)?;
         self.material_slots.place_texture(id, Some(place));
         Ok((id, place))
     }
@@ -216,13 +196,13 @@ impl SurfaceResources {
         place: TexturePlace,
         texture: &PreparedTexture,
     ) -> Vec<Vec<u8>> {
-        let page = self.pages.get(place.page);
-        page.map(|page| page.levels_by_cpu(&texture.image().rgba8)).unwrap_or_default()
+        let array = self.textures.array(place);
+        array.map(|array| array.levels_by_cpu(&texture.image().rgba8)).unwrap_or_default()
     }
 
     /// Returns the reason why a texture cannot be removed.
     pub(crate) fn check_texture_removal(&self, texture: TextureId) -> Result<(), &'static str> {
-        self.texture_slots.check_removal(texture)?;
+        self.textures.check_removal(texture)?;
         match self.material_slots.uses_texture(texture) {
             true => Err("materials use it, or lights project it: change those first"),
             false => Ok(()),
@@ -236,7 +216,7 @@ impl SurfaceResources {
 
     /// Frees the place of a texture that no material uses.
     pub(crate) fn remove_texture(&mut self, texture: TextureId) {
-        self.texture_slots.remove(texture);
+        self.textures.remove(texture);
         self.material_slots.place_texture(texture, None);
     }
 
@@ -407,17 +387,6 @@ impl SurfaceResources {
     pub(crate) fn buffers(&self) -> [BufferSlice; 4] {
         [&self.materials, &self.transforms, &self.lights, &self.lists].map(Buffer::whole)
     }
-
-    /// Returns the pages that there are.
-    pub(crate) fn own_pages(&self) -> &[TextureArray] {
-        &self.pages
-    }
-
-    /// Returns as many pages as shaders declare, missing ones being the first. `None` without any.
-    pub(crate) fn pages(&self) -> Option<[&TextureArray; MAX_PAGES]> {
-        let first = self.pages.first()?;
-        Some(std::array::from_fn(|page| self.pages.get(page).unwrap_or(first)))
-    }
 }
 
 /// Returns the vertices of all meshes in the order of their positions, those of sprites, and room.
@@ -438,16 +407,12 @@ fn surface_vertices(
     Ok(vertices)
 }
 
-fn texture_slots(surfaces: &Surfaces, plan: &PagePlan, rooms: &[TextureRoom]) -> TextureSlots {
-    let first_page = plan.pages.len().saturating_sub(rooms.len());
-    TextureSlots::new(surfaces.textures.len() as u32, first_page, rooms)
-}
-
 fn degradations_of(plan: &PagePlan, table: &LightTable) -> SceneDegradations {
     SceneDegradations {
         shrunk_images: plan.shrunk,
         enlarged_images: plan.resampled - plan.shrunk,
         borrowed_samplers: plan.resampled_by_others,
+        textures: if plan.are_own { TextureStorage::Images } else { TextureStorage::Pages },
         dark_suns: table.dark_suns,
         ..SceneDegradations::default()
     }
@@ -455,7 +420,7 @@ fn degradations_of(plan: &PagePlan, table: &LightTable) -> SceneDegradations {
 
 fn features(
     surfaces: &Surfaces,
-    plan: &PagePlan,
+    (plan, places): (&PagePlan, &[Option<TexturePlace>]),
     (table, lists): (&LightTable, &LightLists),
     spare: &SpareRoom,
 ) -> [Features; 2] {
@@ -469,8 +434,8 @@ fn features(
             directional_lights: table.directional,
             has_local_lights: lists.has_lights(),
             has_spots: spare.lights > 0 || table.lights.iter().any(is_spot),
-            pictures: Features::picture_pages(surfaces, plan),
-            ..Features::of(materials, plan)
+            pictures: Features::picture_pages(surfaces, places, plan),
+            ..Features::of(materials, places)
         };
         let has_room = spare.materials > 0 && !is_transparent;
         if has_room { features.of_any(plan) } else { features }

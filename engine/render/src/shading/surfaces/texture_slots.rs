@@ -8,8 +8,11 @@ use crate::resources::spare_room::{SpareRanges, TextureRoom};
 /// The place of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TexturePlace {
+    /// The page, or the number of its own image.
     pub(crate) page: usize,
     pub(crate) layer: u32,
+    /// The bit of [`Features`](super::materials::Features) that pipelines must be compiled with.
+    pub(crate) bit: u32,
 }
 
 /// A page for textures of one size, encoding and sampler.
@@ -71,7 +74,7 @@ impl TextureSlots {
             match layers.take(1) {
                 Ok(layer) => {
                     let id = self.ids.take(1)?.start;
-                    let place = TexturePlace { page: *page, layer: layer.start };
+                    let place = TexturePlace { page: *page, layer: layer.start, bit: 1 << *page };
                     if let Some(there) = self.places.get_mut((id - self.of_scene) as usize) {
                         *there = Some(place);
                     }
@@ -85,23 +88,30 @@ impl TextureSlots {
 
     /// Returns the reason why a texture cannot be removed, but for its materials.
     pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), &'static str> {
-        let Some(number) = texture.0.checked_sub(self.of_scene) else {
-            return Err("it belongs to the scene that the renderer began with, and stays");
-        };
-        match self.places.get(number as usize).copied().flatten() {
-            Some(_) => Ok(()),
-            None => Err("the renderer has no such texture"),
-        }
+        removable(texture, self.of_scene, &self.places).map(drop)
     }
 
     /// Frees the place of a texture that no material uses.
     pub(crate) fn remove(&mut self, texture: TextureId) {
         let number = texture.0.checked_sub(self.of_scene);
         let place = number.and_then(|number| self.places.get_mut(number as usize));
-        let Some(TexturePlace { page, layer }) = place.and_then(Option::take) else { return };
+        let Some(TexturePlace { page, layer, .. }) = place.and_then(Option::take) else { return };
         self.ids.free(texture.0..texture.0 + 1);
         if let Some(page) = self.pages.iter_mut().find(|it| it.page == page) {
             page.layers.free(layer..layer + 1);
         }
     }
+}
+
+/// Returns the place of a texture that came later, or the reason why it cannot be removed.
+pub(super) fn removable(
+    texture: TextureId,
+    of_scene: u32,
+    places: &[Option<TexturePlace>],
+) -> Result<TexturePlace, &'static str> {
+    let Some(number) = texture.0.checked_sub(of_scene) else {
+        return Err("it belongs to the scene that the renderer began with, and stays");
+    };
+    let place = places.get(number as usize).copied().flatten();
+    place.ok_or("the renderer has no such texture")
 }

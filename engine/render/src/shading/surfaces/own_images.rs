@@ -1,0 +1,145 @@
+//! Textures with an image each, which shaders find by number.
+
+use gpu::{Device, TextureArray, TextureNumber, TextureTable};
+use scene::limits::MAX_OWN_IMAGES;
+use scene::{PreparedTexture, Surfaces, TextureId};
+
+use crate::error::Error;
+use crate::resources::limits;
+use crate::resources::spare_room::SpareRanges;
+use crate::shading::surfaces::page_upload::{Sampling, upload_pages};
+use crate::shading::surfaces::pages::{Page, PagePlan, bit_of};
+use crate::shading::surfaces::texture_slots::{TexturePlace, removable};
+
+/// The textures of a scene and those that come later.
+pub(crate) struct OwnImages {
+    table: TextureTable,
+    sampling: Sampling,
+    /// The most pixels per side.
+    max_side: u32,
+    ids: SpareRanges,
+    /// The number of the scene's textures: others have greater ids.
+    of_scene: u32,
+    /// By texture behind those of the scene.
+    places: Vec<Option<TexturePlace>>,
+}
+
+impl OwnImages {
+    /// Uploads the textures that something of `surfaces` uses. Waits for copies.
+    ///
+    /// # Errors
+    /// More textures than the device or a place has numbers for, no memory, a failed call.
+    pub(crate) fn new(
+        device: &Device,
+        surfaces: &Surfaces,
+        sampling: Sampling,
+    ) -> Result<(Self, PagePlan), Error> {
+        let max_side = device.adapter().limits.max_image_dimension2_d;
+        let plan = PagePlan::of_images(surfaces, max_side);
+        let count = plan.pages.len() as u64;
+        let most = device.adapter().indexed_textures.min(MAX_OWN_IMAGES);
+        const FEWER: &str = "let materials share textures, or take `TextureStorage::Pages`";
+        limits::check("textures with an image each", count, most.into(), FEWER)?;
+        let is_cpu = device.adapter().is_software();
+        let room = room(is_cpu, count as u32, most);
+        let mut table = TextureTable::new(device, "textures", room)?;
+        let create = |info: &gpu::TextureArrayInfo<'_>| table.create(info);
+        for texture in upload_pages(device, surfaces, &plan, sampling, create)? {
+            table.add(texture)?;
+        }
+        let of_scene = surfaces.textures.len() as u32;
+        let to_come = room.saturating_sub(count as u32);
+        let ids = SpareRanges::behind("textures", of_scene, to_come);
+        Ok((Self { table, sampling, max_side, ids, of_scene, places: Vec::new() }, plan))
+    }
+
+    /// Returns the table that draws find textures in.
+    pub(crate) fn table(&self) -> &TextureTable {
+        &self.table
+    }
+
+    pub(crate) fn image(&self, place: TexturePlace) -> Option<&TextureArray> {
+        self.table.texture(TextureNumber(place.page as u32))
+    }
+
+    /// Returns the reason why a texture cannot be added, but for the lack of room.
+    pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), &'static str> {
+        match texture.image().size.iter().all(|side| (1..=self.max_side).contains(side)) {
+            true => Ok(()),
+            false => Err("the device has no images of its size"),
+        }
+    }
+
+    /// Adds a texture, whose image is to be opened before anything samples it.
+    ///
+    /// # Errors
+    /// [`Error::NoRoom`], no memory.
+    pub(crate) fn add(
+        &mut self,
+        texture: &PreparedTexture,
+    ) -> Result<(TextureId, TexturePlace), Error> {
+        let (encoding, sampler) = (texture.encoding(), texture.sampler());
+        let size = texture.image().size;
+        let page = Page { size, encoding, sampler, layers: Vec::new(), spare: 1 };
+        let id = self.ids.take(1)?;
+        match self.add_image(&page) {
+            Ok(TextureNumber(number)) => {
+                let bit = bit_of(encoding);
+                let place = TexturePlace { page: number as usize, layer: 0, bit };
+                let there = (id.start - self.of_scene) as usize;
+                self.places.resize(self.places.len().max(there + 1), None);
+                if let Some(there) = self.places.get_mut(there) {
+                    *there = Some(place);
+                }
+                Ok((TextureId(id.start), place))
+            }
+            Err(error) => {
+                self.ids.free(id);
+                Err(error)
+            }
+        }
+    }
+
+    fn add_image(&mut self, page: &Page) -> Result<TextureNumber, Error> {
+        let mut image = self.table.create(&self.sampling.array_info("texture that came", page))?;
+        image.announce();
+        Ok(self.table.add(image)?)
+    }
+
+    /// Returns the reason why a texture cannot be removed, but for its materials.
+    pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), &'static str> {
+        removable(texture, self.of_scene, &self.places).map(drop)
+    }
+
+    /// Removes a texture that no material uses.
+    pub(crate) fn remove(&mut self, texture: TextureId) {
+        let number = texture.0.checked_sub(self.of_scene);
+        let place = number.and_then(|number| self.places.get_mut(number as usize));
+        let Some(TexturePlace { page, .. }) = place.and_then(Option::take) else { return };
+        self.ids.free(texture.0..texture.0 + 1);
+        self.table.remove(TextureNumber(page as u32));
+    }
+}
+
+/// Returns the number of textures that a table has room for: `most` cost a GPU two megabytes; but
+/// drivers that draw on the CPU may look at all of them in each draw, so theirs has room for those
+/// of the scene and [`TO_COME_ON_A_CPU`] more.
+fn room(is_cpu: bool, of_scene: u32, most: u32) -> u32 {
+    if is_cpu { of_scene.saturating_add(TO_COME_ON_A_CPU).min(most) } else { most }
+}
+
+/// The textures that may come on a CPU.
+const TO_COME_ON_A_CPU: u32 = 1024;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_tables_that_are_walked_in_each_draw_are_short() {
+        assert_eq!(room(false, 5, MAX_OWN_IMAGES), 32_767);
+        assert_eq!(room(true, 5, MAX_OWN_IMAGES), 1029);
+        assert_eq!(room(true, 32_700, MAX_OWN_IMAGES), 32_767);
+        assert_eq!(room(true, u32::MAX, 2000), 2000);
+    }
+}

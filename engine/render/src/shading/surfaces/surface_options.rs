@@ -1,0 +1,31 @@
+//! The options of surfaces on the GPU.
+
+use gpu::MipMaking;
+
+use crate::resources::spare_room::SpareRoom;
+use crate::shading::surfaces::texture_storage::TextureStorage;
+
+/// The options of the upload of surfaces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceOptions {
+    /// The most samples of textures along grazing surfaces; `None` takes 8, and 1 on a CPU, where
+    /// each costs as much as another texture.
+    pub anisotropy: Option<f32>,
+    /// The maker of the mip maps.
+    pub mip_making: MipMaking,
+    /// The way that textures lie on the GPU; `None` takes the device's best.
+    pub textures: Option<TextureStorage>,
+    /// Room for what comes later.
+    pub spare: SpareRoom,
+}
+
+impl Default for SurfaceOptions {
+    fn default() -> Self {
+        Self {
+            anisotropy: None,
+            mip_making: MipMaking::Blits,
+            textures: None,
+            spare: SpareRoom::default(),
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The textures of a renderer on the GPU: on pages, or with an image each.
+
+use gpu::{Device, Optional, SampledArrays, TextureArray};
+use scene::limits::MAX_PAGES;
+use scene::{PreparedTexture, Surfaces, TextureId};
+
+use crate::error::Error;
+use crate::shading::surfaces::own_images::OwnImages;
+use crate::shading::surfaces::page_upload::{Sampling, plan, upload_all_pages};
+use crate::shading::surfaces::pages::PagePlan;
+use crate::shading::surfaces::surface_options::SurfaceOptions;
+use crate::shading::surfaces::texture_slots::{TexturePlace, TextureSlots};
+use crate::shading::surfaces::texture_storage::TextureStorage;
+
+/// All textures that materials and lights use or may use.
+pub(crate) enum SurfaceTextures {
+    Pages { arrays: Vec<TextureArray>, slots: TextureSlots },
+    Images(Box<OwnImages>),
+}
+
+impl SurfaceTextures {
+    /// Uploads the textures of `surfaces`, and returns the plan of their places too. Waits for
+    /// copies.
+    ///
+    /// # Errors
+    /// Images beyond limits, images for each texture on a device that cannot index them, no memory,
+    /// a failed call.
+    pub(crate) fn new(
+        device: &Device,
+        surfaces: &Surfaces,
+        options: &SurfaceOptions,
+    ) -> Result<(Self, PagePlan), Error> {
+        let has_indexing = device.capabilities().has(Optional::IndexedTextures);
+        let storage = options.textures.unwrap_or(TextureStorage::best(has_indexing));
+        let sampling = Sampling::of(device, options);
+        if storage == TextureStorage::Images {
+            let (images, plan) = OwnImages::new(device, surfaces, sampling)?;
+            return Ok((Self::Images(Box::new(images)), plan));
+        }
+        let rooms = &options.spare.textures;
+        let plan = plan(device, surfaces, rooms)?;
+        let arrays = upload_all_pages(device, surfaces, &plan, sampling)?;
+        let first_page = plan.pages.len().saturating_sub(rooms.len());
+        let slots = TextureSlots::new(surfaces.textures.len() as u32, first_page, rooms);
+        Ok((Self::Pages { arrays, slots }, plan))
+    }
+
+    pub(crate) fn storage(&self) -> TextureStorage {
+        match self {
+            Self::Pages { .. } => TextureStorage::Pages,
+            Self::Images(_) => TextureStorage::Images,
+        }
+    }
+
+    /// Returns the array that a texture lies in.
+    pub(crate) fn array(&self, place: TexturePlace) -> Option<&TextureArray> {
+        match self {
+            Self::Pages { arrays, .. } => arrays.get(place.page),
+            Self::Images(images) => images.image(place),
+        }
+    }
+
+    /// Calls `bind` with what passes are bound with: as many pages as shaders declare, missing ones
+    /// being the first; or the table of all images.
+    pub(crate) fn bound(&self, bind: impl FnOnce(SampledArrays<'_>)) {
+        match self {
+            Self::Images(images) => bind(SampledArrays::Table(images.table())),
+            Self::Pages { arrays, .. } => {
+                let Some(first) = arrays.first() else { return bind(SampledArrays::NONE) };
+                let page = |page| arrays.get(page).unwrap_or(first);
+                bind(SampledArrays::Few(&std::array::from_fn::<_, MAX_PAGES, _>(page)));
+            }
+        }
+    }
+
+    /// Returns the reason why a texture cannot be added, but for the lack of room.
+    pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), &'static str> {
+        match self {
+            Self::Pages { slots, .. } => slots.check(texture),
+            Self::Images(images) => images.check(texture),
+        }
+    }
+
+    /// Takes a place for a texture that was checked.
+    ///
+    /// # Errors
+    /// [`Error::NoRoom`]; for an image of its own also no memory.
+    pub(crate) fn add(
+        &mut self,
+        texture: &PreparedTexture,
+    ) -> Result<(TextureId, TexturePlace), Error> {
+        match self {
+            Self::Pages { slots, .. } => slots.add(texture),
+            Self::Images(images) => images.add(texture),
+        }
+    }
+
+    /// Returns the reason why a texture cannot be removed, but for its materials.
+    pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), &'static str> {
+        match self {
+            Self::Pages { slots, .. } => slots.check_removal(texture),
+            Self::Images(images) => images.check_removal(texture),
+        }
+    }
+
+    /// Frees the place of a texture that no material uses.
+    pub(crate) fn remove(&mut self, texture: TextureId) {
+        match self {
+            Self::Pages { slots, .. } => slots.remove(texture),
+            Self::Images(images) => images.remove(texture),
+        }
+    }
+}

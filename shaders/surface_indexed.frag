@@ -1,0 +1,7 @@
+// The surface pass, without shadows. Textures have an image each.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_nonuniform_qualifier : require
+#define INDEXED_TEXTURES
+#define ENVIRONMENT_BINDING 5
+#include "surface_main.glsl"
