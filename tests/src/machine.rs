@@ -21,6 +21,7 @@ use gpu::{Entry, Required};
 pub use attachments::{AttachmentKind, AttachmentTraffic, attachment_traffic};
 pub use draw_calls::CALL_THAT_COUNTS_DRAWS;
 pub use lazy_memory::LAZY_ALLOCATIONS;
+pub use lies::CONDITIONAL_BLOCKS;
 use replacements::replacements;
 pub use replacements::{
     CALLS_THAT_MAKE, CALLS_THAT_RESET, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW,

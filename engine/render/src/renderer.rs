@@ -263,6 +263,7 @@ impl Renderer {
             usable_executors(&trust, device, options.predication, (draws, threshold_samples))?;
         let of = (&occlusion_passes, &shaders);
         let choice = decide(&mut passes, of, (&trust, &executors), (scene, options));
+        passes.shadows.skip_by(choice.predication, slots)?;
         let leaves = LeafTableInfo {
             mesh_draws: passes.geometry.mesh_draws().clone(),
             predication: Some(choice.predication),

@@ -5,10 +5,13 @@ use std::mem::transmute;
 
 use ash::vk;
 
-use super::{Function, Lie, machine, real};
+use super::{Function, Lie, due, machine, real};
+
+/// Counts the blocks of conditional rendering of a [`Machine`](super::Machine).
+pub const CONDITIONAL_BLOCKS: &CStr = c"vkCmdBeginConditionalRenderingEXT";
 
 const COPY: &CStr = c"vkCmdCopyQueryPoolResults";
-const BEGIN: &CStr = c"vkCmdBeginConditionalRenderingEXT";
+const BEGIN: &CStr = CONDITIONAL_BLOCKS;
 const END: &CStr = c"vkCmdEndConditionalRenderingEXT";
 pub(super) const DRAW: &CStr = c"vkCmdDrawIndexedIndirect";
 const DISPATCH: &CStr = c"vkCmdDispatch";
@@ -58,6 +61,7 @@ unsafe extern "system" fn begin(
     commands: vk::CommandBuffer,
     info: *const vk::ConditionalRenderingBeginInfoEXT<'_>,
 ) {
+    due(BEGIN);
     if !is(Lie::NoConditions) {
         // SAFETY: as above.
         unsafe { real::<vk::PFN_vkCmdBeginConditionalRenderingEXT>(BEGIN)(commands, info) }

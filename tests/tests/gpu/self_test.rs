@@ -9,8 +9,8 @@ use render::{
     Assumption, Costs, Finding, FrameRequest, Renderer, RendererOptions, SelfTest, self_test,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
-use shadows::{CasterCulling, ShadowMethod, ShadowOptions};
-use tests::machine::{Lie, Machine};
+use shadows::{CasterCulling, ShadowCaching, ShadowMethod, ShadowOptions};
+use tests::machine::{CONDITIONAL_BLOCKS, Lie, Machine, calls};
 use tests::{Driver, instance_with, run, run_on_all, still, yard};
 
 fn examined(device: &Device) -> SelfTest {
@@ -141,6 +141,34 @@ fn casters_stay_unculled_where_flags_are_distrusted() {
             assert_eq!(renderer.shadows().culling, expected, "other options");
         }
     });
+}
+
+#[test]
+fn casters_are_skipped_in_no_way_that_is_distrusted() {
+    let blocks = [vec![], vec![Assumption::ConditionalRendering]].map(|distrusted| {
+        let instance = instance_with(Machine::default().entry());
+        let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+        let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let shadows = ShadowOptions {
+            method: ShadowMethod::Maps,
+            caching: ShadowCaching::Uncached,
+            ..ShadowOptions::default()
+        };
+        let (size, costs) = ([96, 54], Costs::Ignored);
+        let options = RendererOptions { size, costs, distrusted, shadows, ..Default::default() };
+        let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        for _ in 0..4 {
+            // Nothing but casters is tested.
+            let request = FrameRequest::new(Strategy::FRUSTUM, yard::camera());
+            renderer.render(&mut view, &request).unwrap();
+        }
+        assert!(renderer.shadow_stats().tests > 0);
+        renderer.drain(&mut view).unwrap();
+        calls(CONDITIONAL_BLOCKS)
+    });
+    assert!(blocks[0] > 0 && blocks[1] == 0, "{blocks:?}");
 }
 
 #[test]

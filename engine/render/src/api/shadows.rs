@@ -37,6 +37,7 @@ impl Renderer {
         let has_surfaces = self.passes.geometry.surfaces.is_some();
         let needs = (has_surfaces, self.frames_in_flight());
         let mut shadows = Shadows::new(&self.device, options, &self.passes.target, needs)?;
+        shadows.skip_by(self.predication(), self.frames_in_flight())?;
         let pipelines = self.passes.recompiled(&self.shaders, &shadows)?;
         let passes = &mut self.passes;
         let is_by_volumes = options.method == ShadowMethod::Volumes;

@@ -80,9 +80,10 @@ impl Trust {
         }
     }
 
-    /// Returns the options of shadows: casters are culled by flags.
+    /// Returns the options of shadows: casters are culled by flags and skipped by an executor.
     pub(crate) fn shadows(&self, wanted: ShadowOptions) -> ShadowOptions {
-        match self.allows(Tester::Flag) {
+        let can_skip = EXECUTORS.iter().any(|executor| self.allows_executor(*executor));
+        match can_skip && self.allows(Tester::Flag) {
             true => wanted,
             false => ShadowOptions { culling: CasterCulling::Unculled, ..wanted },
         }

@@ -103,6 +103,24 @@ impl CasterCulling {
         })
     }
 
+    /// Skips casters by an executor from now on, if it can count them; each range by itself also
+    /// where it is compacted.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub(super) fn skip_by(&mut self, executor: Predication, frames: usize) -> Result<(), Error> {
+        let wanted = match executor {
+            Predication::Compacted => Predication::Counts,
+            other => other,
+        };
+        let can = Predication::choose(&self.device, Some(wanted), DRAWS_MAX, 0).is_ok();
+        if can && wanted != self.predicates.predication() {
+            let capacity = self.capacity;
+            self.predicates = Predicates::unlinked(&self.device, Some(wanted), capacity, frames)?;
+        }
+        Ok(())
+    }
+
     /// Changes the number of frames in flight. Tests on their way have no result then.
     pub(super) fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
         let source = ResultSource::Fragments;

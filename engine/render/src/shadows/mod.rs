@@ -14,7 +14,9 @@ use std::collections::HashMap;
 
 use ::shadows::{ShadowMethod, ShadowOptions, ShadowStats};
 use cull::{Aabb, Hierarchy, LeafIndex, View};
-use gpu::{Commands, Device, Frame, Predicates, RenderTarget, SampleCount, Target, Tick};
+use gpu::{
+    Commands, Device, Frame, Predicates, Predication, RenderTarget, SampleCount, Target, Tick,
+};
 use scene::LightId;
 
 use crate::error::Error;
@@ -66,6 +68,15 @@ impl Shadows {
             }
         }
         Ok(Self { options, own: HashMap::new(), maps, volumes })
+    }
+
+    /// Skips culled casters by the executor of the renderer, of so many frames in flight.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub(crate) fn skip_by(&mut self, executor: Predication, frames: usize) -> Result<(), Error> {
+        self.maps.as_mut().map_or(Ok(()), |maps| maps.skip_by(executor, frames))?;
+        self.volumes.as_mut().map_or(Ok(()), |volumes| volumes.skip_by(executor, frames))
     }
 
     /// Draws all maps again in the next frame: casters changed and their boxes did not.

@@ -9,8 +9,8 @@ use ::shadows::{
 use cull::{BoxChange, BoxShadowVolumes, Frustum, Hierarchy, LeafIndex, View};
 use glam::Vec3;
 use gpu::{
-    BufferSlice, Commands, Device, Frame, Optional, Predicates, RenderTarget, Tick, VolumeTexels,
-    VolumeTexture,
+    BufferSlice, Commands, Device, Frame, Optional, Predicates, Predication, RenderTarget, Tick,
+    VolumeTexels, VolumeTexture,
 };
 use occlusion::BoxVolumePass;
 use scene::LightId;
@@ -130,6 +130,14 @@ impl ShadowMaps {
         let tests = self.culling.as_ref().map_or(0, CasterCulling::tests);
         let triangles = self.triangles + drawn;
         ShadowStats { tests, triangles, revealed_triangles, ..self.plan.stats() }
+    }
+
+    /// Skips casters by an executor from now on.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub(crate) fn skip_by(&mut self, executor: Predication, frames: usize) -> Result<(), Error> {
+        self.culling.as_mut().map_or(Ok(()), |culling| culling.skip_by(executor, frames))
     }
 
     /// Changes the number of frames in flight.

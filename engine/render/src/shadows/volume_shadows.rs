@@ -10,7 +10,8 @@ use ::shadows::{
 use cull::{Aabb, BoxShadowVolumes, Frustum, Hierarchy, LeafIndex, LightReach, View};
 use glam::Vec4;
 use gpu::{
-    Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryKind, Target, Tick, vk,
+    Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryKind, Predication, Target,
+    Tick, vk,
 };
 use occlusion::BoxVolumePass;
 use scene::LightId;
@@ -116,6 +117,14 @@ impl VolumeShadows {
                 ShadowStats { tests, triangles, revealed_triangles, ..self.stats }
             }
         }
+    }
+
+    /// Skips casters by an executor from now on.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub(super) fn skip_by(&mut self, executor: Predication, frames: usize) -> Result<(), Error> {
+        self.culling.as_mut().map_or(Ok(()), |culling| culling.skip_by(executor, frames))
     }
 
     /// Changes the number of frames in flight.
