@@ -89,7 +89,7 @@ pub use blocking::{
 pub use cost::contents::FrameContents;
 pub use cost::corrections::Corrections;
 pub use cost::cost_model::CostModel;
-pub use cost::skip_prices::{SkipPrices, SkipTimes, SkippedWork};
+pub use cost::skip_prices::{MeasuredSkip, SkipPrices, SkipTimes, SkippedWork};
 pub use cost::table::{BadCost, CostTable, SceneCosts};
 pub use culler::Culler;
 pub use geom::bounds::{Aabb, MAX_COORDINATE};

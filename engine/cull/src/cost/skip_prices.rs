@@ -36,8 +36,21 @@ pub struct SkipTimes {
     pub wide_ns: f64,
 }
 
-/// The factor by which a way must be cheaper than the ones before it: below, noise decides.
+/// The measured prices of one way to skip hidden draws.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeasuredSkip {
+    /// The prices by the shortest time of each batch.
+    pub prices: SkipPrices,
+    /// The prices by the times of each round, in which all ways took turns.
+    pub rounds: Vec<SkipPrices>,
+}
+
+/// The factor by which a way must be cheaper than the first one: below, noise decides.
 const LEAST_GAIN: f64 = 1.25;
+
+/// The fewest rounds that can show that a way is cheaper, which it must be in each: on a busy
+/// machine one round says nothing.
+const LEAST_ROUNDS: usize = 3;
 
 impl SkipTimes {
     /// The ranges of the shorter measurement.
@@ -80,22 +93,30 @@ impl SkipPrices {
             + each(work.ranges, self.range_ns)
             + each(work.draws.saturating_sub(work.ranges), self.draw_ns)
     }
+}
 
+impl MeasuredSkip {
     /// Returns the place of the way that skips `work` at the least price: the first, unless another
-    /// one is cheaper by a quarter at least, so that noise does not choose. Prices that are not
-    /// numbers are never chosen before others; `None` of no prices.
+    /// one is cheaper by a quarter at least and in each of several rounds, so that noise does not
+    /// choose. Prices that are not numbers are never chosen before others; `None` of no prices.
     #[must_use]
-    pub fn cheapest(prices: &[SkipPrices], work: &SkippedWork) -> Option<usize> {
-        let mut best: Option<(usize, f64)> = None;
-        for (place, ns) in prices.iter().map(|it| it.frame_ns(work)).enumerate() {
-            let is_better = best.is_none_or(|(_, so_far)| {
-                ns.is_finite() && (!so_far.is_finite() || ns * LEAST_GAIN < so_far)
-            });
-            if is_better {
-                best = Some((place, ns));
-            }
-        }
-        best.map(|(place, _)| place)
+    pub fn cheapest(ways: &[Self], work: &SkippedWork) -> Option<usize> {
+        let ns = |place: usize| ways.get(place).map_or(f64::NAN, |it| it.prices.frame_ns(work));
+        let first = ways.first()?;
+        let is_better = |place: &usize| {
+            ways.get(*place).is_some_and(|other| match ns(0).is_finite() {
+                true => LEAST_GAIN * ns(*place) < ns(0) && other.is_surely_cheaper(first, work),
+                false => ns(*place).is_finite(),
+            })
+        };
+        let others = (1..ways.len()).filter(is_better);
+        Some(others.min_by(|a, b| ns(*a).total_cmp(&ns(*b))).unwrap_or(0))
+    }
+
+    /// Returns true if each of enough rounds found this way cheaper.
+    fn is_surely_cheaper(&self, than: &Self, work: &SkippedWork) -> bool {
+        let mut pairs = self.rounds.iter().zip(&than.rounds);
+        pairs.len() >= LEAST_ROUNDS && pairs.all(|(a, b)| a.frame_ns(work) < b.frame_ns(work))
     }
 }
 
@@ -150,15 +171,30 @@ mod tests {
 
     #[test]
     fn the_first_stays_unless_another_is_clearly_cheaper() {
-        let [dear, near, cheap] = [at(0.0, 100.0, 0.0), at(0.0, 90.0, 0.0), at(0.0, 20.0, 0.0)];
-        let unknown = at(f32::NAN, 0.0, 0.0);
-        let cheapest = |prices: &[SkipPrices]| SkipPrices::cheapest(prices, &WORK);
-        assert_eq!(cheapest(&[dear, near]), Some(0));
-        assert_eq!(cheapest(&[dear, near, cheap]), Some(2));
-        assert_eq!(cheapest(&[unknown, near, dear]), Some(1));
-        assert_eq!(cheapest(&[near, unknown]), Some(0));
-        assert_eq!(cheapest(&[unknown, unknown]), Some(0));
+        let way = |range_ns| {
+            let prices = at(0.0, range_ns, 0.0);
+            MeasuredSkip { prices, rounds: vec![prices; LEAST_ROUNDS] }
+        };
+        let [dear, near, cheap, unknown] = [100.0, 90.0, 20.0, f32::NAN].map(way);
+        let cheapest = |ways: &[&MeasuredSkip]| {
+            MeasuredSkip::cheapest(&ways.iter().map(|it| (*it).clone()).collect::<Vec<_>>(), &WORK)
+        };
+        assert_eq!(cheapest(&[&dear, &near]), Some(0));
+        assert_eq!(cheapest(&[&dear, &near, &cheap]), Some(2));
+        assert_eq!(cheapest(&[&unknown, &near, &dear]), Some(1));
+        assert_eq!(cheapest(&[&near, &unknown]), Some(0));
+        assert_eq!(cheapest(&[&unknown, &unknown]), Some(0));
         assert_eq!(cheapest(&[]), None);
+    }
+
+    #[test]
+    fn one_lucky_time_chooses_nothing() {
+        let [dear, cheap] = [at(0.0, 100.0, 0.0), at(0.0, 20.0, 0.0)];
+        let first = MeasuredSkip { prices: dear, rounds: vec![dear; 4] };
+        let lucky = MeasuredSkip { prices: cheap, rounds: vec![cheap, cheap, dear, cheap] };
+        let once = MeasuredSkip { prices: cheap, rounds: vec![cheap] };
+        let chosen = MeasuredSkip::cheapest(&[first, lucky, once], &WORK);
+        assert_eq!(chosen, Some(0));
     }
 
     #[test]

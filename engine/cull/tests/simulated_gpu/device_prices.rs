@@ -3,7 +3,7 @@
 
 use antumbra_cull::{
     Camera, CostModel, CostTable, CullConfig, Culler, FrameContents, FramePlan, Hierarchy,
-    Projection, SceneCosts, SkipPrices, SkipTimes, SkippedWork, Strategy, Tester, TesterSupport,
+    MeasuredSkip, Projection, SceneCosts, SkipTimes, SkippedWork, Strategy, Tester, TesterSupport,
     View,
 };
 use glam::Vec3;
@@ -210,8 +210,11 @@ fn work() -> SkippedWork {
 
 /// Returns what is chosen on a device before the first frame.
 fn chosen(events: &Events) -> (Executor, Tester) {
-    let prices = EXECUTORS.map(|it| it.times(events).prices());
-    let executor = EXECUTORS[SkipPrices::cheapest(&prices, &work()).unwrap()];
+    let ways = EXECUTORS.map(|it| {
+        let prices = it.times(events).prices();
+        MeasuredSkip { prices, rounds: vec![prices; 3] }
+    });
+    let executor = EXECUTORS[MeasuredSkip::cheapest(&ways, &work()).unwrap()];
     let table = events.table().skipping_at(&executor.times(events).prices());
     let costs = SceneCosts { triangles_per_leaf: TRIANGLES };
     let model = CostModel::new(table, costs).unwrap();

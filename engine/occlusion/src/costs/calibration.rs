@@ -13,7 +13,7 @@ mod resets;
 
 use std::time::{Duration, Instant};
 
-use cull::{CostTable, SkipPrices, SkipTimes};
+use cull::{CostTable, MeasuredSkip, SkipTimes};
 use gpu::{Device, FrameRing, IndirectDraw, Optional, Predication};
 
 use crate::costs::device_prices::{DevicePrices, ResetPrices};
@@ -24,11 +24,14 @@ use crate::shader_set::ShaderSet;
 pub use batch::PATCH_TRIANGLES;
 use batch::{Batch, Bench};
 
-/// The time after which no round of measurements begins.
+/// The time after which no round of measurements begins, once there are enough.
 const BUDGET: Duration = Duration::from_millis(60);
 
 /// The most rounds: more hardly make the shortest time shorter.
 const ROUNDS: usize = 5;
+
+/// The fewest rounds: fewer cannot tell one executor from another.
+const LEAST_ROUNDS: usize = 3;
 
 /// The objects that prices are measured with.
 pub struct CalibrationScene<'a> {
@@ -86,25 +89,40 @@ fn median(values: &mut [f64]) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// The shortest time of each batch: disturbances make times longer, never shorter.
-struct Times(Vec<(Batch, f64)>);
+/// The times of each batch, a time per round (ns).
+struct Times(Vec<(Batch, Vec<f64>)>);
 
 impl Times {
-    /// Returns the shortest time of a batch (ns); NaN of one that was not measured.
-    fn of(&self, batch: Batch) -> f64 {
-        self.0.iter().find(|(it, _)| *it == batch).map_or(f64::NAN, |(_, ns)| *ns)
+    /// Returns the times of a batch; none of one that was not measured.
+    fn of(&self, batch: Batch) -> &[f64] {
+        self.0.iter().find(|(it, _)| *it == batch).map_or(&[], |(_, times)| times)
+    }
+
+    /// Returns the shortest time of a batch (ns): disturbances make times longer, never shorter.
+    /// NaN of one that was not measured.
+    fn shortest_ns(&self, batch: Batch) -> f64 {
+        self.of(batch).iter().copied().fold(f64::NAN, f64::min)
     }
 
     /// Returns the price of one thing (ns): the difference of twice as many and so many.
     fn each_ns(&self, batch: Batch) -> f64 {
-        (self.of(batch.doubled()) - self.of(batch)) / f64::from(batch.count().max(1))
+        let [double, single] = [batch.doubled(), batch].map(|it| self.shortest_ns(it));
+        (double - single) / f64::from(batch.count().max(1))
     }
 
     /// Returns the prices of skipping by an executor.
-    fn skip_prices(&self, executor: Predication) -> SkipPrices {
-        let [few, many, wide] = Batch::of_ranges(executor).map(|batch| self.of(batch));
-        let nothing_ns = self.of(Batch::NOTHING);
-        SkipTimes { nothing_ns, few_ns: few, many_ns: many, wide_ns: wide }.prices()
+    fn skip_prices(&self, executor: Predication) -> MeasuredSkip {
+        let prices = |ns_of: &dyn Fn(Batch) -> f64| {
+            let [few_ns, many_ns, wide_ns] = Batch::of_ranges(executor).map(ns_of);
+            let nothing_ns = ns_of(Batch::NOTHING);
+            SkipTimes { nothing_ns, few_ns, many_ns, wide_ns }.prices()
+        };
+        let of_round =
+            |round: usize| prices(&|batch| self.of(batch).get(round).copied().unwrap_or(f64::NAN));
+        MeasuredSkip {
+            prices: prices(&|batch| self.shortest_ns(batch)),
+            rounds: (0..self.of(Batch::NOTHING).len()).map(of_round).collect(),
+        }
     }
 }
 
@@ -119,7 +137,7 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<DevicePrices, Error> {
     let of_things = Batch::ALL.into_iter().flat_map(|batch| [batch, batch.doubled()]);
     let of_ranges = executors.iter().flat_map(|it| Batch::of_ranges(*it));
     let all = std::iter::once(Batch::NOTHING).chain(of_things).chain(of_ranges);
-    let able = all.filter(|it| bench.can(*it)).map(|it| (it, f64::NAN));
+    let able = all.filter(|it| bench.can(*it)).map(|it| (it, Vec::new()));
     let mut times = Times(able.collect());
     let mut clock = Clock::new(device)?;
     // Drivers compile shaders at the first draw.
@@ -128,13 +146,13 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<DevicePrices, Error> {
     }
     let started = Instant::now();
     for round in 0..ROUNDS {
-        if round > 0 && started.elapsed() > BUDGET {
+        if round >= LEAST_ROUNDS && started.elapsed() > BUDGET {
             break;
         }
-        for (batch, shortest_ns) in &mut times.0 {
+        for (batch, times) in &mut times.0 {
             let ns = clock.time_ns(&mut bench, *batch)?;
             tracing::debug!("{batch:?}: {ns:.0} ns");
-            *shortest_ns = shortest_ns.min(ns);
+            times.push(ns);
         }
     }
     tracing::debug!("prepared in {:?}, measured in {:?}", started - began, started.elapsed());

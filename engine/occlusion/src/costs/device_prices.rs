@@ -3,7 +3,7 @@
 
 use std::fmt::Display;
 
-use cull::{CostModel, CostTable, SceneCosts, SkipPrices, SkippedWork, Tester, TesterSupport};
+use cull::{CostModel, CostTable, MeasuredSkip, SceneCosts, SkippedWork, Tester, TesterSupport};
 use gpu::Predication;
 
 /// The source of prices.
@@ -24,7 +24,7 @@ pub struct DevicePrices {
     /// The prices of tests and draws, apart from those of the executor.
     pub table: CostTable,
     /// The prices of each executor that may be used, in the order of preference.
-    pub executors: Vec<(Predication, SkipPrices)>,
+    pub executors: Vec<(Predication, MeasuredSkip)>,
     /// The time of the reset of a query by a command on the GPU, and by the CPU (nanoseconds); NaN
     /// where that is not possible.
     pub reset_ns: ResetPrices,
@@ -109,16 +109,16 @@ impl PriceChoice {
 
     /// Takes the executor that skips the scene's work at the least price.
     fn of_prices(request: &ChoiceRequest<'_>, prices: &DevicePrices) -> Self {
-        let of_each: Vec<SkipPrices> = prices.executors.iter().map(|(_, it)| *it).collect();
-        let cheapest = SkipPrices::cheapest(&of_each, &request.work);
-        let is_known = |(_, it): &&(_, SkipPrices)| it.frame_ns(&request.work).is_finite();
+        let of_each: Vec<_> = prices.executors.iter().map(|(_, it)| it.clone()).collect();
+        let cheapest = MeasuredSkip::cheapest(&of_each, &request.work);
+        let is_known = |(_, it): &&(_, MeasuredSkip)| it.prices.frame_ns(&request.work).is_finite();
         let cheapest = cheapest.and_then(|it| prices.executors.get(it)).filter(is_known);
         let Some((predication, skip)) = cheapest else {
             return Self { reset_ns: prices.reset_ns, ..Self::usual(request, Some(prices.table)) };
         };
-        let table = checked(prices.table.skipping_at(skip));
+        let table = checked(prices.table.skipping_at(&skip.prices));
         let skip_ns =
-            |(it, prices): &(Predication, SkipPrices)| (*it, prices.frame_ns(&request.work));
+            |(it, way): &(Predication, MeasuredSkip)| (*it, way.prices.frame_ns(&request.work));
         Self {
             predication: *predication,
             tester: tester(request, Some(table)),
@@ -146,7 +146,7 @@ fn tester(request: &ChoiceRequest<'_>, table: Option<CostTable>) -> Tester {
 
 #[cfg(test)]
 mod tests {
-    use cull::DrawPhases;
+    use cull::{DrawPhases, SkipPrices};
 
     use super::*;
 
@@ -165,7 +165,10 @@ mod tests {
     };
 
     fn prices(conditional_ns: f32, compacted_ns: f32) -> DevicePrices {
-        let at = |range_ns| SkipPrices { range_ns, round_ns: 9.0, draw_ns: 0.0 };
+        let at = |range_ns| {
+            let prices = SkipPrices { range_ns, round_ns: 9.0, draw_ns: 0.0 };
+            MeasuredSkip { prices, rounds: vec![prices; 3] }
+        };
         let executors = EXECUTORS.into_iter().zip([at(conditional_ns), at(compacted_ns)]).collect();
         DevicePrices { executors, ..DevicePrices::default() }
     }
