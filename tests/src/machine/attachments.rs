@@ -53,7 +53,10 @@ impl AttachmentTraffic {
     }
 }
 
-/// The contents of an image in memory, as far as they are known.
+/// An image, by the first layer of a view of it.
+type Layer = (vk::Image, u32);
+
+/// The contents of a layer in memory, as far as they are known.
 #[derive(Clone, Copy)]
 struct Contents {
     are_defined: bool,
@@ -62,8 +65,8 @@ struct Contents {
 
 #[derive(Default)]
 struct Recorder {
-    images: HashMap<vk::ImageView, vk::Image>,
-    contents: HashMap<vk::Image, Contents>,
+    layers: HashMap<vk::ImageView, Layer>,
+    contents: HashMap<Layer, Contents>,
     traffic: AttachmentTraffic,
 }
 
@@ -83,12 +86,12 @@ pub fn attachment_traffic() -> AttachmentTraffic {
 }
 
 impl Recorder {
-    fn contents(&mut self, image: vk::Image) -> &mut Contents {
+    fn contents(&mut self, image: Layer) -> &mut Contents {
         self.contents.entry(image).or_insert(Contents { are_defined: true, unread: None })
     }
 
     /// Notes that contents are read.
-    fn read(&mut self, image: vk::Image, by: &str) {
+    fn read(&mut self, image: Layer, by: &str) {
         let contents = self.contents(image);
         contents.unread = None;
         if !contents.are_defined {
@@ -97,19 +100,19 @@ impl Recorder {
     }
 
     /// Notes that contents are lost.
-    fn lose(&mut self, image: vk::Image, by: &str) {
+    fn lose(&mut self, image: Layer, by: &str) {
         if let Some(kind) = self.contents(image).unread.take() {
             self.traffic.faults.push(format!("{kind:?} was written to memory, and then {by}"));
         }
     }
 
-    fn written(&mut self, image: vk::Image, kind: AttachmentKind) {
+    fn written(&mut self, image: Layer, kind: AttachmentKind) {
         *self.traffic.stores.entry(kind).or_default() += 1;
         *self.contents(image) = Contents { are_defined: true, unread: Some(kind) };
     }
 
     fn attach(&mut self, attachment: &vk::RenderingAttachmentInfo<'_>, kind: AttachmentKind) {
-        let Some(image) = self.images.get(&attachment.image_view).copied() else { return };
+        let Some(image) = self.layers.get(&attachment.image_view).copied() else { return };
         let number = self.traffic.renderings;
         match attachment.load_op {
             vk::AttachmentLoadOp::LOAD => {
@@ -124,24 +127,28 @@ impl Recorder {
             _ => self.contents(image).are_defined = false,
         }
         if attachment.resolve_mode != vk::ResolveModeFlags::NONE
-            && let Some(image) = self.images.get(&attachment.resolve_image_view).copied()
+            && let Some(image) = self.layers.get(&attachment.resolve_image_view).copied()
         {
             self.written(image, AttachmentKind::Average);
         }
     }
 
     fn change(&mut self, barrier: &vk::ImageMemoryBarrier2<'_>) {
-        let image = barrier.image;
-        if barrier.old_layout == vk::ImageLayout::UNDEFINED {
-            self.lose(image, "its layout is undefined");
-            self.contents(image).are_defined = false;
-        }
-        match barrier.new_layout {
-            vk::ImageLayout::TRANSFER_DST_OPTIMAL => self.contents(image).are_defined = true,
-            vk::ImageLayout::TRANSFER_SRC_OPTIMAL | vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => {
-                self.read(image, "a copy or a shader");
+        let layers: Vec<Layer> =
+            self.contents.keys().filter(|(image, _)| *image == barrier.image).copied().collect();
+        for layer in layers {
+            if barrier.old_layout == vk::ImageLayout::UNDEFINED {
+                self.lose(layer, "its layout is undefined");
+                self.contents(layer).are_defined = false;
             }
-            _ => {}
+            match barrier.new_layout {
+                vk::ImageLayout::TRANSFER_DST_OPTIMAL => self.contents(layer).are_defined = true,
+                vk::ImageLayout::TRANSFER_SRC_OPTIMAL
+                | vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => {
+                    self.read(layer, "a copy or a shader");
+                }
+                _ => {}
+            }
         }
     }
 }
@@ -213,8 +220,9 @@ unsafe extern "system" fn create_view(
         if code == vk::Result::SUCCESS {
             RECORDER.with_borrow_mut(|recorder| {
                 // Handles are used again.
-                recorder.contents.remove(&(*info).image);
-                recorder.images.insert(*made, (*info).image);
+                let (image, first) = ((*info).image, (*info).subresource_range.base_array_layer);
+                recorder.contents.remove(&(image, first));
+                recorder.layers.insert(*made, (image, first));
             });
         }
         code

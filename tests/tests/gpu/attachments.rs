@@ -204,6 +204,21 @@ fn several_samples_are_averaged_once_by_every_strategy() {
 }
 
 #[test]
+fn maps_that_are_drawn_afresh_load_nothing() {
+    with_recorder(|device| {
+        // A spot has one map.
+        let scene = yard::scene(&yard::boxes(), &yard::lights()[1..2]);
+        let culling = CasterCulling::Unculled;
+        let method = ShadowMethod::Maps;
+        let shadows = ShadowOptions { method, culling, ..ShadowOptions::default() };
+        let traffic = first_frame(device, &scene, &RendererOptions { shadows, ..options() });
+        // One of the map, which the last rendering of the view reads.
+        assert_eq!((traffic.loads(Depth), traffic.stores(Depth)), (0, 1), "{traffic:?}");
+        assert_eq!((traffic.loads(Colour), traffic.stores(Colour)), (0, 1), "{traffic:?}");
+    });
+}
+
+#[test]
 fn casters_that_are_culled_store_nothing_of_the_view() {
     with_recorder(|device| {
         let scene = yard::scene(&yard::boxes(), &yard::lights());

@@ -13,7 +13,7 @@ use ::shadows::{FaceWork, PlannedFace, ShadowBias, ShadowOptions, ShadowPlan};
 use gpu::{Commands, DepthLayers, DepthTile, Device, Error};
 
 use crate::passes::{MapPasses, MidpointIo, MidpointPass, MidpointTile};
-use crate::shadows::tile_draws::{CasterDraws, TileDraws, TileStart, begin_tile};
+use crate::shadows::tile_draws::{CasterDraws, TileDraws, TileStart, begin_tile, tiles_target};
 
 /// The depths of casters, each in the same tiles.
 struct CasterDepths {
@@ -225,7 +225,8 @@ fn draw_midpoints(
             let (Some(target), true) = (layers.target(layer), drawn.peek().is_some()) else {
                 continue;
             };
-            commands.rendering(target, |commands| {
+            let tiles = drawn.clone().map(|face| (face.tile, TileStart::Cleared));
+            commands.rendering(tiles_target(target, tiles), |commands| {
                 pass.bind(commands, &io);
                 for face in drawn {
                     begin_tile(commands, face, TileStart::Cleared);

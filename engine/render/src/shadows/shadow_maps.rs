@@ -24,7 +24,7 @@ use crate::shadows::caster_culling::CasterCulling;
 use crate::shadows::culled_draws::{CasterGroup, CastersInView, CulledGroup};
 use crate::shadows::map_images::MapImages;
 use crate::shadows::records::{FaceRecord, LightRecord, ShadowMapIo, light_records};
-use crate::shadows::tile_draws::{CasterDraws, TileStart, begin_tile, caster_io};
+use crate::shadows::tile_draws::{CasterDraws, TileStart, begin_tile, caster_io, tiles_target};
 
 /// The side of the tile of disks, in pixels: neighbours filter with different ones.
 const DISKS_SIDE: u32 = 8;
@@ -299,15 +299,14 @@ impl ShadowMaps {
                     let planned = |it: &CulledGroup| {
                         faces.get(it.number).filter(|face| face.tile.layer == layer)
                     };
-                    let mut here = culling
-                        .groups()
-                        .iter()
-                        .filter_map(|it| Some((it, planned(it)?)))
-                        .peekable();
+                    let groups = || culling.groups().iter();
+                    let mut here = groups().filter_map(|it| Some((it, planned(it)?))).peekable();
                     let (Some(target), true) = (layers.target(layer), here.peek().is_some()) else {
                         continue;
                     };
-                    commands.rendering(target, |commands| {
+                    let tiles =
+                        groups().filter_map(|it| Some((planned(it)?.tile, TileStart::Cleared)));
+                    commands.rendering(tiles_target(target, tiles), |commands| {
                         casters.bind(commands, &io);
                         for (culled, face) in here {
                             begin_tile(commands, face, TileStart::Cleared);

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use ::shadows::{FaceWork, PlannedFace};
-use gpu::{BufferSlice, Commands, DepthLayers, Predicates};
+use ::shadows::{FaceWork, PlannedFace, Tile};
+use gpu::{BufferSlice, Commands, DepthLayers, Load, Predicates, RenderTarget};
 
 use crate::passes::{CasterIo, CasterPass};
 use crate::resources::geometry::Geometry;
@@ -18,6 +18,15 @@ pub(super) enum TileDraws {
     Afresh(Range<usize>),
     /// On what is there.
     OnTop(Range<usize>),
+}
+
+impl TileDraws {
+    fn start(&self) -> TileStart {
+        match self {
+            Self::Afresh(_) => TileStart::Cleared,
+            Self::OnTop(_) => TileStart::Kept,
+        }
+    }
 }
 
 /// The draws of the casters of all maps of a frame.
@@ -49,7 +58,11 @@ impl CasterDraws<'_> {
                 let (Some(target), true) = (layers.target(layer), work.peek().is_some()) else {
                     continue;
                 };
-                commands.rendering(target, |commands| {
+                let tiles = faces
+                    .iter()
+                    .filter(is_here)
+                    .filter_map(|face| Some((face.tile, part(&face.work)?.start())));
+                commands.rendering(tiles_target(target, tiles), |commands| {
                     pass.bind(commands, &io);
                     work.for_each(|(face, part)| self.draw_face(commands, (pass, &io), face, part));
                 });
@@ -64,11 +77,8 @@ impl CasterDraws<'_> {
         face: &PlannedFace,
         part: TileDraws,
     ) {
-        let (start, casters) = match part {
-            TileDraws::Afresh(casters) => (TileStart::Cleared, casters),
-            TileDraws::OnTop(casters) => (TileStart::Kept, casters),
-        };
-        begin_tile(commands, face, start);
+        begin_tile(commands, face, part.start());
+        let (TileDraws::Afresh(casters) | TileDraws::OnTop(casters)) = part;
         if casters.is_empty() {
             return;
         }
@@ -80,10 +90,54 @@ impl CasterDraws<'_> {
 }
 
 /// The contents of a tile before it is drawn to.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TileStart {
     Kept,
     Cleared,
+}
+
+/// Returns the target of a rendering to these tiles of a layer, which do not overlap: no more of it
+/// is loaded and stored than they need.
+pub(super) fn tiles_target(
+    layer: RenderTarget,
+    tiles: impl Iterator<Item = (Tile, TileStart)>,
+) -> RenderTarget {
+    let area = TilesArea::of(tiles);
+    let mut target = layer.within(area.origin, area.size);
+    if area.contents == TileStart::Cleared {
+        target.depth_load = Load::Forget;
+    }
+    target
+}
+
+/// The smallest area around tiles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct TilesArea {
+    origin: [u32; 2],
+    size: [u32; 2],
+    /// Cleared if clearing the tiles writes over all of it.
+    contents: TileStart,
+}
+
+impl TilesArea {
+    fn of(tiles: impl Iterator<Item = (Tile, TileStart)>) -> Self {
+        let (mut low, mut high, mut cleared) = ([u32::MAX; 2], [0; 2], 0_u64);
+        for (tile, start) in tiles {
+            for (axis, at) in tile.origin.into_iter().enumerate() {
+                low[axis] = low[axis].min(at);
+                high[axis] = high[axis].max(at.saturating_add(tile.side));
+            }
+            if start == TileStart::Cleared {
+                cleared += u64::from(tile.side) * u64::from(tile.side);
+            }
+        }
+        let [width, height] = [0, 1].map(|axis: usize| high[axis].saturating_sub(low[axis]));
+        let contents = match cleared == u64::from(width) * u64::from(height) {
+            true => TileStart::Cleared,
+            false => TileStart::Kept,
+        };
+        Self { origin: low, size: [width, height], contents }
+    }
 }
 
 /// Restricts the draws that follow to the tile of a map.
@@ -102,4 +156,28 @@ pub(super) fn caster_io(geometry: &Geometry) -> Option<CasterIo<'_>> {
         instances: geometry.instances.whole(),
         surfaces: geometry.surfaces.as_ref()?,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn area(tiles: &[([u32; 2], u32, TileStart)]) -> TilesArea {
+        let tile = |(origin, side, start): &([u32; 2], u32, TileStart)| {
+            (Tile { layer: 0, origin: *origin, side: *side }, *start)
+        };
+        TilesArea::of(tiles.iter().map(tile))
+    }
+
+    #[test]
+    fn an_area_is_loaded_unless_cleared_tiles_fill_it() {
+        use TileStart::{Cleared, Kept};
+        let found = |origin, size, contents| TilesArea { origin, size, contents };
+        let one = ([64, 0], 64, Cleared);
+        assert_eq!(area(&[one]), found([64, 0], [64, 64], Cleared));
+        assert_eq!(area(&[one, ([128, 0], 64, Cleared)]), found([64, 0], [128, 64], Cleared));
+        assert_eq!(area(&[one, ([128, 0], 32, Cleared)]), found([64, 0], [96, 64], Kept));
+        assert_eq!(area(&[one, ([128, 0], 64, Kept)]), found([64, 0], [128, 64], Kept));
+        assert_eq!(area(&[([64, 0], 64, Kept)]), found([64, 0], [64, 64], Kept));
+    }
 }
