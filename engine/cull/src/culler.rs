@@ -20,7 +20,7 @@ use crate::plan::fronts::Fronts;
 use crate::plan::next_frame::NextFrame;
 use crate::plan::phases;
 use crate::plan::plan_writer::PlanWriter;
-use crate::plan::rounds::{self, Grouping};
+use crate::plan::rounds::{self, Grouping, RoundPrices};
 use crate::plan::strategy::Strategy;
 use crate::plan::traverse::{Knowledge, Walk};
 use crate::plan::{budget, occluders, shared_proxies};
@@ -262,7 +262,10 @@ impl Culler {
         if has_leaf_tests {
             shared_proxies::share_proxies(plan, &scratch.tests, views, &mut self.fronts);
         }
-        rounds::schedule(plan, (tester, testers.draw_phases), is_cut, &config);
+        let [_, break_ns] = scratch.prospect_ns;
+        let prices = RoundPrices { break_ns, revealed_ns: scratch.revealed_ns };
+        let prices = costs.map(|_| prices);
+        rounds::schedule(plan, (tester, testers.draw_phases), (is_cut, prices), &config);
         if let Some(costs) = costs {
             plan.stats.rounds_by_compute = costs.hand_to_compute(views, plan);
         }

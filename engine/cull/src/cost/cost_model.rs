@@ -71,6 +71,8 @@ pub(crate) struct CostBenefit {
     pub(crate) saving_now_ns: f32,
     /// The cost of the test itself, in nanoseconds.
     pub(crate) cost_ns: f32,
+    /// The expected time of the draws that show.
+    pub(crate) revealed_ns: f32,
 }
 
 impl CostBenefit {
@@ -287,7 +289,8 @@ impl CostModel {
         let cost_ns = self.box_ns(estimate.pixels, hidden, tester) + self.prices.predicate_ns;
         let saving_now_ns = (hidden * drawing).min(f32::MAX);
         let saving_ns = (frames * saving_now_ns).min(f32::MAX);
-        CostBenefit { saving_ns, saving_now_ns, cost_ns: cost_ns.min(f32::MAX) }
+        let revealed_ns = ((1.0 - hidden) * drawing).min(f32::MAX);
+        CostBenefit { saving_ns, saving_now_ns, revealed_ns, cost_ns: cost_ns.min(f32::MAX) }
     }
 
     /// Weighs a pull-up query. It saves nothing now, but the parts of its node may be left undrawn

@@ -104,6 +104,8 @@ pub(crate) struct Scratch {
     pub(crate) is_dropped: Vec<bool>,
     /// The saving of all tests that pay by themselves, and the cost of their breaks of rendering.
     pub(crate) prospect_ns: [f32; 2],
+    /// The expected time of the draws that these tests reveal.
+    pub(crate) revealed_ns: f32,
 }
 
 impl Scratch {

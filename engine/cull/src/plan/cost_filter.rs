@@ -174,8 +174,8 @@ impl<'a> CostFilter<'a> {
         stats: &mut PlanStats,
     ) -> Option<Tester> {
         self.choose_compute(scratch, walk.views);
-        let mut saving_ns = 0.0;
-        let mut dropped_leaves = 0;
+        let (mut saving_ns, mut dropped_leaves) = (0.0, 0);
+        scratch.revealed_ns = 0.0;
         for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {
             let estimate = Self::estimate(walk.views, test);
             let Some(benefit) = self.weigh(test.kind, &estimate, self.tester(&estimate)) else {
@@ -185,6 +185,7 @@ impl<'a> CostFilter<'a> {
                 // Breaks are paid in every frame, so only what each frame saves pays for them: what
                 // is known for later is worth nothing if later tests do not pay either.
                 saving_ns += benefit.saving_now_ns - benefit.cost_ns;
+                scratch.revealed_ns += benefit.revealed_ns;
                 continue;
             }
             *is_dropped = true;

@@ -6,11 +6,42 @@ use std::ops::Range;
 use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{DrawPhases, FramePlan, ProxyTest, Tester};
 
-/// Cuts the tests of `plan`, which `tester` tests, into as many rounds as draws may come between.
+/// The prices that decide how many rounds pay.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RoundPrices {
+    /// The cost of a break of rendering.
+    pub(crate) break_ns: f32,
+    /// The expected time of all draws that the tests reveal.
+    pub(crate) revealed_ns: f32,
+}
+
+impl RoundPrices {
+    /// Returns the number of rounds that pays best, at most `most`. Every further one costs a
+    /// break, and saves draws: what a round reveals may hide what later ones would. At most all
+    /// of these are spared whose occluder lies in another slab; of pairs drawn at random that is
+    /// one less the sum of the squared shares of the slabs.
+    fn best(self, most: u32, is_cut: bool) -> u32 {
+        let net_ns = |rounds: u32| {
+            let weights = (0..rounds).map(|round| weight(round as usize, is_cut) as f32);
+            let (sum, squares) =
+                weights.fold((0.0, 0.0), |(sum, squares), it| (sum + it, squares + it * it));
+            let apart = 1.0 - squares / (sum * sum);
+            self.revealed_ns * apart - (rounds - 1) as f32 * self.break_ns
+        };
+        let pays = |a: &u32, b: &u32| net_ns(*a).total_cmp(&net_ns(*b));
+        (1..=most.clamp(1, ROUNDS_MAX)).max_by(pays).unwrap_or(1)
+    }
+}
+
+/// The most rounds of a frame.
+const ROUNDS_MAX: u32 = 16;
+
+/// Cuts the tests of `plan`, which `tester` tests, into as many rounds as draws may come between,
+/// and no more than pay by these prices, if there are any.
 pub(crate) fn schedule(
     plan: &mut FramePlan,
     (tester, draw_phases): (Tester, DrawPhases),
-    is_cut: bool,
+    (is_cut, prices): (bool, Option<RoundPrices>),
     config: &CullConfig,
 ) {
     let most = match (draw_phases, tester, is_cut) {
@@ -20,6 +51,7 @@ pub(crate) fn schedule(
         (_, _, false) => config.rounds_calm,
         (_, _, true) => config.rounds_cut,
     };
+    let most = prices.map_or(most, |prices| prices.best(most, is_cut));
     split(plan.tests.len(), most, is_cut, config, &mut plan.rounds);
 }
 
@@ -34,13 +66,12 @@ fn split(
 ) {
     rounds.clear();
     let worth = tests / (config.round_tests_min.max(1) as usize);
-    let count = (wished.min(16) as usize).min(worth).max(1);
-    let weight = |round: usize| if is_cut { 1_usize << round } else { 1 };
-    let total: usize = (0..count).map(weight).sum();
+    let count = (wished.min(ROUNDS_MAX) as usize).min(worth).max(1);
+    let total: usize = (0..count).map(|round| weight(round, is_cut)).sum();
     let mut passed = 0;
     let mut start = 0;
     for round in 0..count {
-        passed += weight(round);
+        passed += weight(round, is_cut);
         let end = if round + 1 == count {
             tests
         } else {
@@ -51,6 +82,11 @@ fn split(
             start = end;
         }
     }
+}
+
+/// Returns the share of a round in the tests, in proportion to the first.
+fn weight(round: usize, is_cut: bool) -> usize {
+    if is_cut { 1 << round } else { 1 }
 }
 
 /// Groups the tests of each round by their tester, front to back as they were: in a round nothing
@@ -131,6 +167,25 @@ mod tests {
                 assert_eq!(next, tests);
             }
         }
+    }
+
+    #[test]
+    fn rounds_are_as_many_as_pay() {
+        let best = |break_ns, revealed_ns, most, is_cut| {
+            RoundPrices { break_ns, revealed_ns }.best(most, is_cut)
+        };
+        for is_cut in [false, true] {
+            assert_eq!(best(0.0, 1.0, 7, is_cut), 7, "a break costs nothing");
+            assert_eq!(best(0.0, 0.0, 7, is_cut), 7);
+            assert_eq!(best(1.0, 0.0, 7, is_cut), 1, "nothing is revealed");
+            assert_eq!(best(1.0, 1.9, 7, is_cut), 1, "half of it at most is spared");
+            assert_eq!(best(1.0, 1e9, 0, is_cut), 1);
+            assert_eq!(best(f32::MAX, f32::MAX, 40, is_cut), 1);
+            let counts = (0..12).map(|power| best(1.0, 3.0 * f32::powi(3.0, power), 16, is_cut));
+            let counts: Vec<u32> = counts.collect();
+            assert!(counts.is_sorted() && counts.first() < counts.last(), "{counts:?}");
+        }
+        assert_eq!([3.0, 7.0].map(|revealed| best(1.0, revealed, 7, false)), [2, 3]);
     }
 
     #[test]
