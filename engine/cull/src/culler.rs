@@ -20,7 +20,7 @@ use crate::plan::fronts::Fronts;
 use crate::plan::next_frame::NextFrame;
 use crate::plan::phases;
 use crate::plan::plan_writer::PlanWriter;
-use crate::plan::rounds::{self, Grouping, RoundPrices};
+use crate::plan::rounds::{self, Grouping};
 use crate::plan::strategy::Strategy;
 use crate::plan::traverse::{Knowledge, Walk};
 use crate::plan::{budget, occluders, shared_proxies};
@@ -262,15 +262,13 @@ impl Culler {
         if has_leaf_tests {
             shared_proxies::share_proxies(plan, &scratch.tests, views, &mut self.fronts);
         }
-        let [_, break_ns] = scratch.prospect_ns;
-        let prices = RoundPrices { break_ns, revealed_ns: scratch.revealed_ns };
-        let prices = costs.map(|_| prices);
+        let prices = costs.map(|it| it.round_prices(tester, scratch.revealed_ns));
         rounds::schedule(plan, (tester, testers.draw_phases), (is_cut, prices), &config);
         if let Some(costs) = costs {
             plan.stats.rounds_by_compute = costs.hand_to_compute(views, plan);
         }
         rounds::group_by_tester(plan, &mut self.grouping);
-        self.note_prospect((strategy, tester), plan);
+        self.note_prospect(strategy, plan.stats.visible);
     }
 
     /// Begins the next frame and its plan.
@@ -281,16 +279,12 @@ impl Culler {
         now
     }
 
-    /// Notes the expected saving of this frame for the next, and the proxies that its tests share.
-    fn note_prospect(&mut self, (strategy, tester): (Strategy, Tester), plan: &FramePlan) {
-        let PlanStats { visible, shared_proxies: shared, .. } = plan.stats;
+    /// Notes the expected saving of this frame for the next.
+    fn note_prospect(&mut self, strategy: Strategy, visible: u32) {
         self.visible = visible;
         if let Some(cost_model) = self.cost_model.as_mut().filter(|_| strategy.uses_cost_model()) {
             let [saving_ns, break_ns] = self.scratch.prospect_ns;
             cost_model.note_prospect(saving_ns, break_ns, visible);
-            if tester == Tester::Flag {
-                cost_model.note_proxies(plan.tests.len() as u32 - shared, shared);
-            }
         }
     }
 

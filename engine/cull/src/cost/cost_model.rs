@@ -48,9 +48,6 @@ const KNOWN_PRIOR: DecayingRate = DecayingRate { yes: 7.2, no: 0.8 };
 /// city at street level.
 const COVERED: f32 = 2.0;
 
-/// The prior of tests: each has a proxy of its own, until some were found to share.
-const OWN_PRIOR: DecayingRate = DecayingRate { yes: 1.0, no: 0.0 };
-
 /// A test that could be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TestEstimate {
@@ -71,7 +68,8 @@ pub(crate) struct CostBenefit {
     pub(crate) saving_now_ns: f32,
     /// The cost of the test itself, in nanoseconds.
     pub(crate) cost_ns: f32,
-    /// The expected time of the draws that show.
+    /// The expected time of the draws that show, in the frames for which they are then taken as
+    /// visible.
     pub(crate) revealed_ns: f32,
 }
 
@@ -95,8 +93,6 @@ pub struct CostModel {
     /// The rate at which drawn leaves turn out hidden.
     drawn: DecayingRate,
     hides: HideRate,
-    /// The share of tests with a proxy of their own, of those that could share another's.
-    own: DecayingRate,
     learner: Learner,
     /// Frames since tests could have paid for the breaks of rendering that they need.
     idle_frames: u32,
@@ -122,7 +118,6 @@ impl CostModel {
             known: DecayingRate::default(),
             drawn: DecayingRate::default(),
             hides: HideRate::default(),
-            own: DecayingRate::default(),
             learner: Learner::default(),
             idle_frames: 0,
         })
@@ -158,18 +153,7 @@ impl CostModel {
         self.known = DecayingRate::default();
         self.drawn = DecayingRate::default();
         self.hides = HideRate::default();
-        self.own = DecayingRate::default();
         self.idle_frames = 0;
-    }
-
-    /// Returns the share of tests that are expected to have a proxy of their own.
-    pub(crate) fn own_proxies(&self) -> f32 {
-        self.own.probability(OWN_PRIOR)
-    }
-
-    /// Notes the tests of a frame that have a proxy of their own, and those that share another's.
-    pub(crate) fn note_proxies(&mut self, own: u32, shared: u32) {
-        self.own.note_many(own, shared);
     }
 
     /// Begins a frame, after one in which `visible` leaves were taken as visible.
@@ -289,7 +273,7 @@ impl CostModel {
         let cost_ns = self.box_ns(estimate.pixels, hidden, tester) + self.prices.predicate_ns;
         let saving_now_ns = (hidden * drawing).min(f32::MAX);
         let saving_ns = (frames * saving_now_ns).min(f32::MAX);
-        let revealed_ns = ((1.0 - hidden) * drawing).min(f32::MAX);
+        let revealed_ns = (HORIZON_FRAMES * (1.0 - hidden) * drawing).min(f32::MAX);
         CostBenefit { saving_ns, saving_now_ns, revealed_ns, cost_ns: cost_ns.min(f32::MAX) }
     }
 
@@ -355,13 +339,18 @@ impl CostModel {
         if is_computed { Tester::Compute } else { rastered }
     }
 
-    /// Returns the cost of a break in a frame that takes `leaves` as visible, with what `tester`
-    /// costs however little it tests. Tests that save less together are left out.
+    /// Returns the cost of the breaks of a frame that takes `leaves` as visible, of one round that
+    /// `tester` tests. Tests that save less together are left out.
     pub(crate) fn break_ns(&self, leaves: usize, tester: Tester) -> f32 {
         let drawn = leaves as f32 * self.leaf_ns;
-        let CostTable { break_ns, break_wait_share, compute_round_ns, .. } = self.prices;
-        let round_ns = if tester == Tester::Compute { compute_round_ns } else { 0.0 };
-        (break_ns + break_wait_share * drawn + round_ns).min(f32::MAX)
+        (self.round_ns(tester) + self.prices.break_wait_share * drawn).min(f32::MAX)
+    }
+
+    /// Returns the cost of a further round: its break, and what `tester` costs however little it
+    /// tests. What is drawn before the first one is waited for once.
+    pub(crate) fn round_ns(&self, tester: Tester) -> f32 {
+        let CostTable { break_ns, compute_round_ns, .. } = self.prices;
+        break_ns + if tester == Tester::Compute { compute_round_ns } else { 0.0 }
     }
 
     /// Takes the GPU time of a frame with these contents. If different frames agree that tests are

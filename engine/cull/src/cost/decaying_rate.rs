@@ -28,16 +28,6 @@ impl DecayingRate {
         }
     }
 
-    /// Notes so many at once; the newest count for no less than half.
-    pub(crate) fn note_many(&mut self, yes: u32, no: u32) {
-        let added = (yes + no) as f32;
-        if added > 0.0 {
-            let kept = ((self.yes + self.no).min(added) / (self.yes + self.no).max(1.0)).min(1.0);
-            self.yes = self.yes * kept + yes as f32;
-            self.no = self.no * kept + no as f32;
-        }
-    }
-
     pub(crate) fn fade(&mut self) {
         let keep = keep();
         self.yes *= keep;

@@ -104,7 +104,8 @@ pub(crate) struct Scratch {
     pub(crate) is_dropped: Vec<bool>,
     /// The saving of all tests that pay by themselves, and the cost of their breaks of rendering.
     pub(crate) prospect_ns: [f32; 2],
-    /// The expected time of the draws that these tests reveal.
+    /// The expected time of the draws that these tests reveal, as long as they are then taken as
+    /// visible.
     pub(crate) revealed_ns: f32,
 }
 

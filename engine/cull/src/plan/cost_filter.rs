@@ -6,33 +6,9 @@ use crate::cost::cost_model::{CostBenefit, CostModel, TestEstimate, is_never};
 use crate::geom::multi_view::MultiView;
 use crate::plan::candidates::{Candidate, Draw, Scratch};
 use crate::plan::frame_plan::{FramePlan, PlanStats, ProxyTest, QueryKind, Tester, TesterSupport};
+use crate::plan::rounds::RoundPrices;
 use crate::plan::strategy::Strategy;
 use crate::plan::traverse::Walk;
-
-/// The least gain by which a compute shader is taken for a whole frame, as a share of what the
-/// tests cost without it: noise does not decide.
-const LEAST_GAIN: f32 = 0.1;
-
-/// The savings and costs of the tests of a frame that pay, with the break that they need.
-struct Prospect {
-    saving_ns: f32,
-    cost_ns: f32,
-}
-
-impl Prospect {
-    /// Adds a test, if it pays, at a share of its cost.
-    fn add(&mut self, benefit: Option<CostBenefit>, share: f32) {
-        if let Some(benefit) = benefit.filter(|it| it.pays()) {
-            self.saving_ns += benefit.saving_now_ns;
-            self.cost_ns += share * benefit.cost_ns;
-        }
-    }
-
-    /// Returns what the tests save on the whole; nothing if they are not made.
-    fn net_ns(&self) -> f32 {
-        (self.saving_ns - self.cost_ns).max(0.0)
-    }
-}
 
 /// The inputs that tests are weighed by.
 pub(crate) struct CostFilter<'a> {
@@ -120,6 +96,11 @@ impl<'a> CostFilter<'a> {
         boxes > 0 && self.cost_model.is_for_compute(boxes, shared, covered.sum(), self.has_flags)
     }
 
+    /// Returns the prices that decide how many rounds pay, which `tester` tests.
+    pub(crate) fn round_prices(&self, tester: Tester, revealed_ns: f32) -> RoundPrices {
+        RoundPrices { round_ns: self.cost_model.round_ns(tester), revealed_ns }
+    }
+
     pub(crate) fn estimate(views: MultiView<'_>, test: &Candidate) -> TestEstimate {
         TestEstimate {
             leaves: test.leaf_count,
@@ -142,24 +123,27 @@ impl<'a> CostFilter<'a> {
         }
     }
 
-    /// Lets a compute shader answer for all tests of the frame where that saves more: many tests
-    /// may pay by its low price of a box which by that of pixels or queries do not. The other
-    /// testers are paid for tests of their own alone, not for those that share another's proxy.
+    /// Lets a compute shader answer for all tests of the frame where they pay so and by no other
+    /// tester: many tests may pay by its low price of a box which by that of pixels or queries do
+    /// not. Where they pay by either, [`CostFilter::hand_to_compute`] decides, which knows what
+    /// they share.
     fn choose_compute(&mut self, scratch: &Scratch, views: MultiView<'_>) {
         if !self.has_compute {
             return;
         }
         let drawn = scratch.draws.len() + scratch.retests.len();
-        let own = self.cost_model.own_proxies();
-        let [mut rastered, mut computed] = [Tester::Flag, Tester::Compute]
-            .map(|it| Prospect { saving_ns: 0.0, cost_ns: self.cost_model.break_ns(drawn, it) });
+        let [mut rastered_ns, mut computed_ns] =
+            [Tester::Flag, Tester::Compute].map(|it| -self.cost_model.break_ns(drawn, it));
+        let net_ns = |benefit: Option<CostBenefit>| {
+            let benefit = benefit.filter(|it| it.pays());
+            benefit.map_or(0.0, |it| it.saving_now_ns - it.cost_ns)
+        };
         for test in &scratch.tests {
             let estimate = Self::estimate(views, test);
-            let by_raster = self.weigh(test.kind, &estimate, self.tester(&estimate));
-            rastered.add(by_raster, own);
-            computed.add(self.weigh(test.kind, &estimate, Tester::Compute), 1.0);
+            rastered_ns += net_ns(self.weigh(test.kind, &estimate, self.tester(&estimate)));
+            computed_ns += net_ns(self.weigh(test.kind, &estimate, Tester::Compute));
         }
-        if computed.net_ns() > rastered.net_ns() + LEAST_GAIN * rastered.cost_ns {
+        if computed_ns > 0.0 && rastered_ns <= 0.0 {
             self.tester = Some(Tester::Compute);
             self.is_all_compute = true;
         }

@@ -9,9 +9,10 @@ use crate::plan::frame_plan::{DrawPhases, FramePlan, ProxyTest, Tester};
 /// The prices that decide how many rounds pay.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RoundPrices {
-    /// The cost of a break of rendering.
-    pub(crate) break_ns: f32,
-    /// The expected time of all draws that the tests reveal.
+    /// The cost of a further round.
+    pub(crate) round_ns: f32,
+    /// The expected time of all draws that the tests reveal, as long as they are then taken as
+    /// visible.
     pub(crate) revealed_ns: f32,
 }
 
@@ -26,7 +27,7 @@ impl RoundPrices {
             let (sum, squares) =
                 weights.fold((0.0, 0.0), |(sum, squares), it| (sum + it, squares + it * it));
             let apart = 1.0 - squares / (sum * sum);
-            self.revealed_ns * apart - (rounds - 1) as f32 * self.break_ns
+            self.revealed_ns * apart - (rounds - 1) as f32 * self.round_ns
         };
         let pays = |a: &u32, b: &u32| net_ns(*a).total_cmp(&net_ns(*b));
         (1..=most.clamp(1, ROUNDS_MAX)).max_by(pays).unwrap_or(1)
@@ -171,8 +172,8 @@ mod tests {
 
     #[test]
     fn rounds_are_as_many_as_pay() {
-        let best = |break_ns, revealed_ns, most, is_cut| {
-            RoundPrices { break_ns, revealed_ns }.best(most, is_cut)
+        let best = |round_ns, revealed_ns, most, is_cut| {
+            RoundPrices { round_ns, revealed_ns }.best(most, is_cut)
         };
         for is_cut in [false, true] {
             assert_eq!(best(0.0, 1.0, 7, is_cut), 7, "a break costs nothing");

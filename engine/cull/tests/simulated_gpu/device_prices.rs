@@ -46,7 +46,7 @@ const EVEN: Events = Events {
     predicate: 60.0,
     call: 60.0,
     empty_draw: 4.0,
-    pass: 4_000.0,
+    pass: 8_000.0,
     word: 0.4,
     query: 150.0,
     box_draw: 80.0,
@@ -212,7 +212,7 @@ fn work() -> SkippedWork {
 fn chosen(events: &Events) -> (Executor, Tester) {
     let ways = EXECUTORS.map(|it| {
         let prices = it.times(events).prices();
-        MeasuredSkip { prices, rounds: vec![prices; 3] }
+        MeasuredSkip { prices, rounds: vec![prices; 4] }
     });
     let executor = EXECUTORS[MeasuredSkip::cheapest(&ways, &work()).unwrap()];
     let table = events.table().skipping_at(&executor.times(events).prices());

@@ -31,7 +31,7 @@ const BUDGET: Duration = Duration::from_millis(60);
 const ROUNDS: usize = 5;
 
 /// The fewest rounds: fewer cannot tell one executor from another.
-const LEAST_ROUNDS: usize = 3;
+const LEAST_ROUNDS: usize = 4;
 
 /// The objects that prices are measured with.
 pub struct CalibrationScene<'a> {

@@ -167,7 +167,7 @@ mod tests {
     fn prices(conditional_ns: f32, compacted_ns: f32) -> DevicePrices {
         let at = |range_ns| {
             let prices = SkipPrices { range_ns, round_ns: 9.0, draw_ns: 0.0 };
-            MeasuredSkip { prices, rounds: vec![prices; 3] }
+            MeasuredSkip { prices, rounds: vec![prices; 4] }
         };
         let executors = EXECUTORS.into_iter().zip([at(conditional_ns), at(compacted_ns)]).collect();
         DevicePrices { executors, ..DevicePrices::default() }
