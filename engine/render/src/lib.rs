@@ -39,6 +39,7 @@ mod api;
 mod calibration_scene;
 mod debug;
 mod error;
+mod executor_choice;
 mod flares;
 mod frame_passes;
 pub mod passes;

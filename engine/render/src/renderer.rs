@@ -3,21 +3,20 @@
 use ::shadows::ShadowOptions;
 use cull::{
     Aabb, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, QueryShares, SceneCosts,
-    SkippedWork, Strategy, Tester, TesterSupport, View,
+    Strategy, Tester, TesterSupport, View,
 };
 use gpu::{Device, FrameRing, Optional, PassTime, Predication, SampleCount, Target, Tick};
 use occlusion::{
-    ChoiceRequest, Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor,
-    MethodSupport, OcclusionPasses, PlanExecutor, PlannedMethod, PriceChoice, Rect, ShaderSet,
-    VisibilityState,
+    Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor, MethodSupport,
+    OcclusionPasses, PlanExecutor, PlannedMethod, PriceChoice, Rect, ShaderSet, VisibilityState,
 };
 use scene::{LensFlare, Scene};
 
-use crate::calibration_scene;
 use crate::debug::debug_overlay::DebugOverlay;
 use crate::debug::flat_overlay::FlatOverlay;
 use crate::debug::visible_set::{SceneRevision, SeenLeaves};
 use crate::error::Error;
+use crate::executor_choice::{decide, usable_executors};
 use crate::frame_passes::FramePasses;
 use crate::resources::geometry::Geometry;
 use crate::resources::limits::check_memory;
@@ -26,6 +25,7 @@ use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites::has_sprites;
 use crate::self_test::{Assumption, Trust};
 use crate::shading::surfaces::{SurfaceOptions, TextureStorage};
+use crate::shadows::can_skip;
 use crate::update::UpdateScratch;
 use crate::view_state::{RendererId, ViewState};
 use crate::views::view_in;
@@ -172,45 +172,6 @@ pub struct Renderer {
     pub(crate) trust: Trust,
 }
 
-/// Returns the executors that may be used for so many draws with a threshold: the wanted one, or
-/// all, the device's usual one first. Where none can be trusted that one stays, and nothing is put
-/// under a predicate ([`Renderer::trusted`]).
-fn usable_executors(
-    trust: &Trust,
-    device: &Device,
-    wanted: Option<Predication>,
-    (draws, threshold_samples): (u64, u32),
-) -> Result<Vec<Predication>, Error> {
-    let first = Predication::choose(device, wanted, draws, threshold_samples)?;
-    let has = |it| Predication::choose(device, Some(it), draws, threshold_samples).is_ok();
-    let mut usable = trust.executors(first, has);
-    if wanted.is_some() {
-        usable.truncate(1);
-    }
-    if usable.is_empty() {
-        usable.push(first);
-    }
-    Ok(usable)
-}
-
-/// Decides for a scene on a device, by prices that are measured if that is asked for.
-fn decide(
-    passes: &mut FramePasses,
-    (occlusion_passes, shaders): (&OcclusionPasses, &ShaderSet),
-    (trust, executors): (&Trust, &[Predication]),
-    (scene, options): (&Scene, &RendererOptions),
-) -> PriceChoice {
-    let request = ChoiceRequest {
-        executors,
-        testers: trust.testers(occlusion_passes.testers(&passes.device, &passes.target)),
-        work: SkippedWork::of_leaves(scene.objects.len() as u32),
-        size: options.size,
-    };
-    PriceChoice::by(options.costs, &request, || {
-        calibration_scene::measure(passes, (occlusion_passes, executors), shaders)
-    })
-}
-
 impl Renderer {
     /// Builds the hierarchy over `scene` and uploads everything.
     ///
@@ -255,15 +216,15 @@ impl Renderer {
         let room = (&surfaces, options.upload_bytes_per_frame);
         let trust = Trust::without(&options.distrusted);
         trust.texts().iter().for_each(|text| tracing::warn!("{text}"));
-        let made_of = (slots, (room, trust.shadows(options.shadows)));
+        let shadows = trust.shadows(options.shadows, |it| can_skip(device, it));
+        let made_of = (slots, (room, shadows));
         let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, made_of)?;
         let draws = hierarchy.leaf_objects().len() as u64;
         let threshold_samples = options.threshold_samples;
         let executors =
             usable_executors(&trust, device, options.predication, (draws, threshold_samples))?;
         let of = (&occlusion_passes, &shaders);
-        let choice = decide(&mut passes, of, (&trust, &executors), (scene, options));
-        passes.shadows.skip_by(choice.predication, slots)?;
+        let choice = decide(&mut passes, of, (&trust, &executors), (draws as u32, options))?;
         let leaves = LeafTableInfo {
             mesh_draws: passes.geometry.mesh_draws().clone(),
             predication: Some(choice.predication),

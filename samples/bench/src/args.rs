@@ -114,7 +114,7 @@ pub struct Arguments {
     #[arg(long, value_name = "1..4", default_value = "2", help_heading = "Compare")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_FRAMES_IN_FLIGHT)))]
     pub frames_in_flight: u32,
-    /// Way to skip draws that turn out hidden; auto takes the best that the device has
+    /// Way to skip draws that turn out hidden; auto takes what costs least by measured prices
     #[arg(long, value_name = "WAY", default_value = "auto", help_heading = "Compare")]
     pub predicates: PredicatesChoice,
 

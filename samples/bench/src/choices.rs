@@ -72,7 +72,7 @@ pub enum ValidationChoice {
 /// The way in which the GPU skips hidden draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PredicatesChoice {
-    /// Conditional rendering where the device has it, counts otherwise.
+    /// The one that costs least by the prices measured at the start.
     Auto,
     /// `VK_EXT_conditional_rendering`: the device skips draws by itself.
     Conditional,

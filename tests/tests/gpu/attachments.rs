@@ -1,7 +1,7 @@
 //! The loads and stores of attachments of every strategy: no undefined contents are read, none are
 //! written to memory for nobody, and a frame moves as little as its renderings allow.
 
-use cull::{CullConfig, Strategy};
+use cull::{CullConfig, ObjectId, Strategy};
 use gpu::{Device, DeviceOptions, Optional, Readback, SampleCount};
 use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions};
 use scene::Scene;
@@ -199,6 +199,35 @@ fn several_samples_are_averaged_once_by_every_strategy() {
                 assert_eq!(traffic.unread, unread, "{what}");
                 assert_eq!(traffic.stores(Colour), traffic.loads(Colour), "{what}");
             });
+        }
+    });
+}
+
+#[test]
+fn samples_stay_averaged_where_objects_are_watched() {
+    with_recorder(|device| {
+        let surfaces = yard::scene(&yard::boxes(), &[]);
+        let plain = Scene { surfaces: None, ..surfaces.clone() };
+        let samples = RendererOptions { samples: SampleCount::Four, ..options() };
+        for scene in [plain, surfaces] {
+            let mut renderer = Renderer::new(device, &scene, &samples).unwrap();
+            let mut view = renderer.new_view().unwrap();
+            view.watch(&[ObjectId(0), ObjectId(1)]).unwrap();
+            let image = Readback::new(device, renderer.size()).unwrap();
+            let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA, Strategy::ANTUMBRA];
+            for strategy in strategies {
+                if renderer.supports(strategy).is_err() {
+                    continue;
+                }
+                attachment_traffic();
+                let request = FrameRequest::new(strategy, yard::camera());
+                let request = FrameRequest { image: Some(&image), ..request };
+                renderer.render(&mut view, &request).unwrap();
+                let traffic = attachment_traffic();
+                assert_eq!(traffic.faults, [""; 0], "{strategy}: {traffic:?}");
+                assert_eq!(traffic.stores(Average), 1, "{strategy}: {traffic:?}");
+            }
+            renderer.drain(&mut view).unwrap();
         }
     });
 }

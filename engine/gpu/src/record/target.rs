@@ -221,13 +221,19 @@ impl Target {
     /// renderings too: dynamic rendering orders nothing by itself. The contents of our own images
     /// last for one frame: the first rendering of each must clear. Commands of another device fail.
     pub fn prepare(&mut self, commands: &Commands) {
+        if let Some(multisampling) = &mut self.multisampling {
+            multisampling.is_resolved = false;
+        }
+        self.prepare_tests(commands);
+    }
+
+    /// Prepares all images like [`Target::prepare`], for a rendering that draws no colours: samples
+    /// that are averaged stay so, and are not read again.
+    pub fn prepare_tests(&mut self, commands: &Commands) {
         if commands.admit(self).is_err() {
             return;
         }
         self.submitted = None;
-        if let Some(multisampling) = &mut self.multisampling {
-            multisampling.is_resolved = false;
-        }
         let is_first = self.recording.replace(commands.recording()) != Some(commands.recording());
         let change = |image: &mut TargetImage, to| match is_first {
             true => image.first_change(&[to, Access::CopyRead], to),

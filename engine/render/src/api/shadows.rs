@@ -6,7 +6,7 @@ use scene::LightId;
 use crate::error::Error;
 use crate::renderer::Renderer;
 use crate::resources::volume_meshes::VolumeMeshes;
-use crate::shadows::{LightShadow, Shadows};
+use crate::shadows::{LightShadow, Shadows, can_skip};
 
 impl Renderer {
     /// Returns the options of shadows.
@@ -22,22 +22,25 @@ impl Renderer {
     /// Draws shadows by other options from now on. Those of
     /// [single lights](Renderer::set_light_shadow) stay. Compiles passes and makes new maps, unless
     /// the options are those in use, and for volumes builds the adjacency of all meshes and waits
-    /// for copies: not for every frame. Casters are not culled on a driver whose flags are
-    /// [distrusted](crate::RendererOptions::distrusted).
+    /// for copies: not for every frame. Casters are not culled on a driver whose flags, or
+    /// all executors, are [distrusted](crate::RendererOptions::distrusted).
     ///
     /// # Errors
     /// [`Error::Shadows`]; [`Error::NoSurfacesForShadows`]; [`Error::MultisampledVolumes`]; maps or
     /// meshes beyond the device's limits, volumes on a device that lacks something for them, no
     /// memory, a failed call. Nothing has changed then.
     pub fn set_shadows(&mut self, options: ShadowOptions) -> Result<(), Error> {
-        let options = self.trust.shadows(options);
+        let can = |it| can_skip(&self.device, it);
+        let options = self.trust.shadows(options, can);
         if options == self.passes.shadows.options {
             return Ok(());
         }
         let has_surfaces = self.passes.geometry.surfaces.is_some();
         let needs = (has_surfaces, self.frames_in_flight());
         let mut shadows = Shadows::new(&self.device, options, &self.passes.target, needs)?;
-        shadows.skip_by(self.predication(), self.frames_in_flight())?;
+        if let Some(executor) = self.trust.caster_executor(self.predication(), can) {
+            shadows.skip_by(executor, self.frames_in_flight())?;
+        }
         let pipelines = self.passes.recompiled(&self.shaders, &shadows)?;
         let passes = &mut self.passes;
         let is_by_volumes = options.method == ShadowMethod::Volumes;

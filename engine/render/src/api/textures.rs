@@ -53,7 +53,7 @@ impl Renderer {
     }
 
     /// Removes textures: all of them, or none. Frames on their way still show them; their room is
-    /// free at once.
+    /// free at once on pages, and once those frames are over where textures have an image each.
     ///
     /// # Errors
     /// [`Error::Texture`] for one that is not there or named twice, that a material uses, or that

@@ -273,7 +273,7 @@ pub(crate) fn count_samples(
     let boxes = counts.asked.proxies.iter().map(|(_, proxy)| *proxy);
     let io = ProxyIo { boxes: frame.uploads().push_iter(boxes)?, flags: None };
     counts.is_asking = true;
-    passes.target.prepare(frame.commands());
+    passes.target.prepare_tests(frame.commands());
     let target = passes.target_of(view, None);
     let target = passes.scope_target(frame.commands(), ViewScope::SampleCounts, target);
     frame.commands().pass("count samples", |commands| {

@@ -72,7 +72,7 @@ fn record_veil(
     let [low, high] = counts.asked.covering;
     let origin = [0, 1].map(|axis| view.origin[axis] + low[axis]);
     let size = [0, 1].map(|axis| high[axis].saturating_sub(low[axis]));
-    passes.target.prepare(frame.commands());
+    passes.target.prepare_tests(frame.commands());
     let target = passes.target_of(view, None);
     let target = passes.scope_target(frame.commands(), ViewScope::FlareVeil, target);
     let passes = &*passes;
@@ -103,7 +103,7 @@ fn record_counts(
     view: &View,
 ) {
     let (Some(queries), asked) = (&counts.queries, &counts.asked) else { return };
-    passes.target.prepare(frame.commands());
+    passes.target.prepare_tests(frame.commands());
     let target = passes.target_of(view, None);
     let target = passes.scope_target(frame.commands(), ViewScope::FlareCounts, target);
     let Some(pass) = passes.pipelines.flares.get() else { return };

@@ -80,9 +80,28 @@ impl Trust {
         }
     }
 
-    /// Returns the options of shadows: casters are culled by flags and skipped by an executor.
-    pub(crate) fn shadows(&self, wanted: ShadowOptions) -> ShadowOptions {
-        let can_skip = EXECUTORS.iter().any(|executor| self.allows_executor(*executor));
+    /// Returns the executor that skips casters where the scene's is the wanted one: each range by
+    /// itself, of those that `can` skip casters; `None` if none of them can be trusted.
+    pub(crate) fn caster_executor(
+        &self,
+        wanted: Predication,
+        can: impl Fn(Predication) -> bool,
+    ) -> Option<Predication> {
+        let wanted = match wanted {
+            Predication::Compacted => Predication::Counts,
+            other => other,
+        };
+        self.executor(wanted, |it| it != Predication::Compacted && can(it))
+    }
+
+    /// Returns the options of shadows: casters are culled by flags, and skipped by one of the
+    /// executors that `can` skip them.
+    pub(crate) fn shadows(
+        &self,
+        wanted: ShadowOptions,
+        can: impl Fn(Predication) -> bool,
+    ) -> ShadowOptions {
+        let can_skip = self.caster_executor(Predication::Conditional, can).is_some();
         match can_skip && self.allows(Tester::Flag) {
             true => wanted,
             false => ShadowOptions { culling: CasterCulling::Unculled, ..wanted },
@@ -185,6 +204,21 @@ mod tests {
         assert_eq!(testers, TesterSupport { flags: false, leaf_tests: false, ..ALL });
         let testers = Trust::without(&[Assumption::ComputedWalk]).testers(ALL);
         assert_eq!(testers, TesterSupport { compute: false, ..ALL });
+    }
+
+    #[test]
+    fn casters_are_skipped_by_what_is_trusted_and_there() {
+        use Assumption::{ConditionalRendering, InstanceCounts};
+        let culled = ShadowOptions::default();
+        let (counts, compacted) = (Predication::Counts, Predication::Compacted);
+        assert_eq!(Trust::default().caster_executor(compacted, |_| true), Some(counts));
+        let trust = Trust::without(&[ConditionalRendering, InstanceCounts]);
+        assert_eq!(trust.caster_executor(Predication::Conditional, |_| true), Some(counts));
+        assert_eq!(trust.shadows(culled, |_| true).culling, CasterCulling::Culled);
+        // A device without draw counts, or with too few.
+        let can = |it| it != counts && it != compacted;
+        assert_eq!(trust.caster_executor(Predication::Conditional, can), None);
+        assert_eq!(trust.shadows(culled, can).culling, CasterCulling::Unculled);
     }
 
     #[test]

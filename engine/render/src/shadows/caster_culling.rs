@@ -73,6 +73,11 @@ struct LightHistory {
     used: u64,
 }
 
+/// Returns true if an executor can skip casters on a device, however many there will be.
+pub(crate) fn can_skip(device: &Device, executor: Predication) -> bool {
+    Predication::choose(device, Some(executor), DRAWS_MAX, 0).is_ok()
+}
+
 impl CasterCulling {
     /// Creates an empty history for every light.
     ///
@@ -103,19 +108,13 @@ impl CasterCulling {
         })
     }
 
-    /// Skips casters by an executor from now on, if it can count them; each range by itself also
-    /// where it is compacted.
+    /// Skips casters by an executor from now on that [can](can_skip).
     ///
     /// # Errors
     /// No memory, a failed call.
     pub(super) fn skip_by(&mut self, executor: Predication, frames: usize) -> Result<(), Error> {
-        let wanted = match executor {
-            Predication::Compacted => Predication::Counts,
-            other => other,
-        };
-        let can = Predication::choose(&self.device, Some(wanted), DRAWS_MAX, 0).is_ok();
-        if can && wanted != self.predicates.predication() {
-            let capacity = self.capacity;
+        if executor != self.predicates.predication() {
+            let (wanted, capacity) = (executor, self.capacity);
             self.predicates = Predicates::unlinked(&self.device, Some(wanted), capacity, frames)?;
         }
         Ok(())

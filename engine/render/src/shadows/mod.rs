@@ -22,6 +22,7 @@ use scene::LightId;
 use crate::error::Error;
 use crate::passes::pipelines::Pipelines;
 use crate::resources::geometry::Geometry;
+pub(crate) use caster_culling::can_skip;
 use culled_draws::CastersInView;
 pub use light_shadow::LightShadow;
 pub use records::{ShadowIo, ShadowMapIo, ShadowMaskIo};

@@ -10,8 +10,8 @@ use ::shadows::{
 use cull::{Aabb, BoxShadowVolumes, Frustum, Hierarchy, LeafIndex, LightReach, View};
 use glam::Vec4;
 use gpu::{
-    Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryKind, Predication, Target,
-    Tick, vk,
+    AttachmentStore, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryKind,
+    Predication, Target, Tick, vk,
 };
 use occlusion::BoxVolumePass;
 use scene::LightId;
@@ -276,8 +276,9 @@ impl VolumeShadows {
             mask: self.mask.whole().part(0, *mask_bytes),
         };
         if let (Some(culling), Some(tests)) = (culling, tests) {
-            target.prepare(commands);
-            let depth = target.render_target(None).within(view.origin, view.size).depth_only();
+            target.prepare_tests(commands);
+            let mut depth = target.render_target(None).within(view.origin, view.size).depth_only();
+            depth.depth_store = AttachmentStore::Unchanged;
             culling.record_tests(commands, tests, (depth, view));
         }
         let draw_group = |commands: &Commands, number: usize| {

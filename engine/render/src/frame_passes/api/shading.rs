@@ -59,7 +59,7 @@ impl FramePasses {
         if !self.shadows.has_culled() {
             return;
         }
-        self.target.prepare(commands);
+        self.target.prepare_tests(commands);
         let target = self.target_of(view, None).depth_only();
         let target = self.scope_target(commands, ViewScope::CasterTests, target);
         let Self { geometry, pipelines, shadows, .. } = self;

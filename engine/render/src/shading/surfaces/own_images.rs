@@ -1,6 +1,6 @@
 //! Textures with an image each, which shaders find by number.
 
-use gpu::{Device, TextureArray, TextureNumber, TextureTable};
+use gpu::{Device, Optional, TextureArray, TextureNumber, TextureTable};
 use scene::limits::MAX_OWN_IMAGES;
 use scene::{PreparedTexture, Surfaces, TextureId};
 
@@ -25,6 +25,20 @@ pub(crate) struct OwnImages {
 }
 
 impl OwnImages {
+    /// Returns the most textures that a device indexes; 0 where it indexes none.
+    pub(crate) fn most(device: &Device) -> u32 {
+        match device.capabilities().has(Optional::IndexedTextures) {
+            true => device.adapter().indexed_textures.min(MAX_OWN_IMAGES),
+            false => 0,
+        }
+    }
+
+    /// Returns the number of the textures that something of `surfaces` uses.
+    pub(crate) fn count(device: &Device, surfaces: &Surfaces) -> u64 {
+        let max_side = device.adapter().limits.max_image_dimension2_d;
+        PagePlan::of_images(surfaces, max_side).pages.len() as u64
+    }
+
     /// Uploads the textures that something of `surfaces` uses. Waits for copies.
     ///
     /// # Errors
@@ -95,7 +109,13 @@ impl OwnImages {
             }
             Err(error) => {
                 self.ids.free(id);
-                Err(error)
+                // Numbers of textures that were removed are free once their frames are over.
+                match error {
+                    Error::Gpu(gpu::Error::TooLarge { .. }) => {
+                        Err(Error::NoRoom { what: "textures", wanted: 1, left: 0 })
+                    }
+                    other => Err(other),
+                }
             }
         }
     }

@@ -14,8 +14,20 @@ pub enum TextureStorage {
 }
 
 impl TextureStorage {
-    /// Returns the best of a device that has descriptor indexing or not.
-    pub(crate) fn best(has_indexing: bool) -> Self {
-        if has_indexing { Self::Images } else { Self::Pages }
+    /// Returns the best for so many textures on a device that indexes at most so many.
+    pub(crate) fn best(textures: u64, indexed: u32) -> Self {
+        if indexed > 0 && textures <= indexed.into() { Self::Images } else { Self::Pages }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_device_cannot_index_lies_on_pages() {
+        assert_eq!(TextureStorage::best(0, 0), TextureStorage::Pages);
+        assert_eq!(TextureStorage::best(2_000, 1_984), TextureStorage::Pages);
+        assert_eq!(TextureStorage::best(1_984, 1_984), TextureStorage::Images);
     }
 }

@@ -1,6 +1,6 @@
 //! The textures of a renderer on the GPU: on pages, or with an image each.
 
-use gpu::{Device, Optional, SampledArrays, TextureArray};
+use gpu::{Device, SampledArrays, TextureArray};
 use scene::limits::MAX_PAGES;
 use scene::{PreparedTexture, Surfaces, TextureId};
 
@@ -30,8 +30,9 @@ impl SurfaceTextures {
         surfaces: &Surfaces,
         options: &SurfaceOptions,
     ) -> Result<(Self, PagePlan), Error> {
-        let has_indexing = device.capabilities().has(Optional::IndexedTextures);
-        let storage = options.textures.unwrap_or(TextureStorage::best(has_indexing));
+        let storage = options.textures.unwrap_or_else(|| {
+            TextureStorage::best(OwnImages::count(device, surfaces), OwnImages::most(device))
+        });
         let sampling = Sampling::of(device, options);
         if storage == TextureStorage::Images {
             let (images, plan) = OwnImages::new(device, surfaces, sampling)?;
