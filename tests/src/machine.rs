@@ -72,6 +72,8 @@ pub struct Machine {
     pub is_imprecise: bool,
     /// True if every device says that it has representative fragments.
     pub is_representative: bool,
+    /// True if loads and stores of attachments are recorded ([`attachment_traffic`]).
+    pub records_attachments: bool,
     /// True if every device says that it has memory which transient attachments take lazily.
     pub is_lazy: bool,
     /// True if no device resets queries on the CPU.

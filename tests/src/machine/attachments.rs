@@ -9,7 +9,7 @@ use std::mem::{take, transmute};
 
 use ash::vk;
 
-use super::{Function, due, real};
+use super::{Function, due, machine, real};
 
 const BEGIN: &CStr = c"vkCmdBeginRendering";
 const BARRIER: &CStr = c"vkCmdPipelineBarrier2";
@@ -153,6 +153,13 @@ impl Recorder {
     }
 }
 
+/// Calls `note` with the recorder, on a machine that records: others allocate nothing for it.
+fn record(note: impl FnOnce(&mut Recorder)) {
+    if machine(|machine| machine.records_attachments) {
+        RECORDER.with_borrow_mut(note);
+    }
+}
+
 pub(super) fn calls_that_attach() -> Vec<(&'static CStr, Function)> {
     // SAFETY: function pointers all; who asks for one knows its type by its name.
     unsafe {
@@ -176,7 +183,7 @@ unsafe extern "system" fn begin_rendering(
             0 => &[],
             count => std::slice::from_raw_parts(it.p_color_attachments, count as usize),
         };
-        RECORDER.with_borrow_mut(|recorder| {
+        record(|recorder| {
             for colour in colours {
                 recorder.attach(colour, AttachmentKind::Colour);
             }
@@ -200,7 +207,7 @@ unsafe extern "system" fn pipeline_barrier(
             0 => &[],
             count => std::slice::from_raw_parts(it.p_image_memory_barriers, count as usize),
         };
-        RECORDER.with_borrow_mut(|recorder| images.iter().for_each(|it| recorder.change(it)));
+        record(|recorder| images.iter().for_each(|it| recorder.change(it)));
         real::<vk::PFN_vkCmdPipelineBarrier2>(BARRIER)(commands, info);
     }
 }
@@ -218,7 +225,7 @@ unsafe extern "system" fn create_view(
     unsafe {
         let code = real::<vk::PFN_vkCreateImageView>(VIEW)(device, info, callbacks, made);
         if code == vk::Result::SUCCESS {
-            RECORDER.with_borrow_mut(|recorder| {
+            record(|recorder| {
                 // Handles are used again.
                 let (image, first) = ((*info).image, (*info).subresource_range.base_array_layer);
                 recorder.contents.remove(&(image, first));

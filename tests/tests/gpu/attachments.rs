@@ -16,7 +16,7 @@ const SIZE: [u32; 2] = [128, 72];
 
 /// Calls `body` with a device of each driver whose loads and stores are recorded.
 fn with_recorder(body: impl Fn(&Device)) {
-    on_both(&Machine::default(), body);
+    on_both(&Machine { records_attachments: true, ..Machine::default() }, body);
 }
 
 /// Calls `body` with a device of each driver on such a machine.

@@ -319,8 +319,8 @@ impl CostModel {
     }
 
     /// Returns the tester that costs least in a frame of this work at this size in pixels, as far
-    /// as is known before the first frame: boxes that cover [`COVERED`] times the image, in as many
-    /// rounds, or in one of the compute shader.
+    /// as is known before the first frame: boxes that cover the image twice, in as many rounds, or
+    /// in one of the compute shader.
     #[must_use]
     pub fn tester_for(&self, work: &SkippedWork, size: [u32; 2], testers: TesterSupport) -> Tester {
         let ranges = work.ranges.max(1);
