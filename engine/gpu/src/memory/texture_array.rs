@@ -43,7 +43,7 @@ pub struct TextureArrayInfo<'a> {
     /// The filter between mip maps; `None` makes none.
     pub between_levels: Option<vk::SamplerMipmapMode>,
     /// The most samples of the anisotropic filter; from 1 on, cut to what the device has, 1 without
-    /// [`Optional::Anisotropy`] or linear filters.
+    /// [`Optional::Anisotropy`](crate::Optional::Anisotropy) or linear filters.
     pub anisotropy: f32,
     /// The maker of the mip maps.
     pub mip_making: MipMaking,
