@@ -14,6 +14,8 @@ struct Material {
 };
 
 const uint UNLIT_FLAG = 1u << 16;
+// The texture of normals holds x and y alone.
+const uint NORMALS_OF_TWO_CHANNELS_FLAG = 1u << 17;
 
 vec4 base_colour_factor(uvec4 factors) {
     return vec4(unpackUnorm2x16(factors.x), unpackUnorm2x16(factors.y));

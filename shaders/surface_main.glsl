@@ -25,6 +25,8 @@ vec3 shading_normal() {
     vec3 n = unit_or(world_normal, vec3(0.0, 1.0, 0.0));
     if (NORMAL_PAGES == 0u || !has_texture(material_details.x)) return n;
     vec3 mapped = texel(NORMAL_PAGES, material_details.x, uvs).xyz * 2.0 - 1.0;
+    if ((material_factors.w & NORMALS_OF_TWO_CHANNELS_FLAG) != 0u)
+        mapped.z = sqrt(max(1.0 - dot(mapped.xy, mapped.xy), 0.0));
     mapped.xy *= uintBitsToFloat(material_cuts.y);
     vec3 t = unit_or(world_tangent.xyz, vec3(0.0));
     vec3 b = cross(n, t) * world_tangent.w;

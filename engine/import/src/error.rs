@@ -53,7 +53,7 @@ impl Cause {
             }
             Self::Unsupported => {
                 "export it again as glTF 2.0, without extensions that are named here, and with \
-                 images in PNG, JPEG or WebP"
+                 images in PNG, JPEG, WebP, or KTX2 of BC or ASTC"
             }
             Self::Forbidden => {
                 "put what the scene needs into its folder, and name it by a relative path"

@@ -1,12 +1,13 @@
-//! Images of a file, decoded to four bytes per pixel: several at once, within a stated amount of
-//! memory.
+//! Images of a file, decoded to four bytes per pixel or to compressed blocks: several at once,
+//! within a stated amount of memory.
 
 mod gate;
 mod jpeg;
+mod ktx2_blocks;
+mod pixels;
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
-use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Mutex;
@@ -16,10 +17,10 @@ use std::sync::mpsc;
 
 use gate::Gate;
 use gltf::json::Root;
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
-use scene::Image;
+use ktx2_blocks::EncodedBlocks;
+use pixels::EncodedPixels;
+use scene::{Image, Texels};
 
-use crate::Limits;
 use crate::buffers::Budget;
 use crate::element::Kind;
 use crate::elements::Store;
@@ -28,6 +29,7 @@ use crate::memory;
 use crate::progress::ReadProgress;
 use crate::uri::Wanted;
 use crate::verdict::Verdict;
+use crate::{ImportError, Limits};
 
 /// The most decoding threads: more gain little and take memory.
 const MAX_THREADS: usize = 8;
@@ -65,20 +67,20 @@ pub(crate) fn decode(
             .and_then(|encoded| Job::new(index, encoded, limits))
             .at(|| element.to_string());
         let Some(job) = verdict.judge(element, job)? else { continue };
-        total = total.saturating_add(job.pixel_bytes());
+        total = total.saturating_add(job.head.bytes);
         if total > limits.image_bytes {
             let reason = Reason::too_large("bytes of pixels up to it", total, limits.image_bytes);
             return Err(reason.of(element.to_string()));
         }
         jobs.push(job);
     }
-    for (job, pixels) in jobs.iter().zip(decode_all(&jobs, limits, read_progress)) {
+    for (job, texels) in jobs.iter().zip(decode_all(&jobs, limits, read_progress)) {
         let element = Kind::Image.at(job.index);
-        let rgba8 = verdict.judge(element, pixels.at(|| element.to_string()))?;
+        let texels = verdict.judge(element, texels.at(|| element.to_string()))?;
         let name = root.images.get(job.index).and_then(|image| image.name.clone());
         let name = name.unwrap_or_else(|| element.to_string());
-        if let Some((image, rgba8)) = list.get_mut(job.index).zip(rgba8) {
-            *image = Some(Image { name, size: job.size, rgba8 });
+        if let Some((image, texels)) = list.get_mut(job.index).zip(texels) {
+            *image = Some(Image { name, size: job.head.size, texels });
         }
     }
     let mut placeholders = BTreeSet::new();
@@ -105,7 +107,7 @@ fn placeholder(index: usize) -> Image {
         if is_dark { [0, 0, 0, 255] } else { [255, 0, 255, 255] }
     };
     let rgba8 = (0..SIDE * SIDE).flat_map(texel).collect();
-    Image { name: format!("image {index} (missing)"), size: [SIDE; 2], rgba8 }
+    Image::of_rgba8(format!("image {index} (missing)"), [SIDE; 2], rgba8)
 }
 
 /// Returns the encoded bytes of an image in the file.
@@ -130,23 +132,37 @@ fn encoded<'a>(
 struct Job<'a> {
     index: usize,
     encoded: Cow<'a, [u8]>,
-    format: ImageFormat,
+    head: ImageHead,
+    coding: Coding,
+}
+
+/// The facts in the head of an image, which are checked before any memory is taken for it.
+struct ImageHead {
     size: [u32; 2],
+    /// The bytes of the decoded image.
+    bytes: u64,
     /// The memory that decoding takes beside the result.
     scratch_bytes: u64,
-    /// True for a JPEG without its last marker.
-    lacks_end: bool,
+}
+
+/// The form that an image lies in a file in.
+enum Coding {
+    Pixels(EncodedPixels),
+    Ktx2(EncodedBlocks),
 }
 
 impl<'a> Job<'a> {
-    /// Reads the head of an image alone: its size is checked before any memory is taken for it.
+    /// Reads the head of an image alone.
     fn new(index: usize, encoded: Cow<'a, [u8]>, limits: &Limits) -> Result<Self, Reason> {
-        let format = format_of(&encoded)?;
-        let (width, height, raw_bytes) = {
-            let decoder = decoder(&encoded, format, limits)?;
-            let (width, height) = decoder.dimensions();
-            (width, height, decoder.total_bytes())
-        };
+        let (head, coding) = guarded(|| {
+            if EncodedBlocks::are_in(&encoded) {
+                let (head, blocks) = EncodedBlocks::read(&encoded)?;
+                return Ok((head, Coding::Ktx2(blocks)));
+            }
+            let (head, pixels) = EncodedPixels::read(&encoded, limits)?;
+            Ok((head, Coding::Pixels(pixels)))
+        })?;
+        let [width, height] = head.size;
         if width == 0 || height == 0 {
             return Err(Reason::malformed("it has no pixels"));
         }
@@ -155,91 +171,45 @@ impl<'a> Job<'a> {
             let text = format!("pixels along a side of {width} x {height}");
             return Err(Reason::too_large(&text, u64::from(longest), u64::from(limits.image_side)));
         }
-        let jpeg = (format == ImageFormat::Jpeg).then(|| jpeg::inspect(&encoded));
-        let copies = match (format, jpeg) {
-            // Coefficients of 16 bits for all of the image.
-            (_, Some(jpeg)) if jpeg.is_progressive => 4,
-            (ImageFormat::Png, _) => 1,
-            _ => 2,
-        };
-        let lacks_end = jpeg.is_some_and(|jpeg| !jpeg.has_end);
-        let pixel_bytes = u64::from(width).saturating_mul(u64::from(height)).saturating_mul(4);
-        let more_bytes = if lacks_end { pixel_bytes + encoded.len() as u64 } else { 0 };
-        let scratch_bytes = raw_bytes.saturating_mul(copies).saturating_add(encoded.len() as u64);
-        let scratch_bytes = scratch_bytes.saturating_add(more_bytes);
-        if scratch_bytes > limits.image_scratch_bytes {
+        if head.scratch_bytes > limits.image_scratch_bytes {
             let text = format!("bytes for decoding {width} x {height} pixels");
-            return Err(Reason::too_large(&text, scratch_bytes, limits.image_scratch_bytes));
+            let limit = limits.image_scratch_bytes;
+            return Err(Reason::too_large(&text, head.scratch_bytes, limit));
         }
-        Ok(Self { index, format, size: [width, height], scratch_bytes, lacks_end, encoded })
+        Ok(Self { index, encoded, head, coding })
     }
 
-    fn pixel_bytes(&self) -> u64 {
-        u64::from(self.size[0]) * u64::from(self.size[1]) * 4
-    }
-
-    fn run(&self, limits: &Limits) -> Result<Vec<u8>, Reason> {
-        memory::ask(self.scratch_bytes)?;
-        if !self.lacks_end {
-            return self.pixels(&self.encoded, limits);
-        }
-        // The decoder fills up missing data without a warning. In a complete file, bytes after the
-        // end change nothing.
-        let [one, other] = jpeg::endings(&self.encoded);
-        let pixels = self.pixels(&one, limits)?;
-        drop(one);
-        if self.pixels(&other, limits).as_ref() == Ok(&pixels) {
-            return Ok(pixels);
-        }
-        Err(Reason::damaged("it is a JPEG that is cut off"))
-    }
-
-    fn pixels(&self, encoded: &[u8], limits: &Limits) -> Result<Vec<u8>, Reason> {
-        // The decoders are third-party code: a panic in one loses this image alone.
-        let decoded = catch_unwind(AssertUnwindSafe(|| {
-            let decoder = decoder(encoded, self.format, limits)?;
-            DynamicImage::from_decoder(decoder)
-                .map(DynamicImage::into_rgba8)
-                .map_err(|error| undecodable(&error))
-        }));
-        let pixels = decoded.unwrap_or_else(|_| Err(Reason::damaged("its decoder gave up")))?;
-        if pixels.dimensions() != (self.size[0], self.size[1]) {
-            return Err(Reason::malformed("its size is not what its head says"));
-        }
-        Ok(pixels.into_raw())
+    fn run(&self, limits: &Limits) -> Result<Texels, Reason> {
+        memory::ask(self.head.scratch_bytes)?;
+        guarded(|| match &self.coding {
+            Coding::Pixels(pixels) => {
+                pixels.decode(&self.encoded, self.head.size, limits).map(Texels::Rgba8)
+            }
+            Coding::Ktx2(blocks) => blocks.decode(&self.encoded),
+        })
     }
 }
 
-fn format_of(encoded: &[u8]) -> Result<ImageFormat, Reason> {
-    const KTX2: &[u8] = b"\xABKTX 20\xBB";
-    if encoded.starts_with(KTX2) {
-        return Err(Reason::unsupported("it is a KTX2 image; PNG, JPEG and WebP are supported"));
-    }
-    match image::guess_format(encoded) {
-        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) => Ok(format),
-        _ => Err(Reason::unsupported("it is no PNG, JPEG or WebP image")),
-    }
+/// Calls third-party code: a panic in it loses this image alone.
+fn guarded<T>(decode: impl FnOnce() -> Result<T, Reason>) -> Result<T, Reason> {
+    let decoded = catch_unwind(AssertUnwindSafe(decode));
+    decoded.unwrap_or_else(|_| Err(Reason::damaged("its decoder gave up")))
 }
 
-fn decoder<'a>(
-    encoded: &'a [u8],
-    format: ImageFormat,
-    limits: &Limits,
-) -> Result<impl ImageDecoder + 'a, Reason> {
-    let mut reader = ImageReader::with_format(Cursor::new(encoded), format);
-    let mut memory = image::Limits::no_limits();
-    memory.max_alloc = Some(limits.image_scratch_bytes);
-    reader.limits(memory);
-    reader.into_decoder().map_err(|error| undecodable(&error))
-}
-
-fn undecodable(error: &image::ImageError) -> Reason {
-    let said = error.to_string();
-    let text = format!("it cannot be decoded: {}", said.trim());
-    match error {
-        image::ImageError::Limits(_) => Reason::beyond_limits(text),
-        _ => Reason::damaged(text),
-    }
+/// Decodes an image that is in memory: PNG, JPEG, WebP, or KTX2 of BC1 to BC5, BC7 or ASTC, as in
+/// glTF files. `name` is its name in the scene and in errors.
+///
+/// # Errors
+/// An image of another form, a broken one, one beyond the limits.
+pub fn decode_image(name: &str, encoded: &[u8], limits: &Limits) -> Result<Image, ImportError> {
+    let job = Job::new(0, Cow::Borrowed(encoded), limits).and_then(|job| {
+        if job.head.bytes > limits.image_bytes {
+            return Err(Reason::too_large("bytes of it", job.head.bytes, limits.image_bytes));
+        }
+        Ok((job.head.size, job.run(limits)?))
+    });
+    let (size, texels) = job.map_err(|reason| reason.of("image").in_file(name))?;
+    Ok(Image { name: name.to_owned(), size, texels })
 }
 
 /// Decodes all images on a bounded number of threads, and reports progress after each. The results
@@ -248,7 +218,7 @@ fn decode_all(
     jobs: &[Job],
     limits: &Limits,
     read_progress: &mut ReadProgress<'_>,
-) -> Vec<Result<Vec<u8>, Reason>> {
+) -> Vec<Result<Texels, Reason>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = cores.min(MAX_THREADS).min(jobs.len());
     let gate = Gate::new(limits.image_scratch_bytes);
@@ -257,10 +227,10 @@ fn decode_all(
     let (finished, arriving) = mpsc::channel();
     let work = |finished: mpsc::Sender<()>| {
         while let Some((index, job)) = take(jobs, &next) {
-            let pixels = gate.with(job.scratch_bytes, || job.run(limits));
+            let texels = gate.with(job.head.scratch_bytes, || job.run(limits));
             let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(slot) = done.get_mut(index) {
-                *slot = pixels;
+                *slot = texels;
             }
             // Nobody receives results after the progress function stopped the loading.
             let _listens = finished.send(());

@@ -64,6 +64,7 @@ pub use check::Instancing;
 pub use error::{Cause, ImportError};
 pub use extensions::SUPPORTED_EXTENSIONS;
 pub use gltf_scene::{GltfScene, NodeAttachment, PlacedNode, SceneCamera};
+pub use images::decode_image;
 pub use limits::Limits;
 pub use load::{load, load_bytes};
 pub use load_options::LoadOptions;

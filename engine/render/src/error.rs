@@ -188,17 +188,14 @@ pub enum Error {
         atlas: [u32; 2],
     },
     /// An image that is not whole.
-    #[error(
-        "the image \"{image}\" of {}x{} pixels has {bytes} bytes: it needs four per pixel, and at least one pixel",
-        size[0], size[1]
-    )]
+    #[error("the image \"{image}\" of {}x{} pixels cannot be drawn: {fault}", size[0], size[1])]
     Image {
         /// The name of the image in the scene.
         image: String,
         /// Its size in pixels.
         size: [u32; 2],
-        /// The number of its bytes.
-        bytes: usize,
+        /// The fault, as the end of a sentence.
+        fault: &'static str,
     },
     /// A mesh that cannot be added or removed.
     #[error("mesh {index} of those named cannot be added or removed, so none was: {reason}")]

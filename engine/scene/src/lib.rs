@@ -18,6 +18,7 @@ mod check;
 mod environment;
 mod error;
 mod flare;
+mod image;
 pub mod limits;
 mod mesh;
 mod outwardness;
@@ -40,6 +41,7 @@ use glam::{Affine3A, Vec3, vec3};
 pub use environment::{ENVIRONMENT_SIDE, Environment, GLOSSY_LEVELS, Sky, SkyDisk};
 pub use error::SceneError;
 pub use flare::{FlarePlace, LensFlare};
+pub use image::{AstcBlock, BlockFormat, Image, Texels};
 pub use mesh::{
     Mesh, MeshId, Object, Vertex, bounds_of_transformed, bounds_of_vertices, pack_normal,
     pack_unorm, unpack_normal, unpack_unorm,
@@ -51,7 +53,7 @@ pub use prepared_texture::PreparedTexture;
 pub use punctual_light::{LightKind, LightPicture, PunctualLight};
 pub use sprites::{MAX_SPRITES, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
 pub use surface::{
-    Alpha, Encoding, Filter, Image, ImageId, LightId, LodLevel, Material, MaterialId, MorphTarget,
+    Alpha, Encoding, Filter, ImageId, LightId, LodLevel, Material, MaterialId, MorphTarget,
     Sampler, SkinWeights, SkinnedMesh, SkinnedMeshId, SurfaceMesh, SurfaceVertex, Surfaces,
     Texture, TextureId, TextureUse, TransparentId, Wrap,
 };

@@ -1,7 +1,8 @@
 //! Textures that a renderer takes while it runs.
 
 use super::error::SceneError;
-use super::surface::{Encoding, Image, Sampler};
+use super::image::{Image, Texels};
+use super::surface::{Encoding, Sampler};
 
 /// An image that was checked, with the meaning of its bytes and its sampler.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,16 +13,16 @@ pub struct PreparedTexture {
 }
 
 impl PreparedTexture {
-    /// Checks an image.
+    /// Checks an image. Mip maps that the sampler does not take are left out.
     ///
     /// # Errors
     /// [`SceneError::BrokenSurfaces`] for one without pixels, or with another number of bytes than
     /// its size says.
-    pub fn new(image: Image, encoding: Encoding, sampler: Sampler) -> Result<Self, SceneError> {
-        let pixels = image.size.map(u64::from).iter().product::<u64>();
-        if pixels == 0 || pixels.checked_mul(4) != Some(image.rgba8.len() as u64) {
-            let fault = "it has not four bytes for each pixel of its size, or no pixels";
-            return Err(SceneError::BrokenSurfaces { part: "image", index: 0, fault });
+    pub fn new(mut image: Image, encoding: Encoding, sampler: Sampler) -> Result<Self, SceneError> {
+        let broken = |fault| SceneError::BrokenSurfaces { part: "image", index: 0, fault };
+        image.check().map_err(broken)?;
+        if let (Texels::Blocks { levels, .. }, None) = (&mut image.texels, sampler.between_levels) {
+            levels.truncate(1);
         }
         Ok(Self { image, encoding, sampler })
     }
@@ -29,6 +30,12 @@ impl PreparedTexture {
     /// Returns the image.
     pub fn image(&self) -> &Image {
         &self.image
+    }
+
+    /// Returns the texture with four bytes per texel.
+    #[must_use]
+    pub fn unpacked(self) -> Self {
+        Self { image: self.image.unpacked(), ..self }
     }
 
     /// Returns the meaning of its bytes.

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use glam::Affine2;
 
-use super::{MeshId, Object, PunctualLight, Sprites};
+use super::{Image, MeshId, Object, PunctualLight, Sprites};
 
 /// The id of a material: an index into [`Surfaces::materials`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -178,17 +178,6 @@ impl Default for Material {
             is_unlit: false,
         }
     }
-}
-
-/// An image of four channels of eight bits.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Image {
-    /// The name, for people.
-    pub name: String,
-    /// Width and height in pixels, neither 0.
-    pub size: [u32; 2],
-    /// Rows from the top without gaps, four bytes per pixel.
-    pub rgba8: Vec<u8>,
 }
 
 /// The meaning of the bytes of an image.

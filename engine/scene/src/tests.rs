@@ -46,7 +46,7 @@ fn scene() -> Scene {
             encoding: Encoding::Srgb,
             sampler: Sampler::default(),
         }],
-        images: vec![Image { name: String::new(), size: [1, 1], rgba8: vec![255; 4] }],
+        images: vec![Image::of_rgba8("", [1, 1], vec![255; 4])],
         transparent: vec![object(1)],
         skinned_meshes: vec![SkinnedMesh {
             mesh: MeshId(0),

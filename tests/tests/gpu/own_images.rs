@@ -41,7 +41,7 @@ fn image(step: u32, side: u32) -> Image {
         [(x * 37 + step * 50) as u8, (y * 29) as u8, (at * step) as u8, alpha]
     };
     let rgba8 = (0..side * side).flat_map(texel).collect();
-    Image { name: format!("pattern {step}"), size: [side; 2], rgba8 }
+    Image::of_rgba8(format!("pattern {step}"), [side; 2], rgba8)
 }
 
 fn texture(image: u32, encoding: Encoding, sampler: Sampler) -> Texture {
@@ -253,7 +253,7 @@ fn one_texture(size: [u32; 2]) -> (Scene, Vec2) {
     let mut scene = coloured_cubes(1, vec![object(0, vec3(-1.0, -1.0, -9.0), Vec3::splat(2.0))]);
     let surfaces: &mut Surfaces = scene.surfaces.as_mut().unwrap();
     let rgba8 = [10, 200, 30, 255].repeat((size[0] * size[1]) as usize);
-    surfaces.images = vec![Image { name: "one".into(), size, rgba8 }];
+    surfaces.images = vec![Image::of_rgba8("one", size, rgba8)];
     surfaces.textures = vec![texture(0, Encoding::Srgb, Sampler::default())];
     surfaces.materials = vec![Material {
         base_colour_texture: using(0, Affine2::IDENTITY),

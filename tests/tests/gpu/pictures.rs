@@ -43,7 +43,7 @@ fn picture_image(turned: u32) -> Image {
         [red, green, blue, 255]
     };
     let rgba8 = (0..TEXELS * TEXELS).flat_map(texel).collect();
-    Image { name: "picture".into(), size: [TEXELS; 2], rgba8 }
+    Image::of_rgba8("picture", [TEXELS; 2], rgba8)
 }
 
 fn spot(texture: u32, up: Vec3) -> PunctualLight {

@@ -246,7 +246,7 @@ fn leaning() -> Scene {
     for triangle in mesh.indices.chunks_exact_mut(3) {
         triangle.swap(1, 2);
     }
-    let texel = Image { name: "leaning".to_owned(), size: [1, 1], rgba8: vec![128, 230, 200, 255] };
+    let texel = Image::of_rgba8("leaning", [1, 1], vec![128, 230, 200, 255]);
     let texture =
         Texture { image: ImageId(0), encoding: Encoding::Linear, sampler: Sampler::default() };
     let used = TextureUse { texture: TextureId(0), uv_set: 0, transform: glam::Affine2::IDENTITY };

@@ -1,6 +1,7 @@
 //! Textures of the surface pass: every pixel shows the specification's texel, in the right light.
 
 mod arrays;
+mod blocks;
 mod covering;
 mod details;
 
@@ -30,7 +31,7 @@ const SHARP: Sampler = Sampler {
 fn image(size: [u32; 2], texel: impl Fn(u32, u32) -> [u8; 4]) -> Image {
     let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
     let rgba8 = pixels.flat_map(|(x, y)| texel(x, y)).collect();
-    Image { name: "test".to_owned(), size, rgba8 }
+    Image::of_rgba8("test", size, rgba8)
 }
 
 /// Returns texels that are all different, in every channel.

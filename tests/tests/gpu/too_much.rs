@@ -58,7 +58,7 @@ fn textured(texture: u32, transform: Affine2) -> Material {
 
 fn image(size: [u32; 2], texel: [u8; 4]) -> Image {
     let pixels = (size[0] * size[1]) as usize;
-    Image { name: "an image".to_owned(), size, rgba8: texel.repeat(pixels) }
+    Image::of_rgba8("an image", size, texel.repeat(pixels))
 }
 
 fn look(image: u32) -> Texture {

@@ -66,7 +66,7 @@ fn options() -> RendererOptions {
 
 /// Adds one of each kind, with an object, and removes another that was there for a while.
 fn change(renderer: &mut Renderer, mesh: &Mesh) {
-    let image = Image { name: "came".into(), size: [16, 16], rgba8: vec![200; 1024] };
+    let image = Image::of_rgba8("came", [16, 16], vec![200; 1024]);
     let texture = PreparedTexture::new(image, Encoding::Srgb, Sampler::default()).unwrap();
     for is_kept in [false, true] {
         let texture = renderer.add_textures(vec![texture.clone()]).unwrap()[0];

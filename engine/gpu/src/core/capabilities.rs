@@ -143,6 +143,10 @@ pub enum Optional {
     /// Textures that shaders find by number, thousands of them, to which more are added while
     /// frames are in flight ([`TextureTable`](crate::TextureTable)).
     IndexedTextures,
+    /// Textures of compressed blocks, BC1 to BC7, as desktop GPUs have them.
+    BcTextures,
+    /// Textures of compressed blocks of ASTC, as mobile GPUs have them.
+    AstcTextures,
     /// Depths of several samples per pixel, each at the place that its coverage is taken from, as
     /// Vulkan demands. Without it no test of a proxy is exact there.
     SampleDepths,
@@ -165,7 +169,7 @@ pub enum Optional {
 
 impl Optional {
     /// All optional capabilities.
-    pub const ALL: [Optional; 19] = [
+    pub const ALL: [Optional; 21] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
@@ -177,6 +181,8 @@ impl Optional {
         Optional::Wireframe,
         Optional::Anisotropy,
         Optional::IndexedTextures,
+        Optional::BcTextures,
+        Optional::AstcTextures,
         Optional::SampleDepths,
         Optional::GeometryShaders,
         Optional::DepthClamp,
@@ -201,6 +207,8 @@ impl Optional {
             Optional::Wireframe => "fillModeNonSolid",
             Optional::Anisotropy => "samplerAnisotropy",
             Optional::IndexedTextures => "descriptor indexing of sampled images",
+            Optional::BcTextures => "textureCompressionBC",
+            Optional::AstcTextures => "textureCompressionASTC_LDR",
             Optional::SampleDepths => "depths of samples at their own places",
             Optional::GeometryShaders => "geometryShader",
             Optional::DepthClamp => "depthClamp",
@@ -251,6 +259,8 @@ impl Optional {
                 descriptor_binding_update_unused_while_pending: true,
                 ..none
             },
+            Optional::BcTextures => Features { texture_compression_bc: true, ..none },
+            Optional::AstcTextures => Features { texture_compression_astc_ldr: true, ..none },
             Optional::GeometryShaders => Features { geometry_shader: true, ..none },
             Optional::DepthClamp => Features { depth_clamp: true, ..none },
             Optional::PresentFences => Features { swapchain_maintenance1: true, ..none },

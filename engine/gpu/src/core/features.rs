@@ -56,6 +56,8 @@ features! {
         fragment_stores_and_atomics "fragmentStoresAndAtomics"
         fill_mode_non_solid "fillModeNonSolid"
         sampler_anisotropy "samplerAnisotropy"
+        texture_compression_bc "textureCompressionBC"
+        texture_compression_astc_ldr "textureCompressionASTC_LDR"
         geometry_shader "geometryShader"
         depth_clamp "depthClamp"
     }

@@ -8,6 +8,7 @@ pub(crate) mod instance_numbers;
 pub(crate) mod readback;
 pub(crate) mod resample;
 pub(crate) mod sampled_texture;
+mod texel_blocks;
 pub(crate) mod texture_array;
 mod texture_sampler;
 pub(crate) mod texture_table;

@@ -10,6 +10,7 @@ use crate::core::ownership::of_device;
 use crate::memory::buffer::BufferSlice;
 use crate::memory::image::Image;
 use crate::memory::resample::resampled;
+use crate::memory::texel_blocks::TexelBlocks;
 use crate::memory::texture_sampler::TextureSampler;
 use crate::record::access::{Access, LayoutChange};
 use crate::record::commands::Commands;
@@ -21,6 +22,9 @@ pub enum MipMaking {
     Blits,
     /// The CPU, by [`resampled`](crate::resampled).
     Cpu,
+    /// The caller, who [writes](crate::TextureUploads::write_levels) so many levels with the whole
+    /// image; as many as the size has at most. For compressed blocks it is the only one.
+    Given(u32),
 }
 
 /// The description of a [`TextureArray`].
@@ -32,7 +36,10 @@ pub struct TextureArrayInfo<'a> {
     pub size: [u32; 2],
     /// The number of layers.
     pub layers: u32,
-    /// `R8G8B8A8_SRGB` for colours, `R8G8B8A8_UNORM` for numbers.
+    /// `R8G8B8A8_SRGB` for colours, `R8G8B8A8_UNORM` for numbers; or one of BC1 to BC5 or BC7
+    /// without signs, or of ASTC, where the device has them
+    /// ([`Optional::BcTextures`](crate::Optional::BcTextures),
+    /// [`Optional::AstcTextures`](crate::Optional::AstcTextures)).
     pub format: vk::Format,
     /// The addressing beyond the edges, across and down.
     pub wrap: [vk::SamplerAddressMode; 2],
@@ -57,6 +64,7 @@ pub struct TextureArray {
     sampler: Arc<TextureSampler>,
     pub(super) size: [u32; 2],
     pub(super) format: vk::Format,
+    blocks: TexelBlocks,
     pub(crate) levels: u32,
     pub(super) mip_making: MipMaking,
     pub(super) layers: Vec<Layer>,
@@ -65,6 +73,7 @@ pub struct TextureArray {
 /// The part of a layer that is on the GPU.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Layer {
+    /// Rows of blocks from the top.
     pub(super) rows: u32,
     /// The bytes written so far, kept where the CPU makes the mip maps.
     pub(super) kept: Vec<u8>,
@@ -77,7 +86,8 @@ impl TextureArray {
     ///
     /// # Errors
     /// [`Error::TooLarge`] for a size or number of layers of 0 or beyond the device's limits;
-    /// [`Error::WrongCommands`] for another format; no memory.
+    /// [`Error::WrongCommands`] for another format, or for blocks whose mip maps are not given;
+    /// [`Error::Unsupported`] for blocks that the device does not have; no memory.
     pub fn new(device: &Device, info: &TextureArrayInfo<'_>) -> Result<Self, Error> {
         Self::with_sampler(device, info, Arc::new(TextureSampler::new(device, info)?))
     }
@@ -101,16 +111,19 @@ impl TextureArray {
                 return Err(Error::TooLarge { what, wanted: wanted.into(), limit: limit.into() });
             }
         }
-        if ![vk::Format::R8G8B8A8_SRGB, vk::Format::R8G8B8A8_UNORM].contains(&info.format) {
-            return Err(Error::WrongCommands("a texture array has four channels of eight bits"));
-        }
+        let blocks = blocks_of(device, info)?;
         let blits = vk::FormatFeatureFlags::BLIT_SRC
             | vk::FormatFeatureFlags::BLIT_DST
             | vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
         let can_blit = device.has_format_feature(info.format, blits);
-        let levels = match info.between_levels {
+        let all_levels = match info.between_levels {
             Some(_) => width.max(height).ilog2() + 1,
             None => 1,
+        };
+        let (levels, mip_making) = match info.mip_making {
+            MipMaking::Given(levels) => (levels.clamp(1, all_levels), info.mip_making),
+            MipMaking::Blits if can_blit => (all_levels, MipMaking::Blits),
+            MipMaking::Blits | MipMaking::Cpu => (all_levels, MipMaking::Cpu),
         };
         let usage = vk::ImageUsageFlags::SAMPLED
             | vk::ImageUsageFlags::TRANSFER_DST
@@ -123,8 +136,9 @@ impl TextureArray {
             sampler,
             size: info.size,
             format: info.format,
+            blocks,
             levels,
-            mip_making: if can_blit { info.mip_making } else { MipMaking::Cpu },
+            mip_making,
             layers: vec![Layer::default(); info.layers as usize],
         })
     }
@@ -137,6 +151,20 @@ impl TextureArray {
     /// Returns the number of layers.
     pub fn layers(&self) -> u32 {
         self.layers.len() as u32
+    }
+
+    /// Returns true if the caller gives the mip maps.
+    pub(crate) fn has_given_levels(&self) -> bool {
+        matches!(self.mip_making, MipMaking::Given(_))
+    }
+
+    /// Refuses another number of bytes than a level has.
+    pub(crate) fn check_level(&self, level: u32, bytes: &[u8]) -> Result<(), Error> {
+        let wanted = self.row_bytes(level) * u64::from(self.level_rows(level));
+        if bytes.len() as u64 == wanted {
+            return Ok(());
+        }
+        Err(Error::WrongCommands("a layer is written with too many or too few bytes"))
     }
 
     /// Returns true if the device makes the mip maps.
@@ -161,13 +189,13 @@ impl TextureArray {
     /// Counts all layers as reserved. The caller [opens](crate::Commands::open_texture) them with
     /// the next frame, before anything samples or writes them.
     pub fn announce(&mut self) {
-        let rows = self.size[1];
+        let rows = self.level_rows(0);
         self.layers.iter_mut().for_each(|layer| layer.rows = rows);
     }
 
     /// Returns true if all layers were written or reserved.
     pub fn is_filled(&self) -> bool {
-        self.layers.iter().all(|layer| layer.rows == self.size[1])
+        self.layers.iter().all(|layer| layer.rows == self.level_rows(0))
     }
 
     pub(crate) fn descriptor(&self) -> vk::DescriptorImageInfo {
@@ -180,6 +208,16 @@ impl TextureArray {
 
     pub(crate) fn level_size(&self, level: u32) -> [u32; 2] {
         self.size.map(|side| (side >> level).max(1))
+    }
+
+    /// Returns the number of rows of blocks of a level.
+    pub(crate) fn level_rows(&self, level: u32) -> u32 {
+        self.blocks.rows(self.level_size(level)[1])
+    }
+
+    /// Returns the bytes of a row of blocks of a level.
+    pub(crate) fn row_bytes(&self, level: u32) -> u64 {
+        self.blocks.row_bytes(self.level_size(level)[0])
     }
 
     pub(crate) fn change(
@@ -198,7 +236,7 @@ impl TextureArray {
         LayoutChange::of_part(self.image.raw, part, from, to)
     }
 
-    /// Copies whole rows from the beginning of a slice to a level.
+    /// Copies whole rows of blocks from the beginning of a slice to a level.
     pub(crate) fn copy_rows(
         &self,
         commands: &Commands,
@@ -207,12 +245,16 @@ impl TextureArray {
         level: u32,
         rows: std::ops::Range<u32>,
     ) {
-        let [width, _] = self.level_size(level);
+        let [width, height] = self.level_size(level);
+        // Blocks at the lower edge reach beyond it, but a copy does not
+        // (VUID-vkCmdCopyBufferToImage-imageSubresource-07972).
+        let texels = |row: u32| (row * self.blocks.size[1]).min(height);
+        let (first, end) = (texels(rows.start), texels(rows.end));
         let region = vk::BufferImageCopy::default()
             .buffer_offset(from.offset_bytes)
             .image_subresource(level_of(layer, level))
-            .image_offset(vk::Offset3D { x: 0, y: rows.start as i32, z: 0 })
-            .image_extent(vk::Extent3D { width, height: rows.end - rows.start, depth: 1 });
+            .image_offset(vk::Offset3D { x: 0, y: first as i32, z: 0 })
+            .image_extent(vk::Extent3D { width, height: end - first, depth: 1 });
         // SAFETY: the caller's rows lie in the level and in the slice; the level is in the layout
         // named.
         unsafe {
@@ -271,6 +313,21 @@ impl TextureArray {
                 [Access::CopyRead, Access::FragmentSample],
             )]);
         }
+    }
+}
+
+/// Returns the blocks of the textures of a description.
+fn blocks_of(device: &Device, info: &TextureArrayInfo<'_>) -> Result<TexelBlocks, Error> {
+    const FORMATS: &str = "a texture array has four channels of eight bits, or compressed blocks";
+    let blocks = TexelBlocks::of(info.format).ok_or(Error::WrongCommands(FORMATS))?;
+    let Some(needed) = blocks.needs else { return Ok(blocks) };
+    if !device.capabilities().has(needed) {
+        let (missing, wanted) = (needed.name(), "textures of compressed blocks");
+        return Err(Error::Unsupported { device: device.adapter().name.clone(), missing, wanted });
+    }
+    match info.mip_making {
+        MipMaking::Given(_) => Ok(blocks),
+        _ => Err(Error::WrongCommands("nobody makes mip maps of compressed blocks")),
     }
 }
 

@@ -31,23 +31,36 @@ impl TextureUploads {
         Ok(Self { device: device.clone(), staging })
     }
 
-    /// Writes the next rows of a layer, from its top on: four bytes per pixel, whole rows. With the
-    /// last of them the layer's mip maps are made. So a loader can upload images a piece at a time.
+    /// Writes the next rows of a layer, from its top on: four bytes per pixel, whole rows; or rows
+    /// of compressed blocks. With the last of them the layer's mip maps are made. So a loader can
+    /// upload images a piece at a time.
     ///
     /// # Errors
     /// [`Error::WrongCommands`] for a missing layer, for bytes that are no whole rows or more than
-    /// are left; [`Error::Foreign`] for an array of another device; a failed call. What was written
-    /// before stays.
+    /// are left, for an array with [given](MipMaking::Given) mip maps; [`Error::Foreign`] for an
+    /// array of another device; a failed call. What was written before stays.
     pub fn write_rows(
         &mut self,
         array: &mut TextureArray,
         layer: u32,
         rgba8: &[u8],
     ) -> Result<(), Error> {
-        let [width, height] = array.size;
-        let row_bytes = width as usize * 4;
+        if array.has_given_levels() && array.levels > 1 {
+            return Err(Error::WrongCommands("the mip maps of a layer are written with it"));
+        }
+        self.write_first_level(array, layer, rgba8)
+    }
+
+    /// Writes the next rows of the whole image of a layer.
+    fn write_first_level(
+        &mut self,
+        array: &mut TextureArray,
+        layer: u32,
+        rgba8: &[u8],
+    ) -> Result<(), Error> {
+        let row_bytes = array.row_bytes(0) as usize;
         let done = array.layers.get(layer as usize).map(|layer| layer.rows);
-        let left = done.map_or(0, |rows| (height - rows) as usize);
+        let left = done.map_or(0, |rows| (array.level_rows(0) - rows) as usize);
         if rgba8.is_empty()
             || !rgba8.len().is_multiple_of(row_bytes)
             || rgba8.len() / row_bytes > left
@@ -72,11 +85,30 @@ impl TextureUploads {
         layer: u32,
         rgba8: &[u8],
     ) -> Result<(), Error> {
-        let [width, height] = array.size;
-        if rgba8.len() as u64 != u64::from(width) * u64::from(height) * 4 {
-            return Err(Error::WrongCommands("a layer is written with too many or too few bytes"));
-        }
+        array.check_level(0, rgba8)?;
         self.write_rows(array, layer, rgba8)
+    }
+
+    /// Writes a whole layer of an array with [given](MipMaking::Given) mip maps, the whole image
+    /// first.
+    ///
+    /// # Errors
+    /// As [`TextureUploads::write`]; another number of mip maps than the array has.
+    pub fn write_levels(
+        &mut self,
+        array: &mut TextureArray,
+        layer: u32,
+        levels: &[Vec<u8>],
+    ) -> Result<(), Error> {
+        let Some((first, smaller)) = levels.split_first() else { return Ok(()) };
+        if !array.has_given_levels() || levels.len() != array.levels as usize {
+            return Err(Error::WrongCommands("a layer is written with mip maps that it has not"));
+        }
+        for (level, bytes) in (0..).zip(levels) {
+            array.check_level(level, bytes)?;
+        }
+        self.write_first_level(array, layer, first)?;
+        if smaller.is_empty() { Ok(()) } else { self.write_smaller_levels(array, layer, smaller) }
     }
 
     /// Makes layers that nothing was written to ready to be bound, with texels that are not
@@ -105,7 +137,7 @@ impl TextureUploads {
                 commands.change_layouts([changed.change(layer, 0..changed.levels, change)]);
             }
         })?;
-        let rows = array.size[1];
+        let rows = array.level_rows(0);
         let reserved = array.layers.get_mut(layers.start as usize..layers.end as usize);
         reserved.into_iter().flatten().for_each(|layer| layer.rows = rows);
         Ok(())
@@ -120,9 +152,9 @@ impl TextureUploads {
     ) -> Result<(), Error> {
         let place = layer as usize;
         let first = array.layers.get(place).map_or(0, |layer| layer.rows);
-        let rows = first..first + (piece.len() / (array.size[0] as usize * 4)) as u32;
-        let is_last = rows.end == array.size[1];
-        let has_more = is_last && array.mip_making == MipMaking::Cpu && array.levels > 1;
+        let rows = first..first + (piece.len() / array.row_bytes(0) as usize) as u32;
+        let is_last = rows.end == array.level_rows(0);
+        let has_more = is_last && !array.blits_levels() && array.levels > 1;
         let end = rows.end;
         self.stage(piece);
         let staging = &self.staging;
@@ -151,20 +183,23 @@ impl TextureUploads {
                 layer.rows = end;
             }
         }
-        if has_more {
-            self.write_levels(array, layer)?;
+        if has_more && array.mip_making == MipMaking::Cpu {
+            let kept = array.layers.get_mut(place).map(|layer| std::mem::take(&mut layer.kept));
+            let levels = array.levels_by_cpu(&kept.unwrap_or_default());
+            self.write_smaller_levels(array, layer, &levels)?;
         }
         Ok(())
     }
 
-    /// Makes the levels of a layer on the CPU, and makes all ready to be sampled.
-    fn write_levels(&mut self, array: &mut TextureArray, layer: u32) -> Result<(), Error> {
-        let place = layer as usize;
-        let kept = array.layers.get_mut(place).map(|layer| std::mem::take(&mut layer.kept));
-        let levels = array.levels_by_cpu(&kept.unwrap_or_default());
+    /// Writes the levels of a layer from the second on, and makes all ready to be sampled.
+    fn write_smaller_levels(
+        &mut self,
+        array: &mut TextureArray,
+        layer: u32,
+        levels: &[Vec<u8>],
+    ) -> Result<(), Error> {
         for (level, pixels) in (1..).zip(levels) {
-            let to = array.level_size(level);
-            let row_bytes = to[0] as usize * 4;
+            let row_bytes = array.row_bytes(level) as usize;
             let piece_rows = (STAGING_BYTES as usize / row_bytes).max(1);
             for (piece, bytes) in pixels.chunks(piece_rows * row_bytes).enumerate() {
                 let first = (piece * piece_rows) as u32;
@@ -183,8 +218,9 @@ impl TextureUploads {
             let sampled = [Access::CopyWrite, Access::FragmentSample];
             commands.change_layouts([changed.change(layer, all, sampled)]);
         })?;
-        if let Some(layer) = array.layers.get_mut(place) {
-            layer.rows = array.size[1];
+        let rows = array.level_rows(0);
+        if let Some(layer) = array.layers.get_mut(layer as usize) {
+            layer.rows = rows;
         }
         Ok(())
     }

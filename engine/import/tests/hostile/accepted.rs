@@ -118,6 +118,11 @@ const VALID: &[(&str, Change)] = &[
         );
         scene.set("/extensionsUsed", json!(["KHR_texture_basisu"]));
     }),
+    ("an image of compressed blocks", |scene| {
+        let view = scene.view(&super::ktx2_images::file().packed().bytes());
+        scene.set("/images", json!([{ "bufferView": view, "mimeType": "image/ktx2" }]));
+        scene.show_images(1);
+    }),
     ("lights without numbers", |scene| {
         scene.set("/extensions/KHR_lights_punctual/lights", json!([{ "type": "point" }]));
         scene.set("/nodes/0/extensions/KHR_lights_punctual/light", json!(0));
@@ -157,8 +162,9 @@ fn everything_is_read_from_glb_and_gltf_alike() {
         let sizes = source.images.iter().map(|image| image.as_ref().map(|image| image.size));
         assert_eq!(sizes.collect::<Vec<_>>(), [Some([16, 8]); 3]);
         let (png, webp) = (source.images[0].as_ref(), source.images[2].as_ref());
-        assert_eq!(png.map(|image| &image.rgba8[..8]), Some(&[0, 0, 77, 255, 16, 0, 77, 255][..]));
-        assert_eq!(png.map(|image| &image.rgba8), webp.map(|image| &image.rgba8));
+        let [png, webp] = [png, webp].map(|image| image.expect("an image").rgba8());
+        assert_eq!(png[..8], [0, 0, 77, 255, 16, 0, 77, 255]);
+        assert_eq!(png, webp);
         let instancing = source.instancing[&0];
         assert_eq!(instancing.count, 2);
         let turns = source.floats::<4>(instancing.rotation.expect("turned")).expect("four floats");

@@ -328,7 +328,7 @@ pub const LEFT_OUT: &[Row] = &[
     (
         "an image of another kind",
         |s| s.set("/images/0", json!({ "uri": "data:;base64,R0lGODlh" })),
-        Noted(&["image 0: it is no PNG, JPEG or WebP"]),
+        Noted(&["image 0: it is no PNG, JPEG, WebP or KTX2"]),
     ),
     (
         "an image in no buffer",

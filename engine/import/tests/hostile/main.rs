@@ -10,6 +10,7 @@ mod compressed;
 mod containers;
 mod deviations;
 mod disk;
+mod ktx2_images;
 mod left_out;
 mod motion;
 mod mutations;

@@ -15,7 +15,8 @@ impl Renderer {
     /// Nothing waits: each frame copies some rows of what was added first
     /// ([`RendererOptions::upload_bytes_per_frame`]), and makes the mip maps of what is whole.
     /// Meshes that were added later arrive later, so that none is drawn without its textures. Where
-    /// the device cannot make mip maps, this call does.
+    /// the device cannot make mip maps, this call does; it also unpacks compressed blocks that the
+    /// device, or a page, does not take.
     ///
     /// [pages]: crate::surfaces::TextureStorage::Pages
     /// [`RendererOptions::upload_bytes_per_frame`]: crate::RendererOptions::upload_bytes_per_frame
@@ -46,6 +47,7 @@ impl Renderer {
             }
         }
         for ((id, place), texture) in added.iter().zip(textures) {
+            let texture = surfaces.textures.ready(texture);
             let levels = surfaces.levels_by_cpu(*place, &texture);
             geometry.uploads.push_texture(*id, texture, (*place, levels));
         }

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use gpu::{Access, BufferSlice, Frame, MemoryBarrier, TextureArray, TextureRows};
-use scene::{MeshId, PreparedMesh, PreparedTexture, SurfaceVertex, TextureId, Vertex};
+use scene::{MeshId, PreparedMesh, PreparedTexture, SurfaceVertex, Texels, TextureId, Vertex};
 
 use crate::error::Error;
 use crate::resources::mesh_slots::MeshPlace;
@@ -311,9 +311,12 @@ fn sections_of_texture<'a>(
     (texture, place, levels): (&'a PreparedTexture, TexturePlace, &'a Vec<Vec<u8>>),
 ) -> impl Iterator<Item = Section<'a>> {
     let image = texture.image();
-    let levels = levels.iter().map(Vec::as_slice);
-    (0..).zip(std::iter::once(image.rgba8.as_slice()).chain(levels)).map(move |(level, bytes)| {
-        let row_bytes = (image.size[0] >> level).max(1) as usize * 4;
+    let (whole, levels) = match &image.texels {
+        Texels::Rgba8(whole) => (Some(whole), levels),
+        Texels::Blocks { levels, .. } => (None, levels),
+    };
+    (0..).zip(whole.into_iter().chain(levels)).map(move |(level, bytes)| {
+        let row_bytes = image.row_bytes(level);
         Section { bytes, to: Destination::Level { place, level, row_bytes } }
     })
 }

@@ -20,6 +20,9 @@ pub struct SceneDegradations {
     pub shrunk_images: usize,
     /// Images of another size than their page, which are made larger and lose nothing.
     pub enlarged_images: usize,
+    /// Images of compressed blocks that take four bytes per texel, since they lie on pages, or the
+    /// device does not sample their format.
+    pub unpacked_images: usize,
     /// Textures that are sampled by another sampler than their own.
     pub borrowed_samplers: usize,
     /// The way that textures lie on the GPU: of the two, only pages enlarge images and borrow
@@ -32,7 +35,7 @@ impl SceneDegradations {
     #[must_use]
     pub fn texts(&self) -> Vec<String> {
         let Self { crowded_objects, dark_suns, broken_lights, .. } = *self;
-        let Self { shrunk_images, borrowed_samplers, textures, .. } = *self;
+        let Self { shrunk_images, unpacked_images, borrowed_samplers, textures, .. } = *self;
         let shrunk_by = match textures {
             TextureStorage::Images => "they are larger than the device takes".to_owned(),
             TextureStorage::Pages => format!(
@@ -58,6 +61,15 @@ impl SceneDegradations {
             (shrunk_images > 0).then(|| {
                 format!(
                     "{shrunk_images} images are less sharp than they are in the scene: {shrunk_by}"
+                )
+            }),
+            (unpacked_images > 0).then(|| {
+                let taken_by = match textures {
+                    TextureStorage::Images => "the device does",
+                    TextureStorage::Pages => "texture pages do",
+                };
+                format!(
+                    "{unpacked_images} compressed images are unpacked to four bytes per pixel: {taken_by} not take their blocks"
                 )
             }),
             (borrowed_samplers > 0).then(|| {
@@ -90,13 +102,14 @@ mod tests {
             broken_lights: 4,
             shrunk_images: 7,
             enlarged_images: 8,
+            unpacked_images: 3,
             borrowed_samplers: 9,
             textures: TextureStorage::Pages,
         };
-        for (text, number) in all.texts().iter().zip([5, 6, 4, 7, 9]) {
+        for (text, number) in all.texts().iter().zip([5, 6, 4, 7, 3, 9]) {
             assert!(text.starts_with(&number.to_string()), "{text}");
         }
-        assert_eq!(all.texts().len(), 5);
+        assert_eq!(all.texts().len(), 6);
         assert!(all.texts()[3].contains("texture pages"), "{}", all.texts()[3]);
         let own = SceneDegradations { textures: TextureStorage::Images, ..all }.texts();
         assert!(!own[3].contains("pages"), "{}", own[3]);

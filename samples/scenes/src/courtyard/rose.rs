@@ -28,11 +28,8 @@ const RINGS: [(f32, [[f32; 3]; 2]); 4] = [
 /// Adds the picture to the surfaces of a scene. Returns its texture.
 pub(super) fn add(surfaces: &mut Surfaces) -> TextureId {
     let image = ImageId(surfaces.images.len() as u32);
-    surfaces.images.push(Image {
-        name: "rose window".to_owned(),
-        size: [SIDE; 2],
-        rgba8: (0..SIDE * SIDE).flat_map(|pixel| texel(pixel % SIDE, pixel / SIDE)).collect(),
-    });
+    let rgba8 = (0..SIDE * SIDE).flat_map(|pixel| texel(pixel % SIDE, pixel / SIDE)).collect();
+    surfaces.images.push(Image::of_rgba8("rose window", [SIDE; 2], rgba8));
     let sampler = Sampler {
         wrap: [Wrap::Clamp; 2],
         magnified: Filter::Linear,

@@ -120,11 +120,8 @@ fn glow_material(surfaces: &mut Surfaces) -> MaterialId {
         return MaterialId(there as u32);
     }
     let image = ImageId(surfaces.images.len() as u32);
-    surfaces.images.push(Image {
-        name: GLOW_NAME.to_owned(),
-        size: [TEXELS.len() as u32, 1],
-        rgba8: TEXELS.concat(),
-    });
+    let size = [TEXELS.len() as u32, 1];
+    surfaces.images.push(Image::of_rgba8(GLOW_NAME, size, TEXELS.concat()));
     let texture = TextureId(surfaces.textures.len() as u32);
     let sampler = Sampler {
         wrap: [Wrap::Clamp; 2],

@@ -2,7 +2,7 @@
 
 use gpu::{MipMaking, Readback, TextureArrayInfo, TextureTable, TextureUploads, vk};
 use render::{FrameRequest, SpareRoom};
-use scene::{MaterialId, PreparedMesh, PreparedTexture};
+use scene::{BlockFormat, MaterialId, PreparedMesh, PreparedTexture, Texels};
 
 use super::*;
 
@@ -13,9 +13,22 @@ const FRAMES: u32 = 50;
 fn texture_of(number: u32) -> PreparedTexture {
     let size = [1 + number % 9, 1 + number / 9 % 14];
     let texel = [(number * 7) as u8, (number * 13) as u8, (number * 29) as u8, 255];
-    let rgba8 = texel.repeat((size[0] * size[1]) as usize);
-    let image = Image { name: format!("came {number}"), size, rgba8 };
+    let name = format!("came {number}");
+    let image = match number % 3 {
+        2 => Image { name, size, texels: blocks_of(texel, size) },
+        _ => Image::of_rgba8(name, size, texel.repeat((size[0] * size[1]) as usize)),
+    };
     PreparedTexture::new(image, Encoding::Srgb, Sampler::default()).unwrap()
+}
+
+/// Returns all mip maps of blocks of one colour.
+fn blocks_of([red, green, blue, _]: [u8; 4], size: [u32; 2]) -> Texels {
+    let bits = u16::from(red >> 3) << 11 | u16::from(green >> 2) << 5 | u16::from(blue >> 3);
+    let block = [bits.to_le_bytes(), bits.to_le_bytes(), [0; 2], [0; 2]].concat();
+    let blocks = |level: u32| size.map(|side: u32| (side >> level).max(1).div_ceil(4));
+    let level = |level| block.repeat(blocks(level).iter().product::<u32>() as usize);
+    let levels = (0..=size[0].max(size[1]).ilog2()).map(level).collect();
+    Texels::Blocks { format: BlockFormat::Bc1, levels }
 }
 
 fn material_of(texture: TextureId) -> Material {
@@ -101,7 +114,7 @@ fn hundreds_of_textures_come_while_frames_are_in_flight() {
         let fresh = drawn_at_once(device, &scene, &shown, camera);
         assert_eq!(pixels_that_differ(&streamed, &fresh), 0);
         // Most of them are in the picture, each in its colour.
-        let colour = |number: u32| texture_of(number).image().rgba8[..4].to_vec();
+        let colour = |number: u32| texture_of(number).image().rgba8()[..4].to_vec();
         let is_shown = |number: &&u32| streamed.chunks_exact(4).any(|it| it == colour(**number));
         let count = shown.iter().filter(is_shown).count();
         assert!(count > 100, "{count} of {} are shown", shown.len());

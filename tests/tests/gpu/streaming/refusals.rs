@@ -116,7 +116,7 @@ fn a_texture_that_there_is_no_room_for_is_refused_by_name_and_changes_nothing() 
         let plain = first_scene(Kind::Plain);
         let mut plain = Renderer::new(device, &plain, &options(SPARE)).unwrap();
         let of = |size: [u32; 2], encoding| {
-            let image = Image { name: "one".into(), size, rgba8: vec![200; 4 * 16] };
+            let image = Image::of_rgba8("one", size, vec![200; 4 * 16]);
             PreparedTexture::new(image, encoding, Sampler::default())
         };
         let broken = of([4, 3], Encoding::Srgb).unwrap_err().to_string();

@@ -87,7 +87,7 @@ pub(super) fn some_texture(random: &mut Random) -> PreparedTexture {
     let bytes = size[0] * size[1] * 4;
     let alpha = |at: u32, byte: u8| if at % 4 == 3 { byte | 0x80 } else { byte };
     let rgba8 = (0..bytes).map(|at| alpha(at, random.below(256) as u8)).collect();
-    let image = Image { name: "came later".into(), size, rgba8 };
+    let image = Image::of_rgba8("came later", size, rgba8);
     PreparedTexture::new(image, encoding, sampler).unwrap()
 }
 
@@ -122,7 +122,7 @@ pub(super) fn image(name: &str, step: usize) -> Image {
     let texel =
         |at: usize| [(at * step % 256) as u8, 90, 200, if at.is_multiple_of(5) { 0 } else { 255 }];
     let rgba8: Vec<u8> = (0..16).flat_map(texel).collect();
-    Image { name: name.into(), size: [4, 4], rgba8 }
+    Image::of_rgba8(name, [4, 4], rgba8)
 }
 
 pub(super) fn surface_of(mesh: &Mesh, material: MaterialId) -> SurfaceMesh {

@@ -12,7 +12,7 @@ pub struct TextureRows {
     pub layer: u32,
     /// The mip level; 0 is the whole image.
     pub level: u32,
-    /// The first row, from the top.
+    /// The first row, from the top; of compressed blocks, rows of blocks.
     pub first: u32,
     /// The number of rows.
     pub count: u32,
@@ -34,9 +34,9 @@ impl Commands {
     }
 
     /// Copies rows to a layer that was [written](crate::TextureUploads::write) or
-    /// [reserved](crate::TextureUploads::reserve): four bytes per pixel, from the beginning of
-    /// `from`. Waits for draws recorded before that sample the array, and draws recorded later wait
-    /// for it.
+    /// [reserved](crate::TextureUploads::reserve): four bytes per pixel or compressed blocks, from
+    /// the beginning of `from`. Waits for draws recorded before that sample the array, and draws
+    /// recorded later wait for it.
     ///
     /// The frame fails where the rows do not lie in the array or their bytes not in `from`.
     pub fn write_texture(&self, array: &TextureArray, rows: TextureRows, from: BufferSlice) {
@@ -44,12 +44,11 @@ impl Commands {
             return;
         }
         let TextureRows { layer, level, first, count } = rows;
-        let [width, height] = array.level_size(level);
         let is_there = array.is_filled()
             && layer < array.layers()
             && level < array.levels
-            && first.checked_add(count).is_some_and(|end| end <= height)
-            && u64::from(width) * 4 * u64::from(count) <= from.size_bytes;
+            && first.checked_add(count).is_some_and(|end| end <= array.level_rows(level))
+            && array.row_bytes(level) * u64::from(count) <= from.size_bytes;
         if !is_there {
             self.fail(Failure::Wrong("rows are copied to a texture array that has none there"));
             return;

@@ -69,15 +69,9 @@ pub(super) fn check(scene: &Scene, surfaces: &Surfaces) -> Result<(), Error> {
         let fault = "it has not as many surface vertices as vertices";
         return Err(scene::SceneError::BrokenMesh { mesh: name, fault }.into());
     }
-    let pixels = |image: &scene::Image| u64::from(image.size[0]) * u64::from(image.size[1]);
-    let is_whole =
-        |image: &scene::Image| pixels(image) > 0 && pixels(image) * 4 == image.rgba8.len() as u64;
-    match surfaces.images.iter().find(|image| !is_whole(image)) {
-        Some(image) => Err(Error::Image {
-            image: image.name.clone(),
-            size: image.size,
-            bytes: image.rgba8.len(),
-        }),
-        None => Ok(()),
+    for image in &surfaces.images {
+        let (size, check) = (image.size, image.check());
+        check.map_err(|fault| Error::Image { image: image.name.clone(), size, fault })?;
     }
+    Ok(())
 }

@@ -17,7 +17,7 @@ type Look = (u32, Encoding, Sampler);
 
 /// Returns surfaces with an image of each size, and textures that all are used.
 fn surfaces(sizes: &[[u32; 2]], textures: &[Look]) -> Surfaces {
-    let image = |size: &[u32; 2]| Image { name: String::new(), size: *size, rgba8: Vec::new() };
+    let image = |size: &[u32; 2]| Image::of_rgba8("", *size, Vec::new());
     let texture = |(image, encoding, sampler): &Look| Texture {
         image: ImageId(*image),
         encoding: *encoding,

@@ -34,6 +34,7 @@ const _: () = assert!(size_of::<MaterialEntry>() == 64);
 /// No texture: all bits of a place.
 pub(super) const NO_TEXTURE: u32 = 0xFFEF;
 const UNLIT_FLAG: u32 = 1 << 16;
+const NORMALS_OF_TWO_CHANNELS_FLAG: u32 = 1 << 17;
 /// The textures of a material: each may have a transform of its own.
 const TEXTURES: usize = 5;
 
@@ -304,7 +305,13 @@ fn entry_of(
     let [base, metallic_roughness, normal, occlusion, emission] =
         textures_of(material).map(&mut texture);
     let [red, green, blue, alpha] = material.base_colour.map(|part| or(part, 1.0));
-    let flags = if material.is_unlit { UNLIT_FLAG } else { 0 };
+    let normals = material.normal_texture.and_then(|used| place_of(used, places));
+    let flags = [
+        (material.is_unlit, UNLIT_FLAG),
+        (normals.is_some_and(|place| place.has_two_channels), NORMALS_OF_TWO_CHANNELS_FLAG),
+    ];
+    let flags =
+        flags.into_iter().fold(0, |all, (is_on, flag)| if is_on { all | flag } else { all });
     MaterialEntry {
         base_colour: [pack_unorm16(red, green), pack_unorm16(blue, alpha)],
         roughness_metallic: pack_unorm16(or(material.roughness, 1.0), or(material.metallic, 1.0)),

@@ -1,6 +1,7 @@
 //! Surfaces on the GPU: textures, materials, lights, and the lights that reach each
 //! object.
 
+mod blocks;
 mod checks;
 mod light_lists;
 mod light_tree;

@@ -7,6 +7,7 @@ use scene::{PreparedTexture, Surfaces, TextureId};
 use crate::error::Error;
 use crate::resources::limits;
 use crate::resources::spare_room::SpareRanges;
+use crate::shading::surfaces::blocks::{PageBlocks, SampledBlocks};
 use crate::shading::surfaces::page_upload::{Sampling, upload_pages};
 use crate::shading::surfaces::pages::{Page, PagePlan, bit_of};
 use crate::shading::surfaces::texture_slots::{TexturePlace, removable};
@@ -17,6 +18,7 @@ pub(crate) struct OwnImages {
     sampling: Sampling,
     /// The most pixels per side.
     max_side: u32,
+    sampled: SampledBlocks,
     ids: SpareRanges,
     /// The number of the scene's textures: others have greater ids.
     of_scene: u32,
@@ -36,7 +38,7 @@ impl OwnImages {
     /// Returns the number of the textures that something of `surfaces` uses.
     pub(crate) fn count(device: &Device, surfaces: &Surfaces) -> u64 {
         let max_side = device.adapter().limits.max_image_dimension2_d;
-        PagePlan::of_images(surfaces, max_side).pages.len() as u64
+        PagePlan::of_images(surfaces, max_side, SampledBlocks::default()).pages.len() as u64
     }
 
     /// Uploads the textures that something of `surfaces` uses. Waits for copies.
@@ -49,7 +51,8 @@ impl OwnImages {
         sampling: Sampling,
     ) -> Result<(Self, PagePlan), Error> {
         let max_side = device.adapter().limits.max_image_dimension2_d;
-        let plan = PagePlan::of_images(surfaces, max_side);
+        let sampled = SampledBlocks::of(device);
+        let plan = PagePlan::of_images(surfaces, max_side, sampled);
         let count = plan.pages.len() as u64;
         let most = device.adapter().indexed_textures.min(MAX_OWN_IMAGES);
         const FEWER: &str = "let materials share textures, or take `TextureStorage::Pages`";
@@ -64,7 +67,8 @@ impl OwnImages {
         let of_scene = surfaces.textures.len() as u32;
         let to_come = room.saturating_sub(count as u32);
         let ids = SpareRanges::behind("textures", of_scene, to_come);
-        Ok((Self { table, sampling, max_side, ids, of_scene, places: Vec::new() }, plan))
+        let places = Vec::new();
+        Ok((Self { table, sampling, max_side, sampled, ids, of_scene, places }, plan))
     }
 
     /// Returns the table that draws find textures in.
@@ -84,6 +88,17 @@ impl OwnImages {
         }
     }
 
+    /// Returns the compressed blocks of a texture that lie on the GPU as they are.
+    fn blocks(&self, texture: &PreparedTexture) -> Option<PageBlocks> {
+        let meaning = (texture.encoding(), texture.sampler());
+        self.sampled.of_image(texture.image(), meaning, self.max_side)
+    }
+
+    /// Returns the texture as it goes to the GPU: with its blocks, or unpacked.
+    pub(crate) fn ready(&self, texture: PreparedTexture) -> PreparedTexture {
+        if self.blocks(&texture).is_some() { texture } else { texture.unpacked() }
+    }
+
     /// Adds a texture, whose image is to be opened before anything samples it.
     ///
     /// # Errors
@@ -94,12 +109,14 @@ impl OwnImages {
     ) -> Result<(TextureId, TexturePlace), Error> {
         let (encoding, sampler) = (texture.encoding(), texture.sampler());
         let size = texture.image().size;
-        let page = Page { size, encoding, sampler, layers: Vec::new(), spare: 1 };
+        let blocks = self.blocks(texture);
+        let page = Page { size, encoding, sampler, layers: Vec::new(), spare: 1, blocks };
         let id = self.ids.take(1)?;
         match self.add_image(&page) {
             Ok(TextureNumber(number)) => {
                 let bit = bit_of(encoding);
-                let place = TexturePlace { page: number as usize, layer: 0, bit };
+                let has_two_channels = texture.image().has_two_channels();
+                let place = TexturePlace { page: number as usize, layer: 0, bit, has_two_channels };
                 let there = (id.start - self.of_scene) as usize;
                 self.places.resize(self.places.len().max(there + 1), None);
                 if let Some(there) = self.places.get_mut(there) {

@@ -11,7 +11,7 @@ use super::pages::PagePlan;
 
 /// Returns surfaces with an image of each size, and textures that all are used.
 fn surfaces(sizes: &[[u32; 2]], textures: &[(u32, Encoding, Sampler)]) -> Surfaces {
-    let image = |size: &[u32; 2]| Image { name: String::new(), size: *size, rgba8: Vec::new() };
+    let image = |size: &[u32; 2]| Image::of_rgba8("", *size, Vec::new());
     let texture = |(image, encoding, sampler): &(u32, Encoding, Sampler)| Texture {
         image: ImageId(*image),
         encoding: *encoding,

@@ -2,7 +2,7 @@
 
 use gpu::{Device, MipMaking, TextureArray, TextureArrayInfo, TextureUploads, vk};
 use scene::limits::{MAX_LAYERS, MAX_PAGES};
-use scene::{Encoding, Filter, Sampler, Surfaces, Wrap};
+use scene::{Encoding, Filter, Image, Sampler, Surfaces, Texels, Wrap};
 
 use crate::error::Error;
 use crate::resources::limits;
@@ -79,13 +79,16 @@ impl Sampling {
             name,
             size: page.size,
             layers: page.layers.len() as u32 + page.spare,
-            format: format_of(page.encoding),
+            format: format_of(page),
             wrap: page.sampler.wrap.map(wrap),
             magnified: filter(page.sampler.magnified),
             minified: filter(page.sampler.minified),
             between_levels: page.sampler.between_levels.map(between),
             anisotropy: self.anisotropy,
-            mip_making: self.mip_making,
+            mip_making: match page.blocks {
+                Some(blocks) => MipMaking::Given(blocks.levels),
+                None => self.mip_making,
+            },
         }
     }
 }
@@ -105,30 +108,41 @@ pub(super) fn upload_pages(
         let mut array = create(&sampling.array_info(&name, page))?;
         for (layer, image) in (0..).zip(&page.layers) {
             let Some(image) = surfaces.images.get(image.0 as usize) else { continue };
-            if image.size == page.size {
-                uploads.write(&mut array, layer, &image.rgba8)?;
-            } else {
-                let format = format_of(page.encoding);
-                // Rows of the new width as numbers, and its pixels.
-                let [width, rows] = [page.size[0], image.size[1] + page.size[1]];
-                let wanted = [width, rows].map(|side| side as usize);
-                limits::check_memory(
-                    "an image at the size of others",
-                    wanted[0].saturating_mul(wanted[1]),
-                    size_of::<[f32; 4]>(),
-                )?;
-                uploads.write(
-                    &mut array,
-                    layer,
-                    &gpu::resampled(&image.rgba8, image.size, page.size, format),
-                )?;
-            }
+            upload_image(&mut uploads, (&mut array, layer), image, page)?;
         }
         let used = page.layers.len() as u32;
         uploads.reserve(&mut array, used..used + page.spare)?;
         pages.push(array);
     }
     Ok(pages)
+}
+
+/// Fills a layer of a page with an image, unpacked and resampled where it must be.
+fn upload_image(
+    uploads: &mut TextureUploads,
+    (array, layer): (&mut TextureArray, u32),
+    image: &Image,
+    page: &Page,
+) -> Result<(), Error> {
+    if let (Some(blocks), Texels::Blocks { levels, .. }) = (page.blocks, &image.texels) {
+        let [first, count] = [blocks.first_level, blocks.levels].map(|level| level as usize);
+        let levels = levels.get(first..first + count).unwrap_or_default();
+        return Ok(uploads.write_levels(array, layer, levels)?);
+    }
+    if let Texels::Blocks { .. } = image.texels {
+        let texels = (image.size[0] as usize).saturating_mul(image.size[1] as usize);
+        limits::check_memory("an image that is unpacked", texels, 4)?;
+    }
+    let rgba8 = image.rgba8();
+    if image.size == page.size {
+        return Ok(uploads.write(array, layer, &rgba8)?);
+    }
+    // Rows of the new width as numbers, and its pixels.
+    let [width, rows] = [page.size[0], image.size[1] + page.size[1]].map(|side| side as usize);
+    let wanted = width.saturating_mul(rows);
+    limits::check_memory("an image at the size of others", wanted, size_of::<[f32; 4]>())?;
+    let format = format_of(page);
+    Ok(uploads.write(array, layer, &gpu::resampled(&rgba8, image.size, page.size, format))?)
 }
 
 /// Makes and fills the pages of passes that sample pages; one white texel where there are none.
@@ -148,6 +162,7 @@ pub(super) fn upload_all_pages(
             sampler,
             layers: Vec::new(),
             spare: 1,
+            blocks: None,
         };
         let plain = Sampling { anisotropy: 1.0, mip_making: MipMaking::Blits };
         let mut array = create(&plain.array_info("no texture", &white))?;
@@ -157,9 +172,10 @@ pub(super) fn upload_all_pages(
     Ok(pages)
 }
 
-fn format_of(encoding: Encoding) -> vk::Format {
-    match encoding {
-        Encoding::Srgb => vk::Format::R8G8B8A8_SRGB,
-        Encoding::Linear => vk::Format::R8G8B8A8_UNORM,
+fn format_of(page: &Page) -> vk::Format {
+    match (page.blocks, page.encoding) {
+        (Some(blocks), encoding) => blocks.vulkan_format(encoding),
+        (None, Encoding::Srgb) => vk::Format::R8G8B8A8_SRGB,
+        (None, Encoding::Linear) => vk::Format::R8G8B8A8_UNORM,
     }
 }

@@ -4,9 +4,10 @@
 use std::collections::{HashMap, HashSet};
 
 use scene::limits::MAX_LAYERS;
-use scene::{Encoding, ImageId, Sampler, Surfaces, Texture, TextureId};
+use scene::{Encoding, ImageId, Sampler, Surfaces, Texels, Texture, TextureId};
 
 use crate::resources::spare_room::TextureRoom;
+use crate::shading::surfaces::blocks::{PageBlocks, SampledBlocks};
 use crate::shading::surfaces::page_groups::{Group, joined, most_texels};
 use crate::shading::surfaces::texture_slots::TexturePlace;
 
@@ -23,6 +24,8 @@ pub struct Page {
     pub layers: Vec<ImageId>,
     /// Layers behind those for textures that come later.
     pub spare: u32,
+    /// The compressed blocks of its one image, where they lie on the GPU as they are.
+    pub(crate) blocks: Option<PageBlocks>,
 }
 
 /// The place of each texture of a scene.
@@ -36,6 +39,8 @@ pub struct PagePlan {
     pub resampled: usize,
     /// Those of them that lose sharpness, since the device or the memory holds no larger ones.
     pub shrunk: usize,
+    /// Images of compressed blocks that are unpacked.
+    pub unpacked: usize,
     /// Textures that are sampled by another sampler than their own.
     pub resampled_by_others: usize,
     /// True if each page is the image of one texture, which shaders find by the page's number.
@@ -125,8 +130,8 @@ impl PagePlan {
 
     /// Plans an image for each texture of `surfaces` that materials and lights use, as large as it
     /// is; beyond `max_side` pixels per side it is halved until it fits. Textures of the same
-    /// image, encoding and sampler share one.
-    pub(crate) fn of_images(surfaces: &Surfaces, max_side: u32) -> Self {
+    /// image, encoding and sampler share one. Compressed blocks among `sampled` stay as they are.
+    pub(crate) fn of_images(surfaces: &Surfaces, max_side: u32, sampled: SampledBlocks) -> Self {
         let used = used_textures(surfaces);
         let mut plan = Self { are_own: true, ..Self::default() };
         let mut known: HashMap<Texture, usize> = HashMap::new();
@@ -137,8 +142,13 @@ impl PagePlan {
                 let page = *known.entry(*texture).or_insert(next);
                 if page == next {
                     let Texture { image: layer, encoding, sampler } = *texture;
-                    let (size, layers) = (fitting(image.size, max_side.max(1)), vec![layer]);
-                    plan.pages.push(Page { size, encoding, sampler, layers, spare: 0 });
+                    let blocks = sampled.of_image(image, (encoding, sampler), max_side);
+                    let size = match blocks {
+                        Some(blocks) => image.level_size(blocks.first_level),
+                        None => fitting(image.size, max_side.max(1)),
+                    };
+                    let layers = vec![layer];
+                    plan.pages.push(Page { size, encoding, sampler, layers, spare: 0, blocks });
                 }
                 (page, 0)
             });
@@ -148,14 +158,16 @@ impl PagePlan {
         plan
     }
 
-    /// Returns the place of each texture.
-    pub(crate) fn texture_places(&self) -> Vec<Option<TexturePlace>> {
-        let place = |(page, layer): (usize, u32)| {
+    /// Returns the place of each texture of `surfaces`, for which this was planned.
+    pub(crate) fn texture_places(&self, surfaces: &Surfaces) -> Vec<Option<TexturePlace>> {
+        let place = |((page, layer), texture): ((usize, u32), &Texture)| {
             let encoding = self.pages.get(page)?.encoding;
             let bit = if self.are_own { bit_of(encoding) } else { 1 << page };
-            Some(TexturePlace { page, layer, bit })
+            let image = surfaces.images.get(texture.image.0 as usize)?;
+            Some(TexturePlace { page, layer, bit, has_two_channels: image.has_two_channels() })
         };
-        self.places.iter().map(|there| there.and_then(place)).collect()
+        let textures = self.places.iter().zip(&surfaces.textures);
+        textures.map(|(there, texture)| place(((*there)?, texture))).collect()
     }
 
     /// Returns the bits of [`Features`](super::materials::Features) for all textures of an encoding
@@ -172,19 +184,22 @@ impl PagePlan {
     pub(crate) fn add_room(&mut self, rooms: &[TextureRoom]) {
         let page = |room: &TextureRoom| {
             let TextureRoom { size, encoding, sampler, layers } = *room;
-            Page { size, encoding, sampler, layers: Vec::new(), spare: layers }
+            Page { size, encoding, sampler, layers: Vec::new(), spare: layers, blocks: None }
         };
         self.pages.extend(rooms.iter().map(page));
     }
 
     fn count_resampled(&mut self, surfaces: &Surfaces) {
         let layers =
-            self.pages.iter().flat_map(|page| page.layers.iter().map(|it| (page.size, it)));
-        for (size, image) in layers {
+            self.pages.iter().flat_map(|page| page.layers.iter().map(move |it| (page, it)));
+        for (page, image) in layers {
             let Some(image) = surfaces.images.get(image.0 as usize) else { continue };
-            self.resampled += usize::from(image.size != size);
-            let is_smaller = (0..2).any(|side| size[side] < image.size[side]);
+            self.resampled += usize::from(image.size != page.size);
+            let is_smaller = (0..2).any(|side| page.size[side] < image.size[side]);
             self.shrunk += usize::from(is_smaller);
+            let is_unpacked =
+                page.blocks.is_none() && matches!(image.texels, Texels::Blocks { .. });
+            self.unpacked += usize::from(is_unpacked);
         }
     }
 
@@ -198,6 +213,7 @@ impl PagePlan {
             sampler,
             layers: layers.to_vec(),
             spare: 0,
+            blocks: None,
         }));
         first
     }

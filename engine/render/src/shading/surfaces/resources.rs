@@ -4,7 +4,7 @@ use cull::{Aabb, Hierarchy, HierarchyError, ObjectId};
 use gpu::{Buffer, BufferSlice, Device, Frame, vk};
 use scene::{
     Alpha, LightId, LightKind, Material, MaterialId, MeshId, Object, PreparedTexture,
-    PunctualLight, Scene, SurfaceVertex, Surfaces, TextureId, TransparentId,
+    PunctualLight, Scene, SurfaceVertex, Surfaces, Texels, TextureId, TransparentId,
 };
 
 use crate::error::Error;
@@ -76,7 +76,7 @@ impl SurfaceResources {
         check_counts(device, surfaces, hierarchy, &options.spare)?;
         check(scene, surfaces)?;
         let (textures, plan) = SurfaceTextures::new(device, surfaces, options)?;
-        let places = plan.texture_places();
+        let places = plan.texture_places(surfaces);
         let table = LightTable::new(surfaces, &options.spare);
         let first_transparent_slot = hierarchy.leaf_objects().len() as u32;
         let slots = first_transparent_slot as usize + surfaces.transparent.len();
@@ -196,8 +196,9 @@ impl SurfaceResources {
         place: TexturePlace,
         texture: &PreparedTexture,
     ) -> Vec<Vec<u8>> {
+        let Texels::Rgba8(rgba8) = &texture.image().texels else { return Vec::new() };
         let array = self.textures.array(place);
-        array.map(|array| array.levels_by_cpu(&texture.image().rgba8)).unwrap_or_default()
+        array.map(|array| array.levels_by_cpu(rgba8)).unwrap_or_default()
     }
 
     /// Returns the reason why a texture cannot be removed.
@@ -411,6 +412,7 @@ fn degradations_of(plan: &PagePlan, table: &LightTable) -> SceneDegradations {
     SceneDegradations {
         shrunk_images: plan.shrunk,
         enlarged_images: plan.resampled - plan.shrunk,
+        unpacked_images: plan.unpacked,
         borrowed_samplers: plan.resampled_by_others,
         textures: if plan.are_own { TextureStorage::Images } else { TextureStorage::Pages },
         dark_suns: table.dark_suns,

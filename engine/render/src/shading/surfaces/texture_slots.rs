@@ -13,6 +13,8 @@ pub(crate) struct TexturePlace {
     pub(crate) layer: u32,
     /// The bit of [`Features`](super::materials::Features) that pipelines must be compiled with.
     pub(crate) bit: u32,
+    /// True if its image holds red and green alone: a normal map's z follows from them.
+    pub(crate) has_two_channels: bool,
 }
 
 /// A page for textures of one size, encoding and sampler.
@@ -74,7 +76,12 @@ impl TextureSlots {
             match layers.take(1) {
                 Ok(layer) => {
                     let id = self.ids.take(1)?.start;
-                    let place = TexturePlace { page: *page, layer: layer.start, bit: 1 << *page };
+                    let place = TexturePlace {
+                        page: *page,
+                        layer: layer.start,
+                        bit: 1 << *page,
+                        has_two_channels: texture.image().has_two_channels(),
+                    };
                     if let Some(there) = self.places.get_mut((id - self.of_scene) as usize) {
                         *there = Some(place);
                     }

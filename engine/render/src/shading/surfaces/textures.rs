@@ -74,6 +74,15 @@ impl SurfaceTextures {
         }
     }
 
+    /// Returns a texture that was added as it goes to the GPU: compressed blocks that the device
+    /// samples stay as they are, others are unpacked.
+    pub(crate) fn ready(&self, texture: PreparedTexture) -> PreparedTexture {
+        match self {
+            Self::Pages { .. } => texture.unpacked(),
+            Self::Images(images) => images.ready(texture),
+        }
+    }
+
     /// Returns the reason why a texture cannot be added, but for the lack of room.
     pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), &'static str> {
         match self {

@@ -1,0 +1,209 @@
+//! Images of compressed blocks in KTX2 files.
+
+use antumbra_import::{Cause, ImportError, Limits, decode_image, read};
+use gltf_files::files::GltfFile;
+use gltf_files::ktx2_files::Ktx2File;
+use ktx2::dfd::DataFormatFlags;
+use ktx2::{Format, SupercompressionScheme};
+use scene::{AstcBlock, BlockFormat, Image, Texels};
+use serde_json::json;
+
+use crate::mutations::Random;
+
+const FORMATS: [([Format; 2], BlockFormat); 7] = [
+    ([Format::BC1_RGB_UNORM_BLOCK, Format::BC1_RGB_SRGB_BLOCK], BlockFormat::Bc1),
+    ([Format::BC1_RGBA_UNORM_BLOCK, Format::BC1_RGBA_SRGB_BLOCK], BlockFormat::Bc1Alpha),
+    ([Format::BC2_UNORM_BLOCK, Format::BC2_SRGB_BLOCK], BlockFormat::Bc2),
+    ([Format::BC3_UNORM_BLOCK, Format::BC3_SRGB_BLOCK], BlockFormat::Bc3),
+    ([Format::BC4_UNORM_BLOCK; 2], BlockFormat::Bc4),
+    ([Format::BC5_UNORM_BLOCK; 2], BlockFormat::Bc5),
+    ([Format::BC7_UNORM_BLOCK, Format::BC7_SRGB_BLOCK], BlockFormat::Bc7),
+];
+
+/// Returns mip maps of bytes that differ from place to place.
+fn levels(format: BlockFormat, size: [u32; 2], count: u32) -> Vec<Vec<u8>> {
+    let bytes = |level: u32| {
+        format.bytes(size.map(|side| (side >> level).max(1))).expect("a size") as usize
+    };
+    let byte = |level: u32, at: usize| (at * 37 + at / 256 + level as usize * 91) as u8;
+    (0..count).map(|level| (0..bytes(level)).map(|at| byte(level, at)).collect()).collect()
+}
+
+/// Returns an image of 20 x 12 texels with all of its mip maps.
+pub(crate) fn file() -> Ktx2File {
+    Ktx2File::new(Format::BC7_SRGB_BLOCK, [20, 12], &levels(BlockFormat::Bc7, [20, 12], 5))
+}
+
+fn decode(file: &Ktx2File) -> Result<Image, ImportError> {
+    decode_image("brick", &file.bytes(), &Limits::default())
+}
+
+#[test]
+fn blocks_of_all_formats_are_taken_as_they_are() {
+    let size = [37, 18];
+    let astc = (0..14).map(|place| {
+        let first = Format::ASTC_4x4_UNORM_BLOCK.value() + 2 * place;
+        let formats = [first, first + 1].map(|value| Format::new(value).unwrap());
+        (formats, BlockFormat::Astc(AstcBlock::of_place(place).unwrap()))
+    });
+    for (formats, expected) in FORMATS.into_iter().chain(astc) {
+        for (format, count) in [(formats[0], 1), (formats[1], 6), (formats[0], 3)] {
+            let levels = levels(expected, size, count);
+            let file = Ktx2File::new(format, size, &levels);
+            for file in [file.clone(), file.packed()] {
+                let image = decode(&file).unwrap();
+                assert_eq!((image.name.as_str(), image.size), ("brick", size));
+                assert_eq!(image.check(), Ok(()));
+                let blocks = Texels::Blocks { format: expected, levels: levels.clone() };
+                assert!(image.texels == blocks, "{format:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_file_without_a_number_of_mip_maps_has_one() {
+    let mut file = Ktx2File::new(Format::BC1_RGB_SRGB_BLOCK, [8, 8], &[vec![1; 32]]);
+    file.header.level_count = 0;
+    let texels = decode(&file).unwrap().texels;
+    assert!(matches!(texels, Texels::Blocks { levels, .. } if levels == [vec![1; 32]]));
+}
+
+type Change = fn(&mut Ktx2File);
+
+/// Changes of a file, the words that say why it is refused, and the cause.
+const REFUSED: &[(Change, &str, Cause)] = &[
+    (|f| f.header.format = None, "Basis Universal", Cause::Unsupported),
+    (|f| f.header.format = Some(Format::BC6H_UFLOAT_BLOCK), "BC6H_UFLOAT", Cause::Unsupported),
+    (|f| f.header.format = Some(Format::BC5_SNORM_BLOCK), "BC5_SNORM", Cause::Unsupported),
+    (|f| f.header.format = Some(Format::R8G8B8A8_SRGB), "R8G8B8A8", Cause::Unsupported),
+    (|f| f.header.format = Format::new(185), "185", Cause::Unsupported),
+    (|f| f.header.pixel_width = 0, "cannot be read", Cause::Damaged),
+    (|f| f.header.pixel_height = 0, "line", Cause::Unsupported),
+    (|f| f.header.pixel_depth = 1, "depths", Cause::Unsupported),
+    (|f| f.header.layer_count = 2, "layers", Cause::Unsupported),
+    (|f| f.header.face_count = 6, "faces", Cause::Unsupported),
+    (|f| f.header.face_count = 0, "cannot be read", Cause::Damaged),
+    (|f| f.header.level_count = u32::MAX, "cannot be read", Cause::Damaged),
+    (
+        |f| f.levels.extend([(vec![0; 16], 16), (vec![0; 16], 16)]),
+        "more mip maps",
+        Cause::Malformed,
+    ),
+    (|f| f.header.pixel_width = 24, "mip map 0", Cause::Damaged),
+    (|f| f.header.pixel_width = 16_385, "16385", Cause::TooLarge),
+    (|f| f.header.pixel_height = u32::MAX, "4294967295", Cause::TooLarge),
+    (|f| f.levels[2].0.push(0), "mip map 2", Cause::Damaged),
+    (|f| f.levels[4].0.clear(), "mip map 4", Cause::Damaged),
+    (|f| f.values.push(("KTXorientation", b"ru\0")), "from the top", Cause::Unsupported),
+    (|f| f.values.push(("KTXswizzle", b"rrrg\0")), "swapped", Cause::Unsupported),
+    (
+        |f| f.description.flags |= DataFormatFlags::ALPHA_PREMULTIPLIED,
+        "multiplied by alpha",
+        Cause::Unsupported,
+    ),
+    (
+        |f| f.header.supercompression_scheme = Some(SupercompressionScheme::ZLIB),
+        "Zstandard",
+        Cause::Unsupported,
+    ),
+    (
+        |f| f.header.supercompression_scheme = Some(SupercompressionScheme::Zstandard),
+        "mip map 0",
+        Cause::Damaged,
+    ),
+    (|f| cut_packed(f, 0), "mip map 0", Cause::Damaged),
+    (|f| cut_packed(f, 3), "mip map 3", Cause::Damaged),
+    (|f| pack_more(f), "mip map 1", Cause::Damaged),
+];
+
+fn cut_packed(file: &mut Ktx2File, level: usize) {
+    *file = file.clone().packed();
+    let bytes = &mut file.levels[level].0;
+    bytes.truncate(bytes.len() / 2);
+}
+
+/// Packs a mip map that is a thousand times as large as its size says.
+fn pack_more(file: &mut Ktx2File) {
+    file.levels[1].0 = vec![0; 100_000];
+    *file = file.clone().packed();
+}
+
+#[test]
+fn what_is_not_supported_or_broken_is_refused_by_name() {
+    for (number, (change, words, cause)) in REFUSED.iter().enumerate() {
+        let mut file = file();
+        file.header.level_count = 5;
+        change(&mut file);
+        if file.levels.len() > 5 {
+            file.header.level_count = file.levels.len() as u32;
+        }
+        let error = decode(&file).expect_err(words);
+        let text = error.to_string();
+        assert!(text.starts_with("brick: image: ") && text.contains(words), "{number}: {text}");
+        assert_eq!(error.cause, *cause, "{number}: {text}");
+    }
+}
+
+#[test]
+fn limits_hold_for_blocks_too() {
+    let refused = |limits: &Limits| {
+        let error = decode_image("brick", &file().packed().bytes(), limits).unwrap_err();
+        assert_eq!(error.cause, Cause::TooLarge, "{error}");
+        error.to_string()
+    };
+    let bytes: u64 = levels(BlockFormat::Bc7, [20, 12], 5).iter().map(|it| it.len() as u64).sum();
+    let exact = Limits { image_bytes: bytes, ..Limits::default() };
+    assert!(decode_image("brick", &file().packed().bytes(), &exact).is_ok());
+    assert!(refused(&Limits { image_bytes: bytes - 1, ..exact }).contains("bytes of it"));
+    refused(&Limits { image_side: 19, ..Limits::default() });
+    refused(&Limits { image_scratch_bytes: 1 << 20, ..Limits::default() });
+}
+
+#[test]
+fn arbitrary_bytes_give_an_image_or_an_error() {
+    let mut random = Random(2);
+    let mut below = |end: usize| random.below(end);
+    let values = |mut file: Ktx2File| {
+        file.values = vec![("KTXorientation", b"rd\0"), ("KTXwriter", b"a test")];
+        file.bytes()
+    };
+    let whole = [values(file()), values(file().packed())];
+    assert!(whole.iter().all(|bytes| decode_image("", bytes, &Limits::default()).is_ok()));
+    for round in 0..20_000 {
+        let mut bytes = whole[round % 2].clone();
+        for _ in 0..1 + below(4) {
+            let at = below(bytes.len());
+            bytes[at] = [0, 1, 0xFF, bytes[at] ^ 1 << below(8)][below(4)];
+        }
+        if round % 5 == 0 {
+            bytes.truncate(below(bytes.len()));
+        }
+        if let Ok(image) = decode_image("", &bytes, &Limits::default()) {
+            assert_eq!(image.check(), Ok(()), "round {round}");
+        }
+    }
+}
+
+#[test]
+fn images_of_a_gltf_file_may_be_blocks() {
+    let mut scene = GltfFile::triangle();
+    let view = scene.view(&file().packed().bytes());
+    scene.set("/images", json!([{ "bufferView": view, "mimeType": "image/ktx2" }]));
+    scene.show_images(1);
+    let source = read(scene.glb(), None, &Limits::default()).unwrap();
+    assert_eq!(source.notes, []);
+    let image = source.images[0].as_ref().unwrap();
+    assert!(matches!(image.texels, Texels::Blocks { format: BlockFormat::Bc7, .. }));
+}
+
+#[test]
+fn images_of_pixels_are_decoded_alone_too() {
+    let image = image::RgbaImage::from_pixel(3, 2, image::Rgba([1, 2, 3, 4]));
+    let mut png = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let decoded = decode_image("three", png.get_ref(), &Limits::default()).unwrap();
+    assert_eq!(decoded, Image::of_rgba8("three", [3, 2], [1, 2, 3, 4].repeat(6)));
+    let error = decode_image("three", b"nonsense", &Limits::default()).unwrap_err();
+    assert!(error.to_string().contains("no PNG, JPEG, WebP or KTX2"), "{error}");
+}

@@ -1,0 +1,152 @@
+//! Unpacking of compressed blocks on the CPU, for devices that do not sample them.
+
+use std::cmp::Ordering;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::block_format::BlockFormat;
+
+/// Returns four bytes per texel; those of missing blocks are 0.
+pub(super) fn unpacked(format: BlockFormat, size: [u32; 2], blocks: &[u8]) -> Vec<u8> {
+    let [width, height] = size.map(|side| side as usize);
+    let block_rows = format.block_size()[1] as usize;
+    let row_bytes = format.bytes([size[0], 1]).map_or(usize::MAX, |bytes| bytes as usize).max(1);
+    let texels = width.saturating_mul(height);
+    let mut rgba8 = Vec::with_capacity(texels.saturating_mul(4));
+    // A row of blocks at a time: the decoder's texels never lie beside all of ours.
+    for (row, first) in blocks.chunks_exact(row_bytes).zip((0..height).step_by(block_rows)) {
+        let rows = block_rows.min(height - first);
+        // Third-party code: where it panics, the row stays black.
+        let decoded = catch_unwind(AssertUnwindSafe(|| decoded(format, row, [width, rows])));
+        let decoded = decoded.ok().flatten().unwrap_or_else(|| vec![0; width * rows]);
+        let bytes = decoded.into_iter().map(u32::to_le_bytes);
+        rgba8.extend(bytes.flat_map(|[blue, green, red, alpha]| [red, green, blue, alpha]));
+    }
+    rgba8.resize(texels.saturating_mul(4), 0);
+    rgba8
+}
+
+/// Returns the texels of a row of blocks: blue, green, red, alpha from the lowest byte on.
+fn decoded(format: BlockFormat, blocks: &[u8], [width, height]: [usize; 2]) -> Option<Vec<u32>> {
+    let mut texels = vec![0; width * height];
+    let four_coloured: Vec<u8>;
+    let blocks = match format {
+        BlockFormat::Bc2 | BlockFormat::Bc3 => {
+            let blocks = blocks.as_chunks().0;
+            four_coloured = blocks.iter().flat_map(|block| four_colours(*block)).collect();
+            &four_coloured
+        }
+        _ => blocks,
+    };
+    let decode = match format {
+        BlockFormat::Bc1 => texture2ddecoder::decode_bc1,
+        BlockFormat::Bc1Alpha => texture2ddecoder::decode_bc1a,
+        BlockFormat::Bc2 => texture2ddecoder::decode_bc2,
+        BlockFormat::Bc3 => texture2ddecoder::decode_bc3,
+        BlockFormat::Bc4 => texture2ddecoder::decode_bc4,
+        BlockFormat::Bc5 => texture2ddecoder::decode_bc5,
+        BlockFormat::Bc7 => texture2ddecoder::decode_bc7,
+        BlockFormat::Astc(block) => {
+            let [across, down] = block.size().map(|side| side as usize);
+            let to = &mut texels;
+            let unpacked = texture2ddecoder::decode_astc(blocks, width, height, across, down, to);
+            return unpacked.ok().map(|()| texels);
+        }
+    };
+    decode(blocks, width, height, &mut texels).ok().map(|()| texels)
+}
+
+/// Returns a block of BC2 or BC3 whose first end of colours is above the second, with the same
+/// texels. BC1 alone has three colours and black where it is not (Khronos Data Format
+/// Specification, 18.2), but the decoder takes it for that in all three formats.
+fn four_colours(mut block: [u8; 16]) -> [u8; 16] {
+    let [_, _, _, _, _, _, _, _, a, b, c, d, choices @ ..] = &mut block;
+    match u16::from_le_bytes([*a, *b]).cmp(&u16::from_le_bytes([*c, *d])) {
+        Ordering::Greater => {}
+        Ordering::Equal => *choices = [0; 4],
+        Ordering::Less => {
+            // The ends and the colours between them change places.
+            std::mem::swap(a, c);
+            std::mem::swap(b, d);
+            *choices = choices.map(|four| four ^ 0b0101_0101);
+        }
+    }
+    block
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::AstcBlock;
+
+    #[test]
+    fn broken_and_missing_blocks_panic_nowhere() {
+        let mut random = 0x2545_F491_4F6C_DD1D_u64;
+        let mut byte = || {
+            random ^= random << 13;
+            random ^= random >> 7;
+            random ^= random << 17;
+            random as u8
+        };
+        let astc = (0..14).filter_map(AstcBlock::of_place).map(BlockFormat::Astc);
+        use BlockFormat::*;
+        for format in [Bc1, Bc1Alpha, Bc2, Bc3, Bc4, Bc5, Bc7].into_iter().chain(astc) {
+            for size in [[1, 1], [13, 7], [64, 64]] {
+                let bytes = format.bytes(size).unwrap() as usize;
+                for _ in 0..200 {
+                    let blocks: Vec<u8> = (0..bytes).map(|_| byte()).collect();
+                    let [whole, part] = [bytes, bytes / 2].map(|end| &blocks[..end]);
+                    for blocks in [whole, part] {
+                        let texels = size[0] * size[1];
+                        assert_eq!(unpacked(format, size, blocks).len() as u32, texels * 4);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn channels_that_a_format_lacks_are_empty_and_opaque() {
+        // The two ends of a block, and the first one for all texels.
+        let red = [200, 100, 0, 0, 0, 0, 0, 0];
+        let green = [90, 20, 0, 0, 0, 0, 0, 0];
+        assert_eq!(unpacked(BlockFormat::Bc4, [1, 1], &red), [200, 0, 0, 255]);
+        let both = [red, green].concat();
+        assert_eq!(unpacked(BlockFormat::Bc5, [1, 1], &both), [200, 90, 0, 255]);
+        // Blocks of one colour: the last eight bytes are four channels of sixteen bits.
+        let astc = [0xFC, 0xFD, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF];
+        let colour = [0x10, 0x10, 0x80, 0x80, 0xF0, 0xF0, 0x40, 0x40];
+        let block = BlockFormat::Astc(AstcBlock::of_size([6, 6]).unwrap());
+        let unpacked = unpacked(block, [1, 1], &[astc, colour].concat());
+        assert_eq!(unpacked, [0x10, 0x80, 0xF0, 0x40]);
+    }
+
+    #[test]
+    fn bc1_alone_has_three_colours_and_black() {
+        // Black and white, and all four choices: the first, the second, and those between.
+        let opaque = [255; 8];
+        let low_first = [0, 0, 255, 255, 0b1110_0100, 0, 0, 0];
+        let high_first = [255, 255, 0, 0, 0b1110_0100, 0, 0, 0];
+        let reds = |format, colours: [u8; 8]| {
+            let block = match format {
+                BlockFormat::Bc1 => colours.to_vec(),
+                _ => [opaque, colours].concat(),
+            };
+            let texels = unpacked(format, [4, 1], &block);
+            texels.chunks_exact(4).map(|texel| texel[0]).collect::<Vec<u8>>()
+        };
+        assert_eq!(reds(BlockFormat::Bc1, low_first), [0, 255, 127, 0]);
+        for format in [BlockFormat::Bc2, BlockFormat::Bc3] {
+            assert_eq!(reds(format, low_first), [0, 255, 85, 170], "{format:?}");
+            assert_eq!(reds(format, high_first), [255, 0, 170, 85], "{format:?}");
+            assert_eq!(reds(format, [255; 8]), [255; 4], "{format:?}");
+        }
+    }
+
+    #[test]
+    fn holes_of_bc1_are_holes_only_where_they_are_meant() {
+        // The first end is not above the second: the last of the four texels is black.
+        let block = [0, 0, 255, 255, 255, 255, 255, 255];
+        assert_eq!(unpacked(BlockFormat::Bc1, [1, 1], &block), [0, 0, 0, 255]);
+        assert_eq!(unpacked(BlockFormat::Bc1Alpha, [1, 1], &block), [0, 0, 0, 0]);
+    }
+}
