@@ -20,8 +20,8 @@ pub struct Limits {
     pub buffer_bytes: u64,
     /// Pixels along a side of an image. Default: 16384.
     pub image_side: u32,
-    /// Bytes of all images together, decoded to four bytes per pixel or to compressed blocks.
-    /// Default: 2 GiB.
+    /// Bytes of all images together, decoded to four bytes per pixel; compressed blocks count so,
+    /// too, since some devices do not take them as they are. Default: 2 GiB.
     pub image_bytes: u64,
     /// Bytes in use at any time for decoding images, beside the images themselves: one that
     /// needs more by itself is refused. Default: 2 GiB.

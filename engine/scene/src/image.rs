@@ -92,8 +92,9 @@ impl Image {
         }
     }
 
-    /// Returns the whole image with four bytes per texel: blocks are unpacked, on the CPU. What
-    /// they lack is 0, alpha 255; broken blocks and missing bytes give some texels or others.
+    /// Returns the whole image, which passes [`Image::check`], with four bytes per texel: blocks
+    /// are unpacked, on the CPU. The channels that they lack are 0, alpha 255; broken blocks are
+    /// magenta.
     pub fn rgba8(&self) -> Cow<'_, [u8]> {
         match &self.texels {
             Texels::Rgba8(bytes) => Cow::Borrowed(bytes),
@@ -107,6 +108,9 @@ impl Image {
     /// Returns the image with four bytes per texel and without mip maps.
     #[must_use]
     pub fn unpacked(self) -> Self {
+        if let Texels::Rgba8(_) = self.texels {
+            return self;
+        }
         let rgba8 = self.rgba8().into_owned();
         Self::of_rgba8(self.name, self.size, rgba8)
     }

@@ -37,8 +37,8 @@ impl TextureUploads {
     ///
     /// # Errors
     /// [`Error::WrongCommands`] for a missing layer, for bytes that are no whole rows or more than
-    /// are left, for an array with [given](MipMaking::Given) mip maps; [`Error::Foreign`] for an
-    /// array of another device; a failed call. What was written before stays.
+    /// are left, for an array with several [given](MipMaking::Given) mip maps; [`Error::Foreign`]
+    /// for an array of another device; a failed call. What was written before stays.
     pub fn write_rows(
         &mut self,
         array: &mut TextureArray,
@@ -100,10 +100,11 @@ impl TextureUploads {
         layer: u32,
         levels: &[Vec<u8>],
     ) -> Result<(), Error> {
-        let Some((first, smaller)) = levels.split_first() else { return Ok(()) };
-        if !array.has_given_levels() || levels.len() != array.levels as usize {
-            return Err(Error::WrongCommands("a layer is written with mip maps that it has not"));
-        }
+        const OTHERS: &str = "a layer is written with other mip maps than it has";
+        let is_given = array.has_given_levels() && levels.len() == array.levels as usize;
+        let Some((first, smaller)) = levels.split_first().filter(|_| is_given) else {
+            return Err(Error::WrongCommands(OTHERS));
+        };
         for (level, bytes) in (0..).zip(levels) {
             array.check_level(level, bytes)?;
         }

@@ -9,13 +9,14 @@ use super::ImageHead;
 use crate::error::Reason;
 use crate::memory;
 
-/// The window that Zstandard's usual levels take for data of any size.
-const WINDOW_BYTES: u64 = 2 << 20;
+/// The most bytes that the description of a format takes: one block with a size of 16 bits.
+const MAX_DESCRIPTION_BYTES: u32 = 4 + 0xFFFF;
 
 /// An encoded image of blocks.
 pub(super) struct EncodedBlocks {
     format: BlockFormat,
-    are_packed: bool,
+    /// The largest window of Zstandard, if the levels are packed by it.
+    window_bytes: Option<u64>,
     /// The bytes of each mip map, the whole image first.
     level_bytes: Vec<u64>,
 }
@@ -31,9 +32,11 @@ impl EncodedBlocks {
         let reader = reader(encoded)?;
         let header = reader.header();
         let format = format_of(&header)?;
-        let are_packed = match header.supercompression_scheme {
-            None => false,
-            Some(SupercompressionScheme::Zstandard) => true,
+        let window_bytes = match header.supercompression_scheme {
+            None => None,
+            Some(SupercompressionScheme::Zstandard) => {
+                reader.levels().map(|level| window_bytes(level.data)).max()
+            }
             Some(other) => {
                 let text =
                     format!("it is a KTX2 image packed by {other:?}; Zstandard is supported");
@@ -52,40 +55,45 @@ impl EncodedBlocks {
         let level_bytes: Vec<u64> =
             (0..levels).map(|level| bytes_of(level).unwrap_or(u64::MAX)).collect();
         let bytes = level_bytes.iter().fold(0_u64, |all, level| all.saturating_add(*level));
-        let blocks = Self { format, are_packed, level_bytes };
+        let texels = u64::from(size[0]) * u64::from(size[1]);
+        // Devices without the format take four bytes per texel.
+        let bytes = bytes.max(texels.saturating_mul(4));
         // The decoder's buffer begins as large as the window; beyond that it is copied to one twice
         // as large.
-        let window_bytes = if are_packed { blocks.window_bytes().saturating_mul(3) } else { 0 };
-        let scratch_bytes = window_bytes.saturating_add(encoded.len() as u64);
-        Ok((ImageHead { size, bytes, scratch_bytes }, blocks))
-    }
-
-    /// Returns the largest window of Zstandard that is taken: none beyond a mip map is of use.
-    fn window_bytes(&self) -> u64 {
-        let largest = self.level_bytes.first().copied().unwrap_or_default();
-        largest.checked_next_power_of_two().unwrap_or(u64::MAX).max(WINDOW_BYTES)
+        let scratch_bytes = window_bytes.unwrap_or(0).saturating_mul(3);
+        let scratch_bytes = scratch_bytes.saturating_add(encoded.len() as u64);
+        let head = ImageHead { size, bytes, scratch_bytes };
+        Ok((head, Self { format, window_bytes, level_bytes }))
     }
 
     /// Takes the blocks of all mip maps out of the file.
     pub(super) fn decode(&self, encoded: &[u8]) -> Result<Texels, Reason> {
         let reader = reader(encoded)?;
         let mut decoder = FrameDecoder::new();
-        decoder.set_max_window_size(self.window_bytes());
+        decoder.set_max_window_size(self.window_bytes.unwrap_or_default());
         let mut levels = Vec::with_capacity(self.level_bytes.len());
         for (level, &bytes) in reader.levels().zip(&self.level_bytes) {
             memory::ask(bytes)?;
-            let wrong = || {
-                let number = levels.len();
-                Reason::damaged(format!("mip map {number} of a KTX2 image has not {bytes} bytes"))
-            };
-            let blocks = if self.are_packed {
-                let mut blocks = vec![0; usize::try_from(bytes).map_err(|_| wrong())?];
-                let found = decoder.decode_all(level.data, &mut blocks).map_err(|_| wrong())?;
-                if found == blocks.len() { blocks } else { return Err(wrong()) }
+            let number = levels.len();
+            let wrong =
+                |fault: &str| Reason::damaged(format!("mip map {number} of a KTX2 image {fault}"));
+            let wrong_size = || wrong(&format!("has not {bytes} bytes"));
+            let blocks = if self.window_bytes.is_some() {
+                let mut blocks = vec![0; usize::try_from(bytes).map_err(|_| wrong_size())?];
+                let found = decoder.decode_all(level.data, &mut blocks);
+                match found.map_err(|error| wrong(&format!("cannot be unpacked: {error}")))? {
+                    found if found == blocks.len() => {}
+                    _ => return Err(wrong_size()),
+                }
+                let found = decoder.get_calculated_checksum();
+                if decoder.get_checksum_from_data().is_some_and(|sum| Some(sum) != found) {
+                    return Err(wrong("has not the checksum that it names"));
+                }
+                blocks
             } else if level.data.len() as u64 == bytes {
                 level.data.to_vec()
             } else {
-                return Err(wrong());
+                return Err(wrong_size());
             };
             levels.push(blocks);
         }
@@ -95,7 +103,33 @@ impl EncodedBlocks {
 
 fn reader(encoded: &[u8]) -> Result<Reader<&[u8]>, Reason> {
     let wrong = |error| Reason::damaged(format!("it is a KTX2 image that cannot be read: {error}"));
+    // The reader takes memory for each block of the description.
+    if let Some(head) = encoded.first_chunk() {
+        let header = Header::from_bytes(head).map_err(wrong)?;
+        if header.index.dfd_byte_length > MAX_DESCRIPTION_BYTES {
+            let text = "it is a KTX2 image whose format has a description of several blocks";
+            return Err(Reason::unsupported(text));
+        }
+    }
     Reader::new(encoded).map_err(wrong)
+}
+
+/// Returns the bytes that the first frame of Zstandard has the decoder keep (RFC 8878, section
+/// 3.1.1.1); 0 where there is no frame.
+fn window_bytes(packed: &[u8]) -> u64 {
+    const MAGIC: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
+    let Some([descriptor, rest @ ..]) = packed.strip_prefix(&MAGIC) else { return 0 };
+    let is_single_segment = descriptor & 0x20 != 0;
+    let Some(window) = rest.first().filter(|_| !is_single_segment) else {
+        // The window is the content, whose size lies behind the number of a dictionary.
+        let dictionary_bytes = [0, 1, 2, 4][usize::from(descriptor & 3)];
+        let (size_bytes, least) = [(1, 0), (2, 256), (4, 0), (8, 0)][usize::from(descriptor >> 6)];
+        let size = rest.get(dictionary_bytes..dictionary_bytes + size_bytes).unwrap_or_default();
+        let size = size.iter().rev().fold(0_u64, |size, byte| size << 8 | u64::from(*byte));
+        return size.saturating_add(least);
+    };
+    let base = 1_u64 << (10 + (window >> 3));
+    base + base / 8 * u64::from(window & 7)
 }
 
 /// Returns the format of the blocks. The materials say what they mean, not the file.

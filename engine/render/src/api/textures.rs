@@ -4,6 +4,7 @@ use scene::{PreparedTexture, TextureId};
 
 use crate::error::Error;
 use crate::renderer::Renderer;
+use crate::resources::limits;
 
 impl Renderer {
     /// Adds textures, and returns their ids in the same order: all of them, or none. Materials that
@@ -23,7 +24,8 @@ impl Renderer {
     ///
     /// # Errors
     /// [`Error::Texture`] for a scene without surfaces or a texture that no room is kept for, or
-    /// beyond the device's size; [`Error::NoRoom`]; no memory for images of their own.
+    /// beyond the device's size; [`Error::NoRoom`]; no memory for images of their own, or for
+    /// unpacking.
     pub fn add_textures(
         &mut self,
         textures: Vec<PreparedTexture>,
@@ -35,6 +37,9 @@ impl Renderer {
         for (index, texture) in textures.iter().enumerate() {
             let checked = surfaces.textures.check(texture);
             checked.map_err(|reason| Error::Texture { index, reason })?;
+        }
+        for texture in textures.iter().filter(|texture| surfaces.textures.unpacks(texture)) {
+            limits::check_unpacking(texture.image().size)?;
         }
         let mut added = Vec::with_capacity(textures.len());
         for texture in &textures {

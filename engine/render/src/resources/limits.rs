@@ -40,6 +40,12 @@ pub(crate) fn check_memory(
     asked.map_err(|_| Error::NoMemory { what, size_bytes })
 }
 
+/// Refuses an image of blocks without enough memory for its texels.
+pub(crate) fn check_unpacking([width, height]: [u32; 2]) -> Result<(), Error> {
+    let texels = (width as usize).saturating_mul(height as usize);
+    check_memory("a compressed image that is unpacked", texels, 4)
+}
+
 /// Returns an empty list with room for `count` elements.
 pub(crate) fn room<T>(what: &'static str, count: usize) -> Result<Vec<T>, Error> {
     let mut list = Vec::new();

@@ -21,7 +21,9 @@ pub struct SceneDegradations {
     /// Images of another size than their page, which are made larger and lose nothing.
     pub enlarged_images: usize,
     /// Images of compressed blocks that take four bytes per texel, since they lie on pages, or the
-    /// device does not sample their format.
+    /// device does not sample their format or size, or not as colours (BC4 and BC5): once for each
+    /// encoding, and with [images](TextureStorage::Images) for each sampler. Those that come later
+    /// do not count.
     pub unpacked_images: usize,
     /// Textures that are sampled by another sampler than their own.
     pub borrowed_samplers: usize,
@@ -64,12 +66,12 @@ impl SceneDegradations {
                 )
             }),
             (unpacked_images > 0).then(|| {
-                let taken_by = match textures {
-                    TextureStorage::Images => "the device does",
-                    TextureStorage::Pages => "texture pages do",
+                let reason = match textures {
+                    TextureStorage::Images => "the device does not sample their blocks as they are",
+                    TextureStorage::Pages => "texture pages do not take their blocks",
                 };
                 format!(
-                    "{unpacked_images} compressed images are unpacked to four bytes per pixel: {taken_by} not take their blocks"
+                    "{unpacked_images} compressed images are unpacked to four bytes per pixel: {reason}"
                 )
             }),
             (borrowed_samplers > 0).then(|| {

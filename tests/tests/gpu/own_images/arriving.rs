@@ -15,7 +15,10 @@ fn texture_of(number: u32) -> PreparedTexture {
     let texel = [(number * 7) as u8, (number * 13) as u8, (number * 29) as u8, 255];
     let name = format!("came {number}");
     let image = match number % 3 {
-        2 => Image { name, size, texels: blocks_of(texel, size) },
+        2 => {
+            let size = [5 * size[0], 3 * size[1]];
+            Image { name, size, texels: blocks_of(texel, size) }
+        }
         _ => Image::of_rgba8(name, size, texel.repeat((size[0] * size[1]) as usize)),
     };
     PreparedTexture::new(image, Encoding::Srgb, Sampler::default()).unwrap()

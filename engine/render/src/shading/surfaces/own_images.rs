@@ -94,9 +94,9 @@ impl OwnImages {
         self.sampled.of_image(texture.image(), meaning, self.max_side)
     }
 
-    /// Returns the texture as it goes to the GPU: with its blocks, or unpacked.
-    pub(crate) fn ready(&self, texture: PreparedTexture) -> PreparedTexture {
-        if self.blocks(&texture).is_some() { texture } else { texture.unpacked() }
+    /// Returns true if the blocks of a texture lie on the GPU as they are.
+    pub(crate) fn takes_blocks(&self, texture: &PreparedTexture) -> bool {
+        self.blocks(texture).is_some()
     }
 
     /// Adds a texture, whose image is to be opened before anything samples it.

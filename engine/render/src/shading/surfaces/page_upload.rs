@@ -57,7 +57,12 @@ impl Sampling {
     pub(super) fn of(device: &Device, options: &SurfaceOptions) -> Self {
         let is_cpu = device.adapter().kind == vk::PhysicalDeviceType::CPU;
         let anisotropy = options.anisotropy.unwrap_or(if is_cpu { 1.0 } else { 8.0 });
-        Self { anisotropy, mip_making: options.mip_making }
+        // The mip maps of scenes are given for blocks alone.
+        let mip_making = match options.mip_making {
+            MipMaking::Given(_) => MipMaking::Cpu,
+            made => made,
+        };
+        Self { anisotropy, mip_making }
     }
 
     /// Returns the description of a page's array.
@@ -130,8 +135,7 @@ fn upload_image(
         return Ok(uploads.write_levels(array, layer, levels)?);
     }
     if let Texels::Blocks { .. } = image.texels {
-        let texels = (image.size[0] as usize).saturating_mul(image.size[1] as usize);
-        limits::check_memory("an image that is unpacked", texels, 4)?;
+        limits::check_unpacking(image.size)?;
     }
     let rgba8 = image.rgba8();
     if image.size == page.size {

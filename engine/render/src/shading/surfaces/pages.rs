@@ -69,7 +69,7 @@ impl PagePlan {
     /// is made smaller; then those of the same wrapping; samplers are given up last, encodings
     /// never. Where there are very many, those of similar sizes are joined first.
     ///
-    /// All pages together take at most twice the memory of their images, or
+    /// All pages together take at most twice the memory of their images (unpacked), or
     /// [`SMALL_PAGES_BYTES`](super::page_groups::SMALL_PAGES_BYTES) if more. An image that is
     /// sampled as colours and as numbers counts twice.
     #[must_use]

@@ -2,7 +2,7 @@
 
 use gpu::{Device, SampledArrays, TextureArray};
 use scene::limits::MAX_PAGES;
-use scene::{PreparedTexture, Surfaces, TextureId};
+use scene::{PreparedTexture, Surfaces, Texels, TextureId};
 
 use crate::error::Error;
 use crate::shading::surfaces::own_images::OwnImages;
@@ -74,13 +74,18 @@ impl SurfaceTextures {
         }
     }
 
-    /// Returns a texture that was added as it goes to the GPU: compressed blocks that the device
-    /// samples stay as they are, others are unpacked.
+    /// Returns true if a texture has compressed blocks that do not lie on the GPU as they are.
+    pub(crate) fn unpacks(&self, texture: &PreparedTexture) -> bool {
+        let takes_blocks = match self {
+            Self::Pages { .. } => false,
+            Self::Images(images) => images.takes_blocks(texture),
+        };
+        matches!(texture.image().texels, Texels::Blocks { .. }) && !takes_blocks
+    }
+
+    /// Returns a texture as it goes to the GPU.
     pub(crate) fn ready(&self, texture: PreparedTexture) -> PreparedTexture {
-        match self {
-            Self::Pages { .. } => texture.unpacked(),
-            Self::Images(images) => images.ready(texture),
-        }
+        if self.unpacks(&texture) { texture.unpacked() } else { texture }
     }
 
     /// Returns the reason why a texture cannot be added, but for the lack of room.
