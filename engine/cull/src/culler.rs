@@ -20,7 +20,7 @@ use crate::plan::fronts::Fronts;
 use crate::plan::next_frame::NextFrame;
 use crate::plan::phases;
 use crate::plan::plan_writer::PlanWriter;
-use crate::plan::rounds::{self, Grouping};
+use crate::plan::rounds::{self, Grouping, Slabs};
 use crate::plan::strategy::Strategy;
 use crate::plan::traverse::{Knowledge, Walk};
 use crate::plan::{budget, occluders, shared_proxies};
@@ -237,9 +237,10 @@ impl Culler {
         if let Some(costs) = &mut costs {
             tester = costs.drop_unpaid(scratch, &walk, &mut plan.stats).unwrap_or(tester);
         }
-        let is_cut = !views.is_of_shadows() && occluders::is_cut(scratch, &config);
-        if is_cut {
+        let mut slabs = Slabs::Equal;
+        if !views.is_of_shadows() && occluders::is_cut(scratch, &config) {
             occluders::draw_occluders(scratch, &walk, &mut plan.stats);
+            slabs = Slabs::Doubling;
         }
         budget::fit(scratch, &walk, query_budget, &mut plan.stats);
         if testers.draw_phases == DrawPhases::Two {
@@ -263,7 +264,7 @@ impl Culler {
             shared_proxies::share_proxies(plan, &scratch.tests, views, &mut self.fronts);
         }
         let prices = costs.map(|it| it.round_prices(tester, scratch.revealed_ns));
-        rounds::schedule(plan, (tester, testers.draw_phases), (is_cut, prices), &config);
+        rounds::schedule(plan, (tester, testers.draw_phases), (slabs, prices), &config);
         if let Some(costs) = costs {
             plan.stats.rounds_by_compute = costs.hand_to_compute(views, plan);
         }

@@ -6,6 +6,25 @@ use std::ops::Range;
 use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{DrawPhases, FramePlan, ProxyTest, Tester};
 
+/// The lengths of the slabs of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Slabs {
+    /// All alike, as in a calm frame.
+    Equal,
+    /// Each twice as long as the one before, as after a cut.
+    Doubling,
+}
+
+impl Slabs {
+    /// Returns the share of a round in the tests, in proportion to the first.
+    fn weight(self, round: usize) -> usize {
+        match self {
+            Self::Equal => 1,
+            Self::Doubling => 1 << round,
+        }
+    }
+}
+
 /// The prices that decide how many rounds pay.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RoundPrices {
@@ -21,9 +40,9 @@ impl RoundPrices {
     /// break, and saves draws: what a round reveals may hide what later ones would. At most all
     /// of these are spared whose occluder lies in another slab; of pairs drawn at random that is
     /// one less the sum of the squared shares of the slabs.
-    fn best(self, most: u32, is_cut: bool) -> u32 {
+    fn best(self, most: u32, slabs: Slabs) -> u32 {
         let net_ns = |rounds: u32| {
-            let weights = (0..rounds).map(|round| weight(round as usize, is_cut) as f32);
+            let weights = (0..rounds).map(|round| slabs.weight(round as usize) as f32);
             let (sum, squares) =
                 weights.fold((0.0, 0.0), |(sum, squares), it| (sum + it, squares + it * it));
             let apart = 1.0 - squares / (sum * sum);
@@ -42,37 +61,36 @@ const ROUNDS_MAX: u32 = 16;
 pub(crate) fn schedule(
     plan: &mut FramePlan,
     (tester, draw_phases): (Tester, DrawPhases),
-    (is_cut, prices): (bool, Option<RoundPrices>),
+    (slabs, prices): (Slabs, Option<RoundPrices>),
     config: &CullConfig,
 ) {
-    let most = match (draw_phases, tester, is_cut) {
+    let most = match (draw_phases, tester, slabs) {
         (DrawPhases::Two, ..) => 1,
-        (_, Tester::Compute, false) => config.rounds_compute_calm,
-        (_, Tester::Compute, true) => config.rounds_compute_cut,
-        (_, _, false) => config.rounds_calm,
-        (_, _, true) => config.rounds_cut,
+        (_, Tester::Compute, Slabs::Equal) => config.rounds_compute_calm,
+        (_, Tester::Compute, Slabs::Doubling) => config.rounds_compute_cut,
+        (_, _, Slabs::Equal) => config.rounds_calm,
+        (_, _, Slabs::Doubling) => config.rounds_cut,
     };
-    let most = prices.map_or(most, |prices| prices.best(most, is_cut));
-    split(plan.tests.len(), most, is_cut, config, &mut plan.rounds);
+    let most = prices.map_or(most, |prices| prices.best(most, slabs));
+    split(plan.tests.len(), most, slabs, config, &mut plan.rounds);
 }
 
-/// Fills `rounds` with at most `wished` ranges that cover `0..tests`. After a cut each is twice as
-/// long as the one before; in a calm frame they are equal.
+/// Fills `rounds` with at most `wished` ranges of these lengths that cover `0..tests`.
 fn split(
     tests: usize,
     wished: u32,
-    is_cut: bool,
+    slabs: Slabs,
     config: &CullConfig,
     rounds: &mut Vec<Range<usize>>,
 ) {
     rounds.clear();
     let worth = tests / (config.round_tests_min.max(1) as usize);
     let count = (wished.min(ROUNDS_MAX) as usize).min(worth).max(1);
-    let total: usize = (0..count).map(|round| weight(round, is_cut)).sum();
+    let total: usize = (0..count).map(|round| slabs.weight(round)).sum();
     let mut passed = 0;
     let mut start = 0;
     for round in 0..count {
-        passed += weight(round, is_cut);
+        passed += slabs.weight(round);
         let end = if round + 1 == count {
             tests
         } else {
@@ -83,11 +101,6 @@ fn split(
             start = end;
         }
     }
-}
-
-/// Returns the share of a round in the tests, in proportion to the first.
-fn weight(round: usize, is_cut: bool) -> usize {
-    if is_cut { 1 << round } else { 1 }
 }
 
 /// Groups the tests of each round by their tester, front to back as they were: in a round nothing
@@ -146,19 +159,22 @@ impl Answers {
 mod tests {
     use super::*;
 
-    fn rounds(tests: usize, is_cut: bool) -> Vec<Range<usize>> {
+    fn rounds(tests: usize, slabs: Slabs) -> Vec<Range<usize>> {
         let mut rounds = Vec::new();
         let config = CullConfig::default();
-        let wished = if is_cut { config.rounds_cut } else { config.rounds_calm };
-        split(tests, wished, is_cut, &config, &mut rounds);
+        let wished = match slabs {
+            Slabs::Equal => config.rounds_calm,
+            Slabs::Doubling => config.rounds_cut,
+        };
+        split(tests, wished, slabs, &config, &mut rounds);
         rounds
     }
 
     #[test]
     fn slabs_are_contiguous_and_complete() {
         for tests in 0..200 {
-            for is_cut in [false, true] {
-                let rounds = rounds(tests, is_cut);
+            for slabs in [Slabs::Equal, Slabs::Doubling] {
+                let rounds = rounds(tests, slabs);
                 let mut next = 0;
                 for round in &rounds {
                     assert_eq!(round.start, next);
@@ -172,28 +188,28 @@ mod tests {
 
     #[test]
     fn rounds_are_as_many_as_pay() {
-        let best = |round_ns, revealed_ns, most, is_cut| {
-            RoundPrices { round_ns, revealed_ns }.best(most, is_cut)
+        let best = |round_ns, revealed_ns, most, slabs| {
+            RoundPrices { round_ns, revealed_ns }.best(most, slabs)
         };
-        for is_cut in [false, true] {
-            assert_eq!(best(0.0, 1.0, 7, is_cut), 7, "a break costs nothing");
-            assert_eq!(best(0.0, 0.0, 7, is_cut), 7);
-            assert_eq!(best(1.0, 0.0, 7, is_cut), 1, "nothing is revealed");
-            assert_eq!(best(1.0, 1.9, 7, is_cut), 1, "half of it at most is spared");
-            assert_eq!(best(1.0, 1e9, 0, is_cut), 1);
-            assert_eq!(best(f32::MAX, f32::MAX, 40, is_cut), 1);
-            let counts = (0..12).map(|power| best(1.0, 3.0 * f32::powi(3.0, power), 16, is_cut));
+        for slabs in [Slabs::Equal, Slabs::Doubling] {
+            assert_eq!(best(0.0, 1.0, 7, slabs), 7, "a break costs nothing");
+            assert_eq!(best(0.0, 0.0, 7, slabs), 7);
+            assert_eq!(best(1.0, 0.0, 7, slabs), 1, "nothing is revealed");
+            assert_eq!(best(1.0, 1.9, 7, slabs), 1, "half of it at most is spared");
+            assert_eq!(best(1.0, 1e9, 0, slabs), 1);
+            assert_eq!(best(f32::MAX, f32::MAX, 40, slabs), 1);
+            let counts = (0..12).map(|power| best(1.0, 3.0 * f32::powi(3.0, power), 16, slabs));
             let counts: Vec<u32> = counts.collect();
             assert!(counts.is_sorted() && counts.first() < counts.last(), "{counts:?}");
         }
-        assert_eq!([3.0, 7.0].map(|revealed| best(1.0, revealed, 7, false)), [2, 3]);
+        assert_eq!([3.0, 7.0].map(|revealed| best(1.0, revealed, 7, Slabs::Equal)), [2, 3]);
     }
 
     #[test]
     fn slabs_double_after_a_cut_only() {
         let doubling = [0..1, 1..4, 4..8, 8..18, 18..37, 37..74, 74..150];
-        assert_eq!(rounds(150, true), doubling);
-        assert_eq!(rounds(150, false), [0..50, 50..100, 100..150]);
-        assert_eq!(rounds(5, true).len(), 1);
+        assert_eq!(rounds(150, Slabs::Doubling), doubling);
+        assert_eq!(rounds(150, Slabs::Equal), [0..50, 50..100, 100..150]);
+        assert_eq!(rounds(5, Slabs::Doubling).len(), 1);
     }
 }

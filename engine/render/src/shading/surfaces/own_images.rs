@@ -1,6 +1,6 @@
 //! Textures with an image each, which shaders find by number.
 
-use gpu::{Device, Optional, TextureArray, TextureNumber, TextureTable};
+use gpu::{Device, Optional, TextureArray, TextureNumber, TextureTable, vk};
 use scene::limits::MAX_OWN_IMAGES;
 use scene::{PreparedTexture, Surfaces, TextureId};
 
@@ -57,8 +57,7 @@ impl OwnImages {
         let most = device.adapter().indexed_textures.min(MAX_OWN_IMAGES);
         const FEWER: &str = "let materials share textures, or take `TextureStorage::Pages`";
         limits::check("textures with an image each", count, most.into(), FEWER)?;
-        let is_cpu = device.adapter().is_software();
-        let room = room(is_cpu, count as u32, most);
+        let room = room(device.adapter().kind, count as u32, most);
         let mut table = TextureTable::new(device, "textures", room)?;
         let create = |info: &gpu::TextureArrayInfo<'_>| table.create(info);
         for texture in upload_pages(device, surfaces, &plan, sampling, create)? {
@@ -161,8 +160,11 @@ impl OwnImages {
 /// Returns the number of textures that a table has room for: `most` cost a GPU two megabytes; but
 /// drivers that draw on the CPU may look at all of them in each draw, so theirs has room for those
 /// of the scene and [`TO_COME_ON_A_CPU`] more.
-fn room(is_cpu: bool, of_scene: u32, most: u32) -> u32 {
-    if is_cpu { of_scene.saturating_add(TO_COME_ON_A_CPU).min(most) } else { most }
+fn room(kind: vk::PhysicalDeviceType, of_scene: u32, most: u32) -> u32 {
+    match kind {
+        vk::PhysicalDeviceType::CPU => of_scene.saturating_add(TO_COME_ON_A_CPU).min(most),
+        _ => most,
+    }
 }
 
 /// The textures that may come on a CPU.
@@ -174,9 +176,10 @@ mod tests {
 
     #[test]
     fn only_tables_that_are_walked_in_each_draw_are_short() {
-        assert_eq!(room(false, 5, MAX_OWN_IMAGES), 32_767);
-        assert_eq!(room(true, 5, MAX_OWN_IMAGES), 1029);
-        assert_eq!(room(true, 32_700, MAX_OWN_IMAGES), 32_767);
-        assert_eq!(room(true, u32::MAX, 2000), 2000);
+        let [gpu, cpu] = [vk::PhysicalDeviceType::INTEGRATED_GPU, vk::PhysicalDeviceType::CPU];
+        assert_eq!(room(gpu, 5, MAX_OWN_IMAGES), 32_767);
+        assert_eq!(room(cpu, 5, MAX_OWN_IMAGES), 1029);
+        assert_eq!(room(cpu, 32_700, MAX_OWN_IMAGES), 32_767);
+        assert_eq!(room(cpu, u32::MAX, 2000), 2000);
     }
 }
