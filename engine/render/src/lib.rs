@@ -36,6 +36,7 @@
 #![forbid(unsafe_code)]
 
 mod api;
+mod by_hand;
 mod calibration_scene;
 mod debug;
 mod error;

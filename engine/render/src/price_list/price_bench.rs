@@ -10,22 +10,19 @@ use gpu::{
     ResultSource,
 };
 use occlusion::{
-    BucketId, ComputeTest, ComputeTestIo, Costs, ObjectPass, ObjectRenderer, ProxyBox, ProxyIo,
-    ProxyPass, Rect, ShaderSet, SkippedRanges,
+    ComputeTest, ComputeTestIo, Costs, ProxyBox, ProxyIo, ProxyPass, Rect, ShaderSet, SkippedRanges,
 };
 use scene::{Mesh, Scene};
 
 use super::PriceListOptions;
 use super::item::{BoxSize, PredicateResult, PricedItem};
+use crate::by_hand::{HIDES_ALL, bind, rendering, wait_for_reset};
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::renderer::{Renderer, RendererOptions};
 
 /// The distance of everything from the eye (metres).
 const DISTANCE_M: f32 = 10.0;
-
-/// The depth of something at the near plane, behind which all is hidden.
-const HIDES_ALL: f32 = 1.0;
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
@@ -142,8 +139,7 @@ impl PriceBench {
             draws: frame.uploads().push_iter(std::iter::repeat_n(draw, number))?,
             boxes: frame.uploads().push_iter(std::iter::repeat_n(bounds, number))?,
         };
-        let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeWrite];
-        frame.commands().barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
+        wait_for_reset(frame.commands());
         let Renderer { passes, executor, .. } = renderer;
         let recorder = Recorder {
             ranges: &self.ranges,
@@ -252,8 +248,8 @@ impl Recorder<'_> {
         if let Some(ranges) = ranges {
             ranges.record_resolve(commands);
         }
-        rendering(passes, commands, Load::Clear(HIDES_ALL), |passes, commands| {
-            passes.bind(commands, self.view, BucketId(0), ObjectPass::Visibility);
+        rendering(passes, commands, HIDES_ALL, |passes, commands| {
+            bind(passes, commands, self.view);
             match item {
                 PricedItem::Predicates(..) => {
                     if let Some(ranges) = ranges {
@@ -281,7 +277,7 @@ impl Recorder<'_> {
                 commands.barrier(flags);
                 // Some drivers leave out a rendering without a draw.
                 rendering(passes, commands, Load::Keep, |passes, commands| {
-                    passes.bind(commands, self.view, BucketId(0), ObjectPass::Visibility);
+                    bind(passes, commands, self.view);
                     commands.draw_indirect(io.draws.part(0, DRAW_BYTES));
                 });
             }),
@@ -326,19 +322,4 @@ impl Recorder<'_> {
         let tests = ComputeTestIo { boxes: io.boxes, results, first: 0, count };
         compute.record_tests(commands, &tests, self.view);
     }
-}
-
-/// Records a rendering whose depth is loaded in this way.
-fn rendering(
-    passes: &mut FramePasses,
-    commands: &Commands,
-    depth: Load<f32>,
-    record: impl FnOnce(&FramePasses, &Commands),
-) {
-    passes.target.prepare(commands);
-    let mut target = passes.target.render_target(None);
-    if depth == Load::Clear(HIDES_ALL) {
-        (target.colour_load, target.depth_load) = (Load::Clear([0.0; 4]), depth);
-    }
-    commands.rendering(target, |commands| record(passes, commands));
 }

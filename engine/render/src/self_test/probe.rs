@@ -6,16 +6,14 @@ use std::ops::Range;
 use cull::View;
 use gpu::{
     Access, BufferSlice, Commands, Counting, Device, DrawRange, FlagRing, Frame, IndirectDraw,
-    Load, MemoryBarrier, Optional, PredicatedRange, Predicates, Predication, QueryIndex, QueryRing,
+    MemoryBarrier, Optional, PredicatedRange, Predicates, Predication, QueryIndex, QueryRing,
     Readback, ResultSource, Reveal,
 };
-use occlusion::{
-    BucketId, ComputeTest, ComputeTestIo, Costs, ObjectPass, ObjectRenderer, ProxyBox, ProxyIo,
-    ProxyPass, Rect, ShaderSet,
-};
+use occlusion::{ComputeTest, ComputeTestIo, Costs, ProxyBox, ProxyIo, ProxyPass, Rect, ShaderSet};
 
 use super::probe_lists::ProbeLists;
 use super::probe_scene::{self, PROBES, SIZE, TWINS};
+use crate::by_hand::{HIDES_ALL, HIDES_NOTHING, bind, rendering, wait_for_reset};
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::renderer::{Renderer, RendererOptions};
@@ -30,10 +28,6 @@ const LATE_FRAMES: u32 = 8;
 
 /// Queries of such a frame.
 const LATE_QUERIES: u32 = 32;
-
-/// The depth that hides everything, and the one that hides nothing.
-const HIDES_ALL: f32 = 1.0;
-const HIDES_NOTHING: f32 = 0.0;
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
@@ -433,29 +427,6 @@ fn tested(
         found = TestedProxies { shown: shown.to_vec(), hidden: hidden.to_vec() };
     });
     Ok(found)
-}
-
-/// Waits until the results of the frame are cleared.
-fn wait_for_reset(commands: &Commands) {
-    let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeWrite];
-    commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
-}
-
-/// Records a rendering over a black image of this depth.
-fn rendering(
-    passes: &mut FramePasses,
-    commands: &Commands,
-    depth: f32,
-    record: impl FnOnce(&FramePasses, &Commands),
-) {
-    passes.target.prepare(commands);
-    let mut target = passes.target.render_target(None);
-    (target.colour_load, target.depth_load) = (Load::Clear([0.0; 4]), Load::Clear(depth));
-    commands.rendering(target, |commands| record(passes, commands));
-}
-
-fn bind(passes: &FramePasses, commands: &Commands, view: &View) {
-    passes.bind(commands, view, BucketId(0), ObjectPass::Visibility);
 }
 
 /// Draws all objects without their twins.
