@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use antumbra::gpu::SampleCount;
 use scenes::LightSet;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::choices::{
@@ -18,7 +18,7 @@ use crate::strategy::Strategy;
 use crate::terminal::shown;
 
 /// A strategy that does not run, and the reason.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LeftOut {
     /// The name of the strategy.
     pub strategy: String,

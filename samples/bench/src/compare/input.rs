@@ -9,6 +9,7 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use crate::input_file;
+use crate::options::LeftOut;
 use crate::provenance::Provenance;
 use crate::statistics::TimeSummary;
 use crate::terminal::shown;
@@ -71,18 +72,24 @@ pub struct Measured {
     pub moving_percent: u32,
     /// The name of the camera's path.
     pub path: String,
+    /// The number of eyes.
+    pub views: u32,
     /// True if a signal ended the walk.
     pub cut_short: bool,
     /// The timed frames of each strategy.
     pub frames: u32,
     /// Width and height in pixels.
     pub size: [u32; 2],
+    /// Samples per pixel.
+    pub samples_per_pixel: u32,
     /// The number of frames that the CPU was allowed to be ahead.
     pub frames_in_flight: u32,
     /// The way in which hidden draws were skipped.
     pub predicates: String,
     /// The largest number of visible pixels that counted as hidden.
     pub threshold_pixels: u32,
+    /// Strategies that could not run, and the reasons.
+    pub left_out: Vec<LeftOut>,
     /// The runs, one per strategy.
     pub runs: Vec<MeasuredRun>,
     /// "A/B": ratio of the medians.
@@ -176,6 +183,15 @@ impl Measured {
                 None if word == option => words.get(place + 1).map(String::as_str),
                 None => None,
             }
+        })
+    }
+
+    /// Returns the lights that were asked for, in words.
+    pub fn light_words(&self) -> Option<String> {
+        let lights = self.lights.as_deref()?;
+        Some(match lights.parse::<u32>() {
+            Ok(lamps) => format!("{lamps} lamps"),
+            Err(_) => lights.to_owned(),
         })
     }
 

@@ -44,11 +44,7 @@ fn is_lit(report: &Measured) -> bool {
 
 /// Returns what was drawn: scene, objects, path, lights.
 fn place(report: &Measured) -> String {
-    let lights = match report.lights.as_deref() {
-        None => "its own lights".to_owned(),
-        Some(name) if name.parse::<u32>().is_ok() => format!("{name} lamps"),
-        Some(name) => name.to_owned(),
-    };
+    let lights = report.light_words().unwrap_or_else(|| "its own lights".to_owned());
     format!("{} of {}, {}, {lights}", report.scene.name, report.scene.objects, report.path)
 }
 

@@ -34,9 +34,15 @@ pub struct Arguments {
     /// Folder with reports (*.json) that walkthrough wrote on this device [default: none]
     #[arg(long, value_name = "DIR")]
     pub reports: Option<PathBuf>,
+    /// Text file with a line for each walk that this device cannot do [default: none]
+    #[arg(long, value_name = "FILE")]
+    pub left_out: Option<PathBuf>,
     /// Commit of the code, for the page [default: none]
     #[arg(long, value_name = "HASH")]
     pub commit: Option<String>,
+    /// The code has changes that are not in that commit
+    #[arg(long, requires = "commit")]
+    pub uncommitted: bool,
     /// Size of the image that prices are measured with
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub size: FrameSize,

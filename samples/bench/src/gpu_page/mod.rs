@@ -3,6 +3,7 @@
 
 pub mod args;
 mod text;
+mod walks;
 
 use antumbra::gpu::{Device, DeviceOptions};
 use antumbra::render::{self, PriceListOptions, RendererOptions};
@@ -10,7 +11,7 @@ use antumbra::render::{self, PriceListOptions, RendererOptions};
 use self::args::Arguments;
 use self::text::{DevicePage, file_stem};
 use crate::compare::bar_chart::BarChart;
-use crate::compare::input::read_folder;
+use crate::compare::input::{read_folder, read_notes};
 use crate::compare::picture::picture;
 use crate::outputs::write_file;
 use crate::provenance::Provenance;
@@ -32,6 +33,8 @@ pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
         Some(folder) => read_folder(folder).map_err(RunError::user)?,
         None => Vec::new(),
     };
+    let left_out = arguments.left_out.as_deref().map(read_notes).transpose();
+    let left_out = left_out.map_err(RunError::user)?.unwrap_or_default();
     let instance = open_instance(arguments.device.validation, None)?;
     let adapter = pick_adapter(&instance, &arguments.device.choice())?;
     if let Some(other) = reports.iter().find(|report| report.device.name != adapter.name) {
@@ -57,10 +60,12 @@ pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
         is_software: adapter.is_software(),
         provenance: &Provenance::of_this_process(),
         commit: arguments.commit.as_deref(),
+        has_changes: arguments.uncommitted,
         trust: &trust,
         options,
         prices: &prices,
         reports: &reports,
+        left_out: &left_out,
         plot: format!("{stem}.svg"),
     };
     let chart = BarChart {

@@ -6,6 +6,7 @@ use antumbra::gpu::Adapter;
 use antumbra::render::{Finding, Price, PriceListOptions, PricedItem, SelfTest};
 
 use crate::compare::input::Measured;
+use crate::gpu_page::walks;
 use crate::provenance::Provenance;
 
 /// The contents of the page of a device.
@@ -18,6 +19,8 @@ pub struct DevicePage<'a> {
     pub provenance: &'a Provenance,
     /// The commit of the code.
     pub commit: Option<&'a str>,
+    /// True if the code has changes that are not in it.
+    pub has_changes: bool,
     /// The outcome of the self-test.
     pub trust: &'a SelfTest,
     /// The extent of the prices.
@@ -26,6 +29,8 @@ pub struct DevicePage<'a> {
     pub prices: &'a [Price],
     /// The walks on this device.
     pub reports: &'a [Measured],
+    /// The walks that it cannot do, a sentence each.
+    pub left_out: &'a [String],
     /// The file of the plot, beside the page.
     pub plot: String,
 }
@@ -63,13 +68,15 @@ impl DevicePage<'_> {
     pub fn render(&self) -> String {
         let Adapter { name, driver, api, .. } = self.adapter;
         let command = self.provenance.command.join(" ");
-        let commit = self.commit.map_or(String::new(), |commit| format!(", commit {commit}"));
+        let changes = if self.has_changes { " and changes that are not committed" } else { "" };
+        let commit = self.commit.map_or(String::new(), |it| format!(", commit {it}{changes}"));
         let head = format!(
             "# {name}\n\n{driver}, Vulkan {api}; {}{commit}. Made by `ci/gpu` (`{command}`).\n\n{}\n",
             self.provenance.day(),
             purpose(name, self.is_software)
         );
-        head + &self.trusted() + &self.exactness() + &self.price_table() + &self.walks()
+        let exactness = walks::exactness(self.reports, self.left_out);
+        head + &self.trusted() + &exactness + &self.price_table() + &walks::timed(self.reports)
     }
 
     /// Returns the price of each item in the largest number that was measured.
@@ -84,9 +91,9 @@ impl DevicePage<'_> {
     fn trusted(&self) -> String {
         let mut text = "\n## What the driver is trusted with\n\n".to_owned();
         text += "The [self-test](../drivers.md#what-a-driver-is-trusted-with) found:\n\n";
-        text += &head(["assumption", "verdict", "seen"].map(str::to_owned).to_vec());
+        text += &head(&["assumption", "verdict", "seen"]);
         for (assumption, finding) in &self.trust.findings {
-            text += &row(&[assumption.name(), finding.word(), finding.detail()].map(str::to_owned));
+            text += &row(&[assumption.name(), finding.word(), finding.detail()]);
         }
         let broken = |(_, it): &&(_, Finding)| matches!(it, Finding::Broken(_));
         match (self.trust.findings.iter().filter(broken).count(), self.trust.safest) {
@@ -94,40 +101,6 @@ impl DevicePage<'_> {
             (_, Some(strategy)) => text + &format!("\nThe safest strategy is `{strategy}`.\n"),
             (_, None) => text + "\nOnly plain frustum culling is safe.\n",
         }
-    }
-
-    fn exactness(&self) -> String {
-        let verified: Vec<&Measured> = self.reports.iter().filter(|it| it.is_verified()).collect();
-        if verified.is_empty() {
-            return String::new();
-        }
-        let mut text = "\n## Exactness\n\nFrames compared bit for bit with plain frustum culling, \
-                        under the validation layer's checks; any message would have ended this.\n\n"
-            .to_owned();
-        let columns = ["walk", "objects", "draws skipped by", "checks", "strategies", "frames"];
-        text += &head(
-            [&columns[..], &["wrong pixels"]].concat().into_iter().map(str::to_owned).collect(),
-        );
-        for report in verified {
-            let frames =
-                report.runs.iter().map(|it| it.frames_verified + it.warm_up_frames_verified);
-            let wrong: u64 = report.runs.iter().filter_map(|run| run.pixels_wrong).sum();
-            let checks = match report.argument("--validation") {
-                Some("sync") => "core and synchronization",
-                Some("on") => "core",
-                _ => "none",
-            };
-            text += &row(&[
-                format!("{} {}", report.scene.name, report.path),
-                report.scene.objects.to_string(),
-                report.predicates.clone(),
-                checks.to_owned(),
-                report.runs.len().to_string(),
-                frames.sum::<u64>().to_string(),
-                wrong.to_string(),
-            ]);
-        }
-        text
     }
 
     fn price_table(&self) -> String {
@@ -144,7 +117,7 @@ impl DevicePage<'_> {
         counts.dedup();
         let mut columns = vec!["item".to_owned()];
         columns.extend(counts.iter().map(u32::to_string));
-        text += &head(columns);
+        text += &head(&columns);
         let is_measured = |item: &PricedItem| self.prices.iter().any(|price| price.item == *item);
         for item in PricedItem::all().into_iter().filter(is_measured) {
             let mut cells = vec![item.name()];
@@ -157,57 +130,21 @@ impl DevicePage<'_> {
         }
         text
     }
-
-    fn walks(&self) -> String {
-        let timed: Vec<&Measured> = self.reports.iter().filter(|it| !it.is_verified()).collect();
-        if timed.is_empty() {
-            return String::new();
-        }
-        let mut text =
-            "\n## Scenes and strategies\n\nMedian times of a frame, and ratios frame by \
-                        frame.\n\n"
-                .to_owned();
-        let columns = ["walk", "objects", "size", "strategy", "ms", "times the ideal"];
-        text += &head(
-            [&columns[..], &["times frustum"]].concat().into_iter().map(str::to_owned).collect(),
-        );
-        for report in timed {
-            for run in &report.runs {
-                let [width, height] = report.size;
-                let ratio = |other: &str| {
-                    if run.strategy == other {
-                        return "1".to_owned();
-                    }
-                    let ratio = report.paired_ratios.get(&format!("{}/{other}", run.strategy));
-                    ratio.copied().flatten().map_or("-".to_owned(), |it| format!("{it:.2}"))
-                };
-                let ms = run.frame_ms.median.map_or("-".to_owned(), |ms| format!("{ms:.2}"));
-                text += &row(&[
-                    format!("{} {}", report.scene.name, report.path),
-                    report.scene.objects.to_string(),
-                    format!("{width}x{height}"),
-                    format!("`{}`", run.strategy),
-                    ms,
-                    ratio("ideal"),
-                    ratio("frustum"),
-                ]);
-            }
-        }
-        text
-    }
 }
 
-fn row(cells: &[String]) -> String {
+/// Returns a row of a table.
+pub(super) fn row<T: AsRef<str>>(cells: &[T]) -> String {
     let mut text = "|".to_owned();
     for cell in cells {
         // Writing to a String cannot fail.
-        let _ok = write!(text, " {} |", cell.replace('|', "\\|"));
+        let _ok = write!(text, " {} |", cell.as_ref().replace('|', "\\|"));
     }
     text + "\n"
 }
 
-fn head(columns: Vec<String>) -> String {
-    row(&columns) + &"|---".repeat(columns.len()) + "|\n"
+/// Returns the head of a table.
+pub(super) fn head<T: AsRef<str>>(columns: &[T]) -> String {
+    row(columns) + &"|---".repeat(columns.len()) + "|\n"
 }
 
 #[cfg(test)]
@@ -232,8 +169,7 @@ mod tests {
 
     #[test]
     fn rows_have_as_many_cells_as_heads() {
-        let text =
-            head(vec!["a".to_owned(), "b".to_owned()]) + &row(&["x|y", "2"].map(str::to_owned));
+        let text = head(&["a", "b"]) + &row(&["x|y", "2"]);
         assert_eq!(text, "| a | b |\n|---|---|\n| x\\|y | 2 |\n");
     }
 }

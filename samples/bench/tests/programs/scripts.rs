@@ -28,6 +28,11 @@ done
 /// A stand-in that builds nothing; it names the program that it should run.
 const CARGO: &str = "#!/bin/sh\n[ \"$1\" != run ] || echo \"$*\"\n";
 
+/// A stand-in with a commit; a tree with the file `dirty` has changes.
+const GIT: &str = r#"#!/bin/sh
+case "$*" in "rev-parse "*" HEAD") echo abc ;; "diff --quiet HEAD -- :!docs") [ ! -e dirty ] ;; *) exit 9 ;; esac
+"#;
+
 /// The lock held while a program is written and while one is started. A child that another test
 /// starts in between has the file open for writing until it is replaced, and executing it would
 /// fail (ETXTBSY).
@@ -49,6 +54,7 @@ fn tree(name: &str, script: &str) -> Scratch {
     program(&scratch.0.join("ci/setup"), "#!/bin/sh\n");
     program(&scratch.0.join("ci/env"), "ANTUMBRA_NEW_LAYER_PATH=nowhere\n");
     program(&scratch.0.join("bin/cargo"), CARGO);
+    program(&scratch.0.join("bin/git"), GIT);
     program(&scratch.0.join("target/release/walkthrough"), WALKTHROUGH);
     program(&scratch.0.join("target/release/compare"), "#!/bin/sh\n");
     let words = "#!/bin/sh\necho \"$*\" >words\n";
@@ -195,10 +201,31 @@ fn the_page_of_a_gpu_has_compared_and_timed_walks_of_every_way() {
     for way in ["count", "instances", "compacted"].map(|way| format!("--predicates {way}")) {
         assert!(has(&[&way, "--verify every"]), "{way}");
     }
-    assert!(has(&["--scene field", "--verify every"]));
-    assert!(walks.iter().any(|walk| walk.contains("--path fly") && !walk.contains("--verify")));
+    for compared in [
+        "--scene field",
+        "--strategy naive,batched",
+        "--moving 10 --views 2",
+        "--objects 100 --msaa 4",
+        "--lights sun --shadows maps,volumes",
+        "--lights 4 --shadows maps,volumes",
+        "--scene samples/bench/fences.gltf --lights sun --shadows maps --msaa 4",
+    ] {
+        assert!(has(&[compared, "--verify every", "--validation sync"]), "{compared}");
+    }
+    let timed: Vec<&str> =
+        walks.iter().copied().filter(|walk| !walk.contains("--verify")).collect();
+    for way in ["--path fly", "--strategy frustum,naive,batched,ideal", "--shadows maps"] {
+        assert!(timed.iter().any(|walk| walk.contains(way)), "{way}");
+    }
+    let is_late = |walk: &&&str| walk.contains("next_frame");
+    assert_eq!(walks.iter().filter(is_late).count(), timed.len() - 2, "{timed:?}");
     let words = fs::read_to_string(scratch.0.join("words")).expect("a page");
-    assert!(words.contains("--reports out/gpu/reports --out pages"), "{words}");
+    assert!(words.contains("--reports out/gpu/reports"), "{words}");
+    assert!(words.contains("--out pages --commit abc --size"), "{words}");
+    fs::write(scratch.0.join("dirty"), "").expect("the target folder is writable");
+    assert_ends_with(&run(&scratch, "gpu", &["--quick"]), 0);
+    let words = fs::read_to_string(scratch.0.join("words")).expect("a page");
+    assert!(words.contains("--commit abc --uncommitted --size"), "{words}");
 }
 
 #[test]
@@ -212,5 +239,7 @@ fn a_wrong_walk_leaves_no_page_and_what_a_gpu_lacks_is_left_out() {
         let output = run(&scratch, "gpu", &["--quick"]);
         assert_ends_with(&output, expected);
         assert_eq!(scratch.0.join("words").exists(), expected == 0);
+        let told = fs::read_to_string(scratch.0.join("out/gpu/left-out.txt")).expect("a list");
+        assert_eq!(told, if expected == 0 { "compared-instances: it lacks counts\n" } else { "" });
     }
 }
