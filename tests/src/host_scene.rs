@@ -4,16 +4,16 @@
 use std::collections::BTreeMap;
 
 use ash::vk;
-use cull::{Aabb, Camera, CullConfig, Culler, DrawPhases, ObjectId, Strategy, TesterSupport, View};
+use cull::{Aabb, Camera, CullConfig, DrawPhases, ObjectId, Strategy, View};
 use glam::Vec3;
 use gpu::{
     Attachments, Commands, Device, Frame, HostImage, HostImages, ImageState, IndirectDraw,
     NearDepth, Predication, RenderTarget, SlotIndex, Target, Tick,
 };
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, DrawList, Error, HostObject, HostScene, ObjectPass,
-    ObjectRenderer, OcclusionPasses, ProxyBox, Rendering, ShaderSet, VisibilityState, execute,
-    list_draws,
+    Assumption, BucketDraw, BucketId, BucketTableInfo, DevicePrices, DrawList, Error, HostObject,
+    HostScene, ObjectPass, ObjectRenderer, OcclusionPasses, ProxyBox, Rendering, ShaderSet, Trust,
+    VisibilityState, execute, list_draws,
 };
 
 use crate::host_commands::Runs;
@@ -35,7 +35,7 @@ const NOWHERE: Aabb = Aabb { min: Vec3::splat(1.0e6), max: Vec3::splat(1.0e6) };
 
 /// The choices of a host with boxes.
 #[derive(Clone, Copy, Debug)]
-pub struct BoxOptions {
+pub struct BoxOptions<'a> {
     /// The number of views.
     pub views: usize,
     /// Samples per pixel.
@@ -48,6 +48,10 @@ pub struct BoxOptions {
     pub predication: Option<Predication>,
     /// Two where the host draws from lists.
     pub draw_phases: DrawPhases,
+    /// The assumptions about the driver that are taken as broken.
+    pub distrusted: &'a [Assumption],
+    /// The prices that decide, if any do.
+    pub prices: Option<&'a DevicePrices>,
 }
 
 /// The owner of the renderings of a view.
@@ -59,7 +63,7 @@ pub enum RenderingOwner {
     Host,
 }
 
-impl Default for BoxOptions {
+impl Default for BoxOptions<'_> {
     fn default() -> Self {
         Self {
             views: 1,
@@ -68,6 +72,8 @@ impl Default for BoxOptions {
             room: 16,
             predication: None,
             draw_phases: DrawPhases::PerRound,
+            distrusted: &[],
+            prices: None,
         }
     }
 }
@@ -110,27 +116,29 @@ struct BoxImages {
 
 impl<'a> ComparedScene<'a> {
     /// Creates a scene without boxes.
-    pub fn new(host: &'a Host, device: &Device, options: &BoxOptions) -> Self {
+    pub fn new(host: &'a Host, device: &Device, options: &BoxOptions<'_>) -> Self {
         let shaders = ShaderSet::embedded().unwrap();
         let mut images = Vec::new();
         images.resize_with(options.views, || [(); 2].map(|()| images_of(host, device, options)));
         let (target, passes) = (&images[0][0].0, images[0][0].3.as_ref());
         let attachments = attachments_of(target, passes);
-        let passes = OcclusionPasses::new(device, &shaders, attachments).unwrap();
+        let trust = Trust::without(options.distrusted);
+        let passes = OcclusionPasses::with_trust(device, &shaders, attachments, trust).unwrap();
         let info = BucketTableInfo {
             bucket_count: BUCKETS,
             draw_capacity: options.room as u32,
             predication: options.predication,
             frames_in_flight: IN_FLIGHT,
         };
-        let scene = HostScene::new(device, passes, options.room, info).unwrap();
+        let scene = match options.prices {
+            None => HostScene::new(device, passes, options.room, info),
+            Some(prices) => HostScene::with_prices(device, passes, options.room, info, prices),
+        };
+        let scene = scene.unwrap();
         let view = |images: [_; 2]| {
             let [culled, all] = images.map(|it| BoxImages::new(device, &scene, it));
-            let testers = scene.executor().testers(device, &culled.target);
-            let testers = TesterSupport { draw_phases: options.draw_phases, ..testers };
-            let culler = Culler::with_testers(CullConfig::default(), testers);
-            let (hierarchy, leaves) = (scene.hierarchy(), &scene.executor().leaves);
-            let state = VisibilityState::new(device, hierarchy, leaves, IN_FLIGHT, culler);
+            let (target, config) = (&culled.target, CullConfig::default());
+            let state = scene.new_view(target, config, options.draw_phases);
             let bytes = u64::from(SIZE[0] * SIZE[1] * 4);
             let copies = [(); IN_FLIGHT].map(|()| [(); 2].map(|()| OwnBuffer::new(host, bytes)));
             ComparedView { state: state.unwrap(), culled, all, copies }
@@ -299,6 +307,11 @@ impl<'a> ComparedScene<'a> {
         is_drawn
     }
 
+    /// Returns the views, each with its newest plan.
+    pub fn states(&self) -> impl Iterator<Item = &VisibilityState> {
+        self.views.iter().map(|view| &view.state)
+    }
+
     /// Takes the fewest draws of a frame of any view that drew: one that never ran is not known to.
     pub fn fewest_draws(&mut self) -> Option<u64> {
         let (hierarchy, executor) = self.scene.parts_mut();
@@ -327,7 +340,7 @@ impl<'a> ComparedScene<'a> {
 type HostTarget = (Target, OwnImage, OwnImage, Option<OwnPasses>, Option<OwnImage>);
 
 /// Creates images, and the target over them.
-fn images_of(host: &Host, device: &Device, options: &BoxOptions) -> HostTarget {
+fn images_of(host: &Host, device: &Device, options: &BoxOptions<'_>) -> HostTarget {
     use vk::{AccessFlags2 as A, ImageUsageFlags as U, PipelineStageFlags2 as S};
     let (format, one) = (vk::Format::R8G8B8A8_UNORM, vk::SampleCountFlags::TYPE_1);
     let samples = options.samples;

@@ -64,7 +64,8 @@ impl Culler {
         Self::with_testers(config, TesterSupport::default())
     }
 
-    /// Creates a culler without history, for a device that can do more than queries.
+    /// Creates a culler without history, for a device that can do more than queries, or less. In
+    /// place of a strategy whose tester is not there it plans [another](TesterSupport::strategy).
     #[must_use]
     pub fn with_testers(config: CullConfig, testers: TesterSupport) -> Self {
         Self {
@@ -213,7 +214,8 @@ impl Culler {
         let now = self.begin(hierarchy, plan);
         self.watch(views.first(), now);
         plan.sample_threshold = self.sample_threshold;
-        let testers = self.testers();
+        let testers = self.testers.counting(self.sample_threshold);
+        let strategy = testers.strategy(strategy);
         let mut tester = tester(strategy, testers);
         let config = self.tune(strategy, &mut plan.stats);
         let mut costs = CostFilter::new(self.cost_model.as_ref(), strategy, tester, testers);
@@ -243,7 +245,7 @@ impl Culler {
             slabs = Slabs::Doubling;
         }
         budget::fit(scratch, &walk, query_budget, &mut plan.stats);
-        if testers.draw_phases == DrawPhases::Two {
+        if testers.draw_phases == DrawPhases::Two || !testers.queries {
             phases::test_boxes_of_retests(scratch, &walk, &mut plan.stats);
         }
         let (history, rng) = (&mut self.history, &mut self.rng);
@@ -351,13 +353,6 @@ impl Culler {
         self.tuned
     }
 
-    /// Returns the testers that the next plan may use: with a threshold, those that count samples.
-    fn testers(&self) -> TesterSupport {
-        let is_exact = self.sample_threshold == 0;
-        let TesterSupport { flags, compute, .. } = self.testers;
-        TesterSupport { flags: is_exact && flags, compute: is_exact && compute, ..self.testers }
-    }
-
     /// Begins the next frame.
     fn advance(&mut self) -> FrameStamp {
         self.frame.0 = self.frame.0.saturating_add(1);
@@ -386,12 +381,8 @@ impl Culler {
     }
 }
 
-/// Returns the tester of proxies under a strategy.
+/// Returns the tester of proxies under a strategy whose tester is there.
 fn tester(strategy: Strategy, testers: TesterSupport) -> Tester {
-    match strategy.tester() {
-        Some(Tester::Query) => Tester::Query,
-        Some(Tester::Compute) if testers.compute => Tester::Compute,
-        _ if testers.flags => Tester::Flag,
-        _ => Tester::Query,
-    }
+    let usual = if testers.flags { Tester::Flag } else { Tester::Query };
+    strategy.tester().unwrap_or(usual)
 }

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use gpu::{
-    Buffer, BufferSlice, Device, DrawRange, Frame, IndirectDraw, MemoryKind, Optional,
+    Buffer, BufferSlice, Device, DrawRange, Frame, IndirectDraw, MemoryKind, Optional, Predication,
     ResultSource, Reveal, vk,
 };
 
@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::leaf_table::{BucketId, LeafTable};
 use crate::passes::{ListDrawsIo, ListedRange, RANGE_SIZE_BYTES};
 use crate::test_layout::{RevealedRange, RoundLayout, TestLayout, take_bucket};
+use crate::trust::Trust;
 
 /// The indirect draws of one bucket in one phase of a frame. Their buffers live until the frame is
 /// over.
@@ -24,8 +25,28 @@ pub struct DrawList {
     /// The most commands that there may be; `commands` has room for so many.
     pub most: u32,
     /// The number of commands, 32 bits in a buffer. `None` where the device cannot count so many
-    /// ([`Optional::DrawIndirectCount`]): some of all commands are empty then.
+    /// ([`Optional::DrawIndirectCount`]), or cannot be trusted with it: some of all commands are
+    /// empty then.
     pub count: Option<BufferSlice>,
+}
+
+/// The most commands of a list whose number is counted.
+#[derive(Clone, Copy, Debug)]
+struct CountLimit(u32);
+
+impl CountLimit {
+    /// Returns that of a device; 0 where draw counts are missing or not trusted.
+    fn of(device: &Device, trust: &Trust) -> Self {
+        let has_counts = device.capabilities().has(Optional::DrawIndirectCount);
+        match has_counts && trust.allows_executor(Predication::Counts) {
+            true => Self(device.adapter().limits.max_draw_indirect_count),
+            false => Self(0),
+        }
+    }
+
+    fn counts(self, commands: u32) -> bool {
+        commands <= self.0
+    }
 }
 
 /// The lists of the newest frame of a view, and their memory, kept to allocate nothing in the
@@ -94,23 +115,22 @@ impl DrawLists {
         frame: &mut Frame<'_>,
         device: &Device,
         (layout, leaves): (&TestLayout, &LeafTable),
-        visible: BufferSlice,
+        (visible, trust): (BufferSlice, &Trust),
     ) -> Result<Option<ListDrawsIo>, Error> {
-        let limit = device.adapter().limits.max_draw_indirect_count;
-        let has_counts = device.capabilities().has(Optional::DrawIndirectCount);
+        let limit = CountLimit::of(device, trust);
         self.visible.clear();
         // Lavapipe (Mesa 22.3) lets a draw without a count take that of the counted one before it.
         let buckets = layout.visible.buckets();
         let counts = frame.uploads().push_iter(buckets.iter().map(|it| it.draws.len() as u32))?;
         self.visible.extend((0..).zip(buckets).map(|(list, it)| {
             let most = it.draws.len() as u32;
-            let count = (has_counts && most <= limit).then(|| counts.part(list * 4, 4));
+            let count = limit.counts(most).then(|| counts.part(list * 4, 4));
             DrawList { bucket: it.bucket, commands: commands(visible, &it.draws), most, count }
         }));
         self.clear_revealed();
         let round = layout.rounds.first();
         self.lay_out(layout, [round, round]);
-        self.write_revealed(frame, device, leaves)
+        self.write_revealed(frame, device, (leaves, limit))
     }
 
     /// Lists the draws that the tests of a frame may reveal, step by step. Returns the buffers by
@@ -126,7 +146,8 @@ impl DrawLists {
         for step in 0..layout.step_count() {
             self.lay_out(layout, layout.step(step));
         }
-        self.write_revealed(frame, device, leaves)
+        let limit = CountLimit::of(device, &Trust::default());
+        self.write_revealed(frame, device, (leaves, limit))
     }
 
     fn clear_revealed(&mut self) {
@@ -141,7 +162,7 @@ impl DrawLists {
         &mut self,
         frame: &mut Frame<'_>,
         device: &Device,
-        leaves: &LeafTable,
+        (leaves, limit): (&LeafTable, CountLimit),
     ) -> Result<Option<ListDrawsIo>, Error> {
         let Some((_, last)) = self.places.last() else { return Ok(None) };
         let slot = frame.slot().0 % self.slots.len();
@@ -157,9 +178,7 @@ impl DrawLists {
         let counts = reserve(device, counts, ("list counts", usage), bytes)?;
         let bytes = self.ranges.len() as u64 * RANGE_SIZE_BYTES;
         let sizes = reserve(device, sizes, ("list sizes", usage), bytes)?;
-        let limit = device.adapter().limits.max_draw_indirect_count;
-        let has_counts = device.capabilities().has(Optional::DrawIndirectCount);
-        let is_counted = |place: &Range<u32>| has_counts && place.len() as u32 <= limit;
+        let is_counted = |place: &Range<u32>| limit.counts(place.len() as u32);
         if !self.places.iter().all(|(_, place)| is_counted(place)) {
             frame.commands().fill(all, 0);
         }

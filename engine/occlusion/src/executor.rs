@@ -1,7 +1,7 @@
 //! The executor of plans over the leaves of one scene.
 
-use cull::TesterSupport;
-use gpu::{Device, Target};
+use cull::{DrawPhases, TesterSupport};
+use gpu::{Device, Predication, Target};
 
 use crate::error::Error;
 use crate::leaf_table::LeafTable;
@@ -17,9 +17,22 @@ pub struct PlanExecutor {
 }
 
 impl PlanExecutor {
-    /// Returns the testers that plans may use on `device`, for views that are drawn to `target`.
-    pub fn testers(&self, device: &Device, target: &Target) -> TesterSupport {
-        self.passes.testers(device, target)
+    /// Returns the testers that plans may use on `device`, for views that are drawn to `target` in
+    /// these phases: those of the device that can be [trusted](OcclusionPasses::with_trust), and
+    /// none where what skips hidden draws cannot.
+    pub fn testers(
+        &self,
+        device: &Device,
+        target: &Target,
+        draw_phases: DrawPhases,
+    ) -> TesterSupport {
+        let executor = match draw_phases {
+            DrawPhases::PerRound => self.leaves.predicates.predication(),
+            // The host draws compacted lists.
+            DrawPhases::Two => Predication::Compacted,
+        };
+        let offered = TesterSupport { draw_phases, ..self.passes.testers(device, target) };
+        self.passes.trust().testers(offered, executor)
     }
 
     /// Refuses a change of the target's size, from the first to the second, that takes away a

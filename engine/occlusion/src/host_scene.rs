@@ -1,13 +1,18 @@
 //! The scene of a host: objects with draws in the host's own pipelines, which come, go and move in
 //! bulk.
 
-use cull::{Aabb, Hierarchy, HierarchyError, LeafRange, MAX_OBJECTS, ObjectId};
-use gpu::{Device, Frame, Tick};
+use cull::{
+    Aabb, CullConfig, Culler, DrawPhases, Hierarchy, HierarchyError, LeafRange, MAX_OBJECTS,
+    ObjectId, SkippedWork,
+};
+use gpu::{Device, Frame, Target, Tick};
 
+use crate::costs::device_prices::{ChoiceRequest, DevicePrices, PriceChoice};
 use crate::error::Error;
 use crate::executor::PlanExecutor;
 use crate::leaf_table::{BucketDraw, BucketTableInfo, LeafTable};
 use crate::passes::OcclusionPasses;
+use crate::visibility_state::VisibilityState;
 
 /// An object of a host.
 #[derive(Clone, Copy, Debug)]
@@ -21,8 +26,11 @@ pub struct HostObject<'a> {
 /// The objects of a host: a hierarchy over their boxes, and the executor with their draws. Changes
 /// reach the GPU with the next frame that [uploads](HostScene::upload) them; nothing waits.
 pub struct HostScene {
+    device: Device,
+    frames_in_flight: usize,
     hierarchy: Hierarchy,
     executor: PlanExecutor,
+    choice: PriceChoice,
     /// The boxes of a rebuild and the ranges of a restructuring; kept to allocate nothing.
     boxes: Vec<Aabb>,
     reordered: Vec<LeafRange>,
@@ -30,6 +38,9 @@ pub struct HostScene {
 
 impl HostScene {
     /// Creates a scene with room for `object_capacity` objects; more room is made as objects come.
+    /// Without prices everything that may be hidden is tested, and the way that hidden draws are
+    /// skipped is the device's usual one, if none is wanted. It is another one in either case where
+    /// the driver cannot be [trusted](OcclusionPasses::with_trust) with that.
     ///
     /// # Errors
     /// [`gpu::Error::Unsupported`] for a way to skip draws that the device lacks;
@@ -41,12 +52,86 @@ impl HostScene {
         object_capacity: usize,
         draws: BucketTableInfo,
     ) -> Result<Self, Error> {
+        Self::by(device, (passes, draws), object_capacity, None)
+    }
+
+    /// Creates the same, and decides by the [measured](crate::measure) prices of the device: about
+    /// the way that hidden draws are skipped, for as many objects as there is room for, and in each
+    /// frame of its [views](HostScene::new_view) about what is tested, and by which tester.
+    ///
+    /// A device that was adopted without a queue cannot be measured, since nothing submits there.
+    /// Before its first frame, measure the same device adopted with a queue. Prices of tests are
+    /// those with the way that is taken; where a host draws from lists, they are those of lists
+    /// with [`Predication::Compacted`](gpu::Predication::Compacted).
+    ///
+    /// # Errors
+    /// Those of [`HostScene::new`].
+    pub fn with_prices(
+        device: &Device,
+        passes: OcclusionPasses,
+        object_capacity: usize,
+        draws: BucketTableInfo,
+        prices: &DevicePrices,
+    ) -> Result<Self, Error> {
+        Self::by(device, (passes, draws), object_capacity, Some(prices))
+    }
+
+    fn by(
+        device: &Device,
+        (passes, draws): (OcclusionPasses, BucketTableInfo),
+        object_capacity: usize,
+        prices: Option<&DevicePrices>,
+    ) -> Result<Self, Error> {
         let mut boxes = Vec::new();
         make_empty(&mut boxes, object_capacity)?;
         let hierarchy = Hierarchy::build(&boxes)?;
+        let cells = (u64::from(draws.cell_capacity()), 0);
+        let executors = passes.trust().usable_executors(device, draws.predication, cells)?;
+        let of_leaves = SkippedWork::of_leaves(boxes.len() as u32);
+        let all_draws = of_leaves.draws.max(draws.draw_capacity);
+        let work = SkippedWork { draws: all_draws, ..of_leaves }.in_buckets(draws.bucket_count);
+        let request = ChoiceRequest { executors: &executors, work };
+        let choice = match prices {
+            Some(prices) => PriceChoice::of_prices(&request, prices),
+            None => PriceChoice::usual(&request, None),
+        };
+        let frames_in_flight = draws.frames_in_flight;
+        let draws = BucketTableInfo { predication: Some(choice.predication), ..draws };
         let leaves = LeafTable::bucketed(device, &hierarchy, draws)?;
-        let executor = PlanExecutor { passes, leaves };
-        Ok(Self { hierarchy, executor, boxes, reordered: Vec::new() })
+        Ok(Self {
+            device: device.clone(),
+            frames_in_flight,
+            hierarchy,
+            executor: PlanExecutor { passes, leaves },
+            choice,
+            boxes,
+            reordered: Vec::new(),
+        })
+    }
+
+    /// Creates a view that knows nothing yet, drawn to `target` in these phases. It weighs tests by
+    /// the prices of the scene, if there are any. Frames of a host are not timed, so that nothing
+    /// corrects them.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new_view(
+        &self,
+        target: &Target,
+        config: CullConfig,
+        draw_phases: DrawPhases,
+    ) -> Result<VisibilityState, Error> {
+        let Self { device, hierarchy, executor, .. } = self;
+        let testers = executor.testers(device, target, draw_phases);
+        let mut culler = Culler::with_testers(config, testers);
+        self.choice.steer(&mut culler, executor.leaves.scene_costs(hierarchy));
+        VisibilityState::new(device, hierarchy, &executor.leaves, self.frames_in_flight, culler)
+    }
+
+    /// Returns what was decided about the device and the scene when it was made: the way that
+    /// hidden draws are skipped, and by which prices.
+    pub fn price_choice(&self) -> &PriceChoice {
+        &self.choice
     }
 
     /// Returns the hierarchy over the boxes.

@@ -12,7 +12,7 @@ mod upload_frames;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use cull::{Aabb, Hierarchy, HierarchyId, LeafIndex, LeafRange, ObjectId};
+use cull::{Aabb, Hierarchy, HierarchyId, LeafIndex, LeafRange, ObjectId, SceneCosts};
 use gpu::{
     Buffer, BufferSlice, Device, DrawLink, Frame, IndirectDraw, Predicates, Predication,
     RecordingId, Tick, vk,
@@ -169,6 +169,16 @@ impl LeafTable {
         match leaves.count {
             1 => self.layout.count(leaves.first),
             _ => self.counts.of(leaves),
+        }
+    }
+
+    /// Returns the properties of the scene that costs depend on, as it is now; the usual ones of a
+    /// scene without draws.
+    pub fn scene_costs(&self, hierarchy: &Hierarchy) -> SceneCosts {
+        let all = hierarchy.root().map(|root| self.count(hierarchy.leaves(root)));
+        match all.filter(|all| all.draws > 0) {
+            Some(all) => SceneCosts { triangles_per_leaf: all.triangles as f32 / all.draws as f32 },
+            None => SceneCosts::default(),
         }
     }
 

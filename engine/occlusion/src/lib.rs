@@ -15,12 +15,13 @@
 //! | [`VisibilityState`] | one view: its culler, its tests on their way, its newest plan |
 //! | [`Method`] | the trait of all methods: [`PlannedMethod`] is Antumbra's own |
 //! | [`Costs`], [`measure`] | prices of tests and draws on this device |
+//! | [`Trust`] | the parts of a driver that may be used, after a self-test |
 //!
 //! A frame of somebody's own objects, each a box and an indexed draw:
 //!
 //! ```no_run
 //! # use antumbra_occlusion as occlusion;
-//! use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Strategy, View};
+//! use cull::{Aabb, Camera, CullConfig, Culler, DrawPhases, Hierarchy, Strategy, View};
 //! use occlusion::*;
 //!
 //! fn walk(
@@ -40,7 +41,7 @@
 //!     let leaves = LeafTable::new(device, &hierarchy, info, |_object| MeshDrawId(0))?;
 //!     let passes = OcclusionPasses::new(device, &shaders, objects.target().attachments())?;
 //!     let mut executor = PlanExecutor { passes, leaves };
-//!     let testers = executor.testers(device, objects.target());
+//!     let testers = executor.testers(device, objects.target(), DrawPhases::PerRound);
 //!     let culler = Culler::with_testers(CullConfig::default(), testers);
 //!     let mut state = VisibilityState::new(device, &hierarchy, &executor.leaves, slots, culler)?;
 //!     let mut frames = gpu::FrameRing::new(device, slots)?;
@@ -76,6 +77,7 @@ mod rect;
 mod shader_set;
 mod test_layout;
 mod transparent_list;
+mod trust;
 mod visibility_state;
 mod visible_draws;
 
@@ -113,4 +115,5 @@ pub use planned::PlannedMethod;
 pub use rect::Rect;
 pub use shader_set::ShaderSet;
 pub use transparent_list::TransparentList;
+pub use trust::{Assumption, Trust};
 pub use visibility_state::VisibilityState;

@@ -22,6 +22,7 @@ use crate::method_state::MethodState;
 use crate::outcomes::{FrameOutcome, Outcomes};
 use crate::passes::ListDrawsIo;
 use crate::test_layout::{PendingTest, TestLayout};
+use crate::trust::Trust;
 
 /// One view of a scene: its culler, its tests on their way, and the plan of its newest frame.
 /// Several views may look at one scene; each has its own history.
@@ -224,12 +225,13 @@ impl VisibilityState {
     }
 
     /// Lists the draws of the newest plan, of which the visible ones lie in `visible`. Returns the
-    /// buffers by which passes write the others, if there are any.
+    /// buffers by which passes write the others, if there are any. Counts are used where they can
+    /// be trusted.
     pub(crate) fn list(
         &mut self,
         frame: &mut Frame<'_>,
         leaves: &LeafTable,
-        visible: BufferSlice,
+        visible: (BufferSlice, &Trust),
     ) -> Result<Option<ListDrawsIo>, Error> {
         self.lists.write(frame, &self.device, (&self.layout, leaves), visible)
     }

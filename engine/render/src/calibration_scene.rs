@@ -3,9 +3,9 @@
 
 use cull::{Hierarchy, View};
 use glam::{Affine3A, Vec3};
-use gpu::{Commands, IndirectDraw, Predication, RenderTarget, Target};
+use gpu::{Commands, Device, IndirectDraw, Predication, RenderTarget, Target};
 use occlusion::{
-    BucketId, CalibrationScene, DevicePrices, ObjectPass, ObjectRenderer, OcclusionPasses,
+    BucketId, CalibrationScene, Costs, DevicePrices, ObjectPass, ObjectRenderer, OcclusionPasses,
     PATCH_TRIANGLES, Rendering, ShaderSet,
 };
 use scene::{Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal, pack_unorm};
@@ -13,6 +13,7 @@ use scene::{Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::OpaqueIo;
+use crate::renderer::{Renderer, RendererOptions};
 use crate::resources::geometry::Geometry;
 use crate::resources::object_bounds::object_bounds;
 use crate::shading::surfaces::SurfaceOptions;
@@ -24,6 +25,25 @@ const DISTANCE_M: f32 = 10.0;
 const QUADS: u32 = 16;
 
 const _: () = assert!(2 * QUADS * QUADS == PATCH_TRIANGLES);
+
+/// Measures the prices of tests and draws on a device, and of the executors that it has and that
+/// can be trusted ([`RendererOptions::distrusted`]), for scenes of hosts that draw themselves
+/// (`occlusion::HostScene::with_prices`). A [renderer](crate::Renderer) measures by itself. Size,
+/// samples and shaders are those of `options`. Takes as long as [`Costs::Measured`] says, and waits
+/// for the device again and again: call it before the first frame.
+///
+/// # Errors
+/// Impossible options, no memory, a shader that does not compile, a failed call; a device that was
+/// adopted without a queue.
+pub fn measure_prices(device: &Device, options: &RendererOptions) -> Result<DevicePrices, Error> {
+    let untested = RendererOptions { costs: Costs::Ignored, ..options.clone() };
+    let mut renderer = Renderer::new(device, &scene(), &untested)?;
+    let Renderer { passes, executor, shaders, .. } = &mut renderer;
+    let trust = executor.passes.trust();
+    let of = (1, options.threshold_samples);
+    let executors = trust.usable_executors(device, options.predication, of)?;
+    measure(passes, (&executor.passes, &executors), shaders)
+}
 
 /// Measures the prices of tests and draws on the device of `passes`, and of these executors.
 ///

@@ -55,6 +55,7 @@ mod view_scopes;
 mod view_state;
 mod views;
 
+pub use calibration_scene::measure_prices;
 pub use debug::debug_overlay::{DebugOverlay, OVERLAY_PASSES};
 pub use debug::flat_overlay::FlatOverlay;
 pub use debug::palette;
@@ -64,13 +65,15 @@ pub use debug::visibility_snapshot::VisibilitySnapshot;
 pub use debug::visible_set::VisibleSet;
 pub use error::Error;
 pub use flares::{FlareBlock, FlareSamples, FlareState};
-pub use occlusion::{Costs, FrameOutcome, PriceChoice, Rect, ResetPrices, ShaderSet};
+pub use occlusion::{
+    Assumption, Costs, DevicePrices, FrameOutcome, PriceChoice, Rect, ResetPrices, ShaderSet, Trust,
+};
 pub use passes::FlatVertex;
 pub use price_list::{BoxSize, PredicateResult, Price, PriceListOptions, PricedItem, price_list};
 pub use renderer::{MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use resources::object_bounds::object_bounds;
 pub use resources::spare_room::{SpareRoom, TextureRoom};
-pub use self_test::{Assumption, Finding, SelfTest, self_test};
+pub use self_test::{Finding, SelfTest, self_test};
 pub use shading::scene_degradations::SceneDegradations;
 pub use shading::surfaces;
 pub use shadows::{LightShadow, ShadowIo, ShadowMapIo, ShadowMaskIo};

@@ -2,13 +2,14 @@
 
 use ::shadows::ShadowOptions;
 use cull::{
-    Aabb, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, QueryShares, SceneCosts,
-    Strategy, Tester, TesterSupport, View,
+    Aabb, Camera, CostTable, CullConfig, Culler, DrawPhases, Hierarchy, ObjectId, QueryShares,
+    SkippedWork, Strategy, Tester, TesterSupport, View,
 };
 use gpu::{Device, FrameRing, Optional, PassTime, Predication, SampleCount, Target, Tick};
 use occlusion::{
-    Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor, MethodSupport,
-    OcclusionPasses, PlanExecutor, PlannedMethod, PriceChoice, Rect, ShaderSet, VisibilityState,
+    Assumption, Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor,
+    MethodSupport, OcclusionPasses, PlanExecutor, PlannedMethod, PriceChoice, Rect, ShaderSet,
+    Trust, VisibilityState,
 };
 use scene::{LensFlare, Scene};
 
@@ -16,16 +17,15 @@ use crate::debug::debug_overlay::DebugOverlay;
 use crate::debug::flat_overlay::FlatOverlay;
 use crate::debug::visible_set::{SceneRevision, SeenLeaves};
 use crate::error::Error;
-use crate::executor_choice::{decide, usable_executors};
+use crate::executor_choice::decide;
 use crate::frame_passes::FramePasses;
 use crate::resources::geometry::Geometry;
 use crate::resources::limits::check_memory;
 use crate::resources::object_bounds::{check_hierarchy, object_bounds};
 use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites::has_sprites;
-use crate::self_test::{Assumption, Trust};
 use crate::shading::surfaces::{SurfaceOptions, TextureStorage};
-use crate::shadows::can_skip;
+use crate::shadows::{can_skip, trusted_shadows};
 use crate::update::UpdateScratch;
 use crate::view_state::{RendererId, ViewState};
 use crate::views::view_in;
@@ -168,8 +168,6 @@ pub struct Renderer {
     pub(crate) query_budget: usize,
     pub(crate) query_shares: QueryShares,
     choice: PriceChoice,
-    /// The parts of the driver that are used.
-    pub(crate) trust: Trust,
 }
 
 impl Renderer {
@@ -209,22 +207,20 @@ impl Renderer {
         let shaders = if has_sprites(scene) { shaders.with_sprites() } else { shaders };
         // First what fails on bad input, then what takes long.
         let target = Target::multisampled(device, options.size, options.samples, "target")?;
-        let occlusion_passes = OcclusionPasses::new(device, &shaders, target.attachments())?;
+        let (attachments, trust) = (target.attachments(), Trust::without(&options.distrusted));
+        trust.texts().iter().for_each(|text| tracing::warn!("{text}"));
+        let shadows = trusted_shadows(&trust, options.shadows, |it| can_skip(device, it));
+        let occlusion_passes = OcclusionPasses::with_trust(device, &shaders, attachments, trust)?;
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
         let surfaces = options.surfaces();
         let room = (&surfaces, options.upload_bytes_per_frame);
-        let trust = Trust::without(&options.distrusted);
-        trust.texts().iter().for_each(|text| tracing::warn!("{text}"));
-        let shadows = trust.shadows(options.shadows, |it| can_skip(device, it));
         let made_of = (slots, (room, shadows));
         let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, made_of)?;
         let draws = hierarchy.leaf_objects().len() as u64;
         let threshold_samples = options.threshold_samples;
-        let executors =
-            usable_executors(&trust, device, options.predication, (draws, threshold_samples))?;
         let of = (&occlusion_passes, &shaders);
-        let choice = decide(&mut passes, of, (&trust, &executors), (draws as u32, options))?;
+        let choice = decide(&mut passes, of, (draws, options))?;
         let leaves = LeafTableInfo {
             mesh_draws: passes.geometry.mesh_draws().clone(),
             predication: Some(choice.predication),
@@ -262,7 +258,6 @@ impl Renderer {
             query_budget: options.query_budget,
             query_shares: QueryShares::default(),
             choice,
-            trust,
         })
     }
 
@@ -273,12 +268,9 @@ impl Renderer {
     pub fn new_view(&self) -> Result<ViewState, Error> {
         let mut culler = Culler::with_testers(self.cull_config, self.testers());
         culler.set_sample_threshold(self.threshold_samples);
-        if let Some(Err(error)) =
-            self.choice.table.map(|table| culler.set_costs(table, self.scene_costs()))
-        {
-            tracing::warn!("{error}");
-        }
-        let (slots, leaves) = (self.frames_in_flight(), &self.executor.leaves);
+        let leaves = &self.executor.leaves;
+        self.choice.steer(&mut culler, leaves.scene_costs(&self.hierarchy));
+        let slots = self.frames_in_flight();
         let visibility =
             VisibilityState::new(&self.device, &self.hierarchy, leaves, slots, culler)?;
         Ok(ViewState::new(self.id, visibility))
@@ -290,49 +282,33 @@ impl Renderer {
     }
 
     /// Returns what was decided about the device and the scene when the renderer was made: the way
-    /// that hidden draws are skipped, the tester that is expected to cost least, and by which
-    /// prices.
+    /// that hidden draws are skipped, and by which prices.
     pub fn price_choice(&self) -> &PriceChoice {
         &self.choice
     }
 
-    fn scene_costs(&self) -> SceneCosts {
-        let leaves = self.hierarchy.root().map(|root| self.hierarchy.leaves(root));
-        let average = leaves.map(|leaves| {
-            let count = self.executor.leaves.count(leaves);
-            count.triangles as f32 / count.draws.max(1) as f32
-        });
-        SceneCosts { triangles_per_leaf: average.unwrap_or_default() }
+    /// Returns the tester that is expected to cost least in a frame of the scene.
+    pub fn cheapest_tester(&self) -> Tester {
+        let work = SkippedWork::of_leaves(self.hierarchy.leaf_objects().len() as u32);
+        self.choice.tester(&work, self.size(), self.testers())
     }
 
     /// Returns the testers that plans may use on this device.
     fn testers(&self) -> TesterSupport {
-        self.trust.testers(self.executor.testers(&self.device, &self.passes.target))
+        self.executor.testers(&self.device, &self.passes.target, DrawPhases::PerRound)
     }
 
-    /// Returns the strategy to use in place of the wanted one, on a driver that cannot be trusted
-    /// with what that one rests on.
+    /// Returns the strategy to use in place of the wanted one, which the device supports, on a
+    /// driver that cannot be trusted with what that one rests on.
     pub(crate) fn trusted(&self, wanted: Strategy) -> Strategy {
-        let offered = self.executor.testers(&self.device, &self.passes.target);
-        let is_skipped =
-            wanted.uses_cost_model() && !self.trust.allows_executor(self.predication());
-        match is_skipped {
-            true => Strategy::FRUSTUM,
-            false => self.trust.strategy(wanted, offered, self.threshold_samples),
-        }
-    }
-
-    /// Returns the strategy that decides if transparent objects are tested: by what fragments of
-    /// boxes write.
-    pub(crate) fn transparent_strategy(&self, strategy: Strategy) -> Strategy {
-        if self.trust.allows(Tester::Flag) { strategy } else { Strategy::FRUSTUM }
+        self.testers().counting(self.threshold_samples).strategy(wanted)
     }
 
     /// Returns a sentence for each assumption about the driver that does not hold, and for what is
     /// used instead; none on a driver that is trusted
     /// ([`RendererOptions::distrusted`]).
     pub fn distrust(&self) -> Vec<String> {
-        self.trust.texts()
+        self.executor.passes.trust().texts()
     }
 
     /// Refuses a strategy that the device lacks something for, with this scene and size.

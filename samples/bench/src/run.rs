@@ -192,7 +192,7 @@ pub fn walk_on(
         frames_in_flight: options.frames_in_flight,
         predicates: renderer.predication().name().to_owned(),
         skip_ns: skip_report(&renderer),
-        tester: renderer.price_choice().tester.name().to_owned(),
+        tester: renderer.cheapest_tester().name().to_owned(),
         reset_ns: reset_report(&renderer),
         threshold_pixels: options.threshold_pixels,
         costs_ns: costs_report(&renderer),

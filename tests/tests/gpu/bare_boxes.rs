@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Projection, Strategy, View};
+use cull::{Aabb, Camera, CullConfig, Culler, DrawPhases, Hierarchy, Projection, Strategy, View};
 use glam::{Vec3, vec3};
 use gpu::{Commands, Device, FrameRing, IndirectDraw, Readback, RenderTarget, Target};
 use occlusion::{
@@ -73,7 +73,7 @@ impl Host {
         let objects = Boxes::new(device, &leaves);
         let passes = OcclusionPasses::new(device, &shaders, objects.target.attachments()).unwrap();
         let executor = PlanExecutor { passes, leaves };
-        let testers = executor.testers(device, &objects.target);
+        let testers = executor.testers(device, &objects.target, DrawPhases::PerRound);
         let culler = Culler::with_testers(CullConfig::default(), testers);
         let state = VisibilityState::new(device, &hierarchy, &executor.leaves, 2, culler).unwrap();
         Self {

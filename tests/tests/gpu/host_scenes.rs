@@ -94,7 +94,7 @@ fn finish(mut scene: ComparedScene<'_>) {
 }
 
 /// Walks with objects that come and go; every third frame never runs.
-fn walk(driver: Driver, options: &BoxOptions) {
+fn walk(driver: Driver, options: &BoxOptions<'_>) {
     let host = Host::new(driver, Purpose::Executor);
     let device = host.adopt(None);
     let mut scene = ComparedScene::new(&host, &device, options);

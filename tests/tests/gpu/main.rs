@@ -34,6 +34,7 @@ mod host_device;
 mod host_frames;
 #[cfg(feature = "shader-compiler")]
 mod host_scenes;
+mod host_trust;
 mod ideal;
 mod learning;
 mod list_draws;

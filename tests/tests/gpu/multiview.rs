@@ -6,7 +6,9 @@
 
 use std::sync::Arc;
 
-use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, MultiView, Projection, Strategy, View};
+use cull::{
+    Aabb, Camera, CullConfig, Culler, DrawPhases, Hierarchy, MultiView, Projection, Strategy, View,
+};
 use glam::{Vec3, vec3};
 use gpu::{
     Attachments, Commands, Device, Features, FrameRing, HostDevice, IndirectDraw, Optional,
@@ -74,7 +76,7 @@ impl Host {
         let boxes = NumberedBoxes::new(device, &leaves, attachments);
         let passes = OcclusionPasses::new(device, &shaders, attachments).unwrap();
         let executor = PlanExecutor { passes, leaves };
-        let testers = executor.testers(device, &target);
+        let testers = executor.testers(device, &target, DrawPhases::PerRound);
         assert_eq!(testers.compute, views == 1);
         let culler = Culler::with_testers(CullConfig::default(), testers);
         let state = VisibilityState::new(device, &hierarchy, &executor.leaves, 2, culler).unwrap();

@@ -101,6 +101,7 @@ impl ViewCuller {
             return Err(Failure::argument(message));
         }
         let support = TesterSupport {
+            queries: true,
             flags: testers & ANTUMBRA_HAS_FLAGS != 0,
             compute: testers & ANTUMBRA_HAS_COMPUTE != 0,
             // A plan would have boxes of leaves that the plan does not list.

@@ -2,13 +2,13 @@
 
 use std::ffi::c_void;
 
-use cull::{DrawPhases, QueryShares, View};
+use cull::{CullConfig, DrawPhases, QueryShares, View};
 use gpu::{Attachments, Commands, Device, Frame, FrameNumbers, RenderTarget, Target, Tick, vk};
 use occlusion::{
     BucketId, HostScene, ObjectPass, ObjectRenderer, Rendering, ShaderSet, execute, list_draws,
 };
 
-use super::scene::{AntumbraView, HostedScene, HostedView, new_state};
+use super::scene::{AntumbraView, HostedScene, HostedView};
 use super::target::{AntumbraTargetDesc, near_depth};
 use crate::decisions::camera::AntumbraCamera;
 use crate::decisions::culler::{ANTUMBRA_STRATEGY_ANTUMBRA, strategy};
@@ -233,7 +233,6 @@ pub(crate) unsafe fn record(
             }
         }
     }
-    let frames_in_flight = scene.frames.frames_in_flight();
     let numbers = FrameNumbers { current: Tick(desc.current), safe: Tick(desc.safe) };
     // SAFETY: as above.
     let mut frame = unsafe { scene.frames.begin_in(desc.commands, numbers) }?;
@@ -245,7 +244,6 @@ pub(crate) unsafe fn record(
         shaders: &scene.shaders,
         attachments: &scene.attachments,
         draw_phases: scene.draw_phases,
-        frames_in_flight,
     };
     // SAFETY: as above.
     unsafe {
@@ -275,7 +273,6 @@ struct Parts<'a> {
     shaders: &'a ShaderSet,
     attachments: &'a Attachments,
     draw_phases: DrawPhases,
-    frames_in_flight: usize,
 }
 
 /// One budget of queries for the views of a scene.
@@ -337,7 +334,7 @@ unsafe fn plan_view(
     view: &AntumbraViewFrame,
     query_budget: usize,
 ) -> Result<usize, Failure> {
-    let Parts { device, scene, views, attachments, draw_phases, frames_in_flight, .. } = parts;
+    let Parts { device, scene, views, attachments, draw_phases, .. } = parts;
     // SAFETY: the caller's promise, here and below.
     let (camera, target) = unsafe {
         let target = read("view.target", view.target)?;
@@ -359,10 +356,7 @@ unsafe fn plan_view(
     let target = unsafe { cached.update(device, &target, attachments) }?;
     let state = match state {
         Some(state) => state,
-        None => {
-            let options = (*frames_in_flight, *draw_phases);
-            state.insert(new_state(device, scene, target, options)?)
-        }
+        None => state.insert(scene.new_view(target, CullConfig::default(), *draw_phases)?),
     };
     let (hierarchy, executor) = scene.parts_mut();
     state.collect(device.completed()?, hierarchy, &executor.leaves);

@@ -1,7 +1,7 @@
 //! The scene of a host: objects with draws in its own pipelines.
 
-use cull::{Aabb, CullConfig, Culler, DrawPhases, ObjectId, TesterSupport};
-use gpu::{Attachments, Device, FrameRing, IndirectDraw, Predication, Resubmission, Target};
+use cull::{Aabb, DrawPhases, ObjectId};
+use gpu::{Attachments, Device, FrameRing, IndirectDraw, Predication, Resubmission};
 use occlusion::{
     BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, OcclusionPasses, ShaderSet,
     VisibilityState,
@@ -211,19 +211,6 @@ impl HostedView {
     pub fn query_count(&self) -> usize {
         self.state.as_ref().map_or(0, |state| state.plan().query_count())
     }
-}
-
-/// Creates the history of a view that knows nothing yet.
-pub(crate) fn new_state(
-    device: &Device,
-    scene: &HostScene,
-    target: &Target,
-    (frames_in_flight, draw_phases): (usize, DrawPhases),
-) -> Result<VisibilityState, Failure> {
-    let (hierarchy, executor) = (scene.hierarchy(), scene.executor());
-    let testers = TesterSupport { draw_phases, ..executor.testers(device, target) };
-    let culler = Culler::with_testers(CullConfig::default(), testers);
-    Ok(VisibilityState::new(device, hierarchy, &executor.leaves, frames_in_flight, culler)?)
 }
 
 /// A scene, its views, and its frames.

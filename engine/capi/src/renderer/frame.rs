@@ -250,7 +250,7 @@ impl HostedRenderer {
         AntumbraRendererStats {
             is_uploading,
             predication: predication_number(self.renderer.predication()),
-            tester: tester_number(self.renderer.price_choice().tester),
+            tester: tester_number(self.renderer.cheapest_tester()),
             ..self.stats
         }
     }

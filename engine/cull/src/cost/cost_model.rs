@@ -14,6 +14,7 @@ use crate::cost::table::{BadCost, CostTable, SceneCosts};
 use crate::history::record::{NodeState, RetestReason};
 use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{QueryKind, Tester, TesterSupport};
+use crate::plan::strategy::Strategy;
 
 /// The interval of own-draw tests from which on there are none.
 const NEVER_FRAMES: u32 = 1 << 20;
@@ -320,9 +321,12 @@ impl CostModel {
 
     /// Returns the tester that costs least in a frame of this work at this size in pixels, as far
     /// as is known before the first frame: boxes that cover the image twice, in as many rounds, or
-    /// in one of the compute shader.
+    /// in one of the compute shader. Without queries that of [`TesterSupport::strategy`].
     #[must_use]
     pub fn tester_for(&self, work: &SkippedWork, size: [u32; 2], testers: TesterSupport) -> Tester {
+        if let Some(only) = testers.strategy(Strategy::ANTUMBRA).tester() {
+            return only;
+        }
         let ranges = work.ranges.max(1);
         let estimate = TestEstimate {
             leaves: work.draws / ranges,

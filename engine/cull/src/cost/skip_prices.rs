@@ -82,6 +82,13 @@ impl SkippedWork {
     pub fn of_leaves(leaves: u32) -> Self {
         Self { rounds: 1, ranges: (2 * leaves.isqrt()).min(leaves), draws: leaves }
     }
+
+    /// Returns the same of objects whose draws lie in so many buckets: a subtree is a range in each
+    /// bucket that it has draws in.
+    #[must_use]
+    pub fn in_buckets(self, buckets: u32) -> Self {
+        Self { ranges: self.ranges.saturating_mul(buckets.max(1)).min(self.draws), ..self }
+    }
 }
 
 impl SkipPrices {
@@ -172,6 +179,8 @@ mod tests {
         assert_eq!(SkippedWork::of_leaves(2).ranges, 2);
         assert_eq!(SkippedWork::of_leaves(10_000).ranges, 200);
         assert_eq!(SkippedWork::of_leaves(u32::MAX).draws, u32::MAX);
+        let buckets = |count| SkippedWork::of_leaves(10_000).in_buckets(count).ranges;
+        assert_eq!([0, 1, 16, u32::MAX].map(buckets), [200, 200, 3_200, 10_000]);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::geom::bounds::Aabb;
 use crate::ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId};
+use crate::plan::strategy::Strategy;
 
 /// The purpose of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -20,8 +21,8 @@ pub enum QueryKind {
     Leaf,
     /// The proxy of a leaf that is taken as visible and drawn. Its range of leaves is empty.
     VisibleBoxQuery,
-    /// The draw of a leaf that is taken as visible; in plans of [`DrawPhases::Two`] its proxy,
-    /// with an empty range of leaves.
+    /// The draw of a leaf that is taken as visible; in plans of [`DrawPhases::Two`], and without
+    /// queries, its proxy, with an empty range of leaves.
     VisibleDrawQuery,
 }
 
@@ -67,9 +68,12 @@ pub enum DrawPhases {
     Two,
 }
 
-/// The testers that the device and the renderer offer to plans.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// The testers that the device and the renderer offer to plans: by default queries alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TesterSupport {
+    /// True if there are occlusion queries ([`Tester::Query`]): every device has them, and not
+    /// every driver can be trusted with them.
+    pub queries: bool,
     /// True if there are flags ([`Tester::Flag`]).
     pub flags: bool,
     /// True if there is a compute test ([`Tester::Compute`]).
@@ -79,6 +83,58 @@ pub struct TesterSupport {
     pub leaf_tests: bool,
     /// The places of draws among tests.
     pub draw_phases: DrawPhases,
+}
+
+impl Default for TesterSupport {
+    fn default() -> Self {
+        Self { queries: true, ..Self::NONE }
+    }
+}
+
+impl TesterSupport {
+    /// No tester at all: nothing but the view frustum culls.
+    pub const NONE: Self = Self {
+        queries: false,
+        flags: false,
+        compute: false,
+        leaf_tests: false,
+        draw_phases: DrawPhases::PerRound,
+    };
+
+    /// Returns the strategy that is planned in place of the wanted one: the same if its tester is
+    /// there, else that of the first of flags, queries and the compute test that is, at last plain
+    /// frustum culling. [`Strategy::ANTUMBRA`] needs queries: it takes any tester that there is,
+    /// and queries beside it. Strategies without tests stay.
+    #[must_use]
+    pub const fn strategy(self, wanted: Strategy) -> Strategy {
+        let is_there = match wanted.tester() {
+            Some(tester) => self.has(tester),
+            None => self.queries || !wanted.uses_cost_model(),
+        };
+        match self {
+            _ if is_there => wanted,
+            Self { flags: true, .. } => Strategy::ANTUMBRA_FLAGS,
+            Self { queries: true, .. } => Strategy::ANTUMBRA_QUERIES,
+            Self { compute: true, .. } => Strategy::ANTUMBRA_COMPUTE,
+            _ => Strategy::FRUSTUM,
+        }
+    }
+
+    /// Returns the same without the testers that count no samples, where a threshold of samples
+    /// above 0 decides.
+    #[must_use]
+    pub const fn counting(self, sample_threshold: u32) -> Self {
+        let is_exact = sample_threshold == 0;
+        Self { flags: is_exact && self.flags, compute: is_exact && self.compute, ..self }
+    }
+
+    const fn has(self, tester: Tester) -> bool {
+        match tester {
+            Tester::Query => self.queries,
+            Tester::Flag | Tester::SharedProxy(_) => self.flags,
+            Tester::Compute => self.compute,
+        }
+    }
 }
 
 /// The identity of a query, which comes back with its result.

@@ -1,4 +1,4 @@
-//! Plans of two phases, without anything around their draws.
+//! Plans without anything around their draws: of two phases, or where there are no queries.
 
 use crate::geom::multi_view::ViewMasks;
 use crate::ids::NodeId;

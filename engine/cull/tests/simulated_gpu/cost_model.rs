@@ -28,7 +28,7 @@ const DEAR_TESTS: CostTable =
     CostTable { draw_ns: 1_000.0, triangle_ns: 50.0, ..CostTable::uniform(f32::MAX) };
 
 /// Returns prices of this scene's scale, where a test costs half a draw.
-fn prices() -> CostTable {
+pub fn prices() -> CostTable {
     let queries = CostTable { query_ns: 1_500.0, query_box_ns: 1_000.0, ..CostTable::default() };
     CostTable { break_ns: 20_000.0, ..queries }
 }

@@ -198,6 +198,7 @@ fn walk_ns(events: &Events, executor: Executor, strategy: Strategy) -> f64 {
 }
 
 const TESTERS: TesterSupport = TesterSupport {
+    queries: true,
     flags: true,
     compute: true,
     leaf_tests: false,

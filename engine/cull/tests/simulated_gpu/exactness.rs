@@ -78,6 +78,7 @@ impl World {
         let table = self.random.chance(0.3).then(|| random_prices(&mut self.random));
         let mut runs = Vec::new();
         let testers = TesterSupport {
+            queries: self.random.chance(0.8),
             flags: self.random.chance(0.5),
             compute: self.random.chance(0.5),
             leaf_tests: self.random.chance(0.6),

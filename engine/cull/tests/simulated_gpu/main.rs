@@ -30,6 +30,7 @@ mod recycling;
 mod rest;
 mod scene;
 mod talk;
+mod tester_support;
 mod threshold;
 mod walk;
 mod work;

@@ -103,6 +103,7 @@ fn truths(views: &[View], scene: &Scene) -> Vec<Image> {
 
 fn culler(seed: u64, random: &mut Random) -> Culler {
     let testers = TesterSupport {
+        queries: true,
         flags: random.chance(0.7),
         compute: random.chance(0.3),
         leaf_tests: random.chance(0.7),

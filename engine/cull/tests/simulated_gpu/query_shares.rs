@@ -84,6 +84,7 @@ fn verify(seed: u64) -> [u64; 2] {
     let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, listed: 6, ..calm };
     let mishaps = [calm, rough][random.below(2)];
     let testers = TesterSupport {
+        queries: true,
         flags: random.chance(0.4),
         compute: false,
         leaf_tests: random.chance(0.5),

@@ -61,6 +61,7 @@ fn walk(seed: u64, thresholds: &[u32]) -> Found {
     let mishaps = if random.chance(0.5) { rough } else { calm };
     let other_testers = thresholds.len() > 1;
     let testers = TesterSupport {
+        queries: true,
         flags: other_testers,
         compute: other_testers,
         leaf_tests: random.chance(0.5),

@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 
 use antumbra_occlusion::{
     BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, LeafTable, ObjectRenderer,
-    OcclusionPasses, ShaderSet, VisibilityState, execute,
+    OcclusionPasses, ShaderSet, execute,
 };
 use boxes::{Boxes, INDICES};
 use cap::Cap;
-use cull::{Aabb, Camera, CullConfig, Culler, Projection, Strategy, View};
+use cull::{Aabb, Camera, CullConfig, DrawPhases, Projection, Strategy, View};
 use glam::{Vec3, vec3};
 use gpu::{Device, FrameRing, IndirectDraw};
 
@@ -96,10 +96,8 @@ fn measure(
     let begun = Instant::now();
     scene.add(&host_objects, &mut Vec::new())?;
     let added = begun.elapsed();
-    let testers = scene.executor().testers(device, owner.target());
-    let culler = Culler::with_testers(CullConfig::default(), testers);
-    let leaves = &scene.executor().leaves;
-    let mut state = VisibilityState::new(device, scene.hierarchy(), leaves, 2, culler)?;
+    let (config, phases) = (CullConfig::default(), DrawPhases::PerRound);
+    let mut state = scene.new_view(owner.target(), config, phases)?;
     let (mut ring, mut frame_times) = (FrameRing::new(device, 2)?, Vec::with_capacity(frames));
     for step in 0..frames {
         let eye = vec3(step as f32 * 0.05, 1.7, 3.0);

@@ -10,7 +10,7 @@ use antumbra_occlusion::{
     ShaderSet, VisibilityState, execute,
 };
 use boxes::{Boxes, INDICES};
-use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Projection, Strategy, View};
+use cull::{Aabb, Camera, CullConfig, Culler, DrawPhases, Hierarchy, Projection, Strategy, View};
 use glam::{Vec3, vec3};
 use gpu::{FrameRing, IndirectDraw};
 
@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let size = objects.target().size();
     let passes = OcclusionPasses::new(&device, &shaders, objects.target().attachments())?;
     let mut executor = PlanExecutor { passes, leaves };
-    let testers = executor.testers(&device, objects.target());
+    let testers = executor.testers(&device, objects.target(), DrawPhases::PerRound);
     let culler = Culler::with_testers(CullConfig::default(), testers);
     let mut state = VisibilityState::new(&device, &hierarchy, &executor.leaves, 2, culler)?;
     let mut frames = FrameRing::new(&device, 2)?;

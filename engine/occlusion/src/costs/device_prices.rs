@@ -1,9 +1,11 @@
 //! The prices of a device, and what is decided by them before the first frame: the way that hidden
-//! draws are skipped, and the tester that is expected to cost least.
+//! draws are skipped, and with it the prices by which tests are weighed.
 
 use std::fmt::Display;
 
-use cull::{CostModel, CostTable, MeasuredSkip, SceneCosts, SkippedWork, Tester, TesterSupport};
+use cull::{
+    CostModel, CostTable, Culler, MeasuredSkip, SceneCosts, SkippedWork, Tester, TesterSupport,
+};
 use gpu::Predication;
 
 /// The source of prices.
@@ -50,9 +52,6 @@ impl Default for ResetPrices {
 pub struct PriceChoice {
     /// The way that hidden draws are skipped.
     pub predication: Predication,
-    /// The tester that is expected to cost least. [`Strategy::ANTUMBRA`](cull::Strategy::ANTUMBRA)
-    /// decides again for the boxes of each frame.
-    pub tester: Tester,
     /// The prices that decide about tests; `None` where costs are ignored.
     pub table: Option<CostTable>,
     /// The expected time of skipping in a frame by each executor (nanoseconds); empty where none
@@ -66,14 +65,10 @@ pub struct PriceChoice {
 #[derive(Debug, Clone, Copy)]
 pub struct ChoiceRequest<'a> {
     /// The executors that may be used, in the order of preference; the first is the device's usual
-    /// one.
+    /// one. Prices of others are left aside.
     pub executors: &'a [Predication],
-    /// The testers that may be used.
-    pub testers: TesterSupport,
     /// The work of a frame of the scene.
     pub work: SkippedWork,
-    /// Size of the image in pixels.
-    pub size: [u32; 2],
 }
 
 impl PriceChoice {
@@ -96,35 +91,49 @@ impl PriceChoice {
         }
     }
 
+    /// Decides by prices that were measured before, on this device.
+    pub fn of_prices(request: &ChoiceRequest<'_>, prices: &DevicePrices) -> Self {
+        let of = |wanted| prices.executors.iter().find(|(it, _)| it == wanted).cloned();
+        let (usable, skips): (Vec<_>, Vec<_>) = request.executors.iter().filter_map(of).unzip();
+        let frame_ns = |skip: &MeasuredSkip| skip.prices.frame_ns(&request.work);
+        let cheapest = MeasuredSkip::cheapest(&skips, &request.work)
+            .and_then(|place| Some((*usable.get(place)?, skips.get(place)?)))
+            .filter(|(_, skip)| frame_ns(skip).is_finite());
+        let Some((predication, skip)) = cheapest else {
+            let table = Some(checked(prices.table));
+            return Self { reset_ns: prices.reset_ns, ..Self::usual(request, table) };
+        };
+        Self {
+            predication,
+            table: Some(checked(prices.table.skipping_at(&skip.prices))),
+            skip_ns: usable.into_iter().zip(skips.iter().map(frame_ns)).collect(),
+            reset_ns: prices.reset_ns,
+        }
+    }
+
     /// Takes the executor that is usual.
-    fn usual(request: &ChoiceRequest<'_>, table: Option<CostTable>) -> Self {
+    pub(crate) fn usual(request: &ChoiceRequest<'_>, table: Option<CostTable>) -> Self {
         Self {
             predication: request.executors.first().copied().unwrap_or(Predication::Instances),
-            tester: tester(request, table),
             table,
             skip_ns: Vec::new(),
             reset_ns: ResetPrices::default(),
         }
     }
 
-    /// Takes the executor that skips the scene's work at the least price.
-    fn of_prices(request: &ChoiceRequest<'_>, prices: &DevicePrices) -> Self {
-        let of_each: Vec<_> = prices.executors.iter().map(|(_, it)| it.clone()).collect();
-        let cheapest = MeasuredSkip::cheapest(&of_each, &request.work);
-        let is_known = |(_, it): &&(_, MeasuredSkip)| it.prices.frame_ns(&request.work).is_finite();
-        let cheapest = cheapest.and_then(|it| prices.executors.get(it)).filter(is_known);
-        let Some((predication, skip)) = cheapest else {
-            return Self { reset_ns: prices.reset_ns, ..Self::usual(request, Some(prices.table)) };
-        };
-        let table = checked(prices.table.skipping_at(&skip.prices));
-        let skip_ns =
-            |(it, way): &(Predication, MeasuredSkip)| (*it, way.prices.frame_ns(&request.work));
-        Self {
-            predication: *predication,
-            tester: tester(request, Some(table)),
-            table: Some(table),
-            skip_ns: prices.executors.iter().map(skip_ns).collect(),
-            reset_ns: prices.reset_ns,
+    /// Returns the tester that is expected to cost least in a frame of this work, on an image of
+    /// this size in pixels; without prices flags, where there are any.
+    /// [`Strategy::ANTUMBRA`](cull::Strategy::ANTUMBRA) decides again for the boxes of each frame.
+    pub fn tester(&self, work: &SkippedWork, size: [u32; 2], testers: TesterSupport) -> Tester {
+        let usual = if testers.flags { Tester::Flag } else { Tester::Query };
+        let model = self.table.and_then(|it| CostModel::new(it, SceneCosts::default()).ok());
+        model.map_or(usual, |it| it.tester_for(work, size, testers))
+    }
+
+    /// Lets the culler of a view weigh tests of a scene by these prices, if there are any.
+    pub fn steer(&self, culler: &mut Culler, scene: SceneCosts) {
+        if let Some(Err(error)) = self.table.map(|table| culler.set_costs(table, scene)) {
+            tracing::warn!("{error}");
         }
     }
 }
@@ -137,32 +146,17 @@ fn checked(table: CostTable) -> CostTable {
     })
 }
 
-/// Returns the tester that is expected to cost least; without prices flags, where there are any.
-fn tester(request: &ChoiceRequest<'_>, table: Option<CostTable>) -> Tester {
-    let usual = if request.testers.flags { Tester::Flag } else { Tester::Query };
-    let model = table.and_then(|table| CostModel::new(table, SceneCosts::default()).ok());
-    model.map_or(usual, |it| it.tester_for(&request.work, request.size, request.testers))
-}
-
 #[cfg(test)]
 mod tests {
-    use cull::{DrawPhases, SkipPrices};
+    use cull::SkipPrices;
 
     use super::*;
 
     const EXECUTORS: [Predication; 2] = [Predication::Conditional, Predication::Compacted];
 
-    const REQUEST: ChoiceRequest<'_> = ChoiceRequest {
-        executors: &EXECUTORS,
-        testers: TesterSupport {
-            flags: true,
-            compute: true,
-            leaf_tests: true,
-            draw_phases: DrawPhases::PerRound,
-        },
-        work: SkippedWork { rounds: 3, ranges: 200, draws: 10_000 },
-        size: [1280, 720],
-    };
+    const WORK: SkippedWork = SkippedWork { rounds: 3, ranges: 200, draws: 10_000 };
+
+    const REQUEST: ChoiceRequest<'_> = ChoiceRequest { executors: &EXECUTORS, work: WORK };
 
     fn prices(conditional_ns: f32, compacted_ns: f32) -> DevicePrices {
         let at = |range_ns| {
@@ -197,11 +191,28 @@ mod tests {
             assert!(choice.skip_ns.is_empty());
         }
         let ignored = PriceChoice::by(Costs::Ignored, &REQUEST, failed);
-        assert_eq!(ignored.tester, Tester::Flag);
-        let no_flags = TesterSupport { flags: false, ..REQUEST.testers };
-        let request = ChoiceRequest { testers: no_flags, executors: &[], ..REQUEST };
+        let flags = TesterSupport { flags: true, ..TesterSupport::default() };
+        let tester = |testers| ignored.tester(&WORK, [1280, 720], testers);
+        assert_eq!(tester(flags), Tester::Flag);
+        assert_eq!(tester(TesterSupport::default()), Tester::Query);
+        let request = ChoiceRequest { executors: &[], ..REQUEST };
         let choice = PriceChoice::by(Costs::Ignored, &request, failed);
-        assert_eq!((choice.tester, choice.predication), (Tester::Query, Predication::Instances));
+        assert_eq!(choice.predication, Predication::Instances);
+    }
+
+    #[test]
+    fn an_executor_that_may_not_be_used_is_not_chosen_at_any_price() {
+        let prices = prices(5_000.0, 60.0);
+        for (executors, expected) in [
+            (&EXECUTORS[..], Predication::Compacted),
+            (&EXECUTORS[..1], Predication::Conditional),
+            (&[Predication::Counts], Predication::Counts),
+        ] {
+            let choice = PriceChoice::of_prices(&ChoiceRequest { executors, ..REQUEST }, &prices);
+            assert_eq!(choice.predication, expected);
+            assert!(choice.skip_ns.iter().all(|(it, _)| executors.contains(it)));
+            assert!(choice.table.is_some());
+        }
     }
 
     #[test]

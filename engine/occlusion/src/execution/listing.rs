@@ -34,14 +34,12 @@ pub struct ListedTests<'v> {
 ///
 /// ```no_run
 /// # use antumbra_occlusion as occlusion;
-/// use cull::{Culler, DrawPhases, TesterSupport, View};
+/// use cull::{CullConfig, DrawPhases, View};
 /// use occlusion::*;
 ///
-/// /// Makes the plans of a view fit for lists.
-/// fn culler(device: &gpu::Device, scene: &HostScene, target: &gpu::Target) -> Culler {
-///     let testers = scene.executor().testers(device, target);
-///     let testers = TesterSupport { draw_phases: DrawPhases::Two, ..testers };
-///     Culler::with_testers(Default::default(), testers)
+/// /// Makes a view whose plans are fit for lists.
+/// fn view(scene: &HostScene, target: &gpu::Target) -> Result<VisibilityState, Error> {
+///     scene.new_view(target, CullConfig::default(), DrawPhases::Two)
 /// }
 ///
 /// /// Records a planned frame between two renderings of the host.
@@ -77,7 +75,8 @@ pub fn list_draws<'v>(
         return Err(DrawsAmongTests.into());
     }
     let io = FrameIo::write(frame, state, &mut executor.leaves, views)?;
-    let lists = state.list(frame, &executor.leaves, io.visible)?;
+    let visible = (io.visible, executor.passes.trust());
+    let lists = state.list(frame, &executor.leaves, visible)?;
     Ok(ListedTests { views, io, lists })
 }
 

@@ -9,11 +9,12 @@ mod list_draws;
 mod proxy;
 mod scatter;
 
-use cull::{DrawPhases, TesterSupport};
+use cull::{DrawPhases, Tester, TesterSupport};
 use gpu::{Attachments, Device, Optional, Target};
 
 use crate::error::Error;
 use crate::shader_set::ShaderSet;
+use crate::trust::Trust;
 pub use box_volume::{BoxVolume, BoxVolumeConstants, BoxVolumeIo, BoxVolumePass};
 pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use eyes::{EyeConstants, ProxyEyes};
@@ -27,7 +28,7 @@ pub struct OcclusionPasses {
     /// The pass that tests boxes by queries and by flags.
     pub proxies: ProxyPass,
     /// The pass that tests the leaves below a node that showed. Needs fragment shaders that can
-    /// write to buffers.
+    /// write to buffers, and a driver that can be trusted with it.
     pub leaf_boxes: Option<LeafBoxPass>,
     /// The pass that tests boxes by a compute shader, made for the first such frame.
     pub compute_test: Option<ComputeTest>,
@@ -38,6 +39,8 @@ pub struct OcclusionPasses {
     pub scatter: ScatterPass,
     /// The attachments that boxes are tested against.
     attachments: Attachments,
+    /// The parts of the driver that are used.
+    trust: Trust,
 }
 
 impl OcclusionPasses {
@@ -51,7 +54,24 @@ impl OcclusionPasses {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
-        let can_store = device.capabilities().has(Optional::FragmentStores);
+        Self::with_trust(device, shaders, attachments, Trust::default())
+    }
+
+    /// Compiles the same for a driver that a self-test found something broken about: what the
+    /// trust is left without is not used by any scene or view of these passes. A
+    /// [`HostScene`](crate::HostScene) then skips hidden draws in another way; a table of a host's
+    /// own is given one of [`Trust::usable_executors`], else nothing is tested.
+    ///
+    /// # Errors
+    /// Those of [`OcclusionPasses::new`].
+    pub fn with_trust(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+        trust: Trust,
+    ) -> Result<Self, Error> {
+        let has_stores = device.capabilities().has(Optional::FragmentStores);
+        let can_store = has_stores && trust.allows(Tester::Flag);
         let leaf_boxes = can_store.then(|| LeafBoxPass::new(device, shaders, attachments));
         Ok(Self {
             proxies: ProxyPass::new(device, shaders, attachments)?,
@@ -60,6 +80,7 @@ impl OcclusionPasses {
             list_draws: None,
             scatter: ScatterPass::new(device, shaders)?,
             attachments,
+            trust,
         })
     }
 
@@ -78,14 +99,21 @@ impl OcclusionPasses {
         let compute_test = compute_test
             .map(|_| ComputeTest::new(device, shaders, size).map(|test| test.of_samples(samples)));
         let list_draws = self.list_draws.as_ref().map(|_| ListDrawsPass::new(device, shaders));
-        let fresh = Self::new(device, shaders, self.attachments)?;
+        let fresh = Self::with_trust(device, shaders, self.attachments, self.trust.clone())?;
         let (compute_test, list_draws) = (compute_test.transpose()?, list_draws.transpose()?);
         Ok(Self { compute_test, list_draws, ..fresh })
     }
 
-    /// Returns the testers that plans may use on `device`, for views that are drawn to `target`.
+    /// Returns the parts of the driver that are used.
+    pub fn trust(&self) -> &Trust {
+        &self.trust
+    }
+
+    /// Returns the testers that there are on `device`, for views that are drawn to `target`.
+    /// [`PlanExecutor::testers`](crate::PlanExecutor::testers) says which of them plans may use.
     pub fn testers(&self, device: &Device, target: &Target) -> TesterSupport {
         TesterSupport {
+            queries: true,
             flags: self.proxies.can_flag(),
             compute: target.can_copy_depth() && ComputeTest::check(device, target.size()).is_ok(),
             leaf_tests: self.leaf_boxes.is_some(),

@@ -67,12 +67,11 @@ impl Renderer {
         request: &ViewsRequest<'_>,
         scene_image: Option<&Readback>,
     ) -> Result<FrameReport, Error> {
-        let request = &ViewsRequest { strategy: self.trusted(request.strategy), ..*request };
         let method = self.check_frame(targets, request, scene_image)?;
+        let request = &ViewsRequest { strategy: self.trusted(request.strategy), ..*request };
         let began = Instant::now();
         self.prepare(method, targets)?;
         let is_timed = self.is_timed(request.strategy, targets);
-        let tests_by = self.transparent_strategy(request.strategy);
         let (outlined, views) = (self.outlined_bounds(), self.take_views(targets)?);
         let (uploads, map_uses) = (self.pose_uploads(&views, targets), self.map_uses());
         let after_views = self.overlay_scopes(targets, scene_image);
@@ -94,7 +93,8 @@ impl Renderer {
             (0..).zip(targets.iter_mut().zip(&views))
         {
             let scene = (&*executor, &*hierarchy);
-            report.transparent += begin_view(passes, &mut frame, scene, (number, view), tests_by)?;
+            report.transparent +=
+                begin_view(passes, &mut frame, scene, (number, view), request.strategy)?;
             begin_scopes(passes, (state, flares), (number, after_views));
             let wanted = method_request(*visible, view, request);
             let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };

@@ -6,7 +6,7 @@ use scene::LightId;
 use crate::error::Error;
 use crate::renderer::Renderer;
 use crate::resources::volume_meshes::VolumeMeshes;
-use crate::shadows::{LightShadow, Shadows, can_skip};
+use crate::shadows::{LightShadow, Shadows, can_skip, caster_executor, trusted_shadows};
 
 impl Renderer {
     /// Returns the options of shadows.
@@ -31,14 +31,15 @@ impl Renderer {
     /// memory, a failed call. Nothing has changed then.
     pub fn set_shadows(&mut self, options: ShadowOptions) -> Result<(), Error> {
         let can = |it| can_skip(&self.device, it);
-        let options = self.trust.shadows(options, can);
+        let trust = self.executor.passes.trust();
+        let options = trusted_shadows(trust, options, can);
         if options == self.passes.shadows.options {
             return Ok(());
         }
         let has_surfaces = self.passes.geometry.surfaces.is_some();
         let needs = (has_surfaces, self.frames_in_flight());
         let mut shadows = Shadows::new(&self.device, options, &self.passes.target, needs)?;
-        if let Some(executor) = self.trust.caster_executor(self.predication(), can) {
+        if let Some(executor) = caster_executor(trust, self.predication(), can) {
             shadows.skip_by(executor, self.frames_in_flight())?;
         }
         let pipelines = self.passes.recompiled(&self.shaders, &shadows)?;

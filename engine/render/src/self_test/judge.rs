@@ -3,7 +3,7 @@
 use gpu::ResultSource;
 use occlusion::Rect;
 
-use super::assumption::Finding;
+use super::finding::Finding;
 use super::probe::{PER_DECISION, QueriedSamples, TestedProxies};
 use super::probe_scene::{CELL, CELLS, PROBES, SIZE};
 

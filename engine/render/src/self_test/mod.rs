@@ -1,20 +1,18 @@
 //! The self-test: asks if the driver of a device can be trusted with what exactness rests on, by
 //! small purpose-built frames and a short walk with each tester. It takes about a second.
 
-mod assumption;
+mod finding;
 mod judge;
 mod probe;
 mod probe_lists;
 mod probe_scene;
-mod trust;
 mod walk;
 
 use cull::Strategy;
 use gpu::{Device, Predication, ResultSource};
-use occlusion::{Rect, ShaderSet};
+use occlusion::{Assumption, Rect, ShaderSet, Trust};
 
-pub use assumption::{Assumption, Finding};
-pub(crate) use trust::{EXECUTORS, Trust};
+pub use finding::Finding;
 
 use crate::error::Error;
 use crate::renderer::RendererOptions;
@@ -84,9 +82,10 @@ pub fn self_test(device: &Device, options: &RendererOptions) -> Result<SelfTest,
 /// Returns the strategy with the safest tester, if there is one.
 fn safest(broken: &[Assumption], device: &Device) -> Option<Strategy> {
     let trust = Trust::without(broken);
-    trust.executor(Predication::Conditional, |executor| executor.is_supported(device))?;
-    let offered = walk::offered(device);
-    let strategy = trust.strategy(Strategy::ANTUMBRA, offered, 0);
+    let has = |executor: Predication| executor.is_supported(device);
+    let executor = trust.executor(Predication::Conditional, has)?;
+    let testers = trust.testers(walk::offered(device), executor);
+    let strategy = testers.strategy(Strategy::ANTUMBRA);
     (strategy != Strategy::FRUSTUM).then_some(strategy)
 }
 
@@ -177,7 +176,7 @@ impl Checks {
         pixels: &[u32],
         shaders: &ShaderSet,
     ) -> Result<(), Error> {
-        for executor in EXECUTORS {
+        for executor in Predication::ALL {
             let assumption = match executor {
                 Predication::Conditional => Assumption::ConditionalRendering,
                 Predication::Counts => Assumption::DrawCounts,

@@ -223,7 +223,7 @@ impl Probe {
     ) -> Result<Option<TestedProxies>, Error> {
         let Self { renderer, device, view, draws, boxes, .. } = self;
         let Renderer { frames, passes, executor, .. } = renderer;
-        if !executor.testers(device, &passes.target).compute {
+        if !executor.passes.testers(device, &passes.target).compute {
             return Ok(None);
         }
         let compute = ComputeTest::new(device, shaders, SIZE)?;

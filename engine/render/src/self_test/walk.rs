@@ -5,7 +5,7 @@ use cull::{Strategy, TesterSupport};
 use gpu::{Device, Optional, Readback};
 use occlusion::Costs;
 
-use super::assumption::Finding;
+use super::finding::Finding;
 use super::probe_scene::{self, SIZE, WALK_FRAMES};
 use crate::error::Error;
 use crate::renderer::{Renderer, RendererOptions};

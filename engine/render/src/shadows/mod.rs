@@ -8,6 +8,7 @@ mod map_images;
 mod records;
 mod shadow_maps;
 mod tile_draws;
+mod trusted;
 mod volume_shadows;
 
 use std::collections::HashMap;
@@ -28,6 +29,7 @@ pub use light_shadow::LightShadow;
 pub use records::{ShadowIo, ShadowMapIo, ShadowMaskIo};
 pub(crate) use shadow_maps::MapUses;
 use shadow_maps::ShadowMaps;
+pub(crate) use trusted::{caster_executor, trusted_shadows};
 use volume_shadows::VolumeShadows;
 
 /// The shadows of a renderer's lights.

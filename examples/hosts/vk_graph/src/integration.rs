@@ -6,7 +6,7 @@ use std::ffi::CString;
 use std::sync::Arc;
 
 use ash::vk;
-use cull::{Camera, CullConfig, Culler, Strategy, View};
+use cull::{Camera, CullConfig, DrawPhases, Strategy, View};
 use gpu::{
     Commands, Device, DeviceOptions, FrameNumbers, FrameRing, HostImage, HostImages, ImageState,
     IndirectDraw, NearDepth, RenderTarget, Resubmission, Target, Tick,
@@ -78,10 +78,7 @@ impl GraphCulling {
             let draws: Vec<_> = object.parts.clone().map(draw).collect();
             scene.add(&[HostObject { bounds: object.bounds, draws: &draws }], &mut Vec::new())?;
         }
-        let testers = scene.executor().testers(&device, &target);
-        let culler = Culler::with_testers(CullConfig::default(), testers);
-        let leaves = &scene.executor().leaves;
-        let view = VisibilityState::new(&device, scene.hierarchy(), leaves, slots, culler)?;
+        let view = scene.new_view(&target, CullConfig::default(), DrawPhases::PerRound)?;
         let mut frames = FrameRing::new(&device, slots)?;
         frames.set_resubmission(Resubmission::Never);
         let objects = HostObjects { renderer: renderer.clone(), target };

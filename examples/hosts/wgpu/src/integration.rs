@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use ash::vk;
 use cull::{
-    Camera, ClipY, CullConfig, Culler, DepthConvention, DrawPhases, Strategy, TesterSupport, View,
+    Camera, ClipY, CullConfig, DepthConvention, DrawPhases, Strategy, View,
     ViewProjection,
 };
 use glam::{Mat4, vec3};
@@ -78,11 +78,7 @@ impl WgpuCulling {
             let draws: Vec<_> = object.parts.clone().map(draw).collect();
             scene.add(&[HostObject { bounds: object.bounds, draws: &draws }], &mut Vec::new())?;
         }
-        let testers = scene.executor().testers(&device, &target);
-        let testers = TesterSupport { draw_phases: DrawPhases::Two, ..testers };
-        let culler = Culler::with_testers(CullConfig::default(), testers);
-        let leaves = &scene.executor().leaves;
-        let view = VisibilityState::new(&device, scene.hierarchy(), leaves, slots, culler)?;
+        let view = scene.new_view(&target, CullConfig::default(), DrawPhases::Two)?;
         let mut frames = FrameRing::new(&device, slots)?;
         frames.set_resubmission(Resubmission::Never);
         Ok(Self { device, frames, scene, view, shaders, renderer: renderer.clone(), target })

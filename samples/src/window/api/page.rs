@@ -135,7 +135,7 @@ impl Session {
             is_frozen: self.frozen.is_some(),
             is_recording: self.recording.is_some(),
             predicates: self.renderer.predication().name(),
-            tester: self.renderer.price_choice().tester.name(),
+            tester: self.renderer.cheapest_tester().name(),
             frames_in_flight: self.renderer.frames_in_flight(),
             compared: self.comparison.as_ref().map(Comparison::tally),
             screen,

@@ -2,10 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use cull::{
-    Aabb, Camera, CullConfig, Culler, DrawPhases, LeafIndex, ObjectId, Strategy, TesterSupport,
-    View,
-};
+use cull::{Aabb, Camera, CullConfig, DrawPhases, LeafIndex, ObjectId, Strategy, View};
 use glam::{Mat4, Vec3};
 use gpu::{Buffer, Device, FrameRing, MemoryKind, Predication, Readback, vk};
 use occlusion::{
@@ -99,12 +96,8 @@ impl Host {
             Recorder::Engine | Recorder::EngineDepthFirst => DrawPhases::PerRound,
             Recorder::Host | Recorder::HostLate => DrawPhases::Two,
         };
-        let testers = scene.executor().testers(device, &culled.target);
-        let testers = TesterSupport { draw_phases, ..testers };
-        let culler = Culler::with_testers(CullConfig::default(), testers);
-        let leaves = &scene.executor().leaves;
         Self {
-            state: VisibilityState::new(device, scene.hierarchy(), leaves, 2, culler).unwrap(),
+            state: scene.new_view(&culled.target, CullConfig::default(), draw_phases).unwrap(),
             device: device.clone(),
             frames: FrameRing::new(device, 2).unwrap(),
             scene,

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use ash::vk;
 use cull::{
-    Aabb, Camera, CullConfig, Culler, DepthConvention, Hierarchy, ObjectId, Projection, Strategy,
+    Aabb, Camera, CullConfig, Culler, DepthConvention, DrawPhases, Hierarchy, ObjectId, Projection,
+    Strategy,
 };
 use glam::Vec3;
 use gpu::{
@@ -180,7 +181,7 @@ impl<'a> HostLoop<'a> {
         let attachments = objects.attachments();
         let passes = OcclusionPasses::new(&device, &shaders, attachments).unwrap();
         let executor = PlanExecutor { passes, leaves };
-        let testers = executor.testers(&device, &objects.target);
+        let testers = executor.testers(&device, &objects.target, DrawPhases::PerRound);
         let culler = Culler::with_testers(CullConfig::default(), testers);
         let slots = IN_FLIGHT as usize;
         let state =

@@ -27,6 +27,13 @@ pub struct BucketTableInfo {
     pub frames_in_flight: usize,
 }
 
+impl BucketTableInfo {
+    /// Returns the number of draws, with gaps between buckets, that a new table has room for.
+    pub(crate) fn cell_capacity(&self) -> u32 {
+        BucketCells::room_for(self.draw_capacity, self.bucket_count)
+    }
+}
+
 impl LeafTable {
     /// Creates a table for the leaves of `hierarchy`, without draws yet: objects
     /// [get](LeafTable::set_draws) any number of them. The first frame uploads all.
@@ -39,14 +46,14 @@ impl LeafTable {
         hierarchy: &Hierarchy,
         info: BucketTableInfo,
     ) -> Result<Self, Error> {
-        let BucketTableInfo { bucket_count, draw_capacity, predication, frames_in_flight } = info;
+        let BucketTableInfo { bucket_count, predication, frames_in_flight, .. } = info;
         if bucket_count > MAX_BUCKETS {
             return Err(BucketError::TooMany { bucket_count }.into());
         }
         let leaf_count = hierarchy.leaf_objects().len();
         let [boxes, firsts] = leaf_buffers(device, leaf_count)?;
         let cells = BucketCells::new(bucket_count, hierarchy.leaf_objects());
-        let cell_capacity = BucketCells::room_for(draw_capacity, bucket_count);
+        let cell_capacity = info.cell_capacity();
         let mut table = Self {
             id: LeafTableId::new(),
             hierarchy: hierarchy.id().clone(),

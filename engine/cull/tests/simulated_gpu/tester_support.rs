@@ -1,0 +1,79 @@
+//! Testers that are not there, or not to be trusted: plans have no test by them, and images stay
+//! exact with what is left.
+
+use antumbra_cull::{
+    Camera, CullConfig, Culler, DrawPhases, Projection, SceneCosts, Strategy, Tester,
+    TesterSupport, View,
+};
+use glam::Vec3;
+
+use crate::cost_model::prices;
+use crate::device::Solids;
+use crate::random::Random;
+use crate::scene::city;
+use crate::walk::{BUDGET, SIZE, Walk};
+
+const CAMERA: Camera = Camera {
+    eye: Vec3::new(-1.0, 1.7, 40.0),
+    forward: Vec3::NEG_Z,
+    up: Vec3::Y,
+    projection: Projection::perspective(1.0),
+    near: 0.1,
+};
+
+/// Returns true if a tester is among those that there are.
+fn is_there(testers: TesterSupport, tester: Tester) -> bool {
+    match tester {
+        Tester::Query => testers.queries,
+        Tester::Flag => testers.flags,
+        Tester::Compute => testers.compute,
+        Tester::SharedProxy(_) => true,
+    }
+}
+
+/// Walks with these testers and checks each plan; returns the number of tests.
+fn walk(testers: TesterSupport, strategy: Strategy, priced: Option<SceneCosts>) -> usize {
+    let mut walk = Walk::new(city(&mut Random::new(3), 10), 2);
+    walk.culler = Culler::with_testers(CullConfig::default(), testers);
+    if let Some(scene) = priced {
+        walk.culler.set_costs(prices(), scene).unwrap();
+    }
+    let mut tests = 0;
+    for step in 0..12 {
+        let eye = Vec3::new(-1.0, 1.7, 30.0 - step as f32 * 0.3);
+        let camera = Camera { eye, ..CAMERA };
+        let view = View::new(&camera, SIZE, 8);
+        let answers = walk.device.collect(walk.culler.frame().0 + 1, &walk.hierarchy);
+        walk.culler.ingest(&walk.hierarchy, answers);
+        walk.culler.plan(&walk.hierarchy, strategy, &view, BUDGET, &mut walk.plan);
+        let plan = &walk.plan;
+        assert!(plan.tests.iter().all(|test| is_there(testers, test.tester)), "{testers:?}");
+        assert!(testers.queries || plan.query_count() == 0, "{testers:?} {strategy}");
+        let solids = Solids { solids: &walk.scene.solids, shifts: &walk.scene.shifts };
+        walk.device.execute(&view, &walk.hierarchy, &solids, &walk.plan);
+        assert!(walk.is_exact(&camera), "{testers:?} {strategy}");
+        tests += walk.plan.tests.len();
+    }
+    tests
+}
+
+#[test]
+fn a_tester_that_is_not_there_tests_nothing_and_what_is_left_is_exact() {
+    for bits in 0..16 {
+        let has = |bit: u32| bits >> bit & 1 == 1;
+        let phases = [DrawPhases::PerRound, DrawPhases::Two];
+        let testers = TesterSupport {
+            queries: has(0),
+            flags: has(1),
+            compute: has(2),
+            leaf_tests: has(1) && has(3),
+            draw_phases: phases[usize::from(has(3))],
+        };
+        for strategy in Strategy::PLANNED {
+            let tests = walk(testers, strategy, None);
+            let is_tested = strategy != Strategy::FRUSTUM && (has(0) || has(1) || has(2));
+            assert_eq!(tests > 0, is_tested, "{testers:?} {strategy}");
+            walk(testers, strategy, Some(SceneCosts { triangles_per_leaf: 100.0 }));
+        }
+    }
+}

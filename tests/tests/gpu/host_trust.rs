@@ -1,0 +1,190 @@
+//! Scenes of hosts on drivers that a self-test found something broken about, and with measured
+//! prices: neither a tester nor an executor is used that cannot be trusted, and images stay exact.
+
+use std::sync::{Arc, Mutex};
+
+use cull::{DrawPhases, Strategy, Tester};
+use gpu::{Device, Features, FrameRing, Predication, Purpose};
+use occlusion::{Assumption, DevicePrices, PriceChoice};
+use render::RendererOptions;
+use tests::Driver;
+use tests::host_commands::{HostCommands, Runs, record_frame};
+use tests::host_device::Host;
+use tests::host_scene::{BoxOptions, ComparedScene, IN_FLIGHT};
+use tests::host_walk::{boxes, camera};
+use tests::machine::{CONDITIONAL_BLOCKS, Lie, Machine, calls};
+
+/// The outcome of a walk whose images were those of brute force.
+struct Walked {
+    choice: PriceChoice,
+    /// The testers in its plans.
+    testers: Vec<Tester>,
+    /// The queries in its plans.
+    queries: usize,
+    /// True if lists had counts.
+    has_counts: bool,
+    /// True if tests were weighed by prices.
+    has_costs: bool,
+    /// True if boxes of leaves can enable draws, of transparent objects too.
+    has_leaf_boxes: bool,
+}
+
+/// Walks with a scene of a host on its device, adopted without a queue.
+fn walk(host: &Host, options: &BoxOptions<'_>, strategy: Strategy) -> Walked {
+    let device = host.adopt(None);
+    let mut scene = ComparedScene::new(host, &device, options);
+    let mut commands = HostCommands::new(host, IN_FLIGHT);
+    let mut ring = FrameRing::new(&device, IN_FLIGHT).unwrap();
+    scene.add(&boxes()[..200]).unwrap();
+    let mut walked = Walked {
+        choice: scene.scene.price_choice().clone(),
+        testers: Vec::new(),
+        queries: 0,
+        has_counts: false,
+        has_costs: scene.states().all(|state| state.has_cost_model()),
+        has_leaf_boxes: scene.scene.executor().passes.leaf_boxes.is_some(),
+    };
+    for frame in 0..12 {
+        let begun = commands.begin();
+        let cameras = [camera(frame)];
+        let (tick, slot) = record_frame(&mut ring, begun, |recorded| {
+            scene.compare(recorded.slot().0, &format!("a frame before {frame}"));
+            scene.record(recorded, &cameras, strategy).unwrap();
+            scene.record_all(recorded, &cameras);
+            recorded.slot()
+        });
+        for state in scene.states() {
+            walked.testers.extend(state.plan().tests.iter().map(|test| test.tester));
+            walked.queries += state.plan().query_count();
+            let mut lists = state.visible_lists().iter().chain(state.revealed_lists());
+            walked.has_counts |= lists.any(|list| list.count.is_some());
+        }
+        scene.ended(tick, slot, Runs::Once);
+        commands.end(Runs::Once).unwrap();
+    }
+    host.say_all_is_over(&device);
+    (0..IN_FLIGHT).for_each(|slot| {
+        scene.compare(slot, "the last frames");
+    });
+    scene.destroy();
+    commands.destroy();
+    drop((ring, device));
+    walked
+}
+
+/// Creates the device of a host, with a machine of the test between.
+fn host_on(driver: Driver, machine: Machine) -> Host {
+    Host::through(machine.entry(), driver, Purpose::Renderer, &[], Features::default())
+}
+
+/// Adopts the device with its queue for a while, as a host does at start, before it adopts it for
+/// scenes of its own.
+fn at_start<R>(host: &Host, measure: impl FnOnce(&Device) -> R) -> R {
+    let device = host.adopt(Some(host.share_queue(Arc::new(Mutex::new(())))));
+    measure(&device)
+}
+
+#[test]
+fn a_lie_that_is_found_at_start_spoils_no_image_of_a_hosts_scene() {
+    for (lie, strategy) in [
+        (Lie::FirstResultForAll, Strategy::ANTUMBRA_QUERIES),
+        (Lie::FirstResultForAll, Strategy::ANTUMBRA),
+        (Lie::NoConditions, Strategy::ANTUMBRA),
+        (Lie::NoCounts, Strategy::ANTUMBRA),
+    ] {
+        let host = host_on(Driver::Lavapipe, Machine { lie: Some(lie), ..Machine::default() });
+        let broken = at_start(&host, |device| {
+            render::self_test(device, &RendererOptions::default()).unwrap().broken()
+        });
+        let phases = [DrawPhases::PerRound, DrawPhases::Two];
+        for draw_phases in phases {
+            let distrusted = &broken[..];
+            let options = BoxOptions { draw_phases, distrusted, ..BoxOptions::default() };
+            let walked = walk(&host, &options, strategy);
+            let has_lists = draw_phases == DrawPhases::Two;
+            assert_eq!(walked.testers.is_empty(), has_lists && lie == Lie::NoCounts, "{lie:?}");
+            assert_eq!(walked.has_counts, has_lists && lie != Lie::NoCounts, "{lie:?}");
+            let has_queries = !has_lists && lie != Lie::FirstResultForAll;
+            assert_eq!(walked.queries > 0, has_queries, "{lie:?}");
+        }
+        host.finish();
+    }
+}
+
+#[test]
+fn hosts_use_no_tester_and_no_executor_that_is_distrusted() {
+    use Assumption::*;
+    for driver in Driver::ALL {
+        let host = host_on(driver, Machine::default());
+        let walk = |distrusted: &[Assumption], wanted, strategy| {
+            let options = BoxOptions { predication: wanted, distrusted, ..BoxOptions::default() };
+            walk(&host, &options, strategy)
+        };
+        let ours = Strategy::ANTUMBRA;
+        let sound = walk(&[], None, ours);
+        assert!(sound.testers.contains(&Tester::Flag) && sound.has_leaf_boxes);
+        assert!(sound.queries > 0 && !sound.has_costs);
+        let best = sound.choice.predication;
+
+        let unflagged = walk(&[EarlyTests], None, Strategy::ANTUMBRA_FLAGS);
+        assert!(unflagged.testers.iter().all(|it| *it == Tester::Query), "{driver:?}");
+        assert!(!unflagged.testers.is_empty() && !unflagged.has_leaf_boxes);
+        let computed = walk(&[ProxyDepth], None, ours);
+        assert!(computed.testers.iter().all(|it| *it == Tester::Compute) && computed.queries == 0);
+        assert!(!computed.testers.is_empty());
+        let nothing = walk(&[ProxyDepth, ComputedDepths], None, ours);
+        assert!(nothing.testers.is_empty() && nothing.queries == 0);
+
+        let blocks = calls(CONDITIONAL_BLOCKS);
+        for wanted in [None, Some(best)] {
+            let other = walk(&[ConditionalRendering], wanted, ours);
+            assert!(!other.testers.is_empty());
+            let expected = match driver {
+                Driver::Lavapipe => Predication::Counts,
+                Driver::SwiftShader => Predication::Instances,
+            };
+            assert_eq!(other.choice.predication, expected);
+        }
+        let none = [ConditionalRendering, DrawCounts, InstanceCounts];
+        assert!(walk(&none, None, ours).testers.is_empty(), "nothing can be skipped");
+        assert_eq!(calls(CONDITIONAL_BLOCKS), blocks, "{driver:?}");
+        assert_eq!(blocks > 0, driver == Driver::Lavapipe);
+        host.finish();
+    }
+}
+
+#[test]
+fn hosts_take_the_cheapest_executor_that_is_trusted_and_weigh_tests_by_prices() {
+    for driver in Driver::ALL {
+        let host = host_on(driver, Machine::default());
+        let options = RendererOptions { size: [96, 54], ..RendererOptions::default() };
+        let measured = at_start(&host, |device| render::measure_prices(device, &options).unwrap());
+        let has = |it: Predication| measured.executors.iter().any(|(other, _)| *other == it);
+        assert!(has(Predication::Instances) && !measured.executors.is_empty());
+        let walked = |prices: &DevicePrices, distrusted: &[Assumption], predication| {
+            let prices = Some(prices);
+            let options = BoxOptions { prices, distrusted, predication, ..BoxOptions::default() };
+            walk(&host, &options, Strategy::ANTUMBRA)
+        };
+        let by_measured = walked(&measured, &[], None);
+        assert!(by_measured.has_costs && by_measured.choice.table.is_some());
+        assert_eq!(by_measured.choice.skip_ns.len(), measured.executors.len());
+
+        // As if one of them cost nothing.
+        let cheap = Predication::Instances;
+        let mut priced = measured.clone();
+        for (executor, skip) in &mut priced.executors {
+            let range_ns = if *executor == cheap { 1.0 } else { 1.0e6 };
+            skip.prices = cull::SkipPrices { round_ns: 0.0, range_ns, draw_ns: 0.0 };
+            skip.rounds.fill(skip.prices);
+        }
+        assert_eq!(walked(&priced, &[], None).choice.predication, cheap);
+        if driver == Driver::Lavapipe {
+            let distrusted = walked(&priced, &[Assumption::InstanceCounts], None);
+            assert_eq!(distrusted.choice.predication, Predication::Conditional);
+            let wanted = walked(&priced, &[], Some(Predication::Counts));
+            assert_eq!(wanted.choice.predication, Predication::Counts);
+        }
+        host.finish();
+    }
+}
