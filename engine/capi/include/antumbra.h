@@ -143,7 +143,7 @@
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Hidden draws are skipped by the best way that the device has.
+ * Hidden draws are skipped by the best way that the device has: with prices the cheapest.
  */
 #define ANTUMBRA_PREDICATION_BEST 0
 #endif
@@ -196,6 +196,118 @@
  * The most colour images of a view.
  */
 #define ANTUMBRA_COLOURS_MAX 8
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Occlusion queries tell what shows from what is hidden, and count exactly.
+ */
+#define ANTUMBRA_ASSUMPTION_QUERY_COUNTS (1 << 0)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The results of a frame are in mapped memory when the frame is over.
+ */
+#define ANTUMBRA_ASSUMPTION_LATE_RESULTS (1 << 1)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A proxy covers every sample that its object covers.
+ */
+#define ANTUMBRA_ASSUMPTION_PROXY_COVERAGE (1 << 2)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * No fragment of a proxy is farther than that of its object at the same sample.
+ */
+#define ANTUMBRA_ASSUMPTION_PROXY_DEPTH (1 << 3)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Fragment shaders with early tests write nothing where the depth test fails.
+ */
+#define ANTUMBRA_ASSUMPTION_EARLY_TESTS (1 << 4)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The writes of fragment shaders are there for later commands.
+ */
+#define ANTUMBRA_ASSUMPTION_FLAG_WRITES (1 << 5)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Compute shaders read the depth that was drawn.
+ */
+#define ANTUMBRA_ASSUMPTION_COMPUTED_DEPTHS (1 << 6)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Conditional rendering skips draws whose predicate is zero, and no others.
+ */
+#define ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING (1 << 7)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Draw counts out of a buffer are heeded.
+ */
+#define ANTUMBRA_ASSUMPTION_DRAW_COUNTS (1 << 8)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Instance counts that a compute shader wrote are heeded.
+ */
+#define ANTUMBRA_ASSUMPTION_INSTANCE_COUNTS (1 << 9)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Lists of commands that compute shaders wrote are drawn in their order.
+ */
+#define ANTUMBRA_ASSUMPTION_COMPACTED_LISTS (1 << 10)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Of draws with equal depth the first one wins.
+ */
+#define ANTUMBRA_ASSUMPTION_DRAW_ORDER (1 << 11)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Two passes give the same vertex the same depth.
+ */
+#define ANTUMBRA_ASSUMPTION_REPEATED_DEPTH (1 << 12)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A walk with occlusion queries has the images of frustum culling.
+ */
+#define ANTUMBRA_ASSUMPTION_QUERIED_WALK (1 << 13)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A walk with flags has the images of frustum culling.
+ */
+#define ANTUMBRA_ASSUMPTION_FLAGGED_WALK (1 << 14)
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A walk with the compute tester has the images of frustum culling.
+ */
+#define ANTUMBRA_ASSUMPTION_COMPUTED_WALK (1 << 15)
 #endif
 
 /**
@@ -345,118 +457,6 @@
  * All casters are drawn.
  */
 #define ANTUMBRA_CASTER_CULLING_UNCULLED 1
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Occlusion queries tell what shows from what is hidden, and count exactly.
- */
-#define ANTUMBRA_ASSUMPTION_QUERY_COUNTS (1 << 0)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The results of a frame are in mapped memory when the frame is over.
- */
-#define ANTUMBRA_ASSUMPTION_LATE_RESULTS (1 << 1)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A proxy covers every sample that its object covers.
- */
-#define ANTUMBRA_ASSUMPTION_PROXY_COVERAGE (1 << 2)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * No fragment of a proxy is farther than that of its object at the same sample.
- */
-#define ANTUMBRA_ASSUMPTION_PROXY_DEPTH (1 << 3)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Fragment shaders with early tests write nothing where the depth test fails.
- */
-#define ANTUMBRA_ASSUMPTION_EARLY_TESTS (1 << 4)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The writes of fragment shaders are there for later commands.
- */
-#define ANTUMBRA_ASSUMPTION_FLAG_WRITES (1 << 5)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Compute shaders read the depth that was drawn.
- */
-#define ANTUMBRA_ASSUMPTION_COMPUTED_DEPTHS (1 << 6)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Conditional rendering skips draws whose predicate is zero, and no others.
- */
-#define ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING (1 << 7)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Draw counts out of a buffer are heeded.
- */
-#define ANTUMBRA_ASSUMPTION_DRAW_COUNTS (1 << 8)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Instance counts that a compute shader wrote are heeded.
- */
-#define ANTUMBRA_ASSUMPTION_INSTANCE_COUNTS (1 << 9)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Lists of commands that compute shaders wrote are drawn in their order.
- */
-#define ANTUMBRA_ASSUMPTION_COMPACTED_LISTS (1 << 10)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Of draws with equal depth the first one wins.
- */
-#define ANTUMBRA_ASSUMPTION_DRAW_ORDER (1 << 11)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Two passes give the same vertex the same depth.
- */
-#define ANTUMBRA_ASSUMPTION_REPEATED_DEPTH (1 << 12)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A walk with occlusion queries has the images of frustum culling.
- */
-#define ANTUMBRA_ASSUMPTION_QUERIED_WALK (1 << 13)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A walk with flags has the images of frustum culling.
- */
-#define ANTUMBRA_ASSUMPTION_FLAGGED_WALK (1 << 14)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A walk with the compute tester has the images of frustum culling.
- */
-#define ANTUMBRA_ASSUMPTION_COMPUTED_WALK (1 << 15)
 #endif
 
 /**
@@ -1153,6 +1153,55 @@ typedef struct AntumbraLeaves {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
+ * The image that prices are measured on.
+ */
+typedef struct AntumbraPricesDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: ways to skip draws that
+     * rest on them are not measured. Default: 0.
+     */
+    uint32_t distrusted;
+    /**
+     * The device, which was adopted with a queue.
+     */
+    struct AntumbraDevice device;
+    /**
+     * Width of the image (pixels).
+     */
+    uint32_t width;
+    /**
+     * Height of the image (pixels).
+     */
+    uint32_t height;
+    /**
+     * Samples per pixel, 1 or 4; 0 for 1. Default: 0.
+     */
+    uint32_t samples;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+} AntumbraPricesDesc;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The prices of tests and draws on a device, and of the ways to skip hidden draws.
+ */
+typedef struct AntumbraPrices {
+    /**
+     * The number of the handle; 0 for none.
+     */
+    uint64_t id;
+} AntumbraPrices;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
  * The outcome of a self-test: sets of `ANTUMBRA_ASSUMPTION_..`. What is in none of them holds.
  */
 typedef struct AntumbraSelfTest {
@@ -1161,7 +1210,8 @@ typedef struct AntumbraSelfTest {
      */
     uint32_t struct_size;
     /**
-     * Those that do not hold, for `AntumbraRendererDesc::distrusted`.
+     * Those that do not hold, for `AntumbraRendererDesc::distrusted` and
+     * `AntumbraSceneDesc::distrusted`.
      */
     uint32_t broken;
     /**
@@ -1747,6 +1797,21 @@ typedef struct AntumbraSceneDesc {
      * An `ANTUMBRA_RESUBMISSION_..`. Default: `ANTUMBRA_RESUBMISSION_ALLOWED`.
      */
     uint32_t resubmission;
+    /**
+     * A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
+     * used. Default: 0.
+     */
+    uint32_t distrusted;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The measured prices of the same physical device: the way to skip hidden draws that costs
+     * least for `object_capacity` objects is taken, and tests that cost more than they are
+     * expected to save are left out. Default: none; all that may be hidden is tested.
+     */
+    struct AntumbraPrices prices;
 } AntumbraSceneDesc;
 #endif
 
@@ -1855,6 +1920,19 @@ typedef struct AntumbraViewStats {
      * The occlusion queries in the newest plan of the view, which may be of a later frame.
      */
     uint64_t queries;
+    /**
+     * The boxes that are tested in that plan.
+     */
+    uint64_t tests;
+    /**
+     * An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped, unless the host draws
+     * from lists.
+     */
+    uint32_t predication;
+    /**
+     * 1 if prices decide which boxes are tested, and by which tester; else 0.
+     */
+    uint32_t is_priced;
 } AntumbraViewStats;
 #endif
 
@@ -2379,6 +2457,34 @@ AntumbraResult antumbra_hierarchy_leaves(const struct AntumbraContext *context,
                                          struct AntumbraHierarchy hierarchy,
                                          struct AntumbraLeaves *leaves,
                                          struct AntumbraError *error);
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Measures the prices of tests and draws on a device that was adopted with a queue, and of the
+ * ways to skip hidden draws, for scenes on the same device (`AntumbraSceneDesc::prices`), which
+ * may be adopted again without a queue. Takes half a second on a driver without a GPU, and waits
+ * for the device again and again: for before the first frame.
+ *
+ * # Safety
+ * The rules of the interface. The callbacks of the queue do what they say.
+ */
+AntumbraResult antumbra_prices_measure(const struct AntumbraContext *context,
+                                       const struct AntumbraPricesDesc *desc,
+                                       struct AntumbraPrices *prices,
+                                       struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Destroys prices; scenes that were created by them stay. A handle of 0 is no error.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_prices_destroy(const struct AntumbraContext *context,
+                                       struct AntumbraPrices prices,
+                                       struct AntumbraError *error);
+#endif
 
 #if defined(ANTUMBRA_VULKAN)
 /**

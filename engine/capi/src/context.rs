@@ -12,6 +12,8 @@ use crate::error::{AntumbraError, AntumbraResult, Failure};
 #[cfg(feature = "vulkan")]
 use crate::executor::device::AntumbraDevice;
 #[cfg(feature = "vulkan")]
+use crate::executor::prices::AntumbraPrices;
+#[cfg(feature = "vulkan")]
 use crate::executor::scene::{AntumbraScene, HostedScene};
 use crate::layout::{Versioned, layout};
 use crate::log::{ANTUMBRA_LOG_DEBUG, AntumbraLogCallback, CallbackLog};
@@ -33,6 +35,8 @@ pub struct AntumbraContext {
     pub(crate) renderers: Table<HostedRenderer, AntumbraRenderer>,
     #[cfg(feature = "vulkan")]
     pub(crate) scenes: Table<HostedScene, AntumbraScene>,
+    #[cfg(feature = "vulkan")]
+    pub(crate) prices: Table<occlusion::DevicePrices, AntumbraPrices>,
     #[cfg(feature = "vulkan")]
     pub(crate) devices: Table<gpu::Device, AntumbraDevice>,
 }
@@ -99,6 +103,8 @@ impl AntumbraContext {
                 renderers: Table::new(salt),
                 #[cfg(feature = "vulkan")]
                 scenes: Table::new(salt),
+                #[cfg(feature = "vulkan")]
+                prices: Table::new(salt),
                 #[cfg(feature = "vulkan")]
                 devices: Table::new(salt),
             },

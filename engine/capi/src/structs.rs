@@ -11,10 +11,10 @@ use crate::decisions::plan::{
 };
 use crate::error::AntumbraError;
 #[cfg(feature = "vulkan")]
-use crate::executor::{device, frame, lists, queue, scene, target};
+use crate::executor::{device, frame, lists, prices, queue, scene, target};
 use crate::layout::StructLayout;
 #[cfg(feature = "renderer")]
-use crate::renderer::{description, frame as rendered, shadows, trust};
+use crate::renderer::{description, frame as rendered, prices as measured, shadows, trust};
 
 /// All structs of the interface, for comparison with a C compiler.
 pub const STRUCTS: &[StructLayout] = &[
@@ -71,6 +71,8 @@ pub const STRUCTS: &[StructLayout] = &[
     #[cfg(feature = "vulkan")]
     StructLayout::of::<lists::AntumbraDrawLists>(),
     #[cfg(feature = "vulkan")]
+    StructLayout::of::<prices::AntumbraPrices>(),
+    #[cfg(feature = "vulkan")]
     StructLayout::of::<target::AntumbraAttachments>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<target::AntumbraImage>(),
@@ -94,6 +96,8 @@ pub const STRUCTS: &[StructLayout] = &[
     StructLayout::of::<shadows::AntumbraShadowDesc>(),
     #[cfg(feature = "renderer")]
     StructLayout::of::<shadows::AntumbraShadowStats>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<measured::AntumbraPricesDesc>(),
     #[cfg(feature = "renderer")]
     StructLayout::of::<trust::AntumbraSelfTest>(),
     #[cfg(feature = "renderer")]

@@ -6,6 +6,8 @@ pub mod culler;
 pub mod device;
 pub mod hierarchy;
 #[cfg(feature = "renderer")]
+pub mod prices;
+#[cfg(feature = "renderer")]
 pub mod renderer;
 #[cfg(feature = "vulkan")]
 pub mod scene;

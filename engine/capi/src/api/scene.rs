@@ -10,7 +10,7 @@ use crate::executor::scene::{
     AntumbraViewStats, HostedScene,
 };
 use crate::pointers::{Output, check_output, output_slice, read, slice};
-use crate::table::Table;
+use crate::table::{Shared, Table};
 
 /// Creates a scene without objects.
 ///
@@ -30,7 +30,12 @@ pub unsafe extern "C" fn antumbra_scene_create(
             let desc = read("desc", desc)?;
             let attachments = read("desc.attachments", desc.attachments)?;
             let device = context.devices.find(desc.device)?.read()?.clone();
-            let mut new = HostedScene::new(device, &desc, &attachments)?;
+            let prices = match desc.prices.id {
+                0 => None,
+                _ => Some(context.prices.find(desc.prices)?),
+            };
+            let prices = prices.as_ref().map(Shared::read).transpose()?;
+            let mut new = HostedScene::new(device, &desc, &attachments, prices.as_deref())?;
             // No view of this scene has the handle of another's.
             *scene = context.scenes.insert_with(|handle| {
                 new.views = Table::new(std::ptr::from_ref(context) as u64 ^ handle.id);

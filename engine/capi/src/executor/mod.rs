@@ -4,6 +4,8 @@
 pub mod device;
 pub mod frame;
 pub mod lists;
+pub mod prices;
 pub mod queue;
 pub mod scene;
 pub mod target;
+pub mod trust;

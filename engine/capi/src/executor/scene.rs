@@ -3,14 +3,16 @@
 use cull::{Aabb, DrawPhases, ObjectId};
 use gpu::{Attachments, Device, FrameRing, IndirectDraw, Predication, Resubmission};
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, OcclusionPasses, ShaderSet,
-    VisibilityState,
+    BucketDraw, BucketId, BucketTableInfo, DevicePrices, HostObject, HostScene, OcclusionPasses,
+    ShaderSet, Trust, VisibilityState,
 };
 
 use super::device::AntumbraDevice;
 use super::frame::SharedBudget;
 use super::lists::{ANTUMBRA_DRAWS_BY_CALLBACK, ANTUMBRA_DRAWS_BY_LISTS, KeptLists};
+use super::prices::AntumbraPrices;
 use super::target::{AntumbraAttachments, CachedTarget};
+use super::trust::assumptions;
 use crate::decisions::hierarchy::{AntumbraAabb, usable};
 use crate::error::{AntumbraResult, Failure};
 use crate::layout::{Versioned, layout};
@@ -34,7 +36,7 @@ pub struct AntumbraView {
 }
 handle!(AntumbraView = "view");
 
-/// Hidden draws are skipped by the best way that the device has.
+/// Hidden draws are skipped by the best way that the device has: with prices the cheapest.
 pub const ANTUMBRA_PREDICATION_BEST: u32 = 0;
 /// Hidden draws are skipped by conditional rendering.
 pub const ANTUMBRA_PREDICATION_CONDITIONAL: u32 = 1;
@@ -52,6 +54,18 @@ pub(crate) fn predication_number(predication: Predication) -> u32 {
         Predication::Counts => ANTUMBRA_PREDICATION_COUNTS,
         Predication::Instances => ANTUMBRA_PREDICATION_INSTANCES,
         Predication::Compacted => ANTUMBRA_PREDICATION_COMPACTED,
+    }
+}
+
+/// Returns the executor of a number in C; `None` for the best.
+fn predication(number: u32) -> Result<Option<Predication>, Failure> {
+    match number {
+        ANTUMBRA_PREDICATION_BEST => Ok(None),
+        ANTUMBRA_PREDICATION_CONDITIONAL => Ok(Some(Predication::Conditional)),
+        ANTUMBRA_PREDICATION_COUNTS => Ok(Some(Predication::Counts)),
+        ANTUMBRA_PREDICATION_INSTANCES => Ok(Some(Predication::Instances)),
+        ANTUMBRA_PREDICATION_COMPACTED => Ok(Some(Predication::Compacted)),
+        other => Err(Failure::argument(format!("there is no ANTUMBRA_PREDICATION_.. {other}"))),
     }
 }
 
@@ -85,9 +99,18 @@ pub struct AntumbraSceneDesc {
     pub draws: u32,
     /// An `ANTUMBRA_RESUBMISSION_..`. Default: `ANTUMBRA_RESUBMISSION_ALLOWED`.
     pub resubmission: u32,
+    /// A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
+    /// used. Default: 0.
+    pub distrusted: u32,
+    /// Must be 0.
+    pub reserved: u32,
+    /// The measured prices of the same physical device: the way to skip hidden draws that costs
+    /// least for `object_capacity` objects is taken, and tests that cost more than they are
+    /// expected to save are left out. Default: none; all that may be hidden is tested.
+    pub prices: AntumbraPrices,
 }
 layout!(AntumbraSceneDesc: struct_size, frames_in_flight, device, attachments, bucket_count,
-    object_capacity, draw_capacity, predication, draws, resubmission);
+    object_capacity, draw_capacity, predication, draws, resubmission, distrusted, reserved, prices);
 
 // SAFETY: the first field is the size.
 unsafe impl Versioned for AntumbraSceneDesc {
@@ -103,6 +126,9 @@ unsafe impl Versioned for AntumbraSceneDesc {
         predication: ANTUMBRA_PREDICATION_BEST,
         draws: ANTUMBRA_DRAWS_BY_CALLBACK,
         resubmission: ANTUMBRA_RESUBMISSION_ALLOWED,
+        distrusted: 0,
+        reserved: 0,
+        prices: AntumbraPrices { id: 0 },
     };
 }
 
@@ -169,8 +195,16 @@ pub struct AntumbraViewStats {
     pub revealed: u64,
     /// The occlusion queries in the newest plan of the view, which may be of a later frame.
     pub queries: u64,
+    /// The boxes that are tested in that plan.
+    pub tests: u64,
+    /// An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped, unless the host draws
+    /// from lists.
+    pub predication: u32,
+    /// 1 if prices decide which boxes are tested, and by which tester; else 0.
+    pub is_priced: u32,
 }
-layout!(AntumbraViewStats: struct_size, reserved, frame, objects, revealed, queries);
+layout!(AntumbraViewStats: struct_size, reserved, frame, objects, revealed, queries, tests,
+    predication, is_priced);
 
 // SAFETY: the first field is the size.
 unsafe impl Versioned for AntumbraViewStats {
@@ -182,6 +216,9 @@ unsafe impl Versioned for AntumbraViewStats {
         objects: 0,
         revealed: 0,
         queries: 0,
+        tests: 0,
+        predication: ANTUMBRA_PREDICATION_BEST,
+        is_priced: 0,
     };
 }
 
@@ -204,6 +241,10 @@ impl HostedView {
             self.stats.revealed = outcome.revealed;
         }
         self.stats.queries = self.query_count() as u64;
+        if let Some(state) = &self.state {
+            self.stats.tests = state.plan().tests.len() as u64;
+            self.stats.is_priced = state.has_cost_model().into();
+        }
         self.stats
     }
 
@@ -232,19 +273,10 @@ impl HostedScene {
         device: Device,
         desc: &AntumbraSceneDesc,
         attachments: &AntumbraAttachments,
+        prices: Option<&DevicePrices>,
     ) -> Result<Self, Failure> {
         let attachments = attachments.attachments()?;
-        let predication = match desc.predication {
-            ANTUMBRA_PREDICATION_BEST => None,
-            ANTUMBRA_PREDICATION_CONDITIONAL => Some(Predication::Conditional),
-            ANTUMBRA_PREDICATION_COUNTS => Some(Predication::Counts),
-            ANTUMBRA_PREDICATION_INSTANCES => Some(Predication::Instances),
-            ANTUMBRA_PREDICATION_COMPACTED => Some(Predication::Compacted),
-            other => {
-                let message = format!("there is no ANTUMBRA_PREDICATION_.. {other}");
-                return Err(Failure::argument(message));
-            }
-        };
+        let predication = predication(desc.predication)?;
         let draw_phases = match desc.draws {
             ANTUMBRA_DRAWS_BY_CALLBACK => DrawPhases::PerRound,
             ANTUMBRA_DRAWS_BY_LISTS if attachments.pass.is_some() => {
@@ -273,15 +305,22 @@ impl HostedScene {
         let mut frames = FrameRing::new(&device, frames_in_flight)?;
         frames.set_resubmission(resubmission);
         let shaders = ShaderSet::embedded()?;
-        let passes = OcclusionPasses::new(&device, &shaders, attachments)?;
+        let trust = Trust::without(&assumptions(desc.distrusted)?);
+        trust.texts().iter().for_each(|text| tracing::warn!("{text}"));
+        let passes = OcclusionPasses::with_trust(&device, &shaders, attachments, trust)?;
         let info = BucketTableInfo {
             bucket_count: desc.bucket_count,
             draw_capacity: desc.draw_capacity,
             predication,
             frames_in_flight,
         };
+        let capacity = desc.object_capacity as usize;
+        let scene = match prices {
+            Some(prices) => HostScene::with_prices(&device, passes, capacity, info, prices)?,
+            None => HostScene::new(&device, passes, capacity, info)?,
+        };
         Ok(Self {
-            scene: HostScene::new(&device, passes, desc.object_capacity as usize, info)?,
+            scene,
             frames,
             shaders,
             attachments,
@@ -341,7 +380,9 @@ impl HostedScene {
     /// Creates a view that knows nothing yet.
     pub fn add_view(&self) -> Result<AntumbraView, Failure> {
         let target = CachedTarget::default();
-        let (lists, stats) = (KeptLists::default(), AntumbraViewStats::DEFAULT);
+        let predication = predication_number(self.scene.price_choice().predication);
+        let stats = AntumbraViewStats { predication, ..AntumbraViewStats::DEFAULT };
+        let lists = KeptLists::default();
         self.views.insert(HostedView { state: None, target, lists, stats })
     }
 }

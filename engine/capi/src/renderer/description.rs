@@ -12,10 +12,10 @@ use shadows::ShadowOptions;
 
 use crate::error::Failure;
 use crate::executor::device::AntumbraDevice;
+use crate::executor::trust::assumptions;
 use crate::layout::{Versioned, layout};
 use crate::pointers::{read, slice};
 use crate::renderer::shadows::AntumbraShadowDesc;
-use crate::renderer::trust::assumptions;
 
 /// A vertex of a mesh.
 #[repr(C)]
@@ -257,15 +257,7 @@ impl AntumbraRendererDesc {
                 )));
             }
         };
-        let samples = match self.samples {
-            0 | 1 => SampleCount::One,
-            4 => SampleCount::Four,
-            other => {
-                return Err(Failure::argument(format_args!(
-                    "desc.samples is {other}, and there are 1 or 4 samples per pixel"
-                )));
-            }
-        };
+        let samples = sample_count(self.samples)?;
         let shadows = match self.shadows.is_null() {
             true => ShadowOptions::default(),
             // SAFETY: the caller's promise.
@@ -318,6 +310,17 @@ impl AntumbraRendererDesc {
         };
         // Shadows fall on surfaces.
         Ok(if self.shadows.is_null() { scene } else { scene.with_surfaces() })
+    }
+}
+
+/// Returns the number of samples per pixel.
+pub(crate) fn sample_count(samples: u32) -> Result<SampleCount, Failure> {
+    match samples {
+        0 | 1 => Ok(SampleCount::One),
+        4 => Ok(SampleCount::Four),
+        other => Err(Failure::argument(format_args!(
+            "desc.samples is {other}, and there are 1 or 4 samples per pixel"
+        ))),
     }
 }
 

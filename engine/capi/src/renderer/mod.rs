@@ -2,5 +2,6 @@
 
 pub mod description;
 pub mod frame;
+pub mod prices;
 pub mod shadows;
 pub mod trust;

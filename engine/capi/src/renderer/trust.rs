@@ -1,62 +1,9 @@
-//! The assumptions about a driver, as sets of bits.
+//! The outcome of a self-test of a driver.
 
 use render::{Assumption, Finding, SelfTest};
 
-use crate::error::Failure;
+use crate::executor::trust::BITS;
 use crate::layout::{Versioned, layout};
-
-/// Occlusion queries tell what shows from what is hidden, and count exactly.
-pub const ANTUMBRA_ASSUMPTION_QUERY_COUNTS: u32 = 1 << 0;
-/// The results of a frame are in mapped memory when the frame is over.
-pub const ANTUMBRA_ASSUMPTION_LATE_RESULTS: u32 = 1 << 1;
-/// A proxy covers every sample that its object covers.
-pub const ANTUMBRA_ASSUMPTION_PROXY_COVERAGE: u32 = 1 << 2;
-/// No fragment of a proxy is farther than that of its object at the same sample.
-pub const ANTUMBRA_ASSUMPTION_PROXY_DEPTH: u32 = 1 << 3;
-/// Fragment shaders with early tests write nothing where the depth test fails.
-pub const ANTUMBRA_ASSUMPTION_EARLY_TESTS: u32 = 1 << 4;
-/// The writes of fragment shaders are there for later commands.
-pub const ANTUMBRA_ASSUMPTION_FLAG_WRITES: u32 = 1 << 5;
-/// Compute shaders read the depth that was drawn.
-pub const ANTUMBRA_ASSUMPTION_COMPUTED_DEPTHS: u32 = 1 << 6;
-/// Conditional rendering skips draws whose predicate is zero, and no others.
-pub const ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING: u32 = 1 << 7;
-/// Draw counts out of a buffer are heeded.
-pub const ANTUMBRA_ASSUMPTION_DRAW_COUNTS: u32 = 1 << 8;
-/// Instance counts that a compute shader wrote are heeded.
-pub const ANTUMBRA_ASSUMPTION_INSTANCE_COUNTS: u32 = 1 << 9;
-/// Lists of commands that compute shaders wrote are drawn in their order.
-pub const ANTUMBRA_ASSUMPTION_COMPACTED_LISTS: u32 = 1 << 10;
-/// Of draws with equal depth the first one wins.
-pub const ANTUMBRA_ASSUMPTION_DRAW_ORDER: u32 = 1 << 11;
-/// Two passes give the same vertex the same depth.
-pub const ANTUMBRA_ASSUMPTION_REPEATED_DEPTH: u32 = 1 << 12;
-/// A walk with occlusion queries has the images of frustum culling.
-pub const ANTUMBRA_ASSUMPTION_QUERIED_WALK: u32 = 1 << 13;
-/// A walk with flags has the images of frustum culling.
-pub const ANTUMBRA_ASSUMPTION_FLAGGED_WALK: u32 = 1 << 14;
-/// A walk with the compute tester has the images of frustum culling.
-pub const ANTUMBRA_ASSUMPTION_COMPUTED_WALK: u32 = 1 << 15;
-
-/// Each bit with its assumption.
-const BITS: [(u32, Assumption); Assumption::ALL.len()] = [
-    (ANTUMBRA_ASSUMPTION_QUERY_COUNTS, Assumption::QueryCounts),
-    (ANTUMBRA_ASSUMPTION_LATE_RESULTS, Assumption::LateResults),
-    (ANTUMBRA_ASSUMPTION_PROXY_COVERAGE, Assumption::ProxyCoverage),
-    (ANTUMBRA_ASSUMPTION_PROXY_DEPTH, Assumption::ProxyDepth),
-    (ANTUMBRA_ASSUMPTION_EARLY_TESTS, Assumption::EarlyTests),
-    (ANTUMBRA_ASSUMPTION_FLAG_WRITES, Assumption::FlagWrites),
-    (ANTUMBRA_ASSUMPTION_COMPUTED_DEPTHS, Assumption::ComputedDepths),
-    (ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING, Assumption::ConditionalRendering),
-    (ANTUMBRA_ASSUMPTION_DRAW_COUNTS, Assumption::DrawCounts),
-    (ANTUMBRA_ASSUMPTION_INSTANCE_COUNTS, Assumption::InstanceCounts),
-    (ANTUMBRA_ASSUMPTION_COMPACTED_LISTS, Assumption::CompactedLists),
-    (ANTUMBRA_ASSUMPTION_DRAW_ORDER, Assumption::DrawOrder),
-    (ANTUMBRA_ASSUMPTION_REPEATED_DEPTH, Assumption::RepeatedDepth),
-    (ANTUMBRA_ASSUMPTION_QUERIED_WALK, Assumption::QueriedWalk),
-    (ANTUMBRA_ASSUMPTION_FLAGGED_WALK, Assumption::FlaggedWalk),
-    (ANTUMBRA_ASSUMPTION_COMPUTED_WALK, Assumption::ComputedWalk),
-];
 
 /// The outcome of a self-test: sets of `ANTUMBRA_ASSUMPTION_..`. What is in none of them holds.
 #[repr(C)]
@@ -64,7 +11,8 @@ const BITS: [(u32, Assumption); Assumption::ALL.len()] = [
 pub struct AntumbraSelfTest {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// Those that do not hold, for `AntumbraRendererDesc::distrusted`.
+    /// Those that do not hold, for `AntumbraRendererDesc::distrusted` and
+    /// `AntumbraSceneDesc::distrusted`.
     pub broken: u32,
     /// Those that could not be tested, since the device lacks what rests on them.
     pub not_tested: u32,
@@ -98,30 +46,12 @@ impl From<&SelfTest> for AntumbraSelfTest {
     }
 }
 
-/// Returns the assumptions of a set.
-pub(crate) fn assumptions(bits: u32) -> Result<Vec<Assumption>, Failure> {
-    let known: u32 = BITS.iter().map(|(bit, _)| bit).sum();
-    if bits & !known != 0 {
-        return Err(Failure::argument(format_args!(
-            "desc.distrusted has the bits {:#x}, and there is no ANTUMBRA_ASSUMPTION_.. of that",
-            bits & !known
-        )));
-    }
-    Ok(BITS.iter().filter(|(bit, _)| bits & bit != 0).map(|(_, it)| *it).collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn each_assumption_has_a_bit_in_the_order_of_the_self_test() {
-        let of_bits: Vec<Assumption> = BITS.iter().map(|(_, it)| *it).collect();
-        assert_eq!(of_bits, Assumption::ALL);
-        assert!(BITS.iter().enumerate().all(|(place, (bit, _))| *bit == 1 << place));
-        assert_eq!(assumptions(u32::from(u16::MAX)).unwrap(), Assumption::ALL);
-        assert!(assumptions(1 << 16).is_err());
-    }
+    use crate::executor::trust::{
+        ANTUMBRA_ASSUMPTION_DRAW_COUNTS, ANTUMBRA_ASSUMPTION_EARLY_TESTS, assumptions,
+    };
 
     #[test]
     fn an_outcome_becomes_bits() {

@@ -2,14 +2,17 @@
 
 use std::ptr::{null, null_mut};
 
+use antumbra_capi::api::prices::*;
 use antumbra_capi::api::renderer::*;
 use antumbra_capi::context::AntumbraContext;
 use antumbra_capi::decisions::camera::AntumbraCamera;
 use antumbra_capi::error::AntumbraResult::{self, BadPointer, Ok, UnknownHandle};
 use antumbra_capi::executor::device::AntumbraDevice;
+use antumbra_capi::executor::prices::AntumbraPrices;
 use antumbra_capi::layout::Versioned;
 use antumbra_capi::renderer::description::AntumbraRendererDesc;
 use antumbra_capi::renderer::frame::*;
+use antumbra_capi::renderer::prices::AntumbraPricesDesc;
 use antumbra_capi::renderer::shadows::*;
 use antumbra_capi::renderer::trust::AntumbraSelfTest;
 
@@ -25,7 +28,7 @@ fn every_function_of_the_renderer_checks_its_handles() {
     let camera = AntumbraCamera::DEFAULT;
     let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::DEFAULT };
     // SAFETY: of all closures: pointers to values that live as long as the call, or null.
-    let calls: [Call; 15] = unsafe {
+    let calls: [Call; 17] = unsafe {
         [
             ("create", &|x, id| {
                 let desc =
@@ -65,6 +68,12 @@ fn every_function_of_the_renderer_checks_its_handles() {
                 let mut outcome = AntumbraSelfTest::DEFAULT;
                 antumbra_self_test(x, AntumbraDevice { id }, &mut outcome, e())
             }),
+            ("prices_measure", &|x, id| {
+                let desc =
+                    AntumbraPricesDesc { device: AntumbraDevice { id }, ..Versioned::DEFAULT };
+                antumbra_prices_measure(x, &desc, &mut AntumbraPrices { id: 0 }, e())
+            }),
+            ("prices_destroy", &|x, id| antumbra_prices_destroy(x, AntumbraPrices { id }, e())),
             ("wait", &|x, id| antumbra_renderer_wait(x, r(id), e())),
         ]
     };
@@ -73,7 +82,7 @@ fn every_function_of_the_renderer_checks_its_handles() {
         for id in [5, u64::MAX, host.hierarchy.id, host.culler.id] {
             assert_eq!(call(host.context, id), UnknownHandle, "{name} {id:#x}");
         }
-        let nothing = if name == "destroy" { Ok } else { UnknownHandle };
+        let nothing = if name.ends_with("destroy") { Ok } else { UnknownHandle };
         assert_eq!(call(host.context, 0), nothing, "{name}");
     }
     let no_camera = AntumbraRenderDesc::DEFAULT;
@@ -95,7 +104,9 @@ fn every_function_of_the_renderer_checks_its_handles() {
             antumbra_renderer_stats(x, r(0), null_mut(), e()),
             antumbra_renderer_set_shadows(x, r(0), null(), e()),
             antumbra_renderer_shadow_stats(x, r(0), null_mut(), e()),
+            antumbra_prices_measure(x, null(), &mut AntumbraPrices { id: 0 }, e()),
+            antumbra_prices_measure(x, &Versioned::DEFAULT, null_mut(), e()),
         ];
-        assert_eq!(results, [BadPointer; 14]);
+        assert_eq!(results, [BadPointer; 16]);
     }
 }

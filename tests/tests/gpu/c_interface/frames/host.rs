@@ -5,18 +5,22 @@ use std::ptr::{from_mut, from_ref, null, null_mut};
 
 use ash::vk;
 use capi::api::context::{antumbra_context_create, antumbra_context_destroy};
-use capi::api::device::antumbra_device_finished;
+use capi::api::device::{antumbra_device_destroy, antumbra_device_finished};
+use capi::api::prices::{antumbra_prices_destroy, antumbra_prices_measure};
 use capi::api::scene::*;
 use capi::context::AntumbraContext;
 use capi::decisions::camera::AntumbraCamera;
 use capi::decisions::hierarchy::AntumbraAabb;
 use capi::error::{AntumbraError, AntumbraResult};
-use capi::executor::device::AntumbraDevice;
+use capi::executor::device::{AntumbraDevice, AntumbraDeviceDesc};
 use capi::executor::frame::*;
 use capi::executor::lists::{ANTUMBRA_DRAWS_BY_LISTS, AntumbraDrawLists};
+use capi::executor::prices::AntumbraPrices;
+use capi::executor::queue::AntumbraQueueDesc;
 use capi::executor::scene::*;
 use capi::executor::target::{AntumbraAttachments, AntumbraImage, AntumbraTargetDesc};
 use capi::layout::Versioned;
+use capi::renderer::prices::AntumbraPricesDesc;
 use cull::{Aabb, View};
 use occlusion::Rendering;
 use tests::host_commands::{HostCommands, Runs};
@@ -28,8 +32,8 @@ use tests::walk::pixels_that_differ;
 use super::images::{COLOUR, ViewImages, area};
 use super::lists;
 use super::pipeline::{BoxPipeline, INDICES};
-use super::{FrameOptions, SIZE};
-use crate::c_interface::{adopt, no_error, text};
+use super::{FrameOptions, Prices, SIZE};
+use crate::c_interface::{adopt, adopt_with, no_error, text};
 
 pub const VIEWS: usize = 2;
 const BUCKETS: u32 = 3;
@@ -166,7 +170,13 @@ impl<'a> DrawingHost<'a> {
             let (adopted, device, error) = adopt(host, new.context, null(), |_| {});
             assert_eq!(adopted, AntumbraResult::Ok, "{}", text(&error));
             new.device = device;
+            let prices = match options.prices {
+                Prices::None => AntumbraPrices { id: 0 },
+                Prices::Measured => new.measure(),
+            };
             let desc = AntumbraSceneDesc {
+                prices,
+                distrusted: options.distrusted,
                 device,
                 attachments: &attachments,
                 bucket_count: BUCKETS,
@@ -177,6 +187,7 @@ impl<'a> DrawingHost<'a> {
             };
             let made = antumbra_scene_create(new.context, &desc, &mut new.scene, &mut new.error);
             new.check(made);
+            new.check(antumbra_prices_destroy(new.context, prices, null_mut()));
             for view in 0..VIEWS {
                 let Self { context, scene, views, error, .. } = &mut new;
                 let made = antumbra_view_create(*context, *scene, &mut views[view], error);
@@ -185,6 +196,40 @@ impl<'a> DrawingHost<'a> {
         }
         new.add(&boxes);
         new
+    }
+
+    /// Measures the prices of the device, adopted with its queue for as long.
+    fn measure(&mut self) -> AntumbraPrices {
+        let queue = AntumbraQueueDesc { queue: self.host.queue, ..Versioned::DEFAULT };
+        let with_queue = |desc: &mut AntumbraDeviceDesc| desc.queue = &queue;
+        let (adopted, device, error) = adopt_with(self.host, self.context, |_| {}, with_queue);
+        assert_eq!(adopted, AntumbraResult::Ok, "{}", text(&error));
+        let [width, height] = SIZE;
+        let desc = AntumbraPricesDesc { device, width, height, ..Versioned::DEFAULT };
+        let mut prices = AntumbraPrices { id: 0 };
+        // SAFETY: pointers to values on this stack.
+        unsafe {
+            let (x, error) = (self.context, &raw mut self.error);
+            let without_queue = AntumbraPricesDesc { device: self.device, ..desc };
+            let refused = antumbra_prices_measure(x, &without_queue, &mut prices, error);
+            assert_eq!(refused, AntumbraResult::BadArgument);
+            let measured = antumbra_prices_measure(x, &desc, &mut prices, error);
+            self.check(measured);
+            let destroyed = antumbra_device_destroy(x, device, error);
+            self.check(destroyed);
+        }
+        prices
+    }
+
+    /// Returns the counts of the first view.
+    pub fn stats(&self) -> AntumbraViewStats {
+        let mut stats = AntumbraViewStats::DEFAULT;
+        // SAFETY: a value on this stack.
+        let told = unsafe {
+            antumbra_view_stats(self.context, self.scene, self.views[0], &mut stats, null_mut())
+        };
+        assert_eq!(told, AntumbraResult::Ok);
+        stats
     }
 
     #[track_caller]
