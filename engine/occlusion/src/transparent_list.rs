@@ -120,14 +120,20 @@ impl TransparentList {
         self.commands.is_empty()
     }
 
-    /// Writes the list into the memory of a frame. Without the pass that tests boxes, which some
-    /// devices lack, objects must have been added without boxes.
+    /// Writes the list into the memory of a frame. All objects are drawn untested without the
+    /// [pass](OcclusionPasses::leaf_boxes) that tests boxes, which some devices lack and some
+    /// drivers cannot be trusted with.
     ///
     /// # Errors
     /// No memory, a failed call.
-    pub fn write(&mut self, frame: &mut Frame<'_>) -> Result<(), Error> {
+    pub fn write(&mut self, frame: &mut Frame<'_>, passes: &OcclusionPasses) -> Result<(), Error> {
         if self.is_empty() {
             return Ok(());
+        }
+        if passes.leaf_boxes.is_none() {
+            for (draw, link) in self.commands.iter_mut().zip(&self.links) {
+                draw.instance_count = link.instance_count;
+            }
         }
         let uploads = frame.uploads();
         let is_tested = self.commands.iter().any(|draw| draw.instance_count == 0);

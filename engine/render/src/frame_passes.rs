@@ -296,8 +296,8 @@ impl FramePasses {
         strategy: Strategy,
     ) -> Result<u32, crate::Error> {
         let Some(transparent) = &mut self.transparent else { return Ok(0) };
-        let tests = strategy.culls_occluded() && executor.passes.leaf_boxes.is_some();
-        transparent.gather(frame, &self.geometry, (view, tests))
+        let scene = (&self.geometry, &executor.passes);
+        transparent.gather(frame, scene, (view, strategy.culls_occluded()))
     }
 
     /// Changes a transparent object, if it is there, and finds its lights again.

@@ -11,6 +11,7 @@ use cull::{Aabb, Camera, ObjectId, Projection, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{Device, Optional, Predicates, Predication};
 use host::{Host, Recorder};
+use occlusion::{Assumption, Trust};
 use tests::run_on_all;
 use tests::walk::pixels_that_differ;
 
@@ -112,7 +113,11 @@ fn furnished(
     (predication, recorder): (Predication, Recorder),
     random: &mut Random,
 ) -> Host {
-    let mut host = Host::new(device, buckets, predication, recorder);
+    furnish(Host::new(device, buckets, predication, recorder), buckets, random)
+}
+
+/// Furnishes a host with them.
+fn furnish(mut host: Host, buckets: u32, random: &mut Random) -> Host {
     let things = |random: &mut Random, count: usize| -> Vec<Vec<Part>> {
         let thing = |random: &mut Random| {
             let middle = behind(random);
@@ -183,6 +188,24 @@ fn objects_of_any_draws_in_any_buckets_look_like_all_draws_while_they_change() {
         for strategy in [Strategy::ANTUMBRA_QUERIES, Strategy::ANTUMBRA_COMPUTE] {
             let last = executors[executors.len() - 1];
             compare(device, 16, (last, Recorder::Engine), strategy);
+        }
+    });
+}
+
+#[test]
+fn transparent_objects_are_drawn_untested_where_flags_are_distrusted() {
+    run_on_all(|device| {
+        let (mut random, buckets) = (Random(7), 3);
+        let how = (buckets, Predication::Instances, Recorder::Engine);
+        let trust = Trust::without(&[Assumption::FlagWrites]);
+        let mut host = furnish(Host::with_trust(device, how, trust), buckets, &mut random);
+        for frame in 0..6 {
+            host.draw(Strategy::ANTUMBRA, &camera(frame as f32 / 5.0 - 0.5, 0.0));
+        }
+        device.drain().unwrap();
+        for (frame, [culled, all]) in host.images.iter().enumerate() {
+            let [culled, all] = [culled, all].map(|image| image.rgba8().unwrap());
+            assert_eq!(pixels_that_differ(&culled, &all), 0, "frame {frame}");
         }
     });
 }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use cull::{Aabb, Containment, PlaneMask, Rays, View};
 use glam::Affine3A;
 use gpu::{BufferSlice, Commands, Device, Frame, IndirectDraw};
-use occlusion::{BucketDraw, PlanExecutor, TransparentList};
+use occlusion::{BucketDraw, OcclusionPasses, PlanExecutor, TransparentList};
 use scene::{ENCLOSING, Light, Mesh, Object, Scene, TransparentId, outwardness};
 
 use crate::error::Error;
@@ -142,7 +142,7 @@ impl Transparent {
     fn write(
         &mut self,
         frame: &mut Frame<'_>,
-        geometry: &Geometry,
+        (geometry, passes): (&Geometry, &OcclusionPasses),
         (view, tests): (&View, bool),
     ) -> Result<(), Error> {
         let Self { sorted, objects, list, .. } = self;
@@ -162,7 +162,7 @@ impl Transparent {
             geometry.transparent_instance(id, &objects[sorted.number].object)
         });
         self.instances = Some(frame.uploads().push_iter(instances)?);
-        Ok(list.write(frame)?)
+        Ok(list.write(frame, passes)?)
     }
 
     /// Returns the transform of an object.
@@ -177,11 +177,11 @@ impl Transparent {
     pub(crate) fn gather(
         &mut self,
         frame: &mut Frame<'_>,
-        geometry: &Geometry,
+        scene: (&Geometry, &OcclusionPasses),
         (view, tests): (&View, bool),
     ) -> Result<u32, Error> {
         self.sort(view);
-        self.write(frame, geometry, (view, tests))?;
+        self.write(frame, scene, (view, tests))?;
         Ok(self.sorted.len() as u32)
     }
 

@@ -7,7 +7,7 @@ use glam::{Mat4, Vec3};
 use gpu::{Buffer, Device, FrameRing, MemoryKind, Predication, Readback, vk};
 use occlusion::{
     BucketDraw, BucketTableInfo, Error, HostObject, HostScene, LeafCount, OcclusionPasses,
-    ProxyBox, ShaderSet, TransparentList, VisibilityState, execute, list_draws,
+    ProxyBox, ShaderSet, TransparentList, Trust, VisibilityState, execute, list_draws,
 };
 
 use super::boxes::{
@@ -77,6 +77,16 @@ impl Host {
         predication: Predication,
         recorder: Recorder,
     ) -> Self {
+        let how = (bucket_count, predication, recorder);
+        Self::with_trust(device, how, Trust::default())
+    }
+
+    /// Creates the same on a driver that is trusted with this.
+    pub fn with_trust(
+        device: &Device,
+        (bucket_count, predication, recorder): (u32, Predication, Recorder),
+        trust: Trust,
+    ) -> Self {
         let shaders = ShaderSet::embedded().unwrap();
         let shading = match recorder {
             Recorder::EngineDepthFirst => Shading::Later,
@@ -84,7 +94,8 @@ impl Host {
         };
         let [culled, all] =
             [shading, Shading::AtOnce].map(|shading| Boxes::new(device, &shaders, shading));
-        let passes = OcclusionPasses::new(device, &shaders, culled.target.attachments()).unwrap();
+        let attachments = culled.target.attachments();
+        let passes = OcclusionPasses::with_trust(device, &shaders, attachments, trust).unwrap();
         let info = BucketTableInfo {
             bucket_count,
             draw_capacity: 16,
@@ -231,7 +242,7 @@ impl Host {
                 let bounds = is_tested.then(|| around(parts));
                 self.list.push(&view, bounds, &draws_of(*first, parts));
             }
-            self.list.write(&mut frame).unwrap();
+            self.list.write(&mut frame, passes).unwrap();
             draw_glass(&frame, boxes, (&self.list, passes, predicates), &view);
         }
         let images = [&mut self.culled, &mut self.all].map(|boxes| {
