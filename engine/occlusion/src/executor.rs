@@ -19,20 +19,23 @@ pub struct PlanExecutor {
 impl PlanExecutor {
     /// Returns the testers that plans may use on `device`, for views that are drawn to `target` in
     /// these phases: those of the device that can be [trusted](OcclusionPasses::with_trust), and
-    /// none where what skips hidden draws cannot.
+    /// none where something that skips hidden draws cannot.
     pub fn testers(
         &self,
         device: &Device,
         target: &Target,
         draw_phases: DrawPhases,
     ) -> TesterSupport {
-        let executor = match draw_phases {
-            DrawPhases::PerRound => self.leaves.predicates.predication(),
-            // The host draws compacted lists.
-            DrawPhases::Two => Predication::Compacted,
+        let own = self.leaves.predicates.predication();
+        let executors: &[Predication] = match draw_phases {
+            DrawPhases::PerRound => &[own],
+            // The host draws compacted lists, whose commands lack instances where their number is
+            // not counted; boxes of leaves are drawn by the table.
+            DrawPhases::Two => &[own, Predication::Compacted, Predication::Instances],
         };
         let offered = TesterSupport { draw_phases, ..self.passes.testers(device, target) };
-        self.passes.trust().testers(offered, executor)
+        let trust = self.passes.trust();
+        executors.iter().fold(offered, |offered, executor| trust.testers(offered, *executor))
     }
 
     /// Refuses a change of the target's size, from the first to the second, that takes away a

@@ -87,9 +87,8 @@ impl HostScene {
         let hierarchy = Hierarchy::build(&boxes)?;
         let cells = (u64::from(draws.cell_capacity()), 0);
         let executors = passes.trust().usable_executors(device, draws.predication, cells)?;
-        let of_leaves = SkippedWork::of_leaves(boxes.len() as u32);
-        let all_draws = of_leaves.draws.max(draws.draw_capacity);
-        let work = SkippedWork { draws: all_draws, ..of_leaves }.in_buckets(draws.bucket_count);
+        let leaves = (boxes.len() as u32).max(draws.draw_capacity);
+        let work = SkippedWork::of_leaves(leaves).in_buckets(draws.bucket_count);
         let request = ChoiceRequest { executors: &executors, work };
         let choice = match prices {
             Some(prices) => PriceChoice::of_prices(&request, prices),
@@ -110,8 +109,8 @@ impl HostScene {
     }
 
     /// Creates a view that knows nothing yet, drawn to `target` in these phases. It weighs tests by
-    /// the prices of the scene, if there are any. Frames of a host are not timed, so that nothing
-    /// corrects them.
+    /// the prices of the scene, if there are any, and by the triangles per draw that it has now.
+    /// Frames of a host are not timed, so that nothing corrects the prices.
     ///
     /// # Errors
     /// A failed call.

@@ -27,7 +27,8 @@ const QUADS: u32 = 16;
 const _: () = assert!(2 * QUADS * QUADS == PATCH_TRIANGLES);
 
 /// Measures the prices of tests and draws on a device, and of the executors that it has and that
-/// can be trusted ([`RendererOptions::distrusted`]), for scenes of hosts that draw themselves
+/// can be trusted ([`RendererOptions::distrusted`]; the usual one where none can, and one alone
+/// where [`RendererOptions::predication`] names it), for scenes of hosts that draw themselves
 /// (`occlusion::HostScene::with_prices`). A [renderer](crate::Renderer) measures by itself. Size,
 /// samples and shaders are those of `options`. Takes as long as [`Costs::Measured`] says, and waits
 /// for the device again and again: call it before the first frame.

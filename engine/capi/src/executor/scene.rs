@@ -305,6 +305,9 @@ impl HostedScene {
         let mut frames = FrameRing::new(&device, frames_in_flight)?;
         frames.set_resubmission(resubmission);
         let shaders = ShaderSet::embedded()?;
+        if desc.reserved != 0 {
+            return Err(Failure::argument("desc.reserved must be 0"));
+        }
         let trust = Trust::without(&assumptions(desc.distrusted)?);
         trust.texts().iter().for_each(|text| tracing::warn!("{text}"));
         let passes = OcclusionPasses::with_trust(&device, &shaders, attachments, trust)?;

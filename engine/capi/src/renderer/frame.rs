@@ -172,7 +172,7 @@ impl HostedRenderer {
         if device.has_queue() {
             return Ok(());
         }
-        let message = "desc.device was adopted without a queue, and a renderer submits: name \
+        let message = "desc.device was adopted without a queue, and this submits: name \
                        one in AntumbraDeviceDesc::queue";
         Err(Failure::argument(message))
     }

@@ -47,6 +47,9 @@ unsafe impl Versioned for AntumbraPricesDesc {
 impl AntumbraPricesDesc {
     /// Returns the options of a renderer of such images.
     pub(crate) fn options(&self) -> Result<RendererOptions, Failure> {
+        if self.reserved != 0 {
+            return Err(Failure::argument("desc.reserved must be 0"));
+        }
         Ok(RendererOptions {
             size: [self.width, self.height],
             samples: sample_count(self.samples)?,

@@ -122,10 +122,14 @@ impl PriceChoice {
     }
 
     /// Returns the tester that is expected to cost least in a frame of this work, on an image of
-    /// this size in pixels; without prices flags, where there are any.
+    /// this size in pixels; without prices flags, where there are any, else the one that is left.
     /// [`Strategy::ANTUMBRA`](cull::Strategy::ANTUMBRA) decides again for the boxes of each frame.
     pub fn tester(&self, work: &SkippedWork, size: [u32; 2], testers: TesterSupport) -> Tester {
-        let usual = if testers.flags { Tester::Flag } else { Tester::Query };
+        let usual = match testers {
+            TesterSupport { flags: true, .. } => Tester::Flag,
+            TesterSupport { queries: false, compute: true, .. } => Tester::Compute,
+            _ => Tester::Query,
+        };
         let model = self.table.and_then(|it| CostModel::new(it, SceneCosts::default()).ok());
         model.map_or(usual, |it| it.tester_for(work, size, testers))
     }
@@ -195,6 +199,8 @@ mod tests {
         let tester = |testers| ignored.tester(&WORK, [1280, 720], testers);
         assert_eq!(tester(flags), Tester::Flag);
         assert_eq!(tester(TesterSupport::default()), Tester::Query);
+        let computed = TesterSupport { queries: false, compute: true, ..TesterSupport::default() };
+        assert_eq!(tester(computed), Tester::Compute);
         let request = ChoiceRequest { executors: &[], ..REQUEST };
         let choice = PriceChoice::by(Costs::Ignored, &request, failed);
         assert_eq!(choice.predication, Predication::Instances);

@@ -9,7 +9,7 @@ mod list_draws;
 mod proxy;
 mod scatter;
 
-use cull::{DrawPhases, Tester, TesterSupport};
+use cull::{DrawPhases, TesterSupport};
 use gpu::{Attachments, Device, Optional, Target};
 
 use crate::error::Error;
@@ -58,9 +58,11 @@ impl OcclusionPasses {
     }
 
     /// Compiles the same for a driver that a self-test found something broken about: what the
-    /// trust is left without is not used by any scene or view of these passes. A
-    /// [`HostScene`](crate::HostScene) then skips hidden draws in another way; a table of a host's
-    /// own is given one of [`Trust::usable_executors`], else nothing is tested.
+    /// trust is left without is not used by scenes of these passes and by views with the testers of
+    /// [`PlanExecutor::testers`](crate::PlanExecutor::testers), as
+    /// [`HostScene::new_view`](crate::HostScene::new_view) makes them. A scene then skips hidden
+    /// draws in another way; a table of a host's own is given one of [`Trust::usable_executors`],
+    /// else nothing is tested.
     ///
     /// # Errors
     /// Those of [`OcclusionPasses::new`].
@@ -71,7 +73,7 @@ impl OcclusionPasses {
         trust: Trust,
     ) -> Result<Self, Error> {
         let has_stores = device.capabilities().has(Optional::FragmentStores);
-        let can_store = has_stores && trust.allows(Tester::Flag);
+        let can_store = has_stores && trust.allows_leaf_boxes();
         let leaf_boxes = can_store.then(|| LeafBoxPass::new(device, shaders, attachments));
         Ok(Self {
             proxies: ProxyPass::new(device, shaders, attachments)?,

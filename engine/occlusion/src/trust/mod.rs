@@ -42,6 +42,12 @@ impl Trust {
         !self.broken.iter().any(rests)
     }
 
+    /// Returns true if boxes of leaves may enable draws: their fragments write how many instances
+    /// there are.
+    pub(crate) fn allows_leaf_boxes(&self) -> bool {
+        self.allows(Tester::Flag) && self.allows_executor(Predication::Instances)
+    }
+
     /// Returns the executors that may be used, out of those that the device `has`: the wanted one
     /// first, then the others in their order. None if none can be trusted.
     pub fn executors(
@@ -90,15 +96,13 @@ impl Trust {
     /// Returns the testers that may be used, out of those that a device offers, where an executor
     /// skips what they find hidden: none if that one cannot be trusted.
     pub fn testers(&self, offered: TesterSupport, executor: Predication) -> TesterSupport {
-        let flags = self.allows(Tester::Flag);
         match self.allows_executor(executor) {
             false => TesterSupport { draw_phases: offered.draw_phases, ..TesterSupport::NONE },
             true => TesterSupport {
                 queries: offered.queries && self.allows(Tester::Query),
-                flags: offered.flags && flags,
+                flags: offered.flags && self.allows(Tester::Flag),
                 compute: offered.compute && self.allows(Tester::Compute),
-                // Boxes of leaves enable draws by what their fragments write.
-                leaf_tests: offered.leaf_tests && flags,
+                leaf_tests: offered.leaf_tests && self.allows_leaf_boxes(),
                 draw_phases: offered.draw_phases,
             },
         }
@@ -162,6 +166,8 @@ mod tests {
     fn flags_that_lie_enable_no_draws_either() {
         let expected = TesterSupport { flags: false, leaf_tests: false, ..ALL };
         assert_eq!(testers(&[Assumption::FlagWrites]), expected);
+        let expected = TesterSupport { leaf_tests: false, ..ALL };
+        assert_eq!(testers(&[Assumption::InstanceCounts]), expected, "they write such counts");
         let expected = TesterSupport { compute: false, ..ALL };
         assert_eq!(testers(&[Assumption::ComputedWalk]), expected);
     }
