@@ -112,6 +112,27 @@ fn a_lie_that_is_found_at_start_spoils_no_image_of_a_hosts_scene() {
 }
 
 #[test]
+fn lists_and_boxes_of_leaves_rest_on_numbers_of_instances() {
+    for driver in Driver::ALL {
+        let host = host_on(driver, Machine::default());
+        let walk = |draw_phases, distrusted: &[Assumption]| {
+            let options = BoxOptions { draw_phases, distrusted, ..BoxOptions::default() };
+            walk(&host, &options, Strategy::ANTUMBRA)
+        };
+        let counts = [Assumption::InstanceCounts];
+        let [sound, listed] =
+            [&[][..], &counts].map(|distrusted| walk(DrawPhases::Two, distrusted));
+        assert!(!sound.testers.is_empty() && sound.has_leaf_boxes, "{driver:?}");
+        assert!(listed.testers.is_empty() && !listed.has_leaf_boxes, "{driver:?}");
+        // Without lists another way skips draws, where there is one.
+        let in_rounds = walk(DrawPhases::PerRound, &counts);
+        assert_eq!(in_rounds.testers.is_empty(), driver == Driver::SwiftShader, "{driver:?}");
+        assert!(!in_rounds.has_leaf_boxes, "{driver:?}");
+        host.finish();
+    }
+}
+
+#[test]
 fn hosts_use_no_tester_and_no_executor_that_is_distrusted() {
     use Assumption::*;
     for driver in Driver::ALL {
