@@ -36,7 +36,6 @@
 #![forbid(unsafe_code)]
 
 mod api;
-mod by_hand;
 mod calibration_scene;
 mod debug;
 mod error;
@@ -45,6 +44,7 @@ mod flares;
 mod frame_passes;
 pub mod passes;
 mod price_list;
+mod probe_recording;
 mod renderer;
 mod resources;
 mod self_test;

@@ -16,9 +16,9 @@ use scene::{Mesh, Scene};
 
 use super::PriceListOptions;
 use super::item::{BoxSize, PredicateResult, PricedItem};
-use crate::by_hand::{HIDES_ALL, bind, rendering, wait_for_reset};
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
+use crate::probe_recording::{HIDES_ALL, bind, rendering, wait_for_reset};
 use crate::renderer::{Renderer, RendererOptions};
 
 /// The distance of everything from the eye (metres).

@@ -13,9 +13,9 @@ use occlusion::{ComputeTest, ComputeTestIo, Costs, ProxyBox, ProxyIo, ProxyPass,
 
 use super::probe_lists::ProbeLists;
 use super::probe_scene::{self, PROBES, SIZE, TWINS};
-use crate::by_hand::{HIDES_ALL, HIDES_NOTHING, bind, rendering, wait_for_reset};
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
+use crate::probe_recording::{HIDES_ALL, HIDES_NOTHING, bind, rendering, wait_for_reset};
 use crate::renderer::{Renderer, RendererOptions};
 use crate::resources::object_bounds::object_bounds;
 use crate::views::{FrameRequest, finish_image};
