@@ -83,14 +83,21 @@ unsafe extern "system" fn on_message(
     let log = unsafe { &*user_data.cast::<ValidationLog>() };
     // SAFETY: both strings are null or null-terminated and live for the call.
     let (id, text) = unsafe { (text_of(data.p_message_id_name), text_of(data.p_message)) };
-    if kind == vk::DebugUtilsMessageTypeFlagsEXT::GENERAL {
-        // The loader's own talk (a manifest it could not read): no statement about our calls.
+    if !is_about_our_calls(kind, &id) {
         tracing::debug!(target: "vulkan", "{id}: {text}");
     } else {
         tracing::warn!(target: "vulkan", "{id}: {text}");
         log.push(Message { id, text });
     }
     vk::FALSE
+}
+
+/// Returns false for messages of the loader (a manifest that it could not read), and for those about
+/// names that were looked up at the wrong level. Loaders and drivers do that within
+/// `vkCreateDevice`, as with `vkGetPhysicalDeviceVideoEncodeQualityLevelPropertiesKHR` on NVIDIA
+/// 580, a name that this program does not contain. Ours are looked up by `ash`, by their level.
+fn is_about_our_calls(kind: vk::DebugUtilsMessageTypeFlagsEXT, id: &str) -> bool {
+    kind != vk::DebugUtilsMessageTypeFlagsEXT::GENERAL && id != "WARNING-vkGetDeviceProcAddr-device"
 }
 
 /// Copies a string of a message.
@@ -103,4 +110,18 @@ unsafe fn text_of(text: *const std::ffi::c_char) -> String {
     }
     // SAFETY: not null, and null-terminated by the caller's promise.
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_about_calls_of_loaders_and_drivers_are_not_about_ours() {
+        let validation = vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION;
+        assert!(is_about_our_calls(validation, "SYNC-HAZARD-READ-AFTER-WRITE"));
+        assert!(!is_about_our_calls(validation, "WARNING-vkGetDeviceProcAddr-device"));
+        let general = vk::DebugUtilsMessageTypeFlagsEXT::GENERAL;
+        assert!(!is_about_our_calls(general, "Loader Message"));
+    }
 }

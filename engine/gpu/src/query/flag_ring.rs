@@ -96,7 +96,7 @@ impl<T: Copy> FlagRing<T> {
     pub fn read_back(&self, commands: &Commands) {
         let slot = self.ring.current();
         if let (Ok(()), Some(results)) = (commands.admit(self), &slot.memory) {
-            results.read_back(commands, slot.tags.len(), &[self.source.access()]);
+            results.read_back(commands, slot.tags.len(), self.source.access());
         }
     }
 

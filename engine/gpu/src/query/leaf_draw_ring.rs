@@ -158,8 +158,7 @@ impl<T: Copy> LeafDrawRing<T> {
     /// Copies the list to mapped memory for [`LeafDrawRing::collect`]. The last use in a frame.
     pub fn read_back(&self, commands: &Commands) {
         if let (Ok(()), Some(memory)) = (commands.admit(self), self.recorded()) {
-            let written = [Access::FragmentWrite, Access::CopyWrite];
-            memory.list.read_back(commands, LISTED_LEAVES + 1, &written);
+            memory.list.read_back(commands, LISTED_LEAVES + 1, Access::FragmentWrite);
         }
     }
 

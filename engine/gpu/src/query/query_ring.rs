@@ -212,7 +212,7 @@ impl<T: Copy> QueryRing<T> {
     pub fn read_back(&self, commands: &Commands) {
         let slot = self.ring.current();
         if let (Some(queries), Ok(())) = (&slot.memory, commands.admit(self)) {
-            queries.results.read_back(commands, slot.tags.len(), &[Access::CopyWrite]);
+            queries.results.read_back(commands, slot.tags.len(), Access::CopyWrite);
         }
     }
 

@@ -57,13 +57,15 @@ impl ResultBuffer {
         self.whole().part(0, count as u64 * RESULT_BYTES)
     }
 
-    /// Copies the first `count` results to mapped memory, after the accesses `written`. Their last
-    /// use in a frame.
-    pub(crate) fn read_back(&self, commands: &Commands, count: usize, written: &[Access]) {
+    /// Copies the first `count` results to mapped memory, after their access `written` and after the
+    /// fill or copy that cleared them: in a frame in which nothing else wrote, no other barrier
+    /// waits for that. Their last use in a frame.
+    pub(crate) fn read_back(&self, commands: &Commands, count: usize, written: Access) {
         if count == 0 {
             return;
         }
-        commands.barrier(MemoryBarrier::between(written, &[Access::CopyRead]));
+        let writes = [Access::CopyWrite, written];
+        commands.barrier(MemoryBarrier::between(&writes, &[Access::CopyRead]));
         commands.copy_buffer(self.first(count), self.mapped.whole());
         commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
     }
