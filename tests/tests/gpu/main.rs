@@ -42,6 +42,7 @@ mod misuse;
 mod moving;
 mod msaa;
 mod multiview;
+mod nothing_to_do;
 mod object_pairs;
 mod other_engines;
 mod own_images;

@@ -131,7 +131,7 @@ mod tests {
             kind,
             indexed_textures: 0,
             limits: vk::PhysicalDeviceLimits::default(),
-            capabilities: Capabilities { missing, optional: Vec::new() },
+            capabilities: Capabilities { missing, ..Capabilities::default() },
         }
     }
 

@@ -315,12 +315,21 @@ pub struct Capabilities {
     pub missing: Vec<Required>,
     /// The optional ones it has.
     pub optional: Vec<Optional>,
+    /// True if plain indirect draws take the count of the counted draw before them.
+    keeps_draw_counts: bool,
 }
 
 impl Capabilities {
     /// Returns true if the device has `optional`.
     pub fn has(&self, optional: Optional) -> bool {
         self.optional.contains(&optional)
+    }
+
+    /// Returns true if unconditional draws must have a count, too, since plain ones take that of the
+    /// counted draw before them. Elsewhere they must have none: NVIDIA's driver (580, on an H100)
+    /// did not come back from draws whose count is `maxDrawIndirectCount`, 2^32 - 1 there.
+    pub(crate) fn keeps_draw_counts(&self) -> bool {
+        self.keeps_draw_counts
     }
 
     /// Reads the table off an offer.
@@ -331,7 +340,30 @@ impl Capabilities {
             true => missing.filter(|what| what.features().is_empty()).collect(),
             false => missing.collect(),
         };
-        let optional = Optional::ALL.into_iter().filter(|what| what.is_in(offer)).collect();
-        Self { missing, optional }
+        let optional: Vec<Optional> =
+            Optional::ALL.into_iter().filter(|what| what.is_in(offer)).collect();
+        let keeps_draw_counts =
+            offer.keeps_draw_counts() && optional.contains(&Optional::DrawIndirectCount);
+        Self { missing, optional, keeps_draw_counts }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_drivers_that_keep_a_draw_count_take_one_for_every_draw() {
+        let offer = |driver| Offer {
+            api_version: vk::API_VERSION_1_3,
+            features: Features { draw_indirect_count: true, ..Features::default() },
+            driver,
+            ..Offer::default()
+        };
+        let keeps = |offer: &Offer| Capabilities::of(offer).keeps_draw_counts();
+        assert!(keeps(&offer(vk::DriverId::MESA_LLVMPIPE)));
+        assert!(!keeps(&offer(vk::DriverId::NVIDIA_PROPRIETARY)));
+        let without = Features::default();
+        assert!(!keeps(&Offer { features: without, ..offer(vk::DriverId::MESA_LLVMPIPE) }));
     }
 }

@@ -23,7 +23,7 @@ pub(crate) struct Offer {
     /// The most textures of a [`TextureTable`](crate::TextureTable), by the device's limits.
     pub(crate) indexed_textures: u32,
     /// The driver, if it says so.
-    driver: vk::DriverId,
+    pub(crate) driver: vk::DriverId,
 }
 
 /// The flags of a queue family that the engine can use.
@@ -123,6 +123,12 @@ impl Offer {
     /// on it.
     pub(crate) fn misplaces_sample_depths(&self) -> bool {
         self.driver == vk::DriverId::GOOGLE_SWIFTSHADER
+    }
+
+    /// Returns true if the driver gives a plain indirect draw the count of the counted draw before it
+    /// in the command buffer: Mesa's llvmpipe. That of 22.3 does; no other version was tried.
+    pub(crate) fn keeps_draw_counts(&self) -> bool {
+        self.driver == vk::DriverId::MESA_LLVMPIPE
     }
 
     /// Returns true if the extension may be used.

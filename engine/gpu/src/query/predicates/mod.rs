@@ -19,7 +19,6 @@ use std::ops::Range;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 
-use crate::core::capabilities::Optional;
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::frames_in_flight::check_frames_in_flight;
@@ -55,7 +54,7 @@ pub struct Predicates {
     draws: Buffer,
     links: Option<Buffer>,
     writer: Option<ComputePipeline>,
-    // A result that enables all draws: as a predicate, and as a draw count.
+    // A result that enables all draws: as a predicate, and for `Commands::draw_all_indirect`.
     all: Buffer,
     lists: [PredicateList; ResultSource::ALL.len()],
 }
@@ -358,12 +357,7 @@ impl Predicates {
         if commands.admit(self).is_err() {
             return;
         }
-        let counts = self.device.capabilities().has(Optional::DrawIndirectCount);
-        let limit = u64::from(self.device.adapter().limits.max_draw_indirect_count);
-        match counts && draws.size_bytes / DRAW_BYTES <= limit {
-            true => commands.draw_indirect_count(draws, self.all.whole()),
-            false => commands.draw_indirect(draws),
-        }
+        commands.draw_all_indirect(draws, self.all.whole());
     }
 
     /// Draws the range of a decision if its result is not zero.

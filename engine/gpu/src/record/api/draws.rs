@@ -7,7 +7,7 @@ use ash::vk;
 use crate::core::capabilities::Optional;
 use crate::memory::buffer::BufferSlice;
 use crate::record::commands::{Commands, Failure};
-use crate::record::indirect::IndirectDraw;
+use crate::record::indirect::{DRAW_BYTES, IndirectDraw};
 
 impl Commands {
     /// Draws `vertices` vertices of one instance.
@@ -108,25 +108,26 @@ impl Commands {
         }
     }
 
-    /// Draws the one command in `draw` (`VkDrawIndirectCommand`): where the device counts draws,
-    /// under the value in `all`, which is as in [`Commands::draw_all_indirect`].
+    /// Draws the one command in `draw` (`VkDrawIndirectCommand`), as
+    /// [`Commands::draw_all_indirect`] does.
     pub fn draw_all_unindexed_indirect(&self, draw: BufferSlice, all: BufferSlice) {
-        match self.device().capabilities().has(Optional::DrawIndirectCount) {
-            true => self.draw_unindexed_indirect_count(draw, all),
-            false => self.draw_unindexed_indirect(draw),
+        if self.device().capabilities().keeps_draw_counts() {
+            self.draw_unindexed_indirect_count(draw, all);
+        } else {
+            self.draw_unindexed_indirect(draw);
         }
     }
 
-    /// Draws the indexed indirect commands in `draws`, which holds nothing else: where the device
-    /// counts so many, under the value in `all`. It is `maxDrawIndirectCount`: Mesa 22.3's lavapipe
-    /// goes on using the count of the last counted draw, and under this one it draws all.
+    /// Draws the indexed indirect commands in `draws`, which holds nothing else, also where a counted
+    /// draw was recorded before: under the value in `all`, `maxDrawIndirectCount`, on drivers that
+    /// go on using the count of that draw (Mesa 22.3's lavapipe).
     pub fn draw_all_indirect(&self, draws: BufferSlice, all: BufferSlice) {
-        let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u64;
         let limit = u64::from(self.device().adapter().limits.max_draw_indirect_count);
-        let counts = self.device().capabilities().has(Optional::DrawIndirectCount);
-        match counts && draws.size_bytes / stride <= limit {
-            true => self.draw_indirect_count(draws, all),
-            false => self.draw_indirect(draws),
+        let keeps = self.device().capabilities().keeps_draw_counts();
+        if keeps && draws.size_bytes / DRAW_BYTES <= limit {
+            self.draw_indirect_count(draws, all);
+        } else {
+            self.draw_indirect(draws);
         }
     }
 
