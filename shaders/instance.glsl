@@ -9,14 +9,17 @@ struct Instance {
     uvec4 tail;
 };
 
-vec3 to_world(Instance instance, vec3 position) {
-    vec4 p = vec4(position, 1.0);
-    return vec3(dot(instance.rows[0], p), dot(instance.rows[1], p), dot(instance.rows[2], p));
-}
-
 vec3 direction_to_world(Instance instance, vec3 direction) {
     return vec3(dot(instance.rows[0].xyz, direction), dot(instance.rows[1].xyz, direction),
                 dot(instance.rows[2].xyz, direction));
+}
+
+// The place of a point of an object in the world, relative to the anchor of the view, which is near
+// the eye: coordinates that are large, far from the origin of the world, cancel before anything is
+// rounded to them.
+vec3 from_anchor(Instance instance, vec3 position, vec3 anchor) {
+    vec3 origin = vec3(instance.rows[0].w, instance.rows[1].w, instance.rows[2].w);
+    return direction_to_world(instance, position) + (origin - anchor);
 }
 
 // Of scenes with surfaces only.

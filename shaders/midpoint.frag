@@ -14,8 +14,9 @@ void main() {
     ivec3 texel = ivec3(gl_FragCoord.xy, layer);
     float front = texelFetch(fronts, texel, 0).r;
     float back = texelFetch(backs, texel, 0).r;
-    // A back before the front belongs to an open mesh, or to one around the light.
+    // A back before the front, of an open mesh or of one around the light, is held as it is: a wall
+    // stops light whichever side it shows.
     bool is_thick = back > 0.0 && back < front;
     float half_way = is_thick ? min(0.5 * (front - back), reach.x + reach.y * front) : 0.0;
-    gl_FragDepth = front - half_way;
+    gl_FragDepth = max(front, back) - half_way;
 }

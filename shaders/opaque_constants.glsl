@@ -1,9 +1,10 @@
 // The push constants of the opaque pass, 128 bytes: as many as every device has.
 
 layout(push_constant) uniform Constants {
-    mat4 view_proj;
-    vec4 towards_sun; // w: steps of the sub-pixel grid from the middle of the image to its side
-    vec4 sun;         // w: the same to its top
-    vec4 ambient_above;
+    mat3x4 axes;        // clip coordinates per metre along the axes of the world
+    vec4 anchor;        // the place that others are relative to; w: its clip z, x and y are 0
+    vec4 towards_sun;   // w: steps of the sub-pixel grid from the middle of the image to its side
+    vec4 sun;           // w: the same to its top
+    vec4 ambient_above; // w: clip w of the anchor
     vec4 ambient_below;
 };

@@ -11,7 +11,8 @@ layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
 #include "sprites.glsl"
 
 layout(push_constant) uniform Constants {
-    mat4 view_proj;
+    mat4 view_proj; // of places relative to the anchor
+    vec4 anchor;    // w unused
     vec2 snap_steps;
 };
 
@@ -20,7 +21,7 @@ layout(location = 0) flat out uint leaf;
 invariant gl_Position;
 
 void main() {
-    vec4 clip = view_proj * vec4(vertex_to_world(instances[instance_number], position, view_proj), 1.0);
+    vec4 clip = view_proj * vec4(vertex_from_anchor(instances[instance_number], position, view_proj, anchor.xyz), 1.0);
     gl_Position = snapped(clip, snap_steps);
     leaf = instance_number;
 }

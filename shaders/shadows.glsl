@@ -10,13 +10,14 @@ struct ShadowLight {
 };
 
 struct ShadowFace {
-    mat4 view_proj;
-    vec4 plane_x; // the planes of the world in x, y and z of clip space
+    mat4 view_proj; // of places relative to its own anchor
+    vec4 plane_x;   // the planes around the anchor in x, y and z of clip space
     vec4 plane_y;
     vec4 plane_z;
-    vec4 tile;    // origin and side in texels, layer
-    vec4 depth;   // depth is x + y / distance (a sun: x + y * distance); z: its change over the whole
-                  // tile on a slope of 1 (others: per depth); w: tiles per metre at a distance of 1
+    vec4 tile;      // origin and side in texels, layer
+    vec4 depth;     // depth is x + y / distance (a sun: x + y * distance); z: its change over the
+                    // whole tile on a slope of 1 (others: per depth); w: tiles per metre at 1 m
+    vec4 anchor;    // the place in the world; w unused
 };
 
 layout(std430, binding = 5) readonly buffer ShadowLights { ShadowLight shadow_lights[]; };
@@ -57,8 +58,14 @@ vec3 facet_normal() {
     return unit_or(cross(dFdx(world_position), dFdy(world_position)), unit_or(world_normal, vec3(0.0, 1.0, 0.0)));
 }
 
+// The place on the surface relative to the anchor of a face. Both anchors are near: far from the
+// origin of the world nothing is lost to large coordinates.
+vec3 from_face(ShadowFace face) {
+    return world_position + (anchor - face.anchor.xyz);
+}
+
 vec4 clip_of(ShadowFace face) {
-    return face.view_proj * vec4(world_position, 1.0);
+    return face.view_proj * vec4(from_face(face), 1.0);
 }
 
 // A surface is as deep elsewhere as its plane is. Between a sample and the four texels that it is
@@ -66,7 +73,7 @@ vec4 clip_of(ShadowFace face) {
 // rasteriser moves onto its grid of sub-pixels, which has 16 steps at least.
 Receiver receiver_of(ShadowFace face, vec4 clip, vec3 facet, float width, bool is_sun) {
     vec3 ndc = clip.xyz / clip.w;
-    vec4 plane = vec4(facet, -dot(facet, world_position));
+    vec4 plane = vec4(facet, -dot(facet, from_face(face)));
     vec3 towards = vec3(dot(face.plane_x, plane), dot(face.plane_y, plane), dot(face.plane_z, plane));
     float unit = is_sun ? face.depth.z : face.depth.z * ndc.z;
     vec2 slope = abs(towards.z) > 0.0 ? towards.xy * (-2.0 / towards.z) : vec2(0.0);

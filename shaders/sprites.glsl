@@ -29,11 +29,11 @@ uint sprite_end(uint head_place, vec4 head, vec3 corner, float end) {
     return head_place + 1u + number * uint(head.y);
 }
 
-vec3 sprite_to_world(Instance instance, vec3 corner, mat4 view_proj) {
+vec3 sprite_from_anchor(Instance instance, vec3 corner, mat4 view_proj, vec3 anchor) {
     uint head_place = instance.tail.w;
     vec4 head = sprite_vector(head_place);
-    vec3 from = to_world(instance, sprite_vector(sprite_end(head_place, head, corner, 0.0)).xyz);
-    vec3 to = to_world(instance, sprite_vector(sprite_end(head_place, head, corner, 1.0)).xyz);
+    vec3 from = from_anchor(instance, sprite_vector(sprite_end(head_place, head, corner, 0.0)).xyz, anchor);
+    vec3 to = from_anchor(instance, sprite_vector(sprite_end(head_place, head, corner, 1.0)).xyz, anchor);
     vec3 across = vec3(view_proj[0].x, view_proj[1].x, view_proj[2].x);
     vec3 down = vec3(view_proj[0].y, view_proj[1].y, view_proj[2].y);
     vec3 forward = normalize(cross(across, down));
@@ -52,9 +52,11 @@ vec3 sprite_to_world(Instance instance, vec3 corner, mat4 view_proj) {
     return (corner.x > 0.5 ? to : from) + aside;
 }
 
-// The position of a vertex: of an object of sprites a corner, else its own.
-vec3 vertex_to_world(Instance instance, vec3 position, mat4 view_proj) {
-    return SPRITES && instance.tail.w != 0u ? sprite_to_world(instance, position, view_proj) : to_world(instance, position);
+// The place of a vertex relative to the anchor of the view: of an object of sprites a corner, else
+// its own.
+vec3 vertex_from_anchor(Instance instance, vec3 position, mat4 view_proj, vec3 anchor) {
+    if (SPRITES && instance.tail.w != 0u) return sprite_from_anchor(instance, position, view_proj, anchor);
+    return from_anchor(instance, position, anchor);
 }
 
 // The linear colour and the normal of a sprite's corner.

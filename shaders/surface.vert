@@ -26,7 +26,7 @@ layout(location = 2) flat out uvec4 material_factors;
 layout(location = 3) flat out uvec4 material_cuts;
 layout(location = 4) flat out uvec4 material_emission;
 layout(location = 5) flat out uvec4 material_details;
-layout(location = 6) out vec3 world_position;
+layout(location = 6) out vec3 world_position; // relative to the anchor
 layout(location = 7) out vec3 world_normal;
 layout(location = 8) out vec4 world_tangent; // w: sign of the bitangent
 layout(location = 9) flat out uvec2 lights_of_object; // slot of the list, how many
@@ -53,8 +53,8 @@ vec3 unit_or_zero(vec3 v) {
 
 void main() {
     Instance instance = instances[instance_number];
-    vec3 world = vertex_to_world(instance, position, view_proj);
-    vec4 clip = view_proj * vec4(world, 1.0);
+    vec3 place = vertex_from_anchor(instance, position, view_proj, anchor);
+    vec4 clip = view_proj * vec4(place, 1.0);
     gl_Position = snapped(clip, vec2(ambient_above.w, ambient_below.w));
 
     // Normals follow the cofactors of the matrix, which stay finite for flat objects; they turn
@@ -80,7 +80,7 @@ void main() {
     float tangent_turn = has_both_sides ? turn : 1.0;
     turn = has_both_sides ? 1.0 : turn;
     vec3 cofactors = vec3(dot(cross(y, z), own_normal), dot(cross(z, x), own_normal), dot(cross(x, y), own_normal));
-    world_position = world;
+    world_position = place;
     world_normal = turn * unit_or_zero(cofactors);
     vec3 world_along = unit_or_zero(direction_to_world(instance, tangent.xyz));
     world_tangent = vec4(tangent_turn * world_along, turn * tangent.w);

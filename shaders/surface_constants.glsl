@@ -1,13 +1,14 @@
-// The constants of all draws of one surface pass: the view and the ambient light in 120 bytes of
+// The constants of all draws of one surface pass: the view and the ambient light in 128 bytes of
 // push constants, and the features that the scene uses, for which pipelines are compiled.
 
 layout(push_constant) uniform Constants {
-    mat4 view_proj;
-    vec4 eye;           // in homogeneous coordinates
+    mat4 view_proj;     // of places relative to the anchor
+    vec3 anchor;        // the place in the world that others are relative to: in perspective the eye
+    float exposure;
+    vec3 towards_eye;   // where rays are parallel, else 0
+    uint shadow_view;   // the number of this view among those that a directional light has maps for
     vec4 ambient_above; // w: steps of the sub-pixel grid from the middle of the image to its side
     vec4 ambient_below; // w: the same to its top
-    float exposure;
-    uint shadow_view; // the number of this view among those that a directional light has maps for
 };
 
 layout(constant_id = 0) const bool MASKED = false;

@@ -25,7 +25,7 @@ invariant gl_Position;
 
 void main() {
     Instance instance = instances[instance_number];
-    vec4 clip = view_proj * vec4(vertex_to_world(instance, position, view_proj), 1.0);
+    vec4 clip = view_proj * vec4(vertex_from_anchor(instance, position, view_proj, anchor), 1.0);
     gl_Position = snapped(clip, vec2(ambient_above.w, ambient_below.w));
     uvs = vec4(uv_first, uv_second);
     vertex_colour = colour;

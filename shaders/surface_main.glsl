@@ -13,7 +13,7 @@
 
 layout(location = 4) flat in uvec4 material_emission;
 layout(location = 5) flat in uvec4 material_details;
-layout(location = 6) in vec3 world_position;
+layout(location = 6) in vec3 world_position; // relative to the anchor
 layout(location = 7) in vec3 world_normal;
 layout(location = 8) in vec4 world_tangent; // w: sign of the bitangent
 layout(location = 9) flat in uvec2 lights_of_object; // slot of the list, how many
@@ -73,7 +73,7 @@ vec3 from_lamps(Brdf brdf) {
         while (arrived == vec3(0.0) && place < lights_of_object.y) {
             number = light_of_list(lights_of_object.x, place);
             place += 1u;
-            away = lights[number].position.xyz - world_position;
+            away = (lights[number].position.xyz - anchor) - world_position;
             // Nearer than a millimetre is as a millimetre.
             float squared = max(dot(away, away), 1e-6);
             float inverse_distance = inversesqrt(squared);
@@ -142,7 +142,7 @@ void main() {
     vec3 n = shading_normal();
     // Not before the last texel: where a neighbour is gone, derivatives are not defined.
     if (MASKED && is_hole(base)) discard;
-    vec3 v = unit_or(eye.xyz - world_position * eye.w, n);
+    vec3 v = unit_or(towards_eye == vec3(0.0) ? -world_position : towards_eye, n);
     Brdf brdf = brdf_of(base.rgb, roughness_metallic.y, roughness_metallic.x, n, v);
     vec3 light = ambient(brdf, roughness_metallic.x) * occlusion + direct(brdf) + emission;
     colour = vec4(tone_mapped(min(light * exposure, vec3(65504.0))), alpha);

@@ -9,13 +9,13 @@ layout(triangles_adjacency) in;
 // Two caps of three, three sides of four.
 layout(triangle_strip, max_vertices = 18) out;
 
-layout(location = 0) in vec3 world_position[];
+layout(location = 0) in vec3 corner_place[];
 layout(location = 1) in flat uint name[];
 
 invariant gl_Position;
 
 Corner corner(uint place) {
-    return Corner(world_position[place], name[place]);
+    return Corner(corner_place[place], name[place]);
 }
 
 void emit(vec4 clip) {
@@ -30,17 +30,17 @@ void emit_caps(uint b, uint c) {
     emit(cap_clip(gl_in[c].gl_Position));
     EndPrimitive();
     if (caps == NEAR_CAPS || !has_far_end()) return;
-    emit(far_clip(world_position[0]));
-    emit(far_clip(world_position[c]));
-    emit(far_clip(world_position[b]));
+    emit(far_clip(corner_place[0]));
+    emit(far_clip(corner_place[c]));
+    emit(far_clip(corner_place[b]));
     EndPrimitive();
 }
 
 void emit_side(uint from, uint to) {
     emit(gl_in[from].gl_Position);
-    emit(far_clip(world_position[from]));
+    emit(far_clip(corner_place[from]));
     emit(gl_in[to].gl_Position);
-    if (has_far_end()) emit(far_clip(world_position[to]));
+    if (has_far_end()) emit(far_clip(corner_place[to]));
     EndPrimitive();
 }
 

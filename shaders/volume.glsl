@@ -4,7 +4,7 @@
 
 // A corner of a triangle with adjacency.
 struct Corner {
-    vec3 world;
+    vec3 place;
     uint name;
 };
 
@@ -12,17 +12,17 @@ struct Corner {
 // three others, and each must find the same, also where rounding decides: so the arithmetic begins
 // at the corner of the least name, whichever comes first here.
 bool faces_light(Corner a, Corner b, Corner c) {
-    vec3 p = c.world;
-    vec3 q = a.world;
-    vec3 r = b.world;
+    vec3 p = c.place;
+    vec3 q = a.place;
+    vec3 r = b.place;
     if (a.name < b.name && a.name < c.name) {
-        p = a.world;
-        q = b.world;
-        r = c.world;
+        p = a.place;
+        q = b.place;
+        r = c.place;
     } else if (b.name < c.name) {
-        p = b.world;
-        q = c.world;
-        r = a.world;
+        p = b.place;
+        q = c.place;
+        r = a.place;
     }
     precise vec3 along = q - p;
     precise vec3 beside = r - p;
@@ -47,10 +47,10 @@ bool has_far_end() {
 }
 
 // The place on the screen of the point at the far end behind a corner, seen from the light.
-vec4 far_clip(vec3 world) {
-    precise float factor = max(end.x * world.x + end.y * world.y + end.z * world.z + end.w, 0.0);
-    precise vec3 away = max(light.w, far_w) * world - light.xyz * factor;
+vec4 far_clip(vec3 place) {
+    precise float factor = max(end.x * place.x + end.y * place.y + end.z * place.z + end.w, 0.0);
+    precise vec3 away = max(light.w, far_w) * place - light.xyz * factor;
     precise float w = light.w != 0.0 ? 1.0 - factor : far_w;
-    precise vec4 clip = view_proj * vec4(away, w);
+    precise vec4 clip = view_proj() * vec4(away, w);
     return snapped(clip, steps);
 }

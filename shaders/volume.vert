@@ -10,16 +10,16 @@ layout(location = 0) in vec3 position;
 
 layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
 
-layout(location = 0) out vec3 world_position;
+layout(location = 0) out vec3 corner_place;
 layout(location = 1) out flat uint name;
 
 invariant gl_Position;
 
 void main() {
     Instance instance = instances[instance_number];
-    vec3 world = to_world(instance, position);
-    vec4 clip = view_proj * vec4(world, 1.0);
+    vec3 place = from_anchor(instance, position, anchor.xyz);
+    vec4 clip = view_proj() * vec4(place, 1.0);
     gl_Position = snapped(clip, steps);
-    world_position = world;
+    corner_place = place;
     name = uint(gl_VertexIndex);
 }

@@ -31,14 +31,14 @@ vec4 clips[6];
 
 void read_corners(Job job, uint first) {
     Instance instance = instances[job.instance];
-    for (uint place = 0; place < 6; ++place) {
-        uint index = adjacency[first + place];
+    for (uint number = 0; number < 6; ++number) {
+        uint index = adjacency[first + number];
         uint at = 5 * (job.first_vertex + index);
         vec3 position = uintBitsToFloat(uvec3(vertices[at], vertices[at + 1], vertices[at + 2]));
-        precise vec3 world = to_world(instance, position);
-        precise vec4 clip = view_proj * vec4(world, 1.0);
-        corners[place] = Corner(world, index);
-        clips[place] = snapped(clip, steps);
+        precise vec3 place = from_anchor(instance, position, anchor.xyz);
+        precise vec4 clip = view_proj() * vec4(place, 1.0);
+        corners[number] = Corner(place, index);
+        clips[number] = snapped(clip, steps);
     }
 }
 
@@ -77,15 +77,15 @@ void main() {
         place = write_triangle(place, cap_clip(clips[0]), cap_clip(clips[b]), cap_clip(clips[c]));
     }
     if (cap_count > 1) {
-        place = write_triangle(place, far_clip(corners[0].world), far_clip(corners[c].world), far_clip(corners[b].world));
+        place = write_triangle(place, far_clip(corners[0].place), far_clip(corners[c].place), far_clip(corners[b].place));
     }
     for (uint edge = 0; edge < 3; ++edge) {
         if (!extrudes[edge]) continue;
         uint next = (2 * edge + 2) % 6;
         uint from = faces ? 2 * edge : next;
         uint to = faces ? next : 2 * edge;
-        vec4 far_from = far_clip(corners[from].world);
+        vec4 far_from = far_clip(corners[from].place);
         place = write_triangle(place, clips[from], far_from, clips[to]);
-        if (has_far) place = write_triangle(place, clips[to], far_from, far_clip(corners[to].world));
+        if (has_far) place = write_triangle(place, clips[to], far_from, far_clip(corners[to].place));
     }
 }

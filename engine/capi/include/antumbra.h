@@ -1388,7 +1388,7 @@ typedef struct AntumbraShadowDesc {
     uint32_t layers_max;
     /**
      * The distance from the eye to which the sun has shadows (metres), above 0 and below 1e6. 0 is
-     * 200.
+     * 200, and farther in scenes whose objects are larger than houses.
      */
     float distance;
     /**

@@ -23,6 +23,7 @@ use crate::face::{Face, FaceId, FaceSurroundings, face_count, faces_of, wanted_s
 use crate::light::{ShadowLight, ShadowLightId};
 use crate::options::{MIN_SIDE, ShadowCaching, ShadowOptions};
 use crate::plan::{FaceWork, PlannedFace, PlannedLight, ShadowPlan};
+use crate::sun_distance::SunDistance;
 use crate::tiles::{Tile, TilePool};
 
 /// The frames after its last change in which a caster counts as moving.
@@ -88,6 +89,8 @@ pub struct ShadowCache {
     maps: HashMap<FaceId, Map>,
     /// The sides of each light's maps: the one they should have, and the one they have.
     sides: HashMap<ShadowLightId, [u32; 2]>,
+    /// The distance of directional lights, where the options leave it open.
+    sun_distance: SunDistance,
     /// True if maps may have a layer of resting casters.
     keeps_resting: bool,
     /// The frame of the last change of each caster that is not at rest.
@@ -112,6 +115,7 @@ impl ShadowCache {
             options,
             maps: HashMap::new(),
             sides: HashMap::new(),
+            sun_distance: SunDistance::default(),
             keeps_resting: true,
             restless: HashMap::new(),
             frame: 0,
@@ -175,8 +179,13 @@ impl ShadowCache {
         let hierarchy = casters.hierarchy;
         let scene = hierarchy.root().map_or(Aabb::EMPTY, |root| hierarchy.bounds(root));
         if !scene.is_empty() {
-            let around =
-                FaceSurroundings { eyes: views.eyes, scene, sub_pixel_bits: views.sub_pixel_bits };
+            let given_m = self.options.distance_m;
+            let around = FaceSurroundings {
+                eyes: views.eyes,
+                scene,
+                sun_distance_m: given_m.unwrap_or_else(|| self.sun_distance.of(hierarchy)),
+                sub_pixel_bits: views.sub_pixel_bits,
+            };
             self.release_unused(lights);
             for light in lights.iter().filter(|light| light.shape.is_usable()) {
                 self.plan_light(light, casters, &around, plan);

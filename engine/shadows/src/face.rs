@@ -2,8 +2,10 @@
 
 use std::f32::consts::PI;
 
-use cull::{Aabb, Camera, Containment, Hierarchy, LeafIndex, NodeId, PlaneMask, Projection, View};
-use glam::Vec3;
+use cull::{
+    Aabb, Anchor, Camera, Containment, Hierarchy, LeafIndex, NodeId, PlaneMask, Projection, View,
+};
+use glam::{DVec3, Vec3};
 
 use crate::light::{LightShape, ShadowLight, ShadowLightId, WIDEST_CONE_RAD};
 use crate::options::ShadowOptions;
@@ -72,7 +74,7 @@ const NEAR_M: f32 = 0.02;
 const BORDER: f32 = 1.0 / 8.0;
 
 /// The ratio of the reaches of two neighbouring cascades.
-const CASCADE_RATIO: f32 = 3.0;
+pub(crate) const CASCADE_RATIO: f32 = 3.0;
 
 /// The steps in which a cascade follows the eye, per its side: so it stays what it is while the eye
 /// moves within a step, and is moved by whole texels.
@@ -95,6 +97,8 @@ pub struct FaceSurroundings<'a> {
     pub eyes: &'a [Vec3],
     /// The box around the scene.
     pub scene: Aabb,
+    /// The distance from an eye to which directional lights have shadows, in metres.
+    pub sun_distance_m: f32,
     /// The bits of the device's sub-pixel grid (Vulkan's `subPixelPrecisionBits`).
     pub sub_pixel_bits: u32,
 }
@@ -138,9 +142,11 @@ pub fn faces_of(
         LightShape::Sun { towards } => {
             for (view, eye) in (0..).zip(around.eyes) {
                 for number in 0..options.cascades {
-                    let reach_m = cascade_reach_m(options, number) + light.penumbra_m;
-                    let camera = cascade(-towards, *eye, reach_m, side, &around.scene);
-                    let view_of_sun = View::new(&camera, [side; 2], bits);
+                    let reach_m = cascade_reach_m(around.sun_distance_m, options.cascades, number);
+                    let reach_m = reach_m + light.penumbra_m;
+                    let place = cascade(-towards, *eye, reach_m, side, &around.scene);
+                    let Cascade { camera, anchor } = place;
+                    let view_of_sun = View::anchored(&camera, Some(anchor), [side; 2], bits);
                     found(Face { id: id(view, number), view: view_of_sun, reach: None });
                 }
             }
@@ -160,11 +166,12 @@ pub fn faces_of(
     }
 }
 
-/// Returns the distance from the eye to which a cascade reaches, in metres.
+/// Returns the distance from the eye to which a cascade reaches, the last of so many to
+/// `distance_m`, in metres.
 #[must_use]
-pub fn cascade_reach_m(options: &ShadowOptions, number: u32) -> f32 {
-    let farther = options.cascades.saturating_sub(number + 1);
-    options.distance_m / CASCADE_RATIO.powi(farther as i32)
+pub fn cascade_reach_m(distance_m: f32, cascades: u32, number: u32) -> f32 {
+    let farther = cascades.saturating_sub(number + 1);
+    distance_m / CASCADE_RATIO.powi(farther as i32)
 }
 
 fn from_point(position: Vec3, (forward, up): (Vec3, Vec3), tangent: f32) -> Camera {
@@ -173,32 +180,57 @@ fn from_point(position: Vec3, (forward, up): (Vec3, Vec3), tangent: f32) -> Came
     Camera { eye: position, forward, up, projection, near: NEAR_M }
 }
 
-/// Returns the camera of a cascade: a square of texels around the eye, whose middle is a multiple
+/// The place of a cascade.
+struct Cascade {
+    camera: Camera,
+    anchor: Anchor,
+}
+
+/// Returns the place of a cascade: a square of texels around the eye, whose middle is a multiple
 /// of a step of whole texels. It depends on the eye's place and not on its direction, so turning
 /// changes nothing; and it holds the depths of the whole scene, so casters behind the eye are in
 /// it.
-fn cascade(forward: Vec3, eye: Vec3, reach_m: f32, side: u32, scene: &Aabb) -> Camera {
+///
+/// The multiples are counted from the origin of the world, wherever the eye is: in double
+/// precision, and along axes that are perpendicular and of unit length in it, since what single
+/// precision lacks of that is many texels in a million metres. The anchor lies near the eye, and
+/// changes with the middle, or as the eye moves by a side of the square along the light.
+fn cascade(forward: Vec3, eye: Vec3, reach_m: f32, side: u32, scene: &Aabb) -> Cascade {
     // The axes that `View::new` gives this direction.
-    let up = forward.any_orthonormal_vector();
-    let right = forward.cross(up).normalize();
-    let up = right.cross(forward);
+    let right = forward.cross(forward.any_orthonormal_vector()).normalize();
+    let camera_up = right.cross(forward);
+    let forward_64 = forward.as_dvec3().normalize();
+    let up = right.as_dvec3().cross(forward_64).normalize();
+    let right = forward_64.cross(up);
     let step_texels = (side / STEPS_PER_SIDE).max(1);
     // The eye is up to half a step away from the middle.
     let half_m = reach_m / (1.0 - step_texels as f32 / side as f32);
-    let step_m = 2.0 * half_m * step_texels as f32 / side as f32;
-    let snapped = |along: Vec3| along * ((along.dot(eye) / step_m).round() * step_m);
+    let step_m = f64::from(2.0 * half_m * step_texels as f32 / side as f32);
+    let eye = eye.as_dvec3();
+    let snapped_m = |along: DVec3, step_m: f64| (along.dot(eye) / step_m).round() * step_m;
+    let (right_m, up_m) = (snapped_m(right, step_m), snapped_m(up, step_m));
     // The scene's depths grow and shrink by steps too, or each moving object would change them.
-    let (centre, half) = (scene.centre(), scene.half_extent());
-    let (middle, spread) = (forward.dot(centre), forward.abs().dot(half).max(0.5));
-    let depth_step_m = 2.0_f32.powf((spread * 2.0).log2().ceil()) / 8.0;
-    let first_m = ((middle - spread) / depth_step_m - 0.25).floor() * depth_step_m;
-    let last_m = ((middle + spread) / depth_step_m + 0.25).ceil() * depth_step_m;
-    Camera {
-        eye: snapped(right) + snapped(up) + forward * first_m,
-        forward,
-        up,
-        projection: Projection::Orthographic { height: 2.0 * half_m, far: last_m - first_m },
-        near: 0.0,
+    let (centre, half) = (scene.centre().as_dvec3(), scene.half_extent().as_dvec3());
+    let (centre_m, spread_m) = (forward_64.dot(centre), forward_64.abs().dot(half).max(0.5));
+    let depth_step_m = (spread_m * 2.0).log2().ceil().exp2() / 8.0;
+    let first_m = ((centre_m - spread_m) / depth_step_m - 0.25).floor() * depth_step_m;
+    let last_m = ((centre_m + spread_m) / depth_step_m + 0.25).ceil() * depth_step_m;
+    let middle = right * right_m + up * up_m;
+    let side_m = f64::from(2.0 * half_m);
+    let place = (middle + forward_64 * snapped_m(forward_64, side_m)).as_vec3();
+    let placed = place.as_dvec3();
+    let seen = DVec3::new(right.dot(placed), up.dot(placed), forward_64.dot(placed))
+        - DVec3::new(right_m, up_m, first_m);
+    let far = (last_m - first_m) as f32;
+    Cascade {
+        camera: Camera {
+            eye: (middle + forward_64 * first_m).as_vec3(),
+            forward,
+            up: camera_up,
+            projection: Projection::Orthographic { height: 2.0 * half_m, far },
+            near: 0.0,
+        },
+        anchor: Anchor { place, seen },
     }
 }
 
@@ -211,11 +243,18 @@ mod tests {
     const SCENE: Aabb =
         Aabb { min: Vec3::new(-60.0, -1.0, -80.0), max: Vec3::new(90.0, 30.0, 70.0) };
 
+    const SUN_DISTANCE_M: f32 = 200.0;
+
+    fn surroundings(eyes: &[Vec3], scene: Aabb) -> FaceSurroundings<'_> {
+        FaceSurroundings { eyes, scene, sun_distance_m: SUN_DISTANCE_M, sub_pixel_bits: 8 }
+    }
+
     fn faces(shape: LightShape, eye: Vec3) -> Vec<Face> {
         let light = ShadowLight { id: ShadowLightId(7), shape, penumbra_m: 0.25 };
         let options = ShadowOptions::default();
         let side = wanted_side(&shape, &options);
-        let around = FaceSurroundings { eyes: &[eye], scene: SCENE, sub_pixel_bits: 8 };
+        let eyes = [eye];
+        let around = surroundings(&eyes, SCENE);
         let mut all = Vec::new();
         faces_of(&light, (&options, side), &around, |face| all.push(face));
         assert_eq!(all.len() as u32, face_count(&shape, &options, 1));
@@ -223,7 +262,7 @@ mod tests {
     }
 
     fn place(face: &Face, point: Vec3) -> Vec4 {
-        let clip = face.view.view_proj * point.extend(1.0);
+        let clip = face.view.clip(point).as_vec4();
         clip / clip.w.abs()
     }
 
@@ -238,7 +277,7 @@ mod tests {
         for _ in 0..500 {
             let eye = vec3(next() * 100.0 - 50.0, next() * 20.0, next() * 100.0 - 50.0);
             for (number, face) in (0..).zip(faces(LightShape::Sun { towards }, eye)) {
-                let reach_m = cascade_reach_m(&ShadowOptions::default(), number);
+                let reach_m = cascade_reach_m(SUN_DISTANCE_M, 4, number);
                 let away = vec3(next() - 0.5, next() - 0.5, next() - 0.5).normalize() * reach_m;
                 let point = (eye + away).clamp(SCENE.min, SCENE.max);
                 let inside = place(&face, point);
@@ -266,13 +305,58 @@ mod tests {
         assert!(changes[0] < 60 && changes[3] < 6, "20 m in 400 frames: {changes:?}");
     }
 
+    /// Checks that the texels of the world are the same wherever the eye is, also where single
+    /// precision has whole metres only.
+    #[test]
+    fn far_away_cascades_are_as_exact_as_near_the_origin() {
+        let towards = vec3(0.4, 0.8, -0.3).normalize();
+        let light = ShadowLight {
+            id: ShadowLightId(0),
+            shape: LightShape::Sun { towards },
+            penumbra_m: 0.0,
+        };
+        let options = ShadowOptions::default();
+        for away in [vec3(35_360.0, 0.0, 2e4), vec3(12_958_155.0, 4_865_579.0, -3e5)] {
+            let scene = Aabb::new(SCENE.min + away, SCENE.max + away);
+            for step in 0..40 {
+                let eyes = [step, step + 1].map(|step| away + vec3(step as f32, 2.0, 3.0));
+                let [before, after] = eyes.map(|eye| {
+                    let mut all = Vec::new();
+                    let eyes = [eye];
+                    let around = surroundings(&eyes, scene);
+                    faces_of(&light, (&options, 2048), &around, |face| all.push(face));
+                    all
+                });
+                for (before, after) in before.iter().zip(&after) {
+                    let texels = |face: &Face, point: DVec3| {
+                        let near = point - face.view.anchor.as_dvec3();
+                        let clip = face.view.from_anchor.as_dmat4() * near.extend(1.0);
+                        clip.truncate() * DVec3::new(1024.0, 1024.0, 1.0)
+                    };
+                    let point = away.as_dvec3() + DVec3::new(4.3, 1.7, 2.9);
+                    let moved = texels(after, point) - texels(before, point);
+                    let off = (moved - moved.round()).abs();
+                    assert!(off.x < 0.02 && off.y < 0.02, "{away}: {moved}");
+                    let aside = point + towards.any_orthonormal_vector().as_dvec3();
+                    let across = texels(before, aside) - texels(before, point);
+                    let texel_m = 2.0 * before.view.rays.right.length() / 2048.0;
+                    let expected = f64::from(texel_m).recip();
+                    let found = across.truncate().length();
+                    assert!((found / expected - 1.0).abs() < 1e-4, "{found} {expected}");
+                    let inside = texels(before, eyes[0].as_dvec3()).abs() / 1024.0;
+                    assert!(inside.x <= 0.1 && inside.y <= 0.1, "around the eye: {inside}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn turning_and_moving_objects_change_no_cascade() {
         let shape = LightShape::Sun { towards: Vec3::Y };
         let light = ShadowLight { id: ShadowLightId(0), shape, penumbra_m: 0.0 };
         let options = ShadowOptions::default();
         let view_in = |scene| {
-            let around = FaceSurroundings { eyes: &[Vec3::ZERO], scene, sub_pixel_bits: 8 };
+            let around = surroundings(&[Vec3::ZERO], scene);
             let mut all = Vec::new();
             faces_of(&light, (&options, 512), &around, |face| all.push(face.view));
             all

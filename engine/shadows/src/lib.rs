@@ -50,6 +50,7 @@ mod light;
 mod options;
 mod plan;
 mod reach;
+mod sun_distance;
 mod tiles;
 mod volumes;
 

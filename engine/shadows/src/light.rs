@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use cull::Aabb;
+use cull::{Aabb, MAX_COORDINATE};
 use glam::{Vec3, Vec4, vec3};
 
 /// The number of a light, which its owner chooses.
@@ -131,5 +131,5 @@ fn cone_box(position: Vec3, (direction, outer_rad): (Vec3, f32), reach_m: f32) -
 }
 
 fn is_reach(position: Vec3, reach_m: f32) -> bool {
-    position.abs().max_element() < 1.0e7 && reach_m > 0.0 && reach_m < 1.0e7
+    position.abs().max_element() <= MAX_COORDINATE && reach_m > 0.0 && reach_m < 1.0e7
 }

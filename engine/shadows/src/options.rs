@@ -62,20 +62,23 @@ impl ShadowFilter {
 /// The remedy against surfaces that shadow themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ShadowBias {
-    /// Every sample is compared with the depth of the receiver's plane there, and that by a texel's
-    /// slope nearer to the light.
+    /// The maps hold the nearest surfaces, whichever side they show to the light. Every sample is
+    /// compared with the depth of the receiver's plane there, and that by a texel's slope nearer to
+    /// the light.
     #[default]
     Plane,
-    /// The maps hold the surfaces that face away from the light. Needs closed meshes: those that
-    /// are open cast no shadow on the side of their fronts.
+    /// The maps hold the surfaces that face away from the light. Needs closed meshes, seen from
+    /// outside of them: those that are open cast no shadow on the side of their fronts, and those
+    /// around a lamp cast theirs.
     BackFaces,
     /// The maps hold depths halfway between the nearest surface that faces the light and the
     /// nearest one that faces away from it, at most [`MIDPOINT_TEXELS`] behind the first (Woo, "The
     /// Shadow Depth Map Revisited", Graphics Gems III, 1992; Weiskopf, Ertl, "Shadow Mapping Based
     /// on Dual Depth Layers", 2003), and samples are compared as with [`ShadowBias::Plane`]. So
-    /// curved surfaces do not shadow themselves under wide filters either. Where nothing faces away
-    /// behind the first surface, the map holds that one. Takes three images in place of one, and
-    /// two in place of one for resting casters; draws each caster twice, and culls none.
+    /// curved surfaces do not shadow themselves under wide filters either. Where the first surface
+    /// faces away, or nothing behind it does, the map holds that one. Takes three images in place
+    /// of one, and two in place of one for resting casters; draws each caster twice, and culls
+    /// none.
     Midpoint,
 }
 
@@ -150,8 +153,10 @@ pub struct ShadowOptions {
     /// the last one into full light. At 0 they change from one pixel to the next, and the change of
     /// sharpness can be seen; what lies in such a band takes the samples of two maps.
     pub cascade_blend: f32,
-    /// The distance from the eye to which directional lights have shadows, in metres.
-    pub distance_m: f32,
+    /// The distance from the eye to which directional lights have shadows, in metres; without one
+    /// 200, and farther in scenes whose objects are larger than houses, such as those in another
+    /// unit.
+    pub distance_m: Option<f32>,
     /// The side of a directional light's maps in texels: a power of two from [`MIN_SIDE`] on, as
     /// the two below.
     pub sun_side: u32,
@@ -168,7 +173,7 @@ pub struct ShadowOptions {
 }
 
 impl Default for ShadowOptions {
-    /// Returns no shadows; with a method, four cascades of 2048 texels to 200 m, and 128 MiB of
+    /// Returns no shadows; with a method, four cascades of 2048 texels, and 128 MiB of
     /// maps at most, twice that while casters move among others that rest.
     fn default() -> Self {
         Self {
@@ -180,7 +185,7 @@ impl Default for ShadowOptions {
             penumbra_m: 0.15,
             cascades: 4,
             cascade_blend: 0.1,
-            distance_m: 200.0,
+            distance_m: None,
             sun_side: 2048,
             spot_side: 512,
             point_side: 256,
@@ -255,8 +260,9 @@ impl ShadowOptions {
         if !(0.0..=0.5).contains(&self.cascade_blend) {
             return Err(ShadowOptionsError::CascadeBlend { blend: self.cascade_blend });
         }
-        if !(self.distance_m > 0.0 && self.distance_m < 1.0e6) {
-            return Err(ShadowOptionsError::Distance { distance_m: self.distance_m });
+        let is_distance = |distance_m: &f32| *distance_m > 0.0 && *distance_m < 1.0e6;
+        if let Some(distance_m) = self.distance_m.filter(|it| !is_distance(it)) {
+            return Err(ShadowOptionsError::Distance { distance_m });
         }
         if !(0.0..1.0e3).contains(&self.penumbra_m) {
             return Err(ShadowOptionsError::Penumbra { penumbra_m: self.penumbra_m });
@@ -300,7 +306,8 @@ mod tests {
             assert!(refused.unwrap_err().to_string().contains("0 to 0.5"), "{cascade_blend}");
         }
         for distance_m in [0.0, -1.0, f32::INFINITY, f32::NAN] {
-            assert!(ShadowOptions { distance_m, ..options }.check().is_err(), "{distance_m}");
+            let refused = ShadowOptions { distance_m: Some(distance_m), ..options }.check();
+            assert!(refused.is_err(), "{distance_m}");
         }
         for penumbra_m in [-0.1, 1.0e3, f32::NAN] {
             assert!(ShadowOptions { penumbra_m, ..options }.check().is_err(), "{penumbra_m}");

@@ -166,7 +166,13 @@ fn lights(frame: u32) -> Vec<ShadowLight> {
 
 fn options(caching: ShadowCaching) -> ShadowOptions {
     let method = ShadowMethod::Maps;
-    ShadowOptions { method, caching, cascades: 3, distance_m: 60.0, ..ShadowOptions::default() }
+    ShadowOptions {
+        method,
+        caching,
+        cascades: 3,
+        distance_m: Some(60.0),
+        ..ShadowOptions::default()
+    }
 }
 
 /// Returns the draws of casters over all frames.

@@ -22,6 +22,7 @@ use crate::report::{
     BuildReport, DeviceReport, MemoryReport, Report, SceneReport, paired_ratios, ratios,
 };
 use crate::run_error::RunError;
+use crate::shadow_choice::ShadowChoice;
 use crate::signals::Signals;
 use crate::statistics::kept;
 use crate::stopwatch::Stopwatch;
@@ -157,7 +158,7 @@ pub fn walk_on(
     let upload = Some(clock.lap_ms());
     let build_ms = BuildReport { scene: Some(scene_ms), hierarchy: Some(hierarchy_ms), upload };
     if let Some(file) = &mut file {
-        file.notes.extend(renderer.degradations().texts());
+        file.notes.extend(degradations(&mut renderer, &options.shadows)?);
     }
     let (objects, triangles) = (scene.objects.len() as u64, scene.triangles());
     let scene_report =
@@ -229,6 +230,22 @@ fn upload(
         SceneChoice::File(file) => RunError::from(error).about(file),
         SceneChoice::Made(_) => error.into(),
     })
+}
+
+/// Returns what the renderer's scene loses with one of these ways to draw shadows, or with its own
+/// if there are none.
+fn degradations(
+    renderer: &mut Renderer,
+    shadows: &[ShadowChoice],
+) -> Result<Vec<String>, RunError> {
+    let mut texts = renderer.degradations().texts();
+    for choice in shadows {
+        renderer.set_shadows(choice.options())?;
+        let lost = renderer.degradations().texts();
+        let new: Vec<String> = lost.into_iter().filter(|text| !texts.contains(text)).collect();
+        texts.extend(new);
+    }
+    Ok(texts)
 }
 
 fn device_report(adapter: &Adapter) -> DeviceReport {

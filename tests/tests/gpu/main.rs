@@ -24,6 +24,7 @@ mod edge_on;
 mod environment;
 mod exactness;
 mod explain;
+mod far_away;
 mod flares;
 mod flat;
 mod frame_loop;

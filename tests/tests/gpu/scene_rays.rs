@@ -145,7 +145,7 @@ fn judge(device: &Device, scene: &Scene, rays: &SceneRays, light: PunctualLight)
     };
     let maps = ShadowOptions {
         filter: ShadowFilter::Single,
-        distance_m: 60.0,
+        distance_m: Some(60.0),
         sun_side: 2048,
         point_side: 1024,
         ..shadows()

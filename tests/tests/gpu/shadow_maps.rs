@@ -7,7 +7,8 @@ mod cascades;
 pub mod casters;
 pub mod culling;
 mod midpoints;
-mod raycast;
+mod one_sided;
+pub mod raycast;
 mod reach;
 
 use cull::Strategy;
@@ -24,7 +25,7 @@ pub const SIZE: [u32; 2] = [128, 96];
 pub fn shadows() -> ShadowOptions {
     ShadowOptions {
         method: ShadowMethod::Maps,
-        distance_m: 60.0,
+        distance_m: Some(60.0),
         sun_side: 256,
         spot_side: 256,
         point_side: 128,

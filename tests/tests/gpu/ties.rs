@@ -210,7 +210,7 @@ fn what_is_seen_through_holes_is_exact() {
 
 /// Returns the same scene with clouds of points and tangles of lines before, behind and in the
 /// walls: some turned, some mirrored, some flat.
-fn with_sprites(mut scene: Scene) -> Scene {
+pub fn with_sprites(mut scene: Scene) -> Scene {
     let mut state = 99_u32;
     let mut random = || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

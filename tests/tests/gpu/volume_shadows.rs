@@ -4,6 +4,7 @@
 mod changes;
 mod culling;
 mod devices;
+mod masked;
 mod masks;
 mod rays;
 

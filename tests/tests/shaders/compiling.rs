@@ -79,7 +79,7 @@ fn a_mistake_is_told_with_file_and_line() {
 #[test]
 fn a_mistake_in_an_include_is_told_with_its_own_file_and_line() {
     let copy = Copy::new("include");
-    copy.edit("instance.glsl", "vec4 p = vec4(position, 1.0);", "vec4 p = vec4(nowhere, 1.0);");
+    copy.edit("instance.glsl", "(origin - anchor)", "(nowhere - anchor)");
     let place = format!("instance.glsl:{}: error:", copy.line_of("instance.glsl", "nowhere"));
     let error = copy.error_of("opaque.vert");
     assert!(error.contains(&place) && error.contains("nowhere"), "{place} is not in {error}");

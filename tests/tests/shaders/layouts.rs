@@ -104,7 +104,7 @@ fn proxies_are_two_corners() {
 
 #[test]
 fn the_seen_pass_reads_instances_and_writes_a_value_per_leaf() {
-    assert_eq!(interface("seen.vert"), (vec![(0, 64, vec![0, 48])], 72));
+    assert_eq!(interface("seen.vert"), (vec![(0, 64, vec![0, 48])], 88));
     assert_eq!(interface("seen.frag"), (vec![(1, 4, vec![0])], 0));
 }
 
@@ -124,7 +124,7 @@ fn flags_are_values_and_leaf_boxes_enable_draws() {
 
 #[test]
 fn the_overlay_has_a_matrix_and_no_buffers() {
-    assert_eq!(interface("overlay.vert"), (vec![], 64));
+    assert_eq!(interface("overlay.vert"), (vec![], 80));
     assert_eq!(interface("overlay.frag"), (vec![], 0));
     assert_eq!(offset_of!(render::passes::OverlayVertex, colour), 12);
 }
@@ -221,12 +221,12 @@ fn scattering_knows_only_values() {
 fn surfaces_have_materials_transforms_lights_and_lists() {
     // Rows and tail; then four vectors of a material.
     let objects = vec![(0, 64, vec![0, 48]), (1, 64, vec![0, 16, 32, 48])];
-    assert_eq!(interface("surface.vert"), (objects.clone(), 120));
-    assert_eq!(interface("surface_depth.vert"), (objects, 120));
+    assert_eq!(interface("surface.vert"), (objects.clone(), 128));
+    assert_eq!(interface("surface_depth.vert"), (objects, 128));
     let transforms = (2, 32, vec![0, 16]);
     let lights = (3, 64, vec![0, 16, 32, 48, 60]);
-    assert_eq!(interface("surface.frag"), (vec![transforms.clone(), lights, (4, 4, vec![0])], 120));
-    let shadows = [(5, 16, vec![0, 4, 8, 12]), (6, 144, vec![0, 64, 80, 96, 112, 128])];
+    assert_eq!(interface("surface.frag"), (vec![transforms.clone(), lights, (4, 4, vec![0])], 128));
+    let shadows = [(5, 16, vec![0, 4, 8, 12]), (6, 160, vec![0, 64, 80, 96, 112, 128, 144])];
     let shadowed = interface("surface_shadowed.frag").0;
     assert_eq!(shadowed[..3], interface("surface.frag").0);
     assert_eq!(shadowed[3..], shadows);
@@ -256,12 +256,12 @@ fn textures_with_an_image_each_change_no_other_input() {
 #[test]
 fn volumes_are_extruded_alike_by_both_ways() {
     let instances = (0, 64, vec![0, 48]);
-    assert_eq!(interface("volume.vert"), (vec![instances.clone()], 124));
-    assert_eq!(interface("volume.geom"), (vec![], 124));
+    assert_eq!(interface("volume.vert"), (vec![instances.clone()], 128));
+    assert_eq!(interface("volume.geom"), (vec![], 128));
     let values = |binding| (binding, 4, vec![0]);
     let jobs = (3, 16, vec![0, 4, 8, 12]);
     let buffers = vec![instances, values(1), values(2), jobs, (4, 16, vec![0]), values(5)];
-    assert_eq!(interface("volume_extrude.comp"), (buffers, 124));
+    assert_eq!(interface("volume_extrude.comp"), (buffers, 128));
     assert_eq!(interface("volume_extruded.vert"), (vec![], 0));
     assert_eq!(interface("volume_mask.frag"), (vec![values(0)], 12));
 }

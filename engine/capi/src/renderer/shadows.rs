@@ -71,7 +71,7 @@ pub struct AntumbraShadowDesc {
     /// volumes of the masks of lights. 0 is 8.
     pub layers_max: u32,
     /// The distance from the eye to which the sun has shadows (metres), above 0 and below 1e6. 0 is
-    /// 200.
+    /// 200, and farther in scenes whose objects are larger than houses.
     pub distance: f32,
     /// The width of penumbras (metres), 0 to below 1e3. 0 is a hard edge.
     pub penumbra: f32,
@@ -116,7 +116,7 @@ impl AntumbraShadowDesc {
         let choices = [CasterCulling::Culled, CasterCulling::Unculled];
         let default = ShadowOptions::default();
         let given = |number: u32, default: u32| if number == 0 { default } else { number };
-        let distance_m = if self.distance == 0.0 { default.distance_m } else { self.distance };
+        let distance_m = (self.distance != 0.0).then_some(self.distance);
         let options = ShadowOptions {
             method: chosen("ANTUMBRA_SHADOWS_..", &ShadowMethod::ALL, self.method)?,
             filter: chosen("ANTUMBRA_SHADOW_FILTER_..", &filters, self.filter)?,

@@ -61,12 +61,12 @@ impl Frustum {
     pub const EVERYTHING: Self =
         Self { origin: Vec3::ZERO, coordinate: 0.0, planes: [NO_PLANE; PLANES] };
 
-    /// Creates the frustum of a matrix (to clip space with y down) from the depth that it gives and
-    /// the rays in it.
+    /// Creates the frustum of a matrix (to clip space with y down) of points relative to `anchor`,
+    /// from the depth that it gives and the rays in it.
     #[must_use]
-    pub fn new(view_proj: &Mat4, depth: DepthConvention, rays: &Rays) -> Self {
-        let Rows { x, y, z, w } = Rows::of(view_proj);
-        let origin = rays.origin.as_dvec3().extend(1.0);
+    pub fn new(from_anchor: &Mat4, anchor: Vec3, depth: DepthConvention, rays: &Rays) -> Self {
+        let Rows { x, y, z, w } = Rows::of(from_anchor);
+        let origin = (rays.origin.as_dvec3() - anchor.as_dvec3()).extend(1.0);
         let plane = |row: DVec4| {
             let length = row.truncate().length();
             let offset = -row.dot(origin) / length;

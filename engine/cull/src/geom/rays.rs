@@ -95,6 +95,16 @@ impl Rays {
         self.origin + self.middle * depth_m + aside * self.kind.w(depth_m)
     }
 
+    /// Returns the way along the ray under a place in normalised device coordinates, over one metre
+    /// of view depth.
+    #[must_use]
+    pub fn along(&self, ndc: Vec2) -> Vec3 {
+        match self.kind {
+            ProjectionKind::Perspective => self.middle + self.right * ndc.x + self.down * ndc.y,
+            ProjectionKind::Orthographic => self.middle,
+        }
+    }
+
     /// Returns the direction of sight towards a point, unit length; 0 at the eye itself.
     #[must_use]
     pub fn towards(&self, point: Vec3) -> Vec3 {

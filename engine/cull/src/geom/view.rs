@@ -1,6 +1,6 @@
 //! The view of one frame, derived from a camera or a host's matrix and the size of its image.
 
-use glam::{Mat4, Vec3, Vec4};
+use glam::{DMat4, DVec3, DVec4, Mat4, Vec2, Vec3, Vec4};
 
 use crate::geom::bounds::Aabb;
 use crate::geom::camera::{Camera, Projection};
@@ -12,8 +12,15 @@ use crate::geom::rays::{ProjectionKind, Rays};
 /// One frame's view: the matrix that draws and the volumes that cull, from the same numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// World to Vulkan clip space: y down, depth from 0 to 1. All shaders use it as it is.
+    /// World to Vulkan clip space: y down, depth from 0 to 1. Shaders of proxies and of hosts use
+    /// it as it is.
     pub view_proj: Mat4,
+    /// The point of the world that shaders of objects take positions relative to, near the eye
+    /// (metres): what is subtracted first loses nothing to large coordinates.
+    pub anchor: Vec3,
+    /// The same as [`View::view_proj`], for points relative to the anchor. Unless the view has an
+    /// [`Anchor`] of its own that is [`Rays::origin`], where clip x and y are 0.
+    pub from_anchor: Mat4,
     /// The direction in which depths grow.
     pub depth: DepthConvention,
     /// The rays through the image.
@@ -43,6 +50,19 @@ impl View {
     /// 1e-6 and 1e6 m, and the sides of an orthographic one's volume between 1e-6 and 1e9 m.
     #[must_use]
     pub fn new(camera: &Camera, size: [u32; 2], sub_pixel_bits: u32) -> Self {
+        Self::anchored(camera, None, size, sub_pixel_bits)
+    }
+
+    /// Derives a view like [`View::new`], with an anchor of its own if there is one. The eye lies
+    /// where that says, which far from the origin of the world need not be a place that single
+    /// precision has; the camera's eye is the nearest such place.
+    #[must_use]
+    pub fn anchored(
+        camera: &Camera,
+        anchor: Option<Anchor>,
+        size: [u32; 2],
+        sub_pixel_bits: u32,
+    ) -> Self {
         let [width, height] = size.map(|pixels| pixels.max(1));
         let aspect = width as f32 / height as f32;
         let eye = if camera.eye.is_finite() { camera.eye } else { Vec3::ZERO };
@@ -74,9 +94,15 @@ impl View {
             depth,
             coordinate: origin.abs().max_element(),
         };
-        let view_proj = projection(&rays, [half_height * aspect, half_height])
-            * world_to_eye(origin, right, up, forward);
-        Self::of(view_proj, DepthConvention::Reversed, rays, [width, height], sub_pixel_bits)
+        let projection = projection(&rays, [half_height * aspect, half_height]);
+        let Anchor { place, seen } = anchor.unwrap_or(Anchor { place: origin, seen: DVec3::ZERO });
+        let mut from_anchor = projection * world_to_eye(Vec3::ZERO, right, up, forward);
+        // In eye space the camera looks along -z.
+        let seen = DVec4::new(seen.x, seen.y, -seen.z, 1.0);
+        from_anchor.w_axis = (projection.as_dmat4() * seen).as_vec4();
+        let view_proj = projection * world_to_eye(origin, right, up, forward);
+        let matrices = Matrices { view_proj, anchor: place, from_anchor };
+        Self::of(matrices, DepthConvention::Reversed, rays, [width, height], sub_pixel_bits)
     }
 
     /// Derives the view of a host's matrix for an image of `size` pixels (at least 1) on a device
@@ -116,27 +142,66 @@ impl View {
     ) -> Result<Self, ViewError> {
         let size = size.map(|pixels| pixels.max(1));
         let rays = projection.rays()?;
-        Ok(Self::of(projection.downwards(), projection.depth, rays, size, sub_pixel_bits))
+        let view_proj = projection.downwards();
+        let from_anchor = from_origin(&view_proj, &rays);
+        let matrices = Matrices { view_proj, anchor: rays.origin, from_anchor };
+        Ok(Self::of(matrices, projection.depth, rays, size, sub_pixel_bits))
+    }
+
+    /// Returns the part of the view that a pixel (from the upper left) shows, as an image of one
+    /// pixel on the same device. Its anchor is that of the whole.
+    #[must_use]
+    pub fn of_pixel(&self, pixel: [u32; 2], sub_pixel_bits: u32) -> Self {
+        let size = self.size.map(|side| side.max(1) as f32);
+        let place = Vec2::from(pixel.map(|number| number as f32 + 0.5));
+        let middle = place / Vec2::from(size) * 2.0 - 1.0;
+        let enlarged = Mat4::from_scale(Vec3::new(size[0], size[1], 1.0))
+            * Mat4::from_translation((-middle).extend(0.0));
+        let whole = &self.rays;
+        let rays = Rays {
+            origin: whole.point(middle, 0.0),
+            middle: whole.along(middle),
+            right: whole.right / size[0],
+            down: whole.down / size[1],
+            ..*whole
+        };
+        let matrices = Matrices {
+            view_proj: enlarged * self.view_proj,
+            anchor: self.anchor,
+            from_anchor: enlarged * self.from_anchor,
+        };
+        Self::of(matrices, self.depth, rays, [1, 1], sub_pixel_bits)
     }
 
     fn of(
-        view_proj: Mat4,
+        matrices: Matrices,
         depth: DepthConvention,
         rays: Rays,
         size: [u32; 2],
         sub_pixel_bits: u32,
     ) -> Self {
+        let Matrices { view_proj, anchor, from_anchor } = matrices;
         let steps_per_pixel = 2.0_f32.powi(sub_pixel_bits.min(24) as i32);
         Self {
             view_proj,
+            anchor,
+            from_anchor,
             depth,
             rays,
             size,
             origin: [0, 0],
             snap_steps: size.map(|side| side as f32 * 0.5 * steps_per_pixel),
-            frustum: Frustum::new(&view_proj, depth, &rays),
+            frustum: Frustum::new(&from_anchor, anchor, depth, &rays),
             margin: Margin::new(&rays, size, sub_pixel_bits),
         }
+    }
+
+    /// Returns the clip coordinates of a point (metres), as exact far from the origin of the world
+    /// as near it.
+    #[must_use]
+    pub fn clip(&self, point: Vec3) -> DVec4 {
+        let from_anchor = point.as_dvec3() - self.anchor.as_dvec3();
+        self.from_anchor.as_dmat4() * from_anchor.extend(1.0)
     }
 
     /// Returns the matrix that proxies are drawn with: [`View::view_proj`], but for depths that are
@@ -195,6 +260,36 @@ fn world_to_eye(eye: Vec3, right: Vec3, up: Vec3, forward: Vec3) -> Mat4 {
     let rotation =
         Mat4::from_cols(right.extend(0.0), up.extend(0.0), back.extend(0.0), Vec4::W).transpose();
     rotation * Mat4::from_translation(-eye)
+}
+
+/// An anchor of a view that is not its eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Anchor {
+    /// The point of the world (metres).
+    pub place: Vec3,
+    /// The same as the eye sees it: to the right, up and ahead of it (metres); in an orthographic
+    /// view of the middle of the near plane.
+    pub seen: DVec3,
+}
+
+/// A view's matrices: of points in the world, and of points relative to the anchor.
+#[derive(Clone, Copy)]
+struct Matrices {
+    view_proj: Mat4,
+    anchor: Vec3,
+    from_anchor: Mat4,
+}
+
+/// Returns a host's matrix for points relative to the origin of its rays, where clip x and y are 0,
+/// and in perspective w is.
+fn from_origin(view_proj: &Mat4, rays: &Rays) -> Mat4 {
+    let moved = view_proj.as_dmat4() * DMat4::from_translation(rays.origin.as_dvec3());
+    let w = match rays.kind {
+        ProjectionKind::Perspective => 0.0,
+        ProjectionKind::Orthographic => moved.w_axis.w,
+    };
+    let w_axis = DVec4::new(0.0, 0.0, moved.w_axis.z, w);
+    DMat4::from_cols(moved.x_axis, moved.y_axis, moved.z_axis, w_axis).as_mat4()
 }
 
 /// Returns the projection of a camera's rays, y down.

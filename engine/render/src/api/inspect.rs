@@ -1,16 +1,23 @@
 //! Calls that inspect a renderer.
 
+use ::shadows::ShadowMethod;
+
 use crate::debug::sample_counts::{COUNTING, check_counts};
 use crate::error::Error;
 use crate::renderer::Renderer;
 use crate::shading::scene_degradations::SceneDegradations;
 
 impl Renderer {
-    /// Returns the parts of the scene that are shown in a degraded form; for still parts it is
-    /// known from the beginning.
+    /// Returns the parts of the scene that are shown in a degraded form, with shadows as they are
+    /// drawn now; for still parts it is known from the beginning.
     pub fn degradations(&self) -> SceneDegradations {
-        let surfaces = self.passes.geometry.surfaces.as_ref();
-        surfaces.map(|surfaces| surfaces.degradations()).unwrap_or_default()
+        let geometry = &self.passes.geometry;
+        let Some(surfaces) = &geometry.surfaces else { return SceneDegradations::default() };
+        let unshadowed_objects = match self.shadows().method {
+            ShadowMethod::Volumes => geometry.masked_objects(),
+            ShadowMethod::Off | ShadowMethod::Maps => 0,
+        };
+        SceneDegradations { unshadowed_objects, ..surfaces.degradations() }
     }
 }
 

@@ -1,11 +1,8 @@
 //! Finds the object that owns a pixel, without a wait: a frame of that one pixel is drawn, and read
 //! when it is over.
 
-use cull::{
-    Camera, ClipY, FrameId, LeafExplanation, LeafIndex, LeafRange, ObjectId, Outcome, View,
-    ViewProjection,
-};
-use glam::{Mat4, Vec2, Vec3};
+use cull::{Camera, FrameId, LeafExplanation, LeafIndex, LeafRange, ObjectId, Outcome, View};
+use glam::Vec2;
 use gpu::{Optional, Tick};
 
 use crate::debug::pick::Pick;
@@ -29,14 +26,14 @@ impl Renderer {
         let view = self.view_of(camera);
         let ndc = middle_of(pixel, view.size);
         let origin = view.rays.point(ndc, 0.0);
-        let ray = view.rays.point(ndc, 1.0) - origin;
+        let ray = view.rays.along(ndc);
         let objects = self.hierarchy.leaf_objects();
         let met = self.hierarchy.leaves_along(origin, ray).into_iter();
         let met = met.filter_map(|(_, leaf)| Some((leaf, *objects.get(leaf.0 as usize)?)));
         let candidates: Vec<(LeafIndex, ObjectId)> = met.collect();
         let can_test = self.device.capabilities().has(Optional::FragmentStores);
         let tick = match can_test && !candidates.is_empty() {
-            true => self.submit_pick(&view, ndc, &candidates)?,
+            true => self.submit_pick(&view, pixel, &candidates)?,
             false => None,
         };
         Ok(Pick { tick, candidates, renderer: self.id })
@@ -45,19 +42,12 @@ impl Renderer {
     fn submit_pick(
         &mut self,
         view: &View,
-        ndc: Vec2,
+        pixel: [u32; 2],
         candidates: &[(LeafIndex, ObjectId)],
     ) -> Result<Option<Tick>, Error> {
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        let [width, height] = view.size.map(|side| side as f32);
-        // An image of the pixel alone is an off-centre part of the whole.
-        let enlarged = Mat4::from_scale(Vec3::new(width, height, 1.0))
-            * Mat4::from_translation((-ndc).extend(0.0));
-        let matrix = enlarged * view.view_proj;
-        let of_pixel = ViewProjection { matrix, depth: view.depth, y: ClipY::Down };
-        let Ok(one_pixel) = View::from_matrix(&of_pixel, [1, 1], bits) else { return Ok(None) };
         let leaves: Vec<LeafIndex> = candidates.iter().map(|(leaf, _)| *leaf).collect();
-        self.submit_seen(&one_pixel, &leaves).map(Some)
+        self.submit_seen(&view.of_pixel(pixel, bits), &leaves).map(Some)
     }
 
     /// Returns the object that was found; `Some(None)` if there is none, `None` while that is not

@@ -96,7 +96,7 @@ impl SeenLight {
         if !(front_m > rays.near && front_m > 0.0) {
             return None;
         }
-        let clip = view.view_proj * point.extend(1.0);
+        let clip = view.clip(point).as_vec4();
         let [constant, scaled] = rays.depth;
         let depth = match rays.kind {
             ProjectionKind::Perspective => constant + scaled / front_m,

@@ -2,18 +2,24 @@
 
 use ::shadows::ShadowBias;
 use cull::View;
-use gpu::{BufferSlice, Commands, DepthLayers, Device, vk};
+use gpu::{
+    BufferSlice, Commands, DepthLayers, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    StorageLayout, vk,
+};
 use occlusion::{Error, ShaderSet};
 use scene::Light;
 
-use crate::passes::{MidpointPass, OpaqueIo, OpaquePass, SurfaceIo, SurfaceKind, SurfacePass};
+use crate::passes::opaque::POSITIONS;
+use crate::passes::seen::SeenConstants;
+use crate::passes::{MidpointPass, SurfaceIo, SurfaceKind, SurfacePass};
+use crate::resources::instance::Instance;
 use crate::shading::surfaces::SurfaceResources;
 
 /// The pass that draws casters of shadows to [`DepthLayers`], nearest depths
 /// first: with the holes of masked materials where there are any.
 pub enum CasterPass {
     /// Without holes.
-    Whole(OpaquePass),
+    Whole(WholeCasters),
     /// With the holes of masked materials.
     Masked(SurfacePass),
 }
@@ -31,12 +37,27 @@ pub struct CasterIo<'a> {
     pub surfaces: &'a SurfaceResources,
 }
 
-impl CasterIo<'_> {
-    fn opaque(&self) -> OpaqueIo {
-        let Self { vertices, indices, instances, .. } = *self;
-        OpaqueIo { vertices, indices, instances }
-    }
+/// The pass that draws casters without holes, of which it needs positions alone.
+pub struct WholeCasters {
+    pipeline: GraphicsPipeline,
+}
 
+impl WholeCasters {
+    fn new(device: &Device, shaders: &ShaderSet, side: CasterSide) -> Result<Self, Error> {
+        let info = GraphicsPipelineInfo {
+            vertices: POSITIONS,
+            storage: StorageLayout::new::<SeenConstants>(1),
+            cull: side.culled_faces(),
+            depth: DepthMode::TestAndWrite,
+            attachments: DepthLayers::attachments(),
+            ..GraphicsPipelineInfo::of(side.name(), shaders.find("seen.vert")?)
+                .numbered::<Instance>()
+        };
+        Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
+    }
+}
+
+impl CasterIo<'_> {
     fn surface(&self) -> SurfaceIo<'_> {
         let Self { vertices, indices, instances, surfaces } = *self;
         SurfaceIo { vertices, indices, instances, surfaces, shadows: None }
@@ -46,6 +67,8 @@ impl CasterIo<'_> {
 /// The side of casters that is drawn, as a light sees them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CasterSide {
+    /// All triangles: a wall stops light whichever side it shows.
+    Both,
     /// Triangles that face the light.
     Fronts,
     /// Triangles that face away from it.
@@ -56,6 +79,7 @@ impl CasterSide {
     /// Returns the faces of triangles that are left out.
     pub(super) fn culled_faces(self) -> vk::CullModeFlags {
         match self {
+            Self::Both => vk::CullModeFlags::NONE,
             Self::Fronts => vk::CullModeFlags::BACK,
             Self::Backs => vk::CullModeFlags::FRONT,
         }
@@ -63,14 +87,16 @@ impl CasterSide {
 
     pub(super) fn name(self) -> &'static str {
         match self {
-            Self::Fronts => "casters",
+            Self::Both => "casters",
+            Self::Fronts => "fronts of casters",
             Self::Backs => "backs of casters",
         }
     }
 
     pub(super) fn name_masked(self) -> &'static str {
         match self {
-            Self::Fronts => "masked casters",
+            Self::Both => "masked casters",
+            Self::Fronts => "fronts of masked casters",
             Self::Backs => "backs of masked casters",
         }
     }
@@ -97,7 +123,7 @@ impl MapPasses {
     ) -> Result<Self, Error> {
         let casters = |side| CasterPass::new(device, shaders, surfaces, side);
         let (side, midpoints) = match bias {
-            ShadowBias::Plane => (CasterSide::Fronts, None),
+            ShadowBias::Plane => (CasterSide::Both, None),
             ShadowBias::BackFaces => (CasterSide::Backs, None),
             ShadowBias::Midpoint => {
                 let backs = casters(CasterSide::Backs)?;
@@ -125,25 +151,31 @@ impl CasterPass {
                 let shaders = (shaders, DepthLayers::attachments());
                 Self::Masked(SurfacePass::new(device, shaders, kind, surfaces, None)?)
             }
-            false => Self::Whole(OpaquePass::casters(device, shaders, side)?),
+            false => Self::Whole(WholeCasters::new(device, shaders, side)?),
         })
     }
 
     /// Binds everything but the view.
     pub fn bind(&self, commands: &Commands, io: &CasterIo<'_>) {
         match self {
-            Self::Whole(pass) => pass.bind_inputs(commands, &io.opaque()),
+            Self::Whole(WholeCasters { pipeline }) => {
+                commands.bind(pipeline, &[io.instances]);
+                commands.bind_geometry(io.vertices, Some(io.indices));
+            }
             Self::Masked(pass) => pass.bind_inputs(commands, &io.surface()),
         }
     }
 
     /// Sets the light's view of a map; the caller then records draws.
     pub fn set_view(&self, commands: &Commands, io: &CasterIo<'_>, view: &View) {
-        // Neither of the two shades anything here.
-        let light = Light::afternoon();
         match self {
-            Self::Whole(pass) => pass.set_view(commands, view, &light),
-            Self::Masked(pass) => pass.set_view(commands, &io.surface(), view, &light),
+            Self::Whole(WholeCasters { pipeline }) => {
+                commands.push_constants(pipeline, &SeenConstants::of(view));
+            }
+            // Nothing is shaded.
+            Self::Masked(pass) => {
+                pass.set_view(commands, &io.surface(), view, &Light::afternoon());
+            }
         }
     }
 }

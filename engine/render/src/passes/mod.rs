@@ -17,7 +17,7 @@ mod volume_extruder;
 mod volumes;
 
 pub(crate) use caster::MapPasses;
-pub use caster::{CasterIo, CasterPass, CasterSide};
+pub use caster::{CasterIo, CasterPass, CasterSide, WholeCasters};
 pub(crate) use count::CountPass;
 pub(crate) use flare::{FlareBlockIo, FlarePass, VEIL_LEVELS};
 pub use flare::{FlareBlockRow, FlareShape, FlareSprite};

@@ -3,12 +3,11 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Attachments, Blend, BufferSlice, Commands, DepthLayers, DepthMode, Device, GraphicsPipeline,
+    Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
     GraphicsPipelineInfo, Polygon, StorageLayout, VertexLayout, vk,
 };
 use scene::{Light, Vertex};
 
-use crate::passes::caster::CasterSide;
 use crate::resources::instance::Instance;
 use occlusion::{Error, ShaderSet};
 
@@ -24,7 +23,6 @@ enum Kind {
     Depth,
     Colour,
     Wireframe,
-    Casters(CasterSide),
 }
 
 /// The buffers of the pass: reads vertices, indices and instances; writes the colour and depth that
@@ -42,7 +40,8 @@ pub struct OpaqueIo {
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Constants {
-    view_proj: [f32; 16],
+    /// See [`anchored`].
+    anchored: [f32; 16],
     towards_sun: [f32; 4],
     sun: [f32; 4],
     ambient_above: [f32; 4],
@@ -50,6 +49,15 @@ struct Constants {
 }
 
 const _: () = assert!(size_of::<Constants>() == 128);
+
+/// Returns a whole image's matrix of places relative to the anchor, with the anchor itself in its
+/// last column, where clip x and y are 0: three columns; then the anchor, and clip z there. Clip w
+/// there is sent apart.
+pub(super) fn anchored(view: &View) -> [f32; 16] {
+    let mut matrix = view.from_anchor;
+    matrix.w_axis = view.anchor.extend(matrix.w_axis.z);
+    matrix.to_cols_array()
+}
 
 /// The positions of [`Vertex`]es, for passes that need nothing else of them.
 pub(super) const POSITIONS: VertexLayout<'static> = VertexLayout {
@@ -108,14 +116,6 @@ impl OpaquePass {
         Self::of_kind(device, shaders, attachments, Kind::Wireframe)
     }
 
-    /// Compiles a pass that draws casters of shadows to [`DepthLayers`].
-    ///
-    /// # Errors
-    /// A failed call.
-    pub fn casters(device: &Device, shaders: &ShaderSet, side: CasterSide) -> Result<Self, Error> {
-        Self::of_kind(device, shaders, DepthLayers::attachments(), Kind::Casters(side))
-    }
-
     fn of_kind(
         device: &Device,
         shaders: &ShaderSet,
@@ -133,11 +133,6 @@ impl OpaquePass {
                 DepthMode::TestOnly,
                 Blend::Opaque,
             ),
-            Kind::Casters(side) => (side.name(), None, DepthMode::TestAndWrite, Blend::NoColour),
-        };
-        let cull = match kind {
-            Kind::Casters(side) => side.culled_faces(),
-            _ => vk::CullModeFlags::BACK,
         };
         let polygon = if kind == Kind::Wireframe { Polygon::Wireframe } else { Polygon::Filled };
         let vertex = shaders.find("opaque.vert")?;
@@ -155,7 +150,7 @@ impl OpaquePass {
                 },
                 storage: StorageLayout::new::<Constants>(1),
                 polygon,
-                cull,
+                cull: vk::CullModeFlags::BACK,
                 depth,
                 blend,
                 attachments,
@@ -171,23 +166,21 @@ impl OpaquePass {
         self.set_view(commands, view, light);
     }
 
-    /// Binds everything but the view.
-    pub(super) fn bind_inputs(&self, commands: &Commands, io: &OpaqueIo) {
+    fn bind_inputs(&self, commands: &Commands, io: &OpaqueIo) {
         commands.bind(&self.pipeline, &[io.instances]);
         commands.bind_geometry(io.vertices, Some(io.indices));
     }
 
-    /// Sets the view of the draws that follow.
-    pub(super) fn set_view(&self, commands: &Commands, view: &View, light: &Light) {
+    fn set_view(&self, commands: &Commands, view: &View, light: &Light) {
         let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
         let [steps_across, steps_up] = view.snap_steps;
         commands.push_constants(
             &self.pipeline,
             &Constants {
-                view_proj: view.view_proj.to_cols_array(),
+                anchored: anchored(view),
                 towards_sun: with(light.towards_sun.normalize_or_zero().to_array(), steps_across),
                 sun: with(light.sun, steps_up),
-                ambient_above: with(light.ambient_above, 0.0),
+                ambient_above: with(light.ambient_above, view.from_anchor.w_axis.w),
                 ambient_below: with(light.ambient_below, 0.0),
             },
         );

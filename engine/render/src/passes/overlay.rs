@@ -41,10 +41,11 @@ pub struct OverlayVertex {
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Constants {
-    view_proj: [f32; 16],
+    from_anchor: [f32; 16],
+    anchor: [f32; 4],
 }
 
-const _: () = assert!(size_of::<Constants>() == 64);
+const _: () = assert!(size_of::<Constants>() == 80);
 
 impl OverlayPass {
     /// Compiles the pass for renderings to `attachments`.
@@ -90,7 +91,10 @@ impl OverlayPass {
 
     /// Draws the triangles in their order, then the lines.
     pub fn record(&self, commands: &Commands, io: &OverlayIo, view: &View) {
-        let constants = Constants { view_proj: view.view_proj.to_cols_array() };
+        let constants = Constants {
+            from_anchor: view.from_anchor.to_cols_array(),
+            anchor: view.anchor.extend(0.0).to_array(),
+        };
         for (pipeline, (vertices, count)) in [
             (&self.triangles, io.triangles),
             (&self.lines, io.lines),

@@ -32,15 +32,20 @@ pub struct SeenIo {
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct SeenConstants {
-    view_proj: [f32; 16],
+    from_anchor: [f32; 16],
+    anchor: [f32; 4],
     snap_steps: [f32; 2],
 }
 
-const _: () = assert!(size_of::<SeenConstants>() == 72);
+const _: () = assert!(size_of::<SeenConstants>() == 88);
 
 impl SeenConstants {
     pub(super) fn of(view: &View) -> Self {
-        Self { view_proj: view.view_proj.to_cols_array(), snap_steps: view.snap_steps }
+        Self {
+            from_anchor: view.from_anchor.to_cols_array(),
+            anchor: view.anchor.extend(0.0).to_array(),
+            snap_steps: view.snap_steps,
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use ::shadows::ShadowFilter;
 use bytemuck::{Pod, Zeroable};
-use cull::View;
+use cull::{ProjectionKind, View};
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
     GraphicsPipelineInfo, SampledArrays, StorageLayout, VertexLayout, vk,
@@ -118,15 +118,16 @@ pub struct SurfaceIo<'a> {
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Constants {
-    view_proj: [f32; 16],
-    eye: [f32; 4],
+    from_anchor: [f32; 16],
+    anchor: [f32; 3],
+    exposure: f32,
+    towards_eye: [f32; 3],
+    shadow_view: u32,
     ambient_above: [f32; 4],
     ambient_below: [f32; 4],
-    exposure: f32,
-    shadow_view: u32,
 }
 
-const _: () = assert!(size_of::<Constants>() == 120);
+const _: () = assert!(size_of::<Constants>() == 128);
 
 /// The specialisation constant of `surface_constants.glsl` that selects a filter.
 const SHADOW_FILTER: u32 = 14;
@@ -298,15 +299,19 @@ impl SurfacePass {
         commands.push_constants(
             &self.pipeline,
             &Constants {
-                view_proj: view.view_proj.to_cols_array(),
-                eye: view.rays.eye().to_array(),
-                ambient_above: with(light.ambient_above, steps_across),
-                ambient_below: with(light.ambient_below, steps_up),
+                from_anchor: view.from_anchor.to_cols_array(),
+                anchor: view.anchor.to_array(),
                 exposure: io.surfaces.exposure(),
+                towards_eye: match view.rays.kind {
+                    ProjectionKind::Perspective => [0.0; 3],
+                    ProjectionKind::Orthographic => (-view.rays.middle).to_array(),
+                },
                 shadow_view: match &io.shadows {
                     Some(ShadowIo::Maps(maps)) => maps.view,
                     Some(ShadowIo::Mask(_)) | None => 0,
                 },
+                ambient_above: with(light.ambient_above, steps_across),
+                ambient_below: with(light.ambient_below, steps_up),
             },
         );
     }

@@ -5,6 +5,8 @@ use cull::{ProjectionKind, View};
 use glam::Vec4;
 use shadows::{Caps, VolumeCounting, VolumeEnd, VolumeKind};
 
+use crate::passes::opaque::anchored;
+
 /// Casters that are drawn alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VolumeGroup {
@@ -35,7 +37,8 @@ impl VolumeGroup {
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct VolumeConstants {
-    view_proj: [f32; 16],
+    /// See [`anchored`].
+    anchored: [f32; 16],
     light: [f32; 4],
     end: [f32; 4],
     steps: [f32; 2],
@@ -43,9 +46,10 @@ pub(super) struct VolumeConstants {
     is_robust: u32,
     caps: u32,
     far_w: f32,
+    anchor_w: f32,
 }
 
-const _: () = assert!(size_of::<VolumeConstants>() == 124);
+const _: () = assert!(size_of::<VolumeConstants>() == 128);
 
 /// The part of a pixel's height, at its distance, by which a near cap is farther than the surface
 /// that it is made of: drivers may round the corners of a surface that they clip to so much.
@@ -59,10 +63,11 @@ impl VolumeConstants {
         VolumeGroup { counting, kind, end }: VolumeGroup,
     ) -> Self {
         let end = ends.get(end).copied().unwrap_or(VolumeEnd::INFINITY);
+        let light = light - light.w * view.anchor.extend(0.0);
         Self {
-            view_proj: view.view_proj.to_cols_array(),
+            anchored: anchored(view),
             light: light.to_array(),
-            end: end.along.to_array(),
+            end: end.along_from(view.anchor).to_array(),
             steps: view.snap_steps,
             is_robust: u32::from(kind == VolumeKind::Robust),
             caps: match counting.caps(kind) {
@@ -71,6 +76,7 @@ impl VolumeConstants {
                 Caps::Both => 2,
             },
             far_w: end.w,
+            anchor_w: view.from_anchor.w_axis.w,
             cap_depth: cap_depth(view),
         }
     }

@@ -276,6 +276,13 @@ impl Geometry {
         self.surfaces.as_ref().is_some_and(|surfaces| surfaces.casts_volumes(mesh))
     }
 
+    /// Returns the number of objects whose material is masked.
+    pub(crate) fn masked_objects(&self) -> usize {
+        let Some(surfaces) = &self.surfaces else { return 0 };
+        let meshes = self.object_meshes.iter().filter(|mesh| **mesh != NO_MESH);
+        meshes.filter(|mesh| surfaces.has_holes(MeshId(**mesh))).count()
+    }
+
     /// Returns the draw of an object and its triangles, if it casts shadow volumes: in the level of
     /// detail that is drawn, since the surfaces of another would lie in their own shadow.
     pub(crate) fn volume_draw(&self, object: ObjectId) -> Option<(IndirectDraw, &VolumeDraw)> {

@@ -15,6 +15,9 @@ pub struct SceneDegradations {
     /// shine; and those whose range is not above 0, which shine as if they had none. The present
     /// number.
     pub broken_lights: usize,
+    /// Objects of masked materials, which cast no shadow since a stencil knows no holes: with
+    /// shadow volumes. The present number.
+    pub unshadowed_objects: usize,
     /// Images that lose sharpness, since the device or the memory for textures holds no larger
     /// ones.
     pub shrunk_images: usize,
@@ -36,7 +39,7 @@ impl SceneDegradations {
     /// Returns a sentence for each, for people.
     #[must_use]
     pub fn texts(&self) -> Vec<String> {
-        let Self { crowded_objects, dark_suns, broken_lights, .. } = *self;
+        let Self { crowded_objects, dark_suns, broken_lights, unshadowed_objects, .. } = *self;
         let Self { shrunk_images, unpacked_images, borrowed_samplers, textures, .. } = *self;
         let shrunk_by = match textures {
             TextureStorage::Images => "they are larger than the device takes".to_owned(),
@@ -58,6 +61,16 @@ impl SceneDegradations {
             (broken_lights > 0).then(|| {
                 format!(
                     "{broken_lights} lights have a number that is not finite, no direction, or a range that is not above 0: they are dark, or shine without a range"
+                )
+            }),
+            (unshadowed_objects > 0).then(|| {
+                let cast = if unshadowed_objects == 1 {
+                    "object of a masked material casts"
+                } else {
+                    "objects of masked materials cast"
+                };
+                format!(
+                    "{unshadowed_objects} {cast} no shadow: shadow volumes know no holes, shadow maps do"
                 )
             }),
             (shrunk_images > 0).then(|| {
@@ -102,18 +115,19 @@ mod tests {
             crowded_objects: 5,
             dark_suns: 6,
             broken_lights: 4,
+            unshadowed_objects: 2,
             shrunk_images: 7,
             enlarged_images: 8,
             unpacked_images: 3,
             borrowed_samplers: 9,
             textures: TextureStorage::Pages,
         };
-        for (text, number) in all.texts().iter().zip([5, 6, 4, 7, 3, 9]) {
+        for (text, number) in all.texts().iter().zip([5, 6, 4, 2, 7, 3, 9]) {
             assert!(text.starts_with(&number.to_string()), "{text}");
         }
-        assert_eq!(all.texts().len(), 6);
-        assert!(all.texts()[3].contains("texture pages"), "{}", all.texts()[3]);
+        assert_eq!(all.texts().len(), 7);
+        assert!(all.texts()[4].contains("texture pages"), "{}", all.texts()[4]);
         let own = SceneDegradations { textures: TextureStorage::Images, ..all }.texts();
-        assert!(!own[3].contains("pages"), "{}", own[3]);
+        assert!(!own[4].contains("pages"), "{}", own[4]);
     }
 }

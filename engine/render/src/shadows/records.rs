@@ -81,27 +81,30 @@ pub(super) struct LightRecord {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(super) struct FaceRecord {
-    view_proj: [f32; 16],
-    /// Three columns of the inverse: they take planes of the world to those of clip space.
+    /// Of places relative to its anchor.
+    from_anchor: [f32; 16],
+    /// Three columns of the inverse: they take planes around the anchor to those of clip space.
     planes: [[f32; 4]; 3],
     /// Origin and side in texels, layer.
     tile: [f32; 4],
     depth: [f32; 4],
+    anchor: [f32; 4],
 }
 
 const _: () = assert!(size_of::<LightRecord>() == 16);
-const _: () = assert!(size_of::<FaceRecord>() == 144);
+const _: () = assert!(size_of::<FaceRecord>() == 160);
 
 impl FaceRecord {
     pub(super) fn of(planned: &PlannedFace) -> Self {
         let PlannedFace { face: Face { view, .. }, tile, .. } = planned;
-        let inverse = view.view_proj.as_dmat4().inverse().as_mat4();
+        let inverse = view.from_anchor.as_dmat4().inverse().as_mat4();
         let [x, y] = tile.origin.map(|texel| texel as f32);
         Self {
-            view_proj: view.view_proj.to_cols_array(),
+            from_anchor: view.from_anchor.to_cols_array(),
             planes: [0, 1, 2].map(|column| inverse.col(column).to_array()),
             tile: [x, y, tile.side as f32, tile.layer as f32],
             depth: depth_of(view),
+            anchor: view.anchor.extend(0.0).to_array(),
         }
     }
 }

@@ -7,7 +7,7 @@
 //! its end.
 
 use cull::{Aabb, ProjectionKind, Rays, View};
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, DVec4, Vec2, Vec3, Vec4};
 
 use super::counting::NearSpan;
 
@@ -28,7 +28,7 @@ const NEAREST_CASTER_M: f32 = 1e-3;
 
 /// The least share that the way to a caster may be of the way to the plane that its volumes end at:
 /// rounding grows as the share gets smaller.
-const LEAST_SHARE: f32 = 0.05;
+const LEAST_SHARE: f64 = 0.05;
 
 /// The far end of shadow volumes: the place of the point behind each corner.
 ///
@@ -36,15 +36,16 @@ const LEAST_SHARE: f32 = 0.05;
 /// the light in homogeneous coordinates. Under a lamp `w` is 1 less the factor of `l`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeEnd {
-    /// The factor by which the light is taken off, as a linear function of the corner.
-    pub along: Vec4,
+    /// The factor by which the light is taken off, as a linear function of the corner. Far from the
+    /// origin of the world its terms are large and cancel.
+    pub along: DVec4,
     /// The own w of a sun's points: 0 for infinity.
     pub w: f32,
 }
 
 impl VolumeEnd {
     /// Infinity.
-    pub const INFINITY: Self = Self { along: Vec4::W, w: 0.0 };
+    pub const INFINITY: Self = Self { along: DVec4::W, w: 0.0 };
 
     /// Returns the ends that volumes under a light may have in a view of `receivers`, which lie
     /// before them all. Each caster takes its [nearest](VolumeEnd::nearest).
@@ -68,7 +69,7 @@ impl VolumeEnd {
         }
         let span = NearSpan::points_of(&view.rays);
         let is_before = |end: &Self| span.iter().all(|point| end.factor(*point) > 0.0);
-        let around = Self::around(receivers);
+        let around = Self::around(receivers, view.anchor);
         if light.w > 0.0 {
             let sides = Self::beside(&around, light.truncate()).filter(is_before);
             return sides.chain([Self::INFINITY]).collect();
@@ -82,8 +83,8 @@ impl VolumeEnd {
     #[must_use]
     pub fn nearest(ends: &[Self], bounds: &Aabb) -> usize {
         let least_share = |end: &Self| {
-            let most =
-                end.factor(bounds.centre()) + end.along.truncate().abs().dot(bounds.half_extent());
+            let half_extent = bounds.half_extent().as_dvec3();
+            let most = end.factor(bounds.centre()) + end.along.truncate().abs().dot(half_extent);
             let share = 1.0 - most;
             if share >= LEAST_SHARE { share } else { 0.0 }
         };
@@ -95,50 +96,60 @@ impl VolumeEnd {
     /// Returns the point behind a corner, in homogeneous coordinates.
     #[must_use]
     pub fn behind(&self, corner: Vec3, light: Vec4) -> Vec4 {
-        let kept = light.w.max(self.w) * corner;
         let factor = self.factor(corner).max(0.0);
-        let w = if light.w > 0.0 { 1.0 - factor } else { self.w };
-        (kept - factor * light.truncate()).extend(w)
+        let kept = f64::from(light.w.max(self.w)) * corner.as_dvec3();
+        let w = if light.w > 0.0 { 1.0 - factor } else { f64::from(self.w) };
+        (kept - factor * light.truncate().as_dvec3()).extend(w).as_vec4()
+    }
+
+    /// Returns the factor as a function of corners relative to a point (metres).
+    #[must_use]
+    pub fn along_from(&self, anchor: Vec3) -> Vec4 {
+        let of_anchor = self.along.dot(anchor.as_dvec3().extend(1.0));
+        self.along.truncate().extend(of_anchor).as_vec4()
     }
 
     /// Returns the factor by which the light is taken off a corner; under a sun in metres.
-    fn factor(&self, corner: Vec3) -> f32 {
-        self.along.dot(corner.extend(1.0))
+    fn factor(&self, corner: Vec3) -> f64 {
+        self.along.dot(corner.as_dvec3().extend(1.0))
     }
 
-    /// Returns the box whose sides volumes may end at.
-    fn around(receivers: &Aabb) -> Aabb {
+    /// Returns the box whose sides volumes may end at, as seen from the anchor that vertices are
+    /// drawn around.
+    fn around(receivers: &Aabb, anchor: Vec3) -> Aabb {
         let [least, share] = MARGIN;
-        let size_m = receivers.half_extent().length() + receivers.largest_coordinate();
+        let from_anchor = Aabb::new(receivers.min - anchor, receivers.max - anchor);
+        let size_m = receivers.half_extent().length() + from_anchor.largest_coordinate();
         receivers.enlarged(least + share * size_m)
     }
 
     /// Returns the sides of a box that a lamp is before.
     fn beside(around: &Aabb, position: Vec3) -> impl Iterator<Item = Self> {
         let sides = [around.min, around.max].into_iter().flat_map(move |corner| {
-            [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| (axis, axis.dot(corner)))
+            [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| (axis, axis.dot(corner.as_dvec3())))
         });
-        let centre = around.centre();
+        let (centre, position) = (around.centre().as_dvec3(), position.as_dvec3());
         sides.filter_map(move |(axis, side)| {
             let way = side - axis.dot(position);
             let outwards = side - axis.dot(centre);
             // The share of the way grows from 0 at the lamp to 1 at the side.
             let share = (axis / way).extend(-axis.dot(position) / way);
-            (way * outwards > 0.0).then_some(Self { along: Vec4::W - share, w: 1.0 })
+            (way * outwards > 0.0).then_some(Self { along: DVec4::W - share, w: 1.0 })
         })
     }
 
     /// Returns the side of a box, and beyond, that rays of a sun from anywhere in it meet first.
     fn beyond(around: &Aabb, towards: Vec3) -> Self {
-        let (extent, slope) = (around.half_extent(), towards.abs());
+        let (extent, towards) = (around.half_extent().as_dvec3(), towards.as_dvec3());
+        let slope = towards.abs();
         let steps = extent / slope;
         let axis = match steps.min_element() {
-            least if steps.x == least => Vec3::X,
-            least if steps.y == least => Vec3::Y,
-            _ => Vec3::Z,
+            least if steps.x == least => DVec3::X,
+            least if steps.y == least => DVec3::Y,
+            _ => DVec3::Z,
         };
         let speed = axis.dot(towards);
-        let last = axis.dot(around.centre()) - speed.signum() * axis.dot(extent);
+        let last = axis.dot(around.centre().as_dvec3()) - speed.signum() * axis.dot(extent);
         Self { along: (axis / speed).extend(-last / speed), w: 1.0 }
     }
 
@@ -149,10 +160,10 @@ impl VolumeEnd {
         let size_m = length_m + rays.right.length() + rays.down.length();
         if light.w > 0.0 {
             let reach_m = size_m + middle.distance(light.truncate());
-            let w = NEAREST_CASTER_M / reach_m.max(NEAREST_CASTER_M);
-            return Self { along: (1.0 - w) * Vec4::W, w: 1.0 };
+            let w = f64::from(NEAREST_CASTER_M / reach_m.max(NEAREST_CASTER_M));
+            return Self { along: (1.0 - w) * DVec4::W, w: 1.0 };
         }
-        Self { along: SUN_LENGTH * size_m * Vec4::W, w: 1.0 }
+        Self { along: f64::from(SUN_LENGTH * size_m) * DVec4::W, w: 1.0 }
     }
 }
 
@@ -198,7 +209,10 @@ mod tests {
                 let just_beyond = RECEIVERS.enlarged(1e-3);
                 assert!(!just_beyond.contains(&Aabb::new(behind, behind)), "{sun}: {behind}");
                 let middle = end.behind(RECEIVERS.centre(), light).truncate();
-                assert!((middle - behind).dot(end.along.truncate()).abs() < 1e-3, "a plane");
+                assert!(
+                    (middle - behind).dot(end.along.truncate().as_vec3()).abs() < 1e-3,
+                    "a plane"
+                );
             }
             assert!((end.behind(RECEIVERS.centre(), light).truncate()).length() < 400.0);
         }

@@ -38,8 +38,7 @@ impl LitArea {
 
     /// Returns the part of a view that shows a box.
     fn around(view: &View, bounds: &Aabb) -> Option<Self> {
-        let matrix = view.view_proj.as_dmat4();
-        let corners = bounds.corners().map(|corner| matrix * corner.as_dvec3().extend(1.0));
+        let corners = bounds.corners().map(|corner| view.clip(corner));
         if !corners.iter().all(|corner| corner.is_finite()) {
             return Some(Self::whole(view));
         }

@@ -152,10 +152,14 @@ impl Session {
     }
 
     fn draw_shadows(&mut self, choice: ShadowChoice) {
-        match self.renderer.set_shadows(choice.options()) {
-            Ok(()) => self.tell(format!("shadows {}", text(choice))),
-            Err(error) => self.refuse(error.to_string()),
+        let before = self.renderer.degradations().texts();
+        if let Err(error) = self.renderer.set_shadows(choice.options()) {
+            return self.refuse(error.to_string());
         }
+        let mut lines = vec![format!("shadows {}", text(choice))];
+        let lost = self.renderer.degradations().texts();
+        lines.extend(lost.into_iter().filter(|text| !before.contains(text)));
+        self.tell(lines.join("\n"));
     }
 
     /// Returns the facts about light, if there is anything to say.

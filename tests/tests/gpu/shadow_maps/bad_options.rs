@@ -19,8 +19,8 @@ fn impossible_options_are_refused_and_change_nothing() {
         let largest = device.adapter().limits.max_image_dimension2_d;
         for bad in [
             ShadowOptions { cascades: 0, ..shadows() },
-            ShadowOptions { distance_m: 0.0, ..shadows() },
-            ShadowOptions { distance_m: f32::NAN, ..shadows() },
+            ShadowOptions { distance_m: Some(0.0), ..shadows() },
+            ShadowOptions { distance_m: Some(f32::NAN), ..shadows() },
             ShadowOptions { penumbra_m: f32::NAN, ..shadows() },
             ShadowOptions { sun_side: 0, ..shadows() },
             ShadowOptions { point_side: 100, ..shadows() },

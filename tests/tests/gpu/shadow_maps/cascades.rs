@@ -1,8 +1,8 @@
 //! The change from one cascade of a sun to the next: no pixel differs from its neighbour more than
 //! in the maps of either, and beyond the last one shadows fade.
 
-use cull::{Aabb, Strategy};
-use glam::vec3;
+use cull::{Aabb, Camera, Strategy};
+use glam::{Affine3A, Vec3, vec3};
 use gpu::Device;
 use scene::Scene;
 use shadows::{ShadowFilter, ShadowOptions};
@@ -46,13 +46,43 @@ fn excess(image: &[f32], others: &[&[f32]], bare: &[f32]) -> f32 {
     over.fold(0.0, f32::max)
 }
 
+/// Draws a scene in another unit, which is larger: without a distance, its sun has shadows as far
+/// as it reaches.
+#[test]
+fn a_scene_in_units_of_ten_kilometres_has_the_shadows_of_one_in_metres() {
+    run_on_all(|device| {
+        let unit_m = 16_384.0;
+        let posts = posts();
+        let mut large = posts.clone();
+        for object in &mut large.objects {
+            object.transform = Affine3A::from_scale(Vec3::splat(unit_m)) * object.transform;
+        }
+        let dark = |scene: &Scene, unit_m: f32| {
+            let camera = yard::camera();
+            let camera = Camera { eye: camera.eye * unit_m, near: 0.1 * unit_m, ..camera };
+            let draw = |options| {
+                let mut renderer = renderer(device, scene, options);
+                let mut view = renderer.new_view().unwrap();
+                image(&mut renderer, &mut view, Strategy::FRUSTUM, camera)
+            };
+            let lit = draw(ShadowOptions::default());
+            let options = ShadowOptions { distance_m: None, sun_side: 1024, ..shadows() };
+            let shadowed = draw(options);
+            lit.iter().zip(&shadowed).filter(|(lit, it)| lit.saturating_sub(**it) > 24).count()
+        };
+        let (small, large) = (dark(&posts, 1.0), dark(&large, unit_m));
+        assert!(small > 300 && large.abs_diff(small) * 4 < small, "{large} of {small}");
+    });
+}
+
 #[test]
 fn cascades_blend_into_each_other_and_into_full_light() {
     run_on_all(|device| {
         let scene = posts();
         let coarse = ShadowOptions { sun_side: 64, filter: ShadowFilter::Single, ..shadows() };
         let of = |cascades, distance_m, cascade_blend| {
-            let options = ShadowOptions { cascades, distance_m, cascade_blend, ..coarse };
+            let options =
+                ShadowOptions { cascades, distance_m: Some(distance_m), cascade_blend, ..coarse };
             light(device, &scene, options)
         };
         let bare = light(device, &scene, ShadowOptions::default());

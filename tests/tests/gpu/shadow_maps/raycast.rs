@@ -41,6 +41,41 @@ fn is_lit(boxes: &[Aabb], light: &PunctualLight, place: Vec3, normal: Vec3) -> O
     seen.all(|other| other == first).then_some(first)
 }
 
+/// The pixels of an image that rays decide about.
+pub struct Judged {
+    pub checked: u32,
+    pub dark: u32,
+    /// Those that are not as rays say, in words.
+    pub wrong: Vec<String>,
+}
+
+/// Compares an image of boxes with rays, where no edge is near: `lit` is the same without shadows.
+pub fn judge(
+    (boxes, camera, light): (&[Aabb], &Camera, &PunctualLight),
+    lit: &[u8],
+    shadowed: &[u8],
+) -> Judged {
+    let mut judged = Judged { checked: 0, dark: 0, wrong: Vec::new() };
+    for (number, (lit, found)) in lit.chunks(4).zip(shadowed.chunks(4)).enumerate() {
+        let [x, y] = [number as u32 % SIZE[0], number as u32 / SIZE[0]];
+        let Some((place, normal)) = shown(boxes, camera, x, y) else { continue };
+        let (along, _) = towards(light, place);
+        // Grazing light, and what the light hardly reaches, shows nothing.
+        let is_bright = lit[0] > 120 && along.normalize().dot(normal) > 0.15;
+        let Some(expected) = is_lit(boxes, light, place, normal).filter(|_| is_bright) else {
+            continue;
+        };
+        judged.checked += 1;
+        judged.dark += u32::from(!expected);
+        // The two passes are compiled apart: a last place may be rounded differently.
+        let is_lit = lit.iter().zip(found).all(|(lit, found)| lit.abs_diff(*found) <= 1);
+        if is_lit != expected {
+            judged.wrong.push(format!("{x}, {y} at {place}: {lit:?} became {found:?}"));
+        }
+    }
+    judged
+}
+
 #[test]
 fn maps_agree_with_ray_casting_away_from_edges() {
     run_on_all(|device| {
@@ -52,7 +87,7 @@ fn maps_agree_with_ray_casting_away_from_edges() {
             let options = ShadowOptions {
                 bias,
                 filter: ShadowFilter::Single,
-                distance_m: 40.0,
+                distance_m: Some(40.0),
                 sun_side: 1024,
                 spot_side: 1024,
                 point_side: 512,
@@ -63,25 +98,7 @@ fn maps_agree_with_ray_casting_away_from_edges() {
             let shadowed = image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
             renderer.set_shadows(ShadowOptions::default()).unwrap();
             let lit = image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
-            let (mut checked, mut dark, mut wrong) = (0, 0, Vec::new());
-            for (number, (lit, found)) in lit.chunks(4).zip(shadowed.chunks(4)).enumerate() {
-                let [x, y] = [number as u32 % SIZE[0], number as u32 / SIZE[0]];
-                let Some((place, normal)) = shown(&boxes, &camera, x, y) else { continue };
-                let (along, _) = towards(&light, place);
-                // Grazing light, and what the light hardly reaches, shows nothing.
-                let is_bright = lit[0] > 120 && along.normalize().dot(normal) > 0.15;
-                let Some(expected) = is_lit(&boxes, &light, place, normal).filter(|_| is_bright)
-                else {
-                    continue;
-                };
-                checked += 1;
-                dark += u32::from(!expected);
-                // The two passes are compiled apart: a last place may be rounded differently.
-                let is_lit = lit.iter().zip(found).all(|(lit, found)| lit.abs_diff(*found) <= 1);
-                if is_lit != expected {
-                    wrong.push(format!("{x}, {y} at {place}: {lit:?} became {found:?}"));
-                }
-            }
+            let Judged { checked, dark, wrong } = judge((&boxes, &camera, &light), &lit, &shadowed);
             assert!(wrong.is_empty(), "{bias:?} under {:?}: {wrong:#?}", light.kind);
             assert!(checked > 500 && dark > 10, "{checked} places, {dark} dark: {:?}", light.kind);
         }

@@ -4,10 +4,11 @@ use glam::Vec3;
 
 use super::super::Hierarchy;
 use crate::geom::bounds::Aabb;
+use crate::geom::margin::rounding;
 use crate::ids::{LeafIndex, NodeId};
 
-/// The share of a box's distance by which a ray may miss it and still counts as meeting it, so that
-/// rounding loses no box.
+/// The share of a box's distance by which a ray may miss it and still counts as meeting it, beside
+/// the rounding of its coordinates, so that no box is lost.
 const TOLERANCE: f32 = 1e-4;
 
 impl Hierarchy {
@@ -20,7 +21,8 @@ impl Hierarchy {
         let mut stack: Vec<NodeId> = self.root().into_iter().collect();
         while let Some(node) = stack.pop() {
             let bounds = self.bounds(node);
-            let reach = TOLERANCE * bounds.distance_squared(origin).sqrt();
+            let reach = TOLERANCE * bounds.distance_squared(origin).sqrt()
+                + rounding(&bounds, origin.abs().max_element());
             let Some(distance) = entry(&bounds.enlarged(reach), origin, direction) else {
                 continue;
             };

@@ -164,6 +164,12 @@ impl SurfaceResources {
         self.material_slots.is_opaque(MaterialId(material)) && !is_sprites
     }
 
+    /// Returns true if the material of a mesh is masked.
+    pub(crate) fn has_holes(&self, mesh: MeshId) -> bool {
+        let material = self.mesh_materials.get(mesh.0 as usize).copied();
+        self.material_slots.is_masked(MaterialId(material.unwrap_or(self.default_material)))
+    }
+
     /// Returns the reason why a material cannot be added.
     pub(crate) fn check_material(&self, material: &Material) -> Result<(), &'static str> {
         self.material_slots.check(material, &self.features[0])

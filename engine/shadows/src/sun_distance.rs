@@ -1,0 +1,89 @@
+//! The distance to which directional lights have shadows where the options leave it open.
+
+use cull::Hierarchy;
+
+use crate::face::CASCADE_RATIO;
+
+/// The distance in a scene in metres (metres).
+const LEAST_M: f32 = 200.0;
+
+/// The distance in sizes of what a scene is made of: that of streets in houses, roughly.
+const SIZES: f32 = 20.0;
+
+/// The distance in sizes of the whole scene, for one of few and large objects.
+const SCENE_SIZES: f32 = 2.0;
+
+/// The distance that follows from a scene, measured again when the scene has grown or shrunk by
+/// half.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SunDistance {
+    /// The leaves at the time.
+    leaves: usize,
+    distance_m: f32,
+}
+
+impl SunDistance {
+    /// Returns the distance in the scene of a hierarchy (metres): 200, and that times powers of the
+    /// ratio of two cascades where half of the objects are larger than houses. So a scene whose
+    /// unit is not the metre has shadows where it would have them in metres.
+    pub(crate) fn of(&mut self, hierarchy: &Hierarchy) -> f32 {
+        let leaves = hierarchy.leaf_objects().len();
+        if self.distance_m == 0.0 || leaves > 2 * self.leaves || 2 * leaves < self.leaves {
+            *self = Self { leaves, distance_m: measured_m(hierarchy) };
+        }
+        self.distance_m
+    }
+}
+
+fn measured_m(hierarchy: &Hierarchy) -> f32 {
+    let objects = hierarchy.leaf_objects().iter();
+    let boxes =
+        objects.filter_map(|object| hierarchy.node_of(*object)).map(|node| hierarchy.bounds(node));
+    let sizes =
+        boxes.filter(|bounds| !bounds.is_empty()).map(|it| 2.0 * it.half_extent().max_element());
+    let mut sizes: Vec<f32> = sizes.collect();
+    let middle = sizes.len() / 2;
+    let (Some(root), true) = (hierarchy.root(), middle < sizes.len()) else { return LEAST_M };
+    let (_, median_m, _) = sizes.select_nth_unstable_by(middle, f32::total_cmp);
+    let scene_m = 2.0 * hierarchy.bounds(root).half_extent().length();
+    let wanted_m = (SIZES * *median_m).min(SCENE_SIZES * scene_m);
+    let steps = (wanted_m / LEAST_M).log(CASCADE_RATIO).round().max(0.0);
+    LEAST_M * CASCADE_RATIO.powf(steps)
+}
+
+#[cfg(test)]
+mod tests {
+    use cull::Aabb;
+    use glam::{Vec3, vec3};
+
+    use super::*;
+
+    /// Returns a row of things on a ground, in a unit of so many metres.
+    fn town(things: u32, unit_m: f32) -> Hierarchy {
+        let corner = |number: u32| vec3(15.0 * number as f32, 0.0, 0.0);
+        let thing = |number| Aabb::new(corner(number), corner(number) + Vec3::splat(9.0));
+        let ground = Aabb::new(vec3(-200.0, -1.0, -200.0), vec3(800.0, 0.0, 200.0));
+        let boxes = (0..things).map(thing).chain([ground]);
+        let boxes = boxes.map(|it| Aabb::new(it.min * unit_m, it.max * unit_m));
+        Hierarchy::build(&boxes.collect::<Vec<_>>()).unwrap()
+    }
+
+    #[test]
+    fn it_follows_the_unit_of_a_scene_in_steps_of_cascades() {
+        let of = |unit_m| SunDistance::default().of(&town(40, unit_m));
+        assert_eq!([of(0.01), of(1.0), of(1.5)], [200.0; 3]);
+        assert_eq!([of(3.0), of(1000.0)], [600.0, 145_800.0]);
+        assert_eq!(SunDistance::default().of(&Hierarchy::build(&[]).unwrap()), 200.0);
+        // A terrain is a single object: no farther than it reaches.
+        let terrain = [Aabb::new(Vec3::splat(-500.0), Vec3::splat(500.0))];
+        assert_eq!(SunDistance::default().of(&Hierarchy::build(&terrain).unwrap()), 5400.0);
+    }
+
+    #[test]
+    fn it_is_measured_again_as_a_scene_grows() {
+        let mut distance = SunDistance::default();
+        assert_eq!(distance.of(&Hierarchy::build(&[]).unwrap()), 200.0);
+        assert_eq!(distance.of(&town(40, 1000.0)), 145_800.0);
+        assert_eq!(distance.of(&town(41, 1.0)), 145_800.0, "not in each frame");
+    }
+}

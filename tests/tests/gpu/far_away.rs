@@ -1,0 +1,237 @@
+//! Scenes far from the origin of the world, as of map coordinates: they look as at the origin, with
+//! all shadows, flares and sprites, and a pixel picks the same object. Positions are whole metres,
+//! which single precision still has at 13,000 km.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use cull::{Aabb, Camera, Strategy};
+use glam::{Vec3, Vec3A, vec3};
+use gpu::Device;
+use import::LoadOptions;
+use render::Renderer;
+use scene::{FlarePlace, LensFlare, PunctualLight, Scene};
+use shadows::{ShadowFilter, ShadowMethod, ShadowOptions};
+use tests::shapes::box_at;
+use tests::walk::pixels_that_differ;
+use tests::{run_on_all, yard};
+
+use crate::shadow_maps::raycast::{Judged, judge};
+use crate::shadow_maps::{SIZE, image, renderer, shadows};
+use crate::ties::with_sprites;
+
+/// Places at 50 km, 1,000 km and 13,000 km.
+const AWAY: [Vec3; 3] = [
+    vec3(35_360.0, 12.0, -35_360.0),
+    vec3(-707_120.0, 300.0, 707_120.0),
+    vec3(12_958_155.0, 4_865_579.0, -220.0),
+];
+
+/// Returns boxes whose lower corners are whole metres: a ground, a wall, columns, small ones, a
+/// roof and a bar in the air.
+fn boxes() -> Vec<Aabb> {
+    let at = |low: Vec3, size: Vec3| Aabb::new(low, low + size);
+    let mut boxes = vec![at(vec3(-16.0, -1.0, -16.0), vec3(32.0, 1.0, 32.0))];
+    boxes.push(at(vec3(-8.0, 0.0, -6.0), vec3(6.0, 2.5, 0.4)));
+    boxes.extend((0..5).map(|it| at(vec3(it as f32 * 3.0 - 6.0, 0.0, 2.0), vec3(0.5, 3.0, 0.5))));
+    for small in 0..25 {
+        let [x, z] = [small % 5, small / 5].map(|place| place as f32 * 2.0 - 2.0);
+        let height = 0.4 + 0.3 * (small % 4) as f32;
+        boxes.push(at(vec3(x, 0.0, z - 6.0), vec3(0.6, height, 0.6)));
+    }
+    boxes.push(at(vec3(5.0, 3.0, -2.0), vec3(4.0, 0.2, 5.0)));
+    boxes.push(at(vec3(-6.0, 3.0, -1.0), vec3(10.0, 0.15, 0.15)));
+    boxes
+}
+
+fn lights() -> [PunctualLight; 3] {
+    let mut lights = yard::lights();
+    lights.iter_mut().for_each(|light| light.position = light.position.round());
+    lights
+}
+
+fn camera(away: Vec3) -> Camera {
+    let eye = vec3(1.0, 6.0, 11.0);
+    Camera { eye: eye + away, forward: (vec3(0.0, 0.0, -1.5) - eye).normalize(), ..yard::camera() }
+}
+
+/// Returns a scene whose objects and lights are moved away.
+fn moved(scene: &Scene, away: Vec3) -> Scene {
+    let mut scene = scene.clone();
+    for object in &mut scene.objects {
+        object.transform.translation += Vec3A::from(away);
+    }
+    for light in scene.surfaces.iter_mut().flat_map(|surfaces| &mut surfaces.lights) {
+        light.position += away;
+    }
+    scene
+}
+
+/// Returns the images of a scene that is moved away, by several ways to draw shadows and by a plain
+/// and a culling strategy.
+fn images(device: &Device, (scene, away): (&Scene, Vec3), all: &[ShadowOptions]) -> Vec<Vec<u8>> {
+    let mut renderer = renderer(device, &moved(scene, away), ShadowOptions::default());
+    let mut images = Vec::new();
+    for options in all {
+        renderer.set_shadows(*options).unwrap();
+        for strategy in [Strategy::FRUSTUM, Strategy::ANTUMBRA] {
+            let mut view = renderer.new_view().unwrap();
+            images.push(image(&mut renderer, &mut view, strategy, camera(away)));
+        }
+    }
+    images
+}
+
+fn volumes() -> ShadowOptions {
+    ShadowOptions { method: ShadowMethod::Volumes, ..ShadowOptions::default() }
+}
+
+#[test]
+fn lamps_maps_and_volumes_and_sprites_are_the_same_to_the_bit() {
+    run_on_all(|device| {
+        let [sun, spot, point] = lights();
+        let mut of_lamps = with_sprites(yard::scene(&boxes(), &[spot, point]));
+        for object in &mut of_lamps.objects {
+            object.transform.translation = object.transform.translation.round();
+        }
+        let maps = ShadowFilter::ALL.map(|filter| ShadowOptions { filter, ..shadows() });
+        let of_lamps = (of_lamps, [&[ShadowOptions::default(), volumes()][..], &maps].concat());
+        let of_sun = (yard::scene(&boxes(), &[sun]), vec![volumes()]);
+        for (scene, all) in [of_lamps, of_sun] {
+            let expected = images(device, (&scene, Vec3::ZERO), &all);
+            for away in AWAY {
+                let found = images(device, (&scene, away), &all);
+                let differ = |(a, b): (&Vec<u8>, &Vec<u8>)| pixels_that_differ(a, b);
+                let wrong: Vec<usize> = expected.iter().zip(&found).map(differ).collect();
+                // A sun's volumes end elsewhere: their sides are rounded differently.
+                let allowed = if all.len() == 1 { 2 } else { 0 };
+                assert!(wrong.iter().all(|wrong| *wrong <= allowed), "{away}: {wrong:?}");
+            }
+        }
+    });
+}
+
+#[test]
+fn sun_maps_agree_with_ray_casting_at_every_distance() {
+    run_on_all(|device| {
+        let (boxes, [sun, ..]) = (boxes(), lights());
+        let scene = yard::scene(&boxes, &[sun]);
+        let fine = ShadowOptions { distance_m: Some(40.0), sun_side: 1024, ..shadows() };
+        let all = [
+            ShadowOptions::default(),
+            ShadowOptions { filter: ShadowFilter::Single, ..fine },
+            ShadowOptions { filter: ShadowFilter::Adaptive, ..fine },
+        ];
+        let expected = images(device, (&scene, Vec3::ZERO), &all);
+        for away in [Vec3::ZERO].into_iter().chain(AWAY) {
+            let found = images(device, (&scene, away), &all);
+            let [lit, culled_lit, hard, culled_hard, soft, culled_soft] = &found[..] else {
+                panic!("six images")
+            };
+            assert_eq!([lit, culled_lit], [&expected[0]; 2], "{away}");
+            assert!(hard == culled_hard && soft == culled_soft, "{away}");
+            let of = (&boxes[..], &camera(Vec3::ZERO), &sun);
+            let Judged { checked, dark, wrong } = judge(of, lit, hard);
+            assert!(wrong.is_empty(), "{away}: {} of {checked}: {wrong:#?}", wrong.len());
+            assert!(checked > 500 && dark > 10, "{checked}, {dark}");
+            // The texels lie elsewhere: at the edges of shadows.
+            let apart = |(a, b): (&u8, &u8)| a.abs_diff(*b) > 40;
+            let differing = expected[4].iter().zip(soft).filter(|it| apart(*it)).count();
+            assert!(differing * 100 < soft.len(), "{away}: {differing}");
+        }
+    });
+}
+
+fn loaded(name: &str) -> (Scene, Camera) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gpu/far_away").join(name);
+    let loaded = import::load(&file, &LoadOptions::default(), &mut |_| ControlFlow::Continue(()));
+    let loaded = loaded.unwrap();
+    let camera = loaded.default_camera(SIZE);
+    (loaded.scene, camera)
+}
+
+/// Draws boxes on a ground under a sun, at 100 km as nodes have it, and at 13,000 km as vertices
+/// have it: most of the ground was in shadow.
+#[test]
+fn files_in_map_coordinates_have_the_shadows_of_the_same_at_the_origin() {
+    let by_nodes = loaded("sun_100_km.gltf");
+    let by_vertices = loaded("sun_mercator.gltf");
+    let back = [vec3(-100_000.0, 0.0, -100_000.0), vec3(-12_958_095.0, -4_865_469.0, 0.0)];
+    let mut vertices_back = by_vertices.0.clone();
+    for mesh in &mut vertices_back.meshes {
+        for vertex in &mut mesh.vertices {
+            vertex.position = (Vec3::from(vertex.position) + back[1]).to_array();
+        }
+        mesh.bounds = Aabb::new(mesh.bounds.min + back[1], mesh.bounds.max + back[1]);
+    }
+    let at_origin = [moved(&by_nodes.0, back[0]), vertices_back];
+    run_on_all(|device| {
+        for (number, (scene, camera)) in [&by_nodes, &by_vertices].into_iter().enumerate() {
+            let draw = |scene: &Scene, away: Vec3, options| {
+                let mut renderer = renderer(device, scene, options);
+                let mut view = renderer.new_view().unwrap();
+                let camera = Camera { eye: camera.eye + away, ..*camera };
+                image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera)
+            };
+            let options = ShadowOptions { distance_m: None, sun_side: 1024, ..shadows() };
+            let lit = draw(scene, Vec3::ZERO, ShadowOptions::default());
+            let near = draw(&at_origin[number], back[number], options);
+            let far = draw(scene, Vec3::ZERO, options);
+            let apart =
+                |a: &[u8], b: &[u8]| a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > 24).count();
+            let dark = apart(&lit, &near);
+            let wrong = apart(&near, &far);
+            assert!(dark > 1000 && wrong * 20 < dark, "{number}: {wrong} of {dark}");
+        }
+    });
+}
+
+/// Returns the objects at pixels of a grid, and the shares of lights that flares show.
+fn picked(device: &Device, scene: &Scene, away: Vec3) -> (Vec<Option<u32>>, Vec<f32>) {
+    let mut renderer: Renderer = renderer(device, &moved(scene, away), ShadowOptions::default());
+    let mut view = renderer.new_view().unwrap();
+    let flare = |place, radius| LensFlare {
+        place,
+        radius,
+        colour: [0.9, 0.7, 0.5],
+        glow: 0.4,
+        ghosts: 1.0,
+    };
+    let lamp = |at: Vec3, radius| flare(FlarePlace::At(at + away), radius);
+    let flares = [
+        lamp(vec3(-6.0, 1.0, 2.0), 0.4),
+        lamp(vec3(2.0, 1.0, -7.0), 0.5),
+        flare(FlarePlace::Towards(vec3(0.1, -0.1, -1.0)), 0.1),
+    ];
+    renderer.set_flares(&flares).unwrap();
+    for _ in 0..4 {
+        image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera(away));
+    }
+    let shares = view.flares().iter().map(|state| state.fraction()).collect();
+    let pixels = (0..SIZE[1]).step_by(7).flat_map(|y| (0..SIZE[0]).step_by(7).map(move |x| [x, y]));
+    let objects = pixels.map(|pixel| {
+        let pick = renderer.pick(&camera(away), pixel).unwrap();
+        device.drain().unwrap();
+        renderer.picked(&pick).unwrap().expect("it is over").map(|object| object.0)
+    });
+    (objects.collect(), shares)
+}
+
+#[test]
+fn picks_and_flares_are_the_same() {
+    run_on_all(|device| {
+        let mut boxes = boxes();
+        boxes.push(box_at(vec3(2.0, 1.0, -6.0), vec3(0.25, 2.0, 0.1)));
+        let mut scene = yard::scene(&boxes, &lights());
+        for object in &mut scene.objects {
+            object.transform.translation = object.transform.translation.round();
+        }
+        let (objects, shares) = picked(device, &scene, Vec3::ZERO);
+        let kinds: std::collections::BTreeSet<_> = objects.iter().flatten().collect();
+        assert!(kinds.len() > 15, "{kinds:?}");
+        assert!(shares.iter().any(|share| *share > 0.0 && *share < 1.0), "{shares:?}");
+        for away in AWAY {
+            assert_eq!(picked(device, &scene, away), (objects.clone(), shares.clone()), "{away}");
+        }
+    });
+}
