@@ -9,6 +9,11 @@ struct Instance {
     uvec4 tail;
 };
 
+// One, but no constant that a driver would put into the fragment shader: see `at_centroid`.
+float one_of(Instance instance) {
+    return float(min(instance.tail.z | 1u, 1u));
+}
+
 vec3 to_world(Instance instance, vec3 position) {
     vec4 p = vec4(position, 1.0);
     return vec3(dot(instance.rows[0], p), dot(instance.rows[1], p), dot(instance.rows[2], p));
