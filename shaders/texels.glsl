@@ -20,8 +20,8 @@ const uint NO_TEXTURE = 0xFFEFu;
 layout(location = 10) in vec4 middle_uvs; // two sets, in the middle of the pixel
 layout(location = 12) centroid in float unit;
 
-// What was taken at the centroid. Some drivers (Mesa's llvmpipe) take it there, but its perspective in
-// the middle of the pixel: what is 1 at all vertices has the same error.
+// What was taken at the centroid. Some drivers (Mesa's llvmpipe) take it there, but its perspective
+// in the middle of the pixel: what is 1 at all vertices has the same error.
 vec4 at_centroid(vec4 value) {
     return SEVERAL_SAMPLES ? value / unit : value;
 }

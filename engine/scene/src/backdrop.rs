@@ -1,5 +1,5 @@
-//! What is seen of the light from all around: a sky that is computed, or a panorama; and the disk of
-//! a sun or moon.
+//! Backdrops of the light from all around: a sky that is computed, or a panorama; and the disk of a
+//! sun or moon.
 
 use std::f32::consts::{PI, TAU};
 
@@ -11,7 +11,7 @@ use crate::limits::MAX_PANORAMA_TEXELS;
 /// The brightest radiance that is held, so that it fits 16 bits.
 pub(crate) const BRIGHTEST: f32 = 60_000.0;
 
-/// What is seen where nothing is drawn.
+/// The picture where nothing is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Backdrop {
     /// A sky, computed for each pixel.
@@ -166,8 +166,8 @@ fn half_size(size: [u32; 2]) -> [u32; 2] {
     size.map(|side| (side / 2).max(1))
 }
 
-/// Returns the next level of a picture: means of all pixels that a texel touches, so that what has an
-/// odd size does not move.
+/// Returns the next level of a picture: means of all pixels that a texel touches, so that what has
+/// an odd size does not move.
 fn half_of(size: [u32; 2], pixels: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let [width, height] = half_size(size);
     let touched = |place: u32, of: u32, from: u32| {

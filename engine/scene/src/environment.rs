@@ -1,5 +1,5 @@
-//! The light from all around: a sky or a picture, as what matt and glossy surfaces get of it, and as
-//! the backdrop that is seen.
+//! The light from all around: a sky or a picture, as what matt and glossy surfaces get of it, and
+//! as the backdrop that is seen.
 //!
 //! Directions lie on the square of an octahedron (Cigolle et al., "A Survey of Efficient
 //! Representations for Independent Unit Vectors", 2014). Each level holds the mean radiance around

@@ -23,8 +23,8 @@ const HALF_M: f32 = 16.0;
 /// The side of a tile of its ground, in metres.
 const TILE_M: f32 = 2.0;
 
-/// The depth in metres to which all that stands on the ground reaches below it: what only began there
-/// would let light and eyes through where both meet.
+/// The depth in metres to which all that stands on the ground reaches below it: what only began
+/// there would let light and eyes through where both meet.
 const SUNK_M: f32 = 0.2;
 
 /// The distance from the lantern's middle down to its light, in metres: beyond its own glass, which

@@ -13,9 +13,9 @@ use super::{check_exact, options};
 
 const SIZE: [u32; 2] = [320, 240];
 
-/// Nine turned squares, seen from the front: each shows the green half of a picture whose other half
-/// is red, up to the very edge. A pixel whose middle lies outside of a square would be shaded there,
-/// in red.
+/// Nine turned squares, seen from the front: each shows the green half of a picture whose other
+/// half is red, up to the very edge. A pixel whose middle lies outside of a square would be shaded
+/// there, in red.
 const SQUARES: &[u8] = include_bytes!("fringe.glb");
 
 fn squares() -> (Scene, cull::Camera) {
