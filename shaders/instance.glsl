@@ -9,6 +9,11 @@ struct Instance {
     uvec4 tail;
 };
 
+// One, but no constant that a driver would put into the fragment shader: see `at_centroid`.
+float one_of(Instance instance) {
+    return float(min(instance.tail.z | 1u, 1u));
+}
+
 vec3 direction_to_world(Instance instance, vec3 direction) {
     return vec3(dot(instance.rows[0].xyz, direction), dot(instance.rows[1].xyz, direction),
                 dot(instance.rows[2].xyz, direction));

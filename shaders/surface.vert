@@ -30,6 +30,10 @@ layout(location = 6) out vec3 world_position; // relative to the anchor
 layout(location = 7) out vec3 world_normal;
 layout(location = 8) out vec4 world_tangent; // w: sign of the bitangent
 layout(location = 9) flat out uvec2 lights_of_object; // slot of the list, how many
+layout(location = 10) out vec4 middle_uvs;
+layout(location = 11) out vec3 middle_position;
+layout(location = 12) out float unit;
+layout(location = 13) out float middle_alpha;
 
 // Depth drawn by the opaque pass is found again, to the bit.
 invariant gl_Position;
@@ -85,6 +89,12 @@ void main() {
     vec3 world_along = unit_or_zero(direction_to_world(instance, tangent.xyz));
     world_tangent = vec4(tangent_turn * world_along, turn * tangent.w);
     uvs = vec4(uv_first, uv_second);
+    if (SEVERAL_SAMPLES) {
+        middle_uvs = uvs;
+        middle_position = place;
+        unit = one_of(instance);
+        middle_alpha = vertex_colour.a;
+    }
 
     lights_of_object = uvec2(instance.tail.y, lights_of(instance));
     uint material = instance.tail.x;

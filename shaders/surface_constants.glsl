@@ -29,5 +29,9 @@ layout(constant_id = 12) const uint EMISSION_PAGES = 0;
 layout(constant_id = 16) const uint PICTURE_PAGES = 0;
 // True if the ambient light comes from `environment.glsl`.
 layout(constant_id = 15) const bool ENVIRONMENT = false;
+// True if pixels have several samples. A triangle may then cover a pixel without its middle, so
+// what vertices give is taken at the centroid: in the middle it would be that of the plane beyond
+// the triangle's edge. Centroids are not evenly spaced: derivatives are of values in the middles.
+layout(constant_id = 17) const bool SEVERAL_SAMPLES = false;
 // One of the filters of `shadows.glsl`.
 layout(constant_id = 14) const uint SHADOW_FILTER = 0;

@@ -20,6 +20,9 @@ layout(location = 0) out vec4 uvs;
 layout(location = 1) out vec4 vertex_colour;
 layout(location = 2) flat out uvec4 material_factors;
 layout(location = 3) flat out uvec4 material_cuts;
+layout(location = 10) out vec4 middle_uvs;
+layout(location = 12) out float unit;
+layout(location = 13) out float middle_alpha;
 
 invariant gl_Position;
 
@@ -28,6 +31,11 @@ void main() {
     vec4 clip = view_proj * vec4(vertex_from_anchor(instance, position, view_proj, anchor), 1.0);
     gl_Position = snapped(clip, vec2(ambient_above.w, ambient_below.w));
     uvs = vec4(uv_first, uv_second);
+    if (SEVERAL_SAMPLES) {
+        middle_uvs = uvs;
+        unit = one_of(instance);
+        middle_alpha = colour.a;
+    }
     vertex_colour = colour;
     material_factors = materials[instance.tail.x].factors;
     material_cuts = materials[instance.tail.x].cuts;

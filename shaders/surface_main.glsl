@@ -13,15 +13,20 @@
 
 layout(location = 4) flat in uvec4 material_emission;
 layout(location = 5) flat in uvec4 material_details;
-layout(location = 6) in vec3 world_position; // relative to the anchor
-layout(location = 7) in vec3 world_normal;
-layout(location = 8) in vec4 world_tangent; // w: sign of the bitangent
+layout(location = 6) centroid in vec3 covered_position; // relative to the anchor
+layout(location = 7) centroid in vec3 world_normal;
+layout(location = 8) centroid in vec4 world_tangent; // w: sign of the bitangent
 layout(location = 9) flat in uvec2 lights_of_object; // slot of the list, how many
+
+layout(location = 11) in vec3 middle_position; // in the middle of the pixel
 
 layout(location = 0) out vec4 colour;
 
+// The place that is shaded, relative to the anchor; at first that of the middle of the pixel, for derivatives.
+vec3 world_position;
+
 // The normal that is seen: the surface's own, or that of its texture in tangent space.
-vec3 shading_normal() {
+vec3 shading_normal(vec4 uvs) {
     vec3 n = unit_or(world_normal, vec3(0.0, 1.0, 0.0));
     if (NORMAL_PAGES == 0u || !has_texture(material_details.x)) return n;
     vec3 mapped = texel(NORMAL_PAGES, material_details.x, uvs).xyz * 2.0 - 1.0;
@@ -114,6 +119,7 @@ vec3 direct(Brdf brdf) {
 }
 
 void main() {
+    world_position = SEVERAL_SAMPLES ? middle_position : covered_position;
 #ifdef SHADOWED
     // Before anything is discarded: derivatives are defined here.
     facet = facet_normal();
@@ -122,6 +128,8 @@ void main() {
         picture_step_x = dFdx(world_position);
         picture_step_y = dFdy(world_position);
     }
+    world_position = at_centroid(vec4(covered_position, 0.0)).xyz;
+    vec4 uvs = at_centroid(covered_uvs);
     vec4 base = base_colour();
     float alpha = BLENDED ? clamp(base.a, 0.0, 1.0) : 1.0;
 
@@ -139,7 +147,7 @@ void main() {
         emission = uintBitsToFloat(material_emission.xyz);
         if (EMISSION_PAGES != 0u) emission *= texel(EMISSION_PAGES, material_emission.w, uvs).rgb;
     }
-    vec3 n = shading_normal();
+    vec3 n = shading_normal(uvs);
     // Not before the last texel: where a neighbour is gone, derivatives are not defined.
     if (MASKED && is_hole(base)) discard;
     vec3 v = unit_or(towards_eye == vec3(0.0) ? -world_position : towards_eye, n);

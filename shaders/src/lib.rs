@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 51] = [
+pub const PASSES: [Shader; 52] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -69,6 +69,7 @@ pub const PASSES: [Shader; 51] = [
     shader!("sky.vert"),
     shader!("sky.frag"),
     shader!("sky_around.frag"),
+    shader!("sky_panorama.frag"),
     shader!("depth_grid.comp"),
     shader!("compute_test.comp"),
     shader!("pyramid_build.comp"),

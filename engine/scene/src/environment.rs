@@ -1,4 +1,5 @@
-//! The light from all around: a sky or a picture, as what matt and glossy surfaces get of it.
+//! The light from all around: a sky or a picture, as what matt and glossy surfaces get of it, and
+//! as the backdrop that is seen.
 //!
 //! Directions lie on the square of an octahedron (Cigolle et al., "A Survey of Efficient
 //! Representations for Independent Unit Vectors", 2014). Each level holds the mean radiance around
@@ -6,10 +7,9 @@
 //! rougher surfaces (Karis, "Real Shading in Unreal Engine 4", 2013), the last by the cosine, as a
 //! matt surface sees it.
 
-use std::f32::consts::{PI, TAU};
-
 use glam::{Vec2, Vec2Swizzles, Vec3, vec2, vec3};
 
+use crate::backdrop::{BRIGHTEST, Backdrop, Panorama, Sky, SkyDisk};
 use crate::error::SceneError;
 
 /// The side of the square of directions in texels.
@@ -18,8 +18,8 @@ pub const ENVIRONMENT_SIDE: u32 = 64;
 /// The levels for glossy surfaces, from a roughness of 0 to 1.
 pub const GLOSSY_LEVELS: u32 = 6;
 
-/// The brightest radiance that is held, so that it fits 16 bits.
-const BRIGHTEST: f32 = 60_000.0;
+/// The size of the backdrop of light by direction, in texels.
+const RADIANCE_SIZE: [u32; 2] = [1024, 512];
 
 /// The number of directions that a lobe is sampled with.
 const LOBE_SAMPLES: u32 = 64;
@@ -29,51 +29,10 @@ const LOBE_SAMPLES: u32 = 64;
 pub struct Environment {
     /// [`GLOSSY_LEVELS`] squares and one for matt surfaces, each of [`ENVIRONMENT_SIDE`] rows.
     texels: Vec<[f32; 3]>,
+    /// The sky or the picture, as it is seen.
+    backdrop: Backdrop,
     /// The sun's or the moon's disk, as it is seen.
     disk: Option<SkyDisk>,
-}
-
-/// The disk of a sun or moon in the sky. It is seen and lights nothing: that is what lights are
-/// for, and its texels would be far larger than it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SkyDisk {
-    /// Unit vector towards its middle.
-    pub towards: Vec3,
-    /// Half of the angle that it covers, in radians, above 0 and below 0.5; the sun's is 0.0047.
-    pub radius_rad: f32,
-    /// Its radiance, added to that of the sky.
-    pub radiance: [f32; 3],
-}
-
-/// A clear or hazy sky over a ground. All colours are linear.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sky {
-    /// Unit vector towards the sun.
-    pub towards_sun: Vec3,
-    /// The colour straight above.
-    pub zenith: [f32; 3],
-    /// The colour at the horizon.
-    pub horizon: [f32; 3],
-    /// The colour of the ground, as it is lit.
-    pub ground: [f32; 3],
-    /// The light around the sun, added to the sky. The sun itself is a light of the scene.
-    pub glow: [f32; 3],
-}
-
-impl Sky {
-    /// Returns the radiance from a direction, a unit vector.
-    #[must_use]
-    pub fn radiance(&self, direction: Vec3) -> Vec3 {
-        let [zenith, horizon, ground, glow] =
-            [self.zenith, self.horizon, self.ground, self.glow].map(Vec3::from_array);
-        if direction.y < 0.0 {
-            // The ground lies in haze towards the horizon, over more than a texel.
-            return ground.lerp(horizon, (1.0 + direction.y).powi(5));
-        }
-        let height = 1.0 - (1.0 - direction.y).powi(4);
-        let near = direction.dot(self.towards_sun).max(0.0);
-        horizon.lerp(zenith, height) + glow * (0.6 * near.powi(8) + near.powi(64))
-    }
 }
 
 impl Environment {
@@ -82,42 +41,22 @@ impl Environment {
     /// # Errors
     /// [`SceneError::BrokenEnvironment`] for a colour or direction that is no number.
     pub fn of_sky(sky: &Sky) -> Result<Self, SceneError> {
-        Self::of_radiance(|direction| sky.radiance(direction))
+        let texels = levels_of(|direction| sky.radiance(direction))?;
+        Ok(Self { texels, backdrop: Backdrop::Sky(*sky), disk: None })
     }
 
     /// Makes the light of an equirectangular picture: linear radiance, rows from the top, which is
-    /// straight above; the middle of a row looks along -z, and its right quarter along +x.
+    /// straight above; the middle of a row looks along -z, and its right quarter along +x. It is
+    /// seen with all its pixels, up to [`MAX_PANORAMA_TEXELS`](crate::limits::MAX_PANORAMA_TEXELS)
+    /// and the limits of the device; larger ones are seen at a half of their size, or a quarter.
     ///
     /// # Errors
     /// [`SceneError::BrokenEnvironment`] for a size of 0 or of another number of pixels, and for a
     /// value that is not finite.
-    pub fn of_equirectangular(
-        [width, height]: [u32; 2],
-        pixels: &[[f32; 3]],
-    ) -> Result<Self, SceneError> {
-        if width == 0 || height == 0 || pixels.len() as u64 != u64::from(width) * u64::from(height)
-        {
-            let fault = "its number of pixels is not that of its size";
-            return Err(SceneError::BrokenEnvironment { fault });
-        }
-        let at = |x: i64, y: i64| {
-            let x = x.rem_euclid(i64::from(width)) as usize;
-            let y = y.clamp(0, i64::from(height) - 1) as usize;
-            pixels.get(y * width as usize + x).copied().map_or(Vec3::ZERO, Vec3::from_array)
-        };
-        if pixels.iter().flatten().any(|part| !part.is_finite()) {
-            let fault = "one of its values is not finite";
-            return Err(SceneError::BrokenEnvironment { fault });
-        }
-        Self::of_radiance(|direction| {
-            let across = 0.5 + direction.x.atan2(-direction.z) / TAU;
-            let down = direction.y.clamp(-1.0, 1.0).acos() / PI;
-            let place = vec2(across * width as f32 - 0.5, down * height as f32 - 0.5);
-            let (low, share) = (place.floor(), place - place.floor());
-            let [x, y] = [low.x as i64, low.y as i64];
-            let row = |y: i64| at(x, y).lerp(at(x + 1, y), share.x);
-            row(y).lerp(row(y + 1), share.y)
-        })
+    pub fn of_equirectangular(size: [u32; 2], pixels: &[[f32; 3]]) -> Result<Self, SceneError> {
+        let panorama = Panorama::new(size, pixels)?;
+        let texels = levels_of(|direction| panorama.radiance(direction))?;
+        Ok(Self { texels, backdrop: Backdrop::Panorama(panorama), disk: None })
     }
 
     /// Makes the light of a radiance by direction, a unit vector.
@@ -125,27 +64,11 @@ impl Environment {
     /// # Errors
     /// [`SceneError::BrokenEnvironment`] for a radiance that is not finite.
     pub fn of_radiance(radiance: impl Fn(Vec3) -> Vec3) -> Result<Self, SceneError> {
-        let directions: Vec<Vec3> = (0..ENVIRONMENT_SIDE * ENVIRONMENT_SIDE)
-            .map(|texel| {
-                direction_of(texel_place(texel % ENVIRONMENT_SIDE, texel / ENVIRONMENT_SIDE))
-            })
-            .collect();
-        let sharp: Vec<Vec3> = directions.iter().map(|direction| radiance(*direction)).collect();
-        if sharp.iter().any(|radiance| !radiance.is_finite()) {
-            let fault = "one of its values is not finite";
-            return Err(SceneError::BrokenEnvironment { fault });
-        }
-        let bright = Vec3::splat(BRIGHTEST);
-        let sharp: Vec<Vec3> = sharp.iter().map(|it| it.clamp(Vec3::ZERO, bright)).collect();
-        let mut texels: Vec<[f32; 3]> = sharp.iter().map(Vec3::to_array).collect();
-        for level in 1..GLOSSY_LEVELS {
-            let roughness = level as f32 / (GLOSSY_LEVELS - 1) as f32;
-            let lobe = glossy_lobe(roughness);
-            texels.extend(directions.iter().map(|it| mean(&sharp, *it, &lobe).to_array()));
-        }
-        let lobe = matt_lobe();
-        texels.extend(directions.iter().map(|it| mean(&sharp, *it, &lobe).to_array()));
-        Ok(Self { texels, disk: None })
+        let texels = levels_of(&radiance)?;
+        let pixels =
+            Panorama::directions(RADIANCE_SIZE).map(|towards| radiance(towards).to_array());
+        let panorama = Panorama::new(RADIANCE_SIZE, &pixels.collect::<Vec<_>>())?;
+        Ok(Self { texels, backdrop: Backdrop::Panorama(panorama), disk: None })
     }
 
     /// Returns the same with a disk in the sky.
@@ -160,6 +83,12 @@ impl Environment {
             return Err(SceneError::BrokenEnvironment { fault });
         }
         Ok(Self { disk: Some(disk), ..self })
+    }
+
+    /// Returns what is seen where nothing is drawn.
+    #[must_use]
+    pub fn backdrop(&self) -> &Backdrop {
+        &self.backdrop
     }
 
     /// Returns the disk in the sky, if there is one.
@@ -212,6 +141,29 @@ impl Environment {
         let texels = self.texels.get(first..first + count).unwrap_or_default();
         sampled(direction, |place| texels.get(place).copied().map_or(Vec3::ZERO, Vec3::from_array))
     }
+}
+
+/// Returns the texels of all levels of a radiance by direction.
+fn levels_of(radiance: impl Fn(Vec3) -> Vec3) -> Result<Vec<[f32; 3]>, SceneError> {
+    let directions: Vec<Vec3> = (0..ENVIRONMENT_SIDE * ENVIRONMENT_SIDE)
+        .map(|texel| direction_of(texel_place(texel % ENVIRONMENT_SIDE, texel / ENVIRONMENT_SIDE)))
+        .collect();
+    let sharp: Vec<Vec3> = directions.iter().map(|direction| radiance(*direction)).collect();
+    if sharp.iter().any(|radiance| !radiance.is_finite()) {
+        let fault = "one of its values is not finite";
+        return Err(SceneError::BrokenEnvironment { fault });
+    }
+    let bright = Vec3::splat(BRIGHTEST);
+    let sharp: Vec<Vec3> = sharp.iter().map(|light| light.clamp(Vec3::ZERO, bright)).collect();
+    let mut texels: Vec<[f32; 3]> = sharp.iter().map(Vec3::to_array).collect();
+    for level in 1..GLOSSY_LEVELS {
+        let roughness = level as f32 / (GLOSSY_LEVELS - 1) as f32;
+        let lobe = glossy_lobe(roughness);
+        texels.extend(directions.iter().map(|towards| mean(&sharp, *towards, &lobe).to_array()));
+    }
+    let lobe = matt_lobe();
+    texels.extend(directions.iter().map(|towards| mean(&sharp, *towards, &lobe).to_array()));
+    Ok(texels)
 }
 
 /// Returns the place of a texel's middle in the square, each coordinate from -1 to 1.

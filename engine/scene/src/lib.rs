@@ -14,6 +14,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod backdrop;
 mod check;
 mod environment;
 mod error;
@@ -38,7 +39,8 @@ use std::f32::consts::PI;
 use cull::Aabb;
 use glam::{Affine3A, Vec3, vec3};
 
-pub use environment::{ENVIRONMENT_SIDE, Environment, GLOSSY_LEVELS, Sky, SkyDisk};
+pub use backdrop::{Backdrop, Panorama, Sky, SkyDisk};
+pub use environment::{ENVIRONMENT_SIDE, Environment, GLOSSY_LEVELS};
 pub use error::SceneError;
 pub use flare::{FlarePlace, LensFlare};
 pub use image::{AstcBlock, BlockFormat, Image, Texels};

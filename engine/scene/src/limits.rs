@@ -47,6 +47,9 @@ pub const MAX_DIRECTIONAL_LIGHTS: usize = 4;
 /// The most lens flares of a renderer: each is counted in every frame.
 pub const MAX_FLARES: usize = 64;
 
+/// The most texels of a panorama that are kept, 128 MiB of them: 8192 by 4096.
+pub const MAX_PANORAMA_TEXELS: u64 = 1 << 25;
+
 #[cfg(test)]
 mod tests {
     use super::*;

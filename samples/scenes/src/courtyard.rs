@@ -23,6 +23,10 @@ const HALF_M: f32 = 16.0;
 /// The side of a tile of its ground, in metres.
 const TILE_M: f32 = 2.0;
 
+/// The depth in metres to which all that stands on the ground reaches below it: what only began
+/// there would let light and eyes through where both meet.
+const SUNK_M: f32 = 0.2;
+
 /// The distance from the lantern's middle down to its light, in metres: beyond its own glass, which
 /// would cast a shadow.
 const BELOW_M: f32 = 0.4;
@@ -93,7 +97,7 @@ fn side(number: u8) -> Affine3A {
 /// Makes the courtyard at an hour of the day. Its lamps are always on.
 pub fn courtyard(hour: Hour) -> Courtyard {
     let mut yard = Yard::default();
-    let at = |x: f32, z: f32| Affine3A::from_translation(vec3(x, HOVER_M, z));
+    let at = |x: f32, z: f32| Affine3A::from_translation(vec3(x, 0.0, z));
     yard.add(meshes::ground(), &[Affine3A::IDENTITY]);
     let walls = [0, 1, 3].map(|number| side(number) * at(0.0, -HALF_M + 0.5));
     yard.add(meshes::wall(), &walls);
@@ -106,7 +110,8 @@ pub fn courtyard(hour: Hour) -> Courtyard {
     let turned = |x: f32, z: f32, turn: f32| at(x, z) * Affine3A::from_rotation_y(turn);
     let crates = [turned(-2.4, 1.2, 0.4), turned(-0.9, 0.2, 1.1), turned(2.8, -2.0, 0.2)];
     yard.add(meshes::crate_box(), &crates);
-    let (_, figure) = yard.add(meshes::figure_mesh(), &[at(6.0, 0.0)]);
+    let (_, figure) =
+        yard.add(meshes::figure_mesh(), &[Affine3A::from_translation(vec3(6.0, HOVER_M, 0.0))]);
     yard.add(meshes::bracket(), &hung_lamps());
     let size = Affine3A::from_scale(Vec3::splat(LAMP_SIZE));
     let glasses = hung_lamps().map(|place| place * size);
@@ -213,7 +218,7 @@ fn head_of(spot: &PunctualLight) -> Affine3A {
 fn mast_of(spot: &PunctualLight) -> Affine3A {
     let behind = (spot.direction * vec3(1.0, 0.0, 1.0)).normalize_or(Vec3::Z) * -0.75;
     let Vec3 { x, z, .. } = spot.position + behind;
-    Affine3A::from_translation(vec3(x, HOVER_M, z))
+    Affine3A::from_translation(vec3(x, 0.0, z))
 }
 
 /// Returns the spot that projects a picture, from behind who looks, on the middle.
@@ -283,6 +288,15 @@ mod tests {
         assert_eq!(mesh_of(yard.motion.figure), "figure");
         assert_eq!(mesh_of(yard.motion.lantern), "lantern");
         assert_ne!(yard.motion.at(0.0), yard.motion.at(0.5));
+        for standing in ["courtyard wall", "column", "fence", "crate", "mast"] {
+            let objects = (0..yard.scene.objects.len() as u32).map(ObjectId);
+            let low = |object: ObjectId| {
+                yard.scene.bounds_of(&yard.scene.objects[object.0 as usize]).unwrap().min.y
+            };
+            let mut lows =
+                objects.filter(|object| mesh_of(*object) == standing).map(low).peekable();
+            assert!(lows.peek().is_some() && lows.all(|low| low < 0.0), "{standing}");
+        }
         // It stays between the walls, the lantern over the ground, whenever.
         for second in 0..400_u32 {
             let update = yard.motion.at(f64::from(second) * 0.37);

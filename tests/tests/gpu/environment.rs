@@ -4,7 +4,9 @@ use cull::{Camera, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{Costs, Error, FrameRequest, Renderer, RendererOptions};
-use scene::{Environment, Light, LightKind, Material, PunctualLight, Scene, Sky, SkyDisk};
+use scene::{
+    Environment, Light, LightKind, Material, Panorama, PunctualLight, Scene, Sky, SkyDisk,
+};
 use shadows::{ShadowMethod, ShadowOptions};
 use tests::reference::{decoded, encoded, tone_mapped};
 use tests::{run_on_all, shapes, yard};
@@ -95,7 +97,7 @@ fn the_sky_and_matt_and_metal_floors_are_those_of_the_reference() {
                     let found = pixel(&image, x, y);
                     if towards.y > 0.02 {
                         above += 1;
-                        assert_near(found, bytes(environment.glossy(towards, 0.0)), &place);
+                        assert_near(found, bytes(sky().radiance(towards)), &place);
                     }
                     let hit = camera.eye - towards * (camera.eye.y / towards.y);
                     if towards.y < -0.1 && hit.abs().max_element() < 15.0 {
@@ -135,13 +137,13 @@ fn floor_light(environment: &Environment, material: &Material, towards: Vec3) ->
 #[test]
 fn a_disk_is_where_it_should_be_and_as_large() {
     run_on_all(|device| {
-        let sky = Environment::of_sky(&sky()).unwrap();
+        let plain = Environment::of_sky(&sky()).unwrap();
         let camera = Camera { eye: vec3(0.0, 2.0, 3.0), forward: Vec3::NEG_Z, ..yard::camera() };
         let towards = direction(&camera, 40, 12);
         let disk = SkyDisk { towards, radius_rad: 0.06, radiance: [0.2, 0.9, 0.4] };
-        let environment = sky.clone().with_disk(disk).unwrap();
+        let environment = plain.clone().with_disk(disk).unwrap();
         let material = Material::default();
-        let scenes = [sky.clone(), environment].map(|it| floor(material.clone(), Some(it)));
+        let scenes = [plain, environment].map(|it| floor(material.clone(), Some(it)));
         let [plain, found] =
             scenes.map(|it| image(&mut renderer(device, &it), Strategy::ANTUMBRA, camera));
         let mut inside = 0;
@@ -153,12 +155,79 @@ fn a_disk_is_where_it_should_be_and_as_large() {
                     assert_eq!(pixel(&found, x, y), pixel(&plain, x, y), "{x}, {y}");
                 } else if away < 0.8 * disk.radius_rad {
                     inside += 1;
-                    let light = sky.glossy(seen, 0.0) + Vec3::from_array(disk.radiance);
+                    let light = sky().radiance(seen) + Vec3::from_array(disk.radiance);
                     assert_near(pixel(&found, x, y), bytes(light), &format!("{x}, {y}"));
                 }
             }
         }
         assert!(inside > 10, "{inside}");
+    });
+}
+
+/// Returns a camera far beside the floor, which sees nothing but what is around.
+fn outside() -> Camera {
+    let forward = vec3(0.3, 0.1, -1.0).normalize();
+    Camera { eye: vec3(0.0, 50.0, -500.0), forward, ..yard::camera() }
+}
+
+/// Compares with the sky itself: a picture of 64 by 64 texels had beads along the horizon.
+#[test]
+fn a_sky_is_computed_for_each_pixel() {
+    run_on_all(|device| {
+        let scene = floor(Material::default(), Some(Environment::of_sky(&sky()).unwrap()));
+        let image = image(&mut renderer(device, &scene), Strategy::ANTUMBRA, outside());
+        let expected = |x, y| bytes(sky().radiance(direction(&outside(), x, y)));
+        for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
+            let (found, expected) = (pixel(&image, x, y), expected(x, y));
+            // Half a step is rounded away, and half a step is added.
+            let is_near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1.1);
+            assert!(is_near, "{x}, {y}: {found:?} and not {expected:?}");
+        }
+    });
+}
+
+#[test]
+fn what_lies_between_two_codes_is_dithered() {
+    run_on_all(|device| {
+        let light = [0.203, 0.3, 0.4];
+        let dark = [0.0; 3];
+        let same = Sky { zenith: light, horizon: light, ground: light, glow: dark, ..sky() };
+        let scene = floor(Material::default(), Some(Environment::of_sky(&same).unwrap()));
+        let image = image(&mut renderer(device, &scene), Strategy::ANTUMBRA, outside());
+        for tile in 0..SIZE[0] / 8 * (SIZE[1] / 8) {
+            let [left, top] = [tile % (SIZE[0] / 8) * 8, tile / (SIZE[0] / 8) * 8];
+            let pixels = (0..64).map(|place| pixel(&image, left + place % 8, top + place / 8));
+            let mut mean = [0.0; 3];
+            for pixel in pixels {
+                mean.iter_mut().zip(pixel).for_each(|(mean, code)| *mean += code / 64.0);
+            }
+            for (mean, expected) in mean.into_iter().zip(bytes(Vec3::from_array(light))) {
+                assert!((mean - expected).abs() < 0.15, "tile {tile}: {mean} and not {expected}");
+            }
+        }
+    });
+}
+
+#[test]
+fn a_panorama_is_seen_with_its_own_pixels_and_smooth_where_they_are_too_small() {
+    run_on_all(|device| {
+        let stripes = |width: u32| -> Vec<[f32; 3]> {
+            let light = |x: u32| if (x / 2).is_multiple_of(2) { [0.1, 0.5, 0.3] } else { [0.3; 3] };
+            (0..width * width / 2).map(|pixel| light(pixel % width)).collect()
+        };
+        let drawn = |environment: Environment| {
+            let scene = floor(Material::default(), Some(environment));
+            image(&mut renderer(device, &scene), Strategy::ANTUMBRA, outside())
+        };
+        let coarse = Panorama::new([128, 64], &stripes(128)).unwrap();
+        let found = drawn(Environment::of_equirectangular([128, 64], &stripes(128)).unwrap());
+        let fine = drawn(Environment::of_equirectangular([2048, 1024], &stripes(2048)).unwrap());
+        for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
+            let place = format!("{x}, {y}");
+            let expected = coarse.radiance(direction(&outside(), x, y));
+            assert_near(pixel(&found, x, y), bytes(expected), &place);
+            assert_near(pixel(&fine, x, y), bytes(vec3(0.2, 0.4, 0.3)), &place);
+        }
     });
 }
 

@@ -3,6 +3,7 @@
 
 mod depths;
 mod finished;
+mod fringes;
 
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec2, Vec3, vec2, vec3};

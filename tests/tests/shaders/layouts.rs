@@ -272,9 +272,13 @@ fn midpoints_know_their_reach_and_layer() {
 }
 
 #[test]
-fn the_sky_is_a_colour() {
+fn the_sky_is_a_colour_or_what_is_around() {
     assert_eq!(interface("sky.vert"), (vec![], 0));
     assert_eq!(interface("sky.frag"), (vec![], 16));
+    let vectors: Vec<usize> = (0..7).map(|vector| vector * 16).collect();
+    let row = (0, size_of::<render::passes::SkyRow>(), vectors);
+    assert_eq!(interface("sky_around.frag"), (vec![row.clone()], 56));
+    assert_eq!(interface("sky_panorama.frag"), (vec![row], 56));
 }
 
 #[test]

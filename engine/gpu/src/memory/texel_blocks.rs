@@ -38,9 +38,9 @@ impl TexelBlocks {
     pub(crate) fn of(format: vk::Format) -> Option<Self> {
         let of_bc = |bytes| Self { size: [4; 2], bytes, needs: Some(Optional::BcTextures) };
         Some(match format {
-            vk::Format::R8G8B8A8_SRGB | vk::Format::R8G8B8A8_UNORM => {
-                Self { size: [1; 2], bytes: 4, needs: None }
-            }
+            vk::Format::R8G8B8A8_SRGB
+            | vk::Format::R8G8B8A8_UNORM
+            | vk::Format::E5B9G9R9_UFLOAT_PACK32 => Self { size: [1; 2], bytes: 4, needs: None },
             vk::Format::BC1_RGB_UNORM_BLOCK
             | vk::Format::BC1_RGB_SRGB_BLOCK
             | vk::Format::BC1_RGBA_UNORM_BLOCK

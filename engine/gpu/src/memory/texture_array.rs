@@ -23,7 +23,8 @@ pub enum MipMaking {
     /// The CPU, by [`resampled`](crate::resampled).
     Cpu,
     /// The caller, who [writes](crate::TextureUploads::write_levels) so many levels with the whole
-    /// image; as many as the size has at most. For compressed blocks it is the only one.
+    /// image; as many as the size has at most. For light and for compressed blocks it is the only
+    /// one.
     Given(u32),
 }
 
@@ -36,7 +37,8 @@ pub struct TextureArrayInfo<'a> {
     pub size: [u32; 2],
     /// The number of layers.
     pub layers: u32,
-    /// `R8G8B8A8_SRGB` for colours, `R8G8B8A8_UNORM` for numbers; or one of BC1 to BC5 or BC7
+    /// `R8G8B8A8_SRGB` for colours, `R8G8B8A8_UNORM` for numbers, `E5B9G9R9_UFLOAT_PACK32` for
+    /// light; or one of BC1 to BC5 or BC7
     /// without signs, or of ASTC, where the device has them
     /// ([`Optional::BcTextures`](crate::Optional::BcTextures),
     /// [`Optional::AstcTextures`](crate::Optional::AstcTextures)).
@@ -318,16 +320,22 @@ impl TextureArray {
 
 /// Returns the blocks of the textures of a description.
 fn blocks_of(device: &Device, info: &TextureArrayInfo<'_>) -> Result<TexelBlocks, Error> {
-    const FORMATS: &str = "a texture array has four channels of eight bits, or compressed blocks";
+    const FORMATS: &str =
+        "a texture array has four bytes per texel, or compressed blocks, in one of a few formats";
     let blocks = TexelBlocks::of(info.format).ok_or(Error::WrongCommands(FORMATS))?;
-    let Some(needed) = blocks.needs else { return Ok(blocks) };
-    if !device.capabilities().has(needed) {
+    if let Some(needed) = blocks.needs
+        && !device.capabilities().has(needed)
+    {
         let (missing, wanted) = (needed.name(), "textures of compressed blocks");
         return Err(Error::Unsupported { device: device.adapter().name.clone(), missing, wanted });
     }
+    let has_bytes = matches!(info.format, vk::Format::R8G8B8A8_SRGB | vk::Format::R8G8B8A8_UNORM);
     match info.mip_making {
         MipMaking::Given(_) => Ok(blocks),
-        _ => Err(Error::WrongCommands("nobody makes mip maps of compressed blocks")),
+        MipMaking::Blits | MipMaking::Cpu if has_bytes => Ok(blocks),
+        MipMaking::Blits | MipMaking::Cpu => Err(Error::WrongCommands(
+            "nobody makes mip maps but of textures of four channels of eight bits",
+        )),
     }
 }
 

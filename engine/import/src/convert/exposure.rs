@@ -1,5 +1,5 @@
-//! Exposure: files give lights in lux and candela, but no exposure of a camera. Where lights of
-//! physical strength would leave nothing but white, all of them are dimmed by one factor.
+//! Exposure: files give lights in lux and candela, but no exposure of a camera. Where the lights
+//! would leave nothing but white, all of them are dimmed by one factor.
 //!
 //! The factor is a function of the scene at rest, so that every frame has the same. Lights are
 //! dimmed and not the whole image: emission and ambient light need no camera.
@@ -7,16 +7,22 @@
 use std::f32::consts::PI;
 
 use cull::Aabb;
-use scene::{LightKind, PunctualLight, Scene, Surfaces};
+use scene::{LightKind, MeshId, PunctualLight, Scene, Surfaces};
 
 use crate::notes::Notes;
 
-/// The illuminance up to which lights stay as they are, over most of the lit objects, in lux: four
-/// times the illuminance under which a white surface is white.
-const MOST_LX: f32 = 4.0 * PI;
+/// The light that most of the lit objects send on, up to which lights stay as they are: what is
+/// brighter is white in the image.
+const MOST_RADIANCE: f32 = 1.0;
 
-/// The illuminance to which brighter lights are dimmed, in lux.
-const DIMMED_LX: f32 = 1.5 * PI;
+/// The light that most of the objects send on once brighter lights are dimmed.
+const DIMMED_RADIANCE: f32 = 0.5;
+
+/// The part of the light that a texture sends on.
+const TEXTURE_ALBEDO: f32 = 1.0 / 3.0;
+
+/// The most vertices of an object whose colours are sampled.
+const MOST_VERTICES: usize = 64;
 
 /// The most objects that are sampled.
 const MOST_OBJECTS: usize = 512;
@@ -37,11 +43,14 @@ fn dim(scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
     let objects = scene.objects.iter().chain(&surfaces.transparent);
     let count = scene.objects.len() + surfaces.transparent.len();
     let most = (MOST_PAIRS / surfaces.lights.len().max(1)).clamp(1, MOST_OBJECTS);
-    let boxes: Vec<Aabb> = objects
+    let receivers: Vec<Receiver> = objects
         .step_by(count.div_ceil(most).max(1))
-        .filter_map(|object| scene.bounds_of(object))
+        .filter_map(|object| {
+            let albedo = albedo(surfaces, object.mesh)?;
+            Some(Receiver { bounds: scene.bounds_of(object)?, albedo })
+        })
         .collect();
-    let Some(factor) = factor(&surfaces.lights, &boxes) else { return };
+    let Some(factor) = factor(&surfaces.lights, &receivers) else { return };
     for light in &mut surfaces.lights {
         light.intensity *= factor;
     }
@@ -51,13 +60,43 @@ fn dim(scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
     ));
 }
 
-/// Returns the factor for lights that shine on boxes; `None` if they stay as they are.
-fn factor(lights: &[PunctualLight], boxes: &[Aabb]) -> Option<f32> {
-    let of_box = |bounds: &Aabb| lights.iter().map(|light| illuminance_lx(light, bounds)).sum();
-    let mut lit: Vec<f32> = boxes.iter().map(of_box).filter(|lux: &f32| *lux > 0.0).collect();
-    lit.sort_unstable_by(f32::total_cmp);
-    let median_lx = *lit.get(lit.len() / 2)?;
-    (median_lx > MOST_LX).then_some(DIMMED_LX / median_lx)
+/// An object that lights shine on.
+struct Receiver {
+    bounds: Aabb,
+    /// The part of the light that it sends on, of the colour of which that is most.
+    albedo: f32,
+}
+
+/// Returns the part of the light that a mesh sends on; `None` if light is nothing to it.
+fn albedo(surfaces: &Surfaces, mesh: MeshId) -> Option<f32> {
+    let mesh = surfaces.meshes.get(mesh.0 as usize)?;
+    let material = surfaces.materials.get(mesh.material.0 as usize)?;
+    if material.is_unlit {
+        return None;
+    }
+    let step = mesh.vertices.len().div_ceil(MOST_VERTICES).max(1);
+    let colours = mesh.vertices.iter().step_by(step).map(|vertex| vertex.colour);
+    let count = colours.len().max(1) as f32;
+    let mut means = [0.0_f32; 3];
+    for colour in colours {
+        let parts = colour.map(|part| f32::from(part) / f32::from(u16::MAX));
+        means.iter_mut().zip(parts).for_each(|(mean, part)| *mean += part / count);
+    }
+    let sent = means.into_iter().zip(material.base_colour).map(|(mean, factor)| mean * factor);
+    let of_texture = material.base_colour_texture.map_or(1.0, |_| TEXTURE_ALBEDO);
+    Some(sent.fold(0.0, f32::max) * of_texture)
+}
+
+/// Returns the factor for lights that shine on objects; `None` if they stay as they are.
+fn factor(lights: &[PunctualLight], receivers: &[Receiver]) -> Option<f32> {
+    let sent = |receiver: &Receiver| {
+        let lux = lights.iter().map(|light| illuminance_lx(light, &receiver.bounds)).sum::<f32>();
+        lux * receiver.albedo / PI
+    };
+    let mut sent: Vec<f32> = receivers.iter().map(sent).filter(|sent| *sent > 0.0).collect();
+    sent.sort_unstable_by(f32::total_cmp);
+    let median = *sent.get(sent.len() / 2)?;
+    (median > MOST_RADIANCE).then_some(DIMMED_RADIANCE / median)
 }
 
 /// Returns the illuminance by one light at the mean distance of a box's inside, on a surface that
@@ -105,15 +144,20 @@ mod tests {
         Aabb::new(centre - 0.01, centre + 0.01)
     }
 
+    fn receiver(centre: Vec3, albedo: f32) -> Receiver {
+        Receiver { bounds: around(centre), albedo }
+    }
+
     #[test]
     fn lights_of_plain_numbers_stay_and_those_of_the_physical_world_are_dimmed_to_one_brightness() {
-        let boxes = [around(Vec3::ZERO)];
+        let boxes = [receiver(Vec3::ZERO, 0.5)];
         let sun = |lux| light(LightKind::Directional, lux);
         assert_eq!(factor(&[sun(3.0), sun(3.0)], &boxes), None);
-        for lux in [500.0, 100_000.0] {
+        for lux in [7.0, 500.0, 100_000.0] {
             let factor = factor(&[sun(lux)], &boxes).expect("too bright");
-            assert!((factor * lux / DIMMED_LX - 1.0).abs() < 1e-5, "{factor}");
+            assert!((factor * lux * 0.5 / PI - DIMMED_RADIANCE).abs() < 1e-5, "{factor}");
         }
+        assert_eq!(factor(&[sun(7.0)], &[receiver(Vec3::ZERO, 0.4)]), None, "a dark surface");
         assert_eq!(factor(&[sun(1e5)], &[]), None, "there is nothing to be too bright");
     }
 
@@ -133,10 +177,11 @@ mod tests {
             "a room is larger than its lamp's surroundings"
         );
         let bright = PunctualLight { intensity: 8000.0, ..lamp };
-        assert!(factor(&[bright], &[below; 9]).is_some());
+        let below = || receiver(Vec3::ZERO, 1.0);
+        assert!(factor(&[bright], &[below(), below(), below()]).is_some());
         // One shop window does not darken the street.
-        let mut street = vec![around(Vec3::X * 100.0); 99];
-        street.push(below);
+        let mut street: Vec<_> = (0..99).map(|_| receiver(Vec3::X * 100.0, 1.0)).collect();
+        street.push(below());
         assert_eq!(factor(&[bright], &street), None);
     }
 }

@@ -29,7 +29,8 @@ pub use overlay::OverlayVertex;
 pub(crate) use overlay::{OverlayIo, OverlayPass};
 pub(crate) use seen::{SeenIo, SeenPass};
 pub(crate) use skinning::{NOTHING, REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
-pub use sky::SkyPass;
+pub(crate) use sky::SkyIo;
+pub use sky::{SkyPass, SkyRow};
 pub use surface::{SurfaceIo, SurfaceKind, SurfacePass, SurfaceShadows};
 pub use volume_constants::VolumeGroup;
 pub use volumes::{

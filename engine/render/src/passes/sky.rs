@@ -4,20 +4,48 @@ use bytemuck::{Pod, Zeroable};
 use cull::{ProjectionKind, View};
 use glam::Vec3;
 use gpu::{
-    Attachments, Blend, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, SampledArrays,
-    StorageLayout,
+    Attachments, Blend, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    SampledArrays, StorageLayout, TextureArray,
 };
 
 use occlusion::{Error, ShaderSet};
-use scene::SkyDisk;
-
-use crate::shading::environment_texture::EnvironmentTexture;
+use scene::{Backdrop, Environment, Sky, SkyDisk};
 
 /// The pass that draws one triangle over all of the area at the farthest depth: it shows where
 /// nothing is nearer.
 pub struct SkyPass {
     plain: GraphicsPipeline,
     around: GraphicsPipeline,
+    panorama: GraphicsPipeline,
+}
+
+/// The inputs of [`SkyPass::draw_around`]: reads the sky and, if there is one, the panorama.
+#[derive(Clone, Copy)]
+pub(crate) struct SkyIo<'a> {
+    /// One [`SkyRow`].
+    pub(crate) sky: BufferSlice,
+    /// The panorama; none where the sky is computed.
+    pub(crate) panorama: Option<&'a TextureArray>,
+}
+
+/// The backdrop of an environment, as `sky_main.glsl` reads it.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub struct SkyRow {
+    /// Colours and the direction to the sun, each with a 0 behind it.
+    pub towards_sun: [f32; 4],
+    /// As in [`Sky`].
+    pub zenith: [f32; 4],
+    /// As in [`Sky`].
+    pub horizon: [f32; 4],
+    /// As in [`Sky`].
+    pub ground: [f32; 4],
+    /// As in [`Sky`].
+    pub glow: [f32; 4],
+    /// The direction to the middle of the disk, and the distance of its edge on the unit sphere.
+    pub disk: [f32; 4],
+    /// The radiance of the disk, and the distance at which its edge begins to fade.
+    pub radiance: [f32; 4],
 }
 
 #[repr(C)]
@@ -35,15 +63,42 @@ struct AroundConstants {
     middle: [f32; 4],
     right: [f32; 4],
     down: [f32; 4],
-    size: [f32; 4],
-    disk: [f32; 4],
-    radiance: [f32; 4],
+    size: [f32; 2],
 }
 
-const _: () = assert!(size_of::<AroundConstants>() == 96);
+const _: () = assert!(size_of::<AroundConstants>() == 56);
 
 /// The share of its radius over which the edge of a disk fades.
 const DISK_EDGE: f32 = 0.15;
+
+impl SkyRow {
+    /// Returns the backdrop of an environment: all dark but its disk where that is a panorama.
+    pub(crate) fn of(environment: &Environment) -> Self {
+        let dark = [0.0; 3];
+        let nowhere =
+            Sky { towards_sun: Vec3::Y, zenith: dark, horizon: dark, ground: dark, glow: dark };
+        let Sky { towards_sun, zenith, horizon, ground, glow } = match environment.backdrop() {
+            Backdrop::Sky(sky) => *sky,
+            Backdrop::Panorama(_) => nowhere,
+        };
+        let none = SkyDisk { towards: Vec3::Y, radius_rad: 0.0, radiance: dark };
+        let disk = environment.disk().copied().unwrap_or(none);
+        // The part of a unit vector that lies along the middle of the disk, at both ends of its
+        // edge: small angles have no digits left in their cosine, so their distance is compared.
+        let [outer, inner] =
+            [1.0, 1.0 - DISK_EDGE].map(|share: f32| 2.0 * (0.5 * disk.radius_rad * share).sin());
+        let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
+        Self {
+            towards_sun: with(towards_sun.to_array(), 0.0),
+            zenith: with(zenith, 0.0),
+            horizon: with(horizon, 0.0),
+            ground: with(ground, 0.0),
+            glow: with(glow, 0.0),
+            disk: with(disk.towards.to_array(), outer),
+            radiance: with(disk.radiance, inner),
+        }
+    }
+}
 
 impl SkyPass {
     /// Compiles the pass for renderings to `attachments`.
@@ -65,12 +120,19 @@ impl SkyPass {
         let around = GraphicsPipelineInfo {
             name: "sky around",
             fragment: Some(shaders.find("sky_around.frag")?),
-            storage: StorageLayout { textures: 1, ..StorageLayout::new::<AroundConstants>(0) },
+            storage: StorageLayout::new::<AroundConstants>(1),
+            ..plain
+        };
+        let panorama = GraphicsPipelineInfo {
+            name: "sky panorama",
+            fragment: Some(shaders.find("sky_panorama.frag")?),
+            storage: StorageLayout { texture_arrays: 1, ..around.storage },
             ..plain
         };
         Ok(Self {
             plain: GraphicsPipeline::new(device, &plain)?,
             around: GraphicsPipeline::new(device, &around)?,
+            panorama: GraphicsPipeline::new(device, &panorama)?,
         })
     }
 
@@ -86,25 +148,16 @@ impl SkyPass {
     pub(crate) fn draw_around(
         &self,
         commands: &Commands,
-        environment: &EnvironmentTexture,
-        (view, exposure): (&View, f32),
+        io: &SkyIo<'_>,
+        view: &View,
+        exposure: f32,
     ) {
-        let radius_rad = environment.disk().map_or(0.0, |disk| disk.radius_rad);
-        // The part of a unit vector that lies along the middle of the disk, at both ends of its
-        // edge: small angles have no digits left in their cosine, so their distance is compared.
-        let [outer, inner] =
-            [1.0, 1.0 - DISK_EDGE].map(|share: f32| 2.0 * (0.5 * radius_rad * share).sin());
-        let nowhere = SkyDisk { towards: Vec3::Y, radius_rad, radiance: [0.0; 3] };
-        let disk = environment.disk().copied().unwrap_or(nowhere);
         let [x, y] = view.origin.map(|pixel| pixel as f32);
-        let [width, height] = view.size.map(|side| side as f32);
         let constants = AroundConstants {
             middle: view.rays.middle.extend(exposure).to_array(),
             right: view.rays.right.extend(x).to_array(),
             down: view.rays.down.extend(y).to_array(),
-            size: [width, height, 0.0, 0.0],
-            disk: disk.towards.extend(outer).to_array(),
-            radiance: Vec3::from_array(disk.radiance).extend(inner).to_array(),
+            size: view.size.map(|side| side as f32),
         };
         // The rays of an orthographic view are parallel.
         let constants = match view.rays.kind {
@@ -116,8 +169,10 @@ impl SkyPass {
                 AroundConstants { middle, right, down, ..constants }
             }
         };
-        commands.bind_sampled(&self.around, &[], &[environment.sampled()], SampledArrays::NONE);
-        commands.push_constants(&self.around, &constants);
+        let arrays = io.panorama.as_slice();
+        let pipeline = if arrays.is_empty() { &self.around } else { &self.panorama };
+        commands.bind_sampled(pipeline, &[io.sky], &[], SampledArrays::Few(arrays));
+        commands.push_constants(pipeline, &constants);
         commands.draw(3, 0);
     }
 }

@@ -139,6 +139,9 @@ const PICTURE_PAGES: u32 = 16;
 /// The specialisation constant of `surface_constants.glsl` for light from an environment.
 const ENVIRONMENT: u32 = 15;
 
+/// The specialisation constant of `surface_constants.glsl` for several samples per pixel.
+const SEVERAL_SAMPLES: u32 = 17;
+
 /// The attributes of a [`SurfaceVertex`]: normal, tangent, both sets of texture coordinates,
 /// colour.
 const ATTRIBUTES: [(vk::Format, u32); 5] = [
@@ -186,6 +189,8 @@ impl SurfacePass {
         let mut constants = surfaces.features(is_transparent).constants(is_transparent).to_vec();
         constants.push((PICTURE_PAGES, surfaces.features(is_transparent).pictures));
         constants.push((ENVIRONMENT, u32::from(surfaces.environment.is_there())));
+        let has_several = attachments.samples != vk::SampleCountFlags::TYPE_1;
+        constants.push((SEVERAL_SAMPLES, u32::from(has_several)));
         constants.extend(shadows.filter(|_| inputs == Inputs::Maps).and_then(filter_constant));
         let stage = |name: &str, end: &str| {
             shaders.find(&format!("{name}.{end}")).map(|shader| shader.specialised(&constants))

@@ -1,14 +1,26 @@
-//! The light from all around on the GPU.
+//! The light from all around on the GPU, and what is seen of it.
 
-use gpu::{Device, SampledTexture, VolumeTexels, VolumeTexture};
+use gpu::{
+    Buffer, Device, MipMaking, SampledTexture, TextureArray, TextureArrayInfo, TextureUploads,
+    VolumeTexels, VolumeTexture, vk,
+};
 use half::f16;
-use scene::{Environment, GLOSSY_LEVELS, SkyDisk};
+use scene::{Backdrop, Environment, GLOSSY_LEVELS, Panorama};
 
-/// The levels of an [`Environment`] behind each other, or one dark texel without one.
+use crate::passes::{SkyIo, SkyRow};
+
+/// The levels of an [`Environment`] behind each other, or one dark texel without one; and its
+/// backdrop.
 pub(crate) struct EnvironmentTexture {
     texture: VolumeTexture,
-    is_there: bool,
-    disk: Option<SkyDisk>,
+    backdrop: Option<BackdropResources>,
+}
+
+/// The backdrop of an environment.
+struct BackdropResources {
+    sky: Buffer,
+    /// The picture; none where the sky is computed.
+    panorama: Option<TextureArray>,
 }
 
 impl EnvironmentTexture {
@@ -28,22 +40,66 @@ impl EnvironmentTexture {
         let texels: Vec<[u16; 4]> = texels.into_iter().map(half).collect();
         let size = [side, side, levels];
         let texture = VolumeTexture::new(device, size, VolumeTexels::Half(&texels), "environment")?;
-        let disk = environment.and_then(Environment::disk).copied();
-        Ok(Self { texture, is_there: environment.is_some(), disk })
+        let backdrop =
+            environment.map(|around| BackdropResources::new(device, around)).transpose()?;
+        Ok(Self { texture, backdrop })
     }
 
     /// Returns true if there is an environment.
     pub(crate) fn is_there(&self) -> bool {
-        self.is_there
+        self.backdrop.is_some()
     }
 
-    /// Returns the disk in the sky, if there is one.
-    pub(crate) fn disk(&self) -> Option<&SkyDisk> {
-        self.disk.as_ref()
+    /// Returns what is seen of the environment, if there is one.
+    pub(crate) fn sky(&self) -> Option<SkyIo<'_>> {
+        let BackdropResources { sky, panorama } = self.backdrop.as_ref()?;
+        Some(SkyIo { sky: sky.whole(), panorama: panorama.as_ref() })
     }
 
     /// Returns the texture for shaders.
     pub(crate) fn sampled(&self) -> SampledTexture<'_> {
         self.texture.sampled()
     }
+}
+
+impl BackdropResources {
+    fn new(device: &Device, environment: &Environment) -> Result<Self, gpu::Error> {
+        let row = SkyRow::of(environment);
+        let sky = device.upload("sky", &[row], vk::BufferUsageFlags::STORAGE_BUFFER)?;
+        let panorama = match environment.backdrop() {
+            Backdrop::Sky(_) => None,
+            Backdrop::Panorama(panorama) => Some(upload_panorama(device, panorama)?),
+        };
+        Ok(Self { sky, panorama })
+    }
+}
+
+/// Uploads the levels of a panorama from the first one on that the device has room for in an image.
+fn upload_panorama(device: &Device, panorama: &Panorama) -> Result<TextureArray, gpu::Error> {
+    let most = device.adapter().limits.max_image_dimension2_d;
+    let mut size = panorama.size();
+    let mut levels = panorama.levels();
+    while let [_, smaller @ ..] = levels
+        && size.into_iter().any(|side| side > most)
+    {
+        size = size.map(|side| (side / 2).max(1));
+        levels = smaller;
+    }
+    let info = TextureArrayInfo {
+        name: "panorama",
+        size,
+        layers: 1,
+        format: vk::Format::E5B9G9R9_UFLOAT_PACK32,
+        wrap: [vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE],
+        magnified: vk::Filter::LINEAR,
+        minified: vk::Filter::LINEAR,
+        between_levels: Some(vk::SamplerMipmapMode::LINEAR),
+        anisotropy: 1.0,
+        mip_making: MipMaking::Given(levels.len() as u32),
+    };
+    let mut array = TextureArray::new(device, &info)?;
+    let bytes = |level: &Vec<u32>| bytemuck::cast_slice(level).to_vec();
+    let levels: Vec<Vec<u8>> = levels.iter().map(bytes).collect();
+    TextureUploads::new(device)?.write_levels(&mut array, 0, &levels)?;
+    Ok(array)
 }

@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 use scene::Mesh;
 
 use super::super::builder::{Faces, MeshBuilder, Paint};
-use super::{HALF_M, TILE_M};
+use super::{HALF_M, SUNK_M, TILE_M};
 
 /// Returns the ground: a chequered floor.
 pub(super) fn ground() -> Mesh {
@@ -31,7 +31,7 @@ pub(super) fn wall() -> Mesh {
     // Walls end right before each other.
     let (half, high) = (HALF_M - 0.82, 4.2);
     let stone = Paint::srgb(0xC9_B79A);
-    builder.cuboid(vec3(-half, 0.0, -0.3), vec3(half, high, 0.3), Faces::Standing, stone);
+    builder.cuboid(vec3(-half, -SUNK_M, -0.3), vec3(half, high, 0.3), Faces::Standing, stone);
     let coping = Paint::srgb(0x9A_6A4E);
     let end = half - 0.15;
     let (low, top) = (vec3(-end, high - 0.1, -0.45), vec3(end, high + 0.3, 0.45));
@@ -42,10 +42,10 @@ pub(super) fn wall() -> Mesh {
 pub(super) fn column() -> Mesh {
     let mut builder = MeshBuilder::default();
     let profile = [
-        (0.55, 0.0),
-        (0.55, 0.25),
-        (0.4, 0.4),
-        (0.34, 0.5),
+        // No small hollows at the foot: filters of soft shadows are as wide as these are.
+        (0.55, -SUNK_M),
+        (0.55, 0.3),
+        (0.34, 0.3),
         (0.3, 4.6),
         (0.36, 4.7),
         (0.55, 4.95),
@@ -62,7 +62,7 @@ pub(super) fn fence() -> Mesh {
     let wood = Paint::srgb(0x6E_4B33);
     for picket in 0..16_u8 {
         let x = f32::from(picket) * 0.4 - 3.0;
-        let (low, high) = (vec3(x - 0.06, 0.0, -0.03), vec3(x + 0.06, 1.5, 0.03));
+        let (low, high) = (vec3(x - 0.06, -SUNK_M, -0.03), vec3(x + 0.06, 1.5, 0.03));
         builder.tapered(low, high, Vec2::ZERO, Faces::Standing, wood);
     }
     for y in [0.35, 1.1] {
@@ -75,7 +75,7 @@ pub(super) fn fence() -> Mesh {
 pub(super) fn crate_box() -> Mesh {
     let mut builder = MeshBuilder::default();
     let wood = Paint::srgb(0xA8_7B4A);
-    builder.cuboid(vec3(-0.55, 0.0, -0.55), vec3(0.55, 1.1, 0.55), Faces::Standing, wood);
+    builder.cuboid(vec3(-0.55, -SUNK_M, -0.55), vec3(0.55, 1.1, 0.55), Faces::Standing, wood);
     builder.finish("crate")
 }
 
@@ -115,7 +115,7 @@ pub(super) fn bracket() -> Mesh {
 /// Returns a mast for a spot.
 pub(super) fn mast() -> Mesh {
     let mut builder = MeshBuilder::default();
-    let profile = [(0.2, 0.0), (0.2, 0.3), (0.09, 0.4), (0.07, 6.3), (0.0, 6.35)];
+    let profile = [(0.2, -SUNK_M), (0.2, 0.3), (0.09, 0.4), (0.07, 6.3), (0.0, 6.35)];
     builder.turned(&Affine3A::IDENTITY, &profile, 12, Paint::srgb(0x3A_3C40));
     builder.finish("mast")
 }

@@ -80,11 +80,9 @@ impl FramePasses {
         };
         surfaces.bind(commands, &io, view, &self.light);
         draw(commands);
-        let around = &io.surfaces.environment;
-        match backdrop {
-            None if around.is_there() => {
-                let look = (view, io.surfaces.exposure());
-                sky.draw_around(commands, around, look);
+        match (backdrop, io.surfaces.environment.sky()) {
+            (None, Some(around)) => {
+                sky.draw_around(commands, &around, view, io.surfaces.exposure());
             }
             _ => sky.draw(commands, backdrop.unwrap_or(self.sky())),
         }
