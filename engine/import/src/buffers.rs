@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use gltf::json::Root;
+use scene::counted;
 
 use crate::Limits;
 use crate::element::Kind;
@@ -81,7 +82,8 @@ pub(crate) fn resolve(
 fn within(binary: &Range<usize>, length: u64) -> Result<Range<usize>, Reason> {
     let there = binary.len() as u64;
     if length > there {
-        let text = format!("its byteLength is {length}, but the binary chunk has {there} bytes");
+        let there = counted(there, "byte", "bytes");
+        let text = format!("its byteLength is {length}, but the binary chunk has {there}");
         return Err(Reason::malformed(text));
     }
     Ok(binary.start..binary.start + length as usize)

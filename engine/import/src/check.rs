@@ -6,6 +6,7 @@ mod attributes;
 mod bounds;
 mod budget;
 mod extensions;
+mod forest;
 mod instancing;
 mod materials;
 mod meshes;
@@ -21,15 +22,16 @@ use gltf::json::Root;
 pub(crate) use accessors::views_and_accessors;
 pub(crate) use bounds::check as bounds;
 pub(crate) use extensions::required;
+pub(crate) use forest::mend as forest;
 pub use instancing::Instancing;
 pub(crate) use values::indices_and_joints;
 
 use crate::error::Fault;
 use crate::verdict::Verdict;
-use crate::{Limits, prune};
+use crate::{Limits, leave_out, prune};
 
 /// Checks all that depends on the JSON alone, beyond views and accessors. Leaves only roots in the
-/// scene that is shown.
+/// scene that is shown, and takes out what needs a broken element.
 ///
 /// Returns the instancing of meshes, by their nodes.
 pub(crate) fn structure(
@@ -38,12 +40,17 @@ pub(crate) fn structure(
     verdict: &mut Verdict,
 ) -> Result<BTreeMap<usize, Instancing>, Fault> {
     materials::check(root, verdict)?;
+    meshes::note_without_positions(root, verdict);
+    // Faults of what they need are the causes of others.
+    leave_out::dependants(root, verdict)?;
     meshes::check(root, verdict)?;
-    let parents = nodes::check(root, limits, verdict)?;
+    let parents = nodes::check(root, verdict)?;
     skins::check(root, &parents, verdict)?;
     prune::scene_roots(root, &parents, verdict);
-    animations::check(root, verdict)?;
     let instancing = instancing::check(root, verdict)?;
+    leave_out::dependants(root, verdict)?;
+    prune::channels(root, verdict);
+    animations::check(root, verdict)?;
     budget::check(root, &instancing, (limits, verdict))?;
     Ok(instancing)
 }

@@ -1,4 +1,4 @@
-//! The elements of a file's lists, and the need of the shown scene for each.
+//! The elements of a file's lists.
 
 use std::fmt;
 
@@ -99,17 +99,4 @@ impl fmt::Display for Element {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}", self.kind.name(), self.index)
     }
-}
-
-/// The need of the scene for an element.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Need {
-    /// An element that nothing shown uses.
-    #[default]
-    None,
-    /// An element without which the scene can be shown: an animation, an image, or an element that
-    /// only these use.
-    Optional,
-    /// An element without which the scene cannot be shown.
-    Required,
 }

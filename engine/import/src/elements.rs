@@ -52,6 +52,18 @@ impl Store {
     }
 }
 
+/// Returns the greatest value of the type of indices, by which graphics interfaces begin a new
+/// strip (glTF 2.0, 3.7.2.1, does not allow it); `None` for another type.
+pub(crate) fn restart_index(indices: &Accessor) -> Option<u32> {
+    let Checked::Valid(component) = indices.component_type else { return None };
+    match component.0 {
+        ComponentType::U8 => Some(u32::from(u8::MAX)),
+        ComponentType::U16 => Some(u32::from(u16::MAX)),
+        ComponentType::U32 => Some(u32::MAX),
+        ComponentType::I8 | ComponentType::I16 | ComponentType::F32 => None,
+    }
+}
+
 /// Returns the indices of the elements that a sparse accessor replaces.
 pub(crate) fn sparse_indices<'a>(
     root: &'a Root,

@@ -53,7 +53,7 @@ impl Cause {
             }
             Self::Unsupported => {
                 "export it again as glTF 2.0, without extensions that are named here, and with \
-                 images in PNG, JPEG, WebP, or KTX2 of BC or ASTC"
+                 images in PNG, JPEG, WebP, or KTX2 of BC, ASTC or 8 bits"
             }
             Self::Forbidden => {
                 "put what the scene needs into its folder, and name it by a relative path"
@@ -122,7 +122,7 @@ impl Reason {
 
     /// Returns the reason that an index is beyond the end.
     pub(crate) fn out_of_range(what: &str, index: usize, count: usize) -> Self {
-        Self::malformed(format!("{what} {index} does not exist, there are {count}"))
+        Self::malformed(format!("{what} {index} does not exist, {}", there_are(count as u64)))
     }
 
     /// Returns the reason why that object is wrong.
@@ -159,6 +159,13 @@ impl Fault {
     }
 }
 
+impl From<ImportError> for Fault {
+    fn from(error: ImportError) -> Self {
+        let ImportError { object, reason, cause, .. } = error;
+        Self { object, reason: Reason { cause, text: reason } }
+    }
+}
+
 /// The conversion of a reason to a fault by naming its object; the name is made only when it is
 /// needed.
 pub(crate) trait At<T> {
@@ -169,6 +176,11 @@ impl<T> At<T> for Result<T, Reason> {
     fn at(self, object: impl FnOnce() -> String) -> Result<T, Fault> {
         self.map_err(|reason| reason.of(object()))
     }
+}
+
+/// Returns the number of things that exist, as the end of a sentence about one that does not.
+pub(crate) fn there_are(count: u64) -> String {
+    format!("there {}", if count == 1 { "is 1".to_owned() } else { format!("are {count}") })
 }
 
 /// Returns text out of a file as it can be shown: in quotes, without control characters, not too

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use scene::counted;
+
 use crate::error::{Fault, Reason};
 
 const MAGIC: &[u8; 4] = b"glTF";
@@ -27,7 +29,8 @@ pub(crate) fn is_glb(bytes: &[u8]) -> bool {
 pub(crate) fn split(bytes: &[u8]) -> Result<Parts, Fault> {
     let of_header = |reason: Reason| reason.of("GLB header");
     let (Some(version), Some(length)) = (u32_at(bytes, 4), u32_at(bytes, 8)) else {
-        return Err(of_header(Reason::malformed(format!("cut off after {} bytes", bytes.len()))));
+        let there = counted(bytes.len(), "byte", "bytes");
+        return Err(of_header(Reason::malformed(format!("cut off after {there}"))));
     };
     if version != 2 {
         return Err(of_header(Reason::unsupported(format!("version {version}, only 2 is known"))));
@@ -36,7 +39,8 @@ pub(crate) fn split(bytes: &[u8]) -> Result<Parts, Fault> {
     let whole = bytes.get(..length).ok_or_else(|| {
         let there = bytes.len();
         of_header(Reason::malformed(format!(
-            "says {length} bytes, but the file has {there}: it is cut off"
+            "says {}, but the file has {there}: it is cut off",
+            counted(length, "byte", "bytes")
         )))
     })?;
     chunks(whole)
@@ -58,7 +62,8 @@ fn chunks(whole: &[u8]) -> Result<Parts, Fault> {
         let end = first.checked_add(length as usize).filter(|&end| end <= whole.len());
         let Some(end) = end else {
             let left = whole.len() - first;
-            return Err(of_chunk(format!("says {length} bytes, but only {left} are left")));
+            let length = counted(length, "byte", "bytes");
+            return Err(of_chunk(format!("says {length}, but has only {left}")));
         };
         match (number, kind) {
             (0, JSON) => json = Some(first..end),

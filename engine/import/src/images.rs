@@ -3,11 +3,12 @@
 
 mod gate;
 mod jpeg;
-mod ktx2_blocks;
+mod ktx2_image;
 mod pixels;
+mod placeholders;
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Mutex;
@@ -17,14 +18,15 @@ use std::sync::mpsc;
 
 use gate::Gate;
 use gltf::json::Root;
-use ktx2_blocks::EncodedBlocks;
+use ktx2_image::EncodedKtx2;
 use pixels::EncodedPixels;
+use placeholders::{consequence, placeholder, slots_of_images};
 use scene::{Image, Texels};
 
 use crate::buffers::Budget;
 use crate::element::Kind;
 use crate::elements::Store;
-use crate::error::{At, Fault, Reason, quoted};
+use crate::error::{At, Fault, Reason};
 use crate::memory;
 use crate::progress::ReadProgress;
 use crate::uri::Wanted;
@@ -84,30 +86,22 @@ pub(crate) fn decode(
         }
     }
     let mut placeholders = BTreeSet::new();
+    let none = BTreeSet::new();
+    let slots = if verdict.has_faults() {
+        slots_of_images(root, texture_images, verdict)
+    } else {
+        BTreeMap::new()
+    };
     for &index in &used {
         let fault = verdict.fault_of(root, Kind::Image.at(index)).cloned();
         if let Some((image, fault)) = list.get_mut(index).zip(fault) {
             *image = Some(placeholder(index));
             placeholders.insert(index);
-            let shown = root.images.get(index).and_then(|image| image.uri.as_deref());
-            let shown = shown.filter(|uri| !uri.starts_with("data:")).map(quoted);
-            let shown = shown.map(|uri| format!(" ({uri})")).unwrap_or_default();
-            let text = format!("checkers are shown for image {index}{shown}");
-            verdict.note_left_out(fault, &text);
+            let text = consequence(root, index, slots.get(&index).unwrap_or(&none));
+            verdict.repair(fault, &text)?;
         }
     }
     Ok(Images { list, placeholders })
-}
-
-/// Returns an image that nobody takes for one of the scene: checkers of magenta and black.
-fn placeholder(index: usize) -> Image {
-    const SIDE: u32 = 16;
-    let texel = |place: u32| {
-        let is_dark = (place % SIDE / 4 + place / SIDE / 4).is_multiple_of(2);
-        if is_dark { [0, 0, 0, 255] } else { [255, 0, 255, 255] }
-    };
-    let rgba8 = (0..SIDE * SIDE).flat_map(texel).collect();
-    Image::of_rgba8(format!("image {index} (missing)"), [SIDE; 2], rgba8)
 }
 
 /// Returns the encoded bytes of an image in the file.
@@ -148,16 +142,16 @@ struct ImageHead {
 /// The form that an image lies in a file in.
 enum Coding {
     Pixels(EncodedPixels),
-    Ktx2(EncodedBlocks),
+    Ktx2(EncodedKtx2),
 }
 
 impl<'a> Job<'a> {
     /// Reads the head of an image alone.
     fn new(index: usize, encoded: Cow<'a, [u8]>, limits: &Limits) -> Result<Self, Reason> {
         let (head, coding) = guarded(|| {
-            if EncodedBlocks::are_in(&encoded) {
-                let (head, blocks) = EncodedBlocks::read(&encoded)?;
-                return Ok((head, Coding::Ktx2(blocks)));
+            if EncodedKtx2::is_in(&encoded) {
+                let (head, texels) = EncodedKtx2::read(&encoded)?;
+                return Ok((head, Coding::Ktx2(texels)));
             }
             let (head, pixels) = EncodedPixels::read(&encoded, limits)?;
             Ok((head, Coding::Pixels(pixels)))
@@ -185,7 +179,7 @@ impl<'a> Job<'a> {
             Coding::Pixels(pixels) => {
                 pixels.decode(&self.encoded, self.head.size, limits).map(Texels::Rgba8)
             }
-            Coding::Ktx2(blocks) => blocks.decode(&self.encoded),
+            Coding::Ktx2(texels) => texels.decode(&self.encoded),
         })
     }
 }
@@ -196,8 +190,9 @@ fn guarded<T>(decode: impl FnOnce() -> Result<T, Reason>) -> Result<T, Reason> {
     decoded.unwrap_or_else(|_| Err(Reason::damaged("its decoder gave up")))
 }
 
-/// Decodes an image that is in memory: PNG, JPEG, WebP, or KTX2 of BC1 to BC5, BC7 or ASTC, as in
-/// glTF files. `name` is its name in the scene and in errors.
+/// Decodes an image that is in memory: PNG, JPEG, WebP, or KTX2 of BC1 to BC5, BC7, ASTC or pixels
+/// of one to four channels of eight bits, as in glTF files. `name` is its name in the scene and in
+/// errors.
 ///
 /// # Errors
 /// An image of another form, a broken one, one beyond the limits.

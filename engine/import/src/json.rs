@@ -1,13 +1,17 @@
 //! The JSON of a file: weighed, read, and where `gltf` refuses it, read element by element.
 
+mod extension_names;
 mod huge;
 mod lenient;
 mod lists;
 mod names;
+mod nulls;
 mod version;
 mod weight;
 mod wide;
 mod words;
+
+use std::collections::BTreeSet;
 
 use gltf::Semantic;
 use gltf::json::Root;
@@ -37,8 +41,8 @@ pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<P
         return parse(&bounded, limits, notes);
     }
     let mut parsed = match read {
-        Ok(root) if !wide::may_be_in(json) && !lists::may_be_in(json) => {
-            Parsed { root, faults: Vec::new() }
+        Ok(root) if !needs_elements(json) => {
+            Parsed { root, faults: Vec::new(), extension_names: BTreeSet::new() }
         }
         Err(error) if !error.is_data() => return Err(syntax(&error).of("JSON")),
         read => {
@@ -49,9 +53,15 @@ pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<P
             by_elements(json, notes)?
         }
     };
+    parsed.extension_names = extension_names::of(json);
     version::check(&parsed.root.asset, notes)?;
     strip(&mut parsed.root, notes);
     Ok(parsed)
+}
+
+/// Returns true if JSON may have what a reader of structures takes for something else.
+fn needs_elements(json: &[u8]) -> bool {
+    wide::may_be_in(json) || lists::may_be_in(json) || nulls::may_be_in(json)
 }
 
 /// Returns the reason why JSON cannot be read, with the place.
@@ -67,7 +77,9 @@ fn syntax(error: &serde_json::Error) -> Reason {
 
 /// Reads JSON again that `gltf` refused, or may have kept only a part of.
 fn by_elements(json: &[u8], notes: &mut Notes) -> Result<Parsed, Fault> {
-    let value: Value = serde_json::from_slice(json).map_err(|error| syntax(&error).of("JSON"))?;
+    let mut value: Value =
+        serde_json::from_slice(json).map_err(|error| syntax(&error).of("JSON"))?;
+    nulls::remove(&mut value, notes);
     // Files of other versions have other forms.
     if let Some(version) = value.pointer("/asset/version").and_then(Value::as_str) {
         version::refuse_older(version)?;

@@ -2,9 +2,10 @@
 //!
 //! [`load`] reads a file and what it refers to, [`load_bytes`] a file in memory. Container, weight
 //! of the JSON, structure and budget are checked before anything is allocated by what a file says
-//! ([`Limits`]); then files, decompression, values and images. A fault of what the shown scene
-//! needs is an [`ImportError`] with the element and the reason; any other is a note, and the
-//! element is left out. Nothing here knows a GPU.
+//! ([`Limits`]); then files, decompression, values and images. What the file as a whole lacks or
+//! asks too much of is an [`ImportError`]. A fault of a part of it is a note, and the part is left
+//! out; of what is shown it is an error on request ([`BrokenParts`]). Both name the element and the
+//! reason. Nothing here knows a GPU.
 //!
 //! | type | what it is |
 //! |---|---|
@@ -44,10 +45,12 @@ mod gltf_scene;
 mod images;
 mod json;
 mod layout;
+mod leave_out;
 mod limits;
 mod load;
 mod load_options;
 mod lods;
+mod losses;
 mod memory;
 mod meshopt;
 mod notes;
@@ -67,7 +70,7 @@ pub use gltf_scene::{GltfScene, NodeAttachment, PlacedNode, SceneCamera};
 pub use images::decode_image;
 pub use limits::Limits;
 pub use load::{load, load_bytes};
-pub use load_options::LoadOptions;
+pub use load_options::{BrokenParts, LoadOptions};
 pub use lods::LevelOptions;
 pub use notes::Note;
 pub use progress::{Progress, ProgressFn, Stage};

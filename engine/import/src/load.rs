@@ -18,8 +18,9 @@ use crate::{GltfScene, ImportError, convert, source};
 /// finite.
 ///
 /// # Errors
-/// Unreadable files, violations of glTF 2.0, unsupported extensions that are required, and files
-/// beyond the limits; positions, morph targets and animations with numbers that are not finite;
+/// Unreadable files, other JSON than glTF 2.0 has, unsupported extensions that are required, and
+/// files beyond the limits; files of which nothing is left to see without their broken parts, and
+/// those with any, if these are refused ([`BrokenParts`](crate::BrokenParts));
 /// [`Cause::GivenUp`](crate::Cause::GivenUp) if `progress_fn` stops the loading. Each names the
 /// file, the object in it, and the reason.
 pub fn load(
@@ -30,7 +31,7 @@ pub fn load(
     let mut progress_sender = ProgressSender { file: path.display().to_string(), progress_fn };
     progress_sender.report(Stage::Reading, 0.0)?;
     let mut read_progress = |fraction| progress_sender.go_on(Stage::Reading, fraction);
-    let source = source::open_with_progress(path, &options.limits, &mut read_progress)?;
+    let source = source::open_with_progress(path, options, &mut read_progress)?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     convert::convert(source, name.unwrap_or_default(), options, &mut progress_sender)
 }
@@ -49,6 +50,6 @@ pub fn load_bytes(
     let mut progress_sender = ProgressSender { file: "memory".to_owned(), progress_fn };
     progress_sender.report(Stage::Reading, 0.0)?;
     let mut read_progress = |fraction| progress_sender.go_on(Stage::Reading, fraction);
-    let source = source::read_with_progress(bytes, folder, &options.limits, &mut read_progress)?;
+    let source = source::read_with_progress(bytes, folder, options, &mut read_progress)?;
     convert::convert(source, "memory".to_owned(), options, &mut progress_sender)
 }

@@ -2,6 +2,18 @@
 
 use crate::Limits;
 
+/// The treatment of a part of the shown scene that breaks a rule of glTF: of a node, a primitive,
+/// an image, or an animation, for example.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BrokenParts {
+    /// The part is left out or repaired, a note names it, and all else is shown. A file of which
+    /// nothing is left to see is refused.
+    #[default]
+    LeaveOut,
+    /// The file is refused for its first broken part.
+    Refuse,
+}
+
 /// The options of loading a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadOptions {
@@ -15,10 +27,17 @@ pub struct LoadOptions {
     /// [`Surfaces::exposure`](scene::Surfaces::exposure). `None`, the default, is 1; lights that
     /// would turn most of the lit objects white are dimmed then, with a note.
     pub exposure: Option<f32>,
+    /// The treatment of broken parts. Default: they are left out.
+    pub broken_parts: BrokenParts,
 }
 
 impl Default for LoadOptions {
     fn default() -> Self {
-        Self { limits: Limits::default(), cut_above_triangles: Some(1 << 16), exposure: None }
+        Self {
+            limits: Limits::default(),
+            cut_above_triangles: Some(1 << 16),
+            exposure: None,
+            broken_parts: BrokenParts::default(),
+        }
     }
 }

@@ -5,6 +5,7 @@ mod decode;
 
 use gltf::json::Root;
 use gltf::json::buffer::View;
+use scene::counted;
 use serde_json::{Map, Value};
 
 use crate::Limits;
@@ -138,8 +139,10 @@ fn of_view(
     found.check_layout()?;
     if found.count.checked_mul(found.stride).map(|bytes| bytes as u64) != Some(view.byte_length.0) {
         let text = format!(
-            "{} elements of {} bytes are not the {} bytes of the view",
-            found.count, found.stride, view.byte_length.0
+            "its view has {}, and not {} of {}",
+            counted(view.byte_length.0, "byte", "bytes"),
+            counted(found.count, "element", "elements"),
+            counted(found.stride, "byte", "bytes")
         );
         return Err(Reason::malformed(text));
     }
@@ -186,7 +189,11 @@ impl Compressed {
         if fits {
             return Ok(());
         }
-        let text = format!("its mode allows no {} elements of {stride} bytes", self.count);
+        let text = format!(
+            "its mode does not allow {} of {}",
+            counted(self.count, "element", "elements"),
+            counted(stride, "byte", "bytes")
+        );
         Err(Reason::malformed(text))
     }
 }

@@ -54,6 +54,15 @@ impl Notes {
         }
     }
 
+    /// Adds a note, or counts it if there is one with the same reason: the note names the first
+    /// object.
+    pub(crate) fn add_alike(&mut self, note: Note) {
+        match self.listed.iter_mut().find(|listed| listed.reason == note.reason) {
+            Some(listed) => listed.count += note.count,
+            None => self.add(|| note),
+        }
+    }
+
     /// Adds a note about the scene as a whole.
     pub(crate) fn say(&mut self, reason: impl Into<String>) {
         self.add(|| Note::new("scene", reason));
@@ -103,12 +112,13 @@ mod tests {
         for index in 0..100 {
             notes.add(|| Note::new(format!("node {index}"), "is odd"));
         }
+        notes.add_alike(Note::new("node 200", "is odd"));
         notes.count("is bent", 2, || "mesh 3".to_owned());
         notes.count("is bent", 5, || "mesh 4".to_owned());
         notes.count("is whole", 0, || "mesh 5".to_owned());
         let texts: Vec<String> = notes.finish().iter().map(Note::to_string).collect();
         assert_eq!(texts.len(), 66);
-        assert_eq!(texts[0], "node 0: is odd");
+        assert_eq!(texts[0], "node 0: is odd (2 times, first here)");
         assert_eq!(texts[64], "mesh 3: is bent (7 times, first here)");
         assert_eq!(texts[65], "notes: 36 more are left out");
     }

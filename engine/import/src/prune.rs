@@ -3,25 +3,32 @@
 
 use std::collections::BTreeMap;
 
+use gltf::animation::Property;
 use gltf::json::Root;
+use gltf::json::validation::Checked;
 
 use crate::blank::Blank;
-use crate::element::{Element, Kind, Need};
+use crate::element::{Element, Kind};
 use crate::notes::Note;
 use crate::reach::shown_scene;
 use crate::verdict::Verdict;
 
-/// Takes out of animations the channels of nodes that are not shown, and notes them.
+/// Takes out of animations the channels of nodes that are not shown, and notes them; and those of
+/// the weights of meshes that were left out.
 pub(crate) fn channels(root: &mut Root, verdict: &mut Verdict) {
     let nodes = root.nodes.len();
     for (index, animation) in root.animations.iter_mut().enumerate() {
+        animation.channels.retain(|channel| {
+            let is_of_weights = channel.target.path == Checked::Valid(Property::MorphTargetWeights);
+            !(is_of_weights && verdict.has_lost_mesh(channel.target.node.value()))
+        });
         let before = animation.channels.len();
         animation.channels.retain(|channel| {
             let node = channel.target.node.value();
             // Nodes that do not exist make the animation a broken one.
-            node >= nodes || verdict.is_required(Kind::Node.at(node))
+            node >= nodes || verdict.is_used(Kind::Node.at(node))
         });
-        let what = "animation channels of nodes that are not in the scene, left out";
+        let what = "a channel moves a node that is not in the scene, and is left out";
         let dropped = before - animation.channels.len();
         let name = animation.name.clone().unwrap_or_default();
         verdict.notes.count(what, dropped, || match name.as_str() {
@@ -36,7 +43,7 @@ pub(crate) fn channels(root: &mut Root, verdict: &mut Verdict) {
 pub(crate) fn scene_roots(root: &mut Root, parents: &[Option<u32>], verdict: &mut Verdict) {
     let mut outside: BTreeMap<usize, usize> = BTreeMap::new();
     for (index, node) in root.nodes.iter().enumerate() {
-        if !verdict.is_required(Kind::Node.at(index)) {
+        if !verdict.is_used(Kind::Node.at(index)) {
             let children = node.children.iter().flatten();
             outside.extend(children.map(|child| (child.value(), index)));
         }
@@ -70,12 +77,12 @@ pub(crate) fn scene_roots(root: &mut Root, parents: &[Option<u32>], verdict: &mu
 
 /// Replaces by blanks all elements that are not shown.
 pub(crate) fn elements(root: &mut Root, verdict: &Verdict) {
-    // Broken optional elements are found before anything is emptied.
+    // Animations and images that are shown in part or not at all may still refer to broken ones,
+    // which are found before anything is emptied.
     let broken: Vec<Element> = [Kind::Accessor, Kind::Animation, Kind::Buffer, Kind::View]
         .into_iter()
         .flat_map(|kind| (0..kind.count(root)).map(move |index| kind.at(index)))
-        .filter(|element| verdict.need(*element) == Need::Optional)
-        .filter(|element| !verdict.is_kept(root, *element))
+        .filter(|element| verdict.is_used(*element) && !verdict.is_kept(root, *element))
         .collect();
     let is_kept =
         |element: Element| verdict.is_used(element) && broken.binary_search(&element).is_err();

@@ -1,53 +1,52 @@
 //! The elements of a file that the shown scene uses, directly or through references.
 
 use gltf::Semantic;
+use gltf::json::mesh::Primitive;
 use gltf::json::validation::Checked;
-use gltf::json::{Material, Node, Root};
+use gltf::json::{Material, Node, Root, texture};
 
-use crate::element::{Element, Kind, Need};
+use crate::element::{Element, Kind};
 use crate::extensions::{image_of, instance_accessors, source_buffer};
 
-/// The need of the scene for each element of a file.
+/// The elements of a file that the shown scene uses.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reach {
-    needs: [Vec<Need>; Kind::ALL.len()],
+    is_used: [Vec<bool>; Kind::ALL.len()],
 }
 
 impl Reach {
     /// Follows all references from the scene that is shown. Channels of animations whose nodes it
     /// does not reach are not followed.
     pub(crate) fn of(root: &Root) -> Self {
-        let needs = Kind::ALL.map(|kind| vec![Need::None; kind.count(root)]);
-        let mut reach = Self { needs };
+        let is_used = Kind::ALL.map(|kind| vec![false; kind.count(root)]);
+        let mut reach = Self { is_used };
         let mut pending = Vec::new();
         match shown_scene(root) {
-            Some(scene) => reach.mark(Kind::Scene.at(scene), Need::Required, &mut pending),
+            Some(scene) => reach.mark(Kind::Scene.at(scene), &mut pending),
             None => {
                 for node in roots_without_scene(root) {
-                    reach.mark(Kind::Node.at(node), Need::Required, &mut pending);
+                    reach.mark(Kind::Node.at(node), &mut pending);
                 }
             }
         }
         reach.follow(root, &mut pending);
         for index in 0..root.animations.len() {
-            reach.mark(Kind::Animation.at(index), Need::Optional, &mut pending);
+            reach.mark(Kind::Animation.at(index), &mut pending);
         }
         reach.follow(root, &mut pending);
         reach
     }
 
-    /// Returns the need of the scene for an element; none if there is no such element.
-    pub(crate) fn need(&self, element: Element) -> Need {
-        let needs = self.needs.get(element.kind as usize);
-        needs.and_then(|needs| needs.get(element.index)).copied().unwrap_or_default()
+    /// Returns true if the shown scene uses an element; false if there is no such element.
+    pub(crate) fn is_used(&self, element: Element) -> bool {
+        let of_kind = self.is_used.get(element.kind as usize);
+        of_kind.and_then(|of_kind| of_kind.get(element.index)) == Some(&true)
     }
 
-    fn mark(&mut self, element: Element, need: Need, pending: &mut Vec<Element>) {
-        let needs = self.needs.get_mut(element.kind as usize);
-        if let Some(known) = needs.and_then(|needs| needs.get_mut(element.index))
-            && *known < need
-        {
-            *known = need;
+    fn mark(&mut self, element: Element, pending: &mut Vec<Element>) {
+        let of_kind = self.is_used.get_mut(element.kind as usize);
+        if let Some(is_used @ false) = of_kind.and_then(|of_kind| of_kind.get_mut(element.index)) {
+            *is_used = true;
             pending.push(element);
         }
     }
@@ -55,24 +54,19 @@ impl Reach {
     fn follow(&mut self, root: &Root, pending: &mut Vec<Element>) {
         let mut found = Vec::new();
         while let Some(element) = pending.pop() {
-            let need = self.need(element);
             references(root, element, &mut |to| found.push(to));
             if element.kind == Kind::Animation {
                 found = self.channel_accessors(root, element.index);
             }
-            for to in found.drain(..) {
-                let need = if to.kind == Kind::Image { Need::Optional } else { need };
-                self.mark(to, need, pending);
-            }
+            found.drain(..).for_each(|to| self.mark(to, pending));
         }
     }
 
     fn channel_accessors(&self, root: &Root, animation: usize) -> Vec<Element> {
         let Some(animation) = root.animations.get(animation) else { return Vec::new() };
         let channels = animation.channels.iter();
-        let shown = channels.filter(|channel| {
-            self.need(Kind::Node.at(channel.target.node.value())) == Need::Required
-        });
+        let shown =
+            channels.filter(|channel| self.is_used(Kind::Node.at(channel.target.node.value())));
         let samplers = shown.filter_map(|channel| animation.samplers.get(channel.sampler.value()));
         let accessors = samplers.flat_map(|sampler| [sampler.input, sampler.output]);
         accessors.map(|accessor| Kind::Accessor.at(accessor.value())).collect()
@@ -83,6 +77,7 @@ impl Reach {
 /// `None` if it has no scenes.
 pub(crate) fn shown_scene(root: &Root) -> Option<usize> {
     let named = root.scene.map(|scene| scene.value());
+    let named = named.filter(|named| *named < root.scenes.len());
     named.or_else(|| (!root.scenes.is_empty()).then_some(0))
 }
 
@@ -113,8 +108,8 @@ pub(crate) fn references(root: &Root, element: Element, visit: &mut dyn FnMut(El
             accessor.into_iter().for_each(|it| visit(Kind::Accessor.at(it.value())));
         }
         Kind::Material => {
-            let shown = root.materials.get(index).into_iter().flat_map(shown_textures);
-            shown.for_each(|texture| visit(Kind::Texture.at(texture)));
+            let slots = root.materials.get(index).into_iter().flat_map(texture_slots);
+            slots.for_each(|(_, texture)| visit(Kind::Texture.at(texture)));
         }
         Kind::Texture => {
             let Some(texture) = root.textures.get(index) else { return };
@@ -171,26 +166,58 @@ fn of_mesh(root: &Root, index: usize, visit: &mut dyn FnMut(Element)) {
     for primitive in primitives {
         let material = primitive.material.into_iter();
         material.for_each(|material| visit(Kind::Material.at(material.value())));
-        let is_shown = |name: &Checked<Semantic>| matches!(name, Checked::Valid(name) if !matches!(name, Semantic::Extras(_)));
-        let attributes = primitive.attributes.iter().filter(|(name, _)| is_shown(name));
-        let targets = primitive.targets.iter().flatten();
-        let targets = targets.flat_map(|it| [it.positions, it.normals, it.tangents]).flatten();
-        let accessors = attributes.map(|(_, accessor)| *accessor).chain(targets);
-        for accessor in accessors.chain(primitive.indices) {
-            visit(Kind::Accessor.at(accessor.value()));
+        accessors_of(primitive).for_each(&mut *visit);
+    }
+}
+
+/// Returns the accessors that a primitive uses.
+pub(crate) fn accessors_of(primitive: &Primitive) -> impl Iterator<Item = Element> {
+    let is_shown = |name: &Checked<Semantic>| matches!(name, Checked::Valid(name) if !matches!(name, Semantic::Extras(_)));
+    let attributes = primitive.attributes.iter().filter(move |(name, _)| is_shown(name));
+    let targets = primitive.targets.iter().flatten();
+    let targets = targets.flat_map(|it| [it.positions, it.normals, it.tangents]).flatten();
+    let accessors = attributes.map(|(_, accessor)| *accessor).chain(targets);
+    accessors.chain(primitive.indices).map(|accessor| Kind::Accessor.at(accessor.value()))
+}
+
+/// The place of a texture in a material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum TextureSlot {
+    BaseColour,
+    MetallicRoughness,
+    Normal,
+    Occlusion,
+    Emission,
+}
+
+impl TextureSlot {
+    /// Returns true if the texture is colour, and not numbers.
+    pub(crate) fn is_colour(self) -> bool {
+        matches!(self, Self::BaseColour | Self::Emission)
+    }
+
+    /// Returns its name for people.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::BaseColour => "base colour texture",
+            Self::MetallicRoughness => "metallic-roughness texture",
+            Self::Normal => "normal texture",
+            Self::Occlusion => "occlusion texture",
+            Self::Emission => "emissive texture",
         }
     }
 }
 
-/// Returns the textures that a material shows, possibly with repetitions.
-fn shown_textures(material: &Material) -> impl Iterator<Item = usize> {
-    let pbr = &material.pbr_metallic_roughness;
+/// Returns the slots of a material that have a texture, with its index.
+pub(crate) fn texture_slots(material: &Material) -> impl Iterator<Item = (TextureSlot, usize)> {
+    let metallic = &material.pbr_metallic_roughness;
+    let index = |info: &Option<texture::Info>| info.as_ref().map(|info| info.index);
     let slots = [
-        pbr.base_color_texture.as_ref().map(|it| it.index),
-        pbr.metallic_roughness_texture.as_ref().map(|it| it.index),
-        material.normal_texture.as_ref().map(|it| it.index),
-        material.occlusion_texture.as_ref().map(|it| it.index),
-        material.emissive_texture.as_ref().map(|it| it.index),
+        (TextureSlot::BaseColour, index(&metallic.base_color_texture)),
+        (TextureSlot::MetallicRoughness, index(&metallic.metallic_roughness_texture)),
+        (TextureSlot::Normal, material.normal_texture.as_ref().map(|normal| normal.index)),
+        (TextureSlot::Occlusion, material.occlusion_texture.as_ref().map(|used| used.index)),
+        (TextureSlot::Emission, index(&material.emissive_texture)),
     ];
-    slots.into_iter().flatten().map(|texture| texture.value())
+    slots.into_iter().filter_map(|(slot, texture)| Some((slot, texture?.value())))
 }

@@ -11,13 +11,14 @@ use crate::buffers::{self, Budget};
 use crate::elements::{self, Store};
 use crate::error::{Fault, Reason};
 use crate::images::Images;
+use crate::losses::Losses;
 use crate::notes::{Note, Notes};
 use crate::progress::ReadProgress;
 use crate::reach::Reach;
 use crate::uri::{self, Wanted};
 use crate::verdict::{Verdict, note_broken_animations};
 use crate::{
-    Cause, ImportError, Instancing, Limits, check, glb, images, json, meshopt, prune, textures,
+    Cause, ImportError, Instancing, LoadOptions, check, glb, images, json, meshopt, prune, textures,
 };
 
 /// A glTF file that was read and checked.
@@ -26,8 +27,10 @@ use crate::{
 /// The shown scene is the one that the file names, else its first one, else all nodes without a
 /// parent. Elements of the document's lists that it does not reach are *empty*: they keep their
 /// index, refer to nothing (an empty view to the first buffer, if there is one), and are not
-/// described below. Their faults are in the notes. So are those of broken animations, which are
-/// empty too, and of unreadable images, replaced by placeholders. For all other elements:
+/// described below. Their faults are in the notes. So are those of broken parts of the scene
+/// ([`BrokenParts`](crate::BrokenParts)): nodes, primitives, textures and animations that are left
+/// out are empty, too, nothing refers to other elements that are left out, and unreadable images
+/// are replaced by placeholders. For all other elements:
 /// - **Indices.** Every index of core glTF 2.0 and of
 ///   [`SUPPORTED_EXTENSIONS`](crate::SUPPORTED_EXTENSIONS) is in range: accessors, views, buffers,
 ///   nodes, meshes, skins, joints, cameras, lights, materials, textures, samplers, images, scenes,
@@ -50,7 +53,8 @@ use crate::{
 /// - **Primitives.** All attributes of a primitive and of its morph targets have the same count,
 ///   and their types are allowed by the specification or `KHR_mesh_quantization`. `POSITION` may
 ///   be missing (draw nothing then). Indices are unsigned scalars, and every one of them is below
-///   the count. Their number need not fit the mode: ignore the incomplete last line or
+///   the count, save the greatest of their type: where there is no such vertex, that begins a new
+///   strip. Their number need not fit the mode: ignore the incomplete last line or
 ///   triangle. All primitives of a mesh have the same number of morph
 ///   targets; weights of a mesh or of a node with it are as many as there are targets. `JOINTS_n`
 ///   come with `WEIGHTS_n`.
@@ -86,6 +90,7 @@ pub struct Source {
     /// The deviations that were tolerated so far, for people.
     pub notes: Vec<Note>,
     pub(crate) store: Store,
+    pub(crate) losses: Losses,
 }
 
 impl Source {
@@ -145,25 +150,27 @@ impl Source {
     }
 }
 
-/// Reads a .gltf or .glb file and everything it refers to.
+/// Reads a .gltf or .glb file and everything it refers to. Of the options, the limits and the
+/// treatment of broken parts count.
 ///
 /// # Errors
-/// Parts that cannot be read, violate glTF 2.0, or are beyond the limits.
-pub fn open(path: &Path, limits: &Limits) -> Result<Source, ImportError> {
-    open_with_progress(path, limits, &mut |_| ControlFlow::Continue(()))
+/// A file that cannot be read, is no glTF 2.0, requires what is not supported, or is beyond the
+/// limits; the first broken part, where these are refused.
+pub fn open(path: &Path, options: &LoadOptions) -> Result<Source, ImportError> {
+    open_with_progress(path, options, &mut |_| ControlFlow::Continue(()))
 }
 
 /// Reads like [`open`], with reports of progress.
 pub(crate) fn open_with_progress(
     path: &Path,
-    limits: &Limits,
+    options: &LoadOptions,
     read_progress: &mut ReadProgress<'_>,
 ) -> Result<Source, ImportError> {
     let file = path.display().to_string();
-    let bytes = uri::read_file(path, "it", Wanted::All, limits.file_bytes)
+    let bytes = uri::read_file(path, "it", Wanted::All, options.limits.file_bytes)
         .map_err(|reason| reason.of("file").in_file(&file))?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), limits, read_progress)
+    read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), options, read_progress)
 }
 
 /// Reads a file whose bytes are here. Files that it refers to are read from `folder`; without a
@@ -171,28 +178,32 @@ pub(crate) fn open_with_progress(
 ///
 /// # Errors
 /// Those of [`open`].
-pub fn read(bytes: Vec<u8>, folder: Option<&Path>, limits: &Limits) -> Result<Source, ImportError> {
-    read_with_progress(bytes, folder, limits, &mut |_| ControlFlow::Continue(()))
+pub fn read(
+    bytes: Vec<u8>,
+    folder: Option<&Path>,
+    options: &LoadOptions,
+) -> Result<Source, ImportError> {
+    read_with_progress(bytes, folder, options, &mut |_| ControlFlow::Continue(()))
 }
 
 /// Reads like [`read`], with reports of progress.
 pub(crate) fn read_with_progress(
     bytes: Vec<u8>,
     folder: Option<&Path>,
-    limits: &Limits,
+    options: &LoadOptions,
     read_progress: &mut ReadProgress<'_>,
 ) -> Result<Source, ImportError> {
-    read_named("scene in memory".to_owned(), bytes, folder, limits, read_progress)
+    read_named("scene in memory".to_owned(), bytes, folder, options, read_progress)
 }
 
 fn read_named(
     file: String,
     bytes: Vec<u8>,
     folder: Option<&Path>,
-    limits: &Limits,
+    options: &LoadOptions,
     read_progress: &mut ReadProgress<'_>,
 ) -> Result<Source, ImportError> {
-    match check_and_decode(bytes, folder, limits, read_progress) {
+    match check_and_decode(bytes, folder, options, read_progress) {
         Ok(parts) => Ok(Source {
             file,
             document: gltf::Document::from_json_without_validation(parts.root),
@@ -202,6 +213,7 @@ fn read_named(
             instancing: parts.instancing,
             notes: parts.notes,
             store: parts.store,
+            losses: parts.losses,
         }),
         Err(fault) => Err(fault.in_file(&file)),
     }
@@ -213,6 +225,7 @@ struct Parts {
     texture_images: Vec<Option<usize>>,
     instancing: BTreeMap<usize, Instancing>,
     store: Store,
+    losses: Losses,
     notes: Vec<Note>,
 }
 
@@ -231,9 +244,10 @@ fn check_kind(bytes: &[u8]) -> Result<(), Reason> {
 fn check_and_decode(
     bytes: Vec<u8>,
     folder: Option<&Path>,
-    limits: &Limits,
+    options: &LoadOptions,
     read_progress: &mut ReadProgress<'_>,
 ) -> Result<Parts, Fault> {
+    let limits = &options.limits;
     let length = bytes.len() as u64;
     if length > limits.file_bytes {
         return Err(Reason::too_large("bytes", length, limits.file_bytes).of("file"));
@@ -247,17 +261,19 @@ fn check_and_decode(
     } else {
         (json::parse(&bytes, limits, &mut notes)?, None)
     };
-    let json::Parsed { mut root, faults } = parsed;
+    let json::Parsed { mut root, faults, extension_names } = parsed;
     // The cost of the JSON is known to be bounded now, so all of it is checked before any file is
     // opened.
-    check::required(&root, &mut notes)?;
-    let verdict = &mut Verdict::new(Reach::of(&root), notes);
+    check::required(&root, &extension_names, &mut notes)?;
+    let mut losses = Losses::new(options.broken_parts);
+    check::forest(&mut root, limits, &mut losses, &mut notes)?;
+    let mut own_verdict = Verdict::new(Reach::of(&root), losses, notes);
+    let verdict = &mut own_verdict;
     for (element, fault) in faults {
         verdict.judge::<()>(element, Err(fault))?;
     }
-    prune::channels(&mut root, verdict);
     check::views_and_accessors(&root, limits, verdict)?;
-    let instancing = check::structure(&mut root, limits, verdict)?;
+    let mut instancing = check::structure(&mut root, limits, verdict)?;
 
     let placeholders = meshopt::placeholders(&root, binary.is_some());
     let compressed = meshopt::compressed(&root, &placeholders, (limits, verdict))?;
@@ -268,8 +284,10 @@ fn check_and_decode(
     let file = if binary.is_some() { bytes } else { Vec::new() };
     let mut store = Store { file, buffers };
     meshopt::decompress(&root, &compressed, &mut store, verdict)?;
-    check::indices_and_joints(&root, &store, verdict)?;
-    note_broken_animations(&root, verdict);
+    check::indices_and_joints(&mut root, &store, verdict)?;
+    verdict.refuse_empty(&root)?;
+    prune::channels(&mut root, verdict);
+    note_broken_animations(&root, verdict)?;
     check::bounds(&mut root, &store, verdict);
 
     let texture_images = textures::images_of(&root, verdict);
@@ -277,6 +295,7 @@ fn check_and_decode(
     let images =
         images::decode(&root, &store, used, (&mut budget, limits), (verdict, read_progress))?;
     prune::elements(&mut root, verdict);
-    let notes = std::mem::take(&mut verdict.notes).finish();
-    Ok(Parts { root, images, texture_images, instancing, store, notes })
+    instancing.retain(|node, _| root.nodes.get(*node).is_some_and(|node| node.mesh.is_some()));
+    let (losses, notes) = own_verdict.finish();
+    Ok(Parts { root, images, texture_images, instancing, store, losses, notes })
 }

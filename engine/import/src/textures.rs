@@ -14,7 +14,7 @@ pub(crate) fn images_of(root: &Root, verdict: &mut Verdict) -> Vec<Option<usize>
     for (index, texture) in root.textures.iter().enumerate() {
         let is_used = verdict.is_used(Kind::Texture.at(index));
         let image = image_of(texture).filter(|_| is_used);
-        if image.is_none() && is_used {
+        if image.is_none() && is_used && !verdict.is_noted(Kind::Texture.at(index)) {
             verdict.notes.add(|| {
                 let reason = format!("it has no image that can be read{}", offered(texture));
                 Note::new(format!("texture {index}"), reason)

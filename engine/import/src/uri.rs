@@ -9,6 +9,7 @@ use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
+use scene::counted;
 
 use crate::error::{Reason, quoted};
 use crate::memory;
@@ -55,7 +56,8 @@ fn cut(mut bytes: Vec<u8>, wanted: Wanted) -> Result<Vec<u8>, Reason> {
 }
 
 fn shorter(there: u64, wanted: u64) -> Reason {
-    Reason::malformed(format!("its byteLength is {wanted}, but only {there} bytes are there"))
+    let there = counted(there, "byte is", "bytes are");
+    Reason::malformed(format!("its byteLength is {wanted}, but only {there} there"))
 }
 
 /// Returns the part after `data:`: true if it is base64, and its text.

@@ -1,50 +1,46 @@
-//! The consequences of faults: a fault in a shown element refuses the file, and all others are
-//! noted.
+//! The consequences of faults: a fault in an element that the shown scene uses is held until what
+//! needs the element is left out, and all others are noted.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use gltf::json::Root;
+use gltf::json::{Mesh, Root};
 
-use crate::element::{Element, Kind, Need};
+use crate::element::{Element, Kind};
 use crate::error::Fault;
+use crate::losses::Losses;
 use crate::notes::{Note, Notes};
 use crate::reach::{Reach, references};
 
-/// The judge of a file's faults, by the needs of the scene.
+/// The judge of a file's faults, by what the shown scene uses.
 pub(crate) struct Verdict {
     reach: Reach,
-    /// The first fault of each optional element: the elements that need it are left out.
+    /// The first fault of each used element: what needs the element is left out.
     held: BTreeMap<Element, Fault>,
-    /// Unused elements whose first fault is noted: other faults often follow from it.
+    /// Elements whose first fault is noted: other faults often follow from it.
     noted: BTreeSet<Element>,
+    losses: Losses,
     pub(crate) notes: Notes,
 }
 
 impl Verdict {
-    pub(crate) fn new(reach: Reach, notes: Notes) -> Self {
-        Self { reach, held: BTreeMap::new(), noted: BTreeSet::new(), notes }
-    }
-
-    /// Returns the need of the scene for an element.
-    pub(crate) fn need(&self, element: Element) -> Need {
-        self.reach.need(element)
+    pub(crate) fn new(reach: Reach, losses: Losses, notes: Notes) -> Self {
+        Self { reach, held: BTreeMap::new(), noted: BTreeSet::new(), losses, notes }
     }
 
     /// Returns true if anything that is shown uses an element.
     pub(crate) fn is_used(&self, element: Element) -> bool {
-        self.need(element) != Need::None
+        self.reach.is_used(element)
     }
 
-    /// Returns true if the scene cannot be shown without an element.
-    pub(crate) fn is_required(&self, element: Element) -> bool {
-        self.need(element) == Need::Required
+    /// Follows the references of the shown scene again, after some were taken out of it.
+    pub(crate) fn follow_again(&mut self, root: &Root) {
+        self.reach = Reach::of(root);
     }
 
     /// Judges the outcome of a check of an element. Returns the value if the check passed.
     ///
     /// # Errors
-    /// The fault, if the scene needs the element. A used element beyond a limit is refused in any
-    /// case.
+    /// The fault, if it refuses the file.
     pub(crate) fn judge<T>(
         &mut self,
         element: Element,
@@ -54,21 +50,42 @@ impl Verdict {
             Ok(value) => return Ok(Some(value)),
             Err(fault) => fault,
         };
-        match self.need(element) {
-            Need::None if !self.noted.insert(element) => Ok(None),
-            Need::None => {
-                self.notes.count_as(element.kind.name(), 1, || {
-                    let (object, reason) = fault.into_parts();
-                    Note::new(object, format!("{reason}; nothing that is shown uses it"))
-                });
-                Ok(None)
+        if self.is_used(element) {
+            let fault = self.losses.hold(fault)?;
+            // Without its scene nothing of the file can be shown.
+            if element.kind == Kind::Scene {
+                return Err(fault);
             }
-            Need::Optional if !fault.is_final() => {
-                self.held.entry(element).or_insert(fault);
-                Ok(None)
-            }
-            Need::Optional | Need::Required => Err(fault),
+            self.held.entry(element).or_insert(fault);
+        } else if self.noted.insert(element) {
+            self.notes.count_as(element.kind.name(), 1, || {
+                let (object, reason) = fault.into_parts();
+                Note::new(object, format!("{reason}; nothing that is shown uses it"))
+            });
         }
+        Ok(None)
+    }
+
+    /// Returns true if an element that is used may be broken.
+    pub(crate) fn has_faults(&self) -> bool {
+        !self.held.is_empty()
+    }
+
+    /// Returns the fault of an element itself.
+    pub(crate) fn own_fault(&self, element: Element) -> Option<&Fault> {
+        self.held.get(&element)
+    }
+
+    /// Takes the fault of an element itself. Later ones are not noted.
+    pub(crate) fn take_fault(&mut self, element: Element) -> Option<Fault> {
+        let fault = self.held.remove(&element)?;
+        self.noted.insert(element);
+        Some(fault)
+    }
+
+    /// Returns true if a fault of an element was noted.
+    pub(crate) fn is_noted(&self, element: Element) -> bool {
+        self.noted.contains(&element)
     }
 
     /// Returns the fault of an element or of one that it needs.
@@ -76,8 +93,8 @@ impl Verdict {
         if self.held.is_empty() {
             return None;
         }
-        // References of optional elements lead down to buffers in a few steps. A fault below often
-        // causes the one above.
+        // References of accessors, skins, animations and images lead down to buffers in a few
+        // steps. A fault below often causes the one above.
         let mut deepest: Option<(usize, &Fault)> = None;
         let mut pending = vec![(0, element)];
         while let Some((depth, element)) = pending.pop() {
@@ -91,30 +108,67 @@ impl Verdict {
         deepest.map(|(_, fault)| fault)
     }
 
-    /// Notes that an element is left out for its fault, with the consequence.
-    pub(crate) fn note_left_out(&mut self, fault: Fault, consequence: &str) {
-        self.notes.add(|| {
-            let (object, reason) = fault.into_parts();
-            Note::new(object, format!("{reason}; {consequence}"))
-        });
+    /// Returns an error if everything that could be seen was left out.
+    ///
+    /// # Errors
+    /// The first fault for which something was left out.
+    pub(crate) fn refuse_empty(&mut self, root: &Root) -> Result<(), Fault> {
+        let meshes = root.meshes.iter().enumerate();
+        let mut shown = meshes.filter(|(index, _)| self.is_used(Kind::Mesh.at(*index)));
+        let is_empty = |mesh: &Mesh| mesh.primitives.iter().all(|it| it.attributes.is_empty());
+        if shown.any(|(_, mesh)| !is_empty(mesh)) {
+            return Ok(());
+        }
+        self.losses.take_first().map_or(Ok(()), Err)
+    }
+
+    /// Notes that something that could be seen is left out for a fault.
+    ///
+    /// # Errors
+    /// The fault, if it refuses the file.
+    pub(crate) fn leave_out(&mut self, fault: Fault, consequence: &str) -> Result<(), Fault> {
+        self.losses.leave_out(fault, consequence, &mut self.notes)
+    }
+
+    /// Notes that something is shown in another way than it is written, for a fault.
+    ///
+    /// # Errors
+    /// The fault, if it refuses the file.
+    pub(crate) fn repair(&mut self, fault: Fault, consequence: &str) -> Result<(), Fault> {
+        self.losses.repair(fault, consequence, &mut self.notes)
+    }
+
+    /// Takes the mesh off a node, with all that is about it.
+    pub(crate) fn remove_mesh(&mut self, index: usize, root: &mut Root) {
+        self.losses.remove_mesh(index, root);
+    }
+
+    /// Returns true if the mesh of a node was left out.
+    pub(crate) fn has_lost_mesh(&self, node: usize) -> bool {
+        self.losses.has_lost_mesh(node)
     }
 
     /// Returns true if an element is used and valid.
     pub(crate) fn is_kept(&self, root: &Root, element: Element) -> bool {
-        match self.need(element) {
-            Need::Required => true,
-            Need::Optional => self.fault_of(root, element).is_none(),
-            Need::None => false,
-        }
+        self.is_used(element) && self.fault_of(root, element).is_none()
+    }
+
+    /// Returns the broken parts that were left out, and all notes.
+    pub(crate) fn finish(self) -> (Losses, Vec<Note>) {
+        (self.losses, self.notes.finish())
     }
 }
 
 /// Notes the broken animations, which are not played.
-pub(crate) fn note_broken_animations(root: &Root, verdict: &mut Verdict) {
+///
+/// # Errors
+/// Those of [`Verdict::repair`].
+pub(crate) fn note_broken_animations(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
     for index in 0..root.animations.len() {
         let element = Kind::Animation.at(index);
         if let Some(fault) = verdict.fault_of(root, element).cloned() {
-            verdict.note_left_out(fault, &format!("{element} is not played"));
+            verdict.repair(fault, &format!("{element} is not played"))?;
         }
     }
+    Ok(())
 }

@@ -3,7 +3,7 @@
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-use antumbra_import::{Limits, read};
+use antumbra_import::{Limits, LoadOptions, read};
 use gltf_files::files::{F32, GltfFile, everything};
 use peak_alloc::PeakAlloc;
 use serde_json::json;
@@ -12,6 +12,10 @@ use serde_json::json;
 static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 const MIB: u64 = 1 << 20;
+
+fn options() -> LoadOptions {
+    LoadOptions { limits: limits(), ..LoadOptions::default() }
+}
 
 fn limits() -> Limits {
     Limits {
@@ -29,7 +33,7 @@ fn limits() -> Limits {
 fn peak_of(bytes: Vec<u8>) -> (u64, String) {
     let before = (ALLOCATOR.current_usage() - bytes.len()) as u64;
     ALLOCATOR.reset_peak_usage();
-    let result = read(bytes, None, &limits()).map(drop);
+    let result = read(bytes, None, &options()).map(drop);
     let said = result.map_or_else(|error| error.to_string(), |()| "accepted".to_owned());
     (ALLOCATOR.peak_usage() as u64 - before, said)
 }
@@ -43,7 +47,7 @@ fn repeated(around: &str, text: &str) -> Vec<u8> {
     let mut count = 1000;
     loop {
         let bytes = times(count).into_bytes();
-        let result = read(bytes.clone(), None, &limits());
+        let result = read(bytes.clone(), None, &options());
         if bytes.len() as u64 > limits().json_bytes
             || result.is_err_and(|error| error.to_string().contains("bytes of JSON in memory"))
         {

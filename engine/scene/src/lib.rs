@@ -33,6 +33,7 @@ mod surface;
 mod tests;
 mod update;
 mod vertex_surfaces;
+mod words;
 
 use std::f32::consts::PI;
 
@@ -60,6 +61,7 @@ pub use surface::{
     Texture, TextureId, TextureUse, TransparentId, Wrap,
 };
 pub use update::{LightMove, ObjectChange, PoseUpdate, SceneUpdate, TransparentMove};
+pub use words::counted;
 
 /// The default of the vertical field of view, in radians.
 pub const FOV_Y_RAD: f32 = 60.0 * PI / 180.0;

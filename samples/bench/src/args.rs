@@ -13,6 +13,7 @@ use crate::choices::{
     CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice, ProjectionChoice, TrustChoice,
     ValidationChoice, Verify, enumerate, parse_named, parse_strategy,
 };
+use crate::file_args::FileArguments;
 use crate::light_args::LightArguments;
 use crate::options::{
     DEFAULT_IMAGES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
@@ -65,6 +66,9 @@ pub struct Arguments {
     /// The numbers that city and field are made from.
     #[command(flatten)]
     pub made: MadeArguments,
+    /// The reading of a file.
+    #[command(flatten)]
+    pub file: FileArguments,
     /// Its lights and their shadows.
     #[command(flatten)]
     pub lighting: LightArguments,
@@ -308,6 +312,7 @@ impl Arguments {
         let shadows = self.lighting.choices(&self.scene)?;
         Ok(Options {
             scene,
+            broken_parts: self.file.broken_parts(),
             lights: self.lighting.lights,
             shadows,
             path,
@@ -340,6 +345,11 @@ impl Arguments {
     fn walk(&self) -> Result<(SceneChoice, PathChoice), UsageError> {
         let file = match &self.scene {
             SceneArgument::File(file) => file,
+            SceneArgument::Made(scene) if self.file.strict => {
+                return usage(format!(
+                    "--strict is about glTF files, and --scene {scene} is none: leave it out"
+                ));
+            }
             SceneArgument::Made(scene) => {
                 let path = parse_path(self.path.as_deref().unwrap_or("street"));
                 let path = path.map_err(|message| UsageError(format!("--path: {message}")))?;

@@ -16,6 +16,7 @@ pub mod compare;
 pub mod destination;
 pub mod exit_status;
 pub mod eyes;
+pub mod file_args;
 #[cfg(feature = "charts")]
 pub mod gpu_page;
 pub mod image_difference;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use antumbra::gpu::SampleCount;
+use antumbra::import::BrokenParts;
 use scenes::LightSet;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -127,6 +128,8 @@ impl fmt::Display for PathChoice {
 pub struct Options {
     /// The scene to walk through: generated, or out of a file.
     pub scene: SceneChoice,
+    /// The treatment of broken parts of a file.
+    pub broken_parts: BrokenParts,
     /// The lights on it; none where it has its own, or no surfaces that they could shine on.
     pub lights: Option<LightSet>,
     /// The ways to draw shadows, each with each strategy; empty where nothing is said about

@@ -40,13 +40,13 @@ pub fn report_progress(
     }
 }
 
-/// Reads a file. Lights are dimmed where they are too bright, unless an exposure is given.
+/// Reads a file.
 ///
 /// # Errors
 /// The error: file, object in it, reason; or that it was given up.
 pub fn load(
     file: &Path,
-    exposure: Option<f32>,
+    options: &LoadOptions,
     progress_fn: &mut LoadProgressFn<'_>,
 ) -> Result<GltfScene, RunError> {
     report_progress(progress_fn, &format!("reading {}", shown(file)), None)?;
@@ -54,8 +54,7 @@ pub fn load(
         let shown = shown(file);
         return Err(RunError::user(format!("cannot read the scene '{shown}': it is a folder")));
     }
-    let options = LoadOptions { exposure, ..LoadOptions::default() };
-    let loaded = import::load(file, &options, &mut |progress| {
+    let loaded = import::load(file, options, &mut |progress| {
         let what = match progress.stage {
             Stage::Reading => "reading",
             Stage::Meshes => "making meshes of",

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use antumbra::glam::Vec3;
 use antumbra::import;
-use antumbra::import::SceneAnimator;
+use antumbra::import::{LoadOptions, SceneAnimator};
 use antumbra::scene::Scene;
 use scenes::GeneratedScene;
 
@@ -83,7 +83,8 @@ impl WalkScene {
     ) -> Result<Self, RunError> {
         let mut clock = Stopwatch::start();
         let mut newest = String::new();
-        let imported = scene_file::load(file, None, &mut |loading| {
+        let reading = LoadOptions { broken_parts: options.broken_parts, ..LoadOptions::default() };
+        let imported = scene_file::load(file, &reading, &mut |loading| {
             if loading.what != newest {
                 loading.what.clone_into(&mut newest);
                 progress.stage(loading.what);

@@ -131,7 +131,12 @@ impl LoadedScene {
         size: [u32; 2],
         progress_fn: &mut dyn FnMut(LoadProgress<'_>) -> ControlFlow<()>,
     ) -> Result<Self, RunError> {
-        let mut imported = scene_file::load(file, settings.exposure, progress_fn)?;
+        let reading = import::LoadOptions {
+            exposure: settings.exposure,
+            broken_parts: options.broken_parts,
+            ..import::LoadOptions::default()
+        };
+        let mut imported = scene_file::load(file, &reading, progress_fn)?;
         if settings.detail_pixels.is_some() {
             scene_file::report_progress(progress_fn, "making levels of detail", None)?;
             imported.make_levels(&import::LevelOptions::default());

@@ -4,11 +4,13 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use antumbra::gpu::{PresentMode, SampleCount};
+use antumbra::import::BrokenParts;
 use antumbra::pacing;
 use antumbra::render::Assumption;
 use antumbra::shadows::{ShadowBias, ShadowFilter};
 use bench::args::DeviceArguments;
 use bench::choices::{CostsChoice, DeviceChoice, TrustChoice, ValidationChoice, parse_strategy};
+use bench::file_args::FileArguments;
 use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, parse_samples};
 use bench::shadow_choice::{ShadowChoice, ShadowWay, parse_bias, parse_filter};
 use bench::strategy::Strategy;
@@ -81,6 +83,10 @@ pub struct ShowArguments {
     #[arg(long, help_heading = "Frames")]
     pub time_passes: bool,
 
+    /// The reading of a file.
+    #[command(flatten)]
+    pub file: FileArguments,
+
     /// Trust in the driver: as it is, or tested first, and what is found broken is not used
     #[arg(long, value_name = "HOW", default_value = "driver", help_heading = "Device")]
     pub trust: TrustChoice,
@@ -142,6 +148,8 @@ pub struct ShowOptions {
     pub flares: FlareChoice,
     /// True if passes are timed at the start.
     pub times_passes: bool,
+    /// The treatment of broken parts of files.
+    pub broken_parts: BrokenParts,
     /// The trust in the driver.
     pub trust: TrustChoice,
     /// The assumptions that the self-test found broken, once it ran.
@@ -185,6 +193,7 @@ impl ShowArguments {
             },
             flares: self.flares.unwrap_or_default(),
             times_passes: self.time_passes || self.trace.is_some(),
+            broken_parts: self.file.broken_parts(),
             trust: self.trust,
             distrusted: OnceLock::new(),
             device: self.device.choice(),

@@ -110,6 +110,7 @@ fn positive(text: &str) -> Result<f32, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use antumbra::import::BrokenParts;
     use clap::CommandFactory;
 
     use crate::hud::HudLevel;
@@ -155,6 +156,8 @@ mod tests {
         };
         assert_eq!(source, SceneSource::File { file: "a.glb".into(), settings });
         assert_eq!((show.size.width, show.size.height, show.is_headless), (3, 2, true));
+        assert_eq!(show.broken_parts, BrokenParts::LeaveOut);
+        assert_eq!(parse(&["a.glb", "--strict"]).unwrap().1.broken_parts, BrokenParts::Refuse);
         let (source, _) = parse(&["a.gltf", "--replay", "./p"]).unwrap();
         let settings = FileSource { recorded: Some("./p".into()), ..FileSource::default() };
         assert_eq!(source, SceneSource::File { file: "a.gltf".into(), settings });

@@ -123,7 +123,8 @@ fn files_that_cannot_be_shown_end_with_2_and_what_the_walkthrough_says() {
     let scratch = scratch("viewer-mistakes");
     for file in scene::write_unreadable(&scratch.0) {
         let path = scratch.0.join(file);
-        let read = bench::scene_file::load(&path, None, &mut |_| ControlFlow::Continue(()));
+        let read =
+            bench::scene_file::load(&path, &Default::default(), &mut |_| ControlFlow::Continue(()));
         let path = path.to_str().unwrap();
         let output = viewer(&scratch, &[path, "--headless", "--size", "32x32", "--frames", "2"]);
         let Err(reason) = read else { panic!("{file} was read") };

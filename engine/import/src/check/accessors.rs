@@ -5,6 +5,8 @@ use gltf::json::buffer::{MAX_BYTE_STRIDE, MIN_BYTE_STRIDE, View};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Root};
 
+use scene::counted;
+
 use super::numbers::in_range;
 use crate::Limits;
 use crate::element::Kind;
@@ -62,7 +64,8 @@ fn ends_within(offset: u64, bytes: Option<u64>, there: u64, of: &str) -> Result<
         return Ok(());
     }
     let end = end.map_or_else(|| "beyond all numbers".to_owned(), |end| format!("at byte {end}"));
-    Err(Reason::malformed(format!("it ends {end}, but {of} has {there} bytes")))
+    let there = counted(there, "byte", "bytes");
+    Err(Reason::malformed(format!("it ends {end}, but {of} has {there}")))
 }
 
 fn check_accessor(root: &Root, accessor: &Accessor) -> Result<(), Reason> {
@@ -77,8 +80,8 @@ fn check_accessor(root: &Root, accessor: &Accessor) -> Result<(), Reason> {
         let stride = layout::stride(root, view, &layout);
         if stride < layout.element_bytes {
             let text = format!(
-                "its elements of {} bytes overlap at a byteStride of {stride}",
-                layout.element_bytes
+                "its elements of {} overlap at a byteStride of {stride}",
+                counted(layout.element_bytes, "byte", "bytes")
             );
             return Err(Reason::malformed(text));
         }
@@ -99,7 +102,8 @@ fn view_bytes(root: &Root, view: usize) -> u64 {
 fn check_sparse(root: &Root, sparse: &Sparse, count: u64, layout: &Layout) -> Result<(), Reason> {
     let replaced = sparse.count.0;
     if replaced == 0 || replaced > count {
-        let text = format!("it is sparse with {replaced} of {count} elements replaced");
+        let count = counted(count, "element", "elements");
+        let text = format!("it is sparse with {replaced} of {count} replaced");
         return Err(Reason::malformed(text));
     }
     let Checked::Valid(index_type) = sparse.indices.component_type else {

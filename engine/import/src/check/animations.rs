@@ -5,6 +5,8 @@ use gltf::json::animation::{Channel, Interpolation, Property, Sampler};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Animation, Index, Root};
 
+use scene::counted;
+
 use super::attributes::{self, FLOATS, FRACTIONS};
 use super::meshes;
 use super::numbers::in_range;
@@ -83,7 +85,9 @@ fn check_channel(root: &Root, animation: &Animation, channel: &Channel) -> Resul
         return Ok(());
     }
     let text = format!(
-        "{keys} keys of {values_per_key} values each, but its output has {}",
+        "{} of {} each, but its output has {}",
+        counted(keys, "key", "keys"),
+        counted(values_per_key, "value", "values"),
         output.count.0
     );
     Err(Reason::malformed(text))

@@ -22,7 +22,7 @@ const SNORM8: Form = (ComponentType::I8, true);
 const SNORM16: Form = (ComponentType::I16, true);
 
 /// The types allowed for an attribute.
-struct Allowed {
+pub(super) struct Allowed {
     kinds: &'static [Type],
     forms: &'static [Form],
     /// The types also allowed with `KHR_mesh_quantization`.
@@ -42,16 +42,14 @@ const TEXCOORD: Allowed =
 const COLOR: Allowed = of(&[Type::Vec3, Type::Vec4], &[FLOAT, UNORM8, UNORM16], &[]);
 const JOINTS: Allowed = of(&[Type::Vec4], &[U8, U16], &[]);
 const WEIGHTS: Allowed = of(&[Type::Vec4], &[FLOAT, UNORM8, UNORM16], &[]);
-const POSITION_DELTA: Allowed = of(&[Type::Vec3], &[FLOAT], &[I8, SNORM8, I16, SNORM16]);
-const DIRECTION_DELTA: Allowed = of(&[Type::Vec3], &[FLOAT], &[SNORM8, SNORM16]);
+/// The types of a morph target's displacements of positions.
+pub(super) const POSITION_DELTA: Allowed = of(&[Type::Vec3], &[FLOAT], &[I8, SNORM8, I16, SNORM16]);
+/// The types of a morph target's displacements of normals or tangents.
+pub(super) const DIRECTION_DELTA: Allowed = of(&[Type::Vec3], &[FLOAT], &[SNORM8, SNORM16]);
 
-/// Checks the type of a vertex attribute.
-pub(super) fn check(
-    semantic: &Semantic,
-    accessor: &Accessor,
-    quantised: bool,
-) -> Result<(), Reason> {
-    let allowed = match semantic {
+/// Returns the types allowed for a vertex attribute; `None` for those of applications.
+pub(super) fn allowed(semantic: &Semantic) -> Option<Allowed> {
+    Some(match semantic {
         Semantic::Positions => POSITION,
         Semantic::Normals => NORMAL,
         Semantic::Tangents => TANGENT,
@@ -59,19 +57,8 @@ pub(super) fn check(
         Semantic::Colors(_) => COLOR,
         Semantic::Joints(_) => JOINTS,
         Semantic::Weights(_) => WEIGHTS,
-        Semantic::Extras(_) => return Ok(()),
-    };
-    allowed.check(accessor, quantised)
-}
-
-/// Checks the type of a morph target's displacements of positions.
-pub(super) fn check_position_delta(accessor: &Accessor, quantised: bool) -> Result<(), Reason> {
-    POSITION_DELTA.check(accessor, quantised)
-}
-
-/// Checks the type of a morph target's displacements of normals or tangents.
-pub(super) fn check_direction_delta(accessor: &Accessor, quantised: bool) -> Result<(), Reason> {
-    DIRECTION_DELTA.check(accessor, quantised)
+        Semantic::Extras(_) => return None,
+    })
 }
 
 /// Checks that an accessor has one of these types.
@@ -98,7 +85,8 @@ pub(super) const FRACTIONS: &[Form] = &[FLOAT, SNORM8, UNORM8, SNORM16, UNORM16]
 pub(super) const INDICES: &[Form] = &[U8, U16, (ComponentType::U32, false)];
 
 impl Allowed {
-    fn check(&self, accessor: &Accessor, quantised: bool) -> Result<(), Reason> {
+    /// Checks the type of an accessor.
+    pub(super) fn check(&self, accessor: &Accessor, quantised: bool) -> Result<(), Reason> {
         let forms = self.forms.iter();
         if quantised {
             return matches(accessor, self.kinds, forms.chain(self.quantised), "");

@@ -61,7 +61,7 @@ pub(super) fn check(
     instancing: &BTreeMap<usize, Instancing>,
     (limits, verdict): (&Limits, &Verdict),
 ) -> Result<(), Fault> {
-    let is_shown = |kind: Kind, index: usize| verdict.is_required(kind.at(index));
+    let is_shown = |kind: Kind, index: usize| verdict.is_used(kind.at(index));
     let cost = |(index, mesh): (usize, &Mesh)| {
         if is_shown(Kind::Mesh, index) { cost_of(root, mesh) } else { Cost::default() }
     };
@@ -96,7 +96,7 @@ pub(super) fn check(
 /// primitive uses few.
 fn check_single(root: &Root, limits: &Limits, verdict: &Verdict) -> Result<(), Fault> {
     for (mesh_index, mesh) in root.meshes.iter().enumerate() {
-        if !verdict.is_required(Kind::Mesh.at(mesh_index)) {
+        if !verdict.is_used(Kind::Mesh.at(mesh_index)) {
             continue;
         }
         for (index, primitive) in mesh.primitives.iter().enumerate() {

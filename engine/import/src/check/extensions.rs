@@ -57,8 +57,13 @@ const PLAIN_TEXTURES: &str = "textures are shown by their plain copies";
 /// The extension that readers without it would refuse or show wrongly.
 pub(super) const QUANTISATION: &str = "KHR_mesh_quantization";
 
-/// Refuses a file that requires what is not supported; notes what it merely uses.
-pub(crate) fn required(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
+/// Refuses a file that requires what is not supported; notes what it merely uses, and the
+/// extensions of its objects that it does not name as used.
+pub(crate) fn required(
+    root: &Root,
+    of_objects: &BTreeSet<String>,
+    notes: &mut Notes,
+) -> Result<(), Fault> {
     let is_unknown = |name: &&String| !SUPPORTED_EXTENSIONS.contains(&name.as_str());
     let required = root.extensions_required.iter().filter(is_unknown);
     let required = required.map(|name| quoted(name)).take(16).collect::<Vec<_>>().join(", ");
@@ -70,8 +75,19 @@ pub(crate) fn required(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
     for name in used {
         notes.add(|| Note::new(format!("extension {}", quoted(name)), lacking(name)));
     }
-    let names = |list: &[String]| list.iter().any(|name| name == QUANTISATION);
-    if names(&root.extensions_used) && !names(&root.extensions_required) {
+    let is_named = |list: &[String], name: &str| list.iter().any(|named| named == name);
+    let is_undeclared = |name: &&String| {
+        !is_named(&root.extensions_used, name) && !is_named(&root.extensions_required, name)
+    };
+    for name in of_objects.iter().filter(is_undeclared) {
+        let consequence =
+            if is_unknown(&name) { lacking(name) } else { "shown all the same".to_owned() };
+        let reason = format!("extensionsUsed must name it, but does not; {consequence}");
+        notes.add(|| Note::new(format!("extension {}", quoted(name)), reason));
+    }
+    if is_named(&root.extensions_used, QUANTISATION)
+        && !is_named(&root.extensions_required, QUANTISATION)
+    {
         let what =
             "extensionsRequired must name it, but does not: its meshes are shown all the same";
         notes.add(|| Note::new(format!("extension {}", quoted(QUANTISATION)), what));

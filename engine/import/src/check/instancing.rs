@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 use super::attributes::{self, FLOATS, FRACTIONS};
 use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
-use crate::extensions::{INSTANCING, index, uses};
+use crate::extensions::{INSTANCING, index};
 use crate::verdict::Verdict;
 
 /// The accessors of a node's instances: `EXT_mesh_gpu_instancing`.
@@ -28,19 +28,27 @@ pub struct Instancing {
     pub scale: Option<usize>,
 }
 
+/// Checks the instances of all nodes. Meshes whose instances are wrong are taken off their nodes.
 pub(super) fn check(
-    root: &Root,
+    root: &mut Root,
     verdict: &mut Verdict,
 ) -> Result<BTreeMap<usize, Instancing>, Fault> {
-    if !uses(root, INSTANCING) {
-        return Ok(BTreeMap::new());
-    }
     let mut all = BTreeMap::new();
-    for (index, node) in root.nodes.iter().enumerate() {
+    for index in 0..root.nodes.len() {
+        let Some(node) = root.nodes.get(index) else { continue };
         let element = Kind::Node.at(index);
         let found = of_node(root, node).at(|| format!("node {index}, {INSTANCING}"));
-        let found = verdict.judge(element, found)?.flatten();
-        all.extend(found.filter(|_| verdict.is_used(element)).map(|found| (index, found)));
+        if !verdict.is_used(element) {
+            verdict.judge(element, found)?;
+            continue;
+        }
+        match found {
+            Ok(found) => all.extend(found.map(|found| (index, found))),
+            Err(fault) => {
+                verdict.remove_mesh(index, root);
+                verdict.leave_out(fault, "its mesh is left out")?;
+            }
+        }
     }
     Ok(all)
 }
@@ -77,12 +85,12 @@ fn same_count(root: &Root, attributes: &Map<String, Value>) -> Result<usize, Rea
     for (name, value) in attributes {
         let here = accessor(root, name, value)?.1.count.0;
         if *count.get_or_insert(here) != here {
-            return Err(Reason::malformed("its attributes have not the same number of elements"));
+            return Err(Reason::malformed("its attributes have different numbers of elements"));
         }
     }
     let count = count.ok_or_else(|| Reason::malformed("it has no attributes"))?;
     usize::try_from(count)
-        .map_err(|_| Reason::malformed("it has more elements than there are numbers"))
+        .map_err(|_| Reason::malformed("it has more elements than can be counted"))
 }
 
 fn accessor<'a>(
@@ -94,9 +102,6 @@ fn accessor<'a>(
     let found = index.and_then(|index| Some((index, root.accessors.get(index)?)));
     found.ok_or_else(|| {
         let name = crate::error::quoted(name);
-        Reason::malformed(format!(
-            "its attribute {name} is not one of the {} accessors",
-            root.accessors.len()
-        ))
+        Reason::malformed(format!("its attribute {name} is no accessor of the file"))
     })
 }

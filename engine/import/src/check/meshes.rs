@@ -6,46 +6,109 @@ use gltf::json::mesh::{MorphTarget, Primitive};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index, Mesh, Root};
 
-use super::attributes::{self, INDICES};
+use scene::counted;
+
+use super::attributes::{self, Allowed, DIRECTION_DELTA, INDICES, POSITION_DELTA};
 use super::extensions::QUANTISATION;
 use super::numbers::{finite, in_range};
 use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
 use crate::extensions::uses;
+use crate::leave_out::empty_primitive;
 use crate::verdict::Verdict;
 
-pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
-    let is_quantised = uses(root, QUANTISATION);
-    for (index, mesh) in root.meshes.iter().enumerate() {
-        let checked = check_mesh(root, index, mesh, is_quantised);
-        verdict.judge(Kind::Mesh.at(index), checked)?;
-        if verdict.is_required(Kind::Mesh.at(index)) {
-            note_targets_alone(index, mesh, verdict);
+/// Checks all meshes. Broken primitives of those that are shown are emptied.
+pub(super) fn check(root: &mut Root, verdict: &mut Verdict) -> Result<(), Fault> {
+    for index in 0..root.meshes.len() {
+        if verdict.is_used(Kind::Mesh.at(index)) {
+            mend_mesh(root, index, verdict)?;
+        } else if let Some(mesh) = root.meshes.get(index) {
+            let checked = check_mesh(root, index, mesh);
+            verdict.judge(Kind::Mesh.at(index), checked)?;
         }
     }
     Ok(())
 }
 
-/// Notes morph targets of normals or tangents that the primitive lacks.
-fn note_targets_alone(number: usize, mesh: &Mesh, verdict: &mut Verdict) {
-    for (index, primitive) in mesh.primitives.iter().enumerate() {
-        let lacks = |semantic| !primitive.attributes.contains_key(&Checked::Valid(semantic));
-        let (no_normals, no_tangents) = (lacks(Semantic::Normals), lacks(Semantic::Tangents));
-        let is_alone = |target: &&MorphTarget| {
-            target.normals.is_some() && no_normals || target.tangents.is_some() && no_tangents
-        };
-        let alone = primitive.targets.iter().flatten().filter(is_alone).count();
-        let what = "morph targets with normals or tangents that the primitive does not have: computed instead";
-        verdict.notes.count(what, alone, || format!("mesh {number}, primitive {index}"));
+/// Notes the primitives of shown meshes that have no positions.
+pub(super) fn note_without_positions(root: &Root, verdict: &mut Verdict) {
+    for (index, mesh) in root.meshes.iter().enumerate() {
+        let element = Kind::Mesh.at(index);
+        let primitives = if verdict.is_used(element) { mesh.primitives.as_slice() } else { &[] };
+        for (number, primitive) in primitives.iter().enumerate() {
+            let has_none = !primitive.attributes.contains_key(&Checked::Valid(Semantic::Positions));
+            let what = "it has no positions, and draws nothing";
+            let name = || format!("mesh {index}, primitive {number}");
+            verdict.notes.count(what, usize::from(has_none), name);
+        }
     }
 }
 
-fn check_mesh(root: &Root, number: usize, mesh: &Mesh, is_quantised: bool) -> Result<(), Fault> {
-    for (index, primitive) in mesh.primitives.iter().enumerate() {
-        let checker = Checker { root, primitive, is_quantised };
-        checker.check(&|| format!("mesh {number}, primitive {index}"))?;
+/// Empties the broken primitives of a mesh, and takes out weights that do not fit.
+fn mend_mesh(root: &mut Root, index: usize, verdict: &mut Verdict) -> Result<(), Fault> {
+    let mut targets = None;
+    let count = root.meshes.get(index).map_or(0, |mesh| mesh.primitives.len());
+    let given = root.meshes.get(index).map_or(0, target_count);
+    for number in 0..count {
+        let name = || format!("mesh {index}, primitive {number}");
+        let Some(primitive) = root.meshes.get(index).and_then(|it| it.primitives.get(number))
+        else {
+            continue;
+        };
+        let mut checker = Checker::new(root, primitive);
+        let checked = checker.check(&name);
+        let own = primitive.targets.as_ref().map_or(0, Vec::len);
+        let checked = checked.and_then(|()| same_targets(own, targets.unwrap_or(own)).at(name));
+        let Err(fault) = checked else {
+            targets = Some(own);
+            let undeclared = checker.undeclared.take();
+            note_targets_alone(primitive, &name, verdict);
+            if let Some(fault) = undeclared {
+                verdict.repair(fault, "read as if it were named")?;
+            }
+            continue;
+        };
+        if let Some(primitive) =
+            root.meshes.get_mut(index).and_then(|mesh| mesh.primitives.get_mut(number))
+        {
+            empty_primitive(primitive);
+        }
+        verdict.leave_out(fault, "this primitive is left out")?;
     }
-    check_targets(mesh).at(|| format!("mesh {number}"))
+    let Some(mesh) = root.meshes.get_mut(index) else { return Ok(()) };
+    let targets = targets.unwrap_or(given);
+    // Emptied primitives have as many targets as the others.
+    for primitive in &mut mesh.primitives {
+        if primitive.attributes.is_empty() {
+            primitive.targets = Some(vec![NO_TARGET; targets]);
+        }
+    }
+    let Err(reason) = check_weights(mesh.weights.as_deref(), targets) else { return Ok(()) };
+    mesh.weights = None;
+    verdict.repair(reason.of(format!("mesh {index}")), "they are ignored")
+}
+
+/// Notes morph targets of normals or tangents that the primitive lacks.
+fn note_targets_alone(primitive: &Primitive, name: &dyn Fn() -> String, verdict: &mut Verdict) {
+    let lacks = |semantic| !primitive.attributes.contains_key(&Checked::Valid(semantic));
+    let (no_normals, no_tangents) = (lacks(Semantic::Normals), lacks(Semantic::Tangents));
+    let is_alone = |target: &&MorphTarget| {
+        target.normals.is_some() && no_normals || target.tangents.is_some() && no_tangents
+    };
+    let alone = primitive.targets.iter().flatten().filter(is_alone).count();
+    let what = "a morph target has normals or tangents that the primitive lacks: they are computed";
+    verdict.notes.count(what, alone, name);
+}
+
+fn check_mesh(root: &Root, number: usize, mesh: &Mesh) -> Result<(), Fault> {
+    let targets = target_count(mesh);
+    for (index, primitive) in mesh.primitives.iter().enumerate() {
+        let name = || format!("mesh {number}, primitive {index}");
+        Checker::new(root, primitive).check(&name)?;
+        let own = primitive.targets.as_ref().map_or(0, Vec::len);
+        same_targets(own, targets).at(name)?;
+    }
+    check_weights(mesh.weights.as_deref(), targets).at(|| format!("mesh {number}"))
 }
 
 /// Returns the number of morph targets of a mesh.
@@ -53,12 +116,13 @@ pub(super) fn target_count(mesh: &Mesh) -> usize {
     mesh.primitives.first().and_then(|first| first.targets.as_ref()).map_or(0, Vec::len)
 }
 
-fn check_targets(mesh: &Mesh) -> Result<(), Reason> {
-    let count = target_count(mesh);
-    if mesh.primitives.iter().any(|other| other.targets.as_ref().map_or(0, Vec::len) != count) {
-        return Err(Reason::malformed("its primitives have not the same number of morph targets"));
+fn same_targets(own: usize, others: usize) -> Result<(), Reason> {
+    if own == others {
+        return Ok(());
     }
-    check_weights(mesh.weights.as_deref(), count)
+    let own = counted(own, "morph target", "morph targets");
+    let text = format!("it has {own}, and the primitives of its mesh before it have {others}");
+    Err(Reason::malformed(text))
 }
 
 /// Checks the weights of a mesh, or of a node with one.
@@ -66,20 +130,32 @@ pub(super) fn check_weights(weights: Option<&[f32]>, targets: usize) -> Result<(
     let weights = weights.unwrap_or_default();
     finite("weight", weights)?;
     if !weights.is_empty() && weights.len() != targets {
-        let text = format!("it has {} weights for {targets} morph targets", weights.len());
+        let own = counted(weights.len(), "weight", "weights");
+        let targets = counted(targets, "morph target", "morph targets");
+        let text = format!("it has {own} for {targets}");
         return Err(Reason::malformed(text));
     }
     Ok(())
 }
 
+/// A target that moves nothing.
+const NO_TARGET: MorphTarget = MorphTarget { positions: None, normals: None, tangents: None };
+
 struct Checker<'a> {
     root: &'a Root,
     primitive: &'a Primitive,
+    /// True if the file names the extension for attributes of integers.
     is_quantised: bool,
+    /// The first attribute that needs the extension without it.
+    undeclared: Option<Fault>,
 }
 
-impl Checker<'_> {
-    fn check(&self, name: &dyn Fn() -> String) -> Result<(), Fault> {
+impl<'a> Checker<'a> {
+    fn new(root: &'a Root, primitive: &'a Primitive) -> Self {
+        Self { root, primitive, is_quantised: uses(root, QUANTISATION), undeclared: None }
+    }
+
+    fn check(&mut self, name: &dyn Fn() -> String) -> Result<(), Fault> {
         let primitive = self.primitive;
         if primitive.mode == Checked::Invalid {
             return Err(Reason::malformed("its mode does not exist").of(name()));
@@ -95,26 +171,45 @@ impl Checker<'_> {
         }
         self.check_attributes(name)?;
         for (index, target) in primitive.targets.iter().flatten().enumerate() {
-            self.check_target(target).at(|| format!("{}, target {index}", name()))?;
+            let name = || format!("{}, target {index}", name());
+            self.check_target(target, &name).at(name)?;
         }
         Ok(())
     }
 
-    fn accessor(&self, index: Index<Accessor>) -> Result<&Accessor, Reason> {
+    fn accessor(&self, index: Index<Accessor>) -> Result<&'a Accessor, Reason> {
         let count = self.root.accessors.len();
         self.root.get(index).ok_or_else(|| Reason::out_of_range("accessor", index.value(), count))
     }
 
-    fn check_attributes(&self, name: &dyn Fn() -> String) -> Result<(), Fault> {
+    fn check_attributes(&mut self, name: &dyn Fn() -> String) -> Result<(), Fault> {
         for (semantic, &index) in &self.primitive.attributes {
             let Checked::Valid(semantic) = semantic else { continue };
+            let name = || format!("{}, attribute {}", name(), shown(semantic));
             let checked = self.accessor(index).and_then(|accessor| {
-                attributes::check(semantic, accessor, self.is_quantised)?;
+                if let Some(allowed) = attributes::allowed(semantic) {
+                    self.check_form(accessor, &allowed, &name)?;
+                }
                 self.check_count(accessor)?;
                 self.check_partner(semantic)
             });
-            checked.at(|| format!("{}, attribute {}", name(), shown(semantic)))?;
+            checked.at(name)?;
         }
+        Ok(())
+    }
+
+    /// Checks the type of an attribute. Integers that need the extension are read without it, too.
+    fn check_form(
+        &mut self,
+        accessor: &Accessor,
+        allowed: &Allowed,
+        name: &dyn Fn() -> String,
+    ) -> Result<(), Reason> {
+        let Err(reason) = allowed.check(accessor, self.is_quantised) else { return Ok(()) };
+        if allowed.check(accessor, true).is_err() {
+            return Err(reason);
+        }
+        self.undeclared.get_or_insert_with(|| reason.of(name()));
         Ok(())
     }
 
@@ -126,10 +221,8 @@ impl Checker<'_> {
         if accessor.count == expected {
             return Ok(());
         }
-        let text = format!(
-            "it has {} elements, another attribute of the primitive has {}",
-            accessor.count.0, expected.0
-        );
+        let own = counted(accessor.count.0, "element", "elements");
+        let text = format!("it has {own}, another attribute of the primitive has {}", expected.0);
         Err(Reason::malformed(text))
     }
 
@@ -147,15 +240,19 @@ impl Checker<'_> {
         Err(Reason::malformed(format!("it means nothing without {name}")))
     }
 
-    fn check_target(&self, target: &MorphTarget) -> Result<(), Reason> {
+    fn check_target(
+        &mut self,
+        target: &MorphTarget,
+        name: &dyn Fn() -> String,
+    ) -> Result<(), Reason> {
         if let Some(positions) = target.positions {
             let accessor = self.accessor(positions)?;
-            attributes::check_position_delta(accessor, self.is_quantised)?;
+            self.check_form(accessor, &POSITION_DELTA, name)?;
             self.check_count(accessor)?;
         }
         for directions in [target.normals, target.tangents].into_iter().flatten() {
             let accessor = self.accessor(directions)?;
-            attributes::check_direction_delta(accessor, self.is_quantised)?;
+            self.check_form(accessor, &DIRECTION_DELTA, name)?;
             self.check_count(accessor)?;
         }
         Ok(())

@@ -4,32 +4,38 @@ use gltf::json::{Node, Root};
 
 use super::meshes;
 use super::numbers::{finite, in_range};
-use crate::Limits;
 use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
 use crate::extensions::lights;
+use crate::notes::Note;
 use crate::verdict::Verdict;
 
-/// Checks all nodes and scenes. Returns the parents of the shown nodes, which are a forest.
-pub(super) fn check(
-    root: &Root,
-    limits: &Limits,
-    verdict: &mut Verdict,
-) -> Result<Vec<Option<u32>>, Fault> {
-    let count = root.nodes.len();
-    if count as u64 > limits.nodes {
-        return Err(Reason::too_large("nodes", count as u64, limits.nodes).of("nodes"));
-    }
+/// A part of a node that can be wrong by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NodePart {
+    Camera,
+    Light,
+    Mesh,
+    Weights,
+}
+
+/// Checks all nodes and scenes; those that are shown were mended. Returns the parents of the shown
+/// nodes, which are a forest.
+pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<Vec<Option<u32>>, Fault> {
     for (index, node) in root.nodes.iter().enumerate() {
         let checked = check_references(root, node)
+            .map_err(|(_, reason)| reason)
             .and_then(|()| check_numbers(node))
-            .and_then(|()| check_children(node, count))
+            .and_then(|()| check_children(node, root.nodes.len()))
             .at(|| format!("node {index}"));
         verdict.judge(Kind::Node.at(index), checked)?;
     }
-    let parents = forest(root, |node| verdict.is_required(Kind::Node.at(node)))?;
+    let parents = forest(root, |node| verdict.is_used(Kind::Node.at(node)))?;
     if let Err(fault) = forest(root, |_| true) {
-        verdict.note_left_out(fault, "not all of that is shown");
+        verdict.notes.add(|| {
+            let (object, reason) = fault.into_parts();
+            Note::new(object, format!("{reason}; not all of that is shown"))
+        });
     }
     check_scenes(root, verdict)?;
     Ok(parents)
@@ -53,32 +59,38 @@ fn check_children(node: &Node, count: usize) -> Result<(), Reason> {
     children.try_for_each(|child| in_range("child node", child.value(), count))
 }
 
-fn check_references(root: &Root, node: &Node) -> Result<(), Reason> {
+/// Checks the references of a node to all but other nodes.
+///
+/// # Errors
+/// The first part of it that is wrong.
+pub(super) fn check_references(root: &Root, node: &Node) -> Result<(), (NodePart, Reason)> {
+    let of = |part: NodePart| move |reason: Reason| (part, reason);
     if let Some(camera) = node.camera {
-        in_range("camera", camera.value(), root.cameras.len())?;
+        in_range("camera", camera.value(), root.cameras.len()).map_err(of(NodePart::Camera))?;
     }
     if let Some(skin) = node.skin {
-        in_range("skin", skin.value(), root.skins.len())?;
+        in_range("skin", skin.value(), root.skins.len()).map_err(of(NodePart::Mesh))?;
     }
     if let Some(mesh) = node.mesh {
-        in_range("mesh", mesh.value(), root.meshes.len())?;
+        in_range("mesh", mesh.value(), root.meshes.len()).map_err(of(NodePart::Mesh))?;
         let targets = root.meshes.get(mesh.value()).map_or(0, meshes::target_count);
-        meshes::check_weights(node.weights.as_deref(), targets)?;
+        meshes::check_weights(node.weights.as_deref(), targets).map_err(of(NodePart::Weights))?;
     }
     let light =
         node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
     if let Some(light) = light {
-        in_range("light", light.light.value(), lights(root).len())?;
+        let checked = in_range("light", light.light.value(), lights(root).len());
+        checked.map_err(of(NodePart::Light))?;
     }
     Ok(())
 }
 
-fn check_numbers(node: &Node) -> Result<(), Reason> {
+/// Checks the numbers that place a node.
+pub(super) fn check_numbers(node: &Node) -> Result<(), Reason> {
     finite("matrix", node.matrix.as_ref().map_or(&[], |matrix| matrix))?;
     finite("translation", node.translation.as_ref().map_or(&[], |translation| translation))?;
     finite("rotation", node.rotation.as_ref().map_or(&[], |rotation| &rotation.0))?;
-    finite("scale", node.scale.as_ref().map_or(&[], |scale| scale))?;
-    finite("weight", node.weights.as_deref().unwrap_or_default())
+    finite("scale", node.scale.as_ref().map_or(&[], |scale| scale))
 }
 
 /// Notes the parent of a node's children; each has one at most.
@@ -117,9 +129,6 @@ fn check_ancestors(parents: &[Option<u32>]) -> Result<(), Fault> {
 }
 
 fn check_scenes(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
-    if let Some(scene) = root.scene {
-        in_range("scene", scene.value(), root.scenes.len()).at(|| "default scene".to_owned())?;
-    }
     // The last scene that each node was seen in.
     let mut seen_in: Vec<Option<u32>> = vec![None; root.nodes.len()];
     for (index, scene) in root.scenes.iter().enumerate() {

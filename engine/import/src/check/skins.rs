@@ -3,13 +3,15 @@
 use gltf::json::accessor::Type;
 use gltf::json::{Root, Skin};
 
+use scene::counted;
+
 use super::attributes::{self, FLOATS};
 use super::numbers::in_range;
 use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
 use crate::verdict::Verdict;
 
-/// Checks all skinsagainst the `parents` of the nodes that are shown.
+/// Checks all skins against the `parents` of the nodes that are shown.
 pub(super) fn check(
     root: &Root,
     parents: &[Option<u32>],
@@ -75,9 +77,9 @@ fn check_skin(root: &Root, skin: &Skin) -> Result<(), Reason> {
     attributes::check_form(accessor, Type::Mat4, FLOATS)?;
     if accessor.count.0 < skin.joints.len() as u64 {
         let text = format!(
-            "it has {} joints, but {} inverse bind matrices",
-            skin.joints.len(),
-            accessor.count.0
+            "it has {}, but {}",
+            counted(skin.joints.len(), "joint", "joints"),
+            counted(accessor.count.0, "inverse bind matrix", "inverse bind matrices")
         );
         return Err(Reason::malformed(text));
     }

@@ -8,15 +8,18 @@ use gltf::json::mesh::Primitive;
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index, Root};
 
+use scene::counted;
+
 use super::numbers::vertex_count;
 use crate::element::Kind;
 use crate::elements::{self, Store};
-use crate::error::{At, Fault, Reason};
+use crate::error::{At, Fault, Reason, there_are};
+use crate::leave_out;
 use crate::verdict::Verdict;
 
-/// Checks the values that are used. The JSON was checked before.
+/// Checks the values that are used. What breaks a rule is taken out of the shown scene.
 pub(crate) fn indices_and_joints(
-    root: &Root,
+    root: &mut Root,
     store: &Store,
     verdict: &mut Verdict,
 ) -> Result<(), Fault> {
@@ -28,31 +31,61 @@ pub(crate) fn indices_and_joints(
             verdict.judge(element, checked)?;
         }
     }
-    let (known, followed) = (HashMap::new(), HashMap::new());
-    let mut greatest = Greatest { root, store, known, followed };
-    let mut joints_of_meshes = Vec::with_capacity(root.meshes.len());
-    for (mesh_index, mesh) in root.meshes.iter().enumerate() {
-        let mut joints = None;
-        if !verdict.is_required(Kind::Mesh.at(mesh_index)) {
-            joints_of_meshes.push(joints);
+    leave_out::dependants(root, verdict)?;
+    let primitives = check_indices(root, store, verdict)?;
+    for &[mesh, number] in &primitives {
+        let mesh = root.meshes.get_mut(mesh);
+        let primitive = mesh.and_then(|mesh| mesh.primitives.get_mut(number));
+        primitive.into_iter().for_each(leave_out::empty_primitive);
+    }
+    let nodes = check_skinned(root, store, verdict)?;
+    for &node in &nodes {
+        verdict.remove_mesh(node, root);
+    }
+    if !primitives.is_empty() || !nodes.is_empty() {
+        verdict.follow_again(root);
+    }
+    Ok(())
+}
+
+/// Checks the indices of primitives. Returns the primitives that are left out, with their meshes.
+fn check_indices(
+    root: &Root,
+    store: &Store,
+    verdict: &mut Verdict,
+) -> Result<Vec<[usize; 2]>, Fault> {
+    let mut greatest = Greatest::of_file(root, store);
+    let mut beyond = Vec::new();
+    let meshes = root.meshes.iter().enumerate();
+    for (mesh_index, mesh) in meshes {
+        if !verdict.is_used(Kind::Mesh.at(mesh_index)) {
             continue;
         }
         for (index, primitive) in mesh.primitives.iter().enumerate() {
-            greatest
-                .check_indices(primitive)
-                .at(|| format!("mesh {mesh_index}, primitive {index}, indices"))?;
-            joints = joints.max(greatest.joint(primitive));
+            let Some(found) = greatest.vertex_beyond(primitive) else { continue };
+            let object = format!("mesh {mesh_index}, primitive {index}, indices");
+            match found {
+                Beyond::Restart(reason) => {
+                    verdict.repair(reason.of(object), RESTARTS)?;
+                }
+                Beyond::Vertex(reason) => {
+                    verdict.leave_out(reason.of(object), "this primitive is left out")?;
+                    beyond.push([mesh_index, index]);
+                }
+            }
         }
-        joints_of_meshes.push(joints);
     }
-    check_skinned(&mut greatest, &joints_of_meshes, verdict)
+    Ok(beyond)
 }
+
+/// The consequence of values that restart a primitive.
+const RESTARTS: &str = "read as the value that begins a new strip, which glTF does not allow";
 
 fn check_sparse(root: &Root, store: &Store, sparse: &Sparse, count: u64) -> Result<(), Reason> {
     let mut last = None;
     for index in elements::sparse_indices(root, store, sparse) {
         if u64::from(index) >= count {
-            let text = format!("element {index} is replaced, but there are {count}");
+            let text = format!("element {index} is replaced, but {}", there_are(count));
             return Err(Reason::malformed(text));
         }
         if last.is_some_and(|last| last >= index) {
@@ -64,35 +97,46 @@ fn check_sparse(root: &Root, store: &Store, sparse: &Sparse, count: u64) -> Resu
 }
 
 /// Checks that vertices follow joints that are there. A joint without weight may be any (3.7.3.3
-/// asks for 0).
-fn check_skinned(
-    greatest: &mut Greatest<'_>,
-    joints_of_meshes: &[Option<u32>],
-    verdict: &Verdict,
-) -> Result<(), Fault> {
-    let root = greatest.root;
-    let mut weighed: HashMap<usize, Option<u32>> = HashMap::new();
+/// asks for 0). Returns the nodes whose meshes are left out.
+fn check_skinned(root: &Root, store: &Store, verdict: &mut Verdict) -> Result<Vec<usize>, Fault> {
+    let mut greatest = Greatest::of_file(root, store);
+    let mut named: HashMap<usize, Option<u32>> = HashMap::new();
+    let mut followed: HashMap<usize, Option<u32>> = HashMap::new();
+    let mut beyond = Vec::new();
     let nodes = root.nodes.iter().enumerate();
-    for (index, node) in nodes.filter(|(index, _)| verdict.is_required(Kind::Node.at(*index))) {
-        let (Some(mesh), Some(skin)) = (node.mesh, node.skin) else { continue };
+    for (index, node) in nodes {
+        let is_shown = verdict.is_used(Kind::Node.at(index));
+        let (Some(mesh), Some(skin), true) = (node.mesh, node.skin, is_shown) else { continue };
         let joints = root.get(skin).map_or(0, |skin| skin.joints.len());
         let is_beyond = |joint: &u32| *joint as usize >= joints;
-        let named = joints_of_meshes.get(mesh.value()).copied().flatten();
+        let primitives = root.get(mesh).map_or(&[][..], |mesh| mesh.primitives.as_slice());
+        let named = *named.entry(mesh.value()).or_insert_with(|| {
+            primitives.iter().filter_map(|primitive| greatest.joint(primitive)).max()
+        });
         if named.filter(is_beyond).is_none() {
             continue;
         }
-        let followed = *weighed.entry(mesh.value()).or_insert_with(|| {
-            let primitives = root.get(mesh).map_or(&[][..], |mesh| mesh.primitives.as_slice());
+        let followed = *followed.entry(mesh.value()).or_insert_with(|| {
             primitives.iter().filter_map(|primitive| greatest.followed_joint(primitive)).max()
         });
         if let Some(joint) = followed.filter(is_beyond) {
+            let joints = counted(joints, "joint", "joints");
             let (mesh, skin) = (mesh.value(), skin.value());
-            let text =
-                format!("mesh {mesh} hangs on joint {joint}, but skin {skin} has {joints} joints");
-            return Err(Reason::malformed(text).of(format!("node {index}")));
+            let text = format!("mesh {mesh} hangs on joint {joint}, but skin {skin} has {joints}");
+            let fault = Reason::malformed(text).of(format!("node {index}"));
+            verdict.leave_out(fault, "its mesh is left out")?;
+            beyond.push(index);
         }
     }
-    Ok(())
+    Ok(beyond)
+}
+
+/// An index of a primitive that names no vertex.
+enum Beyond {
+    /// The greatest of its type, by which graphics interfaces begin a new strip.
+    Restart(Reason),
+    /// Another one.
+    Vertex(Reason),
 }
 
 /// The greatest values of accessors, each found once even if many primitives share it.
@@ -100,11 +144,23 @@ struct Greatest<'a> {
     root: &'a Root,
     store: &'a Store,
     known: HashMap<usize, u32>,
+    /// The greatest indices that do not restart a primitive.
+    without_restarts: HashMap<usize, Option<u32>>,
     /// The greatest joints with a weight, by the accessors of joints and weights.
     followed: HashMap<[usize; 2], Option<u32>>,
 }
 
-impl Greatest<'_> {
+impl<'a> Greatest<'a> {
+    fn of_file(root: &'a Root, store: &'a Store) -> Self {
+        Self {
+            root,
+            store,
+            known: HashMap::new(),
+            without_restarts: HashMap::new(),
+            followed: HashMap::new(),
+        }
+    }
+
     fn of<const N: usize>(&mut self, accessor: Index<Accessor>) -> u32 {
         let (root, store) = (self.root, self.store);
         *self.known.entry(accessor.value()).or_insert_with(|| {
@@ -116,16 +172,35 @@ impl Greatest<'_> {
         })
     }
 
-    fn check_indices(&mut self, primitive: &Primitive) -> Result<(), Reason> {
-        let vertices = vertex_count(self.root, primitive);
-        let (Some(indices), Some(vertices)) = (primitive.indices, vertices) else {
-            return Ok(());
-        };
+    /// Returns the index of a primitive that names no vertex, if it has one.
+    fn vertex_beyond(&mut self, primitive: &Primitive) -> Option<Beyond> {
+        let vertices = vertex_count(self.root, primitive)?;
+        let indices = primitive.indices?;
+        let is_beyond = |vertex: u32| u64::from(vertex) >= vertices;
         let greatest = self.of::<1>(indices);
-        if u64::from(greatest) < vertices {
-            return Ok(());
+        if !is_beyond(greatest) {
+            return None;
         }
-        Err(Reason::malformed(format!("vertex {greatest} does not exist, there are {vertices}")))
+        let reason = |vertex: u32| {
+            let text = format!("vertex {vertex} does not exist, {}", there_are(vertices));
+            Reason::malformed(text)
+        };
+        let restart = self.root.get(indices).and_then(elements::restart_index);
+        if restart != Some(greatest) {
+            return Some(Beyond::Vertex(reason(greatest)));
+        }
+        let (root, store) = (self.root, self.store);
+        let other = *self.without_restarts.entry(indices.value()).or_insert_with(|| {
+            let mut other = None;
+            elements::for_each_integers::<1>((root, store), indices.value(), None, |[index]| {
+                other = other.max(Some(index).filter(|index| *index != greatest));
+            });
+            other
+        });
+        Some(match other.filter(|other| is_beyond(*other)) {
+            Some(other) => Beyond::Vertex(reason(other)),
+            None => Beyond::Restart(reason(greatest)),
+        })
     }
 
     fn joint(&mut self, primitive: &Primitive) -> Option<u32> {

@@ -21,6 +21,7 @@ use super::skinned::place_skinned;
 use super::skinned_extents::SkinnedExtents;
 use super::skins::Skins;
 use crate::gltf_scene::{NodeAttachment, PlacedNode};
+use crate::losses::Losses;
 use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
 
@@ -32,6 +33,7 @@ pub(super) struct Assembly<'a> {
     pub(super) source: &'a Source,
     pub(super) tree: &'a Tree,
     pub(super) notes: Notes,
+    pub(super) losses: Losses,
     pub(super) scene: Scene,
     pub(super) surfaces: Surfaces,
     pub(super) materials: Materials,
@@ -87,8 +89,23 @@ impl<'a> Assembly<'a> {
     }
 
     pub(super) fn note_turning(&mut self, node: RigNodeId) {
-        let what = "objects that clips mirror at one time and not at another, seen from both sides";
+        let what = "clips mirror it at one time and not at another: it is seen from both sides";
         self.notes.count(what, 1, || self.tree.name(node));
+    }
+
+    /// Returns what was made of a primitive; none if it is broken, which is noted.
+    ///
+    /// # Errors
+    /// The error, if it refuses the file.
+    pub(super) fn unbroken<T>(
+        &mut self,
+        made: Result<Option<T>, ImportError>,
+    ) -> Result<Option<T>, ImportError> {
+        made.or_else(|error| {
+            let consequence = "this primitive is left out";
+            let left_out = self.losses.leave_out(error.into(), consequence, &mut self.notes);
+            left_out.map(|()| None).map_err(|fault| fault.in_file(&self.source.file))
+        })
     }
 
     /// Returns a primitive of the file.
@@ -127,7 +144,7 @@ impl<'a> Assembly<'a> {
             let Some(kind) = plan.kind(mesh, number) else { continue };
             let skin = self.skin_of(in_file);
             if skin.is_some() && !primitive.is_skinned() {
-                let what = "skins of meshes without joints, ignored";
+                let what = "its mesh has no joints, and its skin is ignored";
                 self.notes.count(what, 1, || tree.name(node));
             }
             let skin = skin.filter(|_| primitive.is_skinned());
@@ -190,12 +207,12 @@ impl<'a> Assembly<'a> {
     pub(super) fn can_be_seen(&mut self, node: RigNodeId, transform: &Affine3A) -> bool {
         let (tree, at_rest) = (self.tree, !self.tree.moves(node));
         if !transform.is_finite() {
-            let what = "objects whose place is beyond all numbers, left out";
+            let what = "its place is beyond all numbers, and it is left out";
             self.notes.count(what, 1, || tree.name(node));
             return false;
         }
         if at_rest && !keeps_areas(transform) {
-            let what = "objects scaled to nothing, left out";
+            let what = "it is scaled to nothing, and left out";
             self.notes.count(what, 1, || tree.name(node));
             return false;
         }
@@ -205,7 +222,7 @@ impl<'a> Assembly<'a> {
     /// Notes that an object is left out because it is too far away or too large for its box.
     pub(super) fn leave_out_huge(&mut self, node: RigNodeId) {
         let tree = self.tree;
-        let what = "objects that reach beyond all numbers, left out";
+        let what = "it reaches beyond all numbers, and is left out";
         self.notes.count(what, 1, || tree.name(node));
     }
 

@@ -7,7 +7,9 @@ use glam::Affine3A;
 use gltf::json;
 use gltf::json::validation::Checked;
 
+use super::framing::LEAST_DISTANCE_M;
 use super::nodes::Tree;
+use super::numbers::direction;
 use crate::Source;
 use crate::error::quoted;
 use crate::gltf_scene::SceneCamera;
@@ -31,15 +33,21 @@ const IMAGE: [u32; 2] = [1600, 900];
 
 /// The faults of projections, which are replaced so that each camera shows something.
 mod faults {
-    pub(super) const ANGLE: &str =
-        "cameras whose yfov is not between 0 and 180 degrees, shown with 60";
+    pub(super) const ANGLE: &str = "its yfov is not between 0 and 180 degrees: shown with 60";
+    pub(super) const EXTREME_ANGLE: &str =
+        "its yfov is too near to 0 or 180 degrees: shown with the nearest from 0.6 to 174";
+    pub(super) const EXTREME_NEAR: &str =
+        "its znear is below 1e-6 or above 1e6: shown with the nearest between";
+    pub(super) const EXTREME_SIZE: &str =
+        "its height or length is below 1e-6 or above 1e9: shown with the nearest between";
+    pub(super) const NOWHERE: &str =
+        "it is under a scale of 0 and has no direction: shown along -z";
     pub(super) const ASPECT: &str =
-        "cameras with a width by height that is not between 1/1000 and 1000, ignored";
-    pub(super) const BLIND: &str = "cameras that see nothing of the scene at rest";
-    pub(super) const ORDER: &str =
-        "orthographic cameras with a zfar that is not beyond znear, shown between the two";
-    pub(super) const HEIGHT: &str = "orthographic cameras without a height, shown as high as wide";
-    pub(super) const NEAR: &str = "cameras with a zfar that is not beyond znear or a znear not above 0, shown from the nearer one on";
+        "its width by height is not between 1/1000 and 1000, and ignored";
+    pub(super) const BLIND: &str = "it sees nothing of the scene at rest";
+    pub(super) const ORDER: &str = "its zfar is not beyond its znear: shown between the two";
+    pub(super) const HEIGHT: &str = "it has no height: shown as high as wide";
+    pub(super) const NEAR: &str = "its zfar is not beyond its znear, or its znear is not above 0: shown from the nearer one on";
 }
 
 /// Returns all cameras of the scene's nodes in the order of the file's list of cameras.
@@ -73,8 +81,13 @@ fn projection(given: &json::Camera, name: &str, notes: &mut Notes) -> (Projectio
         let is_in_order = given.znear > 0.0 && zfar > given.znear;
         notes.count(faults::NEAR, usize::from(!is_in_order), place);
         let near_m = if near_m > 0.0 { near_m } else { scene::NEAR_M };
-        let angle_rad = angle_rad.clamp(ANGLES_RAD[0], ANGLES_RAD[1]);
-        return (Projection::perspective(angle_rad), near_m.clamp(NEAR_M[0], NEAR_M[1]));
+        let mut within = |number: f32, least: f32, most: f32, what: &'static str| {
+            notes.count(what, usize::from(!(least..=most).contains(&number)), place);
+            number.clamp(least, most)
+        };
+        let angle_rad = within(angle_rad, ANGLES_RAD[0], ANGLES_RAD[1], faults::EXTREME_ANGLE);
+        let near_m = within(near_m, NEAR_M[0], NEAR_M[1], faults::EXTREME_NEAR);
+        return (Projection::perspective(angle_rad), near_m);
     }
     let Some(parallel) = &given.orthographic else {
         return (Projection::perspective(scene::FOV_Y_RAD), scene::NEAR_M);
@@ -83,9 +96,12 @@ fn projection(given: &json::Camera, name: &str, notes: &mut Notes) -> (Projectio
     notes.count(faults::HEIGHT, usize::from(!has_height), place);
     let half_height_m = if has_height { parallel.ymag.abs() } else { parallel.xmag.abs() };
     notes.count(faults::ORDER, usize::from(parallel.zfar <= parallel.znear), place);
-    let length_m = (parallel.zfar - parallel.znear).abs().clamp(SIDES_M[0], SIDES_M[1]);
+    let sides_m = [(parallel.zfar - parallel.znear).abs(), 2.0 * half_height_m];
+    let [length_m, height] = sides_m.map(|side_m| side_m.clamp(SIDES_M[0], SIDES_M[1]));
+    // Sides of 0 have notes of their own.
+    let is_extreme = (sides_m != [length_m, height]) && !sides_m.contains(&0.0);
+    notes.count(faults::EXTREME_SIZE, usize::from(is_extreme), place);
     let near_m = parallel.znear.min(parallel.zfar);
-    let height = (2.0 * half_height_m).clamp(SIDES_M[0], SIDES_M[1]);
     (Projection::Orthographic { height, far: near_m + length_m }, near_m)
 }
 
@@ -118,13 +134,21 @@ pub(super) struct Place {
     pub(super) should_see: bool,
 }
 
-/// Notes the cameras that see nothing of the scene.
+/// Notes a scene that is too small for any camera, and the cameras that see nothing of the scene.
 pub(super) fn check(cameras: &[SceneCamera], places: &[Place], scene: &Aabb, notes: &mut Notes) {
+    let size_m = (scene.max - scene.min).max_element();
+    if size_m > 0.0 && size_m < LEAST_DISTANCE_M {
+        notes.say(format!(
+            "it is {size_m:.1e} m large, and shown from no nearer than {LEAST_DISTANCE_M:e} m: little or nothing of it is seen"
+        ));
+    }
     for (camera, place) in cameras.iter().zip(places) {
+        let name = || format!("camera {}", quoted(&camera.name));
+        let has_direction = direction(place.world.matrix3.z_axis.into()).is_some();
+        notes.count(faults::NOWHERE, usize::from(!has_direction), name);
         let view = cull::View::new(&camera.seen_from(&place.world, IMAGE), IMAGE, 8);
         let (containment, _) = view.frustum.classify(scene, cull::PlaneMask::ALL);
         let is_blind = place.should_see && containment == cull::Containment::Outside;
-        let name = || format!("camera {}", quoted(&camera.name));
         notes.count(faults::BLIND, usize::from(is_blind), name);
     }
 }
@@ -142,6 +166,9 @@ mod tests {
             (r#""yfov": 3.2, "znear": 0.25"#, default, 0.25, Some(faults::ANGLE)),
             (r#""yfov": 0.5, "znear": 100, "zfar": 0.5"#, 0.5, 0.5, Some(faults::NEAR)),
             (r#""yfov": 0.5, "znear": 0"#, 0.5, scene::NEAR_M, Some(faults::NEAR)),
+            (r#""yfov": 3.14159, "znear": 1"#, PI - 0.1, 1.0, Some(faults::EXTREME_ANGLE)),
+            (r#""yfov": 0.001, "znear": 1"#, 0.01, 1.0, Some(faults::EXTREME_ANGLE)),
+            (r#""yfov": 0.5, "znear": 1e-9"#, 0.5, 1e-6, Some(faults::EXTREME_NEAR)),
         ] {
             let text = format!(r#"{{"type": "perspective", "perspective": {{{projection}}}}}"#);
             let given = json::deserialize::from_str(&text).expect("a camera");
@@ -161,6 +188,13 @@ mod tests {
             (r#""xmag": 3, "ymag": -5, "zfar": 19, "znear": 0"#, 10.0, 0.0, 19.0, None),
             (r#""xmag": 3, "ymag": 0, "zfar": 9, "znear": 1"#, 6.0, 1.0, 9.0, Some(faults::HEIGHT)),
             (r#""xmag": 3, "ymag": 5, "zfar": 1, "znear": 4"#, 10.0, 1.0, 4.0, Some(faults::ORDER)),
+            (
+                r#""xmag": 3, "ymag": 1e-9, "zfar": 9, "znear": 1"#,
+                1e-6,
+                1.0,
+                9.0,
+                Some(faults::EXTREME_SIZE),
+            ),
         ] {
             let text = format!(r#"{{"type": "orthographic", "orthographic": {{{values}}}}}"#);
             let given = json::deserialize::from_str(&text).expect("a camera");

@@ -8,13 +8,22 @@ use gltf::json::validation::Checked;
 
 use super::nodes::Tree;
 use super::numbers::rotation;
-use crate::Source;
-use crate::error::quoted;
-use crate::notes::{Note, Notes};
+use crate::error::{Reason, quoted};
+use crate::losses::Losses;
+use crate::notes::Notes;
+use crate::{ImportError, Source};
 
 /// Returns all animations of the file that change the scene. Animations are left out and noted if
 /// their times are not finite or not strictly ascending, or their values are not finite.
-pub(super) fn clips(source: &Source, tree: &Tree, notes: &mut Notes) -> Vec<Clip> {
+///
+/// # Errors
+/// The first of these, where broken parts are refused.
+pub(super) fn clips(
+    source: &Source,
+    tree: &Tree,
+    losses: &mut Losses,
+    notes: &mut Notes,
+) -> Result<Vec<Clip>, ImportError> {
     let mut clips = Vec::new();
     for (number, animation) in source.document.as_json().animations.iter().enumerate() {
         // Empty ones were noted.
@@ -27,17 +36,19 @@ pub(super) fn clips(source: &Source, tree: &Tree, notes: &mut Notes) -> Vec<Clip
         let reader = Reader { source, animation, tree, place: &place };
         match reader.channels(notes) {
             Ok(channels) if channels.is_empty() => {
-                let what = "animations that move nothing in the scene, left out";
+                let what = "it moves nothing in the scene, and is left out";
                 notes.count(what, 1, || quoted(&name));
             }
             Ok(channels) => clips.push(Clip { name, channels }),
-            Err((sampler, error)) => notes.add(|| {
+            Err((sampler, error)) => {
                 let object = format!("{}, sampler {sampler}", place());
-                Note::new(object, format!("{error}; the animation is not played"))
-            }),
+                let fault = Reason::malformed(error.to_string()).of(object);
+                let noted = losses.repair(fault, "the animation is not played", notes);
+                noted.map_err(|fault| fault.in_file(&source.file))?;
+            }
         }
     }
-    clips
+    Ok(clips)
 }
 
 struct Reader<'a> {
@@ -59,7 +70,7 @@ impl Reader<'_> {
             let Some(node) = self.tree.id_of(given.target.node.value()) else { continue };
             let Checked::Valid(property) = given.target.path else { continue };
             if !known.insert((node, property as u8)) {
-                let what = "animation channels that move what another of them moves, left out";
+                let what = "a channel moves what another one moves, and is left out";
                 notes.count(what, 1, self.place);
                 continue;
             }
@@ -96,7 +107,11 @@ impl Reader<'_> {
             Property::Scale => Values::Scale(self.vectors(output)),
             Property::Rotation => Values::Rotation(self.rotations(output, interpolation, notes)),
             Property::MorphTargetWeights if targets == 0 => {
-                notes.count("animations of weights without morph targets, left out", 1, self.place);
+                notes.count(
+                    "a channel moves weights of a node without morph targets, and is left out",
+                    1,
+                    self.place,
+                );
                 return Ok(None);
             }
             Property::MorphTargetWeights => Values::Weights(
@@ -106,12 +121,12 @@ impl Reader<'_> {
         let times_s = self.source.floats::<1>(sampler.input.value()).unwrap_or_default();
         let times_s = times_s.into_flattened();
         let early = times_s.iter().filter(|time_s| **time_s < 0.0).count();
-        notes.count("keys before 0 s, which is where playing begins", early, self.place);
+        notes.count("a key is before 0 s, which is where playing begins", early, self.place);
         match Track::new(interpolation, times_s, values, targets) {
             Ok(track) => Ok(Some(track)),
             // glTF allows them.
             Err(TrackError::TooLarge { .. } | TrackError::TooLate { .. }) => {
-                let what = "animation channels with times or values beyond 1e9, left out";
+                let what = "a channel has times or values beyond 1e9, and is left out";
                 notes.count(what, 1, self.place);
                 Ok(None)
             }
@@ -146,7 +161,7 @@ impl Reader<'_> {
             })
         });
         let turned = turned.collect();
-        notes.count("keys of rotations of length 0, taken as none", broken, self.place);
+        notes.count("a key is a rotation of length 0, taken as none", broken, self.place);
         turned
     }
 }

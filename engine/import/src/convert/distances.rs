@@ -53,8 +53,8 @@ pub(super) fn refuse_far(
         if is_near {
             taken = with;
         } else {
-            let what = "animations that could take something farther than anything can be, alone or \
-                        with those before them, not played";
+            let what = "it could take something farther than anything can be, alone or with those \
+                        before it, and is not played";
             let whom = far.map_or(String::new(), |node| format!(" moves {node}"));
             notes.count(what, 1, || format!("{}{whom}", quoted(&clip.name)));
         }

@@ -7,6 +7,9 @@ use scene::FOV_Y_RAD;
 /// The least aspect ratio of an image that shows everything.
 const ASPECT: f32 = 4.0 / 3.0;
 
+/// The least distance of a view of a whole scene, in metres.
+pub(super) const LEAST_DISTANCE_M: f32 = 1e-5;
+
 /// The share of the image that the scene fills.
 const FILLED: f32 = 0.9;
 
@@ -22,7 +25,7 @@ pub(crate) fn overview(bounds: &Aabb) -> Camera {
         let across = from_centre.dot(right).abs() / (tan_up * ASPECT);
         across.max(from_centre.dot(up).abs() / tan_up) - from_centre.dot(forward)
     };
-    let distance = bounds.corners().into_iter().map(distance_for).fold(1e-5, f32::max);
+    let distance = bounds.corners().into_iter().map(distance_for).fold(LEAST_DISTANCE_M, f32::max);
     Camera {
         eye: bounds.centre() - forward * distance,
         forward,

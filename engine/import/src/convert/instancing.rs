@@ -38,6 +38,6 @@ pub(super) fn locals(
         )
     };
     let locals = (0..given.count).map(&mut local).collect();
-    notes.count("instances with a rotation of length 0, not turned", broken, place);
+    notes.count("an instance has a rotation of length 0, and is not turned", broken, place);
     Cow::Owned(locals)
 }

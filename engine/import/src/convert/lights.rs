@@ -9,7 +9,7 @@ use gltf::json::validation::Checked;
 use scene::{Light, LightKind, PunctualLight};
 
 use super::nodes::Tree;
-use super::numbers::direction;
+use super::numbers::{direction, mirrors};
 use crate::Source;
 use crate::notes::Notes;
 
@@ -21,25 +21,25 @@ type Fault = (fn(&khr::Light) -> bool, &'static str);
 
 /// The faults of lights, which are replaced.
 const FAULTS: &[Fault] = &[
-    (|it| it.intensity < 0.0, "lights with an intensity below 0, which do not shine"),
+    (|it| it.intensity < 0.0, "its light has an intensity below 0, and does not shine"),
     (
         |it| it.intensity > LARGEST_INTENSITY,
-        "lights brighter than a hundred suns, shown like these",
+        "its light is brighter than a hundred suns, and shown like these",
     ),
     (
         |it| it.color.iter().any(|part| !(0.0..=1.0).contains(part)),
-        "lights with a color that is not between 0 and 1, taken as 0 if below",
+        "its light has a color that is not between 0 and 1, taken as 0 if below",
     ),
     (
         |it| it.range.is_some_and(|range| range <= 0.0),
-        "lights whose range is not above 0, without one",
+        "its light has a range that is not above 0, and is shown without one",
     ),
     (
         |it| {
             let is_spot = it.type_ == Checked::Valid(khr::Type::Spot);
             is_spot && it.spot.as_ref().is_some_and(|spot| !is_cone(spot))
         },
-        "spot lights whose angles are not 0 <= inner < outer <= 90 degrees, changed to fit",
+        "its light has angles that are not 0 <= inner < outer <= 90 degrees, changed to fit",
     ),
 ];
 
@@ -79,15 +79,36 @@ pub(super) fn lights(
             for (_, what) in FAULTS.iter().filter(|(is_wrong, _)| is_wrong(light)) {
                 notes.count(what, 1, || tree.name(node));
             }
+            if let Some(what) = turned(light, &world) {
+                notes.count(what, 1, || tree.name(node));
+            }
             lights.push((placed(light, &world), Some(node)));
         } else {
-            notes.count("lights that are nowhere, left out", 1, || tree.name(node));
+            notes.count("its light is nowhere, and left out", 1, || tree.name(node));
         }
     }
     if lights.is_empty() {
         lights.push((from_above(), None));
     }
     lights
+}
+
+/// Returns the note on a light that shines in another direction than its node's rotation says, if
+/// it does: a node's scale should change no light.
+fn turned(given: &khr::Light, world: &Affine3A) -> Option<&'static str> {
+    if !matches!(given.type_, Checked::Valid(khr::Type::Spot | khr::Type::Directional)) {
+        return None;
+    }
+    if direction(along(world)).is_none() {
+        return Some("its light is under a scale of 0 and has no direction: shown along -z");
+    }
+    mirrors(world)
+        .then_some("its light is under a scale that mirrors: shown in the mirrored direction")
+}
+
+/// Returns the -z of a node in the world.
+fn along(world: &Affine3A) -> Vec3 {
+    Vec3::from(world.matrix3 * glam::Vec3A::NEG_Z)
 }
 
 fn from_above() -> PunctualLight {
@@ -115,14 +136,13 @@ fn placed(given: &khr::Light, world: &Affine3A) -> PunctualLight {
         (Checked::Valid(khr::Type::Directional), _) => LightKind::Directional,
         _ => LightKind::Point,
     };
-    let along = Vec3::from(world.matrix3 * glam::Vec3A::NEG_Z);
     PunctualLight {
         kind,
         colour: given.color.map(|part| part.clamp(0.0, 1e3)),
         intensity: given.intensity.clamp(0.0, LARGEST_INTENSITY),
         range_m: given.range.filter(|range| range.is_finite() && *range > 0.0),
         position: world.translation.into(),
-        direction: direction(along).unwrap_or(Vec3::NEG_Z),
+        direction: direction(along(world)).unwrap_or(Vec3::NEG_Z),
         picture: None,
     }
 }
@@ -149,6 +169,18 @@ mod tests {
         assert_eq!((placed.intensity, placed.range_m), (7.0, Some(4.0)));
         assert_eq!((placed.colour, placed.position), ([1.0, 0.5, 0.0], vec3(1.0, 2.0, 3.0)));
         assert!(placed.direction.distance(Vec3::NEG_X) < 1e-6);
+    }
+
+    #[test]
+    fn a_scale_that_turns_a_light_is_told() {
+        let spot = light(r#"{"type": "spot", "spot": {}}"#);
+        let note = |scale: Vec3| turned(&spot, &Affine3A::from_scale(scale));
+        assert!(note(Vec3::ZERO).is_some_and(|note| note.contains("scale of 0")));
+        assert!(note(Vec3::NEG_ONE).is_some_and(|note| note.contains("mirrors")));
+        assert!(note(vec3(1.0, 1.0, 0.0)).is_some_and(|note| note.contains("scale of 0")));
+        assert_eq!((note(Vec3::splat(0.1)), note(vec3(0.0, 0.0, 2.0))), (None, None));
+        let point = light(r#"{"type": "point"}"#);
+        assert_eq!(turned(&point, &Affine3A::from_scale(Vec3::ZERO)), None);
     }
 
     #[test]

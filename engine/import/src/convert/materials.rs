@@ -73,12 +73,12 @@ impl Materials {
                 index.map_or_else(|| "default".to_owned(), |index| format!("material {index}"));
         }
         notes.count(
-            "materials with factors that are out of their range, shown with ones within",
+            "it has a factor that is out of its range, shown with one within",
             usize::from(given.is_some_and(is_out_of_range)),
             || format!("material {}", quoted(&material.name)),
         );
         notes.count(
-            "textures by a third set of texture coordinates, shown by the first",
+            "it has a texture by a third set of texture coordinates, shown by the first",
             slots.unassigned,
             || format!("material {}", quoted(&material.name)),
         );

@@ -46,8 +46,9 @@ use self::initial_view::InitialView;
 use self::materials::Materials;
 use self::nodes::Tree;
 use self::skins::Skins;
-use crate::gltf_scene::{GltfScene, PlacedNode};
+use crate::gltf_scene::{GltfScene, PlacedNode, SceneCamera};
 use crate::load_options::LoadOptions;
+use crate::losses::Losses;
 use crate::notes::Notes;
 use crate::progress::{ProgressSender, Stage};
 use crate::{ImportError, Source};
@@ -62,8 +63,9 @@ pub(crate) fn convert(
     progress_sender: &mut ProgressSender<'_>,
 ) -> Result<GltfScene, ImportError> {
     let mut notes = Notes::after(std::mem::take(&mut source.notes));
+    let mut losses = std::mem::take(&mut source.losses);
     let tree = Tree::of(&mut source, &mut notes)?;
-    let mut clips = clips::clips(&source, &tree, &mut notes);
+    let mut clips = clips::clips(&source, &tree, &mut losses, &mut notes)?;
     let cameras = cameras::cameras(&source, &tree, &mut notes);
     let first = cameras.first().map(|camera| (camera.node, camera.projection));
     let sight = InitialView::of(&source, &tree, first);
@@ -74,6 +76,7 @@ pub(crate) fn convert(
         source: &source,
         tree: &tree,
         notes,
+        losses,
         scene: empty(name),
         surfaces: Surfaces::default(),
         materials: Materials::default(),
@@ -94,6 +97,7 @@ pub(crate) fn convert(
     place_nodes(&mut assembly)?;
     let Assembly {
         mut notes,
+        mut losses,
         mut scene,
         mut surfaces,
         materials,
@@ -109,21 +113,36 @@ pub(crate) fn convert(
     distances::refuse_far(moved, &mut clips, &placements, made, &cameras, &mut notes);
     let is_empty = scene.objects.is_empty() && surfaces.transparent.is_empty();
     if is_empty {
-        notes.say("there is nothing to see in the scene");
+        note_empty(&mut losses, &source.file, &mut notes)?;
     }
     exposure::set(options.exposure, &scene, &mut surfaces, &mut notes);
     scene.surfaces = Some(surfaces);
+    let places = places(&cameras, &tree, is_empty);
     let skins = skins.list;
-    let should_see = |node| !is_empty && !tree.moves(node);
-    let place = |node| Place { world: tree.world(node), should_see: should_see(node) };
-    let places: Vec<Place> = cameras.iter().map(|camera| place(camera.node)).collect();
-    let (list, none) = (Vec::new(), Vec::new());
     let mut imported =
-        GltfScene { scene, rig: tree.rig, clips, skins, placements, cameras: list, notes: none };
-    let bounds = imported.bounds();
-    cameras::check(&cameras, &places, &bounds, &mut notes);
-    (imported.cameras, imported.notes) = (cameras, notes.finish());
+        GltfScene { scene, rig: tree.rig, clips, skins, placements, cameras, notes: Vec::new() };
+    cameras::check(&imported.cameras, &places, &imported.bounds(), &mut notes);
+    imported.notes = notes.finish();
     Ok(imported)
+}
+
+/// Notes that there is nothing to see.
+///
+/// # Errors
+/// The first fault for which something was left out, if there is one.
+fn note_empty(losses: &mut Losses, file: &str, notes: &mut Notes) -> Result<(), ImportError> {
+    if let Some(fault) = losses.take_first() {
+        return Err(fault.in_file(file));
+    }
+    notes.say("there is nothing to see in the scene");
+    Ok(())
+}
+
+/// Returns the places of cameras, which should see something unless the scene is empty.
+fn places(cameras: &[SceneCamera], tree: &Tree, is_empty: bool) -> Vec<Place> {
+    let place =
+        |node| Place { world: tree.world(node), should_see: !is_empty && !tree.moves(node) };
+    cameras.iter().map(|camera| place(camera.node)).collect()
 }
 
 /// Adds the lights, and attaches those that move to their nodes.

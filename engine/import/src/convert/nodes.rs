@@ -152,25 +152,25 @@ fn rest(index: usize, given: &json::Node, is_moved: bool, notes: &mut Notes) -> 
     if let Some(matrix) = &given.matrix {
         let given = [given.translation.is_some(), given.rotation.is_some(), given.scale.is_some()];
         notes.count(
-            "a matrix beside translation, rotation or scale, which are ignored",
+            "it has a matrix beside translation, rotation or scale, which are ignored",
             usize::from(given.contains(&true)),
             place,
         );
         let columns = Mat4::from_cols_array(matrix);
         let is_affine = columns.row(3).abs_diff_eq(Vec4::W, 1e-5);
         notes.count(
-            "a matrix that is no transform: its last row is taken as 0, 0, 0, 1",
+            "its matrix is no transform: the last row is taken as 0, 0, 0, 1",
             usize::from(!is_affine),
             place,
         );
         let matrix = Affine3A::from_mat4(columns);
         if !is_moved {
             let shears = usize::from(shears(&matrix));
-            notes.count("a matrix that shears, used as it is", shears, place);
+            notes.count("its matrix shears, and is used as it is", shears, place);
             return Rest::Matrix(matrix);
         }
         // The specification forbids it, files do it: a clip can move parts only.
-        let what = "a matrix of a node that animations move, taken apart";
+        let what = "animations move it, so that its matrix is taken apart";
         notes.count(what, 1, place);
         let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
         let rotation = super::numbers::rotation(rotation.to_array()).unwrap_or(Quat::IDENTITY);
@@ -178,11 +178,11 @@ fn rest(index: usize, given: &json::Node, is_moved: bool, notes: &mut Notes) -> 
     }
     let rotation = given.rotation.map_or(Some(Quat::IDENTITY), |given| rotation(given.0));
     if rotation.is_none() {
-        notes.count("rotations of length 0, taken as none", 1, place);
+        notes.count("its rotation is of length 0, and taken as none", 1, place);
     }
     let length = given.rotation.map_or(1.0, |it| Vec4::from_array(it.0).length());
     let is_off = rotation.is_some() && (length - 1.0).abs() > 1e-3;
-    notes.count("rotations not of length 1, normalised", usize::from(is_off), place);
+    notes.count("its rotation is not of length 1, and is normalised", usize::from(is_off), place);
     Rest::Parts(Trs {
         translation: given.translation.map_or(Vec3::ZERO, Vec3::from_array),
         rotation: rotation.unwrap_or(Quat::IDENTITY),

@@ -14,6 +14,7 @@ use super::sidedness::{Backs, mirror, with_backs};
 use super::topology::Elements;
 use super::vertices::Vertices;
 use super::{normals, solids, tangents};
+use crate::elements::restart_index;
 use crate::error::quoted;
 use crate::memory;
 use crate::notes::Notes;
@@ -122,7 +123,7 @@ impl Primitive<'_> {
     /// nothing to draw. Points and lines are sized for `sight`.
     ///
     /// # Errors
-    /// Positions that are not finite; more vertices or triangles than the limits allow.
+    /// Numbers that are not finite; more vertices or triangles than the limits allow.
     pub(super) fn build(
         &self,
         variant: Variant,
@@ -166,11 +167,11 @@ impl Primitive<'_> {
             .map_err(|reason| reason.of(self.place()).in_file(&self.source.file))?;
         let mut geometry = solid(geometry, elements, sight, to_world);
         let broken = normals::repair(&mut geometry);
-        notes.count("normals without a direction, taken from their triangles", broken, || {
+        notes.count("a normal has no direction, and is taken from its triangles", broken, || {
             self.place()
         });
         let (mut geometry, broken) = tangents::complete(geometry, material.normal);
-        notes.count("tangents without a direction, replaced by any", broken, || self.place());
+        notes.count("a tangent has no direction, and is replaced by any", broken, || self.place());
         budget
             .take(geometry.positions.len() as u64 * sides, triangles * 3 * sides)
             .map_err(|over| self.over(&over))?;
@@ -180,6 +181,14 @@ impl Primitive<'_> {
             mirror(&mut geometry);
         }
         Ok((!geometry.triangles.is_empty()).then_some(geometry))
+    }
+
+    /// Returns the index that begins a new strip where there are `count` vertices: the greatest of
+    /// its type, unless there is such a vertex.
+    fn restart(&self, count: usize) -> Option<u32> {
+        let indices = self.json.indices.map(|indices| indices.value());
+        let indices = indices.and_then(|at| self.source.document.as_json().accessors.get(at));
+        indices.and_then(restart_index).filter(|index| *index as usize >= count)
     }
 
     pub(super) fn over(&self, over: &super::budget::Over) -> ImportError {
@@ -193,10 +202,8 @@ impl Primitive<'_> {
         material: &MaterialUse,
         notes: &mut Notes,
     ) -> Result<Option<(Geometry, Elements)>, ImportError> {
-        let Some(positions) = self.attribute(Semantic::Positions) else {
-            notes.count("primitives without positions, which draw nothing", 1, || self.place());
-            return Ok(None);
-        };
+        // Primitives without positions were noted.
+        let Some(positions) = self.attribute(Semantic::Positions) else { return Ok(None) };
         let count = self.source.count_of(positions, None);
         let list = match &self.json.indices {
             Some(indices) => {
@@ -204,11 +211,12 @@ impl Primitive<'_> {
             }
             None => (0..count as u32).collect(),
         };
-        if Elements::leaves_rest(self.mode(), list.len()) {
-            let what = "vertices at the end that make no whole line or triangle, left out";
+        let (mode, restart) = (self.mode(), self.restart(count));
+        if Elements::leave_rest(mode, &list, restart) {
+            let what = "its last vertices make no whole line or triangle, and are left out";
             notes.count(what, 1, || self.place());
         }
-        let mut elements = Elements::of(self.mode(), &list);
+        let mut elements = Elements::of(mode, &list, restart);
         drop(list);
         let picks = elements.compact(count).map_err(|vertex| {
             self.error(Cause::Malformed, format!("an index names vertex {vertex} of {count}"))

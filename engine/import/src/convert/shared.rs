@@ -188,7 +188,8 @@ fn make_sprites(
     }
     let mut tint = [1.0; 4];
     if !kind.material.is_plain {
-        let what = "points and lines too many to be blended, cut out or textured, in plain colours";
+        let what =
+            "it has too many points or lines to blend, cut out or texture: shown in plain colours";
         assembly.notes.count(what, 1, || primitive.place());
         tint = kind.material.base_colour;
         kind.material =
@@ -197,7 +198,8 @@ fn make_sprites(
     let look = (tint, kind.uses == 1);
     let seen = (&assembly.sight, to_world);
     let (budget, notes) = (&mut assembly.budget, &mut assembly.notes);
-    let sprites = sprites_of(primitive, &kind.material, look, seen, budget, notes)?;
+    let sprites = sprites_of(primitive, &kind.material, look, seen, budget, notes);
+    let sprites = assembly.unbroken(sprites.map(Some))?.unwrap_or_default();
     let name = assembly.name_of(kind.mesh, kind.number);
     let made = sprites.into_iter().enumerate().map(|(number, sprites)| {
         assembly.add_sprites(sprites, &kind.material, format!("{name}, chunk {number}"))
@@ -219,13 +221,9 @@ fn make(
         return Ok(());
     }
     let seen = (&assembly.sight, to_world);
-    let geometry = primitive.build(
-        variant,
-        &kind.material,
-        seen,
-        &mut assembly.budget,
-        &mut assembly.notes,
-    )?;
+    let geometry =
+        primitive.build(variant, &kind.material, seen, &mut assembly.budget, &mut assembly.notes);
+    let geometry = assembly.unbroken(geometry)?;
     let mut name = assembly.name_of(kind.mesh, kind.number);
     name.push_str(match variant.facing {
         Facing::Plain => "",

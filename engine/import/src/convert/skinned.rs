@@ -26,10 +26,11 @@ pub(super) fn place_skinned(
 ) -> Result<(), ImportError> {
     let skin = match skin {
         Some(skin) => {
-            match assembly.skins.used(assembly.source, assembly.tree, skin, &mut assembly.notes) {
-                Some(used) => Some(used),
-                None => return Ok(()),
-            }
+            let losses = &mut assembly.losses;
+            let notes = &mut assembly.notes;
+            let used = assembly.skins.used(assembly.source, assembly.tree, skin, losses, notes)?;
+            let Some(used) = used else { return Ok(()) };
+            Some(used)
         }
         None => None,
     };
@@ -49,8 +50,8 @@ pub(super) fn place_skinned(
         let variant = Variant { facing, joints, is_morphed: true };
         let seen = (&assembly.sight, &place);
         let built =
-            primitive.build(variant, &material, seen, &mut assembly.budget, &mut assembly.notes)?;
-        let Some(geometry) = built else {
+            primitive.build(variant, &material, seen, &mut assembly.budget, &mut assembly.notes);
+        let Some(geometry) = assembly.unbroken(built)? else {
             return Ok(());
         };
         let form = match known.take() {

@@ -8,8 +8,10 @@ use scene::SkinWeights;
 
 use super::nodes::Tree;
 use super::numbers::{has_volume, mirrors};
-use crate::Source;
+use crate::error::Reason;
+use crate::losses::Losses;
 use crate::notes::Notes;
+use crate::{ImportError, Source};
 
 /// A skin that objects use.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,15 +34,19 @@ pub(super) struct Skins {
 impl Skins {
     /// Returns a skin of the file; `None`, with a note, if no mesh can follow it: joints are not in
     /// the scene, or matrices are not finite.
+    ///
+    /// # Errors
+    /// Such a skin, where broken parts are refused.
     pub(super) fn used(
         &mut self,
         source: &Source,
         tree: &Tree,
         index: usize,
+        losses: &mut Losses,
         notes: &mut Notes,
-    ) -> Option<Used> {
+    ) -> Result<Option<Used>, ImportError> {
         if let Some(known) = self.known.get(&index) {
-            return *known;
+            return Ok(*known);
         }
         let used = read(source, tree, index).map(|skin| {
             let matrices = skin.joints.iter().zip(&skin.inverse_bind);
@@ -51,14 +57,13 @@ impl Skins {
             Used { skin: self.list.len() - 1, joints, is_mirrored }
         });
         if used.is_none() {
-            notes.count(
-                "skins with joints outside of the scene or matrices that are not finite, not shown",
-                1,
-                || format!("skin {index}"),
-            );
+            let what = "it has joints outside of the scene or matrices that are not finite";
+            let fault = Reason::malformed(what).of(format!("skin {index}"));
+            let noted = losses.leave_out(fault, "meshes on it are left out", notes);
+            noted.map_err(|fault| fault.in_file(&source.file))?;
         }
         self.known.insert(index, used);
-        used
+        Ok(used)
     }
 }
 

@@ -17,33 +17,47 @@ pub(super) enum Elements {
 }
 
 impl Elements {
-    pub(super) fn of(mode: Mode, list: &[u32]) -> Self {
+    /// Returns the elements of a list, in which the value `restart`, if there is one, begins a new
+    /// strip, loop or fan.
+    pub(super) fn of(mode: Mode, list: &[u32], restart: Option<u32>) -> Self {
+        let strips = strips(list, restart);
         match mode {
-            Mode::Points => Self::Points(list.to_vec()),
-            Mode::Lines => Self::Lines(list.as_chunks().0.to_vec()),
-            Mode::LineStrip => Self::Lines(strip(list).collect()),
-            Mode::LineLoop => Self::Lines(strip(list).chain(closing(list)).collect()),
-            Mode::Triangles => Self::Triangles(proper(list.as_chunks().0.iter().copied())),
-            Mode::TriangleStrip => {
-                let windows = list.array_windows().enumerate();
-                Self::Triangles(proper(
-                    windows.map(
-                        |(place, &[a, b, c])| {
-                            if place % 2 == 0 { [a, b, c] } else { [a, c, b] }
-                        },
-                    ),
-                ))
+            Mode::Points => Self::Points(strips.flatten().copied().collect()),
+            Mode::Lines => {
+                Self::Lines(strips.flat_map(|list| list.as_chunks().0).copied().collect())
             }
-            Mode::TriangleFan => {
+            Mode::LineStrip => Self::Lines(strips.flat_map(strip).collect()),
+            Mode::LineLoop => {
+                Self::Lines(strips.flat_map(|list| strip(list).chain(closing(list))).collect())
+            }
+            Mode::Triangles => {
+                Self::Triangles(proper(strips.flat_map(|list| list.as_chunks().0).copied()))
+            }
+            Mode::TriangleStrip => Self::Triangles(proper(strips.flat_map(|list| {
+                let windows = list.array_windows().enumerate();
+                windows.map(
+                    |(place, &[a, b, c])| {
+                        if place % 2 == 0 { [a, b, c] } else { [a, c, b] }
+                    },
+                )
+            }))),
+            Mode::TriangleFan => Self::Triangles(proper(strips.flat_map(|list| {
                 let hub = list.first().copied().unwrap_or_default();
                 let rim = list.get(1..).unwrap_or_default().array_windows();
-                Self::Triangles(proper(rim.map(|&[a, b]| [a, b, hub])))
-            }
+                rim.map(move |&[a, b]| [a, b, hub])
+            }))),
         }
     }
 
+    /// Returns true if the last vertices of a list make no whole element, or those before a
+    /// `restart`.
+    pub(super) fn leave_rest(mode: Mode, list: &[u32], restart: Option<u32>) -> bool {
+        let mut strips = strips(list, restart).filter(|list| !list.is_empty());
+        strips.any(|list| Self::leaves_rest(mode, list.len()))
+    }
+
     /// Returns true if the last vertices of a list of so many make no whole element.
-    pub(super) fn leaves_rest(mode: Mode, count: usize) -> bool {
+    fn leaves_rest(mode: Mode, count: usize) -> bool {
         match mode {
             Mode::Points => false,
             Mode::Lines => !count.is_multiple_of(2),
@@ -119,6 +133,11 @@ fn marked(list: &[u32], count: usize) -> Vec<u32> {
     (0..).zip(is_used).filter_map(|(vertex, is_used)| is_used.then_some(vertex)).collect()
 }
 
+/// Returns the parts of a list between the values that begin a new strip.
+fn strips(list: &[u32], restart: Option<u32>) -> impl Iterator<Item = &[u32]> {
+    list.split(move |vertex| Some(*vertex) == restart)
+}
+
 fn strip(list: &[u32]) -> impl Iterator<Item = [u32; 2]> {
     list.array_windows().copied()
 }
@@ -141,7 +160,7 @@ mod tests {
     #[test]
     fn every_mode_means_what_the_specification_says() {
         let list = [10, 11, 12, 13, 14];
-        let of = |mode| Elements::of(mode, &list);
+        let of = |mode| Elements::of(mode, &list, None);
         assert_eq!(of(Mode::Points), Elements::Points(list.to_vec()));
         assert_eq!(of(Mode::Lines), Elements::Lines(vec![[10, 11], [12, 13]]));
         let strip = vec![[10, 11], [11, 12], [12, 13], [13, 14]];
@@ -158,18 +177,38 @@ mod tests {
 
     #[test]
     fn strips_stitched_by_repeated_vertices_keep_their_winding() {
-        let stitched = Elements::of(Mode::TriangleStrip, &[0, 1, 2, 3, 3, 4, 4, 5, 6]);
+        let stitched = Elements::of(Mode::TriangleStrip, &[0, 1, 2, 3, 3, 4, 4, 5, 6], None);
         assert_eq!(stitched, Elements::Triangles(vec![[0, 1, 2], [1, 3, 2], [4, 5, 6]]));
+    }
+
+    #[test]
+    fn a_restart_begins_anew_in_every_mode() {
+        let list = [0, 1, 2, 3, 9, 4, 5, 6, 9, 9, 7];
+        let of = |mode| Elements::of(mode, &list, Some(9));
+        assert_eq!(of(Mode::Points), Elements::Points((0..8).collect()));
+        assert_eq!(of(Mode::Lines), Elements::Lines(vec![[0, 1], [2, 3], [4, 5]]));
+        let mut lines = vec![[0, 1], [1, 2], [2, 3], [4, 5], [5, 6]];
+        assert_eq!(of(Mode::LineStrip), Elements::Lines(lines.clone()));
+        lines.insert(3, [3, 0]);
+        lines.push([6, 4]);
+        assert_eq!(of(Mode::LineLoop), Elements::Lines(lines));
+        assert_eq!(of(Mode::Triangles), Elements::Triangles(vec![[0, 1, 2], [4, 5, 6]]));
+        let strip = vec![[0, 1, 2], [1, 3, 2], [4, 5, 6]];
+        assert_eq!(of(Mode::TriangleStrip), Elements::Triangles(strip));
+        let fan = vec![[1, 2, 0], [2, 3, 0], [5, 6, 4]];
+        assert_eq!(of(Mode::TriangleFan), Elements::Triangles(fan));
+        assert!(Elements::leave_rest(Mode::LineStrip, &list, Some(9)), "a strip of one");
+        assert!(!Elements::leave_rest(Mode::LineStrip, &[0, 1, 9, 2, 3, 9], Some(9)));
     }
 
     #[test]
     fn lists_that_are_too_short_mean_nothing() {
         for mode in [Mode::Lines, Mode::LineStrip, Mode::LineLoop] {
-            assert_eq!(Elements::of(mode, &[7]), Elements::Lines(vec![]));
+            assert_eq!(Elements::of(mode, &[7], None), Elements::Lines(vec![]));
         }
         for mode in [Mode::Triangles, Mode::TriangleStrip, Mode::TriangleFan] {
             for list in [&[][..], &[7], &[7, 8]] {
-                assert_eq!(Elements::of(mode, list), Elements::Triangles(vec![]));
+                assert_eq!(Elements::of(mode, list, None), Elements::Triangles(vec![]));
             }
         }
     }

@@ -54,7 +54,8 @@ impl<'a> Vertices<'a> {
             match set.map(|set| of(Semantic::TexCoords(set))) {
                 Some(Some(accessor)) => *uvs = self.uvs(accessor, notes),
                 Some(None) => {
-                    let what = "textures by coordinates that it does not have, shown by one texel";
+                    let what =
+                        "it has no texture coordinates for a texture, which is shown by one texel";
                     notes.count(what, 1, || self.primitive.place());
                 }
                 None => {}
@@ -101,9 +102,7 @@ impl<'a> Vertices<'a> {
             }
         });
         let uvs = uvs.collect();
-        notes.count("texture coordinates that are huge or no numbers", broken, || {
-            self.primitive.place()
-        });
+        notes.count("a texture coordinate is huge or no number", broken, || self.primitive.place());
         uvs
     }
 
@@ -121,12 +120,14 @@ impl<'a> Vertices<'a> {
             }
             cut += usize::from(colour.iter().any(|part| !(0.0..=1.0).contains(part)));
         }
-        notes.count("colours of vertices below 0 or above 1, cut off there", cut, || {
+        notes.count("a vertex has a colour below 0 or above 1, cut off there", cut, || {
             self.primitive.place()
         });
-        notes.count("colours of vertices that are no numbers, white instead", broken, || {
-            self.primitive.place()
-        });
+        notes.count(
+            "a vertex has a colour that is no number, and is white instead",
+            broken,
+            || self.primitive.place(),
+        );
         colours
     }
 
@@ -171,11 +172,9 @@ impl<'a> Vertices<'a> {
                 broken += 1;
             }
         }
-        notes.count(
-            "vertices without any weight, hung on their skin's first joint",
-            broken,
-            || self.primitive.place(),
-        );
+        notes.count("a vertex has no weight, and hangs on its skin's first joint", broken, || {
+            self.primitive.place()
+        });
         skin
     }
 

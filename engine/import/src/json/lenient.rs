@@ -1,6 +1,8 @@
 //! The lenient reader of JSON that `gltf` refuses: each element of its lists is read by itself. A
 //! fault belongs to its element alone, so that it refuses the file only if the element is shown.
 
+use std::collections::BTreeSet;
+
 use gltf::json::Root;
 use gltf::json::extensions::scene::khr_lights_punctual::Light;
 use serde::de::DeserializeOwned;
@@ -18,6 +20,8 @@ pub(crate) struct Parsed {
     pub(crate) root: Root,
     /// The faults of blank elements of its lists.
     pub(crate) faults: Vec<(Element, Fault)>,
+    /// The names of the extensions that objects have, at most 64.
+    pub(crate) extension_names: BTreeSet<String>,
 }
 
 const LIGHTS: &str = "KHR_lights_punctual";
@@ -55,7 +59,7 @@ pub(super) fn parse(mut object: Map<String, Value>, notes: &mut Notes) -> Result
     make_whole(&mut rest);
     wide::check(&rest)?;
     let mut root: Root = serde_path_to_error::deserialize(rest).map_err(|error| {
-        let object = object_name(String::new(), error.path());
+        let object = object_name(String::new(), error.path().iter());
         Reason::malformed(words::sentence(&error.into_inner().to_string())).of(object)
     })?;
     (root.accessors, root.animations, root.buffers) = (accessors, animations, buffers);
@@ -66,7 +70,7 @@ pub(super) fn parse(mut object: Map<String, Value>, notes: &mut Notes) -> Result
         let extensions = root.extensions.get_or_insert_default();
         extensions.khr_lights_punctual.get_or_insert_default().lights = lights;
     }
-    Ok(Parsed { root, faults })
+    Ok(Parsed { root, faults, extension_names: BTreeSet::new() })
 }
 
 struct Lists<'a> {
@@ -126,7 +130,7 @@ fn read<T: DeserializeOwned>(mut value: Value, element: Element) -> Result<T, Fa
         Reason::malformed(reason).of(format!("{element}, {key}"))
     })?;
     serde_path_to_error::deserialize(value).map_err(|error| {
-        let object = object_name(element.to_string(), error.path());
+        let object = object_name(element.to_string(), error.path().iter());
         Reason::malformed(words::sentence(&error.into_inner().to_string())).of(object)
     })
 }
@@ -162,10 +166,10 @@ fn drop_channels_without_node(index: usize, animation: &mut Value, notes: &mut N
     let before = channels.len();
     // A value that is not an object stays, and is a fault.
     channels.retain(|channel| match channel.get("target").and_then(Value::as_object) {
-        Some(target) => target.get("node").is_some_and(|node| !node.is_null()),
+        Some(target) => target.contains_key("node"),
         None => true,
     });
-    notes.count("channels without a node are not played", before - channels.len(), || {
+    notes.count("a channel has no node, and is not played", before - channels.len(), || {
         format!("animation {index}")
     });
 }

@@ -6,8 +6,8 @@ use crate::error::quoted;
 
 /// Returns the name of a path in an object: "mesh 3, primitive 0, indices" for
 /// `primitives[0].indices` in "mesh 3".
-pub(super) fn object_name(mut name: String, path: &serde_path_to_error::Path) -> String {
-    for segment in path.iter() {
+pub(super) fn object_name<'a>(mut name: String, path: impl Iterator<Item = &'a Segment>) -> String {
+    for segment in path {
         let part = match segment {
             Segment::Map { key } => shown_key(key),
             Segment::Seq { index } => {

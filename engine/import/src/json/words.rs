@@ -3,11 +3,14 @@
 /// The most characters of a value that are shown.
 const LONGEST: usize = 80;
 
+/// The demand for an object, in words.
+const OBJECT: &str = "an object";
+
 /// Returns the sentence for an error of a value: the demand on it, and the value found.
 pub(super) fn sentence(error: &str) -> String {
     if let Some(field) = error.strip_prefix("missing field `") {
         let field = field.split('`').next().unwrap_or_default();
-        return format!("its {field} is missing");
+        return format!("it has no {field}");
     }
     let rest = ["invalid type: ", "invalid value: ", "invalid length "]
         .iter()
@@ -15,11 +18,19 @@ pub(super) fn sentence(error: &str) -> String {
     let Some((found, wanted)) = rest.and_then(|rest| rest.rsplit_once(", expected ")) else {
         return "it has a form that glTF does not have".to_owned();
     };
+    let demand = must_be(wanted);
     let is_length = error.starts_with("invalid length ");
-    let found = if is_length { format!("has {found}") } else { format!("is {}", is(found)) };
+    let found = if is_length && demand == OBJECT {
+        // A list with too few elements for the fields of the object.
+        "is a list".to_owned()
+    } else if is_length {
+        format!("has {found}")
+    } else {
+        format!("is {}", is(found))
+    };
     // The reader of the JSON has escaped characters that cannot be shown.
     let found: String = found.chars().take(LONGEST).collect();
-    format!("it must be {}, and {found}", must_be(wanted))
+    format!("it must be {demand}, and {found}")
 }
 
 /// Returns the demand on a value in words.
@@ -31,10 +42,10 @@ fn must_be(wanted: &str) -> String {
         "a string" | "str" | "string" | "semantic name" => "text".to_owned(),
         "a boolean" => "true or false".to_owned(),
         "a sequence" => "a list".to_owned(),
-        "a map" => "an object".to_owned(),
+        "a map" => OBJECT.to_owned(),
         "index into child of root" => "the index of an element".to_owned(),
         _ if wanted.starts_with("struct ") || wanted.starts_with("any valid JSON") => {
-            "an object".to_owned()
+            OBJECT.to_owned()
         }
         _ => {
             let choices =
@@ -82,7 +93,11 @@ mod tests {
                 "invalid length 1, expected an array of length 16",
                 "it must be a list of 16 numbers, and has 1",
             ),
-            ("missing field `primitives`", "its primitives is missing"),
+            (
+                "invalid length 0, expected struct Primitive with 7 elements",
+                "it must be an object, and is a list",
+            ),
+            ("missing field `primitives`", "it has no primitives"),
             (
                 "invalid type: null, expected any of: [\"SCALAR\"]",
                 "it must be one of [\"SCALAR\"], and is null",

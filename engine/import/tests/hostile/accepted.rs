@@ -1,13 +1,13 @@
 //! Tests that valid files are accepted and read right: refusing too much is as bad as refusing too
 //! little.
 
-use antumbra_import::{Limits, Source, read};
+use antumbra_import::{LoadOptions, Source, read};
 use serde_json::json;
 
 use gltf_files::files::{F32, GltfFile, I16, U8, U32, encoded, everything, glb_of};
 
 fn accept(name: &str, bytes: Vec<u8>) -> Source {
-    read(bytes, None, &Limits::default()).unwrap_or_else(|error| panic!("{name}: {error}"))
+    read(bytes, None, &LoadOptions::default()).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 fn triangle_with(change: impl FnOnce(&mut GltfFile)) -> GltfFile {

@@ -21,7 +21,7 @@ fn whole_scenes_are_accepted() {
     scenes.sort();
     assert!(!scenes.is_empty());
     for scene in scenes {
-        let source = import::open(&scene, &import::Limits::default()).expect("it is accepted");
+        let source = import::open(&scene, &import::LoadOptions::default()).expect("it is accepted");
         for accessor in source.document.accessors() {
             let index = accessor.index();
             let floats = match accessor.dimensions().multiplicity() {

@@ -1,11 +1,12 @@
 //! Views that `EXT_meshopt_compression` compresses. The encoded bytes come from meshoptimizer 1.3's
 //! encoders, the decoded ones from its decoders.
 
-use antumbra_import::{ImportError, Limits, read};
+use antumbra_import::{ImportError, Limits, LoadOptions, read};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::json;
 
+use crate::strict;
 use gltf_files::files::{GltfFile, U8};
 
 const ATTRIBUTES: [&str; 2] = [
@@ -75,8 +76,7 @@ fn bytes_of(text: &str) -> Vec<u8> {
 }
 
 fn decoded(encoded: &[u8], view: View) -> Result<Vec<u8>, ImportError> {
-    read(scene(encoded, view).glb(), None, &Limits::default())
-        .map(|source| source.buffer(1).to_vec())
+    read(scene(encoded, view).glb(), None, &strict()).map(|source| source.buffer(1).to_vec())
 }
 
 /// Returns a file that the fuzzer begins with.
@@ -110,7 +110,7 @@ fn renamed(scene: &GltfFile) -> GltfFile {
 #[test]
 fn the_newer_extension_has_all_of_the_older_one_and_more() {
     let read = |scene: &GltfFile| {
-        read(scene.glb(), None, &Limits::default()).map(|source| source.buffer(1).to_vec())
+        read(scene.glb(), None, &strict()).map(|source| source.buffer(1).to_vec())
     };
     for ([encoded, expected], view) in
         [(ATTRIBUTES, OF_ATTRIBUTES), (TRIANGLES, OF_TRIANGLES), (INDICES, OF_INDICES)]
@@ -207,20 +207,20 @@ fn descriptions_that_do_not_fit_are_refused() {
         ("buffer", json!(1), "it ends beyond its buffer"),
         ("byteOffset", json!(u64::MAX), "ends beyond"),
         ("byteLength", json!(1 << 30), "ends beyond"),
-        ("count", json!(21), "21 elements of 8 bytes are not the 160 bytes"),
+        ("count", json!(21), "its view has 160 bytes, and not 21 elements of 8 bytes"),
         ("count", json!(-1), "its count is no whole number"),
-        ("count", json!(u64::MAX / 8 + 1), "are not the 160 bytes"),
-        ("byteStride", json!(0), "allows no 20 elements of 0 bytes"),
-        ("byteStride", json!(10), "allows no 20 elements of 10 bytes"),
-        ("byteStride", json!(1024), "allows no 20 elements of 1024 bytes"),
+        ("count", json!(u64::MAX / 8 + 1), "its view has 160 bytes"),
+        ("byteStride", json!(0), "does not allow 20 elements of 0 bytes"),
+        ("byteStride", json!(10), "does not allow 20 elements of 10 bytes"),
+        ("byteStride", json!(1024), "does not allow 20 elements of 1024 bytes"),
         ("mode", json!("BEST"), "mode does not exist"),
-        ("mode", json!("TRIANGLES"), "allows no 20 elements"),
+        ("mode", json!("TRIANGLES"), "does not allow 20 elements"),
         ("filter", json!("BEST"), "filter does not exist"),
         ("filter", json!(3), "filter does not exist"),
     ] {
         let mut scene = scene(&bytes_of(ATTRIBUTES[0]), OF_ATTRIBUTES);
         scene.set(&format!("{extension}/{key}"), value);
-        let error = read(scene.glb(), None, &Limits::default()).map(drop).expect_err(said);
+        let error = read(scene.glb(), None, &strict()).map(drop).expect_err(said);
         let text = error.to_string();
         assert!(
             text.contains("buffer view 2, EXT_meshopt_compression") && text.contains(said),
@@ -230,7 +230,7 @@ fn descriptions_that_do_not_fit_are_refused() {
     let mut from_itself = scene(&bytes_of(ATTRIBUTES[0]), OF_ATTRIBUTES);
     from_itself.set(&format!("{extension}/buffer"), json!(1));
     from_itself.set(&format!("{extension}/byteOffset"), json!(0));
-    let error = read(from_itself.glb(), None, &Limits::default()).map(drop).expect_err("a circle");
+    let error = read(from_itself.glb(), None, &strict()).map(drop).expect_err("a circle");
     assert!(error.to_string().contains("buffer 1 has no bytes of its own"), "{error}");
 }
 
@@ -242,6 +242,7 @@ fn many_views_of_few_bytes_are_refused() {
     scene.json["bufferViews"].as_array_mut().expect("a list").extend(views);
     (3..1003).for_each(|view| show_view(&mut scene, view));
     let limits = Limits { buffer_bytes: 100_000, ..Limits::default() };
+    let limits = LoadOptions { limits, ..LoadOptions::default() };
     let error = read(scene.glb(), None, &limits).map(drop).expect_err("too much");
     assert!(error.to_string().contains("bytes decompressed up to it: 100160"), "{error}");
 }
@@ -252,13 +253,13 @@ fn bytes_that_are_there_are_not_decompressed() {
     plain.set("/buffers/1/uri", json!(format!("data:;base64,{}", ATTRIBUTES[1])));
     plain.remove("/extensionsRequired");
     let source =
-        read(plain.glb(), None, &Limits::default()).unwrap_or_else(|error| panic!("{error}"));
+        read(plain.glb(), None, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(source.buffer(1), bytes_of(ATTRIBUTES[1]));
     // A buffer that is marked as a fallback is not even looked for.
     let mut marked = scene(&bytes_of(ATTRIBUTES[0]), OF_ATTRIBUTES);
     marked.set("/buffers/1/uri", json!("https://example.com/gone.bin"));
     marked.set("/buffers/1/extensions/EXT_meshopt_compression/fallback", json!(true));
     let source =
-        read(marked.glb(), None, &Limits::default()).unwrap_or_else(|error| panic!("{error}"));
+        read(marked.glb(), None, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(source.buffer(1), bytes_of(ATTRIBUTES[1]));
 }

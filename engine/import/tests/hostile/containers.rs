@@ -1,13 +1,13 @@
 //! Tests of truncated containers, and of files that are none.
 
-use antumbra_import::{Limits, read};
+use antumbra_import::{LoadOptions, read};
 use serde_json::json;
 
 use gltf_files::files::{GltfFile, everything, glb_of};
 use gltf_files::target::try_bytes;
 
 fn refused(bytes: &[u8]) -> String {
-    match read(bytes.to_vec(), None, &Limits::default()) {
+    match read(bytes.to_vec(), None, &LoadOptions::default()) {
         Ok(_) => panic!("it was accepted"),
         Err(error) => error.to_string(),
     }
@@ -66,11 +66,12 @@ fn what_is_no_json_is_named() {
 fn buffers_must_come_from_somewhere() {
     let mut scene = GltfFile::triangle();
     scene.set("/buffers", json!([{ "byteLength": 44 }, { "byteLength": 4 }]));
-    let source = read(scene.glb(), None, &Limits::default()).expect("nothing uses buffer 1");
+    let source = read(scene.glb(), None, &LoadOptions::default()).expect("nothing uses buffer 1");
     let note = source.notes[0].to_string();
     assert!(note.contains("buffer 1: it has no URI") && note.contains("nothing that is shown"));
     scene.set("/bufferViews/0/buffer", json!(1));
     scene.set("/buffers/1/byteLength", json!(44));
     assert!(refused(&scene.glb()).contains("buffer 1: it has no URI"));
+    scene.set("/bufferViews/0/buffer", json!(0));
     assert!(refused(&scene.gltf()).contains("buffer 0: it has no URI"));
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use antumbra_import::{Cause, ImportError, Limits, open};
+use antumbra_import::{Cause, ImportError, LoadOptions, open};
 use serde_json::json;
 
 use gltf_files::files::{GltfFile, encoded};
@@ -37,7 +37,7 @@ impl Folder {
         scene.set("/buffers", buffers.clone());
         let path = self.scene().join("scene.gltf");
         fs::write(&path, scene.gltf()).expect("it can be written");
-        open(&path, &Limits::default()).map(drop)
+        open(&path, &LoadOptions::default()).map(drop)
     }
 
     fn write(&self, name: &str, bytes: &[u8]) {
@@ -66,7 +66,7 @@ fn pointers_of_git_lfs_are_named() {
     }
     folder.write("scene.glb", pointer);
     let path = folder.scene().join("scene.glb");
-    let error = open(&path, &Limits::default()).map(drop).expect_err("no scene").to_string();
+    let error = open(&path, &LoadOptions::default()).map(drop).expect_err("no scene").to_string();
     assert!(error.contains("it is a Git LFS pointer"), "{error}");
 }
 
@@ -155,10 +155,10 @@ fn links_and_pipes_lead_nowhere() {
     assert!(made.success());
     let error = folder.open("pipe").expect_err("a pipe");
     assert!(error.to_string().contains("is not a file"), "{error}");
-    let error = open(&pipe, &Limits::default()).map(drop).expect_err("a pipe");
+    let error = open(&pipe, &LoadOptions::default()).map(drop).expect_err("a pipe");
     assert!(error.to_string().contains("is not a file"), "{error}");
-    assert!(open(Path::new("/dev/zero"), &Limits::default()).is_err());
-    assert!(open(&inside, &Limits::default()).is_err());
+    assert!(open(Path::new("/dev/zero"), &LoadOptions::default()).is_err());
+    assert!(open(&inside, &LoadOptions::default()).is_err());
 }
 
 #[test]
@@ -175,7 +175,7 @@ fn sizes_are_looked_at_before_files_are_read() {
     assert_eq!((error.cause, error.object.as_str()), (Cause::TooLarge, "buffer 0"), "{error}");
     let unused = json!([{ "byteLength": 42, "uri": "huge.bin" }, { "byteLength": 1u64 << 40, "uri": "huge.bin" }]);
     folder.open_with(&unused).unwrap_or_else(|error| panic!("nobody uses the other: {error}"));
-    let error = open(&folder.scene().join("huge.bin"), &Limits::default())
+    let error = open(&folder.scene().join("huge.bin"), &LoadOptions::default())
         .map(drop)
         .expect_err("too large");
     assert_eq!(error.cause, Cause::TooLarge, "{error}");
@@ -190,16 +190,16 @@ fn images_are_read_from_files_too() {
     scene.show_images(1);
     let path = folder.scene().join("scene.gltf");
     fs::write(&path, scene.gltf()).expect("it can be written");
-    let source = open(&path, &Limits::default()).unwrap_or_else(|error| panic!("{error}"));
+    let source = open(&path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(source.images[0].as_ref().map(|image| image.size), Some([16, 8]));
     scene.set("/textures/0/source", json!(1));
     fs::write(&path, scene.gltf()).expect("it can be written");
-    let source = open(&path, &Limits::default()).unwrap_or_else(|error| panic!("{error}"));
+    let source = open(&path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     assert!(source.placeholders.contains(&1) && source.images[0].is_none());
     let note = source.notes[0].to_string();
     assert!(note.starts_with("image 1: its URI \"../a.png\" leads out of"), "{note}");
     scene.set("/materials/0", json!({}));
     fs::write(&path, scene.gltf()).expect("it can be written");
-    let source = open(&path, &Limits::default()).unwrap_or_else(|error| panic!("{error}"));
+    let source = open(&path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     assert!(source.images.iter().all(Option::is_none), "nobody looks at what nobody shows");
 }

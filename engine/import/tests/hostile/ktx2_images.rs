@@ -1,6 +1,6 @@
-//! Images of compressed blocks in KTX2 files.
+//! Images of compressed blocks and of pixels in KTX2 files.
 
-use antumbra_import::{Cause, ImportError, Limits, decode_image, read};
+use antumbra_import::{Cause, ImportError, Limits, LoadOptions, decode_image, read};
 use gltf_files::files::GltfFile;
 use gltf_files::ktx2_files::Ktx2File;
 use ktx2::dfd::DataFormatFlags;
@@ -63,6 +63,58 @@ fn blocks_of_all_formats_are_taken_as_they_are() {
             }
         }
     }
+}
+
+#[test]
+fn pixels_of_one_to_four_bytes_are_spread_to_four() {
+    let size = [5, 3];
+    for (channels, formats) in [
+        (1, [Format::R8_UNORM, Format::R8_SRGB]),
+        (2, [Format::R8G8_UNORM, Format::R8G8_SRGB]),
+        (3, [Format::R8G8B8_UNORM, Format::R8G8B8_SRGB]),
+        (4, [Format::R8G8B8A8_UNORM, Format::R8G8B8A8_SRGB]),
+    ] {
+        let level = |texels: usize| (0..texels * channels).map(|at| at as u8 + 1).collect();
+        let levels: [Vec<u8>; 3] = [level(15), level(2), level(1)];
+        let spread = levels[0].chunks(channels).flat_map(|pixel| {
+            let lacking = [0, 0, 0, 255];
+            [pixel, &lacking[channels..]].concat()
+        });
+        let expected = Texels::Rgba8(spread.collect());
+        for format in formats {
+            for count in [1, 3] {
+                let file = Ktx2File::new(format, size, &levels[..count]);
+                for file in [file.clone(), file.packed()] {
+                    let image = decode(&file).unwrap_or_else(|error| panic!("{format:?}: {error}"));
+                    assert_eq!((image.size, image.check()), (size, Ok(())));
+                    assert!(image.texels == expected, "{format:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn limits_hold_for_pixels_too_and_wrong_sizes_are_named() {
+    let file = Ktx2File::new(Format::R8_UNORM, [64, 64], &[vec![7; 64 * 64]]);
+    let of = |file: &Ktx2File, limits: &Limits| decode_image("grey", &file.bytes(), limits);
+    // Four bytes for each pixel, whatever the file has.
+    let exact = Limits { image_bytes: 4 * 64 * 64, ..Limits::default() };
+    assert!(of(&file, &exact).is_ok());
+    let less = Limits { image_bytes: 4 * 64 * 64 - 1, ..Limits::default() };
+    assert_eq!(of(&file, &less).unwrap_err().cause, Cause::TooLarge);
+    let scratch = Limits { image_scratch_bytes: 64 * 64, ..Limits::default() };
+    assert_eq!(of(&file, &scratch).unwrap_err().cause, Cause::TooLarge, "they are there twice");
+    let mut short = file.clone();
+    short.header.pixel_height = 65;
+    let error = of(&short, &Limits::default()).unwrap_err().to_string();
+    assert!(error.contains("mip map 0 of a KTX2 image is not of 4160 bytes"), "{error}");
+    let mut huge = file.clone();
+    (huge.header.pixel_width, huge.header.pixel_height) = (u32::MAX, u32::MAX);
+    assert_eq!(of(&huge, &Limits::default()).unwrap_err().cause, Cause::TooLarge);
+    let mut more = file;
+    more.levels[0].0 = vec![7; 1 << 20];
+    assert_eq!(of(&more.packed(), &Limits::default()).unwrap_err().cause, Cause::Damaged);
 }
 
 /// Returns a frame of Zstandard with a window of its own, one raw block, and a checksum; without a
@@ -139,7 +191,9 @@ const REFUSED: &[(Change, &str, Cause)] = &[
     (|f| f.header.format = None, "Basis Universal", Cause::Unsupported),
     (|f| f.header.format = Some(Format::BC6H_UFLOAT_BLOCK), "BC6H_UFLOAT", Cause::Unsupported),
     (|f| f.header.format = Some(Format::BC5_SNORM_BLOCK), "BC5_SNORM", Cause::Unsupported),
-    (|f| f.header.format = Some(Format::R8G8B8A8_SRGB), "R8G8B8A8", Cause::Unsupported),
+    (|f| f.header.format = Some(Format::R16G16B16A16_SFLOAT), "R16G16B16A16", Cause::Unsupported),
+    (|f| f.header.format = Some(Format::R8G8B8A8_SNORM), "R8G8B8A8_SNORM", Cause::Unsupported),
+    (|f| f.header.format = Some(Format::R8G8B8A8_SRGB), "mip map 0", Cause::Damaged),
     (|f| f.header.format = Format::new(185), "185", Cause::Unsupported),
     (|f| f.header.pixel_width = 0, "cannot be read", Cause::Damaged),
     (|f| f.header.pixel_height = 0, "line", Cause::Unsupported),
@@ -231,10 +285,11 @@ fn arbitrary_bytes_give_an_image_or_an_error() {
         file.values = vec![("KTXorientation", b"rd\0"), ("KTXwriter", b"a test")];
         file.bytes()
     };
-    let whole = [values(file()), values(file().packed())];
+    let pixels = Ktx2File::new(Format::R8G8B8_SRGB, [20, 12], &[vec![9; 720], vec![9; 180]]);
+    let whole = [file(), file().packed(), pixels.clone(), pixels.packed()].map(values);
     assert!(whole.iter().all(|bytes| decode_image("", bytes, &Limits::default()).is_ok()));
     for round in 0..20_000 {
-        let mut bytes = whole[round % 2].clone();
+        let mut bytes = whole[round % 4].clone();
         for _ in 0..1 + below(4) {
             let at = below(bytes.len());
             bytes[at] = [0, 1, 0xFF, bytes[at] ^ 1 << below(8)][below(4)];
@@ -254,7 +309,7 @@ fn images_of_a_gltf_file_may_be_blocks() {
     let view = scene.view(&file().packed().bytes());
     scene.set("/images", json!([{ "bufferView": view, "mimeType": "image/ktx2" }]));
     scene.show_images(1);
-    let source = read(scene.glb(), None, &Limits::default()).unwrap();
+    let source = read(scene.glb(), None, &LoadOptions::default()).unwrap();
     assert_eq!(source.notes, []);
     let image = source.images[0].as_ref().unwrap();
     assert!(matches!(image.texels, Texels::Blocks { format: BlockFormat::Bc7, .. }));

@@ -1,12 +1,15 @@
 //! Tests of files that break a rule which their scene can do without: a note names the object and
 //! the reason.
 
-use antumbra_import::{Limits, read};
-use serde_json::json;
+use std::ops::ControlFlow;
 
-use gltf_files::files::{GltfFile, encoded, everything};
+use antumbra_import::{GltfScene, LoadOptions, load_bytes, read};
+use serde_json::{Value, json};
+
+use gltf_files::files::{GltfFile, I16, U16, encoded, everything};
 
 use crate::refused::Case;
+use crate::strict;
 
 /// Changes without which the scene can be shown, and parts of the notes.
 const LEFT_OUT: &[Case] = &[
@@ -36,7 +39,7 @@ const LEFT_OUT: &[Case] = &[
     ),
     (
         |s| s.remove("/animations/0/samplers/0/interpolation"),
-        &["animation 0, channel 0", "2 keys of 1 values each, but its output has 6"],
+        &["animation 0, channel 0", "2 keys of 1 value each, but its output has 6"],
     ),
     (
         |s| s.set("/animations/0/channels/0/target/path", json!("scale")),
@@ -68,7 +71,7 @@ fn what_the_scene_can_do_without_is_left_out_and_named() {
     for &(change, expected) in LEFT_OUT {
         let mut scene = everything();
         change(&mut scene);
-        let source = read(scene.glb(), None, &Limits::default());
+        let source = read(scene.glb(), None, &LoadOptions::default());
         let source = source.unwrap_or_else(|error| panic!("{expected:?}: {error}"));
         let texts: Vec<String> = source.notes.iter().map(ToString::to_string).collect();
         let is_noted = |text: &String| expected.iter().all(|part| text.contains(part));
@@ -90,4 +93,162 @@ fn set_cut_image(scene: &mut GltfFile, format: image::ImageFormat) {
     // PNG ends with a checksum and an empty chunk, so that a little less is still a complete
     // image.
     set_image(scene, &whole[..whole.len() - 24]);
+}
+
+/// Returns the scene of a file, and the texts of its notes.
+fn load(scene: &GltfFile) -> (GltfScene, Vec<String>) {
+    let go_on = &mut |_| ControlFlow::Continue(());
+    let imported = load_bytes(scene.glb(), None, &LoadOptions::default(), go_on);
+    let imported = imported.unwrap_or_else(|error| panic!("{error}"));
+    let texts = imported.notes.iter().map(ToString::to_string).collect();
+    (imported, texts)
+}
+
+fn is_refused(scene: &GltfFile, expected: &str) {
+    let go_on = &mut |_| ControlFlow::Continue(());
+    let refused = load_bytes(scene.glb(), None, &strict(), go_on).map(drop);
+    let said = refused.expect_err("it is broken").to_string();
+    assert!(said.contains(expected), "{said}");
+}
+
+// Some exporters write null for what a file does not have, in any place.
+#[test]
+fn null_is_an_absent_property_everywhere() {
+    let changes: [fn(&mut GltfFile); 3] = [
+        |s| s.set("/animations", Value::Null),
+        |s| {
+            s.set("/meshes/0/primitives/0/mode", Value::Null);
+            s.set("/meshes/0/primitives/0/targets", Value::Null);
+        },
+        |s| s.set("/extensionsUsed", Value::Null),
+    ];
+    let places = ["animations", "mesh 0, primitive 0, mode", "extensionsUsed"];
+    for (change, place) in changes.into_iter().zip(places) {
+        let mut scene = GltfFile::triangle();
+        change(&mut scene);
+        let (imported, texts) = load(&scene);
+        assert_eq!(imported.scene.objects.len(), 1);
+        let times = if place.contains("mode") { " (2 times, first here)" } else { "" };
+        assert_eq!(texts, [format!("{place}: it is null, which is read as absent{times}")]);
+    }
+    // Those that are optional to any reader are noted, too.
+    let mut scene = GltfFile::triangle();
+    scene.set("/nodes/0/skin", Value::Null);
+    scene.set("/nodes/0/extras", json!({ "mine": null }));
+    assert_eq!(load(&scene).1, ["node 0, skin: it is null, which is read as absent"]);
+    scene.remove("/nodes/0/skin");
+    assert_eq!(load(&scene).1, [""; 0]);
+    // What must be there is missing.
+    scene.set("/asset", Value::Null);
+    let error = read(scene.glb(), None, &LoadOptions::default()).map(drop).expect_err("no asset");
+    assert!(error.to_string().contains("JSON: it has no asset"), "{error}");
+}
+
+// Real tiles of cities have the index that begins a new strip.
+#[test]
+fn an_index_that_restarts_a_strip_splits_it() {
+    let mut scene = GltfFile::triangle();
+    let indices = scene.numbers(U16, "SCALAR", 5, &[0, 0, 1, 0, 255, 255, 1, 0, 2, 0]);
+    scene.set("/meshes/0/primitives/0/indices", json!(indices));
+    scene.set("/meshes/0/primitives/0/mode", json!(3));
+    let (imported, texts) = load(&scene);
+    let sprites = &imported.scene.surfaces.as_ref().expect("surfaces").sprites;
+    assert_eq!(sprites[0].count(), 2, "0 to 1 and 1 to 2");
+    assert_eq!(texts.len(), 1, "{texts:?}");
+    assert!(texts[0].contains("vertex 65535 does not exist, there are 3; read as"), "{texts:?}");
+    is_refused(&scene, "vertex 65535 does not exist");
+    // With others that do not exist the primitive is left out, and so all of this scene.
+    let indices = scene.numbers(U16, "SCALAR", 4, &[0, 0, 1, 0, 255, 255, 9, 0]);
+    scene.set("/meshes/0/primitives/0/indices", json!(indices));
+    let go_on = &mut |_| ControlFlow::Continue(());
+    let error = load_bytes(scene.glb(), None, &LoadOptions::default(), go_on).map(drop);
+    let said = error.expect_err("nothing is left").to_string();
+    assert!(said.contains("mesh 0, primitive 0, indices: vertex 9 does not exist"), "{said}");
+}
+
+#[test]
+fn integers_in_place_of_positions_are_read_undeclared() {
+    let mut scene = GltfFile::triangle();
+    let positions = scene.numbers(I16, "VEC3", 3, &[7; 8 + 8 + 6]);
+    scene.set(&format!("/bufferViews/{positions}/byteStride"), json!(8));
+    let bound = json!([1799, 1799, 1799]);
+    scene.set(&format!("/accessors/{positions}/min"), bound.clone());
+    scene.set(&format!("/accessors/{positions}/max"), bound);
+    scene.set("/meshes/0/primitives/0/attributes/POSITION", json!(positions));
+    scene.set("/meshes/0/primitives/1", scene.json["meshes"][0]["primitives"][0].clone());
+    let (imported, texts) = load(&scene);
+    assert_eq!(imported.scene.meshes[0].vertices[0].position, [1799.0; 3]);
+    let expected = "mesh 0, primitive 0, attribute POSITION: its elements may not be vectors of 3 \
+                    signed 16-bit integers without KHR_mesh_quantization; read as if it were named \
+                    (2 times, first here)";
+    assert_eq!(texts, [expected]);
+    is_refused(&scene, "without KHR_mesh_quantization");
+}
+
+#[test]
+fn what_a_broken_part_needs_no_more_is_not_looked_at() {
+    let mut scene = everything();
+    let used = scene.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"].as_u64();
+    assert_eq!(used, Some(3), "the first mesh");
+    scene.set("/accessors/3/count", json!(9999));
+    scene.remove("/animations");
+    let (imported, texts) = load(&scene);
+    assert_eq!(imported.scene.surfaces.as_ref().map(|it| it.images.len()), Some(0), "{texts:?}");
+}
+
+#[test]
+fn an_image_that_is_missing_is_told_by_its_uses() {
+    let mut scene = everything();
+    scene.set("/images/1", json!({ "uri": "gone.png" }));
+    let metallic = "/materials/0/pbrMetallicRoughness/metallicRoughnessTexture";
+    scene.set(metallic, json!({ "index": 1 }));
+    scene.remove("/materials/0/normalTexture");
+    let told = |scene: &GltfFile| load(scene).1.concat();
+    let neutral = "; image 1 (\"gone.png\") counts as a neutral metallic-roughness texture";
+    assert!(told(&scene).contains(neutral), "{}", told(&scene));
+    scene.set("/materials/0/emissiveTexture/index", json!(1));
+    let both =
+        "; checkers are shown for image 1 (\"gone.png\") as colour, and it counts as a neutral";
+    assert!(told(&scene).contains(both), "{}", told(&scene));
+    scene.remove(metallic);
+    assert!(told(&scene).ends_with("; checkers are shown for image 1 (\"gone.png\")"));
+}
+
+#[test]
+fn extensions_that_are_used_but_not_named_are_noted() {
+    let mut scene = everything();
+    let coat = json!({ "KHR_materials_transmission": { "transmissionFactor": 1 } });
+    scene.set("/materials/0/extensions", coat);
+    let texts = load(&scene).1;
+    let name = "extension \"KHR_materials_transmission\": ";
+    let said = "extensionsUsed must name it, but does not; ignored: glass is opaque";
+    assert!(texts.iter().any(|text| text.contains(&format!("{name}{said}"))), "{texts:?}");
+    assert_eq!(texts.len(), 1, "{texts:?}");
+    // Those that are supported are shown.
+    let mut scene = everything();
+    let objects = load(&scene).0.scene.objects.len();
+    scene.set("/extensionsUsed", json!(["KHR_lights_punctual", "EXT_texture_webp"]));
+    let (imported, texts) = load(&scene);
+    assert_eq!(imported.scene.objects.len(), objects, "its instances");
+    assert_eq!(texts.len(), 2, "{texts:?}");
+    assert!(texts.iter().all(|text| text.ends_with("but does not; shown all the same")));
+}
+
+#[test]
+fn what_no_camera_can_show_is_told() {
+    let mut scene = GltfFile::triangle();
+    scene.set("/nodes/0/scale", json!([1e-12, 1e-12, 1e-12]));
+    let texts = load(&scene).1;
+    assert!(
+        texts.concat().contains("it is 1.0e-12 m large, and shown from no nearer"),
+        "{texts:?}"
+    );
+    scene.set("/nodes/0/scale", json!([1e-3, 1e-3, 1e-3]));
+    assert_eq!(load(&scene).1, [""; 0]);
+    // A light and a camera that lose their direction.
+    let mut scene = everything();
+    scene.set("/nodes/3/scale", json!([0, 0, 0]));
+    let texts = load(&scene).1.concat();
+    assert!(texts.contains("its light is under a scale of 0"), "{texts}");
+    assert!(texts.contains("\"camera 0\": it is under a scale of 0"), "{texts}");
 }

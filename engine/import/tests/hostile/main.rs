@@ -18,3 +18,10 @@ mod refused;
 mod replaced;
 mod tolerated;
 mod unused;
+
+use antumbra_import::{BrokenParts, LoadOptions};
+
+/// Returns options that refuse a file for a part that is broken.
+fn strict() -> LoadOptions {
+    LoadOptions { broken_parts: BrokenParts::Refuse, ..LoadOptions::default() }
+}

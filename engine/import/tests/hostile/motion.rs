@@ -187,7 +187,7 @@ fn joints_without_weight_may_be_any_and_others_must_be_there() {
     assert_eq!(imported.scene.surfaces.expect("surfaces").skinned_meshes.len(), 1);
     let error = load_with(&skinned([0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0]), Limits::default());
     let error = error.map(drop).expect_err("there is no joint 1").to_string();
-    assert!(error.contains("node 0: mesh 0 hangs on joint 1, but skin 0 has 1 joints"), "{error}");
+    assert!(error.contains("node 0: mesh 0 hangs on joint 1, but skin 0 has 1 joint"), "{error}");
 }
 
 #[test]
@@ -198,7 +198,7 @@ fn jpegs_without_their_end_are_taken_if_nothing_else_is_missing() {
         let view = scene.view(bytes);
         scene.set("/images", json!([{ "bufferView": view, "mimeType": "image/jpeg" }]));
         scene.show_images(1);
-        read(scene.glb(), None, &Limits::default()).map(|source| source.images[0].clone())
+        read(scene.glb(), None, &LoadOptions::default()).map(|source| source.images[0].clone())
     };
     let decoded = read(&whole).expect("an image");
     for missing in [1, 2] {
@@ -218,7 +218,7 @@ fn jpegs_without_their_end_are_taken_if_nothing_else_is_missing() {
 #[test]
 fn what_is_no_scene_is_told_from_a_broken_one() {
     let said = |bytes: &[u8]| {
-        let error = read(bytes.to_vec(), None, &Limits::default()).map(drop);
+        let error = read(bytes.to_vec(), None, &LoadOptions::default()).map(drop);
         error.expect_err("no scene").to_string()
     };
     let png = encoded(image::ImageFormat::Png);
@@ -238,7 +238,8 @@ fn what_is_no_scene_is_told_from_a_broken_one() {
         (folder.as_path(), "file: it is not a file, but a folder (check that"),
         (&folder.join("antumbra is not here.glb"), "here.glb: file: it cannot be read: No such"),
     ] {
-        let error = antumbra_import::open(path, &Limits::default()).map(drop).expect_err("none");
+        let error =
+            antumbra_import::open(path, &LoadOptions::default()).map(drop).expect_err("none");
         assert!(error.to_string().contains(expected), "{error}");
     }
 }

@@ -1,8 +1,12 @@
-//! Tests of files that break one rule each: the error names the object and the reason.
+//! Tests of files that break one rule each: where broken parts are refused, the error names the
+//! object and the reason; else a note does, if something is left to see.
 
-use antumbra_import::{Limits, read};
+use std::ops::ControlFlow;
+
+use antumbra_import::{LoadOptions, load_bytes, read};
 use serde_json::json;
 
+use crate::strict;
 use gltf_files::files::{F32, GltfFile, U8, U16, U32, everything};
 
 /// A change of a file that uses everything, and parts of the expected error.
@@ -59,7 +63,7 @@ const INDICES_OUT_OF_RANGE: &[Case] = &[
     (|s| s.set("/materials/0/normalTexture/index", json!(9)), &["material 0", "texture 9"]),
     (
         |s| s.set("/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/TRANSLATION", json!(99)),
-        &["node 0, EXT_mesh_gpu_instancing", "\"TRANSLATION\" is not one of"],
+        &["node 0, EXT_mesh_gpu_instancing", "\"TRANSLATION\" is no accessor"],
     ),
     (|s| s.set("/nodes/0/mesh", json!(-1)), &["node 0, mesh", "-1"]),
     (
@@ -170,15 +174,12 @@ const TYPES: &[Case] = &[
     ),
     (
         |s| s.set("/meshes/1/weights", json!([1.0, 2.0])),
-        &["mesh 1", "2 weights for 1 morph targets"],
+        &["mesh 1", "2 weights for 1 morph target"],
     ),
-    (
-        |s| s.set("/nodes/1/weights", json!([1.0, 2.0])),
-        &["node 1", "2 weights for 1 morph targets"],
-    ),
+    (|s| s.set("/nodes/1/weights", json!([1.0, 2.0])), &["node 1", "2 weights for 1 morph target"]),
     (
         |s| s.set("/meshes/1/primitives/1", json!({ "attributes": { "POSITION": 0 } })),
-        &["mesh 1", "same number of morph targets"],
+        &["mesh 1, primitive 1", "0 morph targets", "before it have 1"],
     ),
     (
         |s| s.set("/meshes/0/primitives/0/mode", json!(7)),
@@ -188,7 +189,7 @@ const TYPES: &[Case] = &[
         |s| s.set("/meshes/0/primitives", json!({})),
         &["mesh 0, primitives", "it must be a list, and is an object"],
     ),
-    (|s| s.remove("/meshes/0/primitives"), &["mesh 0", "its primitives is missing"]),
+    (|s| s.remove("/meshes/0/primitives"), &["mesh 0", "it has no primitives"]),
     (|s| s.set("/skins/0/joints", json!([])), &["skin 0", "no joints"]),
     (|s| s.set("/skins/0/inverseBindMatrices", json!(0)), &["skin 0", "vectors of 3 floats"]),
     (
@@ -199,11 +200,11 @@ const TYPES: &[Case] = &[
         |s| {
             s.set("/skins/0/joints", json!([1]));
         },
-        &["node 1", "mesh 1 hangs on joint 1, but skin 0 has 1 joints"],
+        &["node 1", "mesh 1 hangs on joint 1, but skin 0 has 1 joint"],
     ),
     (
         |s| s.set("/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/SCALE", json!(0)),
-        &["node 0, EXT_mesh_gpu_instancing", "same number of elements"],
+        &["node 0, EXT_mesh_gpu_instancing", "different numbers of elements"],
     ),
     (
         |s| s.set("/nodes/0/extensions/EXT_mesh_gpu_instancing", json!({})),
@@ -226,7 +227,7 @@ const TYPES: &[Case] = &[
     (|s| s.set("/nodes/2/translation", json!([1e39, 0, 0])), &["node 2", "translation is beyond"]),
     (|s| s.set("/asset/version", json!("1.0")), &["asset", "needs glTF \"1.0\""]),
     (|s| s.set("/asset/minVersion", json!("2.5")), &["asset", "needs glTF \"2.5\""]),
-    (|s| s.remove("/asset"), &["JSON", "its asset is missing"]),
+    (|s| s.remove("/asset"), &["JSON", "it has no asset"]),
     (
         |s| {
             s.set(
@@ -286,7 +287,7 @@ fn every_broken_rule_is_named() {
     for &(change, expected) in lists.into_iter().flatten() {
         let mut scene = everything();
         change(&mut scene);
-        let Err(error) = read(scene.glb(), None, &Limits::default()) else {
+        let Err(error) = read(scene.glb(), None, &strict()) else {
             panic!("accepted, but should be refused for {expected:?}");
         };
         let said = error.to_string();
@@ -296,6 +297,37 @@ fn every_broken_rule_is_named() {
         );
         assert!(said.starts_with("scene in memory: "), "{said}");
     }
+}
+
+#[test]
+fn the_rest_of_a_scene_is_shown_without_its_broken_parts() {
+    let (mut shown, mut refused) = (0, 0);
+    for &(change, expected) in
+        [INDICES_OUT_OF_RANGE, SIZES, TYPES, VALUES, NODES].into_iter().flatten()
+    {
+        let mut scene = everything();
+        change(&mut scene);
+        let go_on = &mut |_| ControlFlow::Continue(());
+        let said = match load_bytes(scene.glb(), None, &LoadOptions::default(), go_on) {
+            Ok(imported) => {
+                gltf_files::loaded::check(&imported);
+                assert!(!imported.scene.objects.is_empty(), "{expected:?}");
+                shown += 1;
+                gltf_files::playback::play(imported.clone());
+                imported.notes.iter().map(|note| format!("{note}\n")).collect()
+            }
+            // Both meshes have the same positions.
+            Err(error) => {
+                refused += 1;
+                error.to_string()
+            }
+        };
+        assert!(
+            expected.iter().all(|part| said.contains(part)),
+            "{said}\nlacks a part of {expected:?}"
+        );
+    }
+    assert!(shown > 60 && refused < 40, "{shown} are shown, {refused} refused");
 }
 
 /// Changes the sparse accessor.

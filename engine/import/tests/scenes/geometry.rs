@@ -163,7 +163,7 @@ fn points_that_are_blended_are_solids_unless_they_are_a_crowd() {
     let count: usize = surfaces.sprites.iter().map(scene::Sprites::count).sum();
     assert_eq!(count, 70_000);
     assert_eq!(surfaces.sprites[0].ends[0].colour, 65_280.0, "the material's green");
-    assert!(notes(&crowd, "points and lines too many to be blended"), "{:?}", crowd.notes);
+    assert!(notes(&crowd, "it has too many points or lines to blend"), "{:?}", crowd.notes);
 }
 
 #[test]
@@ -229,7 +229,12 @@ fn other_attributes_that_are_no_numbers_are_repaired_and_noted() {
     assert_eq!(surface.vertices[1].colour, [65535; 4]);
     assert_eq!(surface.vertices[2].colour, [65535, 0, 0, 0]);
     assert_eq!(surface.vertices[1].tangent, [32767, 0, 0, -32767]);
-    for note in ["normals without", "tangents without", "texture coordinates that", "colours of"] {
+    for note in [
+        "a normal has no",
+        "a tangent has no",
+        "a texture coordinate is",
+        "a vertex has a colour that",
+    ] {
         assert!(notes(&imported, note), "{note}: {:?}", imported.notes);
     }
 }
@@ -240,5 +245,5 @@ fn primitives_without_positions_draw_nothing() {
     let colour = scene.floats("VEC4", &[1.0; 12]);
     scene.set(ATTRIBUTES, json!({ "COLOR_0": colour }));
     let imported = load(&scene);
-    assert!(imported.scene.objects.is_empty() && notes(&imported, "primitives without positions"));
+    assert!(imported.scene.objects.is_empty() && notes(&imported, "it has no positions"));
 }

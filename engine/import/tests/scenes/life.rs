@@ -90,9 +90,9 @@ fn clips_with_keys_that_are_no_keys_are_left_out_by_name() {
     assert!(notes(&imported, "value 0 is not finite; the animation is not played"));
     let early = load(&animated("translation", &[-1.0, 0.5], "VEC3", &two, "LINEAR"));
     assert_eq!(early.clips.len(), 1);
-    assert!(notes(&early, "keys before 0 s"));
+    assert!(notes(&early, "a key is before 0 s"));
     let zero = load(&animated("rotation", &[0.0], "VEC4", &[0.0; 4], "LINEAR"));
-    assert!(notes(&zero, "keys of rotations of length 0"));
+    assert!(notes(&zero, "a key is a rotation of length 0"));
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn channels_beyond_what_can_be_played_are_left_out_and_noted() {
         let values = [0.0, 0.0, 0.0, far, 0.0, 0.0];
         let imported = load(&animated("translation", &times, "VEC3", &values, "LINEAR"));
         assert_eq!((imported.clips.len(), imported.scene.objects.len()), (0, 1));
-        let note = "animation channels with times or values beyond 1e9, left out";
+        let note = "a channel has times or values beyond 1e9, and is left out";
         assert!(notes(&imported, note), "{:?}", imported.notes);
     }
 }
@@ -123,9 +123,9 @@ fn channels_that_cannot_be_are_left_out_and_noted() {
     let imported = load(&scene);
     assert_eq!((imported.clips.len(), imported.clips[0].channels.len()), (1, 1));
     for note in [
-        ("animation 0", "animation channels of nodes that are not in the scene", 2),
-        ("animation 0", "animation channels that move what another of them moves", 1),
-        ("\"animation 1\"", "animations that move nothing in the scene", 1),
+        ("animation 0", "a channel moves a node that is not in the scene", 2),
+        ("animation 0", "a channel moves what another one moves", 1),
+        ("\"animation 1\"", "it moves nothing in the scene", 1),
     ] {
         assert!(counts(&imported, note), "{note:?}: {:?}", imported.notes);
     }
@@ -221,7 +221,7 @@ fn broken_weights_are_repaired_and_noted() {
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
     let skin = surfaces.skinned_meshes[0].skin.as_ref().expect("a skin");
     assert_eq!(skin.weights[..2], [[1.0, 0.0, 0.0, 0.0]; 2]);
-    assert!(notes(&imported, "vertices without any weight"), "{:?}", imported.notes);
+    assert!(notes(&imported, "a vertex has no weight"), "{:?}", imported.notes);
 }
 
 #[test]
@@ -243,12 +243,19 @@ fn two_sets_of_joints_are_both_used() {
 fn skins_that_hold_nothing_are_left_out() {
     let mut scene = leg(&WEIGHTS);
     scene.set("/scenes/0/nodes", json!([0]));
-    let imported = load(&scene);
-    assert!(imported.scene.objects.is_empty() && notes(&imported, "skins with joints outside"));
+    let said = "skin 0: it has joints outside of the scene or matrices that are not finite";
+    assert!(refused(&scene).contains(said), "{}", refused(&scene));
     let mut scene = leg(&WEIGHTS);
     let binds = scene.floats("MAT4", &[f32::NAN; 32]);
     scene.set("/skins/0/inverseBindMatrices", json!(binds));
-    assert!(notes(&load(&scene), "skins with joints outside"));
+    assert!(refused(&scene).contains(said), "{}", refused(&scene));
+    // Other meshes are shown.
+    scene.push("nodes", json!({ "mesh": scene.json["meshes"].as_array().map_or(0, Vec::len) }));
+    scene.push("meshes", json!({ "primitives": [{ "attributes": { "POSITION": 0 } }] }));
+    let node = scene.json["nodes"].as_array().map_or(0, Vec::len) - 1;
+    scene.json["scenes"][0]["nodes"].as_array_mut().expect("roots").push(json!(node));
+    let imported = load(&scene);
+    assert!(imported.scene.objects.len() == 1 && notes(&imported, "it has joints outside"));
     let mut scene = leg(&WEIGHTS);
     let binds = scene.floats("MAT4", &[0.0; 32]);
     scene.set("/skins/0/inverseBindMatrices", json!(binds));
@@ -377,5 +384,5 @@ fn what_grows_beyond_all_numbers_is_left_out() {
     scene.set("/meshes/0/primitives/0/targets/0/POSITION", json!(huge));
     let imported = load(&scene);
     assert!(imported.scene.objects.is_empty());
-    assert!(notes(&imported, "objects that reach beyond all numbers"), "{:?}", imported.notes);
+    assert!(notes(&imported, "it reaches beyond all numbers"), "{:?}", imported.notes);
 }

@@ -164,7 +164,7 @@ fn a_third_set_of_coordinates_is_told() {
         "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
     }));
     let imported = load(&scene);
-    assert!(notes(&imported, "textures by a third set"), "{:?}", imported.notes);
+    assert!(notes(&imported, "it has a texture by a third set"), "{:?}", imported.notes);
 }
 
 #[test]

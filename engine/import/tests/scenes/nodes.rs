@@ -92,10 +92,10 @@ fn places_that_are_none_are_left_out_and_noted() {
     let imported = load(&scene);
     assert_near(&tips(&imported), &[Vec3::X, Vec3::X, vec3(1.0, 7.0, 0.0)]);
     for note in [
-        ("node 2", "objects whose place is beyond all numbers, left out", 1),
-        ("node 3", "objects scaled to nothing, left out", 2),
-        ("node 6", "objects that reach beyond all numbers, left out", 1),
-        ("node", "rotations of length 0", 1),
+        ("node 2", "its place is beyond all numbers, and it is left out", 1),
+        ("node 3", "it is scaled to nothing, and left out", 2),
+        ("node 6", "it reaches beyond all numbers, and is left out", 1),
+        ("node", "its rotation is of length 0", 1),
     ] {
         assert!(counts(&imported, note), "{note:?}: {:?}", imported.notes);
     }
@@ -114,7 +114,7 @@ fn instances_are_objects_each() {
     let imported = load(&scene);
     assert_near(&tips(&imported), &[vec3(1.0, 1.0, 9.0), vec3(-1.0, 0.0, 9.0)]);
     assert_eq!(imported.scene.meshes.len(), 2, "the second is mirrored");
-    assert!(notes(&imported, "instances with a rotation of length 0"));
+    assert!(notes(&imported, "an instance has a rotation of length 0"));
     // On a node that moves, each moves with it from its place on it.
     animate(&mut scene, 0);
     let moving = load(&scene);
@@ -247,7 +247,7 @@ fn cameras_are_in_the_order_of_the_file_and_called_by_their_numbers_there() {
     let shown = imported.cameras[1].projection;
     let is_seen = matches!(shown, Projection::Perspective { fov_y } if fov_y > 0.5);
     assert!(is_seen, "an angle of 0 shows nothing");
-    assert!(notes(&imported, "cameras whose yfov"), "{:?}", imported.notes);
+    assert!(notes(&imported, "its yfov"), "{:?}", imported.notes);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The parts of a scene that are shown in a degraded form, and the reasons.
 
 use crate::shading::surfaces::TextureStorage;
+use scene::counted;
 use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES};
 
 /// The parts of a scene beyond a renderer's limits, which are shown in a degraded form.
@@ -42,56 +43,65 @@ impl SceneDegradations {
         let Self { crowded_objects, dark_suns, broken_lights, unshadowed_objects, .. } = *self;
         let Self { shrunk_images, unpacked_images, borrowed_samplers, textures, .. } = *self;
         let shrunk_by = match textures {
-            TextureStorage::Images => "they are larger than the device takes".to_owned(),
+            TextureStorage::Images => "the device takes no larger ones".to_owned(),
             TextureStorage::Pages => format!(
-                "they are of more sizes than {MAX_PAGES} texture pages hold, or larger than the device takes"
+                "{MAX_PAGES} texture pages hold no more sizes, or the device takes no larger ones"
             ),
         };
+        let unpacked_by = match textures {
+            TextureStorage::Images => "the device does not sample such blocks as they are",
+            TextureStorage::Pages => "texture pages do not take blocks",
+        };
+        let sentence = |count: usize, one: &str, several: &str, rest: String| {
+            (count > 0).then(|| format!("{} {rest}", counted(count, one, several)))
+        };
         [
-            (crowded_objects > 0).then(|| {
+            sentence(
+                crowded_objects,
+                "object is",
+                "objects are",
                 format!(
-                    "{crowded_objects} objects are reached by more than {MAX_LIGHTS_PER_OBJECT} lights: the weakest of them are left out"
-                )
-            }),
-            (dark_suns > 0).then(|| {
+                    "reached by more than {MAX_LIGHTS_PER_OBJECT} lights: the weakest of them are left out"
+                ),
+            ),
+            sentence(
+                dark_suns,
+                "directional light does",
+                "directional lights do",
+                format!("not shine: only the strongest {MAX_DIRECTIONAL_LIGHTS} do"),
+            ),
+            sentence(
+                broken_lights,
+                "light has",
+                "lights have",
+                "a number that is not finite, no direction, or a range that is not above 0: dark, or without a range".to_owned(),
+            ),
+            sentence(
+                unshadowed_objects,
+                "object of a masked material casts",
+                "objects of masked materials cast",
+                "no shadow: shadow volumes know no holes, shadow maps do".to_owned(),
+            ),
+            sentence(
+                shrunk_images,
+                "image is",
+                "images are",
+                format!("less sharp than in the scene: {shrunk_by}"),
+            ),
+            sentence(
+                unpacked_images,
+                "compressed image is",
+                "compressed images are",
+                format!("unpacked to four bytes per pixel: {unpacked_by}"),
+            ),
+            sentence(
+                borrowed_samplers,
+                "texture is",
+                "textures are",
                 format!(
-                    "{dark_suns} directional lights do not shine: only the strongest {MAX_DIRECTIONAL_LIGHTS} do"
-                )
-            }),
-            (broken_lights > 0).then(|| {
-                format!(
-                    "{broken_lights} lights have a number that is not finite, no direction, or a range that is not above 0: they are dark, or shine without a range"
-                )
-            }),
-            (unshadowed_objects > 0).then(|| {
-                let cast = if unshadowed_objects == 1 {
-                    "object of a masked material casts"
-                } else {
-                    "objects of masked materials cast"
-                };
-                format!(
-                    "{unshadowed_objects} {cast} no shadow: shadow volumes know no holes, shadow maps do"
-                )
-            }),
-            (shrunk_images > 0).then(|| {
-                format!(
-                    "{shrunk_images} images are less sharp than they are in the scene: {shrunk_by}"
-                )
-            }),
-            (unpacked_images > 0).then(|| {
-                let reason = match textures {
-                    TextureStorage::Images => "the device does not sample their blocks as they are",
-                    TextureStorage::Pages => "texture pages do not take their blocks",
-                };
-                format!(
-                    "{unpacked_images} compressed images are unpacked to four bytes per pixel: {reason}"
-                )
-            }),
-            (borrowed_samplers > 0).then(|| {
-                format!(
-                    "{borrowed_samplers} textures are filtered or wrapped like others: there are more samplers than {MAX_PAGES} texture pages have"
-                )
-            }),
+                    "filtered or wrapped like others: there are more samplers than {MAX_PAGES} texture pages have"
+                ),
+            ),
         ]
         .into_iter()
         .flatten()
@@ -129,5 +139,7 @@ mod tests {
         assert!(all.texts()[4].contains("texture pages"), "{}", all.texts()[4]);
         let own = SceneDegradations { textures: TextureStorage::Images, ..all }.texts();
         assert!(!own[4].contains("pages"), "{}", own[4]);
+        let one = SceneDegradations { unpacked_images: 1, ..SceneDegradations::default() }.texts();
+        assert!(one[0].starts_with("1 compressed image is unpacked"), "{}", one[0]);
     }
 }

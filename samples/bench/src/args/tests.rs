@@ -6,6 +6,7 @@ use crate::choices::{
     ValidationChoice,
 };
 use crate::strategy::Strategy;
+use antumbra::import::BrokenParts;
 use antumbra::methods;
 use clap::CommandFactory;
 use proptest::collection::vec as any_vec;
@@ -90,6 +91,7 @@ fn every_option_arrives() {
             shadows: Vec::new(),
             costs: CostsChoice::Measured,
             time_passes: false,
+            broken_parts: BrokenParts::LeaveOut,
             scene: SceneChoice::Made(MadeScene {
                 scene: GeneratorChoice::Field,
                 objects: 2_000_000,
@@ -274,6 +276,14 @@ fn what_is_for_made_scenes_is_refused_for_files() {
         let said = refusal(&["--scene=a.glb", option, value]);
         assert!(said.starts_with(&format!("{option} is for city and field")), "{said}");
     }
+}
+
+#[test]
+fn a_strict_reading_is_for_files() {
+    let parts = |line: &[&str]| parse(line).unwrap().broken_parts;
+    assert_eq!(parts(&["--scene=a.glb"]), BrokenParts::LeaveOut);
+    assert_eq!(parts(&["--scene=a.glb", "--strict"]), BrokenParts::Refuse);
+    assert!(refusal(&["--strict"]).starts_with("--strict is about glTF files"));
 }
 
 #[test]

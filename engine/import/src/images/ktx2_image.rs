@@ -1,9 +1,9 @@
-//! Images of compressed blocks in KTX2 files: BC1 to BC5, BC7 and ASTC, as they are or packed by
-//! Zstandard.
+//! Images in KTX2 files: compressed blocks of BC1 to BC5, BC7 and ASTC, and pixels of one to four
+//! channels of eight bits, as they are or packed by Zstandard.
 
 use ktx2::{Format, Header, Reader, SupercompressionScheme};
 use ruzstd::decoding::FrameDecoder;
-use scene::{AstcBlock, BlockFormat, Texels};
+use scene::{AstcBlock, BlockFormat, Texels, counted};
 
 use super::ImageHead;
 use crate::error::Reason;
@@ -12,18 +12,41 @@ use crate::memory;
 /// The most bytes that the description of a format takes: one block with a size of 16 bits.
 const MAX_DESCRIPTION_BYTES: u32 = 4 + 0xFFFF;
 
-/// An encoded image of blocks.
-pub(super) struct EncodedBlocks {
-    format: BlockFormat,
+/// The form of the texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TexelForm {
+    Blocks(BlockFormat),
+    /// Pixels of so many channels of a byte each, red first.
+    Pixels {
+        channels: usize,
+    },
+}
+
+impl TexelForm {
+    /// Returns the bytes of a mip map, if they can be counted.
+    fn bytes(self, size: [u32; 2]) -> Option<u64> {
+        match self {
+            Self::Blocks(format) => format.bytes(size),
+            Self::Pixels { channels } => {
+                size.iter().try_fold(channels as u64, |all, side| all.checked_mul(u64::from(*side)))
+            }
+        }
+    }
+}
+
+/// An encoded image.
+pub(super) struct EncodedKtx2 {
+    form: TexelForm,
     /// The largest window of Zstandard, if the levels are packed by it.
     window_bytes: Option<u64>,
-    /// The bytes of each mip map, the whole image first.
+    /// The bytes of each mip map that is taken, the whole image first. Those of pixels are made
+    /// anew.
     level_bytes: Vec<u64>,
 }
 
-impl EncodedBlocks {
+impl EncodedKtx2 {
     /// Returns true for a KTX2 file.
-    pub(super) fn are_in(encoded: &[u8]) -> bool {
+    pub(super) fn is_in(encoded: &[u8]) -> bool {
         encoded.starts_with(&ktx2::MAGIC)
     }
 
@@ -31,7 +54,7 @@ impl EncodedBlocks {
     pub(super) fn read(encoded: &[u8]) -> Result<(ImageHead, Self), Reason> {
         let reader = reader(encoded)?;
         let header = reader.header();
-        let format = format_of(&header)?;
+        let form = form_of(&header)?;
         let window_bytes = match header.supercompression_scheme {
             None => None,
             Some(SupercompressionScheme::Zstandard) => {
@@ -51,22 +74,29 @@ impl EncodedBlocks {
                 "it is a KTX2 image with more mip maps than its size has",
             ));
         }
-        let bytes_of = |level: u32| format.bytes(size.map(|side| (side >> level).max(1)));
+        let taken = if matches!(form, TexelForm::Pixels { .. }) { 1 } else { levels };
+        let bytes_of = |level: u32| form.bytes(size.map(|side| (side >> level).max(1)));
         let level_bytes: Vec<u64> =
-            (0..levels).map(|level| bytes_of(level).unwrap_or(u64::MAX)).collect();
+            (0..taken).map(|level| bytes_of(level).unwrap_or(u64::MAX)).collect();
         let bytes = level_bytes.iter().fold(0_u64, |all, level| all.saturating_add(*level));
         let texels = u64::from(size[0]) * u64::from(size[1]);
-        // Devices without the format take four bytes per texel.
+        // Pixels, and devices without the format, take four bytes per texel.
         let bytes = bytes.max(texels.saturating_mul(4));
         // The decoder's buffer begins as large as the window; beyond that it is copied to one twice
         // as large.
         let scratch_bytes = window_bytes.unwrap_or(0).saturating_mul(3);
         let scratch_bytes = scratch_bytes.saturating_add(encoded.len() as u64);
+        // Pixels of fewer channels are there twice while they are spread.
+        let spread_bytes = match form {
+            TexelForm::Pixels { channels: 1..=3 } => level_bytes.iter().copied().sum(),
+            TexelForm::Pixels { .. } | TexelForm::Blocks(_) => 0,
+        };
+        let scratch_bytes = scratch_bytes.saturating_add(spread_bytes);
         let head = ImageHead { size, bytes, scratch_bytes };
-        Ok((head, Self { format, window_bytes, level_bytes }))
+        Ok((head, Self { form, window_bytes, level_bytes }))
     }
 
-    /// Takes the blocks of all mip maps out of the file.
+    /// Takes the blocks of all mip maps out of the file, or the pixels of the whole image.
     pub(super) fn decode(&self, encoded: &[u8]) -> Result<Texels, Reason> {
         let reader = reader(encoded)?;
         let mut decoder = FrameDecoder::new();
@@ -77,28 +107,49 @@ impl EncodedBlocks {
             let number = levels.len();
             let wrong =
                 |fault: &str| Reason::damaged(format!("mip map {number} of a KTX2 image {fault}"));
-            let wrong_size = || wrong(&format!("has not {bytes} bytes"));
-            let blocks = if self.window_bytes.is_some() {
-                let mut blocks = vec![0; usize::try_from(bytes).map_err(|_| wrong_size())?];
-                let found = decoder.decode_all(level.data, &mut blocks);
+            let wrong_size = || wrong(&format!("is not of {}", counted(bytes, "byte", "bytes")));
+            let texels = if self.window_bytes.is_some() {
+                let mut texels = vec![0; usize::try_from(bytes).map_err(|_| wrong_size())?];
+                let found = decoder.decode_all(level.data, &mut texels);
                 match found.map_err(|error| wrong(&format!("cannot be unpacked: {error}")))? {
-                    found if found == blocks.len() => {}
+                    found if found == texels.len() => {}
                     _ => return Err(wrong_size()),
                 }
                 let found = decoder.get_calculated_checksum();
                 if decoder.get_checksum_from_data().is_some_and(|sum| Some(sum) != found) {
                     return Err(wrong("has not the checksum that it names"));
                 }
-                blocks
+                texels
             } else if level.data.len() as u64 == bytes {
                 level.data.to_vec()
             } else {
                 return Err(wrong_size());
             };
-            levels.push(blocks);
+            levels.push(texels);
         }
-        Ok(Texels::Blocks { format: self.format, levels })
+        match self.form {
+            TexelForm::Blocks(format) => Ok(Texels::Blocks { format, levels }),
+            TexelForm::Pixels { channels } => {
+                let pixels = levels.pop().unwrap_or_default();
+                memory::ask(pixels.len() as u64 / channels as u64 * 4)?;
+                Ok(Texels::Rgba8(rgba8(pixels, channels)))
+            }
+        }
     }
+}
+
+/// Returns pixels with four channels: those that they lack are 0, alpha 255.
+fn rgba8(pixels: Vec<u8>, channels: usize) -> Vec<u8> {
+    if channels == 4 {
+        return pixels;
+    }
+    let mut rgba8 = Vec::with_capacity(pixels.len() / channels * 4);
+    for pixel in pixels.chunks_exact(channels) {
+        let mut spread = [0, 0, 0, u8::MAX];
+        spread.iter_mut().zip(pixel).for_each(|(to, from)| *to = *from);
+        rgba8.extend(spread);
+    }
+    rgba8
 }
 
 fn reader(encoded: &[u8]) -> Result<Reader<&[u8]>, Reason> {
@@ -132,14 +183,19 @@ fn window_bytes(packed: &[u8]) -> u64 {
     base + base / 8 * u64::from(window & 7)
 }
 
-/// Returns the format of the blocks. The materials say what they mean, not the file.
-fn format_of(header: &Header) -> Result<BlockFormat, Reason> {
-    const KNOWN: &str = "BC1 to BC5, BC7 and ASTC without light beyond white are supported";
+/// Returns the form of the texels. The materials say what they mean, not the file.
+fn form_of(header: &Header) -> Result<TexelForm, Reason> {
+    const KNOWN: &str = "BC1 to BC5, BC7, ASTC without light beyond white, and one to four channels of 8 bits (R8 to R8G8B8A8) are supported";
     let Some(format) = header.format else {
         let text = format!("it is a KTX2 image of Basis Universal; {KNOWN}");
         return Err(Reason::unsupported(text));
     };
-    Ok(match format {
+    let pixels = |channels: usize| Ok(TexelForm::Pixels { channels });
+    Ok(TexelForm::Blocks(match format {
+        Format::R8_UNORM | Format::R8_SRGB => return pixels(1),
+        Format::R8G8_UNORM | Format::R8G8_SRGB => return pixels(2),
+        Format::R8G8B8_UNORM | Format::R8G8B8_SRGB => return pixels(3),
+        Format::R8G8B8A8_UNORM | Format::R8G8B8A8_SRGB => return pixels(4),
         Format::BC1_RGB_UNORM_BLOCK | Format::BC1_RGB_SRGB_BLOCK => BlockFormat::Bc1,
         Format::BC1_RGBA_UNORM_BLOCK | Format::BC1_RGBA_SRGB_BLOCK => BlockFormat::Bc1Alpha,
         Format::BC2_UNORM_BLOCK | Format::BC2_SRGB_BLOCK => BlockFormat::Bc2,
@@ -153,7 +209,7 @@ fn format_of(header: &Header) -> Result<BlockFormat, Reason> {
             let text = || format!("it is a KTX2 image of {other:?}; {KNOWN}");
             BlockFormat::Astc(block.ok_or_else(|| Reason::unsupported(text()))?)
         }
-    })
+    }))
 }
 
 /// Refuses what is no flat image with rows from the top and all of its channels as they are.

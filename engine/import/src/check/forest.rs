@@ -1,0 +1,249 @@
+//! The forest of shown nodes: whatever keeps the nodes of the shown scene from being one is taken
+//! out before anything else looks at them.
+
+use gltf::json::{Index, Node, Root};
+
+use super::nodes::{NodePart, check_numbers, check_references};
+use super::numbers::in_range;
+use crate::Limits;
+use crate::error::{At, Fault, Reason};
+use crate::leave_out::remove_light;
+use crate::losses::Losses;
+use crate::notes::Notes;
+use crate::reach::{roots_without_scene, shown_scene};
+
+/// Takes out of the shown scene the nodes that are nowhere, edges to nodes that do not exist or
+/// have a parent already, and references of nodes to what does not exist.
+///
+/// # Errors
+/// More nodes than the limit; those of [`Losses::leave_out`].
+pub(crate) fn mend(
+    root: &mut Root,
+    limits: &Limits,
+    losses: &mut Losses,
+    notes: &mut Notes,
+) -> Result<(), Fault> {
+    let count = root.nodes.len();
+    if count as u64 > limits.nodes {
+        return Err(Reason::too_large("nodes", count as u64, limits.nodes).of("nodes"));
+    }
+    let mut mender = Mender { root, losses, notes };
+    mender.mend_choice()?;
+    let mut forest = Forest::of(count);
+    for start in mender.roots()? {
+        if !forest.is_new(start) {
+            continue;
+        }
+        forest.add_root(start);
+        let mut pending = vec![start];
+        while let Some(node) = pending.pop() {
+            mender.mend_node(node)?;
+            let first = pending.len();
+            mender.mend_children(node, &mut forest, &mut pending)?;
+            // The first child comes next.
+            pending.get_mut(first..).unwrap_or_default().reverse();
+        }
+    }
+    Ok(())
+}
+
+struct Mender<'a> {
+    root: &'a mut Root,
+    losses: &'a mut Losses,
+    notes: &'a mut Notes,
+}
+
+impl Mender<'_> {
+    /// Lets the file name no scene where it names one that does not exist.
+    fn mend_choice(&mut self) -> Result<(), Fault> {
+        let Some(named) = self.root.scene else { return Ok(()) };
+        let checked = in_range("scene", named.value(), self.root.scenes.len());
+        let Err(fault) = checked.at(|| "default scene".to_owned()) else { return Ok(()) };
+        self.root.scene = None;
+        self.losses.repair(fault, "the first one is shown, or all nodes", self.notes)
+    }
+
+    /// Returns the roots of the shown scene, each once; the scene keeps no others.
+    fn roots(&mut self) -> Result<Vec<usize>, Fault> {
+        let Some(scene) = shown_scene(self.root) else { return Ok(roots_without_scene(self.root)) };
+        let count = self.root.nodes.len();
+        let Some(given) = self.root.scenes.get_mut(scene) else { return Ok(Vec::new()) };
+        let mut is_listed = vec![false; count];
+        let mut roots = Vec::with_capacity(given.nodes.len());
+        for node in std::mem::take(&mut given.nodes) {
+            let index = node.value();
+            let object = || format!("scene {scene}");
+            if let Err(fault) = in_range("node", index, count).at(object) {
+                self.losses.leave_out(fault, "it is left out", self.notes)?;
+            } else if std::mem::replace(&mut is_listed[index], true) {
+                let fault = Reason::malformed(format!("node {index} is in it twice")).of(object());
+                self.losses.repair(fault, "it is shown once", self.notes)?;
+            } else {
+                roots.push(node);
+            }
+        }
+        let indices = roots.iter().map(|node| node.value()).collect();
+        given.nodes = roots;
+        Ok(indices)
+    }
+
+    /// Empties a node that has no place, and takes references to nothing out of others.
+    fn mend_node(&mut self, index: usize) -> Result<(), Fault> {
+        let Some(node) = self.root.nodes.get_mut(index) else { return Ok(()) };
+        let object = || format!("node {index}");
+        if let Err(reason) = check_numbers(node) {
+            *node = Node { name: node.name.take(), ..Node::default() };
+            let consequence = "it is left out with all below it";
+            return self.losses.leave_out(reason.of(object()), consequence, self.notes);
+        }
+        // Each turn takes one part of the node out.
+        while let Some(node) = self.root.nodes.get(index)
+            && let Err((part, reason)) = check_references(self.root, node)
+        {
+            let Some(node) = self.root.nodes.get_mut(index) else { return Ok(()) };
+            let fault = reason.of(object());
+            match part {
+                NodePart::Camera => {
+                    node.camera = None;
+                    self.losses.repair(fault, "it has none", self.notes)?;
+                }
+                NodePart::Light => {
+                    remove_light(node);
+                    self.losses.repair(fault, "it has none", self.notes)?;
+                }
+                NodePart::Mesh => {
+                    self.losses.remove_mesh(index, self.root);
+                    self.losses.leave_out(fault, "its mesh is left out", self.notes)?;
+                }
+                NodePart::Weights => {
+                    node.weights = None;
+                    self.losses.repair(fault, "they are ignored", self.notes)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the children out of a node that it cannot have, and adds those that are new to a list.
+    fn mend_children(
+        &mut self,
+        index: usize,
+        forest: &mut Forest,
+        new: &mut Vec<usize>,
+    ) -> Result<(), Fault> {
+        let Some(node) = self.root.nodes.get_mut(index) else { return Ok(()) };
+        let Some(given) = node.children.take() else { return Ok(()) };
+        let mut kept: Vec<Index<Node>> = Vec::with_capacity(given.len());
+        for child in given {
+            let is_new = forest.is_new(child.value());
+            match forest.adopt(index, child.value()) {
+                Ok(()) => {
+                    kept.push(child);
+                    new.extend(is_new.then_some(child.value()));
+                }
+                Err(reason) => {
+                    let fault = reason.of(format!("node {index}, children"));
+                    self.losses.leave_out(fault, "it is left out here", self.notes)?;
+                }
+            }
+        }
+        if let Some(node) = self.root.nodes.get_mut(index) {
+            node.children = Some(kept);
+        }
+        Ok(())
+    }
+}
+
+/// The forest of the nodes that were visited.
+struct Forest {
+    /// The parent of each node that has one.
+    parents: Vec<Option<u32>>,
+    /// The root below which each node was visited; [`Forest::NONE`] for the others.
+    visited_below: Vec<u32>,
+    /// For each root that was adopted later: the root below which that was.
+    adopted_below: Vec<u32>,
+}
+
+impl Forest {
+    const NONE: u32 = u32::MAX;
+
+    fn of(count: usize) -> Self {
+        Self {
+            parents: vec![None; count],
+            visited_below: vec![Self::NONE; count],
+            adopted_below: vec![Self::NONE; count],
+        }
+    }
+
+    /// Returns true if a node exists and was not visited.
+    fn is_new(&self, node: usize) -> bool {
+        self.visited_below.get(node) == Some(&Self::NONE)
+    }
+
+    fn add_root(&mut self, node: usize) {
+        self.visited_below[node] = node as u32;
+    }
+
+    /// Makes one visited node the parent of another node.
+    ///
+    /// # Errors
+    /// A node that does not exist, has a parent, or is above its parent.
+    fn adopt(&mut self, parent: usize, child: usize) -> Result<(), Reason> {
+        in_range("child node", child, self.parents.len())?;
+        if let Some(other) = self.parents[child] {
+            let text = format!("node {child} is a child of node {other} already");
+            return Err(Reason::malformed(text));
+        }
+        let root = self.root_of(parent);
+        if self.is_new(child) {
+            self.visited_below[child] = root;
+        } else if root == child as u32 {
+            return Err(Reason::malformed(format!("node {child} would be its own ancestor")));
+        } else {
+            self.adopted_below[child] = root;
+        }
+        self.parents[child] = Some(parent as u32);
+        Ok(())
+    }
+
+    /// Returns the node above a visited node that has no parent, and shortens the way to it.
+    fn root_of(&mut self, node: usize) -> u32 {
+        let first = self.visited_below[node];
+        let mut root = first;
+        while self.adopted_below[root as usize] != Self::NONE {
+            root = self.adopted_below[root as usize];
+        }
+        self.visited_below[node] = root;
+        let mut at = first;
+        while self.adopted_below[at as usize] != Self::NONE {
+            at = std::mem::replace(&mut self.adopted_below[at as usize], root);
+        }
+        root
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_node_has_one_parent_and_is_not_above_itself() {
+        let mut forest = Forest::of(6);
+        forest.add_root(0);
+        assert_eq!(forest.adopt(0, 1), Ok(()));
+        assert_eq!(forest.adopt(1, 2), Ok(()));
+        assert!(forest.adopt(2, 0).is_err() && forest.adopt(0, 0).is_err());
+        assert!(forest.adopt(0, 2).is_err() && forest.adopt(1, 2).is_err());
+        assert!(forest.adopt(0, 6).is_err());
+        // A root may become a child of another tree, and then has one parent, too.
+        forest.add_root(3);
+        assert_eq!(forest.adopt(3, 0), Ok(()));
+        assert!(forest.adopt(2, 3).is_err() && forest.adopt(3, 0).is_err());
+        forest.add_root(4);
+        assert_eq!(forest.adopt(4, 3), Ok(()));
+        assert!(forest.adopt(2, 4).is_err());
+        assert_eq!(forest.adopt(2, 5), Ok(()));
+        let parents = [Some(3), Some(0), Some(1), Some(4), None, Some(2)];
+        assert_eq!(forest.parents, parents);
+    }
+}

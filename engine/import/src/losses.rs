@@ -1,0 +1,87 @@
+//! Broken parts of the shown scene: they are left out or repaired, with a note, or refuse the file.
+
+use std::collections::BTreeSet;
+
+use gltf::json::Root;
+
+use crate::BrokenParts;
+use crate::error::Fault;
+use crate::extensions::INSTANCING;
+use crate::notes::{Note, Notes};
+
+/// The broken parts of the shown scene that were left out.
+#[derive(Debug, Default)]
+pub(crate) struct Losses {
+    broken_parts: BrokenParts,
+    /// The first fault for which something is not seen.
+    first: Option<Fault>,
+    /// The nodes whose mesh was left out.
+    without_mesh: BTreeSet<usize>,
+}
+
+impl Losses {
+    pub(crate) fn new(broken_parts: BrokenParts) -> Self {
+        Self { broken_parts, ..Self::default() }
+    }
+
+    /// Notes that something that could be seen is left out for a fault, with the consequence.
+    ///
+    /// # Errors
+    /// The fault, where broken parts are refused, or where it refuses any file.
+    pub(crate) fn leave_out(
+        &mut self,
+        fault: Fault,
+        consequence: &str,
+        notes: &mut Notes,
+    ) -> Result<(), Fault> {
+        let first = self.first.is_none().then(|| fault.clone());
+        self.repair(fault, consequence, notes)?;
+        self.first = self.first.take().or(first);
+        Ok(())
+    }
+
+    /// Notes that something is shown in another way than it is written, with the consequence.
+    ///
+    /// # Errors
+    /// Those of [`Losses::leave_out`].
+    pub(crate) fn repair(
+        &mut self,
+        fault: Fault,
+        consequence: &str,
+        notes: &mut Notes,
+    ) -> Result<(), Fault> {
+        let (object, reason) = self.hold(fault)?.into_parts();
+        notes.add_alike(Note::new(object, format!("{reason}; {consequence}")));
+        Ok(())
+    }
+
+    /// Judges the fault of a part whose consequence is known later: it is returned if the file may
+    /// be shown without the part.
+    ///
+    /// # Errors
+    /// Those of [`Losses::leave_out`].
+    pub(crate) fn hold(&self, fault: Fault) -> Result<Fault, Fault> {
+        let is_refused = self.broken_parts == BrokenParts::Refuse || fault.is_final();
+        if is_refused { Err(fault) } else { Ok(fault) }
+    }
+
+    /// Takes the mesh off a node, with all that is about it.
+    pub(crate) fn remove_mesh(&mut self, index: usize, root: &mut Root) {
+        let Some(node) = root.nodes.get_mut(index) else { return };
+        (node.mesh, node.skin, node.weights) = (None, None, None);
+        if let Some(extensions) = &mut node.extensions {
+            extensions.others.remove(INSTANCING);
+        }
+        self.without_mesh.insert(index);
+    }
+
+    /// Returns true if the mesh of a node was left out.
+    pub(crate) fn has_lost_mesh(&self, node: usize) -> bool {
+        self.without_mesh.contains(&node)
+    }
+
+    /// Takes the first fault for which something is not seen.
+    pub(crate) fn take_first(&mut self) -> Option<Fault> {
+        self.first.take()
+    }
+}
