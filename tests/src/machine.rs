@@ -16,7 +16,7 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use ash::vk;
-use gpu::{Entry, Required};
+use gpu::{CancellationToken, Entry, Required};
 
 pub use attachments::{AttachmentKind, AttachmentTraffic, attachment_traffic};
 pub use draw_calls::CALL_THAT_COUNTS_DRAWS;
@@ -40,6 +40,17 @@ pub struct Fault {
     pub fails: Range<usize>,
     /// The result that it returns then.
     pub code: vk::Result,
+}
+
+/// A user who asks for the end of the loading during a call.
+#[derive(Clone, Debug)]
+pub struct Impatience {
+    /// The Vulkan call.
+    pub call: &'static CStr,
+    /// The number of the call, from 0.
+    pub number: usize,
+    /// The request.
+    pub cancellation: CancellationToken,
 }
 
 /// Something that a driver does wrong without saying so.
@@ -96,6 +107,8 @@ pub struct Machine {
     pub faults: Vec<Fault>,
     /// The lie of its driver.
     pub lie: Option<Lie>,
+    /// Its user, if that one does not wait for the end of the loading.
+    pub impatience: Option<Impatience>,
 }
 
 #[derive(Default)]
@@ -139,6 +152,10 @@ fn due(call: &'static CStr) -> Option<vk::Result> {
         let count = state.calls.entry(call).or_default();
         let number = *count;
         *count += 1;
+        let impatience = state.machine.impatience.as_ref();
+        if let Some(user) = impatience.filter(|it| it.call == call && it.number == number) {
+            user.cancellation.cancel();
+        }
         let mut faults = state.machine.faults.iter();
         faults.find(|fault| fault.call == call && fault.fails.contains(&number)).map(|f| f.code)
     })

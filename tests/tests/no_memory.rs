@@ -11,8 +11,9 @@
 use std::alloc::System;
 
 use cap::Cap;
+use cull::HierarchyError;
 use render::{Costs, Error, Renderer, RendererOptions};
-use scene::{Material, MaterialId, Mesh, Scene, Surfaces};
+use scene::{Material, MaterialId, Mesh, Object, Scene, Surfaces};
 use tests::shapes::surface_of;
 use tests::{Driver, run};
 
@@ -32,6 +33,11 @@ fn with_surfaces(scene: Scene) -> Scene {
     Scene { surfaces: Some(Surfaces { meshes, materials, ..Surfaces::default() }), ..scene }
 }
 
+fn with_objects(scene: Scene, count: usize) -> Scene {
+    let objects: Vec<Object> = scene.objects.iter().copied().cycle().take(count).collect();
+    Scene { objects, ..scene }
+}
+
 #[test]
 fn a_scene_that_there_is_no_memory_for_is_refused() {
     run(Driver::Lavapipe, |device| {
@@ -43,13 +49,34 @@ fn a_scene_that_there_is_no_memory_for_is_refused() {
             (with_surfaces(scene(1_000_000)), 90, "what the vertices of all meshes look like"),
         ];
         for (scene, free_mib, expected) in cases {
-            ALLOCATOR.set_limit(ALLOCATOR.allocated() + free_mib * MIB).unwrap();
-            let refused = Renderer::new(device, &scene, &options).map(drop);
-            ALLOCATOR.set_limit(usize::MAX).unwrap();
-            let refused = refused.unwrap_err();
+            let refused = with_free_mib(free_mib, || Renderer::new(device, &scene, &options));
+            let refused = refused.map(drop).unwrap_err();
             let Error::NoMemory { what, .. } = &refused else { panic!("{refused}") };
             assert_eq!(*what, expected);
             Renderer::new(device, &scene, &options).unwrap();
         }
+        // 288 bytes an object while the hierarchy is built, and 20 a node for each view.
+        let many = with_objects(scene(1), 200_000);
+        let refused = with_free_mib(30, || Renderer::new(device, &many, &options));
+        assert_no_memory_to_cull(refused.map(drop), 55);
+        let renderer = Renderer::new(device, &many, &options).unwrap();
+        assert_no_memory_to_cull(with_free_mib(4, || renderer.new_view()).map(drop), 8);
+        renderer.new_view().unwrap();
     });
+}
+
+/// Returns what `make` returns with so much memory left.
+fn with_free_mib<T>(free_mib: usize, make: impl FnOnce() -> T) -> T {
+    ALLOCATOR.set_limit(ALLOCATOR.allocated() + free_mib * MIB).unwrap();
+    let made = make();
+    ALLOCATOR.set_limit(usize::MAX).unwrap();
+    made
+}
+
+fn assert_no_memory_to_cull(refused: Result<(), Error>, wanted_mib: usize) {
+    let refused = refused.unwrap_err();
+    let Error::Hierarchy(HierarchyError::NoMemory { count, size_bytes }) = refused else {
+        panic!("{refused}")
+    };
+    assert_eq!((count, size_bytes.div_ceil(MIB)), (200_000, wanted_mib));
 }

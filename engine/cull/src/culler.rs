@@ -6,7 +6,7 @@ use crate::cost::cost_model::CostModel;
 use crate::cost::table::{BadCost, CostTable, SceneCosts};
 use crate::geom::multi_view::MultiView;
 use crate::geom::view::View;
-use crate::hierarchy::Hierarchy;
+use crate::hierarchy::{Hierarchy, HierarchyError};
 use crate::history::answers;
 use crate::history::record::{FrameStamp, NodeState};
 use crate::history::records::History;
@@ -87,6 +87,16 @@ impl Culler {
             turned: FrameStamp::NEVER,
             coarseness: 0,
         }
+    }
+
+    /// Takes the memory for the history of a hierarchy's nodes, instead of in the first plan.
+    ///
+    /// # Errors
+    /// [`HierarchyError::NoMemory`].
+    pub fn reserve(&mut self, hierarchy: &Hierarchy) -> Result<(), HierarchyError> {
+        let count = hierarchy.leaf_objects().len();
+        let reserved = self.history.reserve(hierarchy.node_count());
+        reserved.map_err(|size_bytes| HierarchyError::NoMemory { count, size_bytes })
     }
 
     /// Takes a test with no more than `samples` samples as hidden from now on (GPU Gems 2, 6.5.4):

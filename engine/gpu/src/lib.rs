@@ -62,6 +62,7 @@ pub use crate::api::open::open;
 #[cfg(all(feature = "loaded", feature = "window"))]
 pub use crate::api::open::open_with_window;
 pub use crate::core::adapter::Adapter;
+pub use crate::core::cancellation::CancellationToken;
 pub use crate::core::capabilities::{Capabilities, Optional, Purpose, Required};
 pub use crate::core::deletion::RecordingId;
 pub use crate::core::device::{Device, WaitCounts};

@@ -289,8 +289,9 @@ const BYTES_PER_OBJECT: usize = 640;
 fn make_empty(boxes: &mut Vec<Aabb>, count: usize) -> Result<(), HierarchyError> {
     Hierarchy::check_capacity(count)?;
     // All at once, and given back: an allocation that fails half-way would end the program.
-    let asked = Vec::<u8>::new().try_reserve_exact(count.saturating_mul(BYTES_PER_OBJECT));
-    asked.map_err(|_| HierarchyError::NoMemory { count })?;
+    let size_bytes = count.saturating_mul(BYTES_PER_OBJECT);
+    let asked = Vec::<u8>::new().try_reserve_exact(size_bytes);
+    asked.map_err(|_| HierarchyError::NoMemory { count, size_bytes })?;
     boxes.clear();
     boxes.resize(count, Aabb::EMPTY);
     Ok(())

@@ -102,8 +102,9 @@ impl VisibilityState {
         hierarchy: &Hierarchy,
         leaves: &LeafTable,
         frames_in_flight: usize,
-        culler: Culler,
+        mut culler: Culler,
     ) -> Result<Self, Error> {
+        culler.reserve(hierarchy)?;
         Ok(Self {
             table: leaves.id,
             device: device.clone(),

@@ -3,7 +3,7 @@
 
 use cull::{Hierarchy, View};
 use glam::{Affine3A, Vec3};
-use gpu::{Commands, Device, IndirectDraw, Predication, RenderTarget, Target};
+use gpu::{CancellationToken, Commands, Device, IndirectDraw, Predication, RenderTarget, Target};
 use occlusion::{
     BucketId, CalibrationScene, Costs, DevicePrices, ObjectPass, ObjectRenderer, OcclusionPasses,
     PATCH_TRIANGLES, Rendering, ShaderSet,
@@ -43,17 +43,18 @@ pub fn measure_prices(device: &Device, options: &RendererOptions) -> Result<Devi
     let trust = executor.passes.trust();
     let of = (1, options.threshold_samples);
     let executors = trust.usable_executors(device, options.predication, of)?;
-    measure(passes, (&executor.passes, &executors), shaders)
+    measure(passes, (&executor.passes, &executors), shaders, &options.cancellation)
 }
 
 /// Measures the prices of tests and draws on the device of `passes`, and of these executors.
 ///
 /// # Errors
-/// No memory, a failed call.
+/// No memory, a failed call, [`gpu::Error::Cancelled`].
 pub(crate) fn measure(
     passes: &mut FramePasses,
     (occlusion_passes, executors): (&OcclusionPasses, &[Predication]),
     shaders: &ShaderSet,
+    cancellation: &CancellationToken,
 ) -> Result<DevicePrices, Error> {
     let device = passes.device.clone();
     let scene = scene();
@@ -70,6 +71,7 @@ pub(crate) fn measure(
         executors,
         objects: &mut CalibrationObjects { passes, geometry },
         draws,
+        cancellation,
     })?)
 }
 

@@ -2,7 +2,7 @@
 //! trusted the one that costs least.
 
 use cull::SkippedWork;
-use occlusion::{ChoiceRequest, OcclusionPasses, PriceChoice, ShaderSet};
+use occlusion::{ChoiceRequest, DevicePrices, OcclusionPasses, PriceChoice, ShaderSet};
 
 use crate::calibration_scene;
 use crate::error::Error;
@@ -23,8 +23,15 @@ pub(crate) fn decide(
     let work = SkippedWork::of_leaves(draws as u32);
     let request = ChoiceRequest { executors: &executors, work };
     let choice = PriceChoice::by(options.costs, &request, || {
-        calibration_scene::measure(passes, (occlusion_passes, &executors), shaders)
+        let of = (occlusion_passes, &executors[..]);
+        let measured = calibration_scene::measure(passes, of, shaders, &options.cancellation);
+        // What is given up is no failure of the device to warn of: the renderer is refused below.
+        match options.cancellation.is_cancelled() {
+            true => Ok(DevicePrices::default()),
+            false => measured,
+        }
     });
+    options.cancellation.check()?;
     let can = |it| can_skip(&device, it);
     if let Some(executor) = caster_executor(trust, choice.predication, can) {
         passes.shadows.skip_by(executor, options.frames_in_flight.max(1))?;

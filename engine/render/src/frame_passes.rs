@@ -168,7 +168,7 @@ impl FramePasses {
     ///
     /// # Errors
     /// A scene beyond the device's limits, no memory, a shader that does not fit its pass, a failed
-    /// call.
+    /// call, [`gpu::Error::Cancelled`].
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -179,12 +179,15 @@ impl FramePasses {
         let needs_of = (scene.surfaces.is_some(), frames_in_flight);
         let shadows = Shadows::new(device, shadows, &target, needs_of)?;
         let mut geometry = Geometry::upload(device, scene, hierarchy, room)?;
+        let cancellation = &room.0.cancellation;
+        cancellation.check()?;
         let transparent = Transparent::new(device, scene)?;
         let first_vertex = |mesh| geometry.first_vertex(mesh);
         let skinned_meshes = SkinnedMeshes::new(device, scene, frames_in_flight, first_vertex)?;
         if shadows.options.method == ShadowMethod::Volumes {
             geometry.volumes = Some(VolumeMeshes::new(device, &geometry, skinned_meshes.as_ref())?);
         }
+        cancellation.check()?;
         let needs =
             needs(&target, &geometry, transparent.as_ref(), skinned_meshes.as_ref(), &shadows);
         let pipelines = Pipelines::compile(device, shaders, needs, None)?;

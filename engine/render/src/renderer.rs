@@ -1,11 +1,14 @@
 //! The renderer: one frame from top to bottom, from the results of earlier frames to the submit.
 
-use ::shadows::ShadowOptions;
+use ::shadows::{ShadowMethod, ShadowOptions};
 use cull::{
     Aabb, Camera, CostTable, CullConfig, Culler, DrawPhases, Hierarchy, ObjectId, QueryShares,
     SkippedWork, Strategy, Tester, TesterSupport, View,
 };
-use gpu::{Device, FrameRing, Optional, PassTime, Predication, SampleCount, Target, Tick};
+use gpu::{
+    CancellationToken, Device, FrameRing, Optional, PassTime, Predication, SampleCount, Target,
+    Tick,
+};
 use occlusion::{
     Assumption, Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor,
     MethodSupport, OcclusionPasses, PlanExecutor, PlannedMethod, PriceChoice, Rect, ShaderSet,
@@ -84,6 +87,10 @@ pub struct RendererOptions {
     /// The assumptions about the driver that a [self-test](crate::self_test) found broken: tests
     /// and executors that rest on them are replaced by the safest that is left, with a warning.
     pub distrusted: Vec<Assumption>,
+    /// The request to give up creating the renderer, which may take long: another thread or a
+    /// signal asks for it. It is checked between the pieces of the upload, and then the renderer
+    /// is refused with [`gpu::Error::Cancelled`]. A renderer that is made heeds it no more.
+    pub cancellation: CancellationToken,
 }
 
 impl Default for RendererOptions {
@@ -105,6 +112,7 @@ impl Default for RendererOptions {
             upload_bytes_per_frame: 1 << 20,
             shadows: ShadowOptions::default(),
             distrusted: Vec::new(),
+            cancellation: CancellationToken::default(),
         }
     }
 }
@@ -119,12 +127,23 @@ fn methods_of(options: &RendererOptions) -> Vec<Box<dyn Method>> {
 impl RendererOptions {
     /// Returns those of surfaces.
     fn surfaces(&self) -> SurfaceOptions {
-        let (textures, spare) = (self.textures, self.spare.clone());
-        SurfaceOptions { textures, spare, ..SurfaceOptions::default() }
+        SurfaceOptions {
+            textures: self.textures,
+            spare: self.spare.clone(),
+            cancellation: self.cancellation.clone(),
+            ..SurfaceOptions::default()
+        }
     }
 
-    /// Refuses options that are impossible on every device.
-    fn check(&self) -> Result<(), Error> {
+    /// Refuses options that are impossible on a device, whatever the scene. Creating a renderer
+    /// does, too: this is for callers that first make the scene.
+    ///
+    /// # Errors
+    /// [`Error::FramesInFlight`], [`Error::Cost`], [`Error::Shadows`],
+    /// [`Error::MultisampledVolumes`]; a size or samples beyond the device's limits; a
+    /// [predication](RendererOptions::predication) that it lacks, or that cannot compare with the
+    /// threshold.
+    pub fn check(&self, device: &Device) -> Result<(), Error> {
         if self.frames_in_flight > MAX_FRAMES_IN_FLIGHT {
             return Err(Error::FramesInFlight {
                 wanted: self.frames_in_flight,
@@ -134,6 +153,12 @@ impl RendererOptions {
         if let Costs::Table(table) = self.costs {
             table.checked()?;
         }
+        self.shadows.check()?;
+        if self.shadows.method == ShadowMethod::Volumes && self.samples != SampleCount::One {
+            return Err(Error::MultisampledVolumes);
+        }
+        Target::check(device, self.size, self.samples)?;
+        Predication::choose(device, self.predication, 1, self.threshold_samples)?;
         Ok(())
     }
 }
@@ -176,9 +201,10 @@ impl Renderer {
     /// # Errors
     /// Impossible options: [`Error::FramesInFlight`], [`Error::Cost`], too many objects and room
     /// for them, a threshold where queries do not count or under conditional rendering. A scene or
-    /// size beyond the device's limits, no memory, a shader that does not compile, a failed call.
+    /// size beyond the device's limits, no memory, a shader that does not compile, a failed call;
+    /// [`gpu::Error::Cancelled`].
     pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Error> {
-        options.check()?;
+        options.check(device)?;
         let mut bounds = object_bounds(scene)?;
         let count = bounds.len().saturating_add(options.spare_objects);
         Geometry::check_size(device, count)?;
@@ -199,7 +225,7 @@ impl Renderer {
         hierarchy: Hierarchy,
         options: &RendererOptions,
     ) -> Result<Self, Error> {
-        options.check()?;
+        options.check(device)?;
         let shaders = match &options.shaders {
             Some(shaders) => shaders.clone(),
             None => ShaderSet::embedded()?,
@@ -217,6 +243,7 @@ impl Renderer {
         let room = (&surfaces, options.upload_bytes_per_frame);
         let made_of = (slots, (room, shadows));
         let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, made_of)?;
+        options.cancellation.check()?;
         let draws = hierarchy.leaf_objects().len() as u64;
         let threshold_samples = options.threshold_samples;
         let of = (&occlusion_passes, &shaders);
@@ -345,6 +372,12 @@ impl Renderer {
     /// Returns true if every visible object is drawn, with the strategies named exact.
     pub(crate) fn is_exact(&self) -> bool {
         self.threshold_samples == 0
+    }
+
+    /// Returns the number of samples up to which a test counts as hidden
+    /// ([`RendererOptions::threshold_samples`]).
+    pub fn threshold_samples(&self) -> u32 {
+        self.threshold_samples
     }
 
     /// Returns the device that it draws on.

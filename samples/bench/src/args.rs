@@ -22,6 +22,9 @@ use crate::options::{
 use crate::strategy::{self, Strategy};
 use crate::terminal::shown;
 
+/// The arguments of files that only a walk writes.
+const FILES: [&str; 2] = ["out", "report"];
+
 /// Walks a camera through a scene without a window and measures strategies of visibility culling
 /// against each other.
 ///
@@ -108,7 +111,8 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME[,NAME]|all", help_heading = "Compare")]
     pub strategy: Option<StrategyList>,
     /// Print a line for each strategy, with its name, exact or not, and a summary; and end
-    #[arg(long, help_heading = "Compare")]
+    #[arg(long, help_heading = "Compare", conflicts_with_all = FILES)]
+    #[arg(conflicts_with_all = ["list_devices", "self_test"])]
     pub list_strategies: bool,
     /// Compare frames bit for bit with frustum culling: every one, every K-th, or none; those that
     /// warm up too, from an empty history on
@@ -141,11 +145,12 @@ pub struct Arguments {
     #[command(flatten)]
     pub device: DeviceArguments,
     /// List the Vulkan devices and end
-    #[arg(long, help_heading = "Device")]
+    #[arg(long, help_heading = "Device", conflicts_with_all = FILES)]
+    #[arg(conflicts_with = "self_test")]
     pub list_devices: bool,
     /// Test what the driver is trusted with, print a line for each assumption, and end: with exit
     /// code 1 if no tester or no way to skip draws can be trusted
-    #[arg(long, help_heading = "Device")]
+    #[arg(long, help_heading = "Device", conflicts_with_all = FILES)]
     pub self_test: bool,
     /// Trust in the driver: as it is, or tested first, and what is found broken is not used
     #[arg(long, value_name = "HOW", default_value = "driver", help_heading = "Device")]
@@ -161,7 +166,7 @@ pub struct Arguments {
     /// frustum; or off [default: the middle one]
     #[arg(long, value_name = "FRAME|off", requires = "out", help_heading = "Output")]
     pub top_down: Option<TopDown>,
-    /// File for the report as JSON [default: none]
+    /// File for the report as JSON, in a folder that exists [default: none]
     #[arg(long, value_name = "FILE.json", help_heading = "Output")]
     pub report: Option<PathBuf>,
     /// No progress, only the table

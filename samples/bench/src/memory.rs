@@ -1,6 +1,24 @@
-//! Peak memory of this process, from the operating system.
+//! Memory of this process: its peak, from the operating system, and copies of images.
 
 use std::fs;
+
+use crate::run_error::RunError;
+
+/// Returns a copy of the pixels of an image.
+///
+/// # Errors
+/// No memory for it.
+pub fn copy_of(pixels: &[u8]) -> Result<Vec<u8>, RunError> {
+    let mut copy = Vec::new();
+    copy.try_reserve_exact(pixels.len()).map_err(|_| {
+        let mib = pixels.len() >> 20;
+        RunError::machine(format!(
+            "there is no memory for a copy of an image (about {mib} MiB): draw smaller ones, or end other programs"
+        ))
+    })?;
+    copy.extend_from_slice(pixels);
+    Ok(copy)
+}
 
 /// Returns the largest resident memory of this process so far, in MiB; absent where the system does
 /// not report it (it is read from Linux' `/proc/self/status`, `VmHWM`).

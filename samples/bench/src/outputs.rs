@@ -43,55 +43,82 @@ pub struct Outputs {
     made: Vec<PathBuf>,
 }
 
+/// A file that an option names.
+#[derive(Clone, Copy, Debug)]
+pub struct OutputFile<'a> {
+    /// The option, such as `--report`.
+    pub option: &'static str,
+    /// The file.
+    pub path: &'a Path,
+}
+
+impl<'a> OutputFile<'a> {
+    /// Returns the file of an option, if it was given.
+    pub fn of(option: &'static str, path: Option<&'a Path>) -> Option<Self> {
+        path.map(|path| Self { option, path })
+    }
+
+    /// Checks that it is the name of a file in a folder that exists and takes files.
+    fn check(&self) -> Result<(), UsageError> {
+        let Self { option, path } = *self;
+        let file = match Destination::of(path) {
+            Ok(Destination::File(file)) => file,
+            // Opened when there is something to write: a reader takes the end of the first writer
+            // for the end of all.
+            Ok(Destination::Output(_) | Destination::Stream(_)) => return Ok(()),
+            Err(error) => {
+                let what = format!("cannot write '{}' ({error})", shown(path));
+                return Err(no_place(option, &what));
+            }
+        };
+        let folder = folder_of(&file);
+        if !folder.is_dir() {
+            let (file, folder) = (shown(path), shown(folder));
+            return Err(UsageError(format!(
+                "{option}: cannot write '{file}', there is no folder '{folder}'; make it first, or choose another place"
+            )));
+        }
+        probe(folder).map_err(|Refused { what, error }| {
+            no_place(option, &format!("{what} '{}' ({error})", shown(folder)))
+        })
+    }
+}
+
+/// Returns the error of an option whose place takes no files.
+fn no_place(option: &str, what: &str) -> UsageError {
+    UsageError(format!("{option}: {what}; choose a place you can write"))
+}
+
 impl Outputs {
-    /// Makes the missing ones of the folder of images and the folder of a file, by its option, and
-    /// checks that files can be written there. Checks also that the folder of shaders is one.
+    /// Makes the folder `out`, if it is missing, and checks that files can be written there and at
+    /// the places of `files`, whose folders exist by then.
     ///
     /// # Errors
-    /// The option whose file or folder cannot be written or read, and the reason.
-    pub fn prepare(
-        shaders: Option<&Path>,
-        images: Option<&Path>,
-        (option, file): (&str, Option<&Path>),
+    /// The option whose file or folder cannot be written, and the reason.
+    pub fn prepare<'a>(
+        out: Option<&Path>,
+        files: impl IntoIterator<Item = OutputFile<'a>>,
     ) -> Result<Self, UsageError> {
         let mut outputs = Self { made: Vec::new() };
-        shaders.map_or(Ok(()), check_shaders)?;
-        images.map_or(Ok(()), |folder| outputs.prepare_folder("--out", folder))?;
-        file.map_or(Ok(()), |file| outputs.prepare_file(option, file))?;
+        out.map_or(Ok(()), |folder| outputs.prepare_folder("--out", folder))?;
+        files.into_iter().try_for_each(|file| file.check())?;
         Ok(outputs)
     }
 
-    /// Prepares the folders of a walk's files in the same way.
+    /// Prepares the folder and the file of a walk in the same way, and checks that its folder of
+    /// shaders is one.
     ///
     /// # Errors
-    /// As [`Outputs::prepare`].
+    /// As [`Outputs::prepare`] and [`check_shaders`].
     pub fn of_walk(options: &Options) -> Result<Self, UsageError> {
-        let report = ("--report", options.report.as_deref());
-        Self::prepare(options.shaders.as_deref(), options.output.as_deref(), report)
-    }
-
-    fn prepare_file(&mut self, option: &str, path: &Path) -> Result<(), UsageError> {
-        // With its folders made or not, it must be a name.
-        match Destination::of(path) {
-            Ok(Destination::File(file)) => self.prepare_folder(option, folder_of(&file)),
-            // Opened when there is something to write: a reader takes the end of the first writer
-            // for the end of all.
-            Ok(Destination::Output(_) | Destination::Stream(_)) => Ok(()),
-            Err(error) => {
-                let shown = shown(path);
-                Err(UsageError(format!(
-                    "{option}: cannot write '{shown}' ({error}); choose a place you can write"
-                )))
-            }
-        }
+        options.shaders.as_deref().map_or(Ok(()), check_shaders)?;
+        let report = OutputFile::of("--report", options.report.as_deref());
+        Self::prepare(options.output.as_deref(), report)
     }
 
     fn prepare_folder(&mut self, option: &str, folder: &Path) -> Result<(), UsageError> {
         let refuse = |what: &str, error: &dyn std::fmt::Display| {
-            let shown = shown(folder);
-            UsageError(format!(
-                "{option}: {what} '{shown}' ({error}); choose a place you can write"
-            ))
+            no_place(option, &format!("{what} '{}' ({error})", shown(folder)))
         };
         // Asked once: it may be gone between two questions.
         if fs::metadata(folder).is_ok_and(|found| !found.is_dir()) {
@@ -103,13 +130,13 @@ impl Outputs {
             match self.make(folder).and_then(|()| probe(folder)) {
                 Ok(()) => return Ok(()),
                 // In a folder that is removed meanwhile, files are not permitted.
-                Err((_, error)) if may_pass(&error) && tries.next().is_some() => {}
-                Err((what, error)) => return Err(refuse(what, &error)),
+                Err(Refused { error, .. }) if may_pass(&error) && tries.next().is_some() => {}
+                Err(Refused { what, error }) => return Err(refuse(what, &error)),
             }
         }
     }
 
-    fn make(&mut self, folder: &Path) -> Result<(), (&'static str, io::Error)> {
+    fn make(&mut self, folder: &Path) -> Result<(), Refused> {
         let missing: Vec<&Path> =
             folder.ancestors().take_while(|ancestor| !ancestor.exists()).collect();
         for &ancestor in missing.iter().rev() {
@@ -120,11 +147,18 @@ impl Outputs {
                 Ok(()) => self.made.push(ancestor.to_owned()),
                 // Another program made it, and removes it if it stays empty.
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(("cannot make the folder", error)),
+                Err(error) => return Err(Refused { what: "cannot make the folder", error }),
             }
         }
         Ok(())
     }
+}
+
+/// An attempt at a folder that the system refused.
+struct Refused {
+    /// The attempt, before the name of the folder.
+    what: &'static str,
+    error: io::Error,
 }
 
 /// Returns true for an error of a folder that another program removes.
@@ -133,12 +167,12 @@ fn may_pass(error: &io::Error) -> bool {
 }
 
 /// Checks that files can be written into a folder.
-fn probe(folder: &Path) -> Result<(), (&'static str, io::Error)> {
+fn probe(folder: &Path) -> Result<(), Refused> {
     // With a name: some systems take a folder that was removed and made again for the removed one
     // when they are asked for a file without.
     let file = tempfile::Builder::new().prefix(".antumbra-").tempfile_in(folder);
     file.and_then(tempfile::NamedTempFile::close)
-        .map_err(|error| ("cannot write into the folder", error))
+        .map_err(|error| Refused { what: "cannot write into the folder", error })
 }
 
 impl Drop for Outputs {
@@ -150,7 +184,11 @@ impl Drop for Outputs {
     }
 }
 
-fn check_shaders(folder: &Path) -> Result<(), UsageError> {
+/// Checks that a folder of shaders is one, and that this build can compile them.
+///
+/// # Errors
+/// A folder that is none; a build without a compiler.
+pub fn check_shaders(folder: &Path) -> Result<(), UsageError> {
     if cfg!(not(feature = "shader-compiler")) {
         return Err(UsageError(
             "--shaders: this build has no shader compiler; build it with --features shader-compiler"
@@ -219,12 +257,27 @@ pub(crate) mod tests {
     fn folders_that_stay_empty_go_again() {
         let scratch = Scratch::new("empty");
         let out = scratch.0.join("a/b");
-        let report = scratch.0.join("c/report.json");
+        // In a folder that is made for the images.
+        let report = scratch.0.join("a/report.json");
         let options =
             options(&["--out", out.to_str().unwrap(), "--report", report.to_str().unwrap()]);
         let outputs = Outputs::of_walk(&options).unwrap();
-        assert!(out.is_dir() && report.parent().unwrap().is_dir() && !report.exists());
+        assert!(out.is_dir() && !report.exists());
         drop(outputs);
+        assert!(scratch.names().is_empty());
+    }
+
+    #[test]
+    fn nobody_asks_for_the_folder_of_a_file() {
+        let scratch = Scratch::new("no-folder");
+        let report = scratch.0.join("reprots/report.json");
+        let refused = Outputs::of_walk(&options(&["--report", report.to_str().unwrap()]));
+        let message = refused.unwrap_err().to_string();
+        assert!(message.starts_with("--report: cannot write "), "{message}");
+        assert!(
+            message.contains("there is no folder") && message.contains("reprots'"),
+            "{message}"
+        );
         assert!(scratch.names().is_empty());
     }
 

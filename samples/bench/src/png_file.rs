@@ -18,6 +18,14 @@ pub enum PngError {
         /// The number of bytes.
         bytes: usize,
     },
+    /// Less memory than the image takes once more.
+    #[error("there is no memory for an image of {size} pixels as a PNG (about {} MiB)", bytes >> 20)]
+    NoMemory {
+        /// The size.
+        size: FrameSize,
+        /// The number of bytes that were asked for.
+        bytes: usize,
+    },
     /// An error of the encoder.
     #[error("cannot encode an image: {0}")]
     Encoding(#[from] png::EncodingError),
@@ -36,9 +44,13 @@ pub fn write_png(path: &Path, size: FrameSize, rgba8: &[u8]) -> Result<PathBuf, 
     if pixels == 0 || u64::try_from(rgba8.len()).ok() != pixels.checked_mul(4) {
         return Err(PngError::WrongLength { size, bytes: rgba8.len() });
     }
-    let rgb8: Vec<u8> =
-        rgba8.as_chunks::<4>().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
-    let mut file = Vec::new();
+    let bytes = rgba8.len() / 4 * 3;
+    let mut rgb8: Vec<u8> = Vec::new();
+    // Packed, it is hardly ever larger.
+    let mut file: Vec<u8> = Vec::new();
+    let reserved = rgb8.try_reserve_exact(bytes).and_then(|()| file.try_reserve(bytes));
+    reserved.map_err(|_| PngError::NoMemory { size, bytes: 2 * bytes })?;
+    rgb8.extend(rgba8.as_chunks::<4>().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]));
     let mut encoder = png::Encoder::new(&mut file, size.width, size.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);

@@ -15,9 +15,10 @@ use antumbra::scene::Scene;
 use antumbra::{gpu, methods, render};
 
 use crate::choices::{DeviceChoice, PredicatesChoice, TrustChoice, ValidationChoice};
-use crate::options::{LeftOut, SceneChoice};
+use crate::options::{LeftOut, PathChoice, SceneChoice};
 use crate::progress::WalkProgress;
 use crate::provenance::Provenance;
+use crate::recorded_path::RecordedPath;
 use crate::report::{
     BuildReport, DeviceReport, MemoryReport, Report, SceneReport, paired_ratios, ratios,
 };
@@ -49,6 +50,10 @@ pub fn run(
     progress: &dyn WalkProgress,
     signals: &Signals,
 ) -> Result<Walked, RunError> {
+    // What the command line asks for is checked before anything takes time.
+    if let PathChoice::Recorded(file) = &options.path {
+        RecordedPath::read(file)?;
+    }
     let instance = open_instance(options.validation, None)?;
     let adapter = pick_adapter(&instance, &options.device)?;
     progress.stage(&format!("opening {}", adapter.name));
@@ -145,6 +150,7 @@ pub fn walk_on(
     progress: &dyn WalkProgress,
     signals: &Signals,
 ) -> Result<Walked, RunError> {
+    let renderer_options = checked_options(device, options, signals)?;
     let mut clock = Stopwatch::start();
     let WalkScene { scene, seed, path, path_name, mut moving, mut file } =
         WalkScene::build(options, progress, signals)?;
@@ -152,9 +158,8 @@ pub fn walk_on(
     let scene_ms = clock.lap_ms();
     let hierarchy = Hierarchy::build(&object_bounds(&scene)?).map_err(RunError::machine)?;
     let hierarchy_ms = clock.lap_ms();
-    signals.check()?;
     progress.stage("uploading it to the device");
-    let mut renderer = upload(device, &scene, hierarchy, options)?;
+    let mut renderer = upload(device, &scene, hierarchy, options, renderer_options)?;
     let upload = Some(clock.lap_ms());
     let build_ms = BuildReport { scene: Some(scene_ms), hierarchy: Some(hierarchy_ms), upload };
     if let Some(file) = &mut file {
@@ -210,21 +215,36 @@ pub fn walk_on(
     Ok(Walked { report, images })
 }
 
+/// Returns the options of the renderer. Refuses what the device cannot do with any scene, before
+/// one is made.
+fn checked_options(
+    device: &Device,
+    options: &Options,
+    signals: &Signals,
+) -> Result<RendererOptions, RunError> {
+    let cancellation = signals.cancellation();
+    let renderer_options = RendererOptions { cancellation, ..renderer_options(options)? };
+    renderer_options.check(device)?;
+    for shadows in &options.shadows {
+        let shadows = shadows.options();
+        RendererOptions { shadows, ..renderer_options.clone() }.check(device)?;
+    }
+    Ok(renderer_options)
+}
+
 /// Returns a renderer of the scene.
 fn upload(
     device: &Device,
     scene: &Scene,
     hierarchy: Hierarchy,
     options: &Options,
+    renderer_options: RendererOptions,
 ) -> Result<Renderer, RunError> {
-    let renderer_options = match options.trust {
-        TrustChoice::Driver => renderer_options(options)?,
-        TrustChoice::Tested => {
-            let options = renderer_options(options)?;
-            let distrusted = render::self_test(device, &options)?.broken();
-            RendererOptions { distrusted, ..options }
-        }
+    let distrusted = match options.trust {
+        TrustChoice::Driver => Vec::new(),
+        TrustChoice::Tested => render::self_test(device, &renderer_options)?.broken(),
     };
+    let renderer_options = RendererOptions { distrusted, ..renderer_options };
     let renderer = Renderer::with_hierarchy(device, scene, hierarchy, &renderer_options);
     renderer.map_err(|error| match &options.scene {
         SceneChoice::File(file) => RunError::from(error).about(file),

@@ -125,6 +125,7 @@ impl From<gpu::Error> for RunError {
             | gpu::Error::TooLarge { .. }
             | gpu::Error::CannotCompare { .. }
             | gpu::Error::ShaderCompile { .. } => Self::user(error),
+            gpu::Error::Cancelled => Self::given_up(),
             _ => Self::machine(error),
         }
     }

@@ -1,10 +1,12 @@
 //! Signals that end a program as if its work was done: the results so far are printed and written.
+//! And one that would end it with half a file.
 
 use std::fs;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use antumbra::gpu::CancellationToken;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::flag;
 
 use crate::run_error::RunError;
@@ -43,6 +45,8 @@ impl Signal {
 pub struct Signals {
     /// The number of the newest; 0 before the first.
     newest: Arc<AtomicUsize>,
+    /// True from the first one on.
+    has_come: Arc<AtomicBool>,
 }
 
 impl Signals {
@@ -54,7 +58,7 @@ impl Signals {
     /// When the system refuses.
     pub fn watch() -> Result<Self, RunError> {
         let newest = Arc::new(AtomicUsize::new(0));
-        let is_second = Arc::new(AtomicBool::new(false));
+        let has_come = Arc::new(AtomicBool::new(false));
         let ignored = ignored_signals();
         for signal in Signal::ALL {
             let number = signal.number();
@@ -62,12 +66,17 @@ impl Signals {
                 continue;
             }
             // They are called in this order: the first signal finds that it is not the second.
-            flag::register_conditional_default(number, Arc::clone(&is_second))
-                .and_then(|_| flag::register(number, Arc::clone(&is_second)))
+            flag::register_conditional_default(number, Arc::clone(&has_come))
+                .and_then(|_| flag::register(number, Arc::clone(&has_come)))
                 .and_then(|_| flag::register_usize(number, Arc::clone(&newest), number as usize))
                 .map_err(|error| RunError::machine(format!("cannot watch for signals: {error}")))?;
         }
-        Ok(Self { newest })
+        Ok(Self { newest, has_come })
+    }
+
+    /// Returns the request to give loading up, which every signal makes.
+    pub fn cancellation(&self) -> CancellationToken {
+        CancellationToken::of_flag(Arc::clone(&self.has_come))
     }
 
     /// Returns the signal that asks for the end.
@@ -83,6 +92,12 @@ impl Signals {
     pub fn check(&self) -> Result<(), RunError> {
         self.received().map_or(Ok(()), |_| Err(RunError::given_up()))
     }
+}
+
+/// Lets writes beyond the limit of a file's size (`ulimit -f`) fail, instead of ending the process
+/// with half a file. Where the system refuses, it stays as it is.
+pub fn survive_file_limits() {
+    let _never_read = flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
 }
 
 /// Returns a bit for each signal that is ignored, the lowest one for signal 1; none where the

@@ -13,6 +13,7 @@ use crate::camera_path::CameraTrack;
 use crate::choices::{ProjectionChoice, Verify};
 use crate::eyes::Eyes;
 use crate::measurement::{FrameMeasurement, RunMeasurement};
+use crate::memory::copy_of;
 use crate::moving::Moving;
 use crate::progress::WalkProgress;
 use crate::report::RunReport;
@@ -235,7 +236,7 @@ impl<'a> Walk<'a> {
             let (camera, wanted) = (self.path.frame_camera(frame), Some(&image));
             self.reference.render(self.renderer, Strategy::FRUSTUM, &camera, &[], wanted)?;
             self.reference.drain(self.renderer)?;
-            self.references.insert((number, frame), image.rgba8()?.to_vec());
+            self.references.insert((number, frame), copy_of(&image.rgba8()?)?);
         }
         Ok(number)
     }

@@ -11,6 +11,7 @@ use crate::Options;
 use crate::camera_path::CameraTrack;
 use crate::eyes::Eyes;
 use crate::legend;
+use crate::memory::copy_of;
 use crate::moving::Moving;
 use crate::png_file::write_png;
 use crate::run_error::RunError;
@@ -64,7 +65,7 @@ impl WalkImages {
         let image = Readback::new(renderer.device(), renderer.size())?;
         let mut save = |name: String, is_explained: bool| {
             let written = image.rgba8().map_err(RunError::from).and_then(|pixels| {
-                let mut pixels = pixels.to_vec();
+                let mut pixels = copy_of(&pixels)?;
                 if is_explained {
                     let width = options.size.width as usize;
                     legend::draw(

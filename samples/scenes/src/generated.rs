@@ -18,13 +18,17 @@ pub struct GeneratedScene {
     pub routes: Routes,
 }
 
-/// Returns an empty list with room for so many objects.
+/// The memory that the meshes of a scene and its plan take, at most, while they are made (bytes).
+const SHAPES_BYTES: usize = 16 << 20;
+
+/// Returns an empty list with room for so many objects, if there is memory for their shapes, too.
 pub(crate) fn room_for_objects(asked: u32) -> Result<Vec<Object>, GeneratorError> {
     if !(1..=MAX_OBJECTS).contains(&asked) {
         return Err(GeneratorError::ObjectCount { asked });
     }
     let mut objects = Vec::new();
-    let reserved = objects.try_reserve_exact(asked as usize);
+    let shapes = || Vec::<u8>::new().try_reserve_exact(SHAPES_BYTES);
+    let reserved = objects.try_reserve_exact(asked as usize).and_then(|()| shapes());
     reserved.map(|()| objects).map_err(|_| GeneratorError::NoMemory { count: asked })
 }
 

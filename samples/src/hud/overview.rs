@@ -125,13 +125,17 @@ fn times(canvas: &mut HudCanvas<'_>, times: &[HudFigure], y: f32, width: f32) ->
     y + high
 }
 
-/// Draws a check mark or a warning triangle, and a sentence. Returns their lower end.
+/// Draws a check mark or a warning triangle, and a sentence; where nothing is claimed, the sentence
+/// alone. Returns their lower end.
 fn verdict(canvas: &mut HudCanvas<'_>, verdict: &ExactnessVerdict, y: f32, width: f32) -> f32 {
     let row = canvas.row(ROW_NAME);
     let (text, colour) = match verdict {
         ExactnessVerdict::Exact(text) => (text, GOOD),
         ExactnessVerdict::Inexact(text) => (text, BAD),
-        ExactnessVerdict::Unknown => return y + row,
+        ExactnessVerdict::Unclaimed(text) => {
+            canvas.text_within(pos2(MARGIN, y), TextAlign::Left, width, text, ROW_NAME);
+            return y + row;
+        }
     };
     let [left, size] = [MARGIN, row * 0.7];
     let [top, low] = [y + row * 0.18, y + row * 0.82];

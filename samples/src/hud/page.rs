@@ -75,15 +75,20 @@ pub struct Split {
 }
 
 /// The equality of the image to the one without occlusion culling.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum ExactnessVerdict {
     /// They are equal, for this reason.
     Exact(String),
     /// They may differ, for this reason.
     Inexact(String),
-    /// There is no image yet.
-    #[default]
-    Unknown,
+    /// Nothing is claimed, for this reason; without words before the first image.
+    Unclaimed(String),
+}
+
+impl Default for ExactnessVerdict {
+    fn default() -> Self {
+        Self::Unclaimed(String::new())
+    }
 }
 
 /// The meaning of some colours.

@@ -95,7 +95,7 @@ impl App<'_> {
         // Keys in a list or field neither steer nor trigger actions.
         if opened.session.menu.is_none() || is_escape || !event.state.is_pressed() {
             let action = self.input.key(event);
-            return action.map_or(Ok(false), |action| opened.act(action));
+            return action.map_or(Ok(false), |action| opened.act(action, self.options));
         }
         let settings = || self.source.settings_for_another();
         let another = |file| SceneSource::File { file, settings: settings() };
@@ -107,7 +107,8 @@ impl App<'_> {
 impl ApplicationHandler for App<'_> {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         let Some(files) = self.files.take() else { return };
-        match Opened::open(event_loop, self.source, self.options, files) {
+        let cancellation = self.signals.cancellation();
+        match Opened::open(event_loop, self.source, self.options, files, cancellation) {
             Ok(opened) => self.opened = Some(opened),
             Err(error) => self.follow(event_loop, Err(error)),
         }

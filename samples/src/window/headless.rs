@@ -1,7 +1,6 @@
 //! The program without a window: the same frames, each a sixtieth of a second after the other, as
 //! images if asked for.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -10,8 +9,8 @@ use antumbra::gpu::{Device, DeviceOptions, Readback};
 use super::actions::Action;
 use super::failures::{check_log, first_error};
 use super::fly_camera::Steering;
-use super::loaded_scene::LoadedScene;
-use super::session::{Files, Session};
+use super::loaded_scene::{SceneLoader, check_options};
+use super::session::{Files, LightingRequest, Session};
 use super::show::ShowOptions;
 use super::source::SceneSource;
 use bench::progress::LoadingBar;
@@ -54,22 +53,14 @@ fn draw(
     signals: &Signals,
 ) -> Result<(), RunError> {
     let size = [options.size.width, options.size.height];
+    check_options(device, options, size)?;
+    let loader = SceneLoader { device, options, size, cancellation: signals.cancellation() };
     let loaded = match source {
-        SceneSource::Made { made, path, hour } => {
-            LoadedScene::made(device, (made, path.as_ref(), *hour), options, size)?
-        }
-        SceneSource::Courtyard { hour } => LoadedScene::courtyard(device, *hour, options, size)?,
-        SceneSource::File { file, settings } => {
+        SceneSource::File { .. } => {
             let bar = LoadingBar::for_terminal();
-            LoadedScene::of_file(device, (file, settings), options, size, &mut |told| {
-                bar.told(told.what, told.fraction);
-                match signals.received() {
-                    Some(_) => ControlFlow::Break(()),
-                    None => ControlFlow::Continue(()),
-                }
-            })?
+            loader.load(source, &mut |told| bar.told(told.what, told.fraction))?
         }
-        SceneSource::Nothing { .. } => LoadedScene::empty(device, options, size)?,
+        _ => loader.load(source, &mut |_| {})?,
     };
     for note in &loaded.scene_view.notes {
         tracing::warn!("{}: {note}", shown(Path::new(&loaded.scene_view.name)));
@@ -78,16 +69,16 @@ fn draw(
         tracing::info!("{hint}");
     }
     let mut session = Session::new(device, options, files, loaded)?;
-    let drawn = draw_frames(device, &mut session, options, signals);
+    let drawn = draw_frames(&loader, &mut session, signals);
     first_error([drawn, session.finish(options)])
 }
 
 fn draw_frames(
-    device: &Device,
+    loader: &SceneLoader<'_>,
     session: &mut Session,
-    options: &ShowOptions,
     signals: &Signals,
 ) -> Result<(), RunError> {
+    let SceneLoader { device, options, .. } = *loader;
     let size = [options.size.width, options.size.height];
     let image = options.out.as_ref().map(|_| Readback::new(device, size)).transpose()?;
     let image = image.map(Rc::new);
@@ -102,6 +93,9 @@ fn draw_frames(
                 return Ok(());
             }
             session.act(action)?;
+            if let Some(LightingRequest { source, action }) = session.take_lighting_request() {
+                session.light_up(loader.load(&source, &mut |_| {})?, action)?;
+            }
             has_acted = true;
         }
         if session.take_stale_page() || has_acted || frame % HUD_FRAMES == 0 {

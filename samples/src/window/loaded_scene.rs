@@ -1,9 +1,10 @@
 //! The scene that a session shows: on the device, with its view.
 
 use std::ops::ControlFlow;
+use std::path::Path;
 
 use antumbra::glam::Vec3;
-use antumbra::gpu::Device;
+use antumbra::gpu::{CancellationToken, Device};
 use antumbra::render::{Costs, Renderer, RendererOptions, ShaderSet};
 use antumbra::scene::{Environment, Light, LightMove, Mesh, Scene, SkyDisk};
 use antumbra::shadows::ShadowOptions;
@@ -12,7 +13,7 @@ use scenes::{Courtyard, Daylight, GeneratedScene, Hour, Routes};
 
 use super::scene_view::SceneView;
 use super::show::ShowOptions;
-use super::source::FileSource;
+use super::source::{FileSource, SceneSource};
 use crate::hud::{HudLevel, PANEL_SHARE};
 use bench::camera_path::CameraTrack;
 use bench::choices::{self, TrustChoice};
@@ -28,23 +29,63 @@ pub struct LoadedScene {
     pub scene_view: SceneView,
     /// Its lights that change with the hour, if it has such.
     pub daylight: Option<Daylight>,
+    /// The same scene with lights that change with the hour, if it could have such and has none.
+    pub lit: Option<SceneSource>,
 }
 
-impl LoadedScene {
+/// The device that scenes are loaded to, and the options of showing them.
+pub struct SceneLoader<'a> {
+    /// The device.
+    pub device: &'a Device,
+    /// The options of showing scenes.
+    pub options: &'a ShowOptions,
+    /// The size of the first image, in pixels.
+    pub size: [u32; 2],
+    /// The request to give up loading.
+    pub cancellation: CancellationToken,
+}
+
+impl SceneLoader<'_> {
+    /// Loads or makes the scene of a source, and reports the progress.
+    ///
+    /// # Errors
+    /// A scene that cannot be made or shown; a device that fails; a request to give up.
+    pub fn load(
+        &self,
+        source: &SceneSource,
+        progress_fn: &mut dyn FnMut(LoadProgress<'_>),
+    ) -> Result<LoadedScene, RunError> {
+        match source {
+            SceneSource::Made { made, path, hour } => {
+                progress_fn(LoadProgress { what: "making the scene", fraction: None });
+                self.made(made, path.as_ref(), *hour)
+            }
+            SceneSource::Courtyard { hour } => self.courtyard(*hour),
+            SceneSource::File { file, settings } => self.of_file(file, settings, &mut |told| {
+                progress_fn(told);
+                match self.cancellation.is_cancelled() {
+                    true => ControlFlow::Break(()),
+                    false => ControlFlow::Continue(()),
+                }
+            }),
+            SceneSource::Nothing { .. } => self.empty(),
+        }
+    }
+
     /// Creates an empty sky, until a scene is loaded.
     ///
     /// # Errors
     /// When the device fails.
-    pub fn empty(device: &Device, options: &ShowOptions, size: [u32; 2]) -> Result<Self, RunError> {
+    pub fn empty(&self) -> Result<LoadedScene, RunError> {
         let mut scene = Scene::single(Mesh::of_triangles("nothing", &[]));
         scene.objects.clear();
         // Nothing is tested in it: what tests cost need not be measured.
         let renderer_options = RendererOptions {
             costs: Costs::Ignored,
             shadows: ShadowOptions::default(),
-            ..renderer_options(device, options, size)?
+            ..self.renderer_options()?
         };
-        let renderer = Renderer::new(device, &scene, &renderer_options)?;
+        let renderer = Renderer::new(self.device, &scene, &renderer_options)?;
         let camera = cull::Camera {
             eye: Vec3::ZERO,
             forward: Vec3::NEG_Z,
@@ -52,19 +93,17 @@ impl LoadedScene {
             projection: cull::Projection::perspective(scene::FOV_Y_RAD),
             near: scene::NEAR_M,
         };
-        Ok(Self { renderer, scene_view: SceneView::still("nothing", camera), daylight: None })
+        let scene_view = SceneView::still("nothing", camera);
+        Ok(LoadedScene { renderer, scene_view, daylight: None, lit: None })
     }
 
     /// Makes a generated scene.
-    ///
-    /// # Errors
-    /// Numbers from which no scene can be made; a path that it does not have; a device that fails.
-    pub fn made(
-        device: &Device,
-        (made, path, hour): (&MadeScene, Option<&PathChoice>, Option<Hour>),
-        options: &ShowOptions,
-        size: [u32; 2],
-    ) -> Result<Self, RunError> {
+    fn made(
+        &self,
+        made: &MadeScene,
+        path: Option<&PathChoice>,
+        hour: Option<Hour>,
+    ) -> Result<LoadedScene, RunError> {
         let GeneratedScene { scene, routes } = match made.scene {
             choices::GeneratorChoice::City => scenes::city(made.objects, made.seed)?,
             choices::GeneratorChoice::Field => scenes::field(made.objects, made.seed)?,
@@ -84,56 +123,46 @@ impl LoadedScene {
         let renderer_options = RendererOptions {
             shadows: match &daylight {
                 None => ShadowOptions::default(),
-                Some(_) => options.shadows.options(),
+                Some(_) => self.options.shadows.options(),
             },
-            ..renderer_options(device, options, size)?
+            ..self.renderer_options()?
         };
-        let mut renderer = Renderer::new(device, &scene, &renderer_options)?;
+        let mut renderer = Renderer::new(self.device, &scene, &renderer_options)?;
         if let Some(daylight) = &daylight {
             show_hour(&mut renderer, daylight)?;
         }
-        Ok(Self {
+        let lit =
+            SceneSource::Made { made: *made, path: path.cloned(), hour: Some(Hour::AFTERNOON) };
+        Ok(LoadedScene {
             renderer,
             scene_view: SceneView::still(&made.scene.to_string(), start)
                 .with_names(&scene)
                 .with_track(track),
+            lit: daylight.is_none().then_some(lit),
             daylight,
         })
     }
 
     /// Makes the courtyard, which moves.
-    ///
-    /// # Errors
-    /// A device that fails.
-    pub fn courtyard(
-        device: &Device,
-        hour: Hour,
-        options: &ShowOptions,
-        size: [u32; 2],
-    ) -> Result<Self, RunError> {
+    fn courtyard(&self, hour: Hour) -> Result<LoadedScene, RunError> {
         let Courtyard { scene, daylight, motion, camera } = scenes::courtyard(hour);
-        let mut renderer =
-            Renderer::new(device, &scene, &renderer_options(device, options, size)?)?;
+        let mut renderer = Renderer::new(self.device, &scene, &self.renderer_options()?)?;
         show_hour(&mut renderer, &daylight)?;
         let scene_view = SceneView::still(&scene.name, camera).with_names(&scene);
         let scene_view = scene_view.with_motion(motion);
-        Ok(Self { renderer, scene_view, daylight: Some(daylight) })
+        Ok(LoadedScene { renderer, scene_view, daylight: Some(daylight), lit: None })
     }
 
     /// Loads a file, reports the progress, and gives up if the observer asks for it.
-    ///
-    /// # Errors
-    /// A file that cannot be shown; a camera that it does not have; a device that fails.
-    pub fn of_file(
-        device: &Device,
-        (file, settings): (&std::path::Path, &FileSource),
-        options: &ShowOptions,
-        size: [u32; 2],
+    fn of_file(
+        &self,
+        file: &Path,
+        settings: &FileSource,
         progress_fn: &mut dyn FnMut(LoadProgress<'_>) -> ControlFlow<()>,
-    ) -> Result<Self, RunError> {
+    ) -> Result<LoadedScene, RunError> {
         let reading = import::LoadOptions {
             exposure: settings.exposure,
-            broken_parts: options.broken_parts,
+            broken_parts: self.options.broken_parts,
             ..import::LoadOptions::default()
         };
         let mut imported = scene_file::load(file, &reading, progress_fn)?;
@@ -146,15 +175,34 @@ impl LoadedScene {
         }
         let hierarchy = scene_file::hierarchy(&imported.scene, progress_fn)?;
         scene_file::report_progress(progress_fn, "uploading it to the device", None)?;
-        let renderer_options = renderer_options(device, options, size)?;
+        let renderer_options = self.renderer_options()?;
         let renderer =
-            Renderer::with_hierarchy(device, &imported.scene, hierarchy, &renderer_options)
+            Renderer::with_hierarchy(self.device, &imported.scene, hierarchy, &renderer_options)
                 .map_err(|error| RunError::from(error).about(file))?;
-        let covered = if options.hud == HudLevel::Off { 0.0 } else { PANEL_SHARE };
-        let mut scene_view = SceneView::of_file(file, imported, settings, (size, covered))?;
+        let covered = if self.options.hud == HudLevel::Off { 0.0 } else { PANEL_SHARE };
+        let mut scene_view = SceneView::of_file(file, imported, settings, (self.size, covered))?;
         scene_view.notes.extend(renderer.degradations().texts());
         scene_view.notes.extend(renderer.distrust());
-        Ok(Self { renderer, scene_view, daylight: None })
+        Ok(LoadedScene { renderer, scene_view, daylight: None, lit: None })
+    }
+
+    /// Returns the options of renderers on the device, which is tested first, once, if that is
+    /// asked for.
+    fn renderer_options(&self) -> Result<RendererOptions, RunError> {
+        let Self { device, options, size, ref cancellation } = *self;
+        let cancellation = cancellation.clone();
+        let untested = RendererOptions { cancellation, ..untested_options(options, size)? };
+        if options.trust == TrustChoice::Driver {
+            return Ok(untested);
+        }
+        let distrusted = match options.distrusted.get() {
+            Some(distrusted) => distrusted.clone(),
+            None => {
+                let found = render::self_test(device, &untested)?.broken();
+                options.distrusted.get_or_init(|| found).clone()
+            }
+        };
+        Ok(RendererOptions { distrusted, ..untested })
     }
 }
 
@@ -211,14 +259,22 @@ fn start(routes: &Routes) -> Result<CameraTrack, RunError> {
     made(choices::CameraPathChoice::Street).or_else(|_| made(choices::CameraPathChoice::Fly))
 }
 
-/// Returns the options of renderers on a device, which is tested first, once, if that is asked for.
-fn renderer_options(
+/// Refuses options that the device cannot fulfil with any scene, before one is made.
+///
+/// # Errors
+/// An image beyond the device's limits, shaders that do not compile, and similar.
+pub fn check_options(
     device: &Device,
     options: &ShowOptions,
     size: [u32; 2],
-) -> Result<RendererOptions, RunError> {
+) -> Result<(), RunError> {
+    Ok(untested_options(options, size)?.check(device)?)
+}
+
+/// Returns the options of renderers on a device that is trusted.
+fn untested_options(options: &ShowOptions, size: [u32; 2]) -> Result<RendererOptions, RunError> {
     let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from);
-    let untested = RendererOptions {
+    Ok(RendererOptions {
         methods: methods::all(),
         size,
         samples: options.samples,
@@ -227,16 +283,5 @@ fn renderer_options(
         costs: options.costs.into(),
         shadows: options.shadows.options(),
         ..RendererOptions::default()
-    };
-    if options.trust == TrustChoice::Driver {
-        return Ok(untested);
-    }
-    let distrusted = match options.distrusted.get() {
-        Some(distrusted) => distrusted.clone(),
-        None => {
-            let found = render::self_test(device, &untested)?.broken();
-            options.distrusted.get_or_init(|| found).clone()
-        }
-    };
-    Ok(RendererOptions { distrusted, ..untested })
+    })
 }

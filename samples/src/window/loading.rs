@@ -1,17 +1,15 @@
 //! A scene that is loading on a thread of its own, while the frame loop goes on.
 
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
-use antumbra::gpu::Device;
+use antumbra::gpu::{CancellationToken, Device};
 
-use super::loaded_scene::LoadedScene;
+use super::loaded_scene::{LoadedScene, SceneLoader};
 use super::show::ShowOptions;
 use super::source::SceneSource;
 use bench::run_error::RunError;
-use bench::scene_file::{self, LoadProgress};
+use bench::scene_file::LoadProgress;
 
 /// The progress of loading.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,18 +20,12 @@ pub struct LoadingStatus {
     pub fraction: Option<f32>,
 }
 
-/// The state that both threads share.
-#[derive(Default)]
-struct Shared {
-    progress: Mutex<LoadingStatus>,
-    is_given_up: AtomicBool,
-}
-
 /// A scene that is being loaded or made. Dropping it gives it up and waits for that: the device
 /// outlives it.
 pub struct Loading {
     source: SceneSource,
-    shared: Arc<Shared>,
+    progress: Arc<Mutex<LoadingStatus>>,
+    cancellation: CancellationToken,
     thread: Option<JoinHandle<Result<LoadedScene, RunError>>>,
 }
 
@@ -48,41 +40,22 @@ impl Loading {
         options: &ShowOptions,
         size: [u32; 2],
     ) -> Result<Self, RunError> {
-        let shared = Arc::new(Shared::default());
+        let progress = Arc::<Mutex<LoadingStatus>>::default();
+        let cancellation = CancellationToken::new();
         let (device, options, own) = (device.clone(), options.clone(), source.clone());
-        let theirs = Arc::clone(&shared);
+        let (shown, theirs) = (Arc::clone(&progress), cancellation.clone());
         let load = move || {
-            let mut progress_fn = |progress: LoadProgress<'_>| {
-                let progress =
-                    LoadingStatus { what: progress.what.to_owned(), fraction: progress.fraction };
-                *theirs.progress.lock().unwrap_or_else(PoisonError::into_inner) = progress;
-                match theirs.is_given_up.load(Ordering::Relaxed) {
-                    true => ControlFlow::Break(()),
-                    false => ControlFlow::Continue(()),
-                }
-            };
-            match &own {
-                SceneSource::Made { made, path, hour } => {
-                    scene_file::report_progress(&mut progress_fn, "making the scene", None)?;
-                    LoadedScene::made(&device, (made, path.as_ref(), *hour), &options, size)
-                }
-                SceneSource::Courtyard { hour } => {
-                    LoadedScene::courtyard(&device, *hour, &options, size)
-                }
-                SceneSource::File { file, settings } => LoadedScene::of_file(
-                    &device,
-                    (file, settings),
-                    &options,
-                    size,
-                    &mut progress_fn,
-                ),
-                SceneSource::Nothing { .. } => LoadedScene::empty(&device, &options, size),
-            }
+            let loader =
+                SceneLoader { device: &device, options: &options, size, cancellation: theirs };
+            loader.load(&own, &mut |told: LoadProgress<'_>| {
+                let status = LoadingStatus { what: told.what.to_owned(), fraction: told.fraction };
+                *shown.lock().unwrap_or_else(PoisonError::into_inner) = status;
+            })
         };
         let thread = thread::Builder::new().name("loading".to_owned()).spawn(load);
         let thread =
             thread.map_err(|error| RunError::machine(format!("cannot start a thread: {error}")))?;
-        Ok(Self { source: source.clone(), shared, thread: Some(thread) })
+        Ok(Self { source: source.clone(), progress, cancellation, thread: Some(thread) })
     }
 
     /// Returns the source that is loaded.
@@ -92,7 +65,7 @@ impl Loading {
 
     /// Returns the progress.
     pub fn progress(&self) -> LoadingStatus {
-        self.shared.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Returns the result, once it is known.
@@ -105,7 +78,7 @@ impl Loading {
 
 impl Drop for Loading {
     fn drop(&mut self) {
-        self.shared.is_given_up.store(true, Ordering::Relaxed);
+        self.cancellation.cancel();
         if let Some(thread) = self.thread.take() {
             let _whatever_became_of_it = thread.join();
         }

@@ -26,10 +26,19 @@ pub enum Choice {
 /// A row of a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// The text of the row.
+    /// The name of the row.
     pub label: String,
+    /// The words about it, behind all names; empty for none.
+    pub about: String,
     /// The choice that the row stands for.
     pub choice: Choice,
+}
+
+impl Row {
+    /// Creates a row of a name alone.
+    fn plain(label: impl Into<String>, choice: Choice) -> Self {
+        Self { label: label.into(), about: String::new(), choice }
+    }
 }
 
 /// The effect of a key in a list or field.
@@ -92,11 +101,15 @@ impl Menu {
     pub fn text(&self) -> String {
         match self {
             Self::List { title, rows, selected } => {
+                let widest = rows.iter().map(|row| row.label.chars().count()).max();
+                let width = widest.unwrap_or_default();
                 let row = |(place, row): (usize, &Row)| {
                     let mark = if place == *selected { '>' } else { ' ' };
                     // Numbers of two digits cannot be struck at once.
                     let number = (place < 9).then(|| (place + 1).to_string());
-                    format!("{mark} {} {}", number.as_deref().unwrap_or(" "), row.label)
+                    let number = number.as_deref().unwrap_or(" ");
+                    let text = format!("{mark} {number} {:<width$}  {}", row.label, row.about);
+                    text.trim_end().to_owned()
                 };
                 let above = selected.saturating_sub(SHOWN_ROWS / 2);
                 let above = above.min(rows.len().saturating_sub(SHOWN_ROWS));
@@ -185,10 +198,15 @@ fn path_of(text: &str) -> Option<PathBuf> {
     (!text.is_empty()).then(|| home.unwrap_or_else(|| PathBuf::from(text)))
 }
 
-/// Returns the list of strategies that the device supports, each with its number.
+/// Returns the list of strategies that the device supports, each with its number, exact or not, and
+/// its summary.
 pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
     let row = |strategy: Strategy| Row {
         label: strategy.name().into(),
+        about: match strategy.is_exact() {
+            true => strategy.summary().to_owned(),
+            false => format!("not exact: {}", strategy.summary()),
+        },
         choice: Choice::Strategy(strategy),
     };
     let all = strategy::strategies().into_iter().filter(|strategy| !strategy.needs_still_scene());
@@ -200,16 +218,16 @@ pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
 /// `shown` is selected.
 pub fn scenes(files: impl IntoIterator<Item = PathBuf>, shown: &str) -> Menu {
     let made = [choices::GeneratorChoice::City, choices::GeneratorChoice::Field];
-    let made = made.map(|scene| Row { label: scene.to_string(), choice: Choice::Made(scene) });
+    let made = made.map(|scene| Row::plain(scene.to_string(), Choice::Made(scene)));
     let mut rows: Vec<Row> = made.into();
     for file in files {
         let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
-        let row = Row { label: name.into_owned(), choice: Choice::File(file) };
+        let row = Row::plain(name.into_owned(), Choice::File(file));
         if !rows.contains(&row) {
             rows.push(row);
         }
     }
-    rows.push(Row { label: "another file ...".to_owned(), choice: Choice::TypePath });
+    rows.push(Row::plain("another file ...", Choice::TypePath));
     Menu::list("scene", rows, |row| match &row.choice {
         Choice::File(file) => file.file_stem().is_some_and(|stem| stem == shown),
         _ => row.label == shown,
@@ -229,7 +247,12 @@ mod tests {
     #[test]
     fn what_is_selected_is_marked() {
         let text = strategies(|_| true, methods::NAIVE).text();
-        assert!(text.contains("\n  1 frustum\n> 2 naive\n  3 batched\n"), "{text}");
+        for strategy in strategy::strategies().into_iter().filter(|it| !it.needs_still_scene()) {
+            let line = text.lines().find(|line| line.contains(strategy.summary()));
+            let line = line.unwrap_or_else(|| panic!("{strategy} is not explained: {text}"));
+            assert_eq!(line.contains("not exact: "), !strategy.is_exact(), "{line}");
+            assert_eq!(line.starts_with("> 2 naive  "), strategy == methods::NAIVE, "{line}");
+        }
         let mut menu = Menu::path();
         menu.key(&self::text("/a"));
         assert!(menu.text().ends_with("\n> /a_"), "{}", menu.text());

@@ -19,6 +19,7 @@ pub mod conditions;
 mod detail;
 pub mod differences;
 pub mod display;
+mod exactness_claim;
 mod failures;
 pub mod flares;
 pub mod fly_camera;
@@ -57,7 +58,7 @@ pub mod viewer_args;
 
 use std::process::ExitCode;
 
-use bench::outputs::Outputs;
+use bench::outputs::{OutputFile, Outputs, check_shaders};
 use bench::run_error::{Blame, RunError};
 use bench::signals::{Signal, Signals};
 use bench::terminal::{Ending, ending};
@@ -71,8 +72,9 @@ use source::SceneSource;
 /// No display; an unsuited device or a bad file; messages of the validation layer.
 pub fn run(source: &SceneSource, options: &ShowOptions) -> Result<Option<Signal>, RunError> {
     let files = Files::open(source, options)?;
-    let trace = ("--trace", options.trace.as_deref());
-    let outputs = Outputs::prepare(options.shaders.as_deref(), options.out.as_deref(), trace)?;
+    options.shaders.as_deref().map_or(Ok(()), check_shaders)?;
+    let trace = OutputFile::of("--trace", options.trace.as_deref());
+    let outputs = Outputs::prepare(options.out.as_deref(), trace)?;
     let signals = Signals::watch()?;
     let ran = match options.is_headless {
         true => headless::run(source, options, files, &signals),

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use antumbra::gpu;
 use antumbra::gpu::{
-    Device, DeviceOptions, DisplayLink, Fallback, Instance, PresentMode, PresentResult,
-    PresentSkipped, Surface, WindowSystem,
+    CancellationToken, Device, DeviceOptions, DisplayLink, Fallback, Instance, PresentMode,
+    PresentResult, PresentSkipped, Surface, WindowSystem,
 };
 use antumbra::pacing::{PacedFrameId, Step, Time};
 use winit::dpi::PhysicalSize;
@@ -20,6 +20,7 @@ use super::failures::{check_log, first_error};
 use super::gamepad::Gamepad;
 use super::input::Input;
 use super::leaving::Leaving;
+use super::loaded_scene::check_options;
 use super::menu::Menu;
 use super::pending_scenes::PendingScenes;
 use super::pointer::Pointer;
@@ -78,6 +79,7 @@ impl Opened {
         source: &SceneSource,
         options: &ShowOptions,
         files: Files,
+        cancellation: CancellationToken,
     ) -> Result<Self, RunError> {
         let size = PhysicalSize::new(options.size.width, options.size.height);
         let attributes = Window::default_attributes().with_title("Antumbra").with_inner_size(size);
@@ -99,7 +101,9 @@ impl Opened {
             .map(|rate| Duration::from_secs_f64(1e3 / f64::from(rate)));
         let screen = Screen::new(&device, &surface, options, refresh)?;
         let drawn = size.map(|side| side.max(1));
-        let (arrivals, loaded) = PendingScenes::open(source, &device, options, drawn)?;
+        check_options(&device, options, drawn)?;
+        let (arrivals, loaded) =
+            PendingScenes::open(source, &device, options, drawn, cancellation)?;
         let session = Session::new(&device, options, files, loaded)?;
         Ok(Self {
             arrivals,
@@ -143,13 +147,13 @@ impl Opened {
                 return Ok(Next::End);
             }
             while let Some(action) = self.session.next_scripted() {
-                if self.act(action)? {
+                if self.act(action, options)? {
                     return Ok(Next::End);
                 }
             }
         }
         while let Some(action) = self.gamepad.as_ref().and_then(Gamepad::next_action) {
-            if self.act(action)? {
+            if self.act(action, options)? {
                 return Ok(Next::End);
             }
         }
@@ -228,10 +232,10 @@ impl Opened {
     }
 
     /// Carries out an action; returns true if it was the end.
-    pub(super) fn act(&mut self, action: Action) -> Result<bool, RunError> {
+    pub(super) fn act(&mut self, action: Action, options: &ShowOptions) -> Result<bool, RunError> {
         match action {
             Action::Quit => return Ok(true),
-            Action::Escape => return Ok(self.escape()),
+            Action::Escape => return self.escape(),
             Action::ListScenes => {
                 self.session.menu = Some(self.scenes());
             }
@@ -249,6 +253,7 @@ impl Opened {
             }
             _ => {
                 self.session.act(action)?;
+                self.load_lit(options);
                 self.screen.set_frames_in_flight(self.session.frames_in_flight())?;
             }
         }

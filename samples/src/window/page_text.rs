@@ -6,7 +6,6 @@ use antumbra::gpu::PassTime;
 use antumbra::pacing::Distribution;
 use antumbra::render::{FrameOutcome, FrameReport};
 
-use super::comparison::Tally;
 use super::frame_times::{FrameTimeSeries, is_overlay};
 use super::screen::ScreenFacts;
 use crate::hud::{ExactnessVerdict, HudFigure, Overview, Split, grouped};
@@ -55,8 +54,10 @@ pub struct Known<'a> {
     pub tester: &'a str,
     /// The number of frames in flight.
     pub frames_in_flight: usize,
-    /// The results of a comparison with and without culling, while it runs.
-    pub compared: Option<Tally>,
+    /// True while frames with and without culling are compared.
+    pub is_comparing: bool,
+    /// The claim about the image.
+    pub claim: &'a ExactnessVerdict,
     /// The facts about the window, if there is one.
     pub screen: Option<&'a ScreenFacts>,
 }
@@ -73,9 +74,9 @@ impl Known<'_> {
         let number = |number: Option<u64>| number.map_or(UNKNOWN.to_owned(), short);
         let figure = |value: String, name| HudFigure { value, name };
         // While frames with and without culling are compared, each moment is drawn twice.
-        let [rate_name, time_name, caption] = match self.compared {
-            Some(_) => ["pairs/s", "ms/pair", "time of a pair of frames, ms"],
-            None => ["frames/s", "ms/frame", "frame time, ms"],
+        let [rate_name, time_name, caption] = match self.is_comparing {
+            true => ["pairs/s", "ms/pair", "time of a pair of frames, ms"],
+            false => ["frames/s", "ms/frame", "frame time, ms"],
         };
         let [cpu, _] = self.times.cpu_ms();
         let [gpu, _] = self.times.gpu_ms();
@@ -98,7 +99,7 @@ impl Known<'_> {
                 Split { drawn, culled: all.saturating_sub(drawn) }
             }),
             times: [figure(in_ms(gpu), "GPU"), figure(in_ms(cpu), "CPU")],
-            verdict: self.verdict(),
+            verdict: self.claim.clone(),
             hint: hint.to_owned(),
         }
     }
@@ -118,28 +119,6 @@ impl Known<'_> {
         let states = states.into_iter().filter_map(|(is_so, name)| is_so.then_some(name));
         let all: Vec<&str> = std::iter::once(self.strategy.name()).chain(states).collect();
         all.join(", ")
-    }
-
-    fn verdict(&self) -> ExactnessVerdict {
-        let below_threshold = self.outcome.map_or(0, |outcome| outcome.samples_below_threshold);
-        if let Some(tally) = self.compared.filter(|tally| tally.frames > 0) {
-            return match tally.differing {
-                0 => ExactnessVerdict::Exact(tally.text()),
-                _ => ExactnessVerdict::Inexact(tally.text()),
-            };
-        }
-        match self.strategy {
-            _ if self.frame == 0 => ExactnessVerdict::Unknown,
-            _ if below_threshold > 0 => ExactnessVerdict::Inexact(format!(
-                "inexact: {} px at most",
-                grouped(below_threshold)
-            )),
-            Strategy::FRUSTUM => ExactnessVerdict::Exact("exact: the reference image".to_owned()),
-            exact if exact.is_exact() => {
-                ExactnessVerdict::Exact("exact: only hidden objects left out".to_owned())
-            }
-            _ => ExactnessVerdict::Inexact("inexact: objects appear late".to_owned()),
-        }
     }
 
     fn what_draws(&self) -> Facts {

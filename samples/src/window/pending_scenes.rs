@@ -1,10 +1,11 @@
 //! Scenes that are loaded while the window is open: the first one, and files dropped into it.
 
-use antumbra::gpu::Device;
+use antumbra::gpu::{CancellationToken, Device};
 
-use super::loaded_scene::LoadedScene;
+use super::actions::Action;
+use super::loaded_scene::{LoadedScene, SceneLoader};
 use super::loading::Loading;
-use super::session::Session;
+use super::session::{LightingRequest, Session};
 use super::show::ShowOptions;
 use super::source::SceneSource;
 use bench::run_error::RunError;
@@ -14,6 +15,8 @@ const DROP_ONE: &str = "drop a glTF file (.glb or .gltf) into this window";
 /// The scenes that are loading.
 pub struct PendingScenes {
     loading: Option<Loading>,
+    /// The action that waits for the same scene with lights, which is loading then.
+    waiting_for_lights: Option<Action>,
     /// True until the scene for which the window was opened is shown.
     is_first: bool,
     /// True if the message about an empty window was shown.
@@ -30,17 +33,12 @@ impl PendingScenes {
         device: &Device,
         options: &ShowOptions,
         size: [u32; 2],
+        cancellation: CancellationToken,
     ) -> Result<(Self, LoadedScene), RunError> {
+        let loader = SceneLoader { device, options, size, cancellation };
         let loaded = match source {
-            SceneSource::Made { made, path, hour } => {
-                LoadedScene::made(device, (made, path.as_ref(), *hour), options, size)?
-            }
-            SceneSource::Courtyard { hour } => {
-                LoadedScene::courtyard(device, *hour, options, size)?
-            }
-            SceneSource::File { .. } | SceneSource::Nothing { .. } => {
-                LoadedScene::empty(device, options, size)?
-            }
+            SceneSource::File { .. } => loader.empty()?,
+            source => loader.load(source, &mut |_| {})?,
         };
         let loading = match source {
             SceneSource::File { .. } => Some(Loading::start(device, source, options, size)?),
@@ -50,7 +48,7 @@ impl PendingScenes {
         };
         let is_first = loading.is_some();
         let is_invited = !matches!(source, SceneSource::Nothing { .. });
-        Ok((Self { loading, is_first, is_invited }, loaded))
+        Ok((Self { loading, waiting_for_lights: None, is_first, is_invited }, loaded))
     }
 
     /// Returns true if the window still waits for its first scene.
@@ -75,8 +73,28 @@ impl PendingScenes {
         size: [u32; 2],
     ) -> Result<(), RunError> {
         self.loading = None;
+        self.waiting_for_lights = None;
         self.loading = Some(Loading::start(device, source, options, size)?);
         self.is_first = false;
+        Ok(())
+    }
+
+    /// Begins to make the scene that is shown with lights, for an action that needs them; where it
+    /// is being made already, the action takes the place of the one before.
+    ///
+    /// # Errors
+    /// When the system has no thread for it.
+    pub fn load_lit(
+        &mut self,
+        device: &Device,
+        request: &LightingRequest,
+        options: &ShowOptions,
+        size: [u32; 2],
+    ) -> Result<(), RunError> {
+        if self.waiting_for_lights.is_none() {
+            self.load(device, &request.source, options, size)?;
+        }
+        self.waiting_for_lights = Some(request.action);
         Ok(())
     }
 
@@ -93,7 +111,11 @@ impl PendingScenes {
         let Some(loading) = &mut self.loading else { return Ok(false) };
         session.await_scene(Some(loading.progress()));
         let Some(arrived) = loading.finished() else { return Ok(false) };
-        let shown = arrived.and_then(|loaded| session.enter(loaded));
+        let action = self.waiting_for_lights.take();
+        let shown = arrived.and_then(|loaded| match action {
+            Some(action) => session.light_up(loaded, action),
+            None => session.enter(loaded),
+        });
         session.await_scene(None);
         let is_first = std::mem::take(&mut self.is_first);
         match (shown, self.loading.take()) {

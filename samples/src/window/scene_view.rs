@@ -28,6 +28,8 @@ const LONGEST_STEP_S: f32 = 0.25;
 const WALKING_M: f32 = 4.0;
 /// The clear distance in its middle without which a view is before a wall.
 const WALL_M: f32 = 2.5;
+/// The moments of a camera's clip at which it is looked for a view that is not before a wall.
+const MOMENTS: u32 = 16;
 /// The approximate time of crossing a scene, in seconds.
 const CROSSING_S: f32 = 30.0;
 
@@ -168,21 +170,22 @@ impl SceneView {
         // A camera that nobody asked for and that a clip moves may begin in a wall, or right before
         // one.
         let is_free = wanted.is_none() && recorded.is_none();
-        let moved = first.filter(|(_, camera)| {
-            is_free
-                && animator.drive(clips.playing(), camera)
-                && clearance_m(&scene, &animator.seen_by(camera, size)) < WALL_M
-        });
+        let driven = first.filter(|(_, camera)| is_free && animator.drive(clips.playing(), camera));
+        let clear_s = driven.map(|(_, camera)| clear_moment(&mut animator, &scene, camera, size));
+        let is_never_clear = clear_s == Some(None);
+        let seconds = clear_s.flatten().unwrap_or_default();
+        animator.pose(seconds);
         let (start, guide) = match (recorded, first) {
             (Some(path), _) => {
                 let start = path.camera(0).unwrap_or(around);
                 (start, Guide::Track(CameraTrack::Recorded(path, around)))
             }
-            (None, Some(_)) if moved.is_some() => (around, Guide::Overview),
+            (None, Some(_)) if is_never_clear => (around, Guide::Overview),
             (None, Some((place, camera))) => (animator.seen_by(camera, size), Guide::Camera(place)),
             (None, None) => (around, Guide::Nobody),
         };
-        let hint = moved.map(|(_, camera)| how_to_look(&camera.name, cameras.len()));
+        let hint = driven.filter(|_| is_never_clear);
+        let hint = hint.map(|(_, camera)| how_to_look(&camera.name, cameras.len()));
         let crossing_m = (bounds.max - bounds.min).length() / CROSSING_S;
         Ok(Self {
             name: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
@@ -194,7 +197,7 @@ impl SceneView {
             guide,
             names,
             overview: around,
-            life: Some(Life { animator, cameras, clips, seconds: 0.0, is_paused: false }),
+            life: Some(Life { animator, cameras, clips, seconds, is_paused: false }),
             motion: None,
         })
     }
@@ -374,6 +377,24 @@ impl SceneView {
             None => Err(NO_FILE.to_owned()),
         }
     }
+}
+
+/// Returns the first time, in seconds, of [`MOMENTS`] in the clip of a camera at which its view is
+/// not before a wall: a walk through rooms begins where there is something to see.
+fn clear_moment(
+    animator: &mut SceneAnimator,
+    scene: &Scene,
+    camera: &import::SceneCamera,
+    size: [u32; 2],
+) -> Option<f64> {
+    let clip = animator.clip_of(camera);
+    let duration_s = clip.and_then(|clip| animator.duration_s(clip)).unwrap_or_default();
+    let mut moments =
+        (0..MOMENTS).map(|moment| f64::from(duration_s) * f64::from(moment) / f64::from(MOMENTS));
+    moments.find(|seconds| {
+        animator.pose(*seconds);
+        clearance_m(scene, &animator.seen_by(camera, size)) >= WALL_M
+    })
 }
 
 /// Returns the keys for the first of `count` cameras, which a clip moves, and for the others.

@@ -13,6 +13,7 @@ use antumbra::render::{
     VisibilitySnapshot,
 };
 
+use super::actions::Action;
 use super::capture::Capture;
 use super::clock::Clock;
 use super::comparison::Comparison;
@@ -51,6 +52,10 @@ pub struct Session {
     pub(super) scene_view: SceneView,
     /// The lights of the scene that change with the hour.
     pub(super) daylight: Option<Daylight>,
+    /// The same scene with lights that change with the hour, if it could have such and has none.
+    pub(super) lit: Option<SceneSource>,
+    /// The action that waits for them.
+    pub(super) waiting_for_lights: Option<Action>,
     /// The lens flares of scenes with such lights.
     pub(super) flares: FlareChoice,
     /// The progress of another scene that is loading.
@@ -108,7 +113,7 @@ impl Session {
         files: Files,
         loaded: LoadedScene,
     ) -> Result<Self, RunError> {
-        let LoadedScene { mut renderer, scene_view, daylight } = loaded;
+        let LoadedScene { mut renderer, scene_view, daylight, lit } = loaded;
         renderer.supports(options.strategy)?;
         if options.times_passes {
             renderer.time_passes()?;
@@ -127,6 +132,8 @@ impl Session {
             fly: FlyCamera::new(start, scene_view.speed_m),
             scene_view,
             daylight,
+            lit,
+            waiting_for_lights: None,
             flares: options.flares,
             awaited: None,
             frozen: None,
@@ -180,7 +187,7 @@ impl Session {
     }
 
     /// Returns the next action of the script for the next frame.
-    pub fn next_scripted(&mut self) -> Option<super::actions::Action> {
+    pub fn next_scripted(&mut self) -> Option<Action> {
         self.script.next_before(self.frame)
     }
 
@@ -392,6 +399,15 @@ impl Session {
         };
         first_error([compared, recording, screenshots, trace])
     }
+}
+
+/// The wish for the scene that is shown with lights that change with the hour.
+#[derive(Clone, Debug)]
+pub struct LightingRequest {
+    /// The scene that has them.
+    pub source: SceneSource,
+    /// The action that waits for it.
+    pub action: Action,
 }
 
 /// The files that a session needs, opened before there is a device.

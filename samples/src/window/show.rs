@@ -98,7 +98,8 @@ pub struct ShowArguments {
     /// frame; made if it is missing [default: this one, and no images]
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
-    /// File for a trace of CPU and GPU, for ui.perfetto.dev or chrome://tracing
+    /// File for a trace of CPU and GPU, in a folder that exists, for ui.perfetto.dev or
+    /// chrome://tracing
     #[arg(long, value_name = "FILE.json", help_heading = "Output")]
     pub trace: Option<PathBuf>,
     /// Have RenderDoc capture this frame, where its library is loaded

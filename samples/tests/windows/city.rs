@@ -47,6 +47,8 @@ fn what_cannot_be_ends_with_2_and_one_sentence() {
     let scratch = Scratch::new("city-mistakes");
     fs::write(scratch.0.join("bad.txt"), "antumbra path 1\n0 0 1\n").unwrap();
     fs::write(scratch.0.join("bad.script"), "3 hud\n4 jump\n").unwrap();
+    // A city of one object has no streets, which is found when it is made: that comes last.
+    let no_streets = ["--headless", "--objects", "1", "--size", "160x90", "--path", "street"];
     for (mistake, sentence) in [
         (["--path", "bad.txt"], "bad.txt:2: a frame has 12 or 13 numbers, not 3"),
         (["--path", "missing.txt"], "'missing.txt'"),
@@ -54,12 +56,16 @@ fn what_cannot_be_ends_with_2_and_one_sentence() {
         (["--scene", "a.glb"], "`viewer a.glb` shows a file"),
         (["--device", "no such"], "there is no device 'no such'"),
         (["--trace", "/proc/trace.json"], "--trace: cannot write into the folder '/proc'"),
+        (["--trace", "nowhere/trace.json"], "there is no folder 'nowhere'"),
+        // Found as soon as there is a device, and not with the scene.
+        (["--size", "70000x70000"], "the width of the image would be 70000"),
     ] {
-        let output = city(&scratch, &[&SMALL[..], &mistake].concat());
+        let output = city(&scratch, &[&no_streets[..], &mistake].concat());
         let message = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{mistake:?}: {message}");
         assert!(message.contains(sentence) && message.lines().count() == 1, "{message}");
     }
+    assert_eq!(scratch.names("."), ["bad.script", "bad.txt"], "nothing is left behind");
 }
 
 #[test]
@@ -355,6 +361,7 @@ fn what_only_the_gpu_knows_is_not_explained() {
 #[test]
 fn a_trace_has_cpu_and_gpu_on_one_time_line() {
     let scratch = Scratch::new("city-trace");
+    fs::create_dir(scratch.0.join("traces")).unwrap();
     for device in ["llvmpipe", "SwiftShader"] {
         let rest = ["--frames", "10", "--trace", "traces/trace.json"];
         headless(&scratch, &[&["--device", device][..], &rest].concat());

@@ -115,3 +115,16 @@ fn what_a_frozen_view_left_out_says_so() {
     // With a standing camera all results are read back: nothing is open.
     assert_eq!(said("drawn if it shows"), 0, "{log}");
 }
+
+#[test]
+fn escape_closes_what_is_topmost_and_the_panel_of_an_object_too() {
+    let scratch = Scratch::new("city-panels");
+    let script = "1 identify\n6 help\n8 escape\n10 escape\n";
+    // Large enough for the keys.
+    run(&scratch, script, &["--frames", "12", "--out", "out", "--size", "960x540"]);
+    let frame = |number: u32| pixels(&scratch.0.join(format!("out/frame_{number:05}.png")));
+    let [plain, outlined, helped] = [0, 5, 7].map(frame);
+    assert!(plain != outlined && outlined != helped, "an object is outlined, then keys are shown");
+    assert!(frame(9) == outlined, "the keys are closed first");
+    assert!(frame(11) == plain, "then the object");
+}

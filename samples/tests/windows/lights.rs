@@ -50,12 +50,22 @@ fn a_lit_city_has_hours_shadows_and_filters() {
 }
 
 #[test]
-fn what_a_plain_city_has_no_lights_for_is_said() {
-    let scratch = Scratch::new("unlit-city");
-    let script = "1 hour\n1 shadows maps\n";
-    let log = run(crate::CITY, &scratch, script, &["--objects", "100", "--frames", "3"]);
-    assert!(log.contains("start it with --hour"), "{log}");
-    assert!(log.contains("the scene has no surfaces"), "{log}");
+fn a_plain_city_gets_its_lights_when_they_are_first_asked_for() {
+    let walk = ["--objects", "100", "--path", "street", "--frames", "5"];
+    let lit = Scratch::new("lit-at-once");
+    let at_once = [&walk[..], &["--hour", "13:30", "--shadows", "maps"]].concat();
+    run(crate::CITY, &lit, "", &at_once);
+    for (name, script, told) in [
+        ("lit-by-shadows", "2 shadows maps\n", "shadows maps, adaptive"),
+        ("lit-by-hour", "2 hour\n2 shadows maps\n", "the hour is 13:30"),
+    ] {
+        let scratch = Scratch::new(name);
+        let log = run(crate::CITY, &scratch, script, &walk);
+        assert!(log.contains(told) && !log.contains("WARN"), "{log}");
+        assert!(frame(&scratch, 1) != frame(&lit, 1), "plain at first");
+        // The walk goes on where it was.
+        assert!((2..5).all(|number| frame(&scratch, number) == frame(&lit, number)), "{name}");
+    }
 }
 
 #[test]

@@ -79,6 +79,7 @@ fn the_first_camera_is_where_one_begins_unless_a_clip_has_it_before_a_wall() {
     let scratch = scratch("viewer-begin");
     fs::write(scratch.0.join("none.glb"), scene::small_without_cameras()).unwrap();
     fs::write(scratch.0.join("wall.glb"), scene::small_before_the_wall()).unwrap();
+    fs::write(scratch.0.join("leaving.glb"), scene::small_leaving_the_wall()).unwrap();
     let seen = |arguments: &[&str], out: &str| {
         let rest = ["--headless", "--frames", "1", "--out", out, "--size", "128x72"];
         let mut command = program(VIEWER, &scratch.0, arguments);
@@ -94,6 +95,11 @@ fn the_first_camera_is_where_one_begins_unless_a_clip_has_it_before_a_wall() {
     assert!(is_same_view(&before, &none) && !log.contains("key 1"), "{log}");
     let (asked, log) = seen(&["wall.glb", "--camera", "walk"], "asked");
     assert!(asked != none && !log.contains("key 1"), "{log}");
+    // One that leaves the wall: there, as soon as it has.
+    let (left, log) = seen(&["leaving.glb"], "left");
+    assert!(!is_same_view(&left, &none) && !log.contains("key 1"), "{log}");
+    let (begun, _) = seen(&["leaving.glb", "--camera", "walk"], "begun");
+    assert!(!is_same_view(&left, &begun), "right before the wall");
     let (clear, log) = seen(&["small.glb"], "clear");
     assert!(clear != none && !log.contains("key 1"), "{log}");
     assert!(clear == seen(&["small.glb", "--camera", "walk"], "clear-asked").0);

@@ -75,18 +75,24 @@ pub fn small() -> Vec<u8> {
 
 /// Returns the scene with other cameras.
 pub fn small_seen_by(camera: &Value) -> Vec<u8> {
-    small_with(Some(camera), 7.0)
+    small_with(Some(camera), 7.0, 7.0)
 }
 
 /// Returns the scene with all of its nodes and clips, and no camera.
 pub fn small_without_cameras() -> Vec<u8> {
-    small_with(None, 7.0)
+    small_with(None, 7.0, 7.0)
 }
 
 /// Returns the scene with the camera `walk` going right before the wall.
 pub fn small_before_the_wall() -> Vec<u8> {
     let camera = json!({"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}});
-    small_with(Some(&camera), 1.0)
+    small_with(Some(&camera), 1.0, 1.0)
+}
+
+/// Returns the scene with the camera `walk` going away from the wall, right before which it begins.
+pub fn small_leaving_the_wall() -> Vec<u8> {
+    let camera = json!({"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}});
+    small_with(Some(&camera), 1.0, 7.0)
 }
 
 /// The note about [`small_with_lamps`] with more than 16 lamps.
@@ -123,7 +129,7 @@ pub fn write_unreadable(folder: &Path) -> [&'static str; 5] {
     ["missing.glb", cut, empty, text, "folder.glb"]
 }
 
-fn small_with(camera: Option<&Value>, walk_z: f32) -> Vec<u8> {
+fn small_with(camera: Option<&Value>, first_z: f32, last_z: f32) -> Vec<u8> {
     let mut bytes = Bytes::default();
     let (positions, normals, indices) = cube();
     let positions = bytes.floats("VEC3", 3, &positions);
@@ -132,12 +138,12 @@ fn small_with(camera: Option<&Value>, walk_z: f32) -> Vec<u8> {
     let keys = bytes.floats("SCALAR", 1, &[0.0, 0.5, 1.0]);
     let slides = bytes.floats("VEC3", 3, &[0.0, 1.0, 0.0, 2.2, 1.0, 0.0, 0.0, 1.0, 0.0]);
     let ends = bytes.floats("SCALAR", 1, &[0.0, 2.0]);
-    let walked = bytes.floats("VEC3", 3, &[-6.0, 1.2, walk_z, 6.0, 1.2, walk_z]);
+    let walked = bytes.floats("VEC3", 3, &[-6.0, 1.2, first_z, 6.0, 1.2, last_z]);
     let mut nodes = vec![
         json!({"name": "left", "mesh": 0, "translation": [-6.1, 1.0, 0.0], "scale": [5.0, 1.5, 0.1]}),
         json!({"name": "right", "mesh": 0, "translation": [6.1, 1.0, 0.0], "scale": [5.0, 1.5, 0.1]}),
         json!({"name": "door", "mesh": 0, "translation": [0.0, 1.0, 0.0], "scale": [1.05, 1.5, 0.06]}),
-        json!({"name": "walk", "camera": 0, "translation": [-6.0, 1.2, walk_z]}),
+        json!({"name": "walk", "camera": 0, "translation": [-6.0, 1.2, first_z]}),
         json!({"name": "still", "camera": 0, "translation": [0.5, 1.2, 8.0]}),
         json!({"name": "floor", "mesh": 1, "translation": [0.0, -0.7, 0.0], "scale": [14.0, 0.1, 14.0]}),
     ];

@@ -2,6 +2,7 @@
 //! frames are in flight. Of the software drivers SwiftShader has descriptor indexing.
 
 mod arriving;
+mod cancelled;
 
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine2, Affine3A, Mat2, Vec2, Vec3, vec2, vec3};

@@ -115,9 +115,9 @@ fn check_count(count: usize) -> Result<(), HierarchyError> {
 /// Allocates all the memory at once, and frees it: an allocation that fails in the middle of the
 /// build would end the program.
 fn check_memory(count: usize) -> Result<(), HierarchyError> {
-    let wanted_bytes = count.saturating_mul(BUILD_BYTES_PER_OBJECT);
-    let asked = Vec::<u8>::new().try_reserve_exact(wanted_bytes);
-    asked.map_err(|_| HierarchyError::NoMemory { count })
+    let size_bytes = count.saturating_mul(BUILD_BYTES_PER_OBJECT);
+    let asked = Vec::<u8>::new().try_reserve_exact(size_bytes);
+    asked.map_err(|_| HierarchyError::NoMemory { count, size_bytes })
 }
 
 /// Returns the boxes moved into the unit cube and made different from each other.

@@ -33,14 +33,16 @@ pub enum HierarchyError {
         /// The number of objects.
         count: usize,
     },
-    /// Less memory than building a hierarchy takes.
+    /// Less memory than a hierarchy, or a view's history of it, takes.
     #[error(
         "there is no memory to cull {count} objects (about {} MiB): use fewer, or end other programs",
-        (count * BUILD_BYTES_PER_OBJECT) >> 20
+        size_bytes.div_ceil(1 << 20)
     )]
     NoMemory {
         /// The number of objects.
         count: usize,
+        /// The size of the request in bytes.
+        size_bytes: usize,
     },
     /// An object that was never in the hierarchy, or was removed.
     #[error(

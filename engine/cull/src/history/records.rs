@@ -163,6 +163,17 @@ impl History {
         }
     }
 
+    /// Takes the memory for the records of so many nodes at once: later it would end the program if
+    /// there were none.
+    ///
+    /// # Errors
+    /// No memory; the number of bytes that were asked for.
+    pub(crate) fn reserve(&mut self, nodes: usize) -> Result<(), usize> {
+        let more = nodes.saturating_sub(self.records.len());
+        let reserved = self.records.try_reserve_exact(more);
+        reserved.map_err(|_| nodes.saturating_mul(size_of::<NodeRecord>()))
+    }
+
     /// Follows the hierarchy to its present generation. Objects keep their records; a new inner
     /// node is hidden if all below it is hidden, and visible if something is visible. Nothing is
     /// known of another hierarchy, or of one that is too far ahead.

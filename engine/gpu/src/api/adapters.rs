@@ -3,6 +3,7 @@
 use ash::vk;
 
 use crate::core::adapter::Adapter;
+use crate::core::address_space::explained;
 use crate::core::error::{Called, Error};
 use crate::core::instance::Instance;
 use crate::core::offer::Offer;
@@ -15,15 +16,16 @@ impl Instance {
     /// Returns all devices of this machine in the driver's order, fit or not.
     ///
     /// # Errors
-    /// [`Error::NoDriver`] when there is none; a failed call.
+    /// [`Error::NoDriver`] when there is none; [`Error::AddressSpace`] when there is no room for
+    /// one; a failed call.
     pub fn adapters(&self) -> Result<Vec<Adapter>, Error> {
         // SAFETY: no contract beyond a valid instance.
         let devices = match unsafe { self.shared.raw.enumerate_physical_devices() } {
-            Err(vk::Result::ERROR_INITIALIZATION_FAILED) => return Err(Error::NoDriver),
+            Err(vk::Result::ERROR_INITIALIZATION_FAILED) => return Err(explained(Error::NoDriver)),
             other => other.called("vkEnumeratePhysicalDevices")?,
         };
         if devices.is_empty() {
-            return Err(Error::NoDriver);
+            return Err(explained(Error::NoDriver));
         }
         Ok(devices.into_iter().map(|physical| self.read_adapter(physical)).collect())
     }

@@ -15,6 +15,19 @@ pub enum Error {
         "the Vulkan loader found no driver; install one (on Debian: apt install mesa-vulkan-drivers, which needs no GPU)"
     )]
     NoDriver,
+    /// A process that may take too little memory for a driver, before or after the loader failed.
+    #[error(
+        "this process may take {} MiB of address space and has {} MiB of it, which is no room for a Vulkan driver: raise the limit, as by `ulimit -v unlimited` ({failure})",
+        limit_bytes >> 20, used_bytes >> 20
+    )]
+    AddressSpace {
+        /// The limit.
+        limit_bytes: u64,
+        /// The part that is taken.
+        used_bytes: u64,
+        /// The failure that would be another's without the limit, or the room that is needed.
+        failure: String,
+    },
     /// The loader could not read what is installed.
     #[error(
         "{call} failed with {code:?}: the Vulkan loader cannot read the manifest of a driver or a layer, or has no memory at all; install the driver again (on Debian: apt install --reinstall mesa-vulkan-drivers), or run with VK_LOADER_DEBUG=error to see which file it is"
@@ -212,6 +225,9 @@ pub enum Error {
         /// The allocator's reason.
         source: gpu_allocator::AllocationError,
     },
+    /// The work was cancelled by its [`CancellationToken`](crate::CancellationToken): no failure.
+    #[error("the work was given up, as was asked for")]
+    Cancelled,
     /// The memory allocator could not be set up.
     #[error("the GPU memory allocator could not start: {0}")]
     Allocator(gpu_allocator::AllocationError),
@@ -269,7 +285,7 @@ fn advice(code: vk::Result) -> &'static str {
             ": the GPU is out of memory; use fewer or smaller objects and images"
         }
         vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
-            ": the machine is out of memory; use fewer or smaller objects and images"
+            ": the machine is out of memory, or this process may take no more (`ulimit -v`, the limit of a container); use fewer or smaller objects and images, or raise the limit"
         }
         vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
             ": the driver has no Vulkan 1.3; update it, or install mesa-vulkan-drivers"

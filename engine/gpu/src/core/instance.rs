@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use ash::{ext, khr, vk};
 
+use crate::core::address_space::{check_room, explained};
 use crate::core::error::{Called, Error};
 use crate::core::ownership::{OwnerId, Ownership};
 use crate::core::validation::ValidationLog;
@@ -81,19 +82,20 @@ impl InstanceShared {
 /// Finds and opens the Vulkan loader of this machine.
 ///
 /// # Errors
-/// [`Error::NoLoader`] when there is none.
+/// [`Error::NoLoader`] when there is none; [`Error::AddressSpace`] when there is no room for it.
 #[cfg(feature = "loaded")]
 pub fn load_entry() -> Result<ash::Entry, Error> {
     // SAFETY: we load the system's Vulkan loader, whose initialisation has no further contract.
-    unsafe { ash::Entry::load() }.map_err(|error| Error::NoLoader(error.to_string()))
+    unsafe { ash::Entry::load() }.map_err(|error| explained(Error::NoLoader(error.to_string())))
 }
 
 impl Instance {
     /// Creates an instance through `entry` (the loader's, or one whose calls a test wraps).
     ///
     /// # Errors
-    /// An old loader, a missing validation layer, no driver, or a failed call.
+    /// An old loader, a missing validation layer, no driver or no room for one, or a failed call.
     pub fn new(entry: ash::Entry, options: &InstanceOptions) -> Result<Self, Error> {
+        check_room()?;
         require_1_3(&entry)?;
         let layers = wanted_layers(&entry, options.validation)?;
         let there = extension_names(&entry)?;
@@ -245,11 +247,12 @@ fn extension_names(entry: &ash::Entry) -> Result<Vec<CString>, Error> {
 /// Returns the error behind the code of a loader that cannot begin. With a damaged manifest of a
 /// driver or a layer, a loader reports missing memory.
 fn refusal(call: &'static str, code: vk::Result) -> Error {
-    match code {
+    let error = match code {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {
             Error::NoDriver
         }
         vk::Result::ERROR_OUT_OF_HOST_MEMORY => Error::BadManifest { call, code },
-        code => Error::Vulkan { call, code },
-    }
+        code => return Error::Vulkan { call, code },
+    };
+    explained(error)
 }

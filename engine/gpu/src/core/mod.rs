@@ -2,6 +2,8 @@
 //! handles.
 
 pub(crate) mod adapter;
+pub(crate) mod address_space;
+pub(crate) mod cancellation;
 pub(crate) mod capabilities;
 pub(crate) mod clock;
 pub(crate) mod deletion;

@@ -2,6 +2,7 @@
 
 use ash::vk;
 
+use crate::core::cancellation::CancellationToken;
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::memory::buffer::{Buffer, MemoryKind};
@@ -17,6 +18,7 @@ const STAGING_BYTES: u64 = 8 << 20;
 pub struct TextureUploads {
     device: Device,
     staging: Buffer,
+    cancellation: CancellationToken,
 }
 
 impl TextureUploads {
@@ -28,7 +30,15 @@ impl TextureUploads {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let staging =
             Buffer::new(device, "texture staging", STAGING_BYTES, usage, MemoryKind::Upload)?;
-        Ok(Self { device: device.clone(), staging })
+        let cancellation = CancellationToken::default();
+        Ok(Self { device: device.clone(), staging, cancellation })
+    }
+
+    /// Returns the same uploader, which gives up before the next piece of an image once that is
+    /// asked for: with [`Error::Cancelled`], what was written before stays.
+    #[must_use]
+    pub fn cancelled_by(self, cancellation: CancellationToken) -> Self {
+        Self { cancellation, ..self }
     }
 
     /// Writes the next rows of a layer, from its top on: four bytes per pixel, whole rows; or rows
@@ -151,6 +161,7 @@ impl TextureUploads {
         layer: u32,
         piece: &[u8],
     ) -> Result<(), Error> {
+        self.cancellation.check()?;
         let place = layer as usize;
         let first = array.layers.get(place).map_or(0, |layer| layer.rows);
         let rows = first..first + (piece.len() / array.row_bytes(0) as usize) as u32;
@@ -203,6 +214,7 @@ impl TextureUploads {
             let row_bytes = array.row_bytes(level) as usize;
             let piece_rows = (STAGING_BYTES as usize / row_bytes).max(1);
             for (piece, bytes) in pixels.chunks(piece_rows * row_bytes).enumerate() {
+                self.cancellation.check()?;
                 let first = (piece * piece_rows) as u32;
                 let rows = first..first + (bytes.len() / row_bytes) as u32;
                 self.stage(bytes);

@@ -47,6 +47,23 @@ pub struct Target {
 of_device!(Target: "a target (`Target`)");
 
 impl Target {
+    /// Refuses a size or a number of samples that a device has no targets of.
+    ///
+    /// # Errors
+    /// Those of [`Target::multisampled`] but for missing memory.
+    pub fn check(device: &Device, size: [u32; 2], samples: SampleCount) -> Result<(), Error> {
+        check_size(device, size)?;
+        if samples == SampleCount::One {
+            return Ok(());
+        }
+        Attachments { samples: samples.flags(), ..Attachments::default() }.check(device)?;
+        let supported = device.adapter().limits.sampled_image_depth_sample_counts;
+        match supported.contains(samples.flags()) {
+            true => Ok(()),
+            false => Err(Error::Samples { samples: samples.flags(), supported }),
+        }
+    }
+
     /// Creates a target of `size` pixels.
     ///
     /// # Errors
@@ -98,13 +115,8 @@ impl Target {
         if samples == SampleCount::One {
             return Self::new(device, size, name);
         }
-        check_size(device, size)?;
+        Self::check(device, size, samples)?;
         let attachments = Attachments { samples: samples.flags(), ..Attachments::default() };
-        attachments.check(device)?;
-        let supported = device.adapter().limits.sampled_image_depth_sample_counts;
-        if !supported.contains(samples.flags()) {
-            return Err(Error::Samples { samples: samples.flags(), supported });
-        }
         let image = |what, format, usage, aspect| {
             let (name, size) = (format!("{name} {what} samples"), (size, samples));
             TargetImage::multisampled(device, &name, size, format, usage, aspect)

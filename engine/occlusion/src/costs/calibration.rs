@@ -14,7 +14,7 @@ mod resets;
 use std::time::{Duration, Instant};
 
 use cull::{CostTable, MeasuredSkip, SkipTimes};
-use gpu::{Device, FrameRing, IndirectDraw, Optional, Predication};
+use gpu::{CancellationToken, Device, FrameRing, IndirectDraw, Optional, Predication};
 
 use crate::costs::device_prices::{DevicePrices, ResetPrices};
 use crate::error::Error;
@@ -47,6 +47,8 @@ pub struct CalibrationScene<'a> {
     pub objects: &'a mut dyn ObjectRenderer,
     /// An object of a triangle, and one of [`PATCH_TRIANGLES`] of which half face away.
     pub draws: [IndirectDraw; 2],
+    /// The request to give the measurement up, which is checked before each batch.
+    pub cancellation: &'a CancellationToken,
 }
 
 /// The clock that times batches.
@@ -129,10 +131,11 @@ impl Times {
 /// Measures every price.
 ///
 /// # Errors
-/// No memory, a failed call.
+/// No memory, a failed call, [`gpu::Error::Cancelled`].
 pub fn measure(scene: CalibrationScene<'_>) -> Result<DevicePrices, Error> {
     let began = Instant::now();
     let (device, executors) = (scene.device, scene.executors);
+    let cancellation = scene.cancellation;
     let mut bench = Bench::new(scene)?;
     let of_things = Batch::ALL.into_iter().flat_map(|batch| [batch, batch.doubled()]);
     let of_ranges = executors.iter().flat_map(|it| Batch::of_ranges(*it));
@@ -142,6 +145,7 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<DevicePrices, Error> {
     let mut clock = Clock::new(device)?;
     // Drivers compile shaders at the first draw.
     for (batch, _) in &times.0 {
+        cancellation.check()?;
         clock.time_ns(&mut bench, *batch)?;
     }
     let started = Instant::now();
@@ -150,6 +154,7 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<DevicePrices, Error> {
             break;
         }
         for (batch, times) in &mut times.0 {
+            cancellation.check()?;
             let ns = clock.time_ns(&mut bench, *batch)?;
             tracing::debug!("{batch:?}: {ns:.0} ns");
             times.push(ns);

@@ -100,7 +100,9 @@ impl Geometry {
             (skinned_vertices(scene), size_of::<SurfaceVertex>() as u64),
             "make those meshes simpler, or fewer",
         )?;
+        options.cancellation.check()?;
         let surfaces = SurfaceResources::upload(device, scene, hierarchy, options)?;
+        options.cancellation.check()?;
         let mut object_meshes = vec![NO_MESH; leaf_count];
         let mut object_instances = vec![Instance::default(); leaf_count];
         let places = object_meshes.iter_mut().zip(&mut object_instances);

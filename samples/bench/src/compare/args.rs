@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use clap::Parser;
 
+/// The arguments of the page, the tables and the plot.
+const ALL_ELSE: [&str; 5] = ["page", "table", "svg", "images", "notes"];
+
 /// Makes one page from many reports of walkthrough: every strategy side by side, and the figures
 /// asked for with those that were reached.
 ///
@@ -21,8 +24,8 @@ Examples:
   compare out/compare/reports --table comparison.md --svg comparison.svg
       Tables and the plot of ratios for a README.
 
-Exit codes: 0 all was written; 2 a report is none or the folder has none; 1 a file cannot be \
-written."
+Exit codes: 0 all was written; 2 a report is none, the folder has none, or a file has no folder; 1 \
+a file cannot be written."
 )]
 pub struct Arguments {
     /// Folder with reports (*.json) that walkthrough --report wrote, all of one device
@@ -41,10 +44,10 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     pub images: Option<PathBuf>,
     /// File for tables about lights and shadows as Markdown, instead of all else
-    #[arg(long, value_name = "FILE.md")]
+    #[arg(long, value_name = "FILE.md", conflicts_with_all = ALL_ELSE)]
     pub shadows: Option<PathBuf>,
     /// Print the names of the walks that must be repeated before they can be judged, and end
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ALL_ELSE, conflicts_with = "shadows")]
     pub noisy: bool,
     /// File of notes for page and tables: a line for each thing that was left out of the
     /// measurement, with the reason
@@ -65,5 +68,10 @@ mod tests {
         let twice = ["compare", "r", "--page=p.html", "--page", "q.html"];
         assert_eq!(Arguments::try_parse_from(twice).unwrap().page, Some("q.html".into()));
         assert!(Arguments::try_parse_from(["compare"]).is_err(), "the folder must be named");
+        for words in [["--noisy", "--page=p.html"], ["--shadows=s.md", "--svg=x.svg"]] {
+            let both = Arguments::try_parse_from([&["compare", "r"], &words[..]].concat());
+            let message = both.unwrap_err().to_string();
+            assert!(message.contains("cannot be used with"), "{message}");
+        }
     }
 }

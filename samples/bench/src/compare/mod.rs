@@ -34,7 +34,8 @@ use self::cases::Cases;
 use self::content::Content;
 use self::input::{InputError, Measured, read_folder, read_notes};
 use self::picture::DrawError;
-use crate::outputs::write_file;
+use crate::options::UsageError;
+use crate::outputs::{OutputFile, Outputs, write_file};
 use crate::terminal::{Ending, output::say_wrote, print};
 
 /// The reasons why there is no comparison: one sentence that names the error and the remedy.
@@ -43,6 +44,9 @@ pub enum CompareError {
     /// Input that cannot be used.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// A file that cannot be written.
+    #[error(transparent)]
+    Output(#[from] UsageError),
     /// Reports of different devices.
     #[error("the reports stem from {0}: put those of each device into a folder of its own")]
     Devices(String),
@@ -62,7 +66,11 @@ impl CompareError {
     /// machine.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Input(_) | Self::Devices(_) | Self::NoShadows | Self::NoPicture => 2,
+            Self::Input(_)
+            | Self::Output(_)
+            | Self::Devices(_)
+            | Self::NoShadows
+            | Self::NoPicture => 2,
             Self::Draw(_) => 1,
         }
     }
@@ -71,8 +79,15 @@ impl CompareError {
 /// Runs the comparison: prints the result, then writes each file that can be written.
 ///
 /// # Errors
-/// When there is nothing to compare.
+/// A place where no file can be; when there is nothing to compare.
 pub fn run(arguments: &Arguments) -> Result<Ending, CompareError> {
+    let files = [
+        OutputFile::of("--page", arguments.page.as_deref()),
+        OutputFile::of("--table", arguments.table.as_deref()),
+        OutputFile::of("--svg", arguments.svg.as_deref()),
+        OutputFile::of("--shadows", arguments.shadows.as_deref()),
+    ];
+    let _outputs = Outputs::prepare(None, files.into_iter().flatten())?;
     let reports = read_folder(&arguments.reports)?;
     one_device(&reports)?;
     let mut ending = Ending::default();

@@ -28,7 +28,8 @@ pub struct Arguments {
     /// The device that is measured.
     #[command(flatten)]
     pub device: DeviceArguments,
-    /// Folder for the page NAME.md and its plot NAME.svg, NAME being the device's
+    /// Folder for the page NAME.md and its plot NAME.svg, NAME being the device's; made if it is
+    /// missing
     #[arg(long, value_name = "DIR", default_value = "docs/gpu")]
     pub out: PathBuf,
     /// Folder with reports (*.json) that walkthrough wrote on this device [default: none]

@@ -13,7 +13,7 @@ use self::text::{DevicePage, file_stem};
 use crate::compare::bar_chart::BarChart;
 use crate::compare::input::{read_folder, read_notes};
 use crate::compare::picture::picture;
-use crate::outputs::write_file;
+use crate::outputs::{Outputs, write_file};
 use crate::provenance::Provenance;
 use crate::run::{open_instance, pick_adapter};
 use crate::run_error::RunError;
@@ -27,8 +27,10 @@ const PLOT_WIDTH: u32 = 900;
 /// Measures, and writes the page and its plot.
 ///
 /// # Errors
-/// A device that is missing or fails; reports that cannot be read, or of another device.
+/// A folder that takes no files; a device that is missing or fails; reports that cannot be read, or
+/// of another device.
 pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
+    let _outputs = Outputs::prepare(Some(&arguments.out), None)?;
     let reports = match &arguments.reports {
         Some(folder) => read_folder(folder).map_err(RunError::user)?,
         None => Vec::new(),
@@ -45,10 +47,12 @@ pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
         )));
     }
     let device = Device::new(&instance, &adapter, &DeviceOptions::default())?;
+    let size = [arguments.size.width, arguments.size.height];
+    RendererOptions { size, ..RendererOptions::default() }.check(&device)?;
     let trust = render::self_test(&device, &RendererOptions::default())?;
     say("measuring prices");
     let options = PriceListOptions {
-        size: [arguments.size.width, arguments.size.height],
+        size,
         most: arguments.most,
         rounds: arguments.rounds as usize,
         ..PriceListOptions::default()
@@ -78,8 +82,6 @@ pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
     let mut ending = Ending::default();
     for (extension, text) in [("svg", plot), ("md", page.render())] {
         let file = arguments.out.join(format!("{stem}.{extension}"));
-        let made = std::fs::create_dir_all(&arguments.out);
-        ending.attempt(made.map_err(|error| format!("cannot make the folder: {error}")));
         if ending.attempt(write_file(&file, text.as_bytes())).is_some() {
             say_wrote(&file);
         }

@@ -11,16 +11,19 @@ use super::ending::Ending;
 use super::names::harmless;
 use super::output::print;
 use super::style::{has_colour, width};
+use crate::signals::survive_file_limits;
 
 /// The most columns of help: longer lines are hard to read.
 const HELP_WIDTH_MAX: usize = 100;
 
-/// Reads the command line and starts the log at `level` unless `RUST_LOG` sets another.
+/// Reads the command line and starts the log at `level` unless `RUST_LOG` sets another. From then
+/// on a limit of file sizes fails writes instead of the process.
 ///
 /// # Errors
 /// The exit code where nothing remains to be done: help or version were printed, or an error in the
 /// command line.
 pub fn start<A: Parser>(level: &str) -> Result<A, ExitCode> {
+    survive_file_limits();
     let arguments = parse().map_err(|error| answer(&error))?;
     let asked = std::env::var("RUST_LOG").ok().and_then(|text| text.parse::<Targets>().ok());
     let is_debugging = asked.is_some();

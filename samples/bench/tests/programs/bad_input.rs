@@ -71,12 +71,41 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
     // Arguments that are wrong together: one sentence.
     for (mistake, sentence) in [
         (["--path", "Camera"], "there is street, fly and cut"),
+        (["--path", "missing.txt"], "cannot read the path file 'missing.txt'"),
         (["--top-down", "120"], "from 0 to 119, not '120'"),
         (["--images", "121"], "from 0 to 120, not '121'"),
     ] {
         let output = walkthrough(&scratch.0, &[&mistake[..], &out].concat()).output();
-        refused(mistake, sentence, refusal(&output.expect("it starts"), 2));
+        // In one line: nothing was begun.
+        let message = refusal(&output.expect("it starts"), 2);
+        assert!(message.contains(sentence), "{message}");
+        assert_empty(&scratch);
     }
+}
+
+#[test]
+fn questions_do_not_go_together_and_write_no_files() {
+    let scratch = Scratch::new("questions");
+    let questions = ["--list-devices", "--list-strategies", "--self-test"];
+    let files = ["--out=made", "--report=report.json"];
+    for question in questions {
+        for other in questions.into_iter().chain(files).filter(|other| *other != question) {
+            let output = walkthrough(&scratch.0, &[question, other]).output().expect("it starts");
+            let message = stderr(&output);
+            assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{message}");
+            assert!(message.contains("cannot be used with"), "{message}");
+        }
+    }
+    assert_empty(&scratch);
+}
+
+#[test]
+fn shadows_that_no_image_of_this_kind_has_are_refused_before_any_work() {
+    let scratch = Scratch::new("no-such-shadows");
+    let more = ["--objects", "1", "--lights=sun", "--shadows=off,volumes", "--msaa=4"];
+    let output = small_walk(&scratch, &more).output().expect("it starts");
+    assert!(refusal(&output, 2).contains("shadow volumes"));
+    assert_empty(&scratch);
 }
 
 #[test]
@@ -107,6 +136,7 @@ fn places_that_cannot_be_written_end_with_2_before_any_work() {
         ["--report", below.as_ref()],
         ["--report", "."],
         ["--report", "folder/"],
+        ["--report", "folder/report.json"],
     ] {
         let output = walkthrough(&scratch.0, &arguments).output().expect("it starts");
         let message = refusal(&output, 2);
@@ -145,7 +175,9 @@ fn an_unknown_device_ends_with_2_and_lists_the_devices() {
 fn sizes_beyond_the_device_end_with_2() {
     let scratch = Scratch::new("too-large");
     for (size, side) in [("1000000x32", "width"), ("32x4294967295", "height")] {
-        let output = small_walk(&scratch, &["--size", size]).output().expect("it starts");
+        // A city of one object has no streets, which is found when it is made: that comes later.
+        let asked = ["--size", size, "--objects", "1"];
+        let output = small_walk(&scratch, &asked).output().expect("it starts");
         let message = refusal(&output, 2);
         assert!(message.contains(&format!("the {side} of the image")), "{message}");
         assert!(message.contains("takes at most"), "{message}");
@@ -316,6 +348,26 @@ fn too_little_memory_for_a_scene_is_said_in_a_sentence() {
     assert_eq!(output.status.code(), Some(1), "{message}");
     assert!(message.contains("error: there is no memory "), "{message}");
     assert!(!message.contains("panicked") && !message.contains("allocation of"), "{message}");
+}
+
+/// Checks that a limit under which no driver runs is told as such, on each of the software drivers
+/// alone: the loader says that there is none, or one of them ends the process.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_limit_of_address_space_is_not_called_a_missing_driver() {
+    let scratch = Scratch::new("address-space");
+    for limit_kib in [200_000, 400_000] {
+        for arguments in [&["--list-devices"][..], &["--frames", "2", "--size", "320x180"]] {
+            let plain = walkthrough(&scratch.0, arguments);
+            let mut command = Command::new("sh");
+            command.args(["-c", &format!("ulimit -v {limit_kib} && exec \"$0\" \"$@\"")]);
+            command.arg(plain.get_program()).args(arguments).current_dir(&scratch.0);
+            let message = refusal(&command.output().expect("it starts"), 1);
+            let limit = format!("may take {} MiB of address space", limit_kib >> 10);
+            assert!(message.contains(&limit) && message.contains("ulimit -v"), "{message}");
+            assert!(!message.contains("install"), "{message}");
+        }
+    }
 }
 
 /// Checks that a cache that is no regular file, or larger than any, is left alone and costs neither

@@ -14,6 +14,17 @@ use bench::terminal::{output::say_wrote, shown};
 const GPU_KNOWS: &str =
     "only the GPU knows what pyramid draws: choose another strategy to see its decisions";
 
+/// A panel over the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Panel {
+    /// A list or field.
+    Menu,
+    /// All keys.
+    Help,
+    /// The description of the selected object.
+    Object,
+}
+
 impl Session {
     /// Carries the action out, or shows in the image why it cannot be.
     ///
@@ -31,6 +42,7 @@ impl Session {
             Action::Freeze => self.freeze()?,
             Action::Identify(pixel) => self.identify(pixel),
             Action::Compare => self.toggle_comparison()?,
+            action if self.needs_lights(action) => self.waiting_for_lights = Some(action),
             Action::NextHour => self.set_hour(None)?,
             Action::Hour(hour) => self.set_hour(Some(hour))?,
             Action::NextShadows => self.choose_next_shadows(),
@@ -65,7 +77,7 @@ impl Session {
                 self.menu = Some(menu::strategies(can, self.strategy));
             }
             Action::Help => self.has_help = !self.has_help,
-            Action::Escape => self.close_page(),
+            Action::Escape => self.close_panel()?,
             Action::NextPresentMode
             | Action::PresentMode(_)
             | Action::ListScenes
@@ -77,16 +89,28 @@ impl Session {
         Ok(())
     }
 
-    /// Returns true while a page is open over the image.
-    pub fn has_page(&self) -> bool {
-        self.has_help || self.menu.is_some()
+    /// Returns the panel over the image that Esc closes, if there is one.
+    pub fn topmost_panel(&self) -> Option<Panel> {
+        let panels = [
+            (self.menu.is_some(), Panel::Menu),
+            (self.has_help, Panel::Help),
+            (self.selection.object.is_some(), Panel::Object),
+        ];
+        panels.into_iter().find_map(|(is_open, panel)| is_open.then_some(panel))
     }
 
-    /// Closes the page over the image.
-    pub fn close_page(&mut self) {
-        if self.menu.take().is_none() {
-            self.has_help = false;
+    /// Closes the topmost panel over the image.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn close_panel(&mut self) -> Result<(), RunError> {
+        match self.topmost_panel() {
+            Some(Panel::Menu) => self.menu = None,
+            Some(Panel::Help) => self.has_help = false,
+            Some(Panel::Object) => self.deselect()?,
+            None => {}
         }
+        Ok(())
     }
 
     /// Shows the result of a request to the view of the scene.

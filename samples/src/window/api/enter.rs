@@ -4,6 +4,7 @@ use std::path::Path;
 
 use antumbra::render::FrameReport;
 
+use crate::window::actions::Action;
 use crate::window::fly_camera::FlyCamera;
 use crate::window::loaded_scene::LoadedScene;
 use crate::window::loading::LoadingStatus;
@@ -21,7 +22,35 @@ impl Session {
     /// # Errors
     /// A device that fails; then the previous scene stays.
     pub fn enter(&mut self, loaded: LoadedScene) -> Result<(), RunError> {
-        let LoadedScene { mut renderer, mut scene_view, daylight } = loaded;
+        self.replace(loaded)?;
+        self.fly = FlyCamera::new(self.scene_view.start, self.scene_view.speed_m);
+        self.seen_from = self.scene_view.start;
+        self.frame = 0;
+        Ok(())
+    }
+
+    /// Shows `loaded`, which is the same scene with lights, from where the camera is, and carries
+    /// out the action that asked for them.
+    ///
+    /// # Errors
+    /// A device that fails; then the previous scene stays.
+    pub fn light_up(&mut self, loaded: LoadedScene, action: Action) -> Result<(), RunError> {
+        let is_followed = self.scene_view.camera(self.frame, self.renderer.size()).is_some();
+        self.replace(loaded)?;
+        if !is_followed {
+            self.scene_view.take_over();
+        }
+        match action {
+            // It is an hour of its own already.
+            Action::NextHour => self.tell_hour(),
+            action => self.act(action)?,
+        }
+        Ok(())
+    }
+
+    /// Puts another scene in the place of the one that is shown.
+    fn replace(&mut self, loaded: LoadedScene) -> Result<(), RunError> {
+        let LoadedScene { mut renderer, mut scene_view, daylight, lit } = loaded;
         if renderer.size() != self.renderer.size() {
             renderer.resize(self.renderer.size())?;
         }
@@ -45,13 +74,15 @@ impl Session {
         self.stop_recording()?;
         self.finish_comparison()?;
         (self.renderer, self.history, self.strategy) = (renderer, history, strategy);
-        self.fly = FlyCamera::new(scene_view.start, scene_view.speed_m);
-        (self.seen_from, self.scene_view) = (scene_view.start, scene_view);
+        self.scene_view = scene_view;
         self.daylight = daylight;
+        self.lit = lit;
+        self.waiting_for_lights = None;
         self.selection = Selection::default();
         // The letters of the text are on the old renderer.
         self.hud = None;
-        (self.frame, self.frozen, self.outcome) = (0, None, None);
+        self.frozen = None;
+        self.outcome = None;
         self.report = FrameReport::default();
         self.scene += 1;
         self.viewed.clear();

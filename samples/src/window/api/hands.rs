@@ -22,20 +22,23 @@ const MADE_OBJECTS: u32 = 10_000;
 
 impl Opened {
     /// Carries out Esc; returns true if that is the end.
-    pub(crate) fn escape(&mut self) -> bool {
-        let closes = self.session.has_page().then_some(Escape::Close);
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub(crate) fn escape(&mut self) -> Result<bool, RunError> {
+        let closes = self.session.topmost_panel().map(|_| Escape::Close);
         let frees = self.pointer.is_looking().then_some(Escape::Free);
         match self.leaving.escape(self.clock_now(), closes.or(frees)) {
-            Escape::Close => self.session.close_page(),
+            Escape::Close => self.session.close_panel()?,
             Escape::Free => {
                 let action = self.pointer.free();
                 self.point(action);
             }
             Escape::Ask => self.session.refuse("press Esc again to quit".to_owned()),
-            Escape::Quit => return true,
+            Escape::Quit => return Ok(true),
         }
         self.next_layout = Time::ZERO;
-        false
+        Ok(false)
     }
 
     pub(crate) fn toggle_full_screen(&self) {
@@ -99,6 +102,16 @@ impl Opened {
         if let SceneSource::File { file, .. } = source {
             self.files.retain(|opened| opened != file);
             self.files.push(file.clone());
+        }
+    }
+
+    /// Begins to make the scene with lights, if the last action asked for that.
+    pub(crate) fn load_lit(&mut self, options: &ShowOptions) {
+        let Some(request) = self.session.take_lighting_request() else { return };
+        let size = self.session.renderer().size();
+        let device = self.session.renderer().device().clone();
+        if let Err(error) = self.arrivals.load_lit(&device, &request, options, size) {
+            self.session.refuse_source(&request.source, &error);
         }
     }
 

@@ -42,6 +42,14 @@ impl Session {
         Ok(())
     }
 
+    /// Closes the card of the selected object, and removes its outline.
+    pub(crate) fn deselect(&mut self) -> Result<(), RunError> {
+        self.renderer.outline(None)?;
+        self.selection = Selection::default();
+        self.is_page_stale = true;
+        Ok(())
+    }
+
     /// Logs the card of an object, once after it was selected.
     pub(crate) fn log_selection(&mut self) {
         if std::mem::take(&mut self.selection.is_new) {

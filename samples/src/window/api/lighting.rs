@@ -1,12 +1,14 @@
 //! The hour of the day and the shadows of a session.
 
 use antumbra::glam::Vec3;
+use antumbra::render;
 use antumbra::shadows::{CasterCulling, ShadowCaching, ShadowFilter, ShadowMethod};
 
+use crate::window::actions::Action;
 use crate::window::flares::{flares_of, projector_of};
 use crate::window::loaded_scene::show_hour;
 use crate::window::page_text::{Facts, fact};
-use crate::window::session::Session;
+use crate::window::session::{LightingRequest, Session};
 use crate::window::show::FlareChoice;
 use bench::run_error::RunError;
 use bench::shadow_choice::{ShadowChoice, ShadowWay};
@@ -15,8 +17,7 @@ use scenes::Hour;
 /// The ways that a key goes through; the others are for comparisons.
 const BY_KEY: [ShadowWay; 3] = [ShadowWay::Off, ShadowWay::Maps, ShadowWay::Volumes];
 
-const NO_FLARES: &str =
-    "there are lens flares in scenes with an hour: start `shadows`, or `city --hour 21`";
+const NO_FLARES: &str = "there are lens flares in city, in field, and in `shadows`";
 
 const NO_PICTURES: &str = "no light of the scene projects a picture: start `shadows` for one";
 
@@ -26,13 +27,32 @@ const NO_DETAIL: &str =
 /// The step of the hour.
 const STEP_MINUTES: i16 = 60;
 
-const NO_HOURS: &str =
-    "the hour changes in a city with surfaces: start it with --hour, as in `city --hour 14`";
+const NO_HOURS: &str = "the hour changes in city, in field, and in `shadows`";
+
+const NOTHING_TO_LIGHT: &str = "there is no scene yet that casts shadows: O has a list";
 
 impl Session {
     /// Returns the hour of the scene, if it has one.
     pub(crate) fn hour(&self) -> Option<Hour> {
         self.daylight.as_ref().map(|daylight| daylight.hour)
+    }
+
+    /// Returns true for an action that waits until the same scene was loaded with lights.
+    pub(crate) fn needs_lights(&self, action: Action) -> bool {
+        self.lit.is_some() && is_about_lights(action)
+    }
+
+    /// Takes the action that waits for lights, with the scene that has them.
+    pub fn take_lighting_request(&mut self) -> Option<LightingRequest> {
+        let action = self.waiting_for_lights.take()?;
+        Some(LightingRequest { source: self.lit.clone()?, action })
+    }
+
+    /// Shows which hour it is.
+    pub(crate) fn tell_hour(&mut self) {
+        if let Some(hour) = self.hour() {
+            self.tell(format!("the hour is {hour}"));
+        }
     }
 
     /// Shows the scene at an hour; the next one if none is given.
@@ -45,9 +65,8 @@ impl Session {
             return Ok(());
         };
         daylight.hour = hour.unwrap_or_else(|| daylight.hour.later(STEP_MINUTES));
-        let hour = daylight.hour;
         show_hour(&mut self.renderer, daylight)?;
-        self.tell(format!("the hour is {hour}"));
+        self.tell_hour();
         Ok(())
     }
 
@@ -153,8 +172,12 @@ impl Session {
 
     fn draw_shadows(&mut self, choice: ShadowChoice) {
         let before = self.renderer.degradations().texts();
-        if let Err(error) = self.renderer.set_shadows(choice.options()) {
-            return self.refuse(error.to_string());
+        match self.renderer.set_shadows(choice.options()) {
+            Ok(()) => {}
+            Err(render::Error::NoSurfacesForShadows) => {
+                return self.refuse(NOTHING_TO_LIGHT.to_owned());
+            }
+            Err(error) => return self.refuse(error.to_string()),
         }
         let mut lines = vec![format!("shadows {}", text(choice))];
         let lost = self.renderer.degradations().texts();
@@ -191,6 +214,15 @@ impl Session {
         let facts: Facts = hour.into_iter().chain(shadows.into_iter().flatten()).collect();
         (!facts.is_empty()).then_some(facts)
     }
+}
+
+/// Returns true for an action that changes nothing in a scene without lights of its own.
+fn is_about_lights(action: Action) -> bool {
+    use Action::{Filter, Flares, Hour, NextFilter, NextHour, NextShadows, Shadows};
+    matches!(
+        action,
+        NextHour | Hour(_) | NextShadows | Shadows(_) | NextFilter | Filter(_) | Flares
+    )
 }
 
 /// Returns the one after `current`; after the last the first.

@@ -10,6 +10,7 @@ use crate::hud::{Help, HudLevel, HudPage, Legend, Sign};
 use crate::window::actions::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};
 use crate::window::comparison::Comparison;
 use crate::window::conditions::Conditions;
+use crate::window::exactness_claim::ClaimBasis;
 use crate::window::legends;
 use crate::window::page_text::Known;
 use crate::window::screen::ScreenFacts;
@@ -137,7 +138,8 @@ impl Session {
             predicates: self.renderer.predication().name(),
             tester: self.renderer.cheapest_tester().name(),
             frames_in_flight: self.renderer.frames_in_flight(),
-            compared: self.comparison.as_ref().map(Comparison::tally),
+            is_comparing: self.comparison.is_some(),
+            claim: &self.claim_basis().claim(),
             screen,
         };
         let (hint, details) = match self.hud_level {
@@ -161,6 +163,21 @@ impl Session {
             asked: self.asked_for(),
             toast,
             progress,
+        }
+    }
+
+    /// Returns what is known of the newest frame, and what can be claimed about its image from it.
+    fn claim_basis(&self) -> ClaimBasis {
+        ClaimBasis {
+            frames: self.frame,
+            objects: self.renderer.hierarchy().object_count().into(),
+            is_loading: self.awaited.is_some(),
+            is_uploading: self.renderer.is_uploading(),
+            is_frozen: self.frozen.is_some(),
+            strategy: self.strategy,
+            threshold_samples: self.renderer.threshold_samples(),
+            samples_below_threshold: self.outcome.map(|outcome| outcome.samples_below_threshold),
+            compared: self.comparison.as_ref().map(Comparison::tally),
         }
     }
 

@@ -139,7 +139,7 @@ const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
 impl<'a> Bench<'a> {
     pub(super) fn new(scene: CalibrationScene<'a>) -> Result<Self, Error> {
-        let CalibrationScene { device, shaders, passes, executors, objects, draws } = scene;
+        let CalibrationScene { device, shaders, passes, executors, objects, draws, .. } = scene;
         let size = objects.target().size();
         let camera = Camera {
             eye: Vec3::ZERO,

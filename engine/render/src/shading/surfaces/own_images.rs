@@ -1,6 +1,6 @@
 //! Textures with an image each, which shaders find by number.
 
-use gpu::{Device, Optional, TextureArray, TextureNumber, TextureTable, vk};
+use gpu::{CancellationToken, Device, Optional, TextureArray, TextureNumber, TextureTable, vk};
 use scene::limits::MAX_OWN_IMAGES;
 use scene::{PreparedTexture, Surfaces, TextureId};
 
@@ -49,6 +49,7 @@ impl OwnImages {
         device: &Device,
         surfaces: &Surfaces,
         sampling: Sampling,
+        cancellation: &CancellationToken,
     ) -> Result<(Self, PagePlan), Error> {
         let max_side = device.adapter().limits.max_image_dimension2_d;
         let sampled = SampledBlocks::of(device);
@@ -60,7 +61,7 @@ impl OwnImages {
         let room = room(device.adapter().kind, count as u32, most);
         let mut table = TextureTable::new(device, "textures", room)?;
         let create = |info: &gpu::TextureArrayInfo<'_>| table.create(info);
-        for texture in upload_pages(device, surfaces, &plan, sampling, create)? {
+        for texture in upload_pages(device, surfaces, &plan, sampling, cancellation, create)? {
             table.add(texture)?;
         }
         let of_scene = surfaces.textures.len() as u32;

@@ -1,6 +1,8 @@
 //! Texture pages on the GPU. An image of its own is a page of one layer.
 
-use gpu::{Device, MipMaking, TextureArray, TextureArrayInfo, TextureUploads, vk};
+use gpu::{
+    CancellationToken, Device, MipMaking, TextureArray, TextureArrayInfo, TextureUploads, vk,
+};
 use scene::limits::{MAX_LAYERS, MAX_PAGES};
 use scene::{Encoding, Filter, Image, Sampler, Surfaces, Texels, Wrap};
 
@@ -104,15 +106,18 @@ pub(super) fn upload_pages(
     surfaces: &Surfaces,
     plan: &PagePlan,
     sampling: Sampling,
+    cancellation: &CancellationToken,
     mut create: impl FnMut(&TextureArrayInfo<'_>) -> Result<TextureArray, gpu::Error>,
 ) -> Result<Vec<TextureArray>, Error> {
-    let mut uploads = TextureUploads::new(device)?;
+    let mut uploads = TextureUploads::new(device)?.cancelled_by(cancellation.clone());
     let mut pages = Vec::with_capacity(plan.pages.len().max(1));
     for (number, page) in plan.pages.iter().enumerate() {
         let name = format!("texture page {number}");
         let mut array = create(&sampling.array_info(&name, page))?;
         for (layer, image) in (0..).zip(&page.layers) {
             let Some(image) = surfaces.images.get(image.0 as usize) else { continue };
+            // Before it is unpacked or resampled.
+            cancellation.check()?;
             upload_image(&mut uploads, (&mut array, layer), image, page)?;
         }
         let used = page.layers.len() as u32;
@@ -155,9 +160,10 @@ pub(super) fn upload_all_pages(
     surfaces: &Surfaces,
     plan: &PagePlan,
     sampling: Sampling,
+    cancellation: &CancellationToken,
 ) -> Result<Vec<TextureArray>, Error> {
     let create = |info: &TextureArrayInfo<'_>| TextureArray::new(device, info);
-    let mut pages = upload_pages(device, surfaces, plan, sampling, create)?;
+    let mut pages = upload_pages(device, surfaces, plan, sampling, cancellation, create)?;
     if pages.is_empty() {
         let sampler = Sampler { between_levels: None, ..Sampler::default() };
         let white = Page {

@@ -65,7 +65,8 @@ impl SurfaceResources {
     ///
     /// # Errors
     /// Too many lights, meshes without surface vertices, images with a number of bytes that does
-    /// not fit their size; sizes beyond the device's limits, no memory, a failed call.
+    /// not fit their size; sizes beyond the device's limits, no memory, a failed call,
+    /// [`gpu::Error::Cancelled`].
     pub fn upload(
         device: &Device,
         scene: &Scene,
@@ -76,6 +77,7 @@ impl SurfaceResources {
         check_counts(device, surfaces, hierarchy, &options.spare)?;
         check(scene, surfaces)?;
         let (textures, plan) = SurfaceTextures::new(device, surfaces, options)?;
+        options.cancellation.check()?;
         let places = plan.texture_places(surfaces);
         let table = LightTable::new(surfaces, &options.spare);
         let first_transparent_slot = hierarchy.leaf_objects().len() as u32;
@@ -90,6 +92,7 @@ impl SurfaceResources {
             light_lists.fill(&transparent, first_transparent_slot);
         }
         light_lists.submitted();
+        options.cancellation.check()?;
         let vertices = surface_vertices(scene, surfaces, &options.spare)?;
         // Without lights nobody reads the lists.
         let lists = if light_lists.has_lights() { light_lists.all_values() } else { Vec::new() };

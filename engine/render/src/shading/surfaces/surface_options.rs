@@ -1,12 +1,12 @@
 //! The options of surfaces on the GPU.
 
-use gpu::MipMaking;
+use gpu::{CancellationToken, MipMaking};
 
 use crate::resources::spare_room::SpareRoom;
 use crate::shading::surfaces::texture_storage::TextureStorage;
 
 /// The options of the upload of surfaces.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct SurfaceOptions {
     /// The most samples of textures along grazing surfaces; `None` takes 8, and 1 on a CPU, where
     /// each costs as much as another texture.
@@ -17,6 +17,8 @@ pub struct SurfaceOptions {
     pub textures: Option<TextureStorage>,
     /// Room for what comes later.
     pub spare: SpareRoom,
+    /// The request to give the upload up, which is checked between its pieces.
+    pub cancellation: CancellationToken,
 }
 
 impl Default for SurfaceOptions {
@@ -26,6 +28,7 @@ impl Default for SurfaceOptions {
             mip_making: MipMaking::Blits,
             textures: None,
             spare: SpareRoom::default(),
+            cancellation: CancellationToken::default(),
         }
     }
 }

@@ -24,7 +24,7 @@ impl SurfaceTextures {
     ///
     /// # Errors
     /// Images beyond limits, images for each texture on a device that cannot index them, no memory,
-    /// a failed call.
+    /// a failed call, [`gpu::Error::Cancelled`].
     pub(crate) fn new(
         device: &Device,
         surfaces: &Surfaces,
@@ -35,12 +35,12 @@ impl SurfaceTextures {
         });
         let sampling = Sampling::of(device, options);
         if storage == TextureStorage::Images {
-            let (images, plan) = OwnImages::new(device, surfaces, sampling)?;
+            let (images, plan) = OwnImages::new(device, surfaces, sampling, &options.cancellation)?;
             return Ok((Self::Images(Box::new(images)), plan));
         }
         let rooms = &options.spare.textures;
         let plan = plan(device, surfaces, rooms)?;
-        let arrays = upload_all_pages(device, surfaces, &plan, sampling)?;
+        let arrays = upload_all_pages(device, surfaces, &plan, sampling, &options.cancellation)?;
         let first_page = plan.pages.len().saturating_sub(rooms.len());
         let slots = TextureSlots::new(surfaces.textures.len() as u32, first_page, rooms);
         Ok((Self::Pages { arrays, slots }, plan))
