@@ -39,6 +39,9 @@
 //! | `pacing` | the start times of frames, with the feature `pacing` |
 #![forbid(unsafe_code)]
 
+#[cfg(doctest)]
+mod pages;
+
 #[cfg(feature = "import")]
 pub use animation;
 pub use cull;

@@ -2,7 +2,6 @@
 
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::ptr;
 
 use tracing::Dispatch;
 
@@ -15,8 +14,8 @@ use crate::executor::device::AntumbraDevice;
 use crate::executor::prices::AntumbraPrices;
 #[cfg(feature = "vulkan")]
 use crate::executor::scene::{AntumbraScene, HostedScene};
-use crate::layout::{Versioned, layout};
-use crate::log::{ANTUMBRA_LOG_DEBUG, AntumbraLogCallback, CallbackLog};
+use crate::layout::{Versioned, layout, versioned};
+use crate::log::{ANTUMBRA_LOG_DEBUG, ANTUMBRA_LOG_WARN, AntumbraLogCallback, CallbackLog};
 #[cfg(feature = "renderer")]
 use crate::renderer::frame::{AntumbraRenderer, HostedRenderer};
 use crate::table::Table;
@@ -47,31 +46,28 @@ pub struct AntumbraContext {
 pub struct AntumbraContextDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// `ANTUMBRA_ABI_VERSION`, as the caller was compiled.
+    /// Required: `ANTUMBRA_ABI_VERSION`, as the caller was compiled.
     pub abi_version: u32,
-    /// The function that takes messages; null for none. Default: null.
+    /// The function that takes messages. Default: null, for none.
     pub log: AntumbraLogCallback,
     /// The first argument of `log`. Default: null.
     pub log_user: *mut c_void,
-    /// The last level that is passed on, `ANTUMBRA_LOG_ERROR` to `ANTUMBRA_LOG_DEBUG`. Default:
-    /// `ANTUMBRA_LOG_WARN`.
+    /// The last level that is passed on, `ANTUMBRA_LOG_ERROR` to `ANTUMBRA_LOG_DEBUG`; for no
+    /// messages at all, leave `log` null. Default: `ANTUMBRA_LOG_WARN`.
     pub log_level: u32,
     /// Must be 0.
     pub reserved: u32,
 }
 layout!(AntumbraContextDesc: struct_size, abi_version, log, log_user, log_level, reserved);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraContextDesc {
-    const REQUIRED_FIELDS: usize = 2;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        abi_version: ANTUMBRA_ABI_VERSION,
-        log: None,
-        log_user: ptr::null_mut(),
-        log_level: crate::log::ANTUMBRA_LOG_WARN,
-        reserved: 0,
-    };
+versioned!(AntumbraContextDesc: 2, required: [], defaults: { log_level: ANTUMBRA_LOG_WARN });
+
+impl AntumbraContextDesc {
+    /// Returns the options of a caller who was compiled with this version.
+    #[must_use]
+    pub const fn current() -> Self {
+        Self { abi_version: ANTUMBRA_ABI_VERSION, ..Self::INIT }
+    }
 }
 
 impl AntumbraContext {
@@ -84,8 +80,9 @@ impl AntumbraContext {
             );
             return Err(Failure::new(AntumbraResult::AbiVersion, message));
         }
-        if !(1..=ANTUMBRA_LOG_DEBUG).contains(&desc.log_level) || desc.reserved != 0 {
-            return Err(Failure::argument("log_level is an ANTUMBRA_LOG_.., and reserved is 0"));
+        if !(1..=ANTUMBRA_LOG_DEBUG).contains(&desc.log_level) {
+            let message = format_args!("there is no ANTUMBRA_LOG_.. {}", desc.log_level);
+            return Err(Failure::argument(message));
         }
         let (user, max_level) = (desc.log_user, desc.log_level);
         let log = desc.log.map(|callback| CallbackLog { callback, user, max_level });

@@ -9,8 +9,10 @@
 //! - The result is [`AntumbraResult`]. If it is not `Ok`, nothing was written to the outputs but
 //!   the [`AntumbraError`], which says what to do. It may be null.
 //! - A pointer to a struct with a `struct_size` points to a value whose `struct_size` is its size
-//!   in bytes as the caller was compiled: also the [`AntumbraError`] and structs for output. What
-//!   an older caller does not have takes the documented default.
+//!   in bytes as the caller was compiled: also the [`AntumbraError`] and structs for output.
+//! - 0 is the default of every field of such a struct, whatever value it stands for, unless the
+//!   field is required: what an older caller does not have counts as 0. Reserved fields must be 0,
+//!   also in structs that are plain values.
 //! - A pointer and a count describe an array, which may be null if the count is 0. Input and output
 //!   arrays do not overlap.
 //! - Everything belongs to a context. Its handles are numbers, so a handle that is 0, was

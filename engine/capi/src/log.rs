@@ -7,6 +7,10 @@ use tracing::field::{Field, Visit};
 use tracing::span::{Attributes, Id, Record};
 use tracing::{Event, Level, Metadata, Subscriber};
 
+use crate::layout::pointers;
+
+/// The default: warnings and errors.
+pub const ANTUMBRA_LOG_DEFAULT: u32 = 0;
 /// An error: something could not be done.
 pub const ANTUMBRA_LOG_ERROR: u32 = 1;
 /// A warning: it works, but not as well as it could.
@@ -21,6 +25,8 @@ pub const ANTUMBRA_LOG_DEBUG: u32 = 4;
 /// not call the library.
 pub type AntumbraLogCallback =
     Option<unsafe extern "C" fn(user: *mut c_void, level: u32, message: *const c_char)>;
+
+pointers!(AntumbraLogCallback);
 
 /// Passes events to a caller's function.
 pub(crate) struct CallbackLog {

@@ -1,9 +1,10 @@
 //! The checks of pointers that come from C: null, alignment, sizes, lengths.
 
+use std::fmt::Display;
 use std::mem::MaybeUninit;
 
 use crate::error::{AntumbraResult, Failure};
-use crate::layout::{CLayout, Versioned};
+use crate::layout::{CLayout, CValue, FieldLayout, Versioned};
 
 /// The largest size of a struct that is believed: a larger one was never set.
 const MAX_STRUCT_SIZE: usize = 4096;
@@ -25,7 +26,7 @@ fn check<T>(name: &str, pointer: *const T) -> Result<(), Failure> {
 /// # Safety
 /// `pointer` is the beginning of `count` readable values, and nobody writes to them as long as the
 /// slice is used.
-pub(crate) unsafe fn slice<'a, T: CElement>(
+pub(crate) unsafe fn slice<'a, T: CValue>(
     name: &str,
     pointer: *const T,
     count: usize,
@@ -36,7 +37,20 @@ pub(crate) unsafe fn slice<'a, T: CElement>(
     check(name, pointer)?;
     check_length::<T>(name, count)?;
     // SAFETY: the caller's promise, and the checks above.
-    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+    let values = unsafe { std::slice::from_raw_parts(pointer, count) };
+    if T::FIELDS.iter().any(FieldLayout::has_reserved) {
+        for (number, value) in values.iter().enumerate() {
+            check_reserved(format_args!("{name}[{number}]"), value)?;
+        }
+    }
+    Ok(values)
+}
+
+/// Returns a byte of a value.
+fn byte_of<T: CValue>(value: &T, at: usize) -> u8 {
+    assert!(at < size_of::<T>());
+    // SAFETY: it is one of its bytes, and no struct of the interface has padding.
+    unsafe { (&raw const *value).cast::<u8>().add(at).read() }
 }
 
 /// Returns an array to be written.
@@ -44,7 +58,7 @@ pub(crate) unsafe fn slice<'a, T: CElement>(
 /// # Safety
 /// `pointer` is the beginning of `count` writable values that nobody else uses as long as the slice
 /// is used.
-pub(crate) unsafe fn output_slice<'a, T: CElement>(
+pub(crate) unsafe fn output_slice<'a, T: CValue>(
     name: &str,
     pointer: *mut T,
     count: usize,
@@ -65,27 +79,39 @@ fn check_length<T>(name: &str, count: usize) -> Result<(), Failure> {
     }
 }
 
-/// A value that any bytes are valid for: an element of arrays.
-///
-/// # Safety
-/// Any bytes are a valid value.
-pub(crate) unsafe trait CElement: Copy {}
+/// Refuses a struct with a reserved field that is not 0.
+fn check_reserved<T: CValue>(name: impl Display, value: &T) -> Result<(), Failure> {
+    match set_reserved(T::FIELDS, &|at| byte_of(value, at)) {
+        Some(field) => Err(Failure::argument(format_args!("{name}.{field} must be 0"))),
+        None => Ok(()),
+    }
+}
 
-// SAFETY: a number.
-unsafe impl CElement for u32 {}
-// SAFETY: a pointer, which is not followed.
-unsafe impl<T> CElement for *const T {}
-// SAFETY: see `CLayout`.
-unsafe impl<T: CLayout> CElement for T {}
+/// Returns the first reserved field that is not 0.
+fn set_reserved(fields: &[FieldLayout], bytes: &dyn Fn(usize) -> u8) -> Option<String> {
+    fields.iter().find_map(|field| {
+        if !field.fields.is_empty() {
+            let inner = set_reserved(field.fields, &|at| bytes(field.offset + at))?;
+            return Some(format!("{}.{inner}", field.name));
+        }
+        (field.is_reserved() && !is_zero(field, bytes)).then(|| field.name.to_owned())
+    })
+}
 
-/// Reads a struct that may come from an older or a newer caller.
+/// Returns true if all bytes of a field are 0.
+fn is_zero(field: &FieldLayout, bytes: &dyn Fn(usize) -> u8) -> bool {
+    (field.offset..field.offset + field.size).all(|at| bytes(at) == 0)
+}
+
+/// Reads a struct that may come from an older or a newer caller: what it does not have or leaves at
+/// 0 has its default afterwards.
 ///
 /// # Safety
 /// `pointer` is null or points to as many readable bytes as its `struct_size` says.
 pub(crate) unsafe fn read<T: Versioned>(name: &str, pointer: *const T) -> Result<T, Failure> {
     // SAFETY: the caller's promise.
     let size = unsafe { struct_size(name, pointer) }?;
-    let mut value = T::DEFAULT;
+    let mut value = T::INIT;
     // SAFETY: any bytes are a value, and a field is copied whole or not at all.
     unsafe {
         let known = size.min(size_of::<T>());
@@ -104,7 +130,48 @@ pub(crate) unsafe fn read<T: Versioned>(name: &str, pointer: *const T) -> Result
             }
         }
     }
+    check_reserved(name, &value)?;
+    for field in T::FIELDS.iter().filter(|field| T::REQUIRED.contains(&field.name)) {
+        if is_zero(field, &|at| byte_of(&value, at)) {
+            return Err(match field.is_pointer {
+                true => Failure::null(&format!("{name}.{}", field.name)),
+                false => Failure::argument(format_args!(
+                    "{name}.{} is 0, and has no default: it must be set",
+                    field.name
+                )),
+            });
+        }
+    }
+    value.set_defaults();
     Ok(value)
+}
+
+/// Reads the bytes of a struct without a `struct_size` as an array of one.
+pub(crate) fn plain_bytes<T: CLayout>(bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let value = value_of::<T>(bytes)?;
+    // SAFETY: a value on this stack.
+    let read = unsafe { slice("it", &raw const value, 1) };
+    read.map(|values| bytes_of(&values[0])).map_err(|failure| failure.message)
+}
+
+/// Reads the bytes of a struct with a `struct_size`.
+pub(crate) fn versioned_bytes<T: Versioned>(bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let value = value_of::<T>(bytes)?;
+    // SAFETY: the whole struct is on this stack.
+    let read = unsafe { read("it", &raw const value) };
+    read.map(|value| bytes_of(&value)).map_err(|failure| failure.message)
+}
+
+fn value_of<T: CLayout>(bytes: &[u8]) -> Result<T, String> {
+    if bytes.len() != size_of::<T>() {
+        return Err(format!("{} has {} bytes", T::NAME, size_of::<T>()));
+    }
+    // SAFETY: as many bytes as it has, and any are a value.
+    Ok(unsafe { bytes.as_ptr().cast::<T>().read_unaligned() })
+}
+
+fn bytes_of<T: CLayout>(value: &T) -> Vec<u8> {
+    (0..size_of::<T>()).map(|at| byte_of(value, at)).collect()
 }
 
 /// Checks the `struct_size` of a struct and returns it.
@@ -115,7 +182,8 @@ unsafe fn struct_size<T: Versioned>(name: &str, pointer: *const T) -> Result<usi
     check(name, pointer)?;
     // SAFETY: the caller's promise; the first field is the size.
     let size = unsafe { pointer.cast::<u32>().read() } as usize;
-    let ends = T::FIELDS[T::REQUIRED_FIELDS - 1..].iter().map(|field| field.offset + field.size);
+    let ends =
+        T::FIELDS[T::FIRST_VERSION_FIELDS - 1..].iter().map(|field| field.offset + field.size);
     let is_newer = (size_of::<T>()..=MAX_STRUCT_SIZE).contains(&size);
     if is_newer || ends.into_iter().any(|end| end == size) {
         return Ok(size);

@@ -18,42 +18,42 @@ use crate::renderer::{description, frame as rendered, prices as measured, shadow
 
 /// All structs of the interface, for comparison with a C compiler.
 pub const STRUCTS: &[StructLayout] = &[
-    StructLayout::of::<AntumbraContextDesc>(),
+    StructLayout::of_versioned::<AntumbraContextDesc>(),
     StructLayout::of::<AntumbraCuller>(),
-    StructLayout::of::<AntumbraCullerDesc>(),
-    StructLayout::of::<AntumbraPlanDesc>(),
+    StructLayout::of_versioned::<AntumbraCullerDesc>(),
+    StructLayout::of_versioned::<AntumbraPlanDesc>(),
     StructLayout::of::<AntumbraError>(),
     StructLayout::of::<AntumbraAabb>(),
     StructLayout::of::<AntumbraHierarchy>(),
-    StructLayout::of::<AntumbraHierarchyDesc>(),
-    StructLayout::of::<AntumbraLeaves>(),
+    StructLayout::of_versioned::<AntumbraHierarchyDesc>(),
+    StructLayout::of_versioned::<AntumbraLeaves>(),
     StructLayout::of::<AntumbraAnswer>(),
     StructLayout::of::<AntumbraDraw>(),
-    StructLayout::of::<AntumbraFramePlan>(),
+    StructLayout::of_versioned::<AntumbraFramePlan>(),
     StructLayout::of::<AntumbraQueryTag>(),
     StructLayout::of::<AntumbraRound>(),
     StructLayout::of::<AntumbraTest>(),
-    StructLayout::of::<AntumbraCamera>(),
+    StructLayout::of_versioned::<AntumbraCamera>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<device::AntumbraAdapterDesc>(),
+    StructLayout::of_versioned::<device::AntumbraAdapterDesc>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<device::AntumbraDevice>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<device::AntumbraDeviceDesc>(),
+    StructLayout::of_versioned::<device::AntumbraDeviceDesc>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<device::AntumbraFeatures>(),
+    StructLayout::of_versioned::<device::AntumbraFeatures>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<device::AntumbraRequirements>(),
+    StructLayout::of_versioned::<device::AntumbraRequirements>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<queue::AntumbraQueueDesc>(),
+    StructLayout::of_versioned::<queue::AntumbraQueueDesc>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<frame::AntumbraBinding>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<frame::AntumbraFrameDesc>(),
+    StructLayout::of_versioned::<frame::AntumbraFrameDesc>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<frame::AntumbraRendering>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<frame::AntumbraViewFrame>(),
+    StructLayout::of_versioned::<frame::AntumbraViewFrame>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<scene::AntumbraObject>(),
     #[cfg(feature = "vulkan")]
@@ -61,51 +61,51 @@ pub const STRUCTS: &[StructLayout] = &[
     #[cfg(feature = "vulkan")]
     StructLayout::of::<scene::AntumbraScene>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<scene::AntumbraSceneDesc>(),
+    StructLayout::of_versioned::<scene::AntumbraSceneDesc>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<scene::AntumbraView>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<scene::AntumbraViewStats>(),
+    StructLayout::of_versioned::<scene::AntumbraViewStats>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<lists::AntumbraDrawList>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<lists::AntumbraDrawLists>(),
+    StructLayout::of_versioned::<lists::AntumbraDrawLists>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<prices::AntumbraPrices>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<target::AntumbraAttachments>(),
+    StructLayout::of_versioned::<target::AntumbraAttachments>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<target::AntumbraImage>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of::<target::AntumbraImageState>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<target::AntumbraTargetDesc>(),
+    StructLayout::of_versioned::<target::AntumbraTargetDesc>(),
     #[cfg(feature = "renderer")]
     StructLayout::of::<description::AntumbraVertex>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of::<description::AntumbraMeshDesc>(),
+    StructLayout::of_versioned::<description::AntumbraMeshDesc>(),
     #[cfg(feature = "renderer")]
     StructLayout::of::<description::AntumbraTransform>(),
     #[cfg(feature = "renderer")]
     StructLayout::of::<description::AntumbraMeshObject>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of::<description::AntumbraSunlight>(),
+    StructLayout::of_versioned::<description::AntumbraSunlight>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of::<description::AntumbraRendererDesc>(),
+    StructLayout::of_versioned::<description::AntumbraRendererDesc>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of::<shadows::AntumbraShadowDesc>(),
+    StructLayout::of_versioned::<shadows::AntumbraShadowDesc>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of::<shadows::AntumbraShadowStats>(),
+    StructLayout::of_versioned::<shadows::AntumbraShadowStats>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of::<measured::AntumbraPricesDesc>(),
+    StructLayout::of_versioned::<measured::AntumbraPricesDesc>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of::<trust::AntumbraSelfTest>(),
+    StructLayout::of_versioned::<trust::AntumbraSelfTest>(),
     #[cfg(feature = "renderer")]
     StructLayout::of::<rendered::AntumbraRenderer>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of::<rendered::AntumbraRenderDesc>(),
+    StructLayout::of_versioned::<rendered::AntumbraRenderDesc>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of::<rendered::AntumbraFinishedImage>(),
+    StructLayout::of_versioned::<rendered::AntumbraFinishedImage>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of::<rendered::AntumbraRendererStats>(),
+    StructLayout::of_versioned::<rendered::AntumbraRendererStats>(),
 ];

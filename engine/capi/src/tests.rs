@@ -35,7 +35,7 @@ fn with_hierarchy(
     let mut error = no_error();
     let mut context = ptr::null_mut();
     let bounds = AntumbraAabb { min: [0.0; 3], max: [1.0; 3] };
-    let boxes = AntumbraHierarchyDesc { boxes: &bounds, box_count: 1, ..Versioned::DEFAULT };
+    let boxes = AntumbraHierarchyDesc { boxes: &bounds, box_count: 1, ..Versioned::INIT };
     let mut hierarchy = AntumbraHierarchy { id: 0 };
     // SAFETY: all pointers are to values on this stack.
     unsafe {
@@ -51,8 +51,8 @@ fn with_hierarchy(
 
 #[test]
 fn a_panic_is_an_error_and_poisons_what_was_being_changed() {
-    with_hierarchy(&Versioned::DEFAULT, |context, hierarchy, error| {
-        let mut leaves = AntumbraLeaves::DEFAULT;
+    with_hierarchy(&AntumbraContextDesc::current(), |context, hierarchy, error| {
+        let mut leaves = AntumbraLeaves::INIT;
         // SAFETY: as in `with_hierarchy`.
         unsafe {
             let result = entry(context, error, |context| {
@@ -84,8 +84,8 @@ fn a_panic_is_an_error_and_poisons_what_was_being_changed() {
 
 #[test]
 fn two_calls_change_one_object_one_after_the_other_or_not_at_all() {
-    with_hierarchy(&Versioned::DEFAULT, |context, hierarchy, error| {
-        let mut leaves = AntumbraLeaves::DEFAULT;
+    with_hierarchy(&AntumbraContextDesc::current(), |context, hierarchy, error| {
+        let mut leaves = AntumbraLeaves::INIT;
         // SAFETY: as in `with_hierarchy`.
         let results = unsafe {
             let found = (*context).hierarchies.find(hierarchy).unwrap();
@@ -117,7 +117,12 @@ fn messages_go_to_the_log_of_their_context() {
     let notes: [Mutex<Vec<(u32, String)>>; 2] = Default::default();
     let descs = [(&notes[0], ANTUMBRA_LOG_INFO), (&notes[1], 1)].map(|(notes, log_level)| {
         let log_user = ptr::from_ref(notes).cast_mut().cast();
-        AntumbraContextDesc { log: Some(note), log_user, log_level, ..Versioned::DEFAULT }
+        AntumbraContextDesc {
+            log: Some(note),
+            log_user,
+            log_level,
+            ..AntumbraContextDesc::current()
+        }
     });
     let speak = |context: *mut AntumbraContext, _, error: &mut AntumbraError| {
         // SAFETY: as in `with_hierarchy`.

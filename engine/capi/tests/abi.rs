@@ -63,3 +63,29 @@ fn a_wrong_layout_is_found() {
     let compiled = std::panic::catch_unwind(|| compile("cc", "-std=c11", "wrong.c", &wrong));
     assert!(compiled.is_err());
 }
+
+#[test]
+fn the_snippets_of_the_page_compile_silently() {
+    let page = include_str!("../README.md");
+    let snippets = page.split("```c\n").skip(1).filter_map(|rest| rest.split("```").next());
+    assert_eq!(snippets.clone().count(), 4);
+    for (number, code) in snippets.enumerate() {
+        compile("cc", "-std=c11", &format!("snippet_{number}.c"), code);
+    }
+}
+
+#[test]
+fn structs_begin_silently_in_both_languages() {
+    let mut code = "#define ANTUMBRA_VULKAN\n#include <antumbra.h>\n".to_owned();
+    let versioned = STRUCTS.iter().filter(|layout| layout.fields[0].name == "struct_size");
+    for (number, layout) in versioned.enumerate() {
+        let name = layout.name;
+        writeln!(code, "{name} global_{number} = ANTUMBRA_INIT({name});").unwrap();
+        writeln!(code, "uint32_t size_{number}(void);").unwrap();
+        writeln!(code, "uint32_t size_{number}(void) {{").unwrap();
+        writeln!(code, "    {name} value = ANTUMBRA_INIT({name});").unwrap();
+        writeln!(code, "    return value.struct_size;\n}}").unwrap();
+    }
+    compile("cc", "-std=c11", "init.c", &code);
+    compile("c++", "-std=c++17", "init.cpp", &code);
+}

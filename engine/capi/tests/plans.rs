@@ -9,7 +9,7 @@ use std::ptr::null_mut;
 use antumbra_capi::api::context::{antumbra_context_create, antumbra_context_destroy};
 use antumbra_capi::api::culler::*;
 use antumbra_capi::api::hierarchy::*;
-use antumbra_capi::context::AntumbraContext;
+use antumbra_capi::context::{AntumbraContext, AntumbraContextDesc};
 use antumbra_capi::decisions::camera::AntumbraCamera;
 use antumbra_capi::decisions::culler::*;
 use antumbra_capi::decisions::hierarchy::*;
@@ -50,16 +50,16 @@ impl Interface {
         let hierarchy_desc = AntumbraHierarchyDesc {
             boxes: boxes.as_ptr(),
             box_count: boxes.len(),
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         };
         let culler_desc =
-            AntumbraCullerDesc { testers: ANTUMBRA_HAS_FLAGS, seed: 5, ..Versioned::DEFAULT };
+            AntumbraCullerDesc { testers: ANTUMBRA_HAS_FLAGS, seed: 5, ..Versioned::INIT };
         let mut context = null_mut();
         let mut hierarchy = AntumbraHierarchy { id: 0 };
         let mut culler = AntumbraCuller { id: 0 };
         // SAFETY: pointers to values on this stack.
         unsafe {
-            antumbra_context_create(&Versioned::DEFAULT, &mut context, null_mut());
+            antumbra_context_create(&AntumbraContextDesc::current(), &mut context, null_mut());
             antumbra_hierarchy_create(context, &hierarchy_desc, &mut hierarchy, null_mut());
             antumbra_culler_create(context, &culler_desc, &mut culler, null_mut());
         }
@@ -75,10 +75,10 @@ impl Interface {
         assert_eq!(result, Ok);
     }
 
-    fn plan(&self, camera: &AntumbraCamera) -> AntumbraFramePlan {
+    fn plan(&self, camera: &AntumbraCamera, query_budget: usize) -> AntumbraFramePlan {
         let Self { context, hierarchy, culler } = *self;
-        let desc = AntumbraPlanDesc { camera, query_budget: 100, ..Versioned::DEFAULT };
-        let mut plan = AntumbraFramePlan::DEFAULT;
+        let desc = AntumbraPlanDesc { camera, query_budget, ..Versioned::INIT };
+        let mut plan = AntumbraFramePlan::INIT;
         // SAFETY: pointers to values on this stack.
         let result = unsafe {
             antumbra_culler_plan(context, culler, hierarchy, &desc, &mut plan, null_mut())
@@ -102,7 +102,13 @@ fn view(frame: u32) -> (AntumbraCamera, View) {
         1.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.1, 0.0,
     ]);
     let clip_from_world = (projection * Mat4::from_translation(-eye)).to_cols_array();
-    let desc = AntumbraCamera { clip_from_world, width: 160, height: 80, ..Versioned::DEFAULT };
+    let desc = AntumbraCamera {
+        clip_from_world,
+        sub_pixel_bits: 8,
+        width: 160,
+        height: 80,
+        ..Versioned::INIT
+    };
     let matrix = Mat4::from_cols_array(&clip_from_world);
     let projection = ViewProjection { matrix, depth: DepthConvention::Reversed, y: ClipY::Down };
     (desc, View::from_matrix(&projection, [160, 80], 8).unwrap())
@@ -159,7 +165,7 @@ fn plans_are_those_of_the_culler_and_allocate_nothing_when_calm() {
 
         let region = Region::new(ALLOCATOR);
         interface.ingest(&known);
-        let plan = interface.plan(&desc);
+        let plan = interface.plan(&desc, 100);
         let allocated = region.change().allocations;
         assert!(frame < 60 || allocated == 0, "frame {frame}: {allocated} allocations");
 
@@ -205,4 +211,34 @@ fn plans_are_those_of_the_culler_and_allocate_nothing_when_calm() {
         late.push_back((for_c.collect(), answers));
     }
     assert!(queried > 20, "{queried} draws with queries");
+}
+
+/// Checks what once drew 2,914 boxes of a town where 149 are drawn with the documented default.
+#[test]
+fn a_budget_of_zero_is_the_default_and_no_queries_are_another() {
+    let boxes = boxes();
+    let hierarchy = Hierarchy::build(&boxes).unwrap();
+    let budgets = [0, 4096, ANTUMBRA_NO_QUERIES];
+    let walk = budgets.map(|budget| {
+        let interface = Interface::new(&boxes);
+        let mut counts = Vec::new();
+        for frame in 0..20 {
+            let plan = interface.plan(&view(frame).0, budget);
+            // SAFETY: it was just made.
+            let (draws, queries, tests, _) = unsafe { parts(&plan) };
+            counts.push([draws.len(), queries.len(), tests.len()]);
+            let shows = |node| hierarchy.bounds(cull::NodeId(node)).max.z > -7.0;
+            let tags = tests.iter().map(|test| test.tag).chain(queries.iter().copied());
+            let answer = |tag: AntumbraQueryTag| AntumbraAnswer {
+                tag,
+                samples: u32::from(shows(tag.node)),
+                reserved: 0,
+            };
+            interface.ingest(&tags.map(answer).collect::<Vec<_>>());
+        }
+        counts
+    });
+    assert_eq!(walk[0], walk[1]);
+    assert!(walk[0].iter().any(|[_, queries, tests]| queries + tests > 20), "{:?}", walk[0]);
+    assert!(walk[2].iter().all(|[_, queries, _]| *queries == 0), "{:?}", walk[2]);
 }

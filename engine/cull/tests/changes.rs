@@ -57,6 +57,7 @@ enum NextAction {
     Move(prop::sample::Index, Aabb),
     Remove(prop::sample::Index),
     Insert(Aabb),
+    InsertAll(Vec<Aabb>),
     Restructure,
     Rebuild,
 }
@@ -67,6 +68,7 @@ fn step() -> impl Strategy<Value = NextAction> {
         5 => (index(), any_box()).prop_map(|(index, target)| NextAction::Move(index, target)),
         3 => index().prop_map(NextAction::Remove),
         3 => any_box().prop_map(NextAction::Insert),
+        2 => prop::collection::vec(any_box(), 0..20).prop_map(NextAction::InsertAll),
         3 => Just(NextAction::Restructure),
         1 => Just(NextAction::Rebuild),
     ]
@@ -121,6 +123,24 @@ proptest! {
                             prop_assert_eq!(error, HierarchyError::NoFreeLeaf);
                             prop_assert!(boxes.iter().all(|bounds| !bounds.is_empty()));
                         }
+                    }
+                }
+                NextAction::InsertAll(new) => {
+                    let (mut added, mut reordered) = (Vec::new(), Vec::new());
+                    let before = hierarchy.leaf_objects().to_vec();
+                    let generation = hierarchy.generation();
+                    hierarchy.insert_all(&new, &mut added, &mut reordered).unwrap();
+                    prop_assert_eq!(added.len(), new.len());
+                    boxes.resize(hierarchy.leaf_objects().len(), Aabb::EMPTY);
+                    for (object, bounds) in added.iter().zip(new) {
+                        prop_assert!(boxes[object.0 as usize].is_empty());
+                        boxes[object.0 as usize] = bounds;
+                        prop_assert!(!hierarchy.is_same_object_since(*object, generation));
+                    }
+                    for (leaf, object) in hierarchy.leaf_objects().iter().enumerate() {
+                        let leaf = LeafIndex(leaf as u32);
+                        let is_told = reordered.iter().any(|range| range.contains(leaf));
+                        prop_assert!(is_told || before.get(leaf.0 as usize) == Some(object));
                     }
                 }
                 NextAction::Restructure => hierarchy.restructure(&mut Vec::new()),
@@ -311,6 +331,53 @@ fn an_id_is_told_from_the_same_id_of_another_object() {
     hierarchy.rebuild(&boxes).unwrap();
     assert!(!hierarchy.is_same_object_since(ObjectId(7), without));
     assert!(hierarchy.is_same_object_since(stays, before));
+}
+
+#[test]
+fn growing_rebuilds_a_bounded_part_and_stays_shallow() {
+    for count in [1_000, 10_000, 100_000] {
+        let mut boxes = grid(count);
+        let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+        let deepest = |hierarchy: &Hierarchy| {
+            (0..hierarchy.node_count() as u32).map(|node| hierarchy.level(NodeId(node))).max()
+        };
+        let before = (hierarchy.generation(), deepest(&hierarchy).unwrap());
+        let (mut added, mut reordered) = (Vec::new(), Vec::new());
+        hierarchy.insert_all(&[lifted(&boxes[0], 3.0)], &mut added, &mut reordered).unwrap();
+        assert_eq!(added, [ObjectId(count as u32)]);
+        assert_eq!(hierarchy.free_leaves(), count / 16);
+        let rebuilt = hierarchy.work().rebuilt_leaves as usize;
+        assert!(rebuilt <= 1024 + 1 + count / 16, "{rebuilt} of {count}");
+        boxes.push(lifted(&boxes[0], 3.0));
+        boxes.resize(hierarchy.leaf_objects().len(), Aabb::EMPTY);
+        check(&hierarchy, &boxes);
+        // What is not in the last part stands for the same as before.
+        let first = reordered[0].first;
+        let kept = (0..count as u32).map(ObjectId).filter(|o| hierarchy.leaf_of(*o) < Some(first));
+        let mut same =
+            kept.map(|o| hierarchy.is_same_since(hierarchy.node_of(o).unwrap(), before.0));
+        assert!(count < 1024 || same.next() == Some(true));
+        assert!(same.all(|is_same| is_same));
+        // Three times as many, one after the other.
+        for number in 0..2 * count.min(10_000) {
+            let bounds = lifted(&boxes[number % count], 6.0);
+            hierarchy.insert_all(&[bounds], &mut added, &mut reordered).unwrap();
+        }
+        let levels = before.1 + 2 * count.ilog2();
+        assert!(deepest(&hierarchy).unwrap() <= levels, "{levels} levels");
+    }
+}
+
+#[test]
+fn nothing_is_changed_by_an_insertion_that_is_refused() {
+    let boxes = grid(20);
+    let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+    let bad = Aabb::new(Vec3::ONE, Vec3::ZERO);
+    let mut added = Vec::new();
+    let refused = hierarchy.insert_all(&[boxes[0], bad], &mut added, &mut Vec::new());
+    assert_eq!(refused, Err(HierarchyError::BadBox { object: ObjectId(1), bounds: bad }));
+    assert!(added.is_empty());
+    check(&hierarchy, &boxes);
 }
 
 #[test]

@@ -2,8 +2,8 @@
 //! bulk.
 
 use cull::{
-    Aabb, CullConfig, Culler, DrawPhases, Hierarchy, HierarchyError, LeafRange, MAX_OBJECTS,
-    ObjectId, SkippedWork,
+    Aabb, CullConfig, Culler, DrawPhases, Hierarchy, HierarchyError, LeafRange, ObjectId,
+    SkippedWork,
 };
 use gpu::{Device, Frame, Target, Tick};
 
@@ -31,8 +31,7 @@ pub struct HostScene {
     hierarchy: Hierarchy,
     executor: PlanExecutor,
     choice: PriceChoice,
-    /// The boxes of a rebuild and the ranges of a restructuring; kept to allocate nothing.
-    boxes: Vec<Aabb>,
+    /// The ranges of a change; kept to allocate nothing.
     reordered: Vec<LeafRange>,
 }
 
@@ -82,12 +81,11 @@ impl HostScene {
         object_capacity: usize,
         prices: Option<&DevicePrices>,
     ) -> Result<Self, Error> {
-        let mut boxes = Vec::new();
-        make_empty(&mut boxes, object_capacity)?;
-        let hierarchy = Hierarchy::build(&boxes)?;
+        check_memory(object_capacity)?;
+        let hierarchy = Hierarchy::build(&vec![Aabb::EMPTY; object_capacity])?;
         let cells = (u64::from(draws.cell_capacity()), 0);
         let executors = passes.trust().usable_executors(device, draws.predication, cells)?;
-        let leaves = (boxes.len() as u32).max(draws.draw_capacity);
+        let leaves = (object_capacity as u32).max(draws.draw_capacity);
         let work = SkippedWork::of_leaves(leaves).in_buckets(draws.bucket_count);
         let request = ChoiceRequest { executors: &executors, work };
         let choice = match prices {
@@ -103,7 +101,6 @@ impl HostScene {
             hierarchy,
             executor: PlanExecutor { passes, leaves },
             choice,
-            boxes,
             reordered: Vec::new(),
         })
     }
@@ -149,9 +146,10 @@ impl HostScene {
     }
 
     /// Adds objects, and their ids, in the same order, to `added`. An id may have belonged to an
-    /// object that is gone. Where these are most objects of the scene, the hierarchy is built
-    /// again; where there is no room for all, with twice the room. A large scene should be created
-    /// with its capacity.
+    /// object that is gone. Where there are as many as there were before, the hierarchy is built
+    /// again; else the time depends on their number alone, unless there is no room for them. Then
+    /// room is made for a sixteenth more than all, and the next frame uploads everything to larger
+    /// buffers. A large scene should be created with its capacity.
     ///
     /// # Errors
     /// [`BucketError::Unknown`](crate::BucketError::Unknown); [`Error::Hierarchy`] for the first
@@ -164,23 +162,12 @@ impl HostScene {
     ) -> Result<(), Error> {
         let leaves = &self.executor.leaves;
         objects.iter().try_for_each(|object| leaves.check_draws(object.draws))?;
-        if let Some(place) = objects.iter().position(|object| !object.bounds.is_usable()) {
-            let object = ObjectId(u32::try_from(place).unwrap_or(u32::MAX));
-            let bounds = objects[place].bounds;
-            return Err(HierarchyError::BadBox { object, bounds }.into());
-        }
+        let boxes: Vec<Aabb> = objects.iter().map(|object| object.bounds).collect();
+        check_memory(boxes.len())?;
         let first = added.len();
-        let (room, free) = (self.hierarchy.leaf_objects().len(), self.hierarchy.free_leaves());
-        // Most of a scene at once makes a better hierarchy than one object after the other.
-        let is_most = objects.len() >= (room - free).max(room / 16);
-        match objects.len() > free || is_most {
-            true => self.rebuild_with(objects, added)?,
-            false => {
-                for object in objects {
-                    added.push(self.hierarchy.insert(object.bounds)?);
-                }
-            }
-        }
+        self.reordered.clear();
+        self.hierarchy.insert_all(&boxes, added, &mut self.reordered)?;
+        self.executor.leaves.reorder(&self.hierarchy, &self.reordered)?;
         let placed = added[first..].iter().zip(objects);
         let draws = placed.filter_map(|(id, it)| Some((self.hierarchy.leaf_of(*id)?, it.draws)));
         self.executor.leaves.set_draws(&draws.collect::<Vec<_>>())
@@ -249,50 +236,19 @@ impl HostScene {
     pub fn submitted(&mut self, tick: Tick) {
         self.executor.leaves.submitted(tick);
     }
-
-    /// Builds the hierarchy again with the objects, with at least twice the room if it needs more.
-    fn rebuild_with(
-        &mut self,
-        objects: &[HostObject<'_>],
-        added: &mut Vec<ObjectId>,
-    ) -> Result<(), Error> {
-        let Self { hierarchy, boxes, .. } = self;
-        let before = hierarchy.leaf_objects().len();
-        let wanted = before - hierarchy.free_leaves() + objects.len();
-        let twice = before.saturating_mul(2).min(MAX_OBJECTS);
-        let capacity = if wanted > before { wanted.max(twice) } else { before };
-        make_empty(boxes, capacity)?;
-        for (object, place) in (0..before as u32).map(ObjectId).zip(&mut *boxes) {
-            *place = hierarchy.node_of(object).map_or(Aabb::EMPTY, |node| hierarchy.bounds(node));
-        }
-        let first = added.len();
-        let free = (0..).map(ObjectId).zip(boxes).filter(|(id, _)| !hierarchy.contains(*id));
-        for ((id, place), object) in free.zip(objects) {
-            *place = object.bounds;
-            added.push(id);
-        }
-        if let Err(error) = self.hierarchy.rebuild(&self.boxes) {
-            added.truncate(first);
-            return Err(error.into());
-        }
-        self.executor.leaves.rebuilt(&self.hierarchy)
-    }
 }
 
 /// The most memory that an object with a draw takes on the CPU, while the scene is built.
 const BYTES_PER_OBJECT: usize = 640;
 
-/// Makes all boxes empty, and as many as are wanted.
+/// Refuses more objects than there is memory for.
 ///
 /// # Errors
 /// More than a hierarchy holds; no memory.
-fn make_empty(boxes: &mut Vec<Aabb>, count: usize) -> Result<(), HierarchyError> {
+fn check_memory(count: usize) -> Result<(), HierarchyError> {
     Hierarchy::check_capacity(count)?;
     // All at once, and given back: an allocation that fails half-way would end the program.
     let size_bytes = count.saturating_mul(BYTES_PER_OBJECT);
     let asked = Vec::<u8>::new().try_reserve_exact(size_bytes);
-    asked.map_err(|_| HierarchyError::NoMemory { count, size_bytes })?;
-    boxes.clear();
-    boxes.resize(count, Aabb::EMPTY);
-    Ok(())
+    asked.map_err(|_| HierarchyError::NoMemory { count, size_bytes })
 }

@@ -74,7 +74,7 @@ fn adapter(host: &Host) -> AntumbraAdapterDesc {
         instance_proc_addr: Some(host.entry.static_fn().get_instance_proc_addr),
         instance: host.instance.handle(),
         physical_device: host.physical,
-        ..Versioned::DEFAULT
+        ..Versioned::INIT
     }
 }
 
@@ -103,7 +103,7 @@ fn adopt_with(
         vulkan_12: (&raw mut structures.vulkan_12).cast(),
         vulkan_13: (&raw mut structures.vulkan_13).cast(),
         conditional_rendering: (&raw mut structures.conditional).cast(),
-        ..Versioned::DEFAULT
+        ..Versioned::INIT
     };
     let extensions: Vec<*const c_char> =
         host.needs.extensions().iter().map(|name| name.as_ptr()).collect();
@@ -115,7 +115,7 @@ fn adopt_with(
         features: &features,
         extensions: extensions.as_ptr(),
         extension_count: extensions.len(),
-        ..Versioned::DEFAULT
+        ..Versioned::INIT
     };
     change(&mut desc);
     let mut device = AntumbraDevice { id: 0 };
@@ -178,7 +178,7 @@ unsafe extern "C" fn end(user: *mut c_void, rendering: *const AntumbraRendering)
 
 impl<'a> CHost<'a> {
     fn new(host: &'a Host, callbacks: *const vk::AllocationCallbacks<'static>) -> Self {
-        Self::in_context(host, &Versioned::DEFAULT, callbacks)
+        Self::in_context(host, &AntumbraContextDesc::current(), callbacks)
     }
 
     fn in_context(
@@ -192,12 +192,12 @@ impl<'a> CHost<'a> {
         assert_eq!(made, Ok);
         let (adopted, device, mut error) = adopt(host, context, callbacks, |_| {});
         assert_eq!(adopted, Ok, "{}", text(&error));
-        let attachments = AntumbraAttachments { depth_format: FORMAT, ..Versioned::DEFAULT };
+        let attachments = AntumbraAttachments { depth_format: FORMAT, ..Versioned::INIT };
         let desc = AntumbraSceneDesc {
             device,
             attachments: &attachments,
             object_capacity: 4,
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         };
         let bounds = AntumbraAabb { min: [-0.5, -0.5, -3.0], max: [0.5, 0.5, -2.0] };
         let object = AntumbraObject { bounds, first_draw: 0, draw_count: 0 };
@@ -249,7 +249,7 @@ impl<'a> CHost<'a> {
             },
         };
         let [width, height] = SIZE;
-        AntumbraTargetDesc { depth, width, height, ..Versioned::DEFAULT }
+        AntumbraTargetDesc { depth, width, height, ..Versioned::INIT }
     }
 
     /// Records a frame of these views, changed by `change`. It is never submitted, and so over.
@@ -265,7 +265,7 @@ impl<'a> CHost<'a> {
             current: self.next,
             safe: self.next - 1,
             bind: Some(bind_nothing),
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         };
         self.next += 1;
         change(&mut desc);
@@ -317,7 +317,7 @@ fn camera() -> AntumbraCamera {
         0.0, 0.0, 0.0, -1.0,
         0.0, 0.0, 0.1, 0.0,
     ];
-    AntumbraCamera { clip_from_world, width, height, ..Versioned::DEFAULT }
+    AntumbraCamera { clip_from_world, width, height, ..Versioned::INIT }
 }
 
 #[test]
@@ -328,20 +328,20 @@ fn requirements_are_added_to_what_a_host_wants() {
         let mut core = vk::PhysicalDeviceFeatures { wide_lines: vk::TRUE, ..Default::default() };
         let mut vulkan_13 = vk::PhysicalDeviceVulkan13Features::default();
         let features =
-            AntumbraFeatures { core: &mut core, vulkan_13: &mut vulkan_13, ..Versioned::DEFAULT };
-        let mut needs = AntumbraRequirements::DEFAULT;
+            AntumbraFeatures { core: &mut core, vulkan_13: &mut vulkan_13, ..Versioned::INIT };
+        let mut needs = AntumbraRequirements::INIT;
         let mut error = no_error();
         let mut wrong = vk::PhysicalDeviceVulkan13Features {
             s_type: vk::StructureType::APPLICATION_INFO,
             ..Default::default()
         };
-        let mistyped = AntumbraFeatures { vulkan_13: &mut wrong, ..Versioned::DEFAULT };
+        let mistyped = AntumbraFeatures { vulkan_13: &mut wrong, ..Versioned::INIT };
         let lacking = AntumbraAdapterDesc { instance_proc_addr: None, ..adapter(&host) };
         let old = AntumbraAdapterDesc { api_version: vk::API_VERSION_1_2, ..adapter(&host) };
         let good = adapter(&host);
         // SAFETY: pointers to values on this stack, and the handles of the host.
         unsafe {
-            antumbra_context_create(&Versioned::DEFAULT, &mut context, null_mut());
+            antumbra_context_create(&AntumbraContextDesc::current(), &mut context, null_mut());
             let mut ask = |adapter: &AntumbraAdapterDesc, features: &AntumbraFeatures| {
                 antumbra_requirements(context, adapter, features, &mut needs, &mut error)
             };
@@ -367,7 +367,7 @@ fn a_device_without_a_feature_is_refused_by_its_name() {
     let host = Host::new(Driver::Lavapipe, Purpose::Executor);
     let mut context = null_mut();
     // SAFETY: pointers to values on this stack.
-    unsafe { antumbra_context_create(&Versioned::DEFAULT, &mut context, null_mut()) };
+    unsafe { antumbra_context_create(&AntumbraContextDesc::current(), &mut context, null_mut()) };
     let (refused, device, error) =
         adopt(&host, context, null(), |core| core.multi_draw_indirect = vk::FALSE);
     expect(refused, Unsupported, "multiDrawIndirect", &error);
@@ -383,12 +383,8 @@ fn mistakes_in_a_frame_are_named_and_the_next_frame_is_recorded() {
         let host = Host::new(driver, Purpose::Executor);
         let mut c = CHost::new(&host, null());
         let (camera, target) = (camera(), c.target());
-        let good = AntumbraViewFrame {
-            view: c.view,
-            camera: &camera,
-            target: &target,
-            ..Versioned::DEFAULT
-        };
+        let good =
+            AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
         let small = AntumbraCamera { width: 8, ..camera };
         let standard = AntumbraCamera { depth: ANTUMBRA_DEPTH_STANDARD, ..camera };
         let mut other_format = target;
@@ -402,8 +398,8 @@ fn mistakes_in_a_frame_are_named_and_the_next_frame_is_recorded() {
             (AntumbraViewFrame { target: &other_format, ..good }, BadArgument, "D16_UNORM"),
             (AntumbraViewFrame { strategy: 9, ..good }, BadArgument, "STRATEGY_.. 9"),
             (AntumbraViewFrame { target: &no_image, ..good }, BadPointer, "target.depth.image"),
-            (AntumbraViewFrame { target: null(), ..good }, BadPointer, "view.target is null"),
-            (AntumbraViewFrame { camera: null(), ..good }, BadPointer, "view.camera is null"),
+            (AntumbraViewFrame { target: null(), ..good }, BadPointer, "desc.views.target is null"),
+            (AntumbraViewFrame { camera: null(), ..good }, BadPointer, "desc.views.camera is null"),
             (AntumbraViewFrame { view: foreign, ..good }, UnknownHandle, "no view 0x7"),
         ] {
             c.refuse(&[&view], |_| {}, (result, words), &good);
@@ -446,12 +442,8 @@ fn a_host_begins_its_renderings_and_calls_within_a_call_are_refused() {
         let host = Host::new(driver, Purpose::Executor);
         let mut c = CHost::new(&host, null());
         let (camera, target) = (camera(), c.target());
-        let view = AntumbraViewFrame {
-            view: c.view,
-            camera: &camera,
-            target: &target,
-            ..Versioned::DEFAULT
-        };
+        let view =
+            AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
         let mut rendering = Rendering {
             device: &host.device,
             view: c.image.view,
@@ -481,7 +473,7 @@ fn the_callbacks_of_a_host_give_and_get_all_memory() {
     let mut c = CHost::new(&host, &callbacks);
     let (camera, target) = (camera(), c.target());
     let view =
-        AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::DEFAULT };
+        AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
     assert_eq!(c.record(&[&view], |_| {}), Ok, "{}", text(&c.error));
     c.finish();
     host.finish();

@@ -355,18 +355,19 @@ fn public_types_of_two_packages_have_two_names() {
 }
 
 #[test]
-fn the_readme_quotes_an_example_that_is_compiled() {
-    assert_obeyed(rules::quoted_example);
-    assert_catches(rules::quoted_example, &[("README.md", "```rust\nfn main() {}\n```\n")]);
+fn pages_quote_examples_that_are_compiled() {
+    assert_obeyed(rules::quoted_examples);
     let facade = "//! A.\n//! ```no_run\n//! a();\n//! # hidden();\n//! ```\n";
     let files = |readme| {
         [
-            SourceFile::new("README.md", readme),
+            SourceFile::new("docs/page.md", readme),
             SourceFile::new("engine/antumbra/src/lib.rs", facade),
         ]
     };
-    assert_eq!(rules::quoted_example(&files("A.\n```rust\na();\n```\nB.\n")).len(), 0);
-    assert_eq!(rules::quoted_example(&files("A.\n```rust\nb();\n```\n")).len(), 1);
+    assert_eq!(rules::quoted_examples(&files("A.\n```rust\na();\n```\nB.\n")).len(), 0);
+    let wrong = "A.\n```rust\na();\n```\n```rust\nb();\n```\n";
+    let findings = rules::quoted_examples(&files(wrong));
+    assert!(findings.len() == 1 && findings[0].starts_with("docs/page.md:5:"), "{findings:?}");
 }
 
 #[test]

@@ -293,20 +293,31 @@ pub fn names(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// Finds code in the README that is not the example of the facade's documentation.
-pub fn quoted_example(files: &[SourceFile]) -> Vec<String> {
-    const FACADE: &str = "engine/antumbra/src/lib.rs";
-    let of = |path: &str| files.iter().find(|file| file.path == path);
-    let (Some(readme), Some(facade)) = (of("README.md"), of(FACADE)) else {
-        return vec![format!("README.md:1: or {FACADE} is missing")];
+/// Finds Rust code in pages that is no example of a crate's documentation, where it is compiled.
+pub fn quoted_examples(files: &[SourceFile]) -> Vec<String> {
+    let shown = |file: &SourceFile| {
+        let documented = file.text.lines().filter_map(|line| {
+            let line = line.trim_start();
+            line.strip_prefix("//!").or_else(|| line.strip_prefix("///"))
+        });
+        let lines = documented.map(|line| line.strip_prefix(' ').unwrap_or(line));
+        let shown = lines.filter(|line| !line.starts_with("# "));
+        shown.flat_map(|line| [line, "\n"]).collect::<String>()
     };
-    let lines = facade.text.lines().skip_while(|line| *line != "//! ```no_run").skip(1);
-    let shown = lines.take_while(|line| *line != "//! ```").filter(|it| !it.starts_with("//! # "));
-    let code = shown.map(|line| line.strip_prefix("//! ").unwrap_or_default());
-    let code: String = code.flat_map(|line| [line, "\n"]).collect();
-    let is_quoted = readme.text.contains(&format!("```rust\n{code}```\n"));
-    let reason = format!("must quote the example of {FACADE}");
-    if is_quoted { Vec::new() } else { vec![readme.finding(1, &reason)] }
+    let compiled: Vec<String> = files.iter().filter(|file| file.is_rust()).map(shown).collect();
+    let mut findings = Vec::new();
+    for page in files.iter().filter(|file| file.extension() == "md") {
+        for part in page.text.split("```rust\n").skip(1) {
+            let code = part.split("```").next().unwrap_or(part);
+            if !compiled.iter().any(|shown| shown.contains(code)) {
+                let before = page.text.split(part).next().unwrap_or_default();
+                let line = before.lines().count();
+                findings
+                    .push(page.finding(line, "must quote an example of a crate's documentation"));
+            }
+        }
+    }
+    findings
 }
 
 /// Finds shaders without their compiled SPIR-V, which builds without a shader compiler need.

@@ -7,7 +7,7 @@
 enum { BOXES = 1001, FRAMES = 36, IMAGE = WIDTH * HEIGHT * 4, IMAGES_AT = 128 };
 static const float NEAR = 0.1F, TAN_Y = 0.5F;
 
-static AntumbraError error = {sizeof error, 0, ""};
+static AntumbraError error = ANTUMBRA_INIT(AntumbraError);
 static Pipeline pipeline;
 static Buffer buffer;
 static Constants constants;
@@ -58,11 +58,11 @@ int main(int argument_count, char **arguments) {
     if (!physical) return fprintf(stderr, "there is no such device\n"), 1;
 
     /* Ask first: the executor adds what it needs to the features of the host, who has two here. */
-    AntumbraContextDesc context_desc = {.struct_size = sizeof context_desc, .abi_version = ANTUMBRA_ABI_VERSION,
-        .log_level = ANTUMBRA_LOG_WARN};
+    AntumbraContextDesc context_desc = {.struct_size = sizeof context_desc, .abi_version = ANTUMBRA_ABI_VERSION};
     AntumbraContext *context;
     check(antumbra_context_create(&context_desc, &context, &error));
-    AntumbraAdapterDesc adapter = {sizeof adapter, VK_API_VERSION_1_3, vkGetInstanceProcAddr, instance, physical};
+    AntumbraAdapterDesc adapter = {.struct_size = sizeof adapter, .instance_proc_addr = vkGetInstanceProcAddr,
+        .instance = instance, .physical_device = physical};
     VkPhysicalDeviceConditionalRenderingFeaturesEXT conditional = {
         TYPE(PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT)};
     VkPhysicalDeviceVulkan13Features vulkan_13 = {TYPE(PHYSICAL_DEVICE_VULKAN_1_3_FEATURES),
@@ -70,7 +70,7 @@ int main(int argument_count, char **arguments) {
     VkPhysicalDeviceVulkan12Features vulkan_12 = {TYPE(PHYSICAL_DEVICE_VULKAN_1_2_FEATURES), .pNext = &vulkan_13};
     VkPhysicalDeviceFeatures2 all = {TYPE(PHYSICAL_DEVICE_FEATURES_2), .pNext = &vulkan_12};
     AntumbraFeatures features = {sizeof features, 0, &all.features, &vulkan_12, &vulkan_13, &conditional};
-    AntumbraRequirements needs = {.struct_size = sizeof needs};
+    AntumbraRequirements needs = ANTUMBRA_INIT(AntumbraRequirements);
     check(antumbra_requirements(context, &adapter, &features, &needs, &error));
     if (conditional.conditionalRendering) vulkan_13.pNext = &conditional;
     VkDeviceQueueCreateInfo queue_info = {TYPE(DEVICE_QUEUE_CREATE_INFO), .queueFamilyIndex = needs.queue_family,
@@ -85,10 +85,9 @@ int main(int argument_count, char **arguments) {
     AntumbraDeviceDesc adopted = {.struct_size = sizeof adopted, .queue_family = needs.queue_family,
         .adapter = &adapter, .device = device, .features = &features, .extensions = needs.extensions,
         .extension_count = needs.extension_count};
-    AntumbraAttachments attachments = {.struct_size = sizeof attachments, .depth_format = FORMAT,
-        .samples = VK_SAMPLE_COUNT_1_BIT};
+    AntumbraAttachments attachments = {.struct_size = sizeof attachments, .depth_format = FORMAT};
     AntumbraSceneDesc scene_desc = {.struct_size = sizeof scene_desc, .frames_in_flight = IN_FLIGHT,
-        .attachments = &attachments, .bucket_count = 1, .object_capacity = BOXES};
+        .attachments = &attachments, .object_capacity = BOXES};
     AntumbraScene scene;
     AntumbraView view;
     check(antumbra_device_adopt(context, &adopted, &scene_desc.device, &error));
@@ -122,7 +121,8 @@ int main(int argument_count, char **arguments) {
         AntumbraTargetDesc target = {.struct_size = sizeof target, .width = WIDTH, .height = HEIGHT, .depth = {
             image.image, image.view, FORMAT, IMAGE_USAGE, {.stages = VK_PIPELINE_STAGE_2_COPY_BIT},
             {VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, 0, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT}}};
-        AntumbraViewFrame view_frame = {sizeof view_frame, ANTUMBRA_STRATEGY_ANTUMBRA, view, &camera, &target, 4096};
+        AntumbraViewFrame view_frame = {.struct_size = sizeof view_frame, .view = view, .camera = &camera,
+            .target = &target};
         AntumbraFrameDesc desc = {.struct_size = sizeof desc, .view_count = 1, .bind = bind, .commands = commands,
             .views = (const AntumbraViewFrame *[]){&view_frame}, .current = frame,
             .safe = frame > IN_FLIGHT ? frame - IN_FLIGHT : 0};
@@ -136,7 +136,7 @@ int main(int argument_count, char **arguments) {
         copy(commands, image, buffer.buffer, (VkDeviceSize)(images - buffer.mapped) + IMAGE);
         submit(&host, slot);
     }
-    AntumbraViewStats stats = {.struct_size = sizeof stats};
+    AntumbraViewStats stats = ANTUMBRA_INIT(AntumbraViewStats);
     check(antumbra_view_stats(context, scene, view, &stats, &error));
     printf("%s: %d frames equal to brute force; frame %d drew %d of %d boxes\n", properties.deviceName, FRAMES,
            (int)stats.frame, (int)stats.objects, BOXES);

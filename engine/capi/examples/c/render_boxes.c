@@ -5,7 +5,7 @@
 #include <antumbra.h>
 
 enum { BOXES = 1001, FRAMES = 36, IMAGE = WIDTH * HEIGHT * 4, IMAGES_AT = 128 };
-static AntumbraError error = {sizeof error, 0, ""};
+static AntumbraError error = ANTUMBRA_INIT(AntumbraError);
 
 static void check(AntumbraResult result) {
     if (result == ANTUMBRA_RESULT_OK) return;
@@ -34,11 +34,12 @@ static AntumbraRenderer create_renderer(AntumbraContext *context, AntumbraDevice
         objects[n] = (AntumbraMeshObject){0, 0x404040 + n * 0x30507, {{e, 0, 0, 0, e, 0, 0, 0, e, x, y, z}}};
     }
     objects[0].transform = (AntumbraTransform){{8, 0, 0, 0, 6, 0, 0, 0, 0.5F, -4, -3, -6}};
-    AntumbraMeshDesc mesh = {sizeof mesh, 0, vertices, 24, indices, 36};
+    AntumbraMeshDesc mesh = {.struct_size = sizeof mesh, .vertices = vertices, .vertex_count = 24, .indices = indices,
+        .index_count = 36};
     AntumbraShadowDesc shadows = {.struct_size = sizeof shadows, .method = ANTUMBRA_SHADOWS_MAPS, .map_side = 512,
         .cascades = 2, .distance = 40, .penumbra = 0.1F};
     /* So small a scene is drawn whole where tests cost more than they save: the prices are ignored here. */
-    AntumbraRendererDesc desc = {.struct_size = sizeof desc, .frames_in_flight = 2, .device = device, .width = WIDTH,
+    AntumbraRendererDesc desc = {.struct_size = sizeof desc, .device = device, .width = WIDTH,
         .height = HEIGHT, .meshes = (const AntumbraMeshDesc *[]){&mesh}, .mesh_count = 1, .objects = objects,
         .object_count = BOXES, .costs = ANTUMBRA_COSTS_IGNORED, .shadows = &shadows};
     AntumbraRenderer renderer;
@@ -85,16 +86,16 @@ int main(int argument_count, char **arguments) {
     if (!physical) return fprintf(stderr, "there is no such device\n"), 1;
 
     /* Ask first: the library adds what it needs to the features of the host. */
-    AntumbraContextDesc context_desc = {.struct_size = sizeof context_desc, .abi_version = ANTUMBRA_ABI_VERSION,
-        .log_level = ANTUMBRA_LOG_WARN};
+    AntumbraContextDesc context_desc = {.struct_size = sizeof context_desc, .abi_version = ANTUMBRA_ABI_VERSION};
     AntumbraContext *context;
     check(antumbra_context_create(&context_desc, &context, &error));
-    AntumbraAdapterDesc adapter = {sizeof adapter, VK_API_VERSION_1_3, vkGetInstanceProcAddr, instance, physical};
+    AntumbraAdapterDesc adapter = {.struct_size = sizeof adapter, .instance_proc_addr = vkGetInstanceProcAddr,
+        .instance = instance, .physical_device = physical};
     VkPhysicalDeviceVulkan13Features vulkan_13 = {TYPE(PHYSICAL_DEVICE_VULKAN_1_3_FEATURES)};
     VkPhysicalDeviceVulkan12Features vulkan_12 = {TYPE(PHYSICAL_DEVICE_VULKAN_1_2_FEATURES), .pNext = &vulkan_13};
     VkPhysicalDeviceFeatures2 all = {TYPE(PHYSICAL_DEVICE_FEATURES_2), .pNext = &vulkan_12};
     AntumbraFeatures features = {sizeof features, 0, &all.features, &vulkan_12, &vulkan_13, NULL};
-    AntumbraRequirements needs = {.struct_size = sizeof needs};
+    AntumbraRequirements needs = ANTUMBRA_INIT(AntumbraRequirements);
     check(antumbra_renderer_requirements(context, &adapter, &features, &needs, &error));
     VkDeviceQueueCreateInfo queue_info = {TYPE(DEVICE_QUEUE_CREATE_INFO), .queueFamilyIndex = needs.queue_family,
         .queueCount = 1, .pQueuePriorities = (float[]){1}};
@@ -105,7 +106,7 @@ int main(int argument_count, char **arguments) {
     VK(vkCreateDevice(physical, &device_info, NULL, &device));
 
     /* Take over second. This program has one thread, so that the queue needs no lock. */
-    AntumbraQueueDesc queue = {.struct_size = sizeof queue};
+    AntumbraQueueDesc queue = ANTUMBRA_INIT(AntumbraQueueDesc);
     vkGetDeviceQueue(device, needs.queue_family, 0, &queue.queue);
     AntumbraDeviceDesc adopted = {.struct_size = sizeof adopted, .queue_family = needs.queue_family,
         .adapter = &adapter, .device = device, .features = &features, .extensions = needs.extensions,
@@ -120,12 +121,12 @@ int main(int argument_count, char **arguments) {
     for (int frame = 0; frame < FRAMES; frame++) {
         /* The eye jumps to another side of the wall, so that hidden boxes show at once. */
         const float eye = (float)(frame / 12 % 3) * 9 - 9 + (float)frame * 0.05F, x = 2.0F * HEIGHT / WIDTH;
-        AntumbraCamera camera = {.struct_size = sizeof camera, .sub_pixel_bits = 8, .width = WIDTH, .height = HEIGHT,
+        AntumbraCamera camera = {.struct_size = sizeof camera, .width = WIDTH, .height = HEIGHT,
             .clip_from_world = {x, 0, 0, 0, 0, -2, 0, 0, 0, 0, 0, -1, -x * eye, 0, 0.1F, 3}};
         const uint32_t strategies[2] = {ANTUMBRA_STRATEGY_FRUSTUM, ANTUMBRA_STRATEGY_ANTUMBRA};
         for (int n = 0; n < 2; n++) {
-            AntumbraRenderDesc desc = {sizeof desc, strategies[n], &camera};
-            AntumbraFinishedImage image = {.struct_size = sizeof image};
+            AntumbraRenderDesc desc = {.struct_size = sizeof desc, .strategy = strategies[n], .camera = &camera};
+            AntumbraFinishedImage image = ANTUMBRA_INIT(AntumbraFinishedImage);
             check(antumbra_renderer_render(context, renderer, &desc, &error));
             check(antumbra_renderer_image(context, renderer, &image, &error));
             begin(host.buffers[n]);
@@ -136,10 +137,10 @@ int main(int argument_count, char **arguments) {
         VK(vkResetFences(device, 2, host.fences));
         if (memcmp(images, images + IMAGE, IMAGE)) return fprintf(stderr, "frame %d differs\n", frame), 1;
     }
-    AntumbraRendererStats stats = {.struct_size = sizeof stats};
+    AntumbraRendererStats stats = ANTUMBRA_INIT(AntumbraRendererStats);
     check(antumbra_renderer_wait(context, renderer, &error));
     check(antumbra_renderer_stats(context, renderer, &stats, &error));
-    AntumbraShadowStats shadows = {.struct_size = sizeof shadows};
+    AntumbraShadowStats shadows = ANTUMBRA_INIT(AntumbraShadowStats);
     check(antumbra_renderer_shadow_stats(context, renderer, &shadows, &error));
     if (shadows.lights != 1 || shadows.maps != 2) return fprintf(stderr, "no shadow maps\n"), 1;
     printf("%s: %d images equal to those with all drawn; the last has %d of %d boxes\n", properties.deviceName, FRAMES,

@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint32_t WIDTH = 64, HEIGHT = 36, FRAMES = 24, COUNT = 1000;
 constexpr float NEAR = 0.1F, TAN_Y = 0.5F, TAN_X = TAN_Y * WIDTH / HEIGHT;
-AntumbraError error = {sizeof error, 0, ""};
+AntumbraError error = ANTUMBRA_INIT(AntumbraError);
 
 void check(AntumbraResult result) {
     if (result != ANTUMBRA_RESULT_OK) {
@@ -73,9 +73,8 @@ std::vector<AntumbraAabb> boxes() {
 }
 
 AntumbraCamera view_from(const float (&eye)[3]) {
-    AntumbraCamera view = {};
-    view.struct_size = sizeof view;
-    view.sub_pixel_bits = 8;
+    AntumbraCamera view = ANTUMBRA_INIT(AntumbraCamera);
+    view.sub_pixel_bits = 16; // A ray caster of 64 pixels in floats moves no corner to a grid.
     view.width = WIDTH;
     view.height = HEIGHT;
     const float x = 1.0F / TAN_X, y = -1.0F / TAN_Y;
@@ -89,22 +88,21 @@ AntumbraCamera view_from(const float (&eye)[3]) {
 } // namespace
 
 int main() {
-    AntumbraContextDesc context_desc = {};
-    context_desc.struct_size = sizeof context_desc;
+    AntumbraContextDesc context_desc = ANTUMBRA_INIT(AntumbraContextDesc);
     context_desc.abi_version = ANTUMBRA_ABI_VERSION;
-    context_desc.log_level = ANTUMBRA_LOG_WARN;
     AntumbraContext *context = nullptr;
     check(antumbra_context_create(&context_desc, &context, &error));
 
     const std::vector<AntumbraAabb> all = boxes();
-    AntumbraHierarchyDesc hierarchy_desc = {sizeof hierarchy_desc, 0, all.data(), all.size(), 0};
+    AntumbraHierarchyDesc hierarchy_desc = ANTUMBRA_INIT(AntumbraHierarchyDesc);
+    hierarchy_desc.boxes = all.data();
+    hierarchy_desc.box_count = all.size();
     AntumbraHierarchy hierarchy = {};
     check(antumbra_hierarchy_create(context, &hierarchy_desc, &hierarchy, &error));
-    AntumbraCullerDesc culler_desc = {sizeof culler_desc, 0, 0, 0, 1};
+    AntumbraCullerDesc culler_desc = ANTUMBRA_INIT(AntumbraCullerDesc);
     AntumbraCuller culler = {};
     check(antumbra_culler_create(context, &culler_desc, &culler, &error));
-    AntumbraLeaves leaves = {};
-    leaves.struct_size = sizeof leaves;
+    AntumbraLeaves leaves = ANTUMBRA_INIT(AntumbraLeaves);
     check(antumbra_hierarchy_leaves(context, hierarchy, &leaves, &error));
 
     std::deque<std::vector<AntumbraAnswer>> late(2);
@@ -119,9 +117,9 @@ int main() {
         const float side = static_cast<float>(frame / 8 % 3) - 1.0F;
         Image image = {{side * 9.0F + static_cast<float>(frame) * 0.04F, 0, 3}};
         const AntumbraCamera view = view_from(image.eye);
-        AntumbraPlanDesc plan_desc = {sizeof plan_desc, ANTUMBRA_STRATEGY_ANTUMBRA, &view, 4096};
-        AntumbraFramePlan plan = {};
-        plan.struct_size = sizeof plan;
+        AntumbraPlanDesc plan_desc = ANTUMBRA_INIT(AntumbraPlanDesc);
+        plan_desc.camera = &view;
+        AntumbraFramePlan plan = ANTUMBRA_INIT(AntumbraFramePlan);
         check(antumbra_culler_plan(context, culler, hierarchy, &plan_desc, &plan, &error));
 
         std::vector<AntumbraAnswer> answers;

@@ -2,7 +2,7 @@
 
 use crate::context::{AntumbraContext, entry};
 use crate::decisions::culler::{
-    AntumbraCuller, AntumbraCullerDesc, AntumbraPlanDesc, ViewCuller, strategy,
+    AntumbraCuller, AntumbraCullerDesc, AntumbraPlanDesc, ViewCuller, queries, strategy,
 };
 use crate::decisions::hierarchy::AntumbraHierarchy;
 use crate::decisions::plan::{AntumbraAnswer, AntumbraFramePlan};
@@ -113,7 +113,8 @@ pub unsafe extern "C" fn antumbra_culler_plan(
             let (culler, hierarchy) =
                 (context.cullers.find(culler)?, context.hierarchies.find(hierarchy)?);
             let (mut culler, hierarchy) = (culler.write()?, hierarchy.read()?);
-            let plan = culler.plan(&hierarchy.hierarchy, strategy, &view, desc.query_budget);
+            let budget = queries(desc.query_budget);
+            let plan = culler.plan(&hierarchy.hierarchy, strategy, &view, budget);
             output.write(&plan);
             Ok(())
         })

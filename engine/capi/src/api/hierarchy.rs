@@ -2,9 +2,9 @@
 
 use crate::context::{AntumbraContext, entry};
 use crate::decisions::hierarchy::{
-    AntumbraAabb, AntumbraHierarchy, AntumbraHierarchyDesc, AntumbraLeaves, BoxHierarchy, usable,
+    AntumbraAabb, AntumbraHierarchy, AntumbraHierarchyDesc, AntumbraLeaves, BoxHierarchy,
 };
-use crate::error::{AntumbraError, AntumbraResult, Failure};
+use crate::error::{AntumbraError, AntumbraResult};
 use crate::pointers::{Output, check_output, output_slice, read, slice};
 
 /// Creates a hierarchy over the boxes of objects.
@@ -24,9 +24,6 @@ pub unsafe extern "C" fn antumbra_hierarchy_create(
             check_output("hierarchy", hierarchy)?;
             let desc = read("desc", desc)?;
             let boxes = slice("desc.boxes", desc.boxes, desc.box_count)?;
-            if desc.reserved != 0 {
-                return Err(Failure::argument("desc.reserved must be 0"));
-            }
             *hierarchy = context.hierarchies.insert(BoxHierarchy::new(boxes, desc.capacity)?)?;
             Ok(())
         })
@@ -48,7 +45,7 @@ pub unsafe extern "C" fn antumbra_hierarchy_destroy(
 }
 
 /// Moves objects: object `objects[i]` has the box `boxes[i]` from now on. After an error those
-/// before the one that the message names have moved.
+/// before the one that the message names have moved. Leaves stay as they are.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -71,9 +68,13 @@ pub unsafe extern "C" fn antumbra_hierarchy_move(
     }
 }
 
-/// Adds objects and writes their ids, which may be those of objects that were removed. Without room
-/// left everything is built again with twice the room; ids and histories stay. After an error
-/// `added` says how many objects were added.
+/// Adds objects and writes their ids, which may be those of objects that were removed. Ids and
+/// histories of other objects stay. After an error nothing was added.
+///
+/// The time depends on the number of added objects. Where there is no room for them
+/// (`AntumbraHierarchyDesc::capacity`), room for a sixteenth of all objects is made besides: two
+/// tenths of a second for 10,000,000. Where they are as many as the objects that are there,
+/// everything is built again: about a second per 1,000,000.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -84,25 +85,17 @@ pub unsafe extern "C" fn antumbra_hierarchy_insert(
     boxes: *const AntumbraAabb,
     count: usize,
     objects: *mut u32,
-    added: *mut usize,
     error: *mut AntumbraError,
 ) -> AntumbraResult {
     // SAFETY: the caller's promises.
     unsafe {
         entry(context, error, |context| {
-            if !added.is_null() {
-                check_output("added", added)?;
-                *added = 0;
-            }
             let boxes = slice("boxes", boxes, count)?;
             let ids = output_slice("objects", objects, count)?;
             let hierarchy = context.hierarchies.find(hierarchy)?;
             let mut hierarchy = hierarchy.write()?;
-            for (number, (bounds, id)) in boxes.iter().zip(ids).enumerate() {
-                id.write(hierarchy.insert(usable(number, *bounds)?)?);
-                if !added.is_null() {
-                    *added = number + 1;
-                }
+            for (id, object) in ids.iter_mut().zip(hierarchy.insert(boxes)?) {
+                id.write(object.0);
             }
             Ok(())
         })
@@ -151,7 +144,26 @@ pub unsafe extern "C" fn antumbra_hierarchy_update(
     }
 }
 
-/// Writes the objects of all leaves, in the order that plans refer to.
+/// Builds everything again, for boxes that lie otherwise than when they were last built: after many
+/// insertions or long moves plans get longer, though they stay right. Ids and histories stay. Takes
+/// about a second per 1,000,000 objects: for a pause of the program.
+///
+/// # Safety
+/// The rules of the interface.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_hierarchy_rebuild(
+    context: *const AntumbraContext,
+    hierarchy: AntumbraHierarchy,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| context.hierarchies.find(hierarchy)?.write()?.rebuild())
+    }
+}
+
+/// Writes the objects of all leaves, in the order that plans refer to. To be called again after
+/// `antumbra_hierarchy_insert`, `_remove`, `_update` and `_rebuild`; a move changes none.
 ///
 /// # Safety
 /// The rules of the interface.

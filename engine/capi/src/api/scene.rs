@@ -61,8 +61,13 @@ pub unsafe extern "C" fn antumbra_scene_destroy(
     unsafe { entry(context, error, |context| context.scenes.destroy(scene)) }
 }
 
-/// Adds objects and writes their ids, which may be those of objects that were removed. Without room
-/// left everything is built again with twice the room. After an error nothing was added.
+/// Adds objects and writes their ids, which may be those of objects that were removed. After an
+/// error nothing was added.
+///
+/// The time depends on the number of added objects. Where there is no room for them
+/// (`AntumbraSceneDesc::object_capacity`), room for a sixteenth of all objects is made besides, and
+/// the next frame uploads all to larger buffers. Where they are as many as the objects that are
+/// there, everything is built again: some seconds per 1,000,000.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -254,11 +259,12 @@ pub unsafe extern "C" fn antumbra_view_lists(
 /// and tests of all views. Never waits, and never submits. Where the host draws from lists, tests
 /// alone: each image is entered with the visible draws in it.
 ///
-/// The host submits the command buffer at most once, and frames in the order of their numbers. A
-/// frame that is never submitted changes nothing: its answers are ignored. One that is submitted
-/// twice, the second run behind the first by a barrier or a semaphore, draws right images. One that
-/// is submitted behind a later one shows changed objects as the later frame left them. After an
-/// error the command buffer must not be submitted, and the next frame needs a higher number.
+/// The host submits frames in the order of their numbers, each of them once. What else it may do:
+/// never submit a frame, which changes nothing: its answers are ignored. Submit one twice, the
+/// second run behind the first by a barrier or a semaphore, unless the scene has
+/// `ANTUMBRA_RESUBMISSION_NEVER`: both draw right images. Submit one behind a later one, which
+/// shows changed objects as the later frame left them. After an error the command buffer must not
+/// be submitted, and the next frame needs a higher number.
 ///
 /// # Safety
 /// The rules of the interface. The command buffer is of the scene's device, for the queue family

@@ -5,7 +5,7 @@ use cull::{CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, Strategy, Teste
 use super::camera::AntumbraCamera;
 use super::plan::{AntumbraAnswer, AntumbraFramePlan, PlanArrays};
 use crate::error::Failure;
-use crate::layout::{Versioned, layout};
+use crate::layout::{layout, versioned};
 use crate::table::handle;
 
 /// The culler of one view of one hierarchy, with what it knows from earlier frames.
@@ -22,10 +22,21 @@ pub const ANTUMBRA_HAS_FLAGS: u32 = 1;
 /// Tests by a compute shader that reads the depth buffer.
 pub const ANTUMBRA_HAS_COMPUTE: u32 = 2;
 
-/// Everything in the view frustum is drawn, nothing is tested: the reference.
-pub const ANTUMBRA_STRATEGY_FRUSTUM: u32 = 0;
 /// Late answers, made exact by tests in the same frame.
-pub const ANTUMBRA_STRATEGY_ANTUMBRA: u32 = 1;
+pub const ANTUMBRA_STRATEGY_ANTUMBRA: u32 = 0;
+/// Everything in the view frustum is drawn, nothing is tested: the reference.
+pub const ANTUMBRA_STRATEGY_FRUSTUM: u32 = 1;
+
+/// A budget of no occlusion queries: what no other tester tests is drawn.
+pub const ANTUMBRA_NO_QUERIES: usize = usize::MAX;
+
+/// The occlusion queries of a plan whose budget is 0 (`AntumbraPlanDesc::query_budget`).
+pub(crate) const QUERY_BUDGET: usize = 4096;
+
+/// Returns the number of queries that a budget other than 0 stands for.
+pub(crate) fn queries(budget: usize) -> usize {
+    if budget == ANTUMBRA_NO_QUERIES { 0 } else { budget }
+}
 
 /// The options of a culler.
 #[repr(C)]
@@ -33,31 +44,21 @@ pub const ANTUMBRA_STRATEGY_ANTUMBRA: u32 = 1;
 pub struct AntumbraCullerDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The ways to test boxes that the host has besides occlusion queries: `ANTUMBRA_HAS_..`.
-    /// Default: 0.
+    /// The ways to test boxes that the host has besides occlusion queries: a set of
+    /// `ANTUMBRA_HAS_..`. Default: 0, none.
     pub testers: u32,
     /// The most samples with which a box or an object counts as hidden. Above 0 the image is not
-    /// exact, and all tests are queries that count. Default: 0.
+    /// exact, and all tests are queries that count. Any number. Default: 0.
     pub sample_threshold: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The seed of the random intervals between tests; equal seeds and inputs make equal plans.
-    /// Default: 0.
+    /// The seed of the random intervals between tests; equal seeds and inputs make equal plans. Any
+    /// number. Default: 0.
     pub seed: u64,
 }
 layout!(AntumbraCullerDesc: struct_size, testers, sample_threshold, reserved, seed);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraCullerDesc {
-    const REQUIRED_FIELDS: usize = 1;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        testers: 0,
-        sample_threshold: 0,
-        reserved: 0,
-        seed: 0,
-    };
-}
+versioned!(AntumbraCullerDesc: 1, required: [], defaults: {});
 
 /// The input of a plan.
 #[repr(C)]
@@ -65,26 +66,17 @@ unsafe impl Versioned for AntumbraCullerDesc {
 pub struct AntumbraPlanDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// An `ANTUMBRA_STRATEGY_..`.
+    /// An `ANTUMBRA_STRATEGY_..`. Default: `ANTUMBRA_STRATEGY_ANTUMBRA`.
     pub strategy: u32,
-    /// The camera.
+    /// Required: the camera.
     pub camera: *const AntumbraCamera,
-    /// The most occlusion queries of the plan; leaves for which none is left are drawn. Default:
-    /// 4096.
+    /// The most occlusion queries of the plan, any number, or `ANTUMBRA_NO_QUERIES`; leaves for
+    /// which none is left are drawn. Default: 4096.
     pub query_budget: usize,
 }
 layout!(AntumbraPlanDesc: struct_size, strategy, camera, query_budget);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraPlanDesc {
-    const REQUIRED_FIELDS: usize = 3;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        strategy: ANTUMBRA_STRATEGY_ANTUMBRA,
-        camera: std::ptr::null(),
-        query_budget: 4096,
-    };
-}
+versioned!(AntumbraPlanDesc: 3, required: [camera], defaults: { query_budget: QUERY_BUDGET });
 
 /// A culler and the plan that C reads.
 pub(crate) struct ViewCuller {
@@ -95,9 +87,9 @@ pub(crate) struct ViewCuller {
 
 impl ViewCuller {
     pub fn new(desc: &AntumbraCullerDesc) -> Result<Self, Failure> {
-        let AntumbraCullerDesc { testers, sample_threshold, reserved, seed, .. } = *desc;
-        if testers & !(ANTUMBRA_HAS_FLAGS | ANTUMBRA_HAS_COMPUTE) != 0 || reserved != 0 {
-            let message = "desc.testers has ANTUMBRA_HAS_.. alone, and desc.reserved is 0";
+        let AntumbraCullerDesc { testers, sample_threshold, seed, .. } = *desc;
+        if testers & !(ANTUMBRA_HAS_FLAGS | ANTUMBRA_HAS_COMPUTE) != 0 {
+            let message = "desc.testers has other bits than those of ANTUMBRA_HAS_..";
             return Err(Failure::argument(message));
         }
         let support = TesterSupport {

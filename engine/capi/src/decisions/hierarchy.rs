@@ -4,7 +4,7 @@ use cull::{Aabb, Hierarchy, HierarchyError, LeafRange, ObjectId};
 use glam::Vec3;
 
 use crate::error::Failure;
-use crate::layout::{Versioned, layout};
+use crate::layout::{Versioned, layout, versioned};
 use crate::table::handle;
 
 /// The object of a leaf that has none.
@@ -52,26 +52,17 @@ pub struct AntumbraHierarchyDesc {
     /// Must be 0.
     pub reserved: u32,
     /// The boxes of the objects; the position of a box is its object's id. They are copied.
+    /// Default: null, with a `box_count` of 0.
     pub boxes: *const AntumbraAabb,
-    /// The number of boxes.
+    /// The number of boxes, up to 2^30. Default: 0.
     pub box_count: usize,
-    /// The number of objects for which there is room before everything must be built again; less
+    /// The number of objects for which there is room before more must be made, up to 2^30; less
     /// than `box_count` counts as `box_count`. Default: 0.
     pub capacity: usize,
 }
 layout!(AntumbraHierarchyDesc: struct_size, reserved, boxes, box_count, capacity);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraHierarchyDesc {
-    const REQUIRED_FIELDS: usize = 4;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        reserved: 0,
-        boxes: std::ptr::null(),
-        box_count: 0,
-        capacity: 0,
-    };
-}
+versioned!(AntumbraHierarchyDesc: 4, required: [], defaults: {});
 
 /// The leaves of a hierarchy in the order of plans: objects near each other in space are so here,
 /// and what one test decides about is one range of leaves.
@@ -82,8 +73,8 @@ pub struct AntumbraLeaves {
     pub struct_size: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The object of each leaf; `ANTUMBRA_NO_OBJECT` where there is none. Valid until the hierarchy
-    /// changes.
+    /// The object of each leaf; `ANTUMBRA_NO_OBJECT` where there is none. Valid until objects are
+    /// added or removed, or the hierarchy is updated or built again: a move changes nothing here.
     pub objects: *const u32,
     /// The number of leaves.
     pub count: usize,
@@ -92,17 +83,7 @@ pub struct AntumbraLeaves {
 }
 layout!(AntumbraLeaves: struct_size, reserved, objects, count, revision);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraLeaves {
-    const REQUIRED_FIELDS: usize = 5;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        reserved: 0,
-        objects: std::ptr::null(),
-        count: 0,
-        revision: 0,
-    };
-}
+versioned!(AntumbraLeaves: 5, required: [], defaults: {});
 
 /// A hierarchy that makes room by itself, and the objects of its leaves as C reads them.
 pub(crate) struct BoxHierarchy {
@@ -138,15 +119,25 @@ impl BoxHierarchy {
             objects: self.leaf_objects.as_ptr(),
             count: self.leaf_objects.len(),
             revision: self.revision,
-            ..AntumbraLeaves::DEFAULT
+            ..AntumbraLeaves::INIT
         }
     }
 
     /// Notes the objects of all leaves.
     fn list_all_leaves(&mut self) {
-        self.leaf_objects.clear();
+        let count = self.hierarchy.leaf_objects().len();
+        self.leaf_objects.resize(count, ANTUMBRA_NO_OBJECT);
+        self.list_leaves(0..count);
+    }
+
+    /// Notes the objects of the ranges that a change listed.
+    fn list_reordered(&mut self) {
+        let mut reordered = std::mem::take(&mut self.reordered);
         self.leaf_objects.resize(self.hierarchy.leaf_objects().len(), ANTUMBRA_NO_OBJECT);
-        self.list_leaves(0..self.hierarchy.leaf_objects().len());
+        for range in reordered.drain(..) {
+            self.list_leaves(range.indices());
+        }
+        self.reordered = reordered;
     }
 
     /// Notes the objects of a range of leaves.
@@ -171,24 +162,19 @@ impl BoxHierarchy {
         Ok(self.hierarchy.refit(objects.iter().map(|object| ObjectId(*object)).zip(boxes))?)
     }
 
-    pub fn insert(&mut self, bounds: Aabb) -> Result<u32, Failure> {
-        if self.hierarchy.free_leaves() == 0 {
-            self.grow()?;
-        }
-        let object = self.hierarchy.insert(bounds)?;
-        self.list_leaf_of(object);
-        Ok(object.0)
+    /// Adds objects and returns their ids.
+    pub fn insert(&mut self, boxes: &[AntumbraAabb]) -> Result<Vec<ObjectId>, Failure> {
+        let boxes = boxes.iter().enumerate().map(|(number, bounds)| usable(number, *bounds));
+        let boxes = boxes.collect::<Result<Vec<Aabb>, Failure>>()?;
+        let mut added = Vec::with_capacity(boxes.len());
+        self.hierarchy.insert_all(&boxes, &mut added, &mut self.reordered)?;
+        self.list_reordered();
+        added.iter().for_each(|object| self.list_leaf_of(*object));
+        Ok(added)
     }
 
-    /// Builds everything again with twice the room.
-    fn grow(&mut self) -> Result<(), Failure> {
-        let count = self.hierarchy.leaf_objects().len();
-        let room = (count * 2).clamp(8, cull::MAX_OBJECTS.max(count + 1));
-        let object = |number: usize| ObjectId(u32::try_from(number).unwrap_or(u32::MAX));
-        let node = |number| self.hierarchy.node_of(object(number));
-        let bounds = |number| node(number).map_or(Aabb::EMPTY, |node| self.hierarchy.bounds(node));
-        let boxes: Vec<Aabb> = (0..room).map(bounds).collect();
-        self.hierarchy.rebuild(&boxes)?;
+    pub fn rebuild(&mut self) -> Result<(), Failure> {
+        self.hierarchy.rebuild(&self.hierarchy.boxes_of_objects())?;
         self.list_all_leaves();
         Ok(())
     }
@@ -202,12 +188,8 @@ impl BoxHierarchy {
     }
 
     pub fn update(&mut self) {
-        let mut reordered = std::mem::take(&mut self.reordered);
-        self.hierarchy.restructure(&mut reordered);
-        for range in reordered.drain(..) {
-            self.list_leaves(range.indices());
-        }
-        self.reordered = reordered;
+        self.hierarchy.restructure(&mut self.reordered);
+        self.list_reordered();
     }
 }
 

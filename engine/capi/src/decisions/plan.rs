@@ -7,7 +7,7 @@ use cull::{
 
 use super::hierarchy::{ANTUMBRA_NO_OBJECT, AntumbraAabb};
 use crate::error::Failure;
-use crate::layout::{Versioned, layout};
+use crate::layout::{Versioned, layout, versioned};
 
 /// The purpose of a query: a box whose leaves are drawn if it shows.
 pub const ANTUMBRA_QUERY_PROXY: u32 = 0;
@@ -184,23 +184,7 @@ pub struct AntumbraFramePlan {
 layout!(AntumbraFramePlan: struct_size, nodes_visited, frame, draws, draw_count, queries,
     query_count, tests, test_count, rounds, round_count);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraFramePlan {
-    const REQUIRED_FIELDS: usize = 11;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        nodes_visited: 0,
-        frame: 0,
-        draws: std::ptr::null(),
-        draw_count: 0,
-        queries: std::ptr::null(),
-        query_count: 0,
-        tests: std::ptr::null(),
-        test_count: 0,
-        rounds: std::ptr::null(),
-        round_count: 0,
-    };
-}
+versioned!(AntumbraFramePlan: 11, required: [], defaults: {});
 
 /// A plan in the arrays that C reads, which are reused.
 #[derive(Default)]
@@ -258,7 +242,7 @@ impl PlanArrays {
             test_count: self.tests.len(),
             rounds: self.rounds.as_ptr(),
             round_count: self.rounds.len(),
-            ..AntumbraFramePlan::DEFAULT
+            ..AntumbraFramePlan::INIT
         }
     }
 }

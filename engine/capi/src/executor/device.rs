@@ -10,13 +10,15 @@ use gpu::{
 
 use super::queue::{AntumbraQueueDesc, host_queue};
 use crate::error::Failure;
-use crate::layout::{Versioned, layout};
+use crate::layout::{Versioned, layout, pointers, versioned};
 use crate::pointers::{read, slice};
 use crate::table::handle;
 
 /// The type of `vkGetInstanceProcAddr`.
 pub type AntumbraInstanceProcAddr =
     Option<unsafe extern "system" fn(vk::Instance, *const c_char) -> vk::PFN_vkVoidFunction>;
+
+pointers!(AntumbraInstanceProcAddr);
 
 /// The device of a host, adopted.
 #[repr(C)]
@@ -33,29 +35,20 @@ handle!(AntumbraDevice = "device");
 pub struct AntumbraAdapterDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The version of Vulkan that the instance was made for, at least `VK_API_VERSION_1_3`.
+    /// The version of Vulkan that the instance was made for, at least that. Default:
+    /// `VK_API_VERSION_1_3`.
     pub api_version: u32,
-    /// `vkGetInstanceProcAddr`, through which the instance was made.
+    /// Required: `vkGetInstanceProcAddr`, through which the instance was made.
     pub instance_proc_addr: AntumbraInstanceProcAddr,
-    /// The instance.
+    /// Required: the instance.
     pub instance: vk::Instance,
-    /// The physical device.
+    /// Required: the physical device.
     pub physical_device: vk::PhysicalDevice,
 }
 layout!(AntumbraAdapterDesc: struct_size, api_version, instance_proc_addr, instance,
     physical_device);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraAdapterDesc {
-    const REQUIRED_FIELDS: usize = 5;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        api_version: vk::API_VERSION_1_3,
-        instance_proc_addr: None,
-        instance: vk::Instance::null(),
-        physical_device: vk::PhysicalDevice::null(),
-    };
-}
+versioned!(AntumbraAdapterDesc: 5, required: [instance_proc_addr, instance, physical_device], defaults: {api_version: vk::API_VERSION_1_3});
 
 /// The features of a device, in structs of the host. Null counts as a struct with all features off.
 #[repr(C)]
@@ -65,30 +58,19 @@ pub struct AntumbraFeatures {
     pub struct_size: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The features of Vulkan 1.0.
+    /// The features of Vulkan 1.0. Default: null.
     pub core: *mut vk::PhysicalDeviceFeatures,
-    /// Those of Vulkan 1.2, with their `sType`.
+    /// Those of Vulkan 1.2, with their `sType`. Default: null.
     pub vulkan_12: *mut vk::PhysicalDeviceVulkan12Features<'static>,
-    /// Those of Vulkan 1.3, with their `sType`.
+    /// Those of Vulkan 1.3, with their `sType`. Default: null.
     pub vulkan_13: *mut vk::PhysicalDeviceVulkan13Features<'static>,
-    /// That of `VK_EXT_conditional_rendering`, with its `sType`.
+    /// That of `VK_EXT_conditional_rendering`, with its `sType`. Default: null.
     pub conditional_rendering: *mut vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'static>,
 }
 layout!(AntumbraFeatures: struct_size, reserved, core, vulkan_12, vulkan_13,
     conditional_rendering);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraFeatures {
-    const REQUIRED_FIELDS: usize = 6;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        reserved: 0,
-        core: std::ptr::null_mut(),
-        vulkan_12: std::ptr::null_mut(),
-        vulkan_13: std::ptr::null_mut(),
-        conditional_rendering: std::ptr::null_mut(),
-    };
-}
+versioned!(AntumbraFeatures: 6, required: [], defaults: {});
 
 /// The most extensions that the library asks for.
 pub const ANTUMBRA_EXTENSIONS_MAX: usize = 8;
@@ -116,19 +98,7 @@ pub struct AntumbraRequirements {
 layout!(AntumbraRequirements: struct_size, api_version, queue_flags, queue_family,
     extension_count, reserved, extensions);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraRequirements {
-    const REQUIRED_FIELDS: usize = 7;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        api_version: 0,
-        queue_flags: vk::QueueFlags::empty(),
-        queue_family: u32::MAX,
-        extension_count: 0,
-        reserved: 0,
-        extensions: [std::ptr::null(); ANTUMBRA_EXTENSIONS_MAX],
-    };
-}
+versioned!(AntumbraRequirements: 7, required: [], defaults: {});
 
 /// A device that a host made and goes on to own.
 #[repr(C)]
@@ -136,47 +106,34 @@ unsafe impl Versioned for AntumbraRequirements {
 pub struct AntumbraDeviceDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The queue family of the command buffers that are recorded into, or of `queue`.
+    /// The queue family of the command buffers that are recorded into, or of `queue`. Default: 0,
+    /// the first one.
     pub queue_family: u32,
-    /// The physical device.
+    /// Required: the physical device.
     pub adapter: *const AntumbraAdapterDesc,
-    /// The device.
+    /// Required: the device.
     pub device: vk::Device,
-    /// The features that are on.
+    /// Required: the features that are on.
     pub features: *const AntumbraFeatures,
     /// The names of the extensions that are on, and of the instance's `VK_EXT_debug_utils`, with
     /// which everything has a name for debuggers. Names that the library does not know are ignored.
+    /// Default: null, with an `extension_count` of 0.
     pub extensions: *const *const c_char,
-    /// The number of extensions.
+    /// The number of extensions. Default: 0.
     pub extension_count: usize,
     /// The callbacks for the memory of the CPU that Vulkan objects take, called on any thread until
-    /// the device and all that was made on it are destroyed; null for none. Default: null.
+    /// the device and all that was made on it are destroyed. Default: null, for none.
     pub allocation_callbacks: *const vk::AllocationCallbacks<'static>,
     /// A cache for pipelines. Default: `VK_NULL_HANDLE`, for one of the library's own.
     pub pipeline_cache: vk::PipelineCache,
-    /// The queue that a renderer submits to, of the family `queue_family`; null for a device on
-    /// which scenes are recorded into command buffers of the host. Default: null.
+    /// The queue that a renderer submits to, of the family `queue_family`. Default: null, for a
+    /// device on which scenes are recorded into command buffers of the host.
     pub queue: *const AntumbraQueueDesc,
 }
 layout!(AntumbraDeviceDesc: struct_size, queue_family, adapter, device, features, extensions,
     extension_count, allocation_callbacks, pipeline_cache, queue);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraDeviceDesc {
-    const REQUIRED_FIELDS: usize = 7;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        queue_family: 0,
-        adapter: std::ptr::null(),
-        device: vk::Device::null(),
-        features: std::ptr::null(),
-        extensions: std::ptr::null(),
-        extension_count: 0,
-        allocation_callbacks: std::ptr::null(),
-        pipeline_cache: vk::PipelineCache::null(),
-        queue: std::ptr::null(),
-    };
-}
+versioned!(AntumbraDeviceDesc: 7, required: [adapter, device, features], defaults: {});
 
 /// The instance of a host with its functions.
 struct Adapter {
@@ -196,9 +153,6 @@ impl Adapter {
         let Some(get_instance_proc_addr) = desc.instance_proc_addr else {
             return Err(Failure::null("adapter.instance_proc_addr"));
         };
-        if instance == vk::Instance::null() || physical_device == vk::PhysicalDevice::null() {
-            return Err(Failure::null("adapter.instance, or adapter.physical_device,"));
-        }
         if api_version < vk::API_VERSION_1_3 {
             let message = "adapter.api_version must be VK_API_VERSION_1_3 at least, as in the \
                            VkApplicationInfo of the instance";
@@ -247,7 +201,7 @@ pub(crate) unsafe fn require(
         queue_family: needs.queue_family.unwrap_or(u32::MAX),
         extension_count: names.len().min(ANTUMBRA_EXTENSIONS_MAX) as u32,
         extensions,
-        ..AntumbraRequirements::DEFAULT
+        ..AntumbraRequirements::INIT
     })
 }
 
@@ -262,9 +216,6 @@ pub(crate) unsafe fn adopt(desc: &AntumbraDeviceDesc) -> Result<Device, Failure>
         let features = features_of(&read("desc.features", desc.features)?)?;
         (adapter, features, slice("desc.extensions", desc.extensions, desc.extension_count)?)
     };
-    if desc.device == vk::Device::null() {
-        return Err(Failure::null("desc.device"));
-    }
     let mut extensions = Vec::with_capacity(names.len());
     for name in names {
         if name.is_null() {

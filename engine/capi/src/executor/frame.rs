@@ -11,9 +11,9 @@ use occlusion::{
 use super::scene::{AntumbraView, HostedScene, HostedView};
 use super::target::{AntumbraTargetDesc, near_depth};
 use crate::decisions::camera::AntumbraCamera;
-use crate::decisions::culler::{ANTUMBRA_STRATEGY_ANTUMBRA, strategy};
+use crate::decisions::culler::{QUERY_BUDGET, queries, strategy};
 use crate::error::Failure;
-use crate::layout::{Versioned, layout};
+use crate::layout::{layout, pointers, versioned};
 use crate::pointers::{read, slice};
 use crate::table::Table;
 
@@ -57,37 +57,32 @@ pub type AntumbraBindCallback =
 pub type AntumbraRenderingCallback =
     Option<unsafe extern "C" fn(user: *mut c_void, rendering: *const AntumbraRendering)>;
 
+pointers!(AntumbraBindCallback, AntumbraRenderingCallback);
+
 /// A view in a frame.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraViewFrame {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// An `ANTUMBRA_STRATEGY_..`.
+    /// An `ANTUMBRA_STRATEGY_..`. Default: `ANTUMBRA_STRATEGY_ANTUMBRA`.
     pub strategy: u32,
-    /// The view.
+    /// Required: the view.
     pub view: AntumbraView,
-    /// Its camera.
+    /// Required: its camera.
     pub camera: *const AntumbraCamera,
-    /// Its images.
+    /// Required: its images.
     pub target: *const AntumbraTargetDesc,
-    /// The most occlusion queries; leaves for which none is left are drawn. Default: 4096.
+    /// The most occlusion queries, any number, or `ANTUMBRA_NO_QUERIES`; leaves for which none is
+    /// left are drawn. Default: 4096.
     pub query_budget: usize,
 }
 layout!(AntumbraViewFrame: struct_size, strategy, view, camera, target, query_budget);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraViewFrame {
-    const REQUIRED_FIELDS: usize = 5;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        strategy: ANTUMBRA_STRATEGY_ANTUMBRA,
-        view: AntumbraView { id: 0 },
-        camera: std::ptr::null(),
-        target: std::ptr::null(),
-        query_budget: 4096,
-    };
-}
+versioned!(AntumbraViewFrame: 5,
+    required: [camera, target],
+    defaults: { query_budget: QUERY_BUDGET }
+);
 
 /// A frame to be recorded.
 #[repr(C)]
@@ -95,49 +90,34 @@ unsafe impl Versioned for AntumbraViewFrame {
 pub struct AntumbraFrameDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The number of views.
+    /// The number of views. Default: 0.
     pub view_count: u32,
-    /// The views, each at most once.
+    /// The views, each at most once. Default: null, with a `view_count` of 0.
     pub views: *const *const AntumbraViewFrame,
-    /// A primary command buffer that is being recorded, outside of renderings and queries.
+    /// Required: a primary command buffer that is being recorded, outside of renderings and
+    /// queries.
     pub commands: vk::CommandBuffer,
-    /// The number of this frame: above that of all frames before on the device.
+    /// Required: the number of this frame, above that of all frames before on the device.
     pub current: u64,
-    /// The newest frame that is over on the GPU with all before it, or will never be submitted; 0
-    /// for none.
+    /// The newest frame that is over on the GPU with all before it, or will never be submitted.
+    /// Default: 0, none.
     pub safe: u64,
-    /// Binds what draws need. Not called, and may be null, where the host draws from lists.
+    /// Binds what draws need. Default: null, for a host that draws from lists: others must give it.
     pub bind: AntumbraBindCallback,
-    /// The first argument of all callbacks.
+    /// The first argument of all callbacks. Default: null.
     pub user: *mut c_void,
-    /// Begins a rendering; null for dynamic rendering to the images of the target. Default: null.
+    /// Begins a rendering. Default: null, for dynamic rendering to the images of the target.
     pub begin_rendering: AntumbraRenderingCallback,
-    /// Ends a rendering. Default: null.
+    /// Ends a rendering. Default: null, as `begin_rendering`.
     pub end_rendering: AntumbraRenderingCallback,
-    /// The most occlusion queries of all views together, in place of the budgets of each: what a
-    /// view leaves goes to those with more to test. 0 for none. Default: 0.
+    /// The most occlusion queries of all views together, any number, or `ANTUMBRA_NO_QUERIES`: what
+    /// a view leaves goes to those with more to test. Default: 0, for the budgets of each.
     pub query_budget: usize,
 }
 layout!(AntumbraFrameDesc: struct_size, view_count, views, commands, current, safe, bind, user,
     begin_rendering, end_rendering, query_budget);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraFrameDesc {
-    const REQUIRED_FIELDS: usize = 8;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        view_count: 0,
-        views: std::ptr::null(),
-        commands: vk::CommandBuffer::null(),
-        current: 0,
-        safe: 0,
-        bind: None,
-        user: std::ptr::null_mut(),
-        begin_rendering: None,
-        end_rendering: None,
-        query_budget: 0,
-    };
-}
+versioned!(AntumbraFrameDesc: 8, required: [commands, current], defaults: {});
 
 /// The callbacks of a host for one view.
 struct HostObjects<'a> {
@@ -212,9 +192,6 @@ pub(crate) unsafe fn record(
 ) -> Result<(), Failure> {
     // SAFETY: the caller's promise.
     let views = unsafe { slice("desc.views", desc.views, desc.view_count as usize) }?;
-    if desc.commands == vk::CommandBuffer::null() {
-        return Err(Failure::null("desc.commands"));
-    }
     if desc.begin_rendering.is_some() != desc.end_rendering.is_some() {
         let message = "desc has one of begin_rendering and end_rendering: give both or none";
         return Err(Failure::argument(message));
@@ -298,7 +275,7 @@ unsafe fn plan_views(
         let view = unsafe { read("a view of desc.views", *view) }?;
         used.push(match desc.query_budget {
             // SAFETY: as above.
-            0 => unsafe { plan_view(parts, &view, view.query_budget) }?,
+            0 => unsafe { plan_view(parts, &view, queries(view.query_budget)) }?,
             _ => parts.views.find(view.view)?.write()?.query_count(),
         });
     }
@@ -307,7 +284,7 @@ unsafe fn plan_views(
     }
     let mut outcome = Ok(());
     shares.plan_views(
-        desc.query_budget,
+        queries(desc.query_budget),
         used,
         |used| *used,
         |number, used, share| {

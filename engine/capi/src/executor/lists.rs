@@ -3,7 +3,7 @@
 use gpu::vk;
 use occlusion::{DrawList, VisibilityState};
 
-use crate::layout::{Versioned, layout};
+use crate::layout::{Versioned, layout, versioned};
 
 /// The executor draws: it calls the host to bind what the draws of a bucket need.
 pub const ANTUMBRA_DRAWS_BY_CALLBACK: u32 = 0;
@@ -67,18 +67,7 @@ pub struct AntumbraDrawLists {
 }
 layout!(AntumbraDrawLists: struct_size, reserved, visible, visible_count, revealed, revealed_count);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraDrawLists {
-    const REQUIRED_FIELDS: usize = 6;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        reserved: 0,
-        visible: std::ptr::null(),
-        visible_count: 0,
-        revealed: std::ptr::null(),
-        revealed_count: 0,
-    };
-}
+versioned!(AntumbraDrawLists: 6, required: [], defaults: {});
 
 /// The lists of a view as C reads them.
 #[derive(Default)]
@@ -111,7 +100,7 @@ impl KeptLists {
             visible_count: visible.len(),
             revealed: revealed.as_ptr(),
             revealed_count: revealed.len(),
-            ..AntumbraDrawLists::DEFAULT
+            ..AntumbraDrawLists::INIT
         }
     }
 }

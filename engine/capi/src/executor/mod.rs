@@ -9,3 +9,30 @@ pub mod queue;
 pub mod scene;
 pub mod target;
 pub mod trust;
+
+use gpu::vk;
+
+use crate::layout::{numbers, pointers};
+
+pointers!(
+    vk::Buffer,
+    vk::CommandBuffer,
+    vk::Device,
+    vk::Image,
+    vk::ImageView,
+    vk::Instance,
+    vk::PhysicalDevice,
+    vk::PipelineCache,
+    vk::Queue,
+    vk::RenderPass,
+    vk::Semaphore
+);
+numbers!(
+    vk::AccessFlags2,
+    vk::Format,
+    vk::ImageLayout,
+    vk::ImageUsageFlags,
+    vk::PipelineStageFlags2,
+    vk::QueueFlags,
+    vk::SampleCountFlags
+);

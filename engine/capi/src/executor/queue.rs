@@ -7,12 +7,14 @@ use std::time::Duration;
 use gpu::{HostQueue, HostQueueLock, vk};
 
 use crate::error::Failure;
-use crate::layout::{Versioned, layout};
+use crate::layout::{layout, pointers, versioned};
 use crate::pointers::read;
 
 /// Takes or gives back the host's lock around a queue. It is called on the thread that renders, and
 /// must not call the library.
 pub type AntumbraQueueLockCallback = Option<unsafe extern "C" fn(user: *mut c_void)>;
+
+pointers!(AntumbraQueueLockCallback);
 
 /// A queue that host and renderer share.
 #[repr(C)]
@@ -22,30 +24,19 @@ pub struct AntumbraQueueDesc {
     pub struct_size: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The queue.
+    /// Required: the queue.
     pub queue: vk::Queue,
-    /// Returns when nobody else uses the queue; called before each submit. Null where the host uses
-    /// it on the thread that renders alone. Default: null.
+    /// Returns when nobody else uses the queue; called before each submit. Default: null, where the
+    /// host uses it on the thread that renders alone.
     pub lock: AntumbraQueueLockCallback,
-    /// Lets others use the queue again; called after each submit. Default: null.
+    /// Lets others use the queue again; called after each submit. Default: null, as `lock`.
     pub unlock: AntumbraQueueLockCallback,
     /// The first argument of both. Default: null.
     pub user: *mut c_void,
 }
 layout!(AntumbraQueueDesc: struct_size, reserved, queue, lock, unlock, user);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraQueueDesc {
-    const REQUIRED_FIELDS: usize = 3;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        reserved: 0,
-        queue: vk::Queue::null(),
-        lock: None,
-        unlock: None,
-        user: std::ptr::null_mut(),
-    };
-}
+versioned!(AntumbraQueueDesc: 3, required: [queue], defaults: {});
 
 type Callback = unsafe extern "C" fn(*mut c_void);
 
@@ -83,9 +74,6 @@ pub(crate) unsafe fn host_queue(
     }
     // SAFETY: the caller's promise.
     let AntumbraQueueDesc { queue, lock, unlock, user, .. } = unsafe { read("desc.queue", desc) }?;
-    if queue == vk::Queue::null() {
-        return Err(Failure::null("desc.queue.queue"));
-    }
     let callbacks = match (lock, unlock) {
         (Some(lock), Some(unlock)) => Some([lock, unlock]),
         (None, None) => None,

@@ -15,7 +15,7 @@ use super::target::{AntumbraAttachments, CachedTarget};
 use super::trust::assumptions;
 use crate::decisions::hierarchy::{AntumbraAabb, usable};
 use crate::error::{AntumbraResult, Failure};
-use crate::layout::{Versioned, layout};
+use crate::layout::{Versioned, layout, versioned};
 use crate::table::{Table, handle};
 
 /// The objects of a host on its device.
@@ -81,15 +81,16 @@ pub const ANTUMBRA_RESUBMISSION_NEVER: u32 = 1;
 pub struct AntumbraSceneDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The most frames that are begun and not known to be over, at least 1.
+    /// The most frames that are begun and not known to be over, up to 64. Default: 2.
     pub frames_in_flight: u32,
-    /// The device.
+    /// Required: the device.
     pub device: AntumbraDevice,
-    /// The attachments of all views.
+    /// Required: the attachments of all views.
     pub attachments: *const AntumbraAttachments,
-    /// The number of buckets: pipelines in passes. They are drawn in the order of their numbers.
+    /// The number of buckets, up to 65536: pipelines in passes. They are drawn in the order of
+    /// their numbers. Default: 1.
     pub bucket_count: u32,
-    /// The number of objects for which there is room before everything must be built again.
+    /// The number of objects for which there is room before more must be made. Default: 0.
     pub object_capacity: u32,
     /// The number of draws for which there is room before they are uploaded again. Default: 0.
     pub draw_capacity: u32,
@@ -100,37 +101,22 @@ pub struct AntumbraSceneDesc {
     /// An `ANTUMBRA_RESUBMISSION_..`. Default: `ANTUMBRA_RESUBMISSION_ALLOWED`.
     pub resubmission: u32,
     /// A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
-    /// used. Default: 0.
+    /// used. Default: 0, none.
     pub distrusted: u32,
     /// Must be 0.
     pub reserved: u32,
     /// The measured prices of the same physical device: the way to skip hidden draws that costs
     /// least for `object_capacity` objects is taken, and tests that cost more than they are
-    /// expected to save are left out. Default: none; all that may be hidden is tested.
+    /// expected to save are left out. Default: 0, none: all that may be hidden is tested.
     pub prices: AntumbraPrices,
 }
 layout!(AntumbraSceneDesc: struct_size, frames_in_flight, device, attachments, bucket_count,
     object_capacity, draw_capacity, predication, draws, resubmission, distrusted, reserved, prices);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraSceneDesc {
-    const REQUIRED_FIELDS: usize = 6;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        frames_in_flight: 2,
-        device: AntumbraDevice { id: 0 },
-        attachments: std::ptr::null(),
-        bucket_count: 1,
-        object_capacity: 0,
-        draw_capacity: 0,
-        predication: ANTUMBRA_PREDICATION_BEST,
-        draws: ANTUMBRA_DRAWS_BY_CALLBACK,
-        resubmission: ANTUMBRA_RESUBMISSION_ALLOWED,
-        distrusted: 0,
-        reserved: 0,
-        prices: AntumbraPrices { id: 0 },
-    };
-}
+versioned!(AntumbraSceneDesc: 6,
+    required: [attachments],
+    defaults: { frames_in_flight: 2, bucket_count: 1 }
+);
 
 /// An object that is added.
 #[repr(C)]
@@ -206,21 +192,7 @@ pub struct AntumbraViewStats {
 layout!(AntumbraViewStats: struct_size, reserved, frame, objects, revealed, queries, tests,
     predication, is_priced);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraViewStats {
-    const REQUIRED_FIELDS: usize = 5;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        reserved: 0,
-        frame: 0,
-        objects: 0,
-        revealed: 0,
-        queries: 0,
-        tests: 0,
-        predication: ANTUMBRA_PREDICATION_BEST,
-        is_priced: 0,
-    };
-}
+versioned!(AntumbraViewStats: 5, required: [], defaults: {});
 
 /// A view of a scene.
 pub(crate) struct HostedView {
@@ -297,17 +269,10 @@ impl HostedScene {
                 return Err(Failure::argument(message));
             }
         };
-        if desc.frames_in_flight == 0 || desc.bucket_count == 0 {
-            let message = "desc.frames_in_flight and desc.bucket_count must be above 0";
-            return Err(Failure::argument(message));
-        }
         let frames_in_flight = desc.frames_in_flight as usize;
         let mut frames = FrameRing::new(&device, frames_in_flight)?;
         frames.set_resubmission(resubmission);
         let shaders = ShaderSet::embedded()?;
-        if desc.reserved != 0 {
-            return Err(Failure::argument("desc.reserved must be 0"));
-        }
         let trust = Trust::without(&assumptions(desc.distrusted)?);
         trust.texts().iter().for_each(|text| tracing::warn!("{text}"));
         let passes = OcclusionPasses::with_trust(&device, &shaders, attachments, trust)?;
@@ -384,7 +349,7 @@ impl HostedScene {
     pub fn add_view(&self) -> Result<AntumbraView, Failure> {
         let target = CachedTarget::default();
         let predication = predication_number(self.scene.price_choice().predication);
-        let stats = AntumbraViewStats { predication, ..AntumbraViewStats::DEFAULT };
+        let stats = AntumbraViewStats { predication, ..AntumbraViewStats::INIT };
         let lists = KeptLists::default();
         self.views.insert(HostedView { state: None, target, lists, stats })
     }

@@ -7,7 +7,7 @@ use gpu::{
 
 use crate::decisions::camera::{ANTUMBRA_DEPTH_REVERSED, ANTUMBRA_DEPTH_STANDARD};
 use crate::error::Failure;
-use crate::layout::{Versioned, layout};
+use crate::layout::{layout, versioned};
 use crate::pointers::slice;
 
 /// The most colour images of a view.
@@ -69,27 +69,21 @@ impl AntumbraImage {
 pub struct AntumbraTargetDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The number of colour images; those of the scene's attachments, or none if the host begins
-    /// its renderings itself.
+    /// The number of colour images: those of the scene's attachments, or none if the host begins
+    /// its renderings itself. Default: 0.
     pub colour_count: u32,
-    /// The depth.
+    /// Required: the depth.
     pub depth: AntumbraImage,
-    /// The colours.
+    /// The colours. Default: null, with a `colour_count` of 0.
     pub colours: *const AntumbraImage,
-    /// Width of all images (pixels). That the images are no smaller cannot be checked.
+    /// Required: width of all images (pixels). That the images are no smaller cannot be checked.
     pub width: u32,
-    /// Height of all images (pixels), as the width.
+    /// Required: height of all images (pixels), as the width.
     pub height: u32,
 }
 layout!(AntumbraTargetDesc: struct_size, colour_count, depth, colours, width, height);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraTargetDesc {
-    const REQUIRED_FIELDS: usize = 6;
-    // SAFETY: all of it are numbers and pointers, of which 0 is a value.
-    const DEFAULT: Self =
-        Self { struct_size: size_of::<Self>() as u32, ..unsafe { std::mem::zeroed() } };
-}
+versioned!(AntumbraTargetDesc: 6, required: [width, height], defaults: {});
 
 /// The attachments that all views of a scene are drawn to.
 #[repr(C)]
@@ -97,39 +91,31 @@ unsafe impl Versioned for AntumbraTargetDesc {
 pub struct AntumbraAttachments {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The format of the depth.
+    /// Required: the format of the depth.
     pub depth_format: vk::Format,
-    /// Samples per pixel of all attachments.
+    /// Samples per pixel of all attachments. Default: `VK_SAMPLE_COUNT_1_BIT`.
     pub samples: vk::SampleCountFlags,
     /// The direction in which depths grow: an `ANTUMBRA_DEPTH_..`, the same as that of cameras.
+    /// Default: `ANTUMBRA_DEPTH_REVERSED`.
     pub depth: u32,
-    /// The number of colour attachments.
+    /// The number of colour attachments, up to `ANTUMBRA_COLOURS_MAX`. Default: 0.
     pub colour_count: u32,
-    /// The subpass that is drawn in.
+    /// The subpass that is drawn in. Default: 0.
     pub subpass: u32,
-    /// The formats of the colours, in the order of their locations.
+    /// The formats of the colours, in the order of their locations. Default:
+    /// `VK_FORMAT_UNDEFINED`, for a location without an image.
     pub colour_formats: [vk::Format; ANTUMBRA_COLOURS_MAX],
-    /// The render pass of a host that begins its renderings itself; `VK_NULL_HANDLE` for dynamic
-    /// rendering.
+    /// The render pass of a host that begins its renderings itself. Default: `VK_NULL_HANDLE`, for
+    /// dynamic rendering.
     pub render_pass: vk::RenderPass,
 }
 layout!(AntumbraAttachments: struct_size, depth_format, samples, depth, colour_count, subpass,
     colour_formats, render_pass);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraAttachments {
-    const REQUIRED_FIELDS: usize = 7;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        depth_format: vk::Format::UNDEFINED,
-        samples: vk::SampleCountFlags::TYPE_1,
-        depth: 0,
-        colour_count: 0,
-        subpass: 0,
-        colour_formats: [vk::Format::UNDEFINED; ANTUMBRA_COLOURS_MAX],
-        render_pass: vk::RenderPass::null(),
-    };
-}
+versioned!(AntumbraAttachments: 7,
+    required: [depth_format],
+    defaults: { samples: vk::SampleCountFlags::TYPE_1 }
+);
 
 impl AntumbraAttachments {
     /// Returns the attachments as the executor takes them.
@@ -138,10 +124,6 @@ impl AntumbraAttachments {
             let max = ANTUMBRA_COLOURS_MAX.min(COLOURS_MAX);
             Failure::argument(format_args!("attachments.colour_count is more than {max}"))
         })?;
-        if self.depth_format == vk::Format::UNDEFINED || self.samples.is_empty() {
-            let message = "attachments.depth_format and attachments.samples must be set";
-            return Err(Failure::argument(message));
-        }
         let has_pass = self.render_pass != vk::RenderPass::null();
         if !has_pass && self.subpass != 0 {
             let message = "attachments.subpass is set, and attachments.render_pass is null";

@@ -10,10 +10,11 @@ use scene::{
 
 use shadows::ShadowOptions;
 
+use crate::decisions::culler::queries;
 use crate::error::Failure;
 use crate::executor::device::AntumbraDevice;
 use crate::executor::trust::assumptions;
-use crate::layout::{Versioned, layout};
+use crate::layout::{layout, versioned};
 use crate::pointers::{read, slice};
 use crate::renderer::shadows::AntumbraShadowDesc;
 
@@ -38,29 +39,18 @@ pub struct AntumbraMeshDesc {
     pub struct_size: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The vertices.
+    /// Required: the vertices.
     pub vertices: *const AntumbraVertex,
-    /// The number of vertices.
+    /// Required: the number of vertices.
     pub vertex_count: usize,
-    /// Three indices of vertices for each triangle, counter-clockwise seen from outside.
+    /// Required: three indices of vertices for each triangle, counter-clockwise seen from outside.
     pub indices: *const u32,
-    /// The number of indices.
+    /// Required: the number of indices.
     pub index_count: usize,
 }
 layout!(AntumbraMeshDesc: struct_size, reserved, vertices, vertex_count, indices, index_count);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraMeshDesc {
-    const REQUIRED_FIELDS: usize = 6;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        reserved: 0,
-        vertices: std::ptr::null(),
-        vertex_count: 0,
-        indices: std::ptr::null(),
-        index_count: 0,
-    };
-}
+versioned!(AntumbraMeshDesc: 6, required: [vertices, vertex_count, indices, index_count], defaults: {});
 
 /// A transform from the space of a mesh to the world.
 #[repr(C)]
@@ -104,31 +94,20 @@ impl From<&AntumbraMeshObject> for Object {
 pub struct AntumbraSunlight {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// Vector to the sun; of any length above 0.
+    /// Vector to the sun, of any length. Default: (0, 1, 0), straight up.
     pub towards_sun: [f32; 3],
-    /// Light on surfaces that face the sun.
+    /// Light on surfaces that face the sun; finite, as all colours here. Default: 0, black.
     pub sun: [f32; 3],
-    /// Light on surfaces that face up.
+    /// Light on surfaces that face up. Default: 0, black.
     pub ambient_above: [f32; 3],
-    /// Light on surfaces that face down.
+    /// Light on surfaces that face down. Default: 0, black.
     pub ambient_below: [f32; 3],
-    /// The colour of the background.
+    /// The colour of the background. Default: 0, black.
     pub sky: [f32; 3],
 }
 layout!(AntumbraSunlight: struct_size, towards_sun, sun, ambient_above, ambient_below, sky);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraSunlight {
-    const REQUIRED_FIELDS: usize = 6;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        towards_sun: [0.0, 1.0, 0.0],
-        sun: [1.0; 3],
-        ambient_above: [0.0; 3],
-        ambient_below: [0.0; 3],
-        sky: [0.0; 3],
-    };
-}
+versioned!(AntumbraSunlight: 6, required: [], defaults: { towards_sun: [0.0, 1.0, 0.0] });
 
 impl AntumbraSunlight {
     fn light(&self) -> Result<Light, Failure> {
@@ -138,9 +117,7 @@ impl AntumbraSunlight {
             [sun, ambient_above, ambient_below, sky].iter().flatten().all(|it| it.is_finite());
         match towards_sun.filter(|_| are_finite) {
             Some(towards_sun) => Ok(Light { towards_sun, sun, ambient_above, ambient_below, sky }),
-            None => Err(Failure::argument(
-                "desc.light has a number that is not finite, or towards_sun is 0",
-            )),
+            None => Err(Failure::argument("desc.light has a number that is not finite")),
         }
     }
 }
@@ -157,26 +134,27 @@ pub const ANTUMBRA_COSTS_IGNORED: u32 = 1;
 pub struct AntumbraRendererDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// Frames that may be in flight at once, at least 1 and at most 16.
+    /// Frames that may be in flight at once, up to 16. Default: 2.
     pub frames_in_flight: u32,
-    /// The device, which was adopted with a queue.
+    /// Required: the device, which was adopted with a queue.
     pub device: AntumbraDevice,
-    /// Width of the image (pixels).
+    /// Required: width of the image (pixels).
     pub width: u32,
-    /// Height of the image (pixels).
+    /// Required: height of the image (pixels).
     pub height: u32,
-    /// The meshes.
+    /// The meshes. Default: null, with a `mesh_count` of 0.
     pub meshes: *const *const AntumbraMeshDesc,
-    /// The number of meshes.
+    /// The number of meshes. Default: 0.
     pub mesh_count: usize,
-    /// The objects, neighbours near each other. Their ids are their places.
+    /// The objects, neighbours near each other. Their ids are their places. Default: null, with an
+    /// `object_count` of 0.
     pub objects: *const AntumbraMeshObject,
-    /// The number of objects.
+    /// The number of objects. Default: 0.
     pub object_count: usize,
-    /// The light; null for a clear afternoon. Default: null.
+    /// The light. Default: null, for a clear afternoon.
     pub light: *const AntumbraSunlight,
-    /// The most occlusion queries of a frame, 0 for 8192; objects for which none is left are drawn.
-    /// Default: 0.
+    /// The most occlusion queries of a frame, any number, or `ANTUMBRA_NO_QUERIES`; objects for
+    /// which none is left are drawn. Default: 8192.
     pub query_budget: usize,
     /// An `ANTUMBRA_COSTS_..`. Default: `ANTUMBRA_COSTS_MEASURED`.
     pub costs: u32,
@@ -188,19 +166,19 @@ pub struct AntumbraRendererDesc {
     pub spare_vertices: u32,
     /// Room for their indices. Default: 0.
     pub spare_indices: u32,
-    /// The most bytes of added meshes that a frame copies to the GPU, 0 for 1048576. Default: 0.
+    /// The most bytes of added meshes that a frame copies to the GPU, any number. Default: 1048576.
     pub upload_bytes_per_frame: u32,
-    /// Samples per pixel, 1 or 4; 0 for 1. With 4, edges are smooth. A device that takes the depth
-    /// of a sample from another place than its coverage then has `ANTUMBRA_STRATEGY_FRUSTUM` alone.
-    /// Default: 0.
+    /// Samples per pixel, 1 or 4. With 4, edges are smooth. A device that takes the depth of a
+    /// sample from another place than its coverage then has `ANTUMBRA_STRATEGY_FRUSTUM` alone.
+    /// Default: 1.
     pub samples: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The shadows of the sun; null for a renderer that never has any. With `ANTUMBRA_SHADOWS_OFF`
-    /// it can have some later: `antumbra_renderer_set_shadows`. Default: null.
+    /// The shadows of the sun. With `ANTUMBRA_SHADOWS_OFF` there can be some later:
+    /// `antumbra_renderer_set_shadows`. Default: null, for a renderer that never has any.
     pub shadows: *const AntumbraShadowDesc,
     /// A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
-    /// used. Default: 0.
+    /// used. Default: 0, none.
     pub distrusted: u32,
     /// Must be 0.
     pub reserved_2: u32,
@@ -210,34 +188,15 @@ layout!(AntumbraRendererDesc: struct_size, frames_in_flight, device, width, heig
     spare_vertices, spare_indices, upload_bytes_per_frame, samples, reserved, shadows, distrusted,
     reserved_2);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraRendererDesc {
-    const REQUIRED_FIELDS: usize = 9;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
+versioned!(AntumbraRendererDesc: 9,
+    required: [width, height],
+    defaults: {
         frames_in_flight: 2,
-        device: AntumbraDevice { id: 0 },
-        width: 0,
-        height: 0,
-        meshes: std::ptr::null(),
-        mesh_count: 0,
-        objects: std::ptr::null(),
-        object_count: 0,
-        light: std::ptr::null(),
-        query_budget: 0,
-        costs: ANTUMBRA_COSTS_MEASURED,
-        spare_objects: 0,
-        spare_meshes: 0,
-        spare_vertices: 0,
-        spare_indices: 0,
-        upload_bytes_per_frame: 0,
-        samples: 0,
-        reserved: 0,
-        shadows: std::ptr::null(),
-        distrusted: 0,
-        reserved_2: 0,
-    };
-}
+        query_budget: 8192,
+        upload_bytes_per_frame: 1 << 20,
+        samples: 1
+    }
+);
 
 impl AntumbraRendererDesc {
     /// Returns the options.
@@ -245,9 +204,6 @@ impl AntumbraRendererDesc {
     /// # Safety
     /// As the rules of the interface.
     pub(crate) unsafe fn options(&self) -> Result<RendererOptions, Failure> {
-        if self.frames_in_flight == 0 {
-            return Err(Failure::argument("desc.frames_in_flight must be above 0"));
-        }
         let costs = match self.costs {
             ANTUMBRA_COSTS_MEASURED => Costs::Measured,
             ANTUMBRA_COSTS_IGNORED => Costs::Ignored,
@@ -264,12 +220,10 @@ impl AntumbraRendererDesc {
             false => unsafe { read("desc.shadows", self.shadows) }?.options()?,
         };
         let default = RendererOptions::default();
-        let given = |number: usize, default| if number == 0 { default } else { number };
-        let upload_bytes = self.upload_bytes_per_frame as usize;
         Ok(RendererOptions {
             size: [self.width, self.height],
             frames_in_flight: self.frames_in_flight as usize,
-            query_budget: given(self.query_budget, default.query_budget),
+            query_budget: queries(self.query_budget),
             costs,
             samples,
             shadows,
@@ -280,7 +234,7 @@ impl AntumbraRendererDesc {
                 indices: self.spare_indices,
                 ..default.spare
             },
-            upload_bytes_per_frame: given(upload_bytes, default.upload_bytes_per_frame),
+            upload_bytes_per_frame: self.upload_bytes_per_frame as usize,
             distrusted: assumptions(self.distrusted)?,
             ..default
         })
@@ -316,7 +270,7 @@ impl AntumbraRendererDesc {
 /// Returns the number of samples per pixel.
 pub(crate) fn sample_count(samples: u32) -> Result<SampleCount, Failure> {
     match samples {
-        0 | 1 => Ok(SampleCount::One),
+        1 => Ok(SampleCount::One),
         4 => Ok(SampleCount::Four),
         other => Err(Failure::argument(format_args!(
             "desc.samples is {other}, and there are 1 or 4 samples per pixel"

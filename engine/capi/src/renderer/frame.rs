@@ -9,12 +9,12 @@ use scene::{Mesh, MeshId, PreparedMesh, Scene, SceneError};
 use shadows::{ShadowMethod, ShadowOptions};
 
 use crate::decisions::camera::AntumbraCamera;
-use crate::decisions::culler::{ANTUMBRA_STRATEGY_ANTUMBRA, strategy};
-use crate::decisions::plan::{ANTUMBRA_TESTER_QUERY, tester_number};
+use crate::decisions::culler::strategy;
+use crate::decisions::plan::tester_number;
 use crate::error::Failure;
-use crate::executor::scene::{ANTUMBRA_PREDICATION_BEST, predication_number};
+use crate::executor::scene::predication_number;
 use crate::executor::target::AntumbraImageState;
-use crate::layout::{Versioned, layout};
+use crate::layout::{Versioned, layout, versioned};
 use crate::renderer::description::surface_of;
 use crate::table::handle;
 
@@ -34,22 +34,14 @@ pub struct AntumbraRenderDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
     /// An `ANTUMBRA_STRATEGY_..`, which may be another one in each frame: frustum culling alone
-    /// draws the same image.
+    /// draws the same image. Default: `ANTUMBRA_STRATEGY_ANTUMBRA`.
     pub strategy: u32,
-    /// The camera, with reversed depth. Its `sub_pixel_bits` have no meaning here.
+    /// Required: the camera, with reversed depth. Its `sub_pixel_bits` have no meaning here.
     pub camera: *const AntumbraCamera,
 }
 layout!(AntumbraRenderDesc: struct_size, strategy, camera);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraRenderDesc {
-    const REQUIRED_FIELDS: usize = 3;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        strategy: ANTUMBRA_STRATEGY_ANTUMBRA,
-        camera: std::ptr::null(),
-    };
-}
+versioned!(AntumbraRenderDesc: 3, required: [camera], defaults: {});
 
 /// The image of the newest frame. It is the renderer's until that is resized or destroyed.
 ///
@@ -82,13 +74,7 @@ pub struct AntumbraFinishedImage {
 layout!(AntumbraFinishedImage: struct_size, format, image, view, width, height, state, timeline,
     value);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraFinishedImage {
-    const REQUIRED_FIELDS: usize = 9;
-    // SAFETY: all of it are numbers, of which 0 is a value.
-    const DEFAULT: Self =
-        Self { struct_size: size_of::<Self>() as u32, ..unsafe { std::mem::zeroed() } };
-}
+versioned!(AntumbraFinishedImage: 9, required: [], defaults: {});
 
 impl From<FinishedImage> for AntumbraFinishedImage {
     fn from(it: FinishedImage) -> Self {
@@ -132,21 +118,7 @@ pub struct AntumbraRendererStats {
 layout!(AntumbraRendererStats: struct_size, is_uploading, frame, total, drawn, revealed, tests,
     predication, tester);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraRendererStats {
-    const REQUIRED_FIELDS: usize = 7;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        is_uploading: 0,
-        frame: 0,
-        total: 0,
-        drawn: 0,
-        revealed: 0,
-        tests: 0,
-        predication: ANTUMBRA_PREDICATION_BEST,
-        tester: ANTUMBRA_TESTER_QUERY,
-    };
-}
+versioned!(AntumbraRendererStats: 7, required: [], defaults: {});
 
 /// The counts of a frame that are known when it is submitted.
 struct SubmittedFrame {
@@ -180,7 +152,7 @@ impl HostedRenderer {
     pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Failure> {
         let renderer = Renderer::new(device, scene, options)?;
         let view = renderer.new_view()?;
-        let stats = AntumbraRendererStats::DEFAULT;
+        let stats = AntumbraRendererStats::INIT;
         let has_surfaces = scene.surfaces.is_some();
         Ok(Self { renderer, has_surfaces, view, submitted: VecDeque::new(), stats })
     }

@@ -6,7 +6,7 @@ use shadows::{
 };
 
 use crate::error::Failure;
-use crate::layout::{Versioned, layout};
+use crate::layout::{Versioned, layout, versioned};
 
 /// No shadows.
 pub const ANTUMBRA_SHADOWS_OFF: u32 = 0;
@@ -47,58 +47,46 @@ pub const ANTUMBRA_CASTER_CULLING_CULLED: u32 = 0;
 /// All casters are drawn.
 pub const ANTUMBRA_CASTER_CULLING_UNCULLED: u32 = 1;
 
-/// The options of shadows. All but the first field may be 0: that is their default.
+/// The options of shadows.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct AntumbraShadowDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// An `ANTUMBRA_SHADOWS_..`.
+    /// An `ANTUMBRA_SHADOWS_..`. Default: `ANTUMBRA_SHADOWS_OFF`.
     pub method: u32,
-    /// An `ANTUMBRA_SHADOW_FILTER_..`, for maps.
+    /// An `ANTUMBRA_SHADOW_FILTER_..`, for maps. Default: `ANTUMBRA_SHADOW_FILTER_ADAPTIVE`.
     pub filter: u32,
-    /// An `ANTUMBRA_SHADOW_BIAS_..`, for maps.
+    /// An `ANTUMBRA_SHADOW_BIAS_..`, for maps. Default: `ANTUMBRA_SHADOW_BIAS_PLANE`.
     pub bias: u32,
-    /// An `ANTUMBRA_SHADOW_CACHING_..`, for maps.
+    /// An `ANTUMBRA_SHADOW_CACHING_..`, for maps. Default: `ANTUMBRA_SHADOW_CACHING_CACHED`.
     pub caching: u32,
-    /// An `ANTUMBRA_CASTER_CULLING_..`.
+    /// An `ANTUMBRA_CASTER_CULLING_..`. Default: `ANTUMBRA_CASTER_CULLING_CULLED`.
     pub culling: u32,
-    /// Maps of the sun, 1 to 8, each of which reaches three times as far as the one before. 0 is 4.
+    /// Maps of the sun, 1 to 8, each of which reaches three times as far as the one before.
+    /// Default: 4.
     pub cascades: u32,
-    /// The side of such a map in texels, a power of two from 16 on. 0 is 2048.
+    /// The side of such a map in texels, a power of two from 16 on. Default: 2048.
     pub map_side: u32,
     /// The most layers of maps, each as large as one of 512 texels a side at least, and with
-    /// volumes of the masks of lights. 0 is 8.
+    /// volumes of the masks of lights. Default: 8.
     pub layers_max: u32,
-    /// The distance from the eye to which the sun has shadows (metres), above 0 and below 1e6. 0 is
-    /// 200, and farther in scenes whose objects are larger than houses.
+    /// The distance from the eye to which the sun has shadows (metres), below 1e6. Default: 0, by the
+    /// scene: 200, and farther where its objects are larger than houses.
     pub distance: f32,
-    /// The width of penumbras (metres), 0 to below 1e3. 0 is a hard edge.
+    /// The width of penumbras (metres), below 1e3. Default: 0, a hard edge.
     pub penumbra: f32,
-    /// The share of half the side of a cascade in which it blends into the next, 0 to 0.5.
+    /// The share of half the side of a cascade in which it blends into the next, up to 0.5.
+    /// Default: 0, none.
     pub cascade_blend: f32,
 }
 layout!(AntumbraShadowDesc: struct_size, method, filter, bias, caching, culling, cascades,
     map_side, layers_max, distance, penumbra, cascade_blend);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraShadowDesc {
-    const REQUIRED_FIELDS: usize = 12;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        method: ANTUMBRA_SHADOWS_OFF,
-        filter: ANTUMBRA_SHADOW_FILTER_ADAPTIVE,
-        bias: ANTUMBRA_SHADOW_BIAS_PLANE,
-        caching: ANTUMBRA_SHADOW_CACHING_CACHED,
-        culling: ANTUMBRA_CASTER_CULLING_CULLED,
-        cascades: 0,
-        map_side: 0,
-        layers_max: 0,
-        distance: 0.0,
-        penumbra: 0.0,
-        cascade_blend: 0.0,
-    };
-}
+versioned!(AntumbraShadowDesc: 12,
+    required: [],
+    defaults: { cascades: 4, map_side: 2048, layers_max: 8 }
+);
 
 /// Returns the value of a constant of a kind, by its place.
 fn chosen<T: Copy>(kind: &str, values: &[T], number: u32) -> Result<T, Failure> {
@@ -115,7 +103,6 @@ impl AntumbraShadowDesc {
         let ways = [ShadowCaching::Cached, ShadowCaching::Uncached];
         let choices = [CasterCulling::Culled, CasterCulling::Unculled];
         let default = ShadowOptions::default();
-        let given = |number: u32, default: u32| if number == 0 { default } else { number };
         let distance_m = (self.distance != 0.0).then_some(self.distance);
         let options = ShadowOptions {
             method: chosen("ANTUMBRA_SHADOWS_..", &ShadowMethod::ALL, self.method)?,
@@ -124,11 +111,11 @@ impl AntumbraShadowDesc {
             caching: chosen("ANTUMBRA_SHADOW_CACHING_..", &ways, self.caching)?,
             culling: chosen("ANTUMBRA_CASTER_CULLING_..", &choices, self.culling)?,
             penumbra_m: self.penumbra,
-            cascades: given(self.cascades, default.cascades),
+            cascades: self.cascades,
             cascade_blend: self.cascade_blend,
             distance_m,
-            sun_side: given(self.map_side, default.sun_side),
-            layers_max: given(self.layers_max, default.layers_max),
+            sun_side: self.map_side,
+            layers_max: self.layers_max,
             ..default
         };
         options.check().map_err(Failure::argument)?;
@@ -168,24 +155,7 @@ pub struct AntumbraShadowStats {
 layout!(AntumbraShadowStats: struct_size, lights, maps, drawn_maps, culled_maps, casters, tests,
     z_fail_volumes, unshadowed_lights, reserved, triangles, revealed_triangles);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraShadowStats {
-    const REQUIRED_FIELDS: usize = 12;
-    const DEFAULT: Self = Self {
-        struct_size: size_of::<Self>() as u32,
-        lights: 0,
-        maps: 0,
-        drawn_maps: 0,
-        culled_maps: 0,
-        casters: 0,
-        tests: 0,
-        z_fail_volumes: 0,
-        unshadowed_lights: 0,
-        reserved: 0,
-        triangles: 0,
-        revealed_triangles: 0,
-    };
-}
+versioned!(AntumbraShadowStats: 12, required: [], defaults: {});
 
 impl From<ShadowStats> for AntumbraShadowStats {
     fn from(it: ShadowStats) -> Self {
@@ -200,7 +170,7 @@ impl From<ShadowStats> for AntumbraShadowStats {
             unshadowed_lights: it.unshadowed_lights,
             triangles: it.triangles,
             revealed_triangles: it.revealed_triangles,
-            ..Self::DEFAULT
+            ..Self::INIT
         }
     }
 }

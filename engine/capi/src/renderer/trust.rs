@@ -3,7 +3,7 @@
 use render::{Assumption, Finding, SelfTest};
 
 use crate::executor::trust::BITS;
-use crate::layout::{Versioned, layout};
+use crate::layout::{Versioned, layout, versioned};
 
 /// The outcome of a self-test: sets of `ANTUMBRA_ASSUMPTION_..`. What is in none of them holds.
 #[repr(C)]
@@ -22,12 +22,7 @@ pub struct AntumbraSelfTest {
 }
 layout!(AntumbraSelfTest: struct_size, broken, not_tested, can_cull);
 
-// SAFETY: the first field is the size.
-unsafe impl Versioned for AntumbraSelfTest {
-    const REQUIRED_FIELDS: usize = 4;
-    const DEFAULT: Self =
-        Self { struct_size: size_of::<Self>() as u32, broken: 0, not_tested: 0, can_cull: 0 };
-}
+versioned!(AntumbraSelfTest: 4, required: [], defaults: {});
 
 impl From<&SelfTest> for AntumbraSelfTest {
     fn from(it: &SelfTest) -> Self {
@@ -41,7 +36,7 @@ impl From<&SelfTest> for AntumbraSelfTest {
             broken: bits_of(|it| matches!(it, Finding::Broken(_))),
             not_tested: bits_of(|it| matches!(it, Finding::NotTested(_))),
             can_cull: it.safest.is_some().into(),
-            ..Self::DEFAULT
+            ..Self::INIT
         }
     }
 }

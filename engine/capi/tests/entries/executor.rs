@@ -13,6 +13,9 @@ use antumbra_capi::executor::scene::*;
 use antumbra_capi::executor::target::AntumbraAttachments;
 use antumbra_capi::layout::Versioned;
 
+use gpu::ash::vk::Handle;
+use gpu::vk;
+
 use crate::Host;
 
 type Call<'a> = (&'a str, &'a dyn Fn(*const AntumbraContext, u64) -> AntumbraResult);
@@ -24,7 +27,13 @@ fn every_function_of_the_executor_checks_its_handles() {
     let d = |id| AntumbraDevice { id };
     let v = AntumbraView { id: 1 };
     let e = null_mut;
-    let attachments = AntumbraAttachments::DEFAULT;
+    let attachments =
+        AntumbraAttachments { depth_format: vk::Format::D32_SFLOAT, ..Versioned::INIT };
+    let frame = AntumbraFrameDesc {
+        current: 1,
+        commands: vk::CommandBuffer::from_raw(8),
+        ..Versioned::INIT
+    };
     // SAFETY: of all closures: pointers to values that live as long as the call, or null.
     let calls: [Call; 13] = unsafe {
         [
@@ -32,7 +41,7 @@ fn every_function_of_the_executor_checks_its_handles() {
             ("device_destroy", &|x, id| antumbra_device_destroy(x, d(id), e())),
             ("scene_create", &|x, id| {
                 let attachments = &attachments;
-                let desc = AntumbraSceneDesc { device: d(id), attachments, ..Versioned::DEFAULT };
+                let desc = AntumbraSceneDesc { device: d(id), attachments, ..Versioned::INIT };
                 antumbra_scene_create(x, &desc, &mut s(0), e())
             }),
             ("scene_destroy", &|x, id| antumbra_scene_destroy(x, s(id), e())),
@@ -47,16 +56,14 @@ fn every_function_of_the_executor_checks_its_handles() {
             }),
             ("view_destroy", &|x, id| antumbra_view_destroy(x, s(id), v, e())),
             ("view_stats", &|x, id| {
-                let mut stats = AntumbraViewStats::DEFAULT;
+                let mut stats = AntumbraViewStats::INIT;
                 antumbra_view_stats(x, s(id), v, &mut stats, e())
             }),
             ("view_lists", &|x, id| {
-                let mut lists = AntumbraDrawLists::DEFAULT;
+                let mut lists = AntumbraDrawLists::INIT;
                 antumbra_view_lists(x, s(id), v, &mut lists, e())
             }),
-            ("scene_record", &|x, id| {
-                antumbra_scene_record(x, s(id), &AntumbraFrameDesc::DEFAULT, e())
-            }),
+            ("scene_record", &|x, id| antumbra_scene_record(x, s(id), &frame, e())),
         ]
     };
     for (name, call) in calls {
@@ -74,9 +81,9 @@ fn every_function_of_the_executor_checks_its_handles() {
         let results = [
             antumbra_requirements(x, null(), null(), null_mut(), e()),
             antumbra_device_adopt(x, null(), null_mut(), e()),
-            antumbra_device_adopt(x, &Versioned::DEFAULT, &mut d(0), e()),
+            antumbra_device_adopt(x, &Versioned::INIT, &mut d(0), e()),
             antumbra_scene_create(x, null(), &mut s(0), e()),
-            antumbra_scene_create(x, &Versioned::DEFAULT, &mut s(0), e()),
+            antumbra_scene_create(x, &Versioned::INIT, &mut s(0), e()),
             antumbra_scene_record(x, s(0), null(), e()),
             antumbra_view_create(x, s(0), null_mut(), e()),
             antumbra_view_stats(x, s(0), v, null_mut(), e()),

@@ -20,13 +20,13 @@ type Call<'a> = (&'a str, &'a dyn Fn(*const AntumbraContext, u64, u64) -> Antumb
 #[test]
 fn every_function_checks_its_handles() {
     let mut host = Host::new();
-    let (box_desc, culler_desc) = (AntumbraHierarchyDesc::DEFAULT, AntumbraCullerDesc::DEFAULT);
-    let plan_desc = AntumbraPlanDesc { camera: &CAMERA, ..Versioned::DEFAULT };
+    let (box_desc, culler_desc) = (AntumbraHierarchyDesc::INIT, AntumbraCullerDesc::INIT);
+    let plan_desc = AntumbraPlanDesc { camera: &CAMERA, ..Versioned::INIT };
     let h = |id| AntumbraHierarchy { id };
     let c = |id| AntumbraCuller { id };
     let none = null_mut::<AntumbraError>();
     // SAFETY: of all closures: pointers to values that live as long as the call.
-    let calls: [Call; 12] = unsafe {
+    let calls: [Call; 13] = unsafe {
         [
             ("hierarchy_create", &|x, _, _| {
                 antumbra_hierarchy_create(x, &box_desc, &mut h(0), none)
@@ -36,12 +36,13 @@ fn every_function_checks_its_handles() {
                 antumbra_hierarchy_move(x, h(id), null(), null(), 0, none)
             }),
             ("hierarchy_insert", &|x, id, _| {
-                antumbra_hierarchy_insert(x, h(id), null(), 0, null_mut(), null_mut(), none)
+                antumbra_hierarchy_insert(x, h(id), null(), 0, null_mut(), none)
             }),
             ("hierarchy_remove", &|x, id, _| antumbra_hierarchy_remove(x, h(id), null(), 0, none)),
             ("hierarchy_update", &|x, id, _| antumbra_hierarchy_update(x, h(id), none)),
+            ("hierarchy_rebuild", &|x, id, _| antumbra_hierarchy_rebuild(x, h(id), none)),
             ("hierarchy_leaves", &|x, id, _| {
-                let mut leaves = AntumbraLeaves::DEFAULT;
+                let mut leaves = AntumbraLeaves::INIT;
                 antumbra_hierarchy_leaves(x, h(id), &mut leaves, none)
             }),
             ("culler_create", &|x, _, _| antumbra_culler_create(x, &culler_desc, &mut c(0), none)),
@@ -51,7 +52,7 @@ fn every_function_checks_its_handles() {
                 antumbra_culler_ingest(x, c(second), h(first), null(), 0, none)
             }),
             ("culler_plan", &|x, first, second| {
-                let mut plan = AntumbraFramePlan::DEFAULT;
+                let mut plan = AntumbraFramePlan::INIT;
                 antumbra_culler_plan(x, c(second), h(first), &plan_desc, &mut plan, none)
             }),
         ]

@@ -48,7 +48,7 @@ const CAMERA: AntumbraCamera = AntumbraCamera {
         0.0, 0.0, 0.0, -1.0,
         0.0, 0.0, 0.1, 0.0,
     ],
-    ..AntumbraCamera::DEFAULT
+    ..AntumbraCamera::INIT
 };
 
 fn cube(x: f32, z: f32) -> AntumbraAabb {
@@ -75,22 +75,25 @@ impl Host {
         let hierarchy = AntumbraHierarchyDesc {
             boxes: boxes.as_ptr(),
             box_count: boxes.len(),
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         };
         let Self { context, hierarchy: made, culler, error } = &mut new;
         // SAFETY: all pointers are to values that live as long as the calls.
         unsafe {
-            assert_eq!(antumbra_context_create(&Versioned::DEFAULT, context, error), Ok);
+            assert_eq!(
+                antumbra_context_create(&AntumbraContextDesc::current(), context, error),
+                Ok
+            );
             let created = antumbra_hierarchy_create(*context, &hierarchy, made, error);
             assert_eq!(created, Ok, "{}", text(error));
-            let created = antumbra_culler_create(*context, &Versioned::DEFAULT, culler, error);
+            let created = antumbra_culler_create(*context, &Versioned::INIT, culler, error);
             assert_eq!(created, Ok, "{}", text(error));
         }
         new
     }
 
     fn plan(&mut self, camera: &AntumbraCamera, plan: &mut AntumbraFramePlan) -> AntumbraResult {
-        let desc = AntumbraPlanDesc { camera, ..Versioned::DEFAULT };
+        let desc = AntumbraPlanDesc { camera, ..Versioned::INIT };
         let Self { context, hierarchy, culler, error } = self;
         // SAFETY: all pointers are to values that live as long as the call.
         unsafe { antumbra_culler_plan(*context, *culler, *hierarchy, &desc, plan, error) }
@@ -98,7 +101,7 @@ impl Host {
 
     /// Returns the objects of a plan, drawn at once or tested.
     fn planned(&mut self) -> Vec<u32> {
-        let mut plan = AntumbraFramePlan::DEFAULT;
+        let mut plan = AntumbraFramePlan::INIT;
         assert_eq!(self.plan(&CAMERA, &mut plan), Ok, "{}", text(&self.error));
         let leaves = self.leaves().0;
         // SAFETY: the arrays of a plan that was just made.
@@ -118,7 +121,7 @@ impl Host {
     }
 
     fn leaves(&mut self) -> (Vec<u32>, u64) {
-        let mut leaves = AntumbraLeaves::DEFAULT;
+        let mut leaves = AntumbraLeaves::INIT;
         // SAFETY: as in `plan`.
         unsafe {
             let listed = antumbra_hierarchy_leaves(
@@ -153,8 +156,7 @@ fn objects_come_move_and_go() {
     unsafe {
         let (boxes, ids_at) = (boxes.as_ptr(), ids.as_mut_ptr());
         let (count, error) = (ids.len(), &mut host.error);
-        let inserted =
-            antumbra_hierarchy_insert(context, hierarchy, boxes, count, ids_at, null_mut(), error);
+        let inserted = antumbra_hierarchy_insert(context, hierarchy, boxes, count, ids_at, error);
         assert_eq!(inserted, Ok, "{}", text(error));
     }
     let mut expected: Vec<u32> = [0, 1].into_iter().chain(ids).collect();
@@ -163,7 +165,22 @@ fn objects_come_move_and_go() {
     let (leaves, grown) = host.leaves();
     assert!(grown > revision);
     let there = leaves.iter().filter(|object| **object != ANTUMBRA_NO_OBJECT).count();
-    assert_eq!((there, leaves.len()), (22, 32), "room doubles");
+    assert_eq!((there, leaves.len()), (22, 22));
+    // One more than there is room for: its leaf is the last but for free ones.
+    let mut last = [0];
+    // SAFETY: as above.
+    unsafe {
+        let (bounds, error) = (cube(0.0, 5.0), &mut host.error);
+        let added =
+            antumbra_hierarchy_insert(context, hierarchy, &bounds, 1, last.as_mut_ptr(), error);
+        assert_eq!((added, last), (Ok, [22]));
+        assert_eq!(host.leaves().0.len(), 31);
+        let (last, error) = (last.as_ptr(), &mut host.error);
+        assert_eq!(antumbra_hierarchy_remove(context, hierarchy, last, 1, error), Ok);
+        let error = &mut host.error;
+        assert_eq!(antumbra_hierarchy_rebuild(context, hierarchy, error), Ok);
+    }
+    assert_eq!(host.planned(), expected);
 
     // Behind the eye, or gone.
     let behind = [cube(0.0, 5.0); 10];

@@ -5,7 +5,6 @@ use std::ptr::{null, null_mut};
 use antumbra_capi::api::prices::*;
 use antumbra_capi::api::renderer::*;
 use antumbra_capi::context::AntumbraContext;
-use antumbra_capi::decisions::camera::AntumbraCamera;
 use antumbra_capi::error::AntumbraResult::{self, BadPointer, Ok, UnknownHandle};
 use antumbra_capi::executor::device::AntumbraDevice;
 use antumbra_capi::executor::prices::AntumbraPrices;
@@ -25,20 +24,20 @@ fn every_function_of_the_renderer_checks_its_handles() {
     let host = Host::new();
     let r = |id| AntumbraRenderer { id };
     let e = null_mut;
-    let camera = AntumbraCamera::DEFAULT;
-    let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::DEFAULT };
+    let camera = crate::CAMERA;
+    let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::INIT };
     // SAFETY: of all closures: pointers to values that live as long as the call, or null.
     let calls: [Call; 17] = unsafe {
         [
             ("create", &|x, id| {
-                let desc =
-                    AntumbraRendererDesc { device: AntumbraDevice { id }, ..Versioned::DEFAULT };
+                let device = AntumbraDevice { id };
+                let desc = AntumbraRendererDesc { device, width: 8, height: 8, ..Versioned::INIT };
                 antumbra_renderer_create(x, &desc, &mut r(0), e())
             }),
             ("destroy", &|x, id| antumbra_renderer_destroy(x, r(id), e())),
             ("render", &|x, id| antumbra_renderer_render(x, r(id), &frame, e())),
             ("image", &|x, id| {
-                let mut image = AntumbraFinishedImage::DEFAULT;
+                let mut image = AntumbraFinishedImage::INIT;
                 antumbra_renderer_image(x, r(id), &mut image, e())
             }),
             ("resize", &|x, id| antumbra_renderer_resize(x, r(id), 8, 8, e())),
@@ -54,23 +53,23 @@ fn every_function_of_the_renderer_checks_its_handles() {
             }),
             ("remove_meshes", &|x, id| antumbra_renderer_remove_meshes(x, r(id), null(), 0, e())),
             ("stats", &|x, id| {
-                let mut stats = AntumbraRendererStats::DEFAULT;
+                let mut stats = AntumbraRendererStats::INIT;
                 antumbra_renderer_stats(x, r(id), &mut stats, e())
             }),
             ("set_shadows", &|x, id| {
-                antumbra_renderer_set_shadows(x, r(id), &AntumbraShadowDesc::DEFAULT, e())
+                antumbra_renderer_set_shadows(x, r(id), &AntumbraShadowDesc::INIT, e())
             }),
             ("shadow_stats", &|x, id| {
-                let mut stats = AntumbraShadowStats::DEFAULT;
+                let mut stats = AntumbraShadowStats::INIT;
                 antumbra_renderer_shadow_stats(x, r(id), &mut stats, e())
             }),
             ("self_test", &|x, id| {
-                let mut outcome = AntumbraSelfTest::DEFAULT;
+                let mut outcome = AntumbraSelfTest::INIT;
                 antumbra_self_test(x, AntumbraDevice { id }, &mut outcome, e())
             }),
             ("prices_measure", &|x, id| {
-                let desc =
-                    AntumbraPricesDesc { device: AntumbraDevice { id }, ..Versioned::DEFAULT };
+                let device = AntumbraDevice { id };
+                let desc = AntumbraPricesDesc { device, width: 8, height: 8, ..Versioned::INIT };
                 antumbra_prices_measure(x, &desc, &mut AntumbraPrices { id: 0 }, e())
             }),
             ("prices_destroy", &|x, id| antumbra_prices_destroy(x, AntumbraPrices { id }, e())),
@@ -85,14 +84,14 @@ fn every_function_of_the_renderer_checks_its_handles() {
         let nothing = if name.ends_with("destroy") { Ok } else { UnknownHandle };
         assert_eq!(call(host.context, 0), nothing, "{name}");
     }
-    let no_camera = AntumbraRenderDesc::DEFAULT;
+    let no_camera = AntumbraRenderDesc::INIT;
     // SAFETY: null is refused.
     unsafe {
         let x = host.context;
         let results = [
             antumbra_renderer_requirements(x, null(), null(), null_mut(), e()),
             antumbra_renderer_create(x, null(), &mut r(0), e()),
-            antumbra_renderer_create(x, &Versioned::DEFAULT, null_mut(), e()),
+            antumbra_renderer_create(x, &Versioned::INIT, null_mut(), e()),
             antumbra_renderer_render(x, r(0), null(), e()),
             antumbra_renderer_render(x, r(0), &no_camera, e()),
             antumbra_renderer_image(x, r(0), null_mut(), e()),
@@ -105,7 +104,7 @@ fn every_function_of_the_renderer_checks_its_handles() {
             antumbra_renderer_set_shadows(x, r(0), null(), e()),
             antumbra_renderer_shadow_stats(x, r(0), null_mut(), e()),
             antumbra_prices_measure(x, null(), &mut AntumbraPrices { id: 0 }, e()),
-            antumbra_prices_measure(x, &Versioned::DEFAULT, null_mut(), e()),
+            antumbra_prices_measure(x, &Versioned::INIT, null_mut(), e()),
         ];
         assert_eq!(results, [BadPointer; 16]);
     }

@@ -36,7 +36,7 @@ fn call(it: Handles, number: usize) -> AntumbraResult {
         match number % 7 {
             0 => antumbra_hierarchy_move(x, h, &0, &cube(number as f32 % 9.0, -5.0), 1, none),
             1 => {
-                let mut leaves = AntumbraLeaves::DEFAULT;
+                let mut leaves = AntumbraLeaves::INIT;
                 antumbra_hierarchy_leaves(x, h, &mut leaves, none)
             }
             2 => antumbra_hierarchy_update(x, h, none),
@@ -45,13 +45,13 @@ fn call(it: Handles, number: usize) -> AntumbraResult {
             5 => {
                 // An object of this thread alone is never busy.
                 let mut own = AntumbraHierarchy { id: 0 };
-                let made = antumbra_hierarchy_create(x, &Versioned::DEFAULT, &mut own, none);
+                let made = antumbra_hierarchy_create(x, &Versioned::INIT, &mut own, none);
                 assert_eq!([made, antumbra_hierarchy_destroy(x, own, none)], [Ok; 2]);
                 Ok
             }
             _ => {
-                let desc = AntumbraPlanDesc { camera: &CAMERA, ..Versioned::DEFAULT };
-                let mut plan = AntumbraFramePlan::DEFAULT;
+                let desc = AntumbraPlanDesc { camera: &CAMERA, ..Versioned::INIT };
+                let mut plan = AntumbraFramePlan::INIT;
                 antumbra_culler_plan(x, c, h, &desc, &mut plan, none)
             }
         }

@@ -22,7 +22,6 @@ fn bad_pointers_and_values_are_named() {
     let bad = AntumbraAabb { min: [1.0; 3], max: [0.0; 3] };
     let infinite = AntumbraAabb { max: [f32::INFINITY; 3], ..bad };
     let odd = from_ref(&bad).wrapping_byte_add(1);
-    let mut added = 7;
     let mut ids = [9; 2];
     let mut none = AntumbraHierarchy { id: 3 };
     let expect = |result, expected: (AntumbraResult, &str), error: &AntumbraError| {
@@ -39,17 +38,17 @@ fn bad_pointers_and_values_are_named() {
             (from_ref(&bad), 1, (BadArgument, "boxes[0] is no box")),
             (from_ref(&infinite), 1, (BadArgument, "boxes[0] is no box")),
         ] {
-            let desc = AntumbraHierarchyDesc { boxes, box_count, ..Versioned::DEFAULT };
+            let desc = AntumbraHierarchyDesc { boxes, box_count, ..Versioned::INIT };
             let result = antumbra_hierarchy_create(context, &desc, &mut none, error);
             expect(result, expected, error);
         }
-        let huge = AntumbraHierarchyDesc { capacity: usize::MAX, ..Versioned::DEFAULT };
+        let huge = AntumbraHierarchyDesc { capacity: usize::MAX, ..Versioned::INIT };
         let result = antumbra_hierarchy_create(context, &huge, &mut none, error);
         expect(result, (BadArgument, "more than one hierarchy holds"), error);
-        let reserved = AntumbraHierarchyDesc { reserved: 1, ..Versioned::DEFAULT };
+        let reserved = AntumbraHierarchyDesc { reserved: 1, ..Versioned::INIT };
         let result = antumbra_hierarchy_create(context, &reserved, &mut none, error);
         expect(result, (BadArgument, "reserved"), error);
-        let result = antumbra_hierarchy_create(context, &Versioned::DEFAULT, null_mut(), error);
+        let result = antumbra_hierarchy_create(context, &Versioned::INIT, null_mut(), error);
         expect(result, (BadPointer, "hierarchy is null"), error);
         assert_eq!(none.id, 3, "nothing is written after an error");
 
@@ -64,16 +63,13 @@ fn bad_pointers_and_values_are_named() {
 
         let boxes = [cube(0.0, -5.0), bad];
         let (boxes, ids_at) = (boxes.as_ptr(), ids.as_mut_ptr());
-        let result =
-            antumbra_hierarchy_insert(context, hierarchy, boxes, 2, ids_at, &mut added, error);
+        let result = antumbra_hierarchy_insert(context, hierarchy, boxes, 2, ids_at, error);
         expect(result, (BadArgument, "boxes[1] is no box"), error);
-        assert_eq!((added, ids[1]), (1, 9));
-        let result =
-            antumbra_hierarchy_insert(context, hierarchy, boxes, 2, null_mut(), &mut added, error);
+        assert_eq!(ids, [9; 2]);
+        let result = antumbra_hierarchy_insert(context, hierarchy, boxes, 2, null_mut(), error);
         expect(result, (BadPointer, "objects is null"), error);
-        assert_eq!(added, 0);
 
-        let testers = AntumbraCullerDesc { testers: 4, ..Versioned::DEFAULT };
+        let testers = AntumbraCullerDesc { testers: 4, ..Versioned::INIT };
         let mut new = culler;
         let result = antumbra_culler_create(context, &testers, &mut new, error);
         expect(result, (BadArgument, "ANTUMBRA_HAS_"), error);
@@ -83,7 +79,12 @@ fn bad_pointers_and_values_are_named() {
         let result = antumbra_culler_ingest(context, culler, hierarchy, &answer, 1, error);
         expect(result, (BadArgument, "answers[0] has a tag of kind 9"), error);
 
-        let mut plan = AntumbraFramePlan::DEFAULT;
+        let tag = AntumbraQueryTag { kind: ANTUMBRA_QUERY_PROXY, ..tag };
+        let answers = [0, 1].map(|reserved| AntumbraAnswer { tag, samples: 1, reserved });
+        let result = antumbra_culler_ingest(context, culler, hierarchy, answers.as_ptr(), 2, error);
+        expect(result, (BadArgument, "answers[1].reserved must be 0"), error);
+
+        let mut plan = AntumbraFramePlan::INIT;
         for (strategy, camera, expected) in [
             (7, from_ref(&CAMERA), (BadArgument, "STRATEGY_.. 7")),
             (1, null(), (BadPointer, "desc.camera is null")),
@@ -96,11 +97,11 @@ fn bad_pointers_and_values_are_named() {
             (1, &AntumbraCamera { depth: 7, ..CAMERA }, (BadArgument, "ANTUMBRA_DEPTH_")),
             (1, &AntumbraCamera { clip_y: 7, ..CAMERA }, (BadArgument, "ANTUMBRA_CLIP_Y_")),
         ] {
-            let desc = AntumbraPlanDesc { strategy, camera, ..Versioned::DEFAULT };
+            let desc = AntumbraPlanDesc { strategy, camera, ..Versioned::INIT };
             let result = antumbra_culler_plan(context, culler, hierarchy, &desc, &mut plan, error);
             expect(result, expected, error);
         }
-        let desc = AntumbraPlanDesc { camera: &CAMERA, ..Versioned::DEFAULT };
+        let desc = AntumbraPlanDesc { camera: &CAMERA, ..Versioned::INIT };
         let result = antumbra_culler_plan(context, culler, hierarchy, &desc, null_mut(), error);
         expect(result, (BadPointer, "plan is null"), error);
     }

@@ -18,14 +18,16 @@ use crate::{Host, no_error, text};
 fn contexts_are_refused_with_a_reason() {
     let mut error = no_error();
     let mut context = null_mut();
-    let of_other_abi =
-        AntumbraContextDesc { abi_version: ANTUMBRA_ABI_VERSION + 1, ..Versioned::DEFAULT };
-    let loud = AntumbraContextDesc { log_level: 9, ..Versioned::DEFAULT };
+    let of_other_abi = AntumbraContextDesc {
+        abi_version: ANTUMBRA_ABI_VERSION + 1,
+        ..AntumbraContextDesc::current()
+    };
+    let loud = AntumbraContextDesc { log_level: 9, ..AntumbraContextDesc::current() };
     // SAFETY: pointers are null, or to values that live as long as the calls.
     unsafe {
         assert_eq!(antumbra_context_create(null(), &mut context, &mut error), BadPointer);
         assert_eq!(text(&error), "desc is null");
-        let out = antumbra_context_create(&Versioned::DEFAULT, null_mut(), &mut error);
+        let out = antumbra_context_create(&AntumbraContextDesc::current(), null_mut(), &mut error);
         assert_eq!((out, text(&error)), (BadPointer, "context is null"));
         let out = antumbra_context_create(&of_other_abi, &mut context, &mut error);
         assert_eq!(out, AbiVersion);
@@ -64,7 +66,7 @@ fn callers_of_other_versions_are_understood() {
         let mut error = no_error();
         let struct_size = struct_size as u32;
         let older = Older { struct_size, abi_version: ANTUMBRA_ABI_VERSION };
-        let desc = AntumbraContextDesc { struct_size, ..Versioned::DEFAULT };
+        let desc = AntumbraContextDesc { struct_size, ..AntumbraContextDesc::current() };
         let newer = Newer { desc, more };
         let desc = match is_older {
             true => from_ref(&older).cast(),
@@ -102,7 +104,7 @@ fn callers_of_other_versions_are_understood() {
         behind: u64,
     }
     let size = size_of::<AntumbraLeaves>() + 8;
-    let leaves = AntumbraLeaves { struct_size: size as u32, ..Versioned::DEFAULT };
+    let leaves = AntumbraLeaves { struct_size: size as u32, ..Versioned::INIT };
     let mut output = NewerLeaves { leaves, more: 1, behind: 1 };
     let pointer = from_mut(&mut output).cast::<AntumbraLeaves>();
     // SAFETY: the struct has as many bytes as it says.

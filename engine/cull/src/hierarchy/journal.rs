@@ -21,8 +21,9 @@ pub(crate) enum Change {
     Restructured(Box<Restructured>),
 }
 
-/// A subtree before and after. A tree in depth-first pre-order is described by the leaf counts of
-/// its nodes alone: the left child of node `i` is `i + 1`, the right one `i` plus twice its leaves.
+/// A subtree before and after; if it has another number of leaves now, nothing lies behind it. A
+/// tree in depth-first pre-order is described by the leaf counts of its nodes alone: the left child
+/// of node `i` is `i + 1`, the right one `i` plus twice its leaves.
 #[derive(Clone, Debug)]
 pub(crate) struct Restructured {
     /// The topmost node; the others follow it.

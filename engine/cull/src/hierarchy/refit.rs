@@ -29,6 +29,13 @@ impl Nodes {
         nodes
     }
 
+    /// Adds nodes without objects.
+    pub(super) fn add(&mut self, count: usize) {
+        self.bounds.resize(self.bounds.len() + count, Aabb::EMPTY);
+        self.free.resize(self.free.len() + count, 0);
+        self.wear.add(count);
+    }
+
     /// Computes everything in a subtree from the boxes of its leaves, and marks it as well built.
     pub(super) fn build(&mut self, topology: &Topology, root: u32) {
         let Some(links) = topology.nodes.get(root as usize) else {

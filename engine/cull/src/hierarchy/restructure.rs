@@ -1,9 +1,10 @@
 //! Rebuilds single subtrees in place: n leaves always have 2n - 1 nodes, in depth-first pre-order,
-//! so that a subtree keeps its range of nodes and its range of leaves however it is built.
+//! so that a subtree keeps its range of nodes and its range of leaves however it is built. The
+//! last subtree can grow: behind it there is nothing.
 
 use super::build;
 use super::error::HierarchyError;
-use super::journal::{FREE_LEAF, Restructured};
+use super::journal::{FREE_LEAF, NEW_LEAF, Restructured};
 use super::refit::Nodes;
 use super::topology::{Links, NO_NODE, Topology};
 use super::wear::LEAVES_MIN;
@@ -73,27 +74,49 @@ impl Worn {
     }
 }
 
-/// Rebuilds the subtree of `root` from the boxes of its leaves, and updates the sums above it.
+/// Returns the topmost node with the last of all leaves and no more leaves than `most_leaves`: the
+/// subtree that may get leaves without moving a node outside of it.
+pub(super) fn last_subtree(topology: &Topology, most_leaves: u32) -> u32 {
+    let mut node = 0;
+    while topology.nodes[node as usize].leaf_count > most_leaves.max(1) {
+        node = topology.nodes[node as usize].right;
+    }
+    node
+}
+
+/// Rebuilds the subtree of `root` from the boxes of its leaves and of `more` objects or, where they
+/// are empty, free leaves, and updates the sums above it. The new leaves have the next ids. A
+/// subtree that gets more leaves is one with the last of all leaves.
 pub(super) fn rebuild_subtree(
     topology: &mut Topology,
     nodes: &mut Nodes,
     root: u32,
+    more: &[Aabb],
 ) -> Result<Restructured, HierarchyError> {
     let top = topology.nodes[root as usize];
     let first = top.first_leaf as usize;
     let leaves = first..first + top.leaf_count as usize;
-    let objects: Vec<ObjectId> = topology.leaf_objects[leaves].to_vec();
+    let mut objects: Vec<ObjectId> = topology.leaf_objects[leaves].to_vec();
     let node_of = |object: &ObjectId| topology.object_nodes[object.0 as usize] as usize;
-    let boxes: Vec<Aabb> = objects.iter().map(|object| nodes.bounds[node_of(object)]).collect();
+    let mut boxes: Vec<Aabb> = objects.iter().map(|object| nodes.bounds[node_of(object)]).collect();
+    objects.extend((topology.leaf_objects.len() as u32..).take(more.len()).map(ObjectId));
+    boxes.extend_from_slice(more);
     let built = build::topology(&boxes)?;
     let subtree = root as usize..top.end(root) as usize;
     let before = topology.nodes[subtree].iter().map(|links| links.leaf_count).collect();
+    let moved_from = |object: &ObjectId| match boxes[object.0 as usize].is_empty() {
+        true => FREE_LEAF,
+        false if object.0 >= top.leaf_count => NEW_LEAF,
+        false => object.0,
+    };
     let change = Restructured {
         root,
         before,
         after: built.nodes.iter().map(|links| links.leaf_count).collect(),
-        moved_from: built.leaf_objects.iter().map(|object| moved_from(&boxes, *object)).collect(),
+        moved_from: built.leaf_objects.iter().map(moved_from).collect(),
     };
+    topology.add_leaves(more.len());
+    nodes.add(2 * more.len());
     splice(topology, root, &top, &built, &objects);
     for (local, bounds) in built.object_nodes.iter().zip(&boxes) {
         nodes.place(root + local, *bounds);
@@ -101,17 +124,11 @@ pub(super) fn rebuild_subtree(
     nodes.build(topology, root);
     let mut above = top.parent;
     while above != NO_NODE {
+        topology.nodes[above as usize].leaf_count += more.len() as u32;
         nodes.update(topology, above);
         above = topology.nodes[above as usize].parent;
     }
     Ok(change)
-}
-
-/// Returns the former leaf of an object in a subtree, where objects are numbered by their former
-/// leaves; [`FREE_LEAF`] if there is none.
-fn moved_from(boxes: &[Aabb], object: ObjectId) -> u32 {
-    let is_free = boxes.get(object.0 as usize).is_none_or(Aabb::is_empty);
-    if is_free { FREE_LEAF } else { object.0 }
 }
 
 /// Replaces the links below `root`, which was `top`, by the links of `built`; `objects` maps its

@@ -93,6 +93,16 @@ impl Topology {
         }
         topology
     }
+
+    /// Makes places for more leaves and their nodes, which mean nothing yet.
+    pub(crate) fn add_leaves(&mut self, count: usize) {
+        let none =
+            Links { right: NO_NODE, parent: NO_NODE, first_leaf: 0, leaf_count: 1, level: 0 };
+        let leaf_count = self.leaf_objects.len() + count;
+        self.nodes.resize(self.nodes.len() + 2 * count, none);
+        self.leaf_objects.resize(leaf_count, ObjectId(u32::MAX));
+        self.object_nodes.resize(leaf_count, NO_NODE);
+    }
 }
 
 #[cfg(test)]

@@ -42,6 +42,13 @@ impl Wear {
         Self { areas: vec![0.0; nodes], built: vec![0.0; nodes] }
     }
 
+    /// Adds nodes as in [`Wear::new`].
+    pub(super) fn add(&mut self, nodes: usize) {
+        for values in [&mut self.areas, &mut self.built] {
+            values.resize(values.len() + nodes, 0.0);
+        }
+    }
+
     /// Computes the areas under an inner node from those under its children.
     pub(super) fn update(&mut self, node: u32, bounds: &Aabb, children: [u32; 2]) {
         let [left, right] = children.map(|child| self.areas[child as usize]);

@@ -235,11 +235,12 @@ impl History {
             };
         }
         let carried = carried.iter().map(|record| record.unwrap_or_default());
+        let first = change.root as usize;
         if change.before.len() == change.after.len() {
-            let places = records.iter_mut().skip(change.root as usize);
+            let places = records.iter_mut().skip(first);
             places.zip(carried).for_each(|(place, record)| *place = record);
         } else {
-            records.clear();
+            records.truncate(first);
             records.extend(carried);
         }
     }

@@ -46,6 +46,7 @@ struct Checked {
     drawn: u64,
     there: u64,
     recycled: u64,
+    grown: u64,
     rebuilt_leaves: u64,
 }
 
@@ -63,7 +64,7 @@ impl World {
         let many = 1 + scene.bounds.len() / 2;
         Self {
             hierarchy: Hierarchy::build(&scene.bounds).unwrap(),
-            away: (0..10)
+            away: (0..30)
                 .map(|_| [cube(random.point(-15.0, 15.0), &mut random); 2].into())
                 .collect(),
             changes: [random.below(many), random.below(4), random.below(4)],
@@ -115,17 +116,8 @@ impl World {
                 self.scene.solids[object] = Aabb::EMPTY;
             }
         }
-        for _ in 0..self.random.below(insertions + 1) {
-            if self.away.is_empty() || self.hierarchy.free_leaves() == 0 {
-                break;
-            }
-            let (bounds, solid) = self.away.swap_remove(self.random.below(self.away.len()));
-            let object = self.hierarchy.insert(bounds).unwrap().0 as usize;
-            assert!(self.scene.bounds[object].is_empty(), "only free ids are given");
-            self.scene.bounds[object] = bounds;
-            self.scene.solids[object] = solid;
-            checked.recycled += 1;
-        }
+        let count = self.random.below(insertions + 1).min(self.away.len());
+        self.insert(count, checked);
         let present = self.present();
         let moved: Vec<usize> =
             (0..moves).map(|_| present[self.random.below(present.len())]).collect();
@@ -143,6 +135,29 @@ impl World {
         if frame % 17 == 16 {
             self.hierarchy.rebuild(&self.scene.bounds).unwrap();
         }
+    }
+
+    /// Inserts objects, into free leaves or, where these are too few, into new ones.
+    fn insert(&mut self, count: usize, checked: &mut Checked) {
+        let mut coming = Vec::new();
+        for _ in 0..count {
+            coming.push(self.away.swap_remove(self.random.below(self.away.len())));
+        }
+        let boxes: Vec<Aabb> = coming.iter().map(|(bounds, _)| *bounds).collect();
+        let (before, mut added) = (self.hierarchy.leaf_objects().len(), Vec::new());
+        self.hierarchy.insert_all(&boxes, &mut added, &mut Vec::new()).unwrap();
+        let leaves = self.hierarchy.leaf_objects().len();
+        self.scene.bounds.resize(leaves, Aabb::EMPTY);
+        self.scene.solids.resize(leaves, Aabb::EMPTY);
+        self.scene.shifts.resize(leaves, [0.0; 2]);
+        for (object, (bounds, solid)) in added.iter().zip(coming) {
+            let object = object.0 as usize;
+            assert!(self.scene.bounds[object].is_empty(), "only free ids are given");
+            self.scene.bounds[object] = bounds;
+            self.scene.solids[object] = solid;
+            checked.recycled += 1;
+        }
+        checked.grown += u64::from(leaves > before);
     }
 
     fn draw_all(&self, view: &View, truth: &mut Image) -> u64 {
@@ -204,11 +219,13 @@ fn nothing_visible_is_missing_while_everything_moves() {
         sum.drawn += checked.drawn;
         sum.there += checked.there;
         sum.recycled += checked.recycled;
+        sum.grown += checked.grown;
         sum.rebuilt_leaves += checked.rebuilt_leaves;
     }
     println!("{sum:?}");
     assert!(sum.frames > SCENES * FRAMES, "{sum:?}");
     assert!(sum.recycled > SCENES && sum.rebuilt_leaves > 100 * SCENES, "{sum:?}");
+    assert!(sum.grown > SCENES / 2, "{sum:?}");
     assert!(sum.drawn * 3 < sum.there * 2, "nothing was culled: {sum:?}");
 }
 

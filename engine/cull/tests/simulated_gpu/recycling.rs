@@ -136,13 +136,49 @@ fn is_under_hidden(walk: &Walk, object: ObjectId) -> bool {
     false
 }
 
+/// Returns what is known of each object.
+fn states(walk: &Walk) -> Vec<NodeState> {
+    let objects = (0..walk.scene.bounds.len()).map(|object| ObjectId(object as u32));
+    objects.map(|object| leaf_state(&walk.culler, &walk.hierarchy, object)).collect()
+}
+
+/// Checks a small one, which is rebuilt as a whole, and one that is rebuilt in its last part.
+#[test]
+fn a_hierarchy_that_grows_keeps_what_is_known_of_objects() {
+    for (side, is_rebuilt) in [(10, true), (30, false)] {
+        let mut walk = Walk::new(city(&mut Random::new(5), side), 2);
+        walk.steps(&STREET, 80);
+        let before = states(&walk);
+        let count = before.len();
+        let was_under_hidden: Vec<bool> =
+            (0..count).map(|object| is_under_hidden(&walk, ObjectId(object as u32))).collect();
+        let (generation, root) = (walk.hierarchy.generation(), walk.hierarchy.root().unwrap());
+        // Before the eye, where it shows.
+        let new = cube(STREET.eye + STREET.forward * 3.0, 0.1);
+        let mut added = Vec::new();
+        walk.hierarchy.insert_all(&[new], &mut added, &mut Vec::new()).unwrap();
+        assert_eq!(added, [ObjectId(count as u32)]);
+        assert_eq!(walk.hierarchy.is_same_since(root, generation), !is_rebuilt, "{count} objects");
+        walk.culler.ingest(&walk.hierarchy, []);
+        assert_eq!(leaf_state(&walk.culler, &walk.hierarchy, added[0]), NodeState::Unknown);
+        for (object, (before, after)) in before.iter().zip(states(&walk)).enumerate() {
+            let was_under_hidden = was_under_hidden[object] && after == NodeState::Hidden;
+            assert!(*before == after || was_under_hidden, "object {object}: {before:?}, {after:?}");
+        }
+        assert!(before.contains(&NodeState::Visible));
+        walk.scene.bounds.push(new);
+        walk.scene.bounds.resize(walk.hierarchy.leaf_objects().len(), Aabb::EMPTY);
+        walk.scene = crate::scene::Scene::solid(walk.scene.bounds.clone());
+        for _ in 0..5 {
+            walk.step(&STREET);
+            assert!(walk.is_exact(&STREET));
+        }
+    }
+}
+
 #[test]
 fn a_rebuilt_part_keeps_what_is_known_of_objects() {
     let mut walk = settled_city();
-    let states = |walk: &Walk| -> Vec<NodeState> {
-        let objects = (0..walk.scene.bounds.len()).map(|object| ObjectId(object as u32));
-        objects.map(|object| leaf_state(&walk.culler, &walk.hierarchy, object)).collect()
-    };
     let before = states(&walk);
     let was_under_hidden: Vec<bool> =
         (0..before.len()).map(|object| is_under_hidden(&walk, ObjectId(object as u32))).collect();

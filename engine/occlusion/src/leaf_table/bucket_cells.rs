@@ -82,7 +82,8 @@ impl BucketCells {
             spread: Vec::new(),
             listed: Vec::new(),
         };
-        cells.resize(objects);
+        let all = LeafRange { first: LeafIndex(0), count: objects.len() as u32 };
+        cells.reorder(&[all], objects);
         cells
     }
 
@@ -213,24 +214,32 @@ impl BucketCells {
     }
 
     /// Notes that the objects in some ranges of leaves are in another order now, which is that of
-    /// `objects`, by leaf. Ranges may lie in each other, as subtrees do.
+    /// `objects`, by leaf. Ranges may lie in each other, as subtrees do. There may be more leaves
+    /// than before, which lie in the ranges.
     pub(crate) fn reorder(&mut self, ranges: &[LeafRange], objects: &[ObjectId]) {
+        self.grow(objects.len());
         let leaves = || ranges.iter().flat_map(|range| range.iter());
-        leaves().for_each(|leaf| self.lift_all(leaf));
+        let are_most = leaves().count() > objects.len() / 2;
+        if !are_most {
+            leaves().for_each(|leaf| self.lift_all(leaf));
+        }
         for range in ranges {
             if let Some(objects) = objects.get(range.indices()) {
                 self.draws.set_objects(range.first, objects);
             }
         }
-        leaves().for_each(|leaf| self.insert_all(leaf));
+        match are_most {
+            true => self.lay_out(),
+            false => leaves().for_each(|leaf| self.insert_all(leaf)),
+        }
     }
 
-    /// Notes that there is another number of leaves, with these objects. Objects keep their draws;
-    /// one that is not among them loses them. All leaves count as changed.
-    pub(crate) fn resize(&mut self, objects: &[ObjectId]) {
-        self.draws.resize(objects);
-        self.changes.resize(objects.len());
-        self.lay_out();
+    /// Makes places for so many leaves at least, without objects yet.
+    fn grow(&mut self, leaf_count: usize) {
+        self.draws.grow(leaf_count);
+        self.changes.grow(leaf_count);
+        let blocks = self.leaf_count().div_ceil(BLOCK_LEAVES) as usize;
+        self.present.resize(blocks * self.words(), 0);
     }
 
     /// Puts all draws into cells anew, which takes time in proportion to their number. All leaves

@@ -34,6 +34,17 @@ impl LeafCounts {
         Self { sums }
     }
 
+    /// Adds leaves without draws until there are `leaf_count`.
+    pub fn grow(&mut self, leaf_count: usize) {
+        for place in self.sums.len() + 1..=leaf_count {
+            let [start, end] = [place - lowest_bit(place), place - 1].map(|leaf| self.before(leaf));
+            self.sums.push(LeafCount {
+                draws: end.draws - start.draws,
+                triangles: end.triangles - start.triangles,
+            });
+        }
+    }
+
     /// Replaces the count of a leaf.
     pub fn replace(&mut self, leaf: usize, before: LeafCount, now: LeafCount) {
         let mut place = leaf + 1;

@@ -179,13 +179,7 @@ impl Renderer {
     /// # Errors
     /// None for objects that were accepted before.
     pub fn rebuild_hierarchy(&mut self) -> Result<(), Error> {
-        let boxes: Vec<Aabb> = (0..self.hierarchy.leaf_objects().len() as u32)
-            .map(|object| {
-                let node = self.hierarchy.node_of(ObjectId(object));
-                node.map_or(Aabb::EMPTY, |node| self.hierarchy.bounds(node))
-            })
-            .collect();
-        self.hierarchy.rebuild(&boxes)?;
+        self.hierarchy.rebuild(&self.hierarchy.boxes_of_objects())?;
         self.revision.advance();
         let mut scratch = std::mem::take(&mut self.update_scratch);
         scratch.reordered.extend(self.hierarchy.root().map(|root| self.hierarchy.leaves(root)));

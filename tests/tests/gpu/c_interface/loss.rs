@@ -20,7 +20,7 @@ fn view<'a>(
     camera: &'a AntumbraCamera,
     target: &'a AntumbraTargetDesc,
 ) -> AntumbraViewFrame {
-    AntumbraViewFrame { view: c.view, camera, target, ..Versioned::DEFAULT }
+    AntumbraViewFrame { view: c.view, camera, target, ..Versioned::INIT }
 }
 
 #[test]

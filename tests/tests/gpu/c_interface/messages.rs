@@ -33,18 +33,14 @@ fn a_frame_that_never_runs_is_in_the_log_of_its_context() {
             log: Some(note),
             log_user,
             log_level: level,
-            ..Versioned::DEFAULT
+            ..AntumbraContextDesc::current()
         };
         CHost::in_context(&host, &desc, null())
     });
     for c in [&mut silent, &mut c] {
         let (camera, target) = (camera(), c.target());
-        let it = AntumbraViewFrame {
-            view: c.view,
-            camera: &camera,
-            target: &target,
-            ..Versioned::DEFAULT
-        };
+        let it =
+            AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
         for _ in 0..3 {
             assert_eq!(c.record(&[&it], |_| {}), Ok, "{}", text(&c.error));
         }

@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex};
 
 use capi::api::context::{antumbra_context_create, antumbra_context_destroy};
 use capi::api::renderer::*;
-use capi::context::AntumbraContext;
+use capi::context::{AntumbraContext, AntumbraContextDesc};
 use capi::decisions::camera::AntumbraCamera;
 use capi::decisions::culler::{ANTUMBRA_STRATEGY_ANTUMBRA, ANTUMBRA_STRATEGY_FRUSTUM};
 use capi::error::AntumbraError;
@@ -87,15 +87,16 @@ impl<'a> CHost<'a> {
     fn new(host: &'a Host) -> Self {
         let (mut context, mut queue) = (null_mut(), Box::<Queue>::default());
         // SAFETY: pointers to values on this stack.
-        let made =
-            unsafe { antumbra_context_create(&Versioned::DEFAULT, &mut context, null_mut()) };
+        let made = unsafe {
+            antumbra_context_create(&AntumbraContextDesc::current(), &mut context, null_mut())
+        };
         assert_eq!(made, Ok);
         let desc = AntumbraQueueDesc {
             queue: host.queue,
             lock: Some(hold),
             unlock: Some(give_back),
             user: (&raw mut *queue).cast(),
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         };
         let (adopted, device, error) = adopt(host, context, &desc, |_| {});
         assert_eq!(adopted, Ok, "{}", text(&error));
@@ -115,8 +116,8 @@ impl<'a> CHost<'a> {
     /// Renders a frame and copies its image.
     fn image(&mut self, renderer: AntumbraRenderer, strategy: u32) -> Vec<u8> {
         let camera = camera();
-        let desc = AntumbraRenderDesc { strategy, camera: &camera, ..Versioned::DEFAULT };
-        let (mut image, error) = (AntumbraFinishedImage::DEFAULT, &mut self.error);
+        let desc = AntumbraRenderDesc { strategy, camera: &camera, ..Versioned::INIT };
+        let (mut image, error) = (AntumbraFinishedImage::INIT, &mut self.error);
         // SAFETY: pointers to values on this stack; the copy is over before the next frame.
         unsafe {
             let result = antumbra_renderer_render(self.context, renderer, &desc, error);
@@ -141,7 +142,7 @@ impl<'a> CHost<'a> {
     }
 
     fn stats(&mut self, renderer: AntumbraRenderer) -> AntumbraRendererStats {
-        let mut stats = AntumbraRendererStats::DEFAULT;
+        let mut stats = AntumbraRendererStats::INIT;
         // SAFETY: pointers to values on this stack.
         unsafe {
             let (context, error) = (self.context, &mut self.error);
@@ -162,7 +163,7 @@ impl<'a> CHost<'a> {
 fn camera() -> AntumbraCamera {
     let [width, height] = SIZE;
     let clip_from_world = matrix().to_cols_array();
-    AntumbraCamera { clip_from_world, width, height, ..Versioned::DEFAULT }
+    AntumbraCamera { clip_from_world, width, height, ..Versioned::INIT }
 }
 
 fn matrix() -> Mat4 {
@@ -203,7 +204,7 @@ fn mesh_desc(vertices: &[AntumbraVertex], indices: &[u32]) -> AntumbraMeshDesc {
         vertex_count: vertices.len(),
         indices: indices.as_ptr(),
         index_count: indices.len(),
-        ..Versioned::DEFAULT
+        ..Versioned::INIT
     }
 }
 
@@ -270,7 +271,7 @@ fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
             spare_meshes: 1,
             spare_vertices: 36,
             spare_indices: 36,
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         };
         let (created, renderer) = c.create(&desc);
         assert_eq!(created, Ok, "{}", text(&c.error));
@@ -367,7 +368,7 @@ fn a_driver_is_tested_in_c_and_what_is_distrusted_is_not_used() {
     for driver in Driver::ALL {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
-        let mut found = AntumbraSelfTest::DEFAULT;
+        let mut found = AntumbraSelfTest::INIT;
         // SAFETY: pointers to values on this stack.
         let result = unsafe { antumbra_self_test(c.context, c.device, &mut found, &mut c.error) };
         assert_eq!(result, Ok, "{}", text(&c.error));
@@ -388,7 +389,7 @@ fn a_driver_is_tested_in_c_and_what_is_distrusted_is_not_used() {
             object_count: objects.len(),
             costs: ANTUMBRA_COSTS_IGNORED,
             distrusted: ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING | ANTUMBRA_ASSUMPTION_DRAW_COUNTS,
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         };
         let unknown = AntumbraRendererDesc { distrusted: 1 << 20, ..desc };
         expect(c.create(&unknown).0, BadArgument, "0x100000", &c.error);
@@ -418,14 +419,14 @@ fn frames_in_flight_outlive_their_renderer_and_the_lock_is_held_for_submits() {
             objects: objects.as_ptr(),
             object_count: objects.len(),
             costs: ANTUMBRA_COSTS_IGNORED,
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         };
         let (created, renderer) = c.create(&desc);
         assert_eq!(created, Ok, "{}", text(&c.error));
         let (x, error) = (c.context, &raw mut c.error);
         let before = c.queue.uses;
         c.queue.inner = Some((x, renderer, Ok));
-        let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::DEFAULT };
+        let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::INIT };
         // SAFETY: pointers to values on this stack.
         unsafe {
             for _ in 0..2 {

@@ -16,7 +16,7 @@ use tests::host_device::Host;
 use super::{CHost, FORMAT, camera, expect};
 
 const PLAIN: AntumbraAttachments =
-    AntumbraAttachments { depth_format: FORMAT, ..AntumbraAttachments::DEFAULT };
+    AntumbraAttachments { depth_format: FORMAT, ..AntumbraAttachments::INIT };
 
 impl CHost<'_> {
     fn create(
@@ -24,7 +24,7 @@ impl CHost<'_> {
         attachments: &AntumbraAttachments,
         change: impl FnOnce(&mut AntumbraSceneDesc),
     ) -> (AntumbraResult, AntumbraScene) {
-        let mut desc = AntumbraSceneDesc { device: self.device, attachments, ..Versioned::DEFAULT };
+        let mut desc = AntumbraSceneDesc { device: self.device, attachments, ..Versioned::INIT };
         change(&mut desc);
         let mut scene = AntumbraScene { id: 0 };
         // SAFETY: values on this stack.
@@ -84,7 +84,7 @@ fn a_view_of_another_scene_is_unknown() {
     expect(gone, UnknownHandle, "another context or scene", &c.error);
     let (camera, target) = (camera(), c.target());
     let good =
-        AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::DEFAULT };
+        AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
     let view = AntumbraViewFrame { view: foreign, ..good };
     c.refuse(&[&view], |_| {}, (UnknownHandle, "no view"), &good);
     c.finish();

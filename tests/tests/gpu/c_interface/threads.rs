@@ -3,6 +3,7 @@
 use std::ffi::c_void;
 use std::ptr::{null, null_mut};
 
+use ash::vk::{self, Handle};
 use capi::api::scene::*;
 use capi::context::AntumbraContext;
 use capi::error::AntumbraResult::{self, Busy, Ok};
@@ -35,7 +36,9 @@ impl Handles {
     fn call_all(self) -> [AntumbraResult; 8] {
         let (x, s, v) = (self.context as *const AntumbraContext, self.scene, self.view);
         let (e, mut other) = (null_mut(), AntumbraView { id: 0 });
-        let mut stats = AntumbraViewStats::DEFAULT;
+        let mut stats = AntumbraViewStats::INIT;
+        let commands = vk::CommandBuffer::from_raw(8);
+        let frame = AntumbraFrameDesc { current: 1, commands, ..Versioned::INIT };
         // SAFETY: pointers to values on this stack; the context lives.
         unsafe {
             [
@@ -46,7 +49,7 @@ impl Handles {
                 antumbra_view_create(x, s, &mut other, e),
                 antumbra_view_destroy(x, s, v, e),
                 antumbra_view_stats(x, s, v, &mut stats, e),
-                antumbra_scene_record(x, s, &AntumbraFrameDesc::DEFAULT, e),
+                antumbra_scene_record(x, s, &frame, e),
             ]
         }
     }
@@ -77,12 +80,8 @@ fn another_thread_is_told_that_a_scene_is_being_recorded() {
         let host = Host::new(driver, Purpose::Executor);
         let mut c = CHost::new(&host, null());
         let (camera, target) = (camera(), c.target());
-        let view = AntumbraViewFrame {
-            view: c.view,
-            camera: &camera,
-            target: &target,
-            ..Versioned::DEFAULT
-        };
+        let view =
+            AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
         let mut host_of_two = Renderings {
             handles: Handles { context: c.context as usize, scene: c.scene, view: c.view },
             rendering: Rendering {

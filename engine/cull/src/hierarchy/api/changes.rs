@@ -6,7 +6,7 @@ use super::super::journal::{Change, FREE_LEAF, Journal, NEW_LEAF, Restructured};
 use super::super::refit::{Nodes, refit};
 use super::super::topology::Topology;
 use super::super::wear::{LEAVES_OF_WHOLE, LEAVES_PER_UPDATE};
-use super::super::{Hierarchy, HierarchyError, build, occupancy, restructure};
+use super::super::{Hierarchy, HierarchyError, MAX_OBJECTS, build, error, occupancy, restructure};
 use crate::geom::bounds::Aabb;
 use crate::ids::{Generation, LeafRange, NodeId, ObjectId};
 
@@ -55,6 +55,84 @@ impl Hierarchy {
         Ok(())
     }
 
+    /// Puts objects in, and adds their ids, in the same order, to `added`. Where there are as many
+    /// as there were before, the hierarchy is built again. Else, where there are more than free
+    /// leaves, they get leaves behind all others, together with free ones: a sixteenth of all. Adds
+    /// the ranges of leaves that are new, or in another order now, to `reordered`.
+    ///
+    /// Objects keep their ids, and cullers keep their history.
+    ///
+    /// # Errors
+    /// [`HierarchyError::BadBox`] for the first bad one, by its place in `boxes`;
+    /// [`HierarchyError::TooMany`]; [`HierarchyError::NoMemory`]. Nothing is changed then.
+    pub fn insert_all(
+        &mut self,
+        boxes: &[Aabb],
+        added: &mut Vec<ObjectId>,
+        reordered: &mut Vec<LeafRange>,
+    ) -> Result<(), HierarchyError> {
+        boxes.iter().enumerate().try_for_each(|(place, bounds)| error::check(place, bounds))?;
+        let leaves = self.topology.leaf_objects.len();
+        // Most of a scene at once makes a better hierarchy than one part after the other.
+        let is_most = boxes.len() >= (leaves - self.free_leaves()).max(leaves / 16);
+        if is_most && !boxes.is_empty() {
+            self.rebuild_with(boxes, added)?;
+            reordered.extend(self.root().map(|root| self.leaves(root)));
+        } else if boxes.len() > self.free_leaves() {
+            self.append(boxes, added, reordered)?;
+        } else {
+            for bounds in boxes {
+                added.push(self.insert(*bounds)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Builds the hierarchy again with more objects.
+    fn rebuild_with(
+        &mut self,
+        boxes: &[Aabb],
+        added: &mut Vec<ObjectId>,
+    ) -> Result<(), HierarchyError> {
+        let before = self.topology.leaf_objects.len();
+        let wanted = before - self.free_leaves() + boxes.len();
+        build::check_capacity(wanted)?;
+        let mut all = self.boxes_of_objects();
+        all.resize(before.max(wanted), Aabb::EMPTY);
+        let places = (0..).map(ObjectId).zip(&mut all).filter(|(_, place)| place.is_empty());
+        let mut ids = Vec::with_capacity(boxes.len());
+        for ((id, place), bounds) in places.zip(boxes) {
+            *place = *bounds;
+            ids.push(id);
+        }
+        self.rebuild(&all)?;
+        added.append(&mut ids);
+        Ok(())
+    }
+
+    /// Gives objects leaves behind all others, and makes room for some more.
+    fn append(
+        &mut self,
+        boxes: &[Aabb],
+        added: &mut Vec<ObjectId>,
+        reordered: &mut Vec<LeafRange>,
+    ) -> Result<(), HierarchyError> {
+        const SPARE_MIN: usize = 8;
+        let before = self.topology.leaf_objects.len();
+        let spare =
+            (before / 16).max(SPARE_MIN).min(MAX_OBJECTS.saturating_sub(before + boxes.len()));
+        build::check_capacity(before + boxes.len() + spare)?;
+        let mut more = boxes.to_vec();
+        more.resize(boxes.len() + spare, Aabb::EMPTY);
+        let root = restructure::last_subtree(&self.topology, LEAVES_PER_UPDATE);
+        self.rebuild_below(root, &more, reordered)?;
+        for (object, bounds) in (before as u32..).map(ObjectId).zip(boxes) {
+            self.boxes.push(BoxChange { object, before: Aabb::EMPTY, after: *bounds });
+            added.push(object);
+        }
+        Ok(())
+    }
+
     /// Puts an object in, in the free leaf where it fits best: one whose object was removed or had
     /// an empty box from the beginning. No view remembers the leaf's former object as the new one,
     /// and results of tests of the former are ignored.
@@ -88,7 +166,8 @@ impl Hierarchy {
     /// Objects keep their ids, and cullers keep their history.
     pub fn restructure(&mut self, reordered: &mut Vec<LeafRange>) {
         if self.is_worn() && self.topology.leaf_objects.len() <= LEAVES_OF_WHOLE as usize {
-            self.rebuild_below(0, reordered);
+            // Without memory for it everything stays as it is, here and below.
+            let _ = self.rebuild_below(0, &[], reordered);
             return;
         }
         let mut chosen = std::mem::take(&mut self.chosen);
@@ -96,7 +175,7 @@ impl Hierarchy {
         for node in chosen.drain(..) {
             // A rebuild above or below may have mended it.
             if self.nodes.wear.excess(node, &self.nodes.bounds[node as usize]).is_some() {
-                self.rebuild_below(node, reordered);
+                let _ = self.rebuild_below(node, &[], reordered);
             }
         }
         self.chosen = chosen;
@@ -109,6 +188,13 @@ impl Hierarchy {
     pub fn is_worn(&self) -> bool {
         let root = self.nodes.bounds.first();
         root.is_some_and(|bounds| self.nodes.wear.excess(0, bounds).is_some())
+    }
+
+    /// Returns the box of each object, by its id; [empty](Aabb::EMPTY) for a free one.
+    #[must_use]
+    pub fn boxes_of_objects(&self) -> Vec<Aabb> {
+        let nodes = self.topology.object_nodes.iter();
+        nodes.map(|node| self.bounds(NodeId(*node))).collect()
     }
 
     /// Builds the hierarchy again, for instance after objects were moved so far that the old shape
@@ -205,21 +291,27 @@ impl Hierarchy {
         });
     }
 
-    fn rebuild_below(&mut self, root: u32, reordered: &mut Vec<LeafRange>) {
+    /// Rebuilds a subtree, with `more` leaves if it is the last one.
+    fn rebuild_below(
+        &mut self,
+        root: u32,
+        more: &[Aabb],
+        reordered: &mut Vec<LeafRange>,
+    ) -> Result<(), HierarchyError> {
+        let Self { topology, nodes, .. } = self;
+        let change = restructure::rebuild_subtree(topology, nodes, root, more)?;
         let leaves = self.leaves(NodeId(root));
-        let rebuilt = restructure::rebuild_subtree(&mut self.topology, &mut self.nodes, root);
-        // The boxes of a hierarchy were checked when they came in: they cannot be refused now.
-        let Ok(change) = rebuilt else {
-            return;
-        };
         self.work.rebuilt_leaves += u64::from(leaves.count);
         let generation = self.begin_generation();
+        self.births.resize(self.topology.nodes.len(), generation);
+        self.arrivals.resize(self.topology.leaf_objects.len(), generation);
         let end = root as usize + change.after.len();
         if let Some(births) = self.births.get_mut(root as usize..end) {
             births.fill(generation);
         }
         self.note(generation, Change::Restructured(Box::new(change)));
         reordered.push(leaves);
+        Ok(())
     }
 
     /// Numbers a change. After 2^32 of them the numbers start again: no history and no result is

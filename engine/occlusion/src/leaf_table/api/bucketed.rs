@@ -114,33 +114,20 @@ impl LeafTable {
     }
 
     /// Notes that the objects in some ranges of leaves, which may lie in each other, are in another
-    /// order now.
+    /// order now, and that there may be more leaves, which lie in these ranges. Objects keep their
+    /// draws.
     ///
     /// # Errors
     /// As for [`LeafTable::set_draws`].
     pub fn reorder(&mut self, hierarchy: &Hierarchy, ranges: &[LeafRange]) -> Result<(), Error> {
-        let Self { layout: DrawLayout::Bucketed(cells), counts, .. } = self else {
+        let Self { layout: DrawLayout::Bucketed(cells), counts, dirty, .. } = self else {
             return Err(BucketError::OneDrawPerLeaf.into());
         };
-        cells.reorder(ranges, hierarchy.leaf_objects());
+        let objects = hierarchy.leaf_objects();
+        counts.grow(objects.len());
+        dirty.grow(objects.len());
+        cells.reorder(ranges, objects);
         recount(counts, cells, ranges.iter().flat_map(|range| range.iter()));
-        self.follow_cells();
-        Ok(())
-    }
-
-    /// Follows a hierarchy that was rebuilt, with more leaves or fewer. Objects keep their draws.
-    ///
-    /// # Errors
-    /// As for [`LeafTable::set_draws`].
-    pub fn rebuilt(&mut self, hierarchy: &Hierarchy) -> Result<(), Error> {
-        let DrawLayout::Bucketed(cells) = &mut self.layout else {
-            return Err(BucketError::OneDrawPerLeaf.into());
-        };
-        cells.resize(hierarchy.leaf_objects());
-        let leaf_count = hierarchy.leaf_objects().len();
-        self.dirty = DirtyList::new(leaf_count, |leaf| leaf.0);
-        self.changes.forget();
-        self.count_all(leaf_count);
         self.follow_cells();
         Ok(())
     }

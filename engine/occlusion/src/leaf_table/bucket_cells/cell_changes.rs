@@ -14,13 +14,10 @@ pub(crate) struct CellChanges {
 }
 
 impl CellChanges {
-    /// Forgets all changes, for another number of leaves.
-    pub(super) fn resize(&mut self, leaf_count: usize) {
-        self.leaves.clear();
-        self.is_touched.clear();
+    /// Makes room for so many leaves at least.
+    pub(super) fn grow(&mut self, leaf_count: usize) {
+        let leaf_count = leaf_count.max(self.is_touched.len());
         self.is_touched.resize(leaf_count, false);
-        self.emptied.clear();
-        self.is_emptied.clear();
     }
 
     /// Notes that the draws of a leaf changed or moved.

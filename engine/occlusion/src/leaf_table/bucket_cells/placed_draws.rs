@@ -89,17 +89,11 @@ impl PlacedDraws {
         places.zip(objects).for_each(|(place, object)| *place = *object);
     }
 
-    /// Follows another number of leaves, with these objects. Objects keep their draws; one that is
-    /// not among them loses them.
-    pub(super) fn resize(&mut self, objects: &[ObjectId]) {
-        for leaf in (0..self.leaf_count()).map(LeafIndex) {
-            if self.object_of(leaf).is_none_or(|object| object >= objects.len()) {
-                self.free_all(leaf);
-            }
-        }
-        self.firsts.resize(objects.len(), NONE);
-        self.objects.clear();
-        self.objects.extend_from_slice(objects);
+    /// Makes places for so many leaves and objects at least; the new leaves have no object yet.
+    pub(super) fn grow(&mut self, leaf_count: usize) {
+        let leaf_count = leaf_count.max(self.objects.len());
+        self.firsts.resize(leaf_count, NONE);
+        self.objects.resize(leaf_count, ObjectId(NONE));
     }
 
     fn object_of(&self, leaf: LeafIndex) -> Option<usize> {

@@ -131,12 +131,17 @@ impl Model {
         self.draws[self.objects[leaf].0 as usize] = draws;
     }
 
-    fn resize(&mut self, leaf_count: usize) {
-        self.objects = (0..leaf_count as u32).rev().map(ObjectId).collect();
-        self.draws.resize(leaf_count, Vec::new());
-        self.cells.resize(&self.objects);
-        self.copied_firsts = vec![7; leaf_count];
-        self.copied.clear();
+    /// Adds leaves to the last subtree, which is rebuilt.
+    fn grow(&mut self, more: usize) {
+        let before = self.objects.len();
+        let first = before.saturating_sub(50);
+        self.objects.extend((before as u32..).take(more).map(ObjectId));
+        self.objects[first..].reverse();
+        self.draws.resize(before + more, Vec::new());
+        let count = (before + more - first) as u32;
+        let last = LeafRange { first: LeafIndex(first as u32), count };
+        self.cells.reorder(&[last], &self.objects);
+        self.copied_firsts.resize(before + more, 7);
     }
 
     /// Returns the draws of a leaf that draw something, by bucket.
@@ -217,7 +222,7 @@ fn every_range_holds_the_draws_of_its_leaves_in_their_order_through_any_changes(
             }
             model.check();
             if round == 8 {
-                model.resize(leaf_count + 70);
+                model.grow(70);
                 model.check();
             }
         }

@@ -8,7 +8,7 @@ use capi::api::context::{antumbra_context_create, antumbra_context_destroy};
 use capi::api::device::{antumbra_device_destroy, antumbra_device_finished};
 use capi::api::prices::{antumbra_prices_destroy, antumbra_prices_measure};
 use capi::api::scene::*;
-use capi::context::AntumbraContext;
+use capi::context::{AntumbraContext, AntumbraContextDesc};
 use capi::decisions::camera::AntumbraCamera;
 use capi::decisions::hierarchy::AntumbraAabb;
 use capi::error::{AntumbraError, AntumbraResult};
@@ -141,7 +141,7 @@ impl<'a> DrawingHost<'a> {
             samples: options.samples,
             colour_count: 1,
             render_pass: pass.unwrap_or_default(),
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         };
         attachments.colour_formats[0] = COLOUR;
         let mut new = Self {
@@ -165,7 +165,11 @@ impl<'a> DrawingHost<'a> {
         };
         // SAFETY: pointers to values on this stack, and to those of `new`.
         unsafe {
-            let made = antumbra_context_create(&Versioned::DEFAULT, &mut new.context, null_mut());
+            let made = antumbra_context_create(
+                &AntumbraContextDesc::current(),
+                &mut new.context,
+                null_mut(),
+            );
             assert_eq!(made, AntumbraResult::Ok);
             let (adopted, device, error) = adopt(host, new.context, null(), |_| {});
             assert_eq!(adopted, AntumbraResult::Ok, "{}", text(&error));
@@ -183,7 +187,7 @@ impl<'a> DrawingHost<'a> {
                 predication: options.predication,
                 draws: options.draws,
                 resubmission: options.resubmission,
-                ..Versioned::DEFAULT
+                ..Versioned::INIT
             };
             let made = antumbra_scene_create(new.context, &desc, &mut new.scene, &mut new.error);
             new.check(made);
@@ -200,12 +204,12 @@ impl<'a> DrawingHost<'a> {
 
     /// Measures the prices of the device, adopted with its queue for as long.
     fn measure(&mut self) -> AntumbraPrices {
-        let queue = AntumbraQueueDesc { queue: self.host.queue, ..Versioned::DEFAULT };
+        let queue = AntumbraQueueDesc { queue: self.host.queue, ..Versioned::INIT };
         let with_queue = |desc: &mut AntumbraDeviceDesc| desc.queue = &queue;
         let (adopted, device, error) = adopt_with(self.host, self.context, |_| {}, with_queue);
         assert_eq!(adopted, AntumbraResult::Ok, "{}", text(&error));
         let [width, height] = SIZE;
-        let desc = AntumbraPricesDesc { device, width, height, ..Versioned::DEFAULT };
+        let desc = AntumbraPricesDesc { device, width, height, ..Versioned::INIT };
         let mut prices = AntumbraPrices { id: 0 };
         // SAFETY: pointers to values on this stack.
         unsafe {
@@ -223,7 +227,7 @@ impl<'a> DrawingHost<'a> {
 
     /// Returns the counts of the first view.
     pub fn stats(&self) -> AntumbraViewStats {
-        let mut stats = AntumbraViewStats::DEFAULT;
+        let mut stats = AntumbraViewStats::INIT;
         // SAFETY: a value on this stack.
         let told = unsafe {
             antumbra_view_stats(self.context, self.scene, self.views[0], &mut stats, null_mut())
@@ -304,7 +308,7 @@ impl<'a> DrawingHost<'a> {
             clip_from_world: view.view_proj.to_cols_array(),
             width,
             height,
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         });
         let described: [[AntumbraImage; 2]; VIEWS] =
             images.map(|images| images.described(self.draws));
@@ -314,13 +318,13 @@ impl<'a> DrawingHost<'a> {
             height,
             colour_count: 1,
             colours: from_ref(colour),
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         });
         let frames: [AntumbraViewFrame; VIEWS] = std::array::from_fn(|view| AntumbraViewFrame {
             view: self.views[view],
             camera: &cameras[view],
             target: &targets[view],
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         });
         let listed = frames.each_ref().map(from_ref);
         let owns_renderings = images[0].passes.is_some();
@@ -335,7 +339,7 @@ impl<'a> DrawingHost<'a> {
             begin_rendering: owns_renderings.then_some(begin),
             end_rendering: owns_renderings.then_some(end),
             query_budget: self.query_budget,
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         };
         // SAFETY: a command buffer of the host that is being recorded; the frames up to the safe
         // one were waited for.
@@ -354,7 +358,7 @@ impl<'a> DrawingHost<'a> {
     /// Draws what the lists of the newest frame hold, around its tests, and all of it again.
     fn draw_lists(&mut self, views: &[View; VIEWS]) {
         let lists = self.views.map(|view| {
-            let mut lists = AntumbraDrawLists::DEFAULT;
+            let mut lists = AntumbraDrawLists::INIT;
             let Self { context, scene, error, .. } = self;
             // SAFETY: values on this stack.
             let told = unsafe { antumbra_view_lists(*context, *scene, view, &mut lists, error) };
@@ -422,7 +426,7 @@ impl<'a> DrawingHost<'a> {
     fn note_counts(&mut self) {
         let mut queries = 0;
         for (view, fewest) in self.views.iter().zip(&mut self.fewest) {
-            let mut stats = AntumbraViewStats::DEFAULT;
+            let mut stats = AntumbraViewStats::INIT;
             // SAFETY: values on this stack.
             let told = unsafe {
                 antumbra_view_stats(self.context, self.scene, *view, &mut stats, null_mut())

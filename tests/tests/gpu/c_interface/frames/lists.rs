@@ -68,19 +68,19 @@ fn scenes_that_cannot_hand_out_lists_are_refused_by_name() {
     let mut c = CHost::new(&host, null());
     // Refused before anybody looks at it.
     let render_pass = vk::RenderPass::from_raw(1);
-    let plain = AntumbraAttachments { depth_format: FORMAT, ..Versioned::DEFAULT };
+    let plain = AntumbraAttachments { depth_format: FORMAT, ..Versioned::INIT };
     let with_pass = AntumbraAttachments { render_pass, ..plain };
     let by_lists = ANTUMBRA_DRAWS_BY_LISTS;
     for (attachments, draws, words) in
         [(&plain, 7, "ANTUMBRA_DRAWS_.. 7"), (&with_pass, by_lists, "render_pass must be null")]
     {
-        let desc = AntumbraSceneDesc { device: c.device, attachments, draws, ..Versioned::DEFAULT };
+        let desc = AntumbraSceneDesc { device: c.device, attachments, draws, ..Versioned::INIT };
         let mut scene = AntumbraScene { id: 0 };
         // SAFETY: values on this stack.
         let made = unsafe { antumbra_scene_create(c.context, &desc, &mut scene, &mut c.error) };
         expect(made, AntumbraResult::BadArgument, words, &c.error);
     }
-    let mut lists = AntumbraDrawLists::DEFAULT;
+    let mut lists = AntumbraDrawLists::INIT;
     // SAFETY: as above.
     let told = unsafe { antumbra_view_lists(c.context, c.scene, c.view, &mut lists, &mut c.error) };
     expect(told, AntumbraResult::Ok, "", &c.error);

@@ -30,7 +30,7 @@ fn a_lost_device_is_told_by_each_frame_and_the_renderer_goes() {
             mesh_count: 1,
             objects: objects.as_ptr(),
             object_count: objects.len(),
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         };
         let (created, renderer) = c.create(&desc);
         assert_eq!(created, Ok, "{}", text(&c.error));
@@ -39,7 +39,7 @@ fn a_lost_device_is_told_by_each_frame_and_the_renderer_goes() {
         let faults = vec![Fault { call, fails: 0..usize::MAX, code }];
         Machine { faults, ..Machine::default() }.install();
         let camera = camera();
-        let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::DEFAULT };
+        let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::INIT };
         for _ in 0..3 {
             // SAFETY: pointers to values on this stack.
             let told =

@@ -22,7 +22,7 @@ static MAPS: AntumbraShadowDesc = AntumbraShadowDesc {
     map_side: 512,
     cascades: 2,
     distance: 40.0,
-    ..AntumbraShadowDesc::DEFAULT
+    ..AntumbraShadowDesc::INIT
 };
 
 /// Returns a wall and two boxes before it, whose shadows fall on it.
@@ -46,7 +46,8 @@ impl CHost<'_> {
         let vertices = vertices_of(&mesh);
         let it = mesh_desc(&vertices, &mesh.indices);
         let meshes = [&raw const it];
-        let light = AntumbraSunlight { towards_sun: [0.4, 0.6, 1.0], ..Versioned::DEFAULT };
+        let light =
+            AntumbraSunlight { towards_sun: [0.4, 0.6, 1.0], sun: [1.0; 3], ..Versioned::INIT };
         let mut desc = AntumbraRendererDesc {
             width: SIZE[0],
             height: SIZE[1],
@@ -56,7 +57,7 @@ impl CHost<'_> {
             object_count: objects.len(),
             costs: ANTUMBRA_COSTS_IGNORED,
             light: &raw const light,
-            ..Versioned::DEFAULT
+            ..Versioned::INIT
         };
         change(&mut desc);
         self.create(&desc)
@@ -73,13 +74,13 @@ impl CHost<'_> {
 
     fn render(&mut self, renderer: AntumbraRenderer, strategy: u32) -> AntumbraResult {
         let camera = camera();
-        let desc = AntumbraRenderDesc { strategy, camera: &camera, ..Versioned::DEFAULT };
+        let desc = AntumbraRenderDesc { strategy, camera: &camera, ..Versioned::INIT };
         // SAFETY: as above.
         unsafe { antumbra_renderer_render(self.context, renderer, &desc, &mut self.error) }
     }
 
     fn shadow_stats(&mut self, renderer: AntumbraRenderer) -> AntumbraShadowStats {
-        let mut stats = AntumbraShadowStats::DEFAULT;
+        let mut stats = AntumbraShadowStats::INIT;
         // SAFETY: as above.
         let result = unsafe {
             antumbra_renderer_shadow_stats(self.context, renderer, &mut stats, &mut self.error)
@@ -101,7 +102,7 @@ fn shadows_in_c_are_the_same_with_all_drawn_and_options_change_them() {
     for driver in Driver::ALL {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
-        let off = AntumbraShadowDesc::DEFAULT;
+        let off = AntumbraShadowDesc::INIT;
         let (created, renderer) = c.lit(|desc| desc.shadows = &raw const off);
         assert_eq!(created, Ok, "{}", text(&c.error));
         let lit = c.same_image(renderer);
