@@ -316,7 +316,7 @@ pub struct Capabilities {
     /// The optional ones it has.
     pub optional: Vec<Optional>,
     /// True if plain indirect draws take the count of the counted draw before them.
-    keeps_draw_counts: bool,
+    pub(crate) keeps_draw_counts: bool,
 }
 
 impl Capabilities {
