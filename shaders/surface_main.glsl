@@ -22,7 +22,8 @@ layout(location = 11) in vec3 middle_position; // in the middle of the pixel
 
 layout(location = 0) out vec4 colour;
 
-// The place that is shaded, relative to the anchor; at first that of the middle of the pixel, for derivatives.
+// The place that is shaded, relative to the anchor; at first that of the middle of the pixel, for
+// derivatives.
 vec3 world_position;
 
 // The normal that is seen: the surface's own, or that of its texture in tangent space.

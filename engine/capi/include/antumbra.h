@@ -1423,8 +1423,8 @@ typedef struct AntumbraShadowDesc {
      */
     uint32_t layers_max;
     /**
-     * The distance from the eye to which the sun has shadows (metres), below 1e6. Default: 0, by the
-     * scene: 200, and farther where its objects are larger than houses.
+     * The distance from the eye to which the sun has shadows (metres), below 1e6. Default: 0, by
+     * the scene: 200, and farther where its objects are larger than houses.
      */
     float distance;
     /**

@@ -1,6 +1,6 @@
-//! Frames in which some kind of work has nothing to do: skinned meshes of which none is drawn, views
-//! of which one is empty, lights without casters, rounds without tests. Every clear must be waited for
-//! also where nothing writes after it, which synchronization validation judges.
+//! Frames in which some kind of work has nothing to do: skinned meshes of which none is drawn,
+//! views of which one is empty, lights without casters, rounds without tests. Every clear must be
+//! waited for also where nothing writes after it, which synchronization validation judges.
 
 use cull::{Camera, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};

@@ -71,8 +71,8 @@ pub struct AntumbraShadowDesc {
     /// The most layers of maps, each as large as one of 512 texels a side at least, and with
     /// volumes of the masks of lights. Default: 8.
     pub layers_max: u32,
-    /// The distance from the eye to which the sun has shadows (metres), below 1e6. Default: 0, by the
-    /// scene: 200, and farther where its objects are larger than houses.
+    /// The distance from the eye to which the sun has shadows (metres), below 1e6. Default: 0, by
+    /// the scene: 200, and farther where its objects are larger than houses.
     pub distance: f32,
     /// The width of penumbras (metres), below 1e3. Default: 0, a hard edge.
     pub penumbra: f32,

@@ -325,9 +325,9 @@ impl Capabilities {
         self.optional.contains(&optional)
     }
 
-    /// Returns true if unconditional draws must have a count, too, since plain ones take that of the
-    /// counted draw before them. Elsewhere they must have none: NVIDIA's driver (580, on an H100)
-    /// did not come back from draws whose count is `maxDrawIndirectCount`, 2^32 - 1 there.
+    /// Returns true if unconditional draws must have a count, too, since plain ones take that of
+    /// the counted draw before them. Elsewhere they must have none: NVIDIA's driver (580, on an
+    /// H100) did not come back from draws whose count is `maxDrawIndirectCount`, 2^32 - 1 there.
     pub(crate) fn keeps_draw_counts(&self) -> bool {
         self.keeps_draw_counts
     }

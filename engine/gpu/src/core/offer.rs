@@ -125,8 +125,8 @@ impl Offer {
         self.driver == vk::DriverId::GOOGLE_SWIFTSHADER
     }
 
-    /// Returns true if the driver gives a plain indirect draw the count of the counted draw before it
-    /// in the command buffer: Mesa's llvmpipe. That of 22.3 does; no other version was tried.
+    /// Returns true if the driver gives a plain indirect draw the count of the counted draw before
+    /// it in the command buffer: Mesa's llvmpipe. That of 22.3 does; no other version was tried.
     pub(crate) fn keeps_draw_counts(&self) -> bool {
         self.driver == vk::DriverId::MESA_LLVMPIPE
     }

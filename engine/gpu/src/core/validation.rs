@@ -92,8 +92,8 @@ unsafe extern "system" fn on_message(
     vk::FALSE
 }
 
-/// Returns false for messages of the loader (a manifest that it could not read), and for those about
-/// names that were looked up at the wrong level. Loaders and drivers do that within
+/// Returns false for messages of the loader (a manifest that it could not read), and for those
+/// about names that were looked up at the wrong level. Loaders and drivers do that within
 /// `vkCreateDevice`, as with `vkGetPhysicalDeviceVideoEncodeQualityLevelPropertiesKHR` on NVIDIA
 /// 580, a name that this program does not contain. Ours are looked up by `ash`, by their level.
 fn is_about_our_calls(kind: vk::DebugUtilsMessageTypeFlagsEXT, id: &str) -> bool {

@@ -57,8 +57,8 @@ impl ResultBuffer {
         self.whole().part(0, count as u64 * RESULT_BYTES)
     }
 
-    /// Copies the first `count` results to mapped memory, after their access `written` and after the
-    /// fill or copy that cleared them: in a frame in which nothing else wrote, no other barrier
+    /// Copies the first `count` results to mapped memory, after their access `written` and after
+    /// the fill or copy that cleared them: in a frame in which nothing else wrote, no other barrier
     /// waits for that. Their last use in a frame.
     pub(crate) fn read_back(&self, commands: &Commands, count: usize, written: Access) {
         if count == 0 {

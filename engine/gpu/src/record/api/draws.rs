@@ -118,9 +118,9 @@ impl Commands {
         }
     }
 
-    /// Draws the indexed indirect commands in `draws`, which holds nothing else, also where a counted
-    /// draw was recorded before: under the value in `all`, `maxDrawIndirectCount`, on drivers that
-    /// go on using the count of that draw (Mesa 22.3's lavapipe).
+    /// Draws the indexed indirect commands in `draws`, which holds nothing else, also where a
+    /// counted draw was recorded before: under the value in `all`, `maxDrawIndirectCount`, on
+    /// drivers that go on using the count of that draw (Mesa 22.3's lavapipe).
     pub fn draw_all_indirect(&self, draws: BufferSlice, all: BufferSlice) {
         let limit = u64::from(self.device().adapter().limits.max_draw_indirect_count);
         let keeps = self.device().capabilities().keeps_draw_counts();
