@@ -232,7 +232,7 @@ mod tests {
             let found = of_shared_exponent(shared_exponent(radiance));
             let off = (found - Vec3::from_array(radiance)).abs().max_element();
             let largest = radiance.into_iter().fold(0.0, f32::max);
-            assert!(off <= largest / 512.0, "{radiance:?} became {found}");
+            assert!(off <= largest / 511.0, "{radiance:?} became {found}");
         }
         let found = of_shared_exponent(shared_exponent([1e9, -1.0, f32::MIN_POSITIVE]));
         assert_eq!(found, vec3(60_032.0, 0.0, 0.0), "the nearest to the brightest that is held");
