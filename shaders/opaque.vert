@@ -21,7 +21,8 @@ invariant gl_Position;
 
 void main() {
     Instance instance = instances[instance_number];
-    mat4 view_proj = mat4(axes[0], axes[1], axes[2], vec4(0.0, 0.0, anchor.w, ambient_above.w));
+    vec4 at_anchor = vec4(ambient_below.w, ambient_below.w, anchor.w, ambient_above.w);
+    mat4 view_proj = mat4(axes[0], axes[1], axes[2], at_anchor);
     vec4 clip = view_proj * vec4(vertex_from_anchor(instance, position, view_proj, anchor.xyz), 1.0);
     gl_Position = snapped(clip, vec2(towards_sun.w, sun.w));
     world_normal = direction_to_world(instance, normal.xyz);

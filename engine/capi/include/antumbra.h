@@ -8,7 +8,7 @@
  *   the default of every field, whatever value it stands for, unless the field is required. What
  *   means none where the default does not has a name, such as ANTUMBRA_NO_QUERIES.
  * - Structs without a struct_size are plain values: a box, a vertex, an answer. Set all of them.
- * - A reserved field must be 0, in both.
+ * - A reserved field must be 0 in input, and is 0 in output.
  * - A pointer and a count describe an array; null is allowed if the count is 0. Input and output
  *   arrays do not overlap.
  * - Objects belong to a context. A handle that is 0, was destroyed, or belongs to another context or
@@ -37,6 +37,9 @@
 #ifdef ANTUMBRA_VULKAN
 #include <vulkan/vulkan_core.h>
 #endif
+
+/* A budget of no occlusion queries (AntumbraPlanDesc, AntumbraViewFrame): what no other tester tests is drawn. */
+#define ANTUMBRA_NO_QUERIES SIZE_MAX
 
 /* A struct whose struct_size is its sizeof, and all else 0: AntumbraPlanDesc desc = ANTUMBRA_INIT(AntumbraPlanDesc); */
 #ifdef __cplusplus

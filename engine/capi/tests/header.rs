@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
@@ -18,4 +19,34 @@ fn the_header_is_fresh() {
         fs::write(&made, fresh).unwrap();
         panic!("the header is stale: cp {} {}", made.display(), committed.display());
     }
+}
+
+/// Checks that every name in a comment is one that a program can use.
+#[test]
+fn what_comments_name_is_declared() {
+    let header = Path::new(env!("CARGO_MANIFEST_DIR")).join("include/antumbra.h");
+    let header = fs::read_to_string(header).unwrap();
+    let mut comments = String::new();
+    let mut code = String::new();
+    for (number, part) in header.split("/*").enumerate() {
+        let (comment, rest) = part.split_once("*/").unwrap_or(("", part));
+        if number > 0 {
+            comments += comment;
+        }
+        code += rest;
+    }
+    let words = |text: &str| -> BTreeSet<String> {
+        let is_of_word = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+        let words = text.split(|letter| !is_of_word(letter));
+        words.filter(|word| word.starts_with("ANTUMBRA_")).map(str::to_owned).collect()
+    };
+    let declared = words(&code);
+    // A name that ends with a line stands for all that begin so: `ANTUMBRA_SHADOWS_..`.
+    let is_declared = |word: &&String| {
+        let begins = |other: &String| other.starts_with(word.as_str());
+        declared.contains(word.as_str()) || word.ends_with('_') && declared.iter().any(begins)
+    };
+    let used = words(&comments);
+    let missing: Vec<&String> = used.iter().filter(|word| !is_declared(word)).collect();
+    assert!(used.len() > 30 && missing.is_empty(), "of {} names: {missing:?}", used.len());
 }

@@ -23,7 +23,7 @@ use crate::face::{Face, FaceId, FaceSurroundings, face_count, faces_of, wanted_s
 use crate::light::{ShadowLight, ShadowLightId};
 use crate::options::{MIN_SIDE, ShadowCaching, ShadowOptions};
 use crate::plan::{FaceWork, PlannedFace, PlannedLight, ShadowPlan};
-use crate::sun_distance::SunDistance;
+use crate::sun_distance::sun_distance_m;
 use crate::tiles::{Tile, TilePool};
 
 /// The frames after its last change in which a caster counts as moving.
@@ -89,8 +89,9 @@ pub struct ShadowCache {
     maps: HashMap<FaceId, Map>,
     /// The sides of each light's maps: the one they should have, and the one they have.
     sides: HashMap<ShadowLightId, [u32; 2]>,
-    /// The distance of directional lights, where the options leave it open.
-    sun_distance: SunDistance,
+    /// The distance of directional lights where the options leave it open (metres), by the scene
+    /// of the first frame: a change would be seen as a jump of all shadows.
+    sun_distance_m: Option<f32>,
     /// True if maps may have a layer of resting casters.
     keeps_resting: bool,
     /// The frame of the last change of each caster that is not at rest.
@@ -115,7 +116,7 @@ impl ShadowCache {
             options,
             maps: HashMap::new(),
             sides: HashMap::new(),
-            sun_distance: SunDistance::default(),
+            sun_distance_m: None,
             keeps_resting: true,
             restless: HashMap::new(),
             frame: 0,
@@ -179,11 +180,12 @@ impl ShadowCache {
         let hierarchy = casters.hierarchy;
         let scene = hierarchy.root().map_or(Aabb::EMPTY, |root| hierarchy.bounds(root));
         if !scene.is_empty() {
-            let given_m = self.options.distance_m;
+            let own_m = &mut self.sun_distance_m;
+            let measured_m = || *own_m.get_or_insert_with(|| sun_distance_m(hierarchy));
             let around = FaceSurroundings {
                 eyes: views.eyes,
                 scene,
-                sun_distance_m: given_m.unwrap_or_else(|| self.sun_distance.of(hierarchy)),
+                sun_distance_m: self.options.distance_m.unwrap_or_else(measured_m),
                 sub_pixel_bits: views.sub_pixel_bits,
             };
             self.release_unused(lights);

@@ -153,9 +153,9 @@ pub struct ShadowOptions {
     /// the last one into full light. At 0 they change from one pixel to the next, and the change of
     /// sharpness can be seen; what lies in such a band takes the samples of two maps.
     pub cascade_blend: f32,
-    /// The distance from the eye to which directional lights have shadows, in metres; without one
-    /// 200, and farther in scenes whose objects are larger than houses, such as those in another
-    /// unit.
+    /// The distance from the eye to which directional lights have shadows, in metres. Without one
+    /// it follows from the scene of the first frame with these options: 200, and farther where
+    /// objects are larger than houses, as in a scene in another unit.
     pub distance_m: Option<f32>,
     /// The side of a directional light's maps in texels: a power of two from [`MIN_SIDE`] on, as
     /// the two below.

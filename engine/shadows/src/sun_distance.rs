@@ -13,29 +13,10 @@ const SIZES: f32 = 20.0;
 /// The distance in sizes of the whole scene, for one of few and large objects.
 const SCENE_SIZES: f32 = 2.0;
 
-/// The distance that follows from a scene, measured again when the scene has grown or shrunk by
-/// half.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct SunDistance {
-    /// The leaves at the time.
-    leaves: usize,
-    distance_m: f32,
-}
-
-impl SunDistance {
-    /// Returns the distance in the scene of a hierarchy (metres): 200, and that times powers of the
-    /// ratio of two cascades where half of the objects are larger than houses. So a scene whose
-    /// unit is not the metre has shadows where it would have them in metres.
-    pub(crate) fn of(&mut self, hierarchy: &Hierarchy) -> f32 {
-        let leaves = hierarchy.leaf_objects().len();
-        if self.distance_m == 0.0 || leaves > 2 * self.leaves || 2 * leaves < self.leaves {
-            *self = Self { leaves, distance_m: measured_m(hierarchy) };
-        }
-        self.distance_m
-    }
-}
-
-fn measured_m(hierarchy: &Hierarchy) -> f32 {
+/// Returns the distance in the scene of a hierarchy (metres): 200, and that times powers of the ratio
+/// of two cascades where half of the objects are larger than houses. So a scene whose unit is not
+/// the metre has shadows where it would have them in metres.
+pub(crate) fn sun_distance_m(hierarchy: &Hierarchy) -> f32 {
     let objects = hierarchy.leaf_objects().iter();
     let boxes =
         objects.filter_map(|object| hierarchy.node_of(*object)).map(|node| hierarchy.bounds(node));
@@ -70,20 +51,12 @@ mod tests {
 
     #[test]
     fn it_follows_the_unit_of_a_scene_in_steps_of_cascades() {
-        let of = |unit_m| SunDistance::default().of(&town(40, unit_m));
+        let of = |unit_m| sun_distance_m(&town(40, unit_m));
         assert_eq!([of(0.01), of(1.0), of(1.5)], [200.0; 3]);
         assert_eq!([of(3.0), of(1000.0)], [600.0, 145_800.0]);
-        assert_eq!(SunDistance::default().of(&Hierarchy::build(&[]).unwrap()), 200.0);
+        assert_eq!(sun_distance_m(&Hierarchy::build(&[]).unwrap()), 200.0);
         // A terrain is a single object: no farther than it reaches.
         let terrain = [Aabb::new(Vec3::splat(-500.0), Vec3::splat(500.0))];
-        assert_eq!(SunDistance::default().of(&Hierarchy::build(&terrain).unwrap()), 5400.0);
-    }
-
-    #[test]
-    fn it_is_measured_again_as_a_scene_grows() {
-        let mut distance = SunDistance::default();
-        assert_eq!(distance.of(&Hierarchy::build(&[]).unwrap()), 200.0);
-        assert_eq!(distance.of(&town(40, 1000.0)), 145_800.0);
-        assert_eq!(distance.of(&town(41, 1.0)), 145_800.0, "not in each frame");
+        assert_eq!(sun_distance_m(&Hierarchy::build(&terrain).unwrap()), 5400.0);
     }
 }

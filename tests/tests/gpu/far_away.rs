@@ -9,11 +9,11 @@ use cull::{Aabb, Camera, Strategy};
 use glam::{Vec3, Vec3A, vec3};
 use gpu::Device;
 use import::LoadOptions;
-use render::Renderer;
+use render::{Costs, Renderer, RendererOptions};
 use scene::{FlarePlace, LensFlare, PunctualLight, Scene};
 use shadows::{ShadowFilter, ShadowMethod, ShadowOptions};
-use tests::shapes::box_at;
-use tests::walk::pixels_that_differ;
+use tests::shapes::{box_at, box_scene};
+use tests::walk::{pixels_that_differ, walk_cameras};
 use tests::{run_on_all, yard};
 
 use crate::shadow_maps::raycast::{Judged, judge};
@@ -69,7 +69,7 @@ fn moved(scene: &Scene, away: Vec3) -> Scene {
 
 /// Returns the images of a scene that is moved away, by several ways to draw shadows and by a plain
 /// and a culling strategy.
-fn images(device: &Device, (scene, away): (&Scene, Vec3), all: &[ShadowOptions]) -> Vec<Vec<u8>> {
+fn images(device: &Device, scene: &Scene, away: Vec3, all: &[ShadowOptions]) -> Vec<Vec<u8>> {
     let mut renderer = renderer(device, &moved(scene, away), ShadowOptions::default());
     let mut images = Vec::new();
     for options in all {
@@ -98,9 +98,9 @@ fn lamps_maps_and_volumes_and_sprites_are_the_same_to_the_bit() {
         let of_lamps = (of_lamps, [&[ShadowOptions::default(), volumes()][..], &maps].concat());
         let of_sun = (yard::scene(&boxes(), &[sun]), vec![volumes()]);
         for (scene, all) in [of_lamps, of_sun] {
-            let expected = images(device, (&scene, Vec3::ZERO), &all);
+            let expected = images(device, &scene, Vec3::ZERO, &all);
             for away in AWAY {
-                let found = images(device, (&scene, away), &all);
+                let found = images(device, &scene, away, &all);
                 let differ = |(a, b): (&Vec<u8>, &Vec<u8>)| pixels_that_differ(a, b);
                 let wrong: Vec<usize> = expected.iter().zip(&found).map(differ).collect();
                 // A sun's volumes end elsewhere: their sides are rounded differently.
@@ -122,9 +122,9 @@ fn sun_maps_agree_with_ray_casting_at_every_distance() {
             ShadowOptions { filter: ShadowFilter::Single, ..fine },
             ShadowOptions { filter: ShadowFilter::Adaptive, ..fine },
         ];
-        let expected = images(device, (&scene, Vec3::ZERO), &all);
+        let expected = images(device, &scene, Vec3::ZERO, &all);
         for away in [Vec3::ZERO].into_iter().chain(AWAY) {
-            let found = images(device, (&scene, away), &all);
+            let found = images(device, &scene, away, &all);
             let [lit, culled_lit, hard, culled_hard, soft, culled_soft] = &found[..] else {
                 panic!("six images")
             };
@@ -232,6 +232,35 @@ fn picks_and_flares_are_the_same() {
         assert!(shares.iter().any(|share| *share > 0.0 && *share < 1.0), "{shares:?}");
         for away in AWAY {
             assert_eq!(picked(device, &scene, away), (objects.clone(), shares.clone()), "{away}");
+        }
+    });
+}
+
+/// Walks between blocks of houses that are larger than the margins of boxes out there, some 25 m.
+#[test]
+fn blocks_are_hidden_exactly_where_positions_are_whole_metres() {
+    run_on_all(|device| {
+        for away in AWAY {
+            let block = |number: u32| {
+                let aside = (number % 12) as f32 * 512.0 - 2_496.0;
+                let ahead = (number / 12) as f32 * -512.0;
+                let low = away + vec3(aside, 0.0, ahead);
+                Aabb::new(low, low + vec3(384.0, 192.0 + 32.0 * (number % 5) as f32, 384.0))
+            };
+            let scene = box_scene(&(0..144).map(block).collect::<Vec<_>>());
+            let walked = |frame: u32| Camera {
+                eye: away + vec3(0.0, 64.0, 640.0 - 64.0 * frame as f32),
+                forward: vec3(0.3, 0.0, -1.0),
+                near: 1.0,
+                ..yard::camera()
+            };
+            let cameras: Vec<Camera> = (0..16).map(walked).collect();
+            let options =
+                RendererOptions { size: SIZE, costs: Costs::Ignored, ..Default::default() };
+            let found = walk_cameras(device, &scene, &cameras, &options);
+            let [all, drawn] = found.draws;
+            assert_eq!(found.pixels_wrong, 0, "{away}");
+            assert!(drawn * 2 < all, "{away}: {drawn} of {all} drawn");
         }
     });
 }

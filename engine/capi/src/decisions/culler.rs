@@ -27,7 +27,8 @@ pub const ANTUMBRA_STRATEGY_ANTUMBRA: u32 = 0;
 /// Everything in the view frustum is drawn, nothing is tested: the reference.
 pub const ANTUMBRA_STRATEGY_FRUSTUM: u32 = 1;
 
-/// A budget of no occlusion queries: what no other tester tests is drawn.
+/// A budget of no occlusion queries: what no other tester tests is drawn. `cbindgen.toml` declares
+/// it, since cbindgen leaves out constants of this type.
 pub const ANTUMBRA_NO_QUERIES: usize = usize::MAX;
 
 /// The occlusion queries of a plan whose budget is 0 (`AntumbraPlanDesc::query_budget`).

@@ -214,7 +214,9 @@ fn the_page_of_a_gpu_has_compared_and_timed_walks_of_every_way() {
     }
     let timed: Vec<&str> =
         walks.iter().copied().filter(|walk| !walk.contains("--verify")).collect();
-    for way in ["--path fly", "--strategy frustum,naive,batched,stop_and_wait,ideal", "--shadows maps"] {
+    for way in
+        ["--path fly", "--strategy frustum,naive,batched,stop_and_wait,ideal", "--shadows maps"]
+    {
         assert!(timed.iter().any(|walk| walk.contains(way)), "{way}");
     }
     let is_late = |walk: &&&str| walk.contains("next_frame");
