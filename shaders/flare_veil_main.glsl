@@ -13,7 +13,8 @@ layout(std430, binding = 4) buffer Veil { uint veil[]; };
 
 void main() {
     // At least a 65536th is let through, so that sums stay within their range.
-    float through = max(1.0 - clamp(base_colour().a, 0.0, 1.0), exp2(-16.0));
+    float alpha = mask_alpha(base_colour());
+    float through = max(1.0 - clamp(alpha, 0.0, 1.0), exp2(-16.0));
     uint taken = uint(round(-log2(through) * STEPS_PER_HALVING));
     for (uint number = 0; number < uint(blocks.length()); ++number) {
         FlareBlock block = blocks[number];
