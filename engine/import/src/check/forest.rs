@@ -115,10 +115,6 @@ impl Mender<'_> {
                     self.losses.remove_mesh(index, self.root);
                     self.losses.leave_out(fault, "its mesh is left out", self.notes)?;
                 }
-                NodePart::Weights => {
-                    node.weights = None;
-                    self.losses.repair(fault, "they are ignored", self.notes)?;
-                }
             }
         }
         Ok(())

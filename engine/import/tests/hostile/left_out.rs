@@ -252,3 +252,30 @@ fn what_no_camera_can_show_is_told() {
     assert!(texts.contains("its light is under a scale of 0"), "{texts}");
     assert!(texts.contains("\"camera 0\": it is under a scale of 0"), "{texts}");
 }
+
+// Primitives that are left out do not say how many weights a node must have.
+#[test]
+fn weights_of_nodes_fit_the_primitives_that_are_shown() {
+    let mut file = GltfFile::triangle();
+    let shown = json!({ "attributes": { "POSITION": 0 }, "targets": [{ "POSITION": 0 }] });
+    let mut broken = shown.clone();
+    broken["attributes"]["POSITION"] = json!(1);
+    broken["targets"] = json!([{ "POSITION": 0 }, { "POSITION": 0 }]);
+    file.set("/meshes/0/primitives", json!([broken, shown]));
+    for (weights, kept) in [(json!([0.5, 0.5]), 0.0), (json!([0.5]), 0.5)] {
+        file.set("/nodes/0/weights", weights);
+        let (imported, texts) = load(&file);
+        gltf_files::loaded::check(&imported);
+        assert_eq!(imported.rig.nodes()[0].weights, [kept], "{texts:?}");
+        assert!(!imported.scene.objects.is_empty(), "{texts:?}");
+        let ignored = "node 0: it has 2 weights for 1 morph target; they are ignored";
+        assert_eq!(texts.iter().any(|text| text == ignored), kept == 0.0, "{texts:?}");
+        assert_eq!(texts.len(), if kept == 0.0 { 2 } else { 1 }, "{texts:?}");
+    }
+    // A mesh that cannot be read takes its nodes' weights with it.
+    file.set("/meshes/1", json!({ "primitives": 5 }));
+    file.push("nodes", json!({ "mesh": 1, "weights": [0.5] }));
+    file.set("/scenes/0/nodes", json!([0, 1]));
+    let texts = load(&file).1;
+    assert!(!texts.iter().any(|text| text.contains("node 1")), "{texts:?}");
+}
