@@ -9,11 +9,17 @@ use gltf::json::{
     Accessor, Animation, Buffer, Camera, Image, Index, Material, Mesh, Node, Scene, Skin, Texture,
     buffer,
 };
+use serde_json::Value;
 
 /// An element of a list of the file that can be empty.
-pub(crate) trait Blank {
+pub(crate) trait Blank: Sized {
     /// Returns an element that refers to nothing and is as valid as possible.
     fn blank() -> Self;
+
+    /// Returns the blank in the place of an element that cannot be read.
+    fn unreadable(_given: &Value) -> Self {
+        Self::blank()
+    }
 }
 
 impl Blank for Accessor {
@@ -128,6 +134,16 @@ impl Blank for Mesh {
 impl Blank for Node {
     fn blank() -> Self {
         Self::default()
+    }
+
+    /// Keeps the children that can be read, so that they do not count as roots.
+    fn unreadable(given: &Value) -> Self {
+        let children = given.get("children").and_then(Value::as_array).into_iter().flatten();
+        let index = |child: &Value| u32::try_from(child.as_u64()?).ok();
+        Self {
+            children: Some(children.filter_map(index).map(Index::new).collect()),
+            ..Self::blank()
+        }
     }
 }
 

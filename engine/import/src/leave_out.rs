@@ -52,8 +52,8 @@ fn meshes(root: &mut Root, verdict: &mut Verdict) -> Result<(), Fault> {
         if !verdict.is_used(element) {
             continue;
         }
-        // It was emptied as it was read.
         if let Some(fault) = verdict.take_fault(element) {
+            root.meshes.get_mut(mesh).into_iter().for_each(|mesh| *mesh = Blank::blank());
             verdict.leave_out(fault, "it is left out")?;
         }
         let count = root.meshes.get(mesh).map_or(0, |mesh| mesh.primitives.len());
@@ -94,8 +94,8 @@ fn nodes(root: &mut Root, verdict: &mut Verdict) -> Result<(), Fault> {
         if !verdict.is_used(element) {
             continue;
         }
-        // It was emptied as it was read.
         if let Some(fault) = verdict.take_fault(element) {
+            verdict.empty_node(index, root);
             verdict.leave_out(fault, "it is left out with all below it")?;
         }
         let Some(node) = root.nodes.get(index) else { continue };
@@ -139,5 +139,39 @@ fn light_of(node: &Node) -> Option<Element> {
 pub(crate) fn remove_light(node: &mut Node) {
     if let Some(extensions) = &mut node.extensions {
         extensions.khr_lights_punctual = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gltf::json::Index;
+
+    use super::*;
+    use crate::error::Reason;
+    use crate::losses::Losses;
+    use crate::notes::Notes;
+    use crate::reach::Reach;
+
+    #[test]
+    fn whatever_is_noted_as_left_out_is_empty() {
+        let mesh = gltf::json::Mesh { weights: Some(vec![1.0]), ..Blank::blank() };
+        let broken = Node { children: Some(vec![Index::new(1)]), ..Node::default() };
+        let shown = Node { mesh: Some(Index::new(0)), ..Node::default() };
+        let nodes = vec![Index::new(0), Index::new(2)];
+        let mut root = Root {
+            meshes: vec![mesh],
+            nodes: vec![broken, Node::default(), shown],
+            scenes: vec![gltf::json::Scene { nodes, ..Blank::blank() }],
+            ..Root::default()
+        };
+        let mut verdict = Verdict::new(Reach::of(&root), Losses::default(), Notes::default());
+        for element in [Kind::Node.at(0), Kind::Mesh.at(0)] {
+            let fault = Reason::malformed("it is broken").of(element.to_string());
+            verdict.judge::<()>(element, Err(fault)).expect("it is held");
+        }
+        dependants(&mut root, &mut verdict).expect("they are left out");
+        assert!(root.nodes[0].children.is_none() && !verdict.is_used(Kind::Node.at(1)));
+        assert!(root.meshes[0].weights.is_none() && root.nodes[2].mesh.is_none());
+        assert!(verdict.has_lost_mesh(0) && verdict.has_lost_mesh(2));
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use gltf::json::Root;
+use gltf::json::{Node, Root};
 
 use crate::BrokenParts;
 use crate::error::Fault;
@@ -72,6 +72,13 @@ impl Losses {
         if let Some(extensions) = &mut node.extensions {
             extensions.others.remove(INSTANCING);
         }
+        self.without_mesh.insert(index);
+    }
+
+    /// Empties a node, but for its name: it refers to nothing, and has no children.
+    pub(crate) fn empty_node(&mut self, index: usize, root: &mut Root) {
+        let Some(node) = root.nodes.get_mut(index) else { return };
+        *node = Node { name: node.name.take(), ..Node::default() };
         self.without_mesh.insert(index);
     }
 

@@ -21,13 +21,8 @@ impl Reach {
         let is_used = Kind::ALL.map(|kind| vec![false; kind.count(root)]);
         let mut reach = Self { is_used };
         let mut pending = Vec::new();
-        match shown_scene(root) {
-            Some(scene) => reach.mark(Kind::Scene.at(scene), &mut pending),
-            None => {
-                for node in roots_without_scene(root) {
-                    reach.mark(Kind::Node.at(node), &mut pending);
-                }
-            }
+        if let Some(scene) = shown_scene(root) {
+            reach.mark(Kind::Scene.at(scene), &mut pending);
         }
         reach.follow(root, &mut pending);
         for index in 0..root.animations.len() {
@@ -74,22 +69,11 @@ impl Reach {
 }
 
 /// Returns the index of the scene that is shown: the one that the file names, else its first;
-/// `None` if it has no scenes.
+/// `None` if it has no scenes, until [`check::forest`](crate::check::forest) gives it one.
 pub(crate) fn shown_scene(root: &Root) -> Option<usize> {
     let named = root.scene.map(|scene| scene.value());
     let named = named.filter(|named| *named < root.scenes.len());
     named.or_else(|| (!root.scenes.is_empty()).then_some(0))
-}
-
-/// Returns the nodes that are shown by a file without scenes: all that have no parent.
-pub(crate) fn roots_without_scene(root: &Root) -> Vec<usize> {
-    let mut is_child = vec![false; root.nodes.len()];
-    for child in root.nodes.iter().flat_map(|node| node.children.iter().flatten()) {
-        if let Some(is_child) = is_child.get_mut(child.value()) {
-            *is_child = true;
-        }
-    }
-    (0..root.nodes.len()).filter(|node| is_child.get(*node) == Some(&false)).collect()
 }
 
 /// Calls `visit` with each element that another one refers to, whether it exists or not.

@@ -24,13 +24,13 @@ use crate::{
 /// A glTF file that was read and checked.
 ///
 /// # Guarantees
-/// The shown scene is the one that the file names, else its first one, else all nodes without a
-/// parent. Elements of the document's lists that it does not reach are *empty*: they keep their
-/// index, refer to nothing (an empty view to the first buffer, if there is one), and are not
-/// described below. Their faults are in the notes. So are those of broken parts of the scene
-/// ([`BrokenParts`](crate::BrokenParts)): nodes, primitives, textures and animations that are left
-/// out are empty, too, nothing refers to other elements that are left out, and unreadable images
-/// are replaced by placeholders. For all other elements:
+/// The shown scene is the one that the file names, else its first one; a file without scenes gets
+/// one of all nodes without a parent. Elements of the document's lists that it does not reach are
+/// *empty*: they keep their index, refer to nothing (an empty view to the first buffer, if there is
+/// one), and are not described below. Their faults are in the notes. So are those of broken parts
+/// of the scene ([`BrokenParts`](crate::BrokenParts)): nodes, primitives, textures and animations
+/// that are left out are empty, too, nothing refers to other elements that are left out, and
+/// unreadable images are replaced by placeholders. For all other elements:
 /// - **Indices.** Every index of core glTF 2.0 and of
 ///   [`SUPPORTED_EXTENSIONS`](crate::SUPPORTED_EXTENSIONS) is in range: accessors, views, buffers,
 ///   nodes, meshes, skins, joints, cameras, lights, materials, textures, samplers, images, scenes,
@@ -266,7 +266,7 @@ fn check_and_decode(
     // opened.
     check::required(&root, &extension_names, &mut notes)?;
     let mut losses = Losses::new(options.broken_parts);
-    check::forest(&mut root, limits, &mut losses, &mut notes)?;
+    check::forest(&mut root, &faults, limits, &mut losses, &mut notes)?;
     let mut own_verdict = Verdict::new(Reach::of(&root), losses, notes);
     let verdict = &mut own_verdict;
     for (element, fault) in faults {

@@ -143,6 +143,11 @@ impl Verdict {
         self.losses.remove_mesh(index, root);
     }
 
+    /// Empties a node, but for its name.
+    pub(crate) fn empty_node(&mut self, index: usize, root: &mut Root) {
+        self.losses.empty_node(index, root);
+    }
+
     /// Returns true if the mesh of a node was left out.
     pub(crate) fn has_lost_mesh(&self, node: usize) -> bool {
         self.losses.has_lost_mesh(node)

@@ -1,24 +1,30 @@
 //! The forest of shown nodes: whatever keeps the nodes of the shown scene from being one is taken
 //! out before anything else looks at them.
 
-use gltf::json::{Index, Node, Root};
+use gltf::json::{Index, Node, Root, Scene};
 
 use super::nodes::{NodePart, check_numbers, check_references};
 use super::numbers::in_range;
 use crate::Limits;
+use crate::blank::Blank;
+use crate::element::{Element, Kind};
 use crate::error::{At, Fault, Reason};
 use crate::leave_out::remove_light;
 use crate::losses::Losses;
 use crate::notes::Notes;
-use crate::reach::{roots_without_scene, shown_scene};
+use crate::reach::shown_scene;
 
 /// Takes out of the shown scene the nodes that are nowhere, edges to nodes that do not exist or
-/// have a parent already, and references of nodes to what does not exist.
+/// have a parent already, and references of nodes to what does not exist. A file without scenes
+/// gets one before: what is below a node that is left out does not become a root.
+///
+/// Of the `faults` of elements that cannot be read, those of nodes count.
 ///
 /// # Errors
 /// More nodes than the limit; those of [`Losses::leave_out`].
 pub(crate) fn mend(
     root: &mut Root,
+    faults: &[(Element, Fault)],
     limits: &Limits,
     losses: &mut Losses,
     notes: &mut Notes,
@@ -29,6 +35,12 @@ pub(crate) fn mend(
     }
     let mut mender = Mender { root, losses, notes };
     mender.mend_choice()?;
+    if mender.root.scenes.is_empty() {
+        mender.root.scenes.push(scene_of_all(&mender.root.nodes));
+    }
+    for (element, _) in faults.iter().filter(|(element, _)| element.kind == Kind::Node) {
+        mender.losses.empty_node(element.index, mender.root);
+    }
     let mut forest = Forest::of(count);
     for start in mender.roots()? {
         if !forest.is_new(start) {
@@ -45,6 +57,18 @@ pub(crate) fn mend(
         }
     }
     Ok(())
+}
+
+/// Returns the scene of a file without scenes: all nodes that have no parent.
+fn scene_of_all(nodes: &[Node]) -> Scene {
+    let mut is_child = vec![false; nodes.len()];
+    for child in nodes.iter().flat_map(|node| node.children.iter().flatten()) {
+        if let Some(is_child) = is_child.get_mut(child.value()) {
+            *is_child = true;
+        }
+    }
+    let roots = (0..).zip(is_child).filter(|(_, is_child)| !is_child);
+    Scene { nodes: roots.map(|(node, _)| Index::new(node)).collect(), ..Blank::blank() }
 }
 
 struct Mender<'a> {
@@ -65,7 +89,7 @@ impl Mender<'_> {
 
     /// Returns the roots of the shown scene, each once; the scene keeps no others.
     fn roots(&mut self) -> Result<Vec<usize>, Fault> {
-        let Some(scene) = shown_scene(self.root) else { return Ok(roots_without_scene(self.root)) };
+        let Some(scene) = shown_scene(self.root) else { return Ok(Vec::new()) };
         let count = self.root.nodes.len();
         let Some(given) = self.root.scenes.get_mut(scene) else { return Ok(Vec::new()) };
         let mut is_listed = vec![false; count];
@@ -89,10 +113,10 @@ impl Mender<'_> {
 
     /// Empties a node that has no place, and takes references to nothing out of others.
     fn mend_node(&mut self, index: usize) -> Result<(), Fault> {
-        let Some(node) = self.root.nodes.get_mut(index) else { return Ok(()) };
+        let Some(node) = self.root.nodes.get(index) else { return Ok(()) };
         let object = || format!("node {index}");
         if let Err(reason) = check_numbers(node) {
-            *node = Node { name: node.name.take(), ..Node::default() };
+            self.losses.empty_node(index, self.root);
             let consequence = "it is left out with all below it";
             return self.losses.leave_out(reason.of(object()), consequence, self.notes);
         }
@@ -114,10 +138,6 @@ impl Mender<'_> {
                 NodePart::Mesh => {
                     self.losses.remove_mesh(index, self.root);
                     self.losses.leave_out(fault, "its mesh is left out", self.notes)?;
-                }
-                NodePart::Weights => {
-                    node.weights = None;
-                    self.losses.repair(fault, "they are ignored", self.notes)?;
                 }
             }
         }

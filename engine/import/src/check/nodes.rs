@@ -16,20 +16,26 @@ pub(super) enum NodePart {
     Camera,
     Light,
     Mesh,
-    Weights,
 }
 
-/// Checks all nodes and scenes; those that are shown were mended. Returns the parents of the shown
-/// nodes, which are a forest.
-pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<Vec<Option<u32>>, Fault> {
-    for (index, node) in root.nodes.iter().enumerate() {
+/// Checks all nodes and scenes; those that are shown were mended, and lose weights that do not fit
+/// the targets that their meshes have. Returns the parents of the shown nodes, which are a forest.
+pub(super) fn check(root: &mut Root, verdict: &mut Verdict) -> Result<Vec<Option<u32>>, Fault> {
+    for index in 0..root.nodes.len() {
+        let element = Kind::Node.at(index);
+        if verdict.is_used(element) {
+            mend_weights(root, index, verdict)?;
+        }
+        let Some(node) = root.nodes.get(index) else { continue };
         let checked = check_references(root, node)
             .map_err(|(_, reason)| reason)
+            .and_then(|()| check_weights(root, node))
             .and_then(|()| check_numbers(node))
             .and_then(|()| check_children(node, root.nodes.len()))
-            .at(|| format!("node {index}"));
-        verdict.judge(Kind::Node.at(index), checked)?;
+            .at(|| element.to_string());
+        verdict.judge(element, checked)?;
     }
+    let root = &*root;
     let parents = forest(root, |node| verdict.is_used(Kind::Node.at(node)))?;
     if let Err(fault) = forest(root, |_| true) {
         verdict.notes.add(|| {
@@ -39,6 +45,14 @@ pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<Vec<Option<u32
     }
     check_scenes(root, verdict)?;
     Ok(parents)
+}
+
+/// Takes out weights of a node that do not fit its mesh.
+fn mend_weights(root: &mut Root, index: usize, verdict: &mut Verdict) -> Result<(), Fault> {
+    let Some(node) = root.nodes.get(index) else { return Ok(()) };
+    let Err(reason) = check_weights(root, node) else { return Ok(()) };
+    root.nodes.get_mut(index).into_iter().for_each(|node| node.weights = None);
+    verdict.repair(reason.of(Kind::Node.at(index).to_string()), "they are ignored")
 }
 
 /// Returns the parents of nodes, out of those that are `counted`.
@@ -59,6 +73,12 @@ fn check_children(node: &Node, count: usize) -> Result<(), Reason> {
     children.try_for_each(|child| in_range("child node", child.value(), count))
 }
 
+/// Checks that the weights of a node are as many as the targets of its mesh.
+fn check_weights(root: &Root, node: &Node) -> Result<(), Reason> {
+    let Some(mesh) = node.mesh.and_then(|mesh| root.get(mesh)) else { return Ok(()) };
+    meshes::check_weights(node.weights.as_deref(), meshes::target_count(mesh))
+}
+
 /// Checks the references of a node to all but other nodes.
 ///
 /// # Errors
@@ -73,8 +93,6 @@ pub(super) fn check_references(root: &Root, node: &Node) -> Result<(), (NodePart
     }
     if let Some(mesh) = node.mesh {
         in_range("mesh", mesh.value(), root.meshes.len()).map_err(of(NodePart::Mesh))?;
-        let targets = root.meshes.get(mesh.value()).map_or(0, meshes::target_count);
-        meshes::check_weights(node.weights.as_deref(), targets).map_err(of(NodePart::Weights))?;
     }
     let light =
         node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());

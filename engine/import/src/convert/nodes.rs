@@ -9,7 +9,7 @@ use gltf::json::validation::Checked;
 use super::numbers::rotation;
 use crate::error::quoted;
 use crate::notes::Notes;
-use crate::reach::{roots_without_scene, shown_scene};
+use crate::reach::shown_scene;
 use crate::{Cause, ImportError, Source};
 
 /// The nodes of the scene that is shown: depth first, so that all that is below a node follows it.
@@ -36,8 +36,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Returns the scene that the file names, else its first one, else all nodes without a parent.
-    /// The names of its nodes are taken out of the file.
+    /// Returns the scene that is shown. The names of its nodes are taken out of the file.
     ///
     /// # Errors
     /// Nodes that are their own ancestors.
@@ -121,7 +120,7 @@ fn rig_of(nodes: Vec<RigNode>, source: &Source) -> Result<Rig, ImportError> {
 }
 
 fn roots(json: &json::Root, notes: &mut Notes) -> Vec<usize> {
-    let Some(chosen) = shown_scene(json) else { return roots_without_scene(json) };
+    let Some(chosen) = shown_scene(json) else { return Vec::new() };
     if json.scenes.len() > 1 {
         notes.say(format!("of {} scenes, only scene {chosen} is shown", json.scenes.len()));
     }

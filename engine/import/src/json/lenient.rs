@@ -101,35 +101,41 @@ impl Lists<'_> {
         for (index, mut value) in list.into_iter().enumerate() {
             prepare(index, &mut value);
             let element = kind.at(index);
-            elements.push(read(value, element).or_else(|fault| self.blank(element, fault))?);
+            let read = read(&mut value, element);
+            elements.push(read.or_else(|fault| self.hold(element, fault, &value))?);
         }
         Ok(elements)
     }
 
-    /// Returns the blank for an element that cannot be read.
+    /// Holds the fault of an element that cannot be read, and returns the blank for it.
     ///
     /// # Errors
     /// The fault, after too many others.
-    fn blank<T: Blank>(&mut self, element: Element, fault: Fault) -> Result<T, Fault> {
+    fn hold<T: Blank>(
+        &mut self,
+        element: Element,
+        fault: Fault,
+        given: &Value,
+    ) -> Result<T, Fault> {
         if self.faults.len() == MOST_FAULTS {
             return Err(fault);
         }
         self.faults.push((element, fault));
-        Ok(T::blank())
+        Ok(T::unreadable(given))
     }
 }
 
-fn read<T: DeserializeOwned>(mut value: Value, element: Element) -> Result<T, Fault> {
+fn read<T: DeserializeOwned>(value: &mut Value, element: Element) -> Result<T, Fault> {
     if value.is_array() {
         let reason = Reason::malformed("it must be an object, and is a list");
         return Err(reason.of(element.to_string()));
     }
-    make_whole(&mut value);
-    wide::check(&value).and_then(|()| lists::check(&value)).map_err(|fault| {
+    make_whole(value);
+    wide::check(value).and_then(|()| lists::check(value)).map_err(|fault| {
         let (key, reason) = fault.into_parts();
         Reason::malformed(reason).of(format!("{element}, {key}"))
     })?;
-    serde_path_to_error::deserialize(value).map_err(|error| {
+    serde_path_to_error::deserialize(&*value).map_err(|error| {
         let object = object_name(element.to_string(), error.path().iter());
         Reason::malformed(words::sentence(&error.into_inner().to_string())).of(object)
     })

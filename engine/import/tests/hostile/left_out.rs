@@ -252,3 +252,88 @@ fn what_no_camera_can_show_is_told() {
     assert!(texts.contains("its light is under a scale of 0"), "{texts}");
     assert!(texts.contains("\"camera 0\": it is under a scale of 0"), "{texts}");
 }
+
+/// Returns a triangle in a file without scenes, with these nodes and one more that shows it.
+fn without_scenes(mut nodes: Vec<Value>) -> GltfFile {
+    let mut scene = GltfFile::triangle();
+    scene.remove("/scene");
+    scene.remove("/scenes");
+    nodes.push(json!({ "mesh": 0 }));
+    scene.set("/nodes", json!(nodes));
+    scene
+}
+
+// What a broken node drops has no parent then, which is how files without scenes mark their roots.
+#[test]
+fn what_is_below_a_broken_node_does_not_become_a_root() {
+    let broken = json!({ "translation": [1e39, 0, 0], "children": [1] });
+    let unreadable = json!({ "name": 5, "children": [1.0, "far", -1] });
+    let place = [1e39, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    let below = [
+        json!({ "mesh": 0 }),
+        json!({ "mesh": 99 }),
+        json!({ "mesh": 0, "matrix": place }),
+        json!({ "mesh": 0, "skin": 9, "camera": 9 }),
+        // A child that is shown below another node, too.
+        json!({ "mesh": 0, "children": [2] }),
+    ];
+    for top in [broken, unreadable] {
+        for below in &below {
+            let adopts = json!({ "children": [2] });
+            let file = without_scenes(vec![top.clone(), below.clone(), json!({}), adopts]);
+            let (imported, texts) = load(&file);
+            let context = format!("{top} {below}: {texts:?}");
+            gltf_files::loaded::check(&imported);
+            assert_eq!(imported.scene.objects.len(), 1, "{context}");
+            assert_eq!(imported.rig.nodes().len(), 4, "{context}");
+            let told = |text: &String| {
+                text.starts_with("node 0") && text.ends_with("it is left out with all below it")
+            };
+            assert_eq!(texts.iter().filter(|text| told(text)).count(), 1, "{context}");
+            let source = read(file.glb(), None, &LoadOptions::default());
+            let json = source.unwrap_or_else(|error| panic!("{error}")).document.into_json();
+            assert_eq!(json.nodes.len(), 5);
+            for node in &json.nodes[..2] {
+                assert!(node.children.iter().flatten().next().is_none(), "{context}");
+                assert!(node.mesh.is_none() && node.skin.is_none(), "{context}");
+                assert!(node.camera.is_none() && node.matrix.is_none(), "{context}");
+            }
+        }
+    }
+}
+
+// Primitives that are left out do not say how many weights a node must have.
+#[test]
+fn weights_of_nodes_fit_the_primitives_that_are_shown() {
+    let mut file = GltfFile::triangle();
+    let shown = json!({ "attributes": { "POSITION": 0 }, "targets": [{ "POSITION": 0 }] });
+    let mut broken = shown.clone();
+    broken["attributes"]["POSITION"] = json!(1);
+    broken["targets"] = json!([{ "POSITION": 0 }, { "POSITION": 0 }]);
+    file.set("/meshes/0/primitives", json!([broken, shown]));
+    for (weights, kept) in [(json!([0.5, 0.5]), 0.0), (json!([0.5]), 0.5)] {
+        file.set("/nodes/0/weights", weights);
+        let (imported, texts) = load(&file);
+        gltf_files::loaded::check(&imported);
+        assert_eq!(imported.rig.nodes()[0].weights, [kept], "{texts:?}");
+        assert!(!imported.scene.objects.is_empty(), "{texts:?}");
+        let ignored = "node 0: it has 2 weights for 1 morph target; they are ignored";
+        assert_eq!(texts.iter().any(|text| text == ignored), kept == 0.0, "{texts:?}");
+        assert_eq!(texts.len(), if kept == 0.0 { 2 } else { 1 }, "{texts:?}");
+    }
+    // A mesh that cannot be read takes its nodes' weights with it.
+    file.set("/meshes/1", json!({ "primitives": 5 }));
+    file.push("nodes", json!({ "mesh": 1, "weights": [0.5] }));
+    file.set("/scenes/0/nodes", json!([0, 1]));
+    let texts = load(&file).1;
+    assert!(!texts.iter().any(|text| text.contains("node 1")), "{texts:?}");
+}
+
+#[test]
+fn clips_lose_the_weights_of_nodes_that_are_left_out() {
+    let mut scene = everything();
+    scene.set("/nodes/1/scale", json!([1e39, 1, 1]));
+    let texts = load(&scene).1;
+    assert!(texts[0].starts_with("node 1: its scale is"), "{texts:?}");
+    assert!(!texts.iter().any(|text| text.contains("morph targets")), "{texts:?}");
+}
