@@ -25,10 +25,12 @@ pub struct ClipPoint {
     pub z: f64,
 }
 
-/// A triangle whose shares of a point are linear in normalised device coordinates, over w.
+/// A triangle.
 struct Triangle {
-    shares_over_w: DMat3,
-    z: DVec3,
+    /// The share of each corner in a point, over w: what it is in the middle of the image, and how
+    /// it grows to the right and down.
+    shares_over_w: [[f64; 3]; 3],
+    z: [f64; 3],
 }
 
 impl ClipBox {
@@ -76,15 +78,23 @@ impl Triangle {
             DVec3::new(b.x, b.y, b.w),
             DVec3::new(c.x, c.y, c.w),
         );
-        let shares_over_w = xyw.inverse();
-        let is_seen = xyw.determinant() != 0.0 && shares_over_w.is_finite();
-        is_seen.then_some(Self { shares_over_w, z: DVec3::new(a.z, b.z, c.z) })
+        let inverse = xyw.inverse();
+        let is_seen = xyw.determinant() != 0.0 && inverse.is_finite();
+        let shares_over_w = inverse.transpose().to_cols_array_2d().map(|[x, y, w]| [w, x, y]);
+        is_seen.then_some(Self { shares_over_w, z: [a.z, b.z, c.z] })
     }
 
     fn point(&self, ndc: DVec2) -> Option<ClipPoint> {
-        let shares = self.shares_over_w * ndc.extend(1.0);
-        let over_w = shares.element_sum();
-        let is_inside = shares.cmpge(DVec3::ZERO).all() && over_w > 0.0;
-        is_inside.then(|| ClipPoint { w: over_w.recip(), z: shares.dot(self.z) / over_w })
+        let mut over_w = 0.0;
+        let mut z_over_w = 0.0;
+        for ([middle, right, down], z) in self.shares_over_w.iter().zip(&self.z) {
+            let share = middle + right * ndc.x + down * ndc.y;
+            if share < 0.0 {
+                return None;
+            }
+            over_w += share;
+            z_over_w += share * z;
+        }
+        (over_w > 0.0).then(|| ClipPoint { w: over_w.recip(), z: z_over_w / over_w })
     }
 }
