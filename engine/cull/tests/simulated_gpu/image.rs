@@ -77,6 +77,7 @@ fn cast(
     let Some([columns, rows]) = rectangle(size, clip_box) else {
         return;
     };
+    let seed = seed_of(bounds);
     let range = signed(view, view.depth.farthest())..=signed(view, view.depth.nearest());
     for row in rows {
         let down = (f64::from(row) + 0.5 + shift[1]) / f64::from(size[1]) * 2.0 - 1.0;
@@ -84,7 +85,7 @@ fn cast(
             let across = (f64::from(column) + 0.5 + shift[0]) / f64::from(size[0]) * 2.0 - 1.0;
             let pixel = (row * size[0] + column) as usize;
             let depth = |point: ClipPoint| {
-                let noise = noise(bounds, pixel) * terms(view, point);
+                let noise = noise(seed, pixel) * terms(view, point);
                 signed(view, ((point.z + noise) / point.w) as f32)
             };
             let depths = clip_box.points(DVec2::new(across, down)).map(depth);
@@ -105,14 +106,22 @@ fn terms(view: &View, clip: ClipPoint) -> f64 {
     constant.abs() + (clip.z - constant).abs()
 }
 
-/// Returns an error of rounding, up to four units in the last place, that a box has at a pixel.
-fn noise(bounds: &Aabb, pixel: usize) -> f64 {
-    let seed = bounds.min.to_array().into_iter().chain(bounds.max.to_array());
-    let hash = seed.fold(pixel as u64, |hash, coordinate| {
-        (hash ^ u64::from(coordinate.to_bits())).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29)
-    });
+/// Returns a number that differs from box to box.
+fn seed_of(bounds: &Aabb) -> u64 {
+    let coordinates = bounds.min.to_array().into_iter().chain(bounds.max.to_array());
+    coordinates.fold(0, |hash, coordinate| mixed(hash ^ u64::from(coordinate.to_bits())))
+}
+
+/// Returns an error of rounding, up to four units in the last place, that the box of a seed has at
+/// a pixel.
+fn noise(seed: u64, pixel: usize) -> f64 {
+    let hash = mixed(seed ^ pixel as u64);
     let share = (hash >> 40) as f64 / (1_u64 << 24) as f64;
     (share * 2.0 - 1.0) * 4.0 * f64::from(f32::EPSILON)
+}
+
+fn mixed(number: u64) -> u64 {
+    number.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29)
 }
 
 /// Returns the pixels that a box can touch, with some to spare; `None` if it is behind the eye.
