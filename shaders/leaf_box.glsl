@@ -16,8 +16,8 @@ vec4 leaf_box_vertex(Box box, mat4 view_proj, vec4 eye, vec4 row_w, vec2 margin,
     // At the farthest corner.
     float w = dot(row_w.xyz, centre - eye.xyz) + row_w.w + dot(abs(row_w.xyz), half_extent);
     vec3 largest = max(abs(box.low.xyz), abs(box.high.xyz));
-    // 16 times the rounding of a coordinate, as on the CPU.
-    float slack = max(1.9073486e-6 * max(largest.x, max(largest.y, largest.z)), margin.y);
+    // 32 times the rounding of a coordinate, as on the CPU.
+    float slack = max(3.8146973e-6 * max(largest.x, max(largest.y, largest.z)), margin.y);
     float distance = CAUTION * (margin.x * w + slack);
     return box_vertex(box.low.xyz - distance, box.high.xyz + distance, eye, view_proj, vertex);
 }

@@ -369,6 +369,27 @@ fn growing_rebuilds_a_bounded_part_and_stays_shallow() {
 }
 
 #[test]
+fn free_leaves_are_used_before_the_hierarchy_grows() {
+    let mut boxes = grid(4_000);
+    let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+    for object in 0..900 {
+        hierarchy.remove(ObjectId(object * 4)).unwrap();
+        boxes[object as usize * 4] = Aabb::EMPTY;
+    }
+    let new: Vec<Aabb> = grid(901).iter().map(|bounds| lifted(bounds, 3.0)).collect();
+    let (mut added, mut reordered) = (Vec::new(), Vec::new());
+    hierarchy.insert_all(&new, &mut added, &mut reordered).unwrap();
+    assert_eq!(hierarchy.leaf_objects().len(), 4_000 + 1 + 4_000 / 16);
+    assert_eq!((added.len(), reordered.len()), (901, 1));
+    boxes.resize(hierarchy.leaf_objects().len(), Aabb::EMPTY);
+    for (object, bounds) in added.iter().zip(new) {
+        assert!(boxes[object.0 as usize].is_empty());
+        boxes[object.0 as usize] = bounds;
+    }
+    check(&hierarchy, &boxes);
+}
+
+#[test]
 fn nothing_is_changed_by_an_insertion_that_is_refused() {
     let boxes = grid(20);
     let mut hierarchy = Hierarchy::build(&boxes).unwrap();

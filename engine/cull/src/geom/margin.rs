@@ -29,14 +29,46 @@
 //! # Rounding
 //! A quarter of a pixel on top pays for the rounding of a depth that is reversed and infinite: `q`
 //! is nearer than `p` by about that much of a footprint, some ten thousandths of `w`, and a 32-bit
-//! depth resolves ten millionths. The last term pays for coordinates far from the origin.
+//! depth resolves ten millionths.
+//!
+//! The last term pays for coordinates far from the origin of the world, by the largest coordinate
+//! `C` of the box and of the eye. Objects and proxies have a matrix each. Shaders of objects
+//! multiply [`View::from_anchor`](crate::View::from_anchor) with positions relative to the anchor,
+//! which lies at the eye or near it. Shaders of proxies multiply
+//! [`View::proxy_view_proj`](crate::View::proxy_view_proj) with coordinates of the world. The
+//! columns of both but the last are the same. The last, the translation, is almost exact in the one
+//! and rounded in the other, and nothing of that error cancels: the errors of both paths add up.
+//!
+//! An error of clip x, y and w shifts a vertex along the rows of the matrix, by a distance that
+//! does not depend on the angle of view. Depth that is reversed and infinite has a constant clip z
+//! and follows w. Let `u = eps / 2`, and for rows of unit length let `s(v)` be the sum of the
+//! absolute products of a row's and `v`'s coordinates. For an eye `e`, a vertex `p` and `d = p - e`
+//! each row is wrong by at most
+//!
+//! - `5 u s(e)` by the proxy's translation: its coefficients, three products, two sums, and the
+//!   product with the projection's scale. A host's matrix is right by definition;
+//! - `3 u s(p) + u s(d)` by the proxy's shader: products, two sums, and the sum with the
+//!   translation;
+//! - `4 u s(d)` by the object's shader: the difference from the anchor, products and two sums.
+//!
+//! Over three orthogonal rows the vector of `s(v)` is no longer than 2.9 times the largest
+//! coordinate of `v`. So the shift is at most `12 eps C` where `d` is small beside `C`, and `26 eps
+//! C` where eye and vertex lie on opposite sides of the origin; `29 eps C` if the shader of the
+//! proxy begins its sum with the translation. The rounding of the corners of the enlarged box adds
+//! less than `eps C`. So does that of the object's box on the CPU, and that of an eye that lies
+//! between the numbers of single precision, by a host's matrix or an [`Anchor`](crate::Anchor). All
+//! together stays below `32 eps C`: a term of `16 eps C` for each of two paths. Rows that are not
+//! orthogonal have a larger [`Rays::coordinate`].
 //!
 //! Other depths are a sum `a + b / w`, or `a + b * view depth` without perspective, and lose digits
 //! to the constant `a`. No distance in the world pays for that. So proxies are moved towards the
 //! eye by a bound on this rounding, by the matrix that they are drawn with
 //! ([`View::proxy_view_proj`](crate::View::proxy_view_proj)): `|a| * 2^-19`, and `2^-19` of what
-//! `a` times a coordinate of the eye adds to the clip coordinate z. Rounding to a depth buffer with
-//! fewer bits keeps the order of depths.
+//! `a` times a coordinate of the eye adds to the clip coordinate z: `16 eps` of each. The shifts
+//! above cancel but for the errors of z and of `a w`. In perspective only a host's matrix has such
+//! an `a`, so these are `6 u a s(e) / w` by the shader of the proxy, as much by that of an object
+//! which is drawn with the same matrix, and what is relative to `d`: less than `11 eps a C / w`,
+//! and some `eps a`. Rounding to a depth buffer with fewer bits keeps the order of depths.
 //!
 //! # The near plane
 //! Only front faces of proxies are drawn. A proxy that reaches before the near plane would lose
@@ -106,7 +138,7 @@ impl Margin {
     /// and the least distance anywhere (metres).
     #[must_use]
     pub fn metres(&self) -> [f32; 2] {
-        [self.pixels * self.pixel[1], ROUNDING * self.coordinate]
+        [self.pixels * self.pixel[1], PATHS * ROUNDING * self.coordinate]
     }
 
     /// Returns the shortest shift by one pixel at a view depth (metres).
@@ -134,7 +166,7 @@ impl Margin {
     pub(crate) fn distance_m(&self, bounds: &Aabb) -> f32 {
         let [depth, reach] = self.depth_and_reach(bounds);
         let farthest = (depth + reach).max(self.near);
-        let slack = rounding(bounds, self.coordinate);
+        let slack = PATHS * rounding(bounds, self.coordinate);
         self.pixels * self.pixel[1] * self.kind.w(farthest) + slack
     }
 
@@ -155,7 +187,11 @@ impl Margin {
     }
 }
 
-/// A bound on the rounding error of single precision, relative to the largest coordinate.
+/// Paths of single precision to clip space, of an object and of its proxy, that share no matrix.
+const PATHS: f32 = 2.0;
+
+/// A bound on the rounding error of single precision on one path, relative to the largest
+/// coordinate.
 const ROUNDING: f32 = 16.0 * f32::EPSILON;
 
 /// Returns a bound on the rounding error of single precision where `bounds` is seen by a view whose

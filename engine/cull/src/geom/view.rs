@@ -12,8 +12,8 @@ use crate::geom::rays::{ProjectionKind, Rays};
 /// One frame's view: the matrix that draws and the volumes that cull, from the same numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// World to Vulkan clip space: y down, depth from 0 to 1. Shaders of proxies and of hosts use
-    /// it as it is.
+    /// World to Vulkan clip space: y down, depth from 0 to 1. Shaders of hosts use it as it is;
+    /// those of proxies use [`View::proxy_view_proj`], which is made from it.
     pub view_proj: Mat4,
     /// The point of the world that shaders of objects take positions relative to, near the eye
     /// (metres): what is subtracted first loses nothing to large coordinates.

@@ -105,7 +105,8 @@ pub(super) fn check_capacity(count: usize) -> Result<(), HierarchyError> {
     check_memory(count)
 }
 
-fn check_count(count: usize) -> Result<(), HierarchyError> {
+/// Refuses more objects than a hierarchy holds.
+pub(super) fn check_count(count: usize) -> Result<(), HierarchyError> {
     if count > MAX_OBJECTS {
         return Err(HierarchyError::TooMany { count });
     }
@@ -114,7 +115,7 @@ fn check_count(count: usize) -> Result<(), HierarchyError> {
 
 /// Allocates all the memory at once, and frees it: an allocation that fails in the middle of the
 /// build would end the program.
-fn check_memory(count: usize) -> Result<(), HierarchyError> {
+pub(super) fn check_memory(count: usize) -> Result<(), HierarchyError> {
     let size_bytes = count.saturating_mul(BUILD_BYTES_PER_OBJECT);
     let asked = Vec::<u8>::new().try_reserve_exact(size_bytes);
     asked.map_err(|_| HierarchyError::NoMemory { count, size_bytes })

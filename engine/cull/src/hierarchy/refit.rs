@@ -1,5 +1,7 @@
 //! Moves boxes in a hierarchy whose shape stays: only ancestors of moved leaves are touched.
 
+use std::collections::TryReserveError;
+
 use super::box_log::{BoxChange, BoxLog};
 use super::error::{HierarchyError, check};
 use super::topology::{NO_NODE, Topology};
@@ -27,6 +29,16 @@ impl Nodes {
         }
         nodes.build(topology, 0);
         nodes
+    }
+
+    /// Memory of each node (bytes).
+    pub(super) const BYTES: usize = size_of::<Aabb>() + size_of::<u32>() + Wear::BYTES;
+
+    /// Reserves memory for [`Nodes::add`].
+    pub(super) fn try_reserve(&mut self, count: usize) -> Result<(), TryReserveError> {
+        self.bounds.try_reserve_exact(count)?;
+        self.free.try_reserve_exact(count)?;
+        self.wear.try_reserve(count)
     }
 
     /// Adds nodes without objects.

@@ -1,5 +1,7 @@
 //! The shape of a hierarchy without its boxes: links between nodes in depth-first pre-order.
 
+use std::collections::TryReserveError;
+
 use crate::ids::ObjectId;
 
 /// The parent of the root.
@@ -92,6 +94,17 @@ impl Topology {
             topology.nodes[parent as usize].leaf_count += leaf_count;
         }
         topology
+    }
+
+    /// Memory of each leaf and its two nodes (bytes).
+    pub(crate) const BYTES_PER_LEAF: usize =
+        2 * size_of::<Links>() + size_of::<ObjectId>() + size_of::<u32>();
+
+    /// Reserves memory for [`Topology::add_leaves`].
+    pub(crate) fn try_reserve(&mut self, leaves: usize) -> Result<(), TryReserveError> {
+        self.nodes.try_reserve_exact(2 * leaves)?;
+        self.leaf_objects.try_reserve_exact(leaves)?;
+        self.object_nodes.try_reserve_exact(leaves)
     }
 
     /// Makes places for more leaves and their nodes, which mean nothing yet.

@@ -6,6 +6,8 @@
 //! or one of them leaves. A subtree is worn when its cost is well above the cost after its last
 //! build.
 
+use std::collections::TryReserveError;
+
 use crate::geom::bounds::Aabb;
 
 /// The factor by which a cost may grow before the subtree counts as worn. Boxes of moving objects
@@ -40,6 +42,15 @@ impl Wear {
     /// [reset](Wear::reset).
     pub(super) fn new(nodes: usize) -> Self {
         Self { areas: vec![0.0; nodes], built: vec![0.0; nodes] }
+    }
+
+    /// Memory of each node (bytes).
+    pub(super) const BYTES: usize = 2 * size_of::<f32>();
+
+    /// Reserves memory for [`Wear::add`].
+    pub(super) fn try_reserve(&mut self, nodes: usize) -> Result<(), TryReserveError> {
+        self.areas.try_reserve_exact(nodes)?;
+        self.built.try_reserve_exact(nodes)
     }
 
     /// Adds nodes as in [`Wear::new`].

@@ -9,7 +9,7 @@ use crate::device::{Device, Mishaps, Solids};
 use crate::image::Image;
 use crate::invariants;
 use crate::random::Random;
-use crate::scene::{Lens, PATHS, Path, Scene};
+use crate::scene::{Lens, PATHS, Path, Place, Scene};
 
 const SCENES: u64 = 1_500;
 const FRAMES: u64 = 24;
@@ -31,7 +31,9 @@ struct World {
     random: Random,
     scene: Scene,
     hierarchy: Hierarchy,
+    /// The camera at the origin; it is seen from the place.
     camera: Camera,
+    place: Place,
     lens: Lens,
     path: Path,
     sub_pixel_bits: u32,
@@ -52,6 +54,7 @@ impl World {
             hierarchy: Hierarchy::build(&scene.bounds).unwrap(),
             lens: Lens::random(&mut random, &mut camera),
             camera,
+            place: Place::HERE,
             path: PATHS[random.below(PATHS.len())],
             sub_pixel_bits,
             budget: [0, 3, 12, 10_000, 10_000, 10_000][random.below(6)],
@@ -60,6 +63,24 @@ impl World {
             is_extreme: false,
             scene,
             random,
+        }
+    }
+
+    /// Returns the world of a seed at a random place with this largest coordinate (metres), scaled.
+    fn far(seed: u64, coordinate: f32, scale: f32) -> Self {
+        let mut world = Self::new(seed);
+        let towards = world.random.point(-1.0, 1.0);
+        let origin = towards / towards.abs().max_element() * coordinate;
+        let place = Place { origin, scale };
+        let scene = world.scene.placed(place);
+        Self {
+            hierarchy: Hierarchy::build(&scene.bounds).unwrap(),
+            scene,
+            place,
+            lens: world.lens.scaled(scale),
+            camera: Camera { near: world.camera.near.max(0.1), ..world.camera },
+            moving: false,
+            ..world
         }
     }
 
@@ -119,7 +140,7 @@ impl World {
         if self.rebuilding && frame % 6 == 5 {
             self.hierarchy.rebuild(&self.scene.bounds).unwrap();
         }
-        self.lens.view(&self.camera, frame, SIZE, self.sub_pixel_bits)
+        self.lens.view(&self.place.camera(&self.camera), frame, SIZE, self.sub_pixel_bits)
     }
 
     fn solids(&self) -> Solids<'_> {
@@ -333,6 +354,20 @@ fn nothing_visible_is_ever_missing() {
     assert!(checked.visible_boxes > checked.frames / 10, "hardly a visible box was tested");
     let [frustum, ours] = checked.drawn;
     assert!(ours * 20 < frustum * 19, "nothing was culled: {ours} of {frustum}");
+}
+
+/// Checks what the margin pays for the coordinates of the world: objects and proxies are drawn by a
+/// matrix each.
+#[test]
+fn nothing_visible_is_missing_far_from_the_origin() {
+    for (coordinate, scale) in [(1.0e5, 10.0), (1.0e7, 1.0e3)] {
+        let mut checked = Checked::default();
+        for seed in 0..80 {
+            checked = checked.and(verify_world(seed, World::far(seed, coordinate, scale)));
+        }
+        let [frustum, ours] = checked.drawn;
+        assert!(ours * 20 < frustum * 19, "{coordinate}: culled to {ours} of {frustum}");
+    }
 }
 
 #[test]

@@ -119,8 +119,7 @@ fn meets_frustum(hierarchy: &Hierarchy, view: &View, leaf: usize) -> bool {
     if bounds.is_empty() {
         return false;
     }
-    let matrix = view.view_proj.as_dmat4();
-    let corners = bounds.corners().map(|corner| matrix * corner.as_dvec3().extend(1.0));
+    let corners = bounds.corners().map(|corner| view.clip(corner));
     let reaches = |plane: fn(DVec4) -> f64| {
         corners.iter().any(|corner| plane(*corner) > 1e-9 * corner.abs().max_element())
     };

@@ -26,6 +26,7 @@ mod optics;
 mod projections;
 mod query_shares;
 mod random;
+mod raster;
 mod recycling;
 mod rest;
 mod scene;

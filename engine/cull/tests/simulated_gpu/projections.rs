@@ -3,10 +3,12 @@
 use antumbra_cull::{
     Aabb, Camera, ClipY, Containment, DepthConvention, PlaneMask, Projection, View,
 };
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec4, Vec2, Vec3};
 use proptest::prelude::*;
 
 use crate::optics::Optics;
+use crate::random::Random;
+use crate::raster::ClipBox;
 
 /// Returns a view of any kind, and a direction of sight that is none of the axes.
 fn view() -> impl Strategy<Value = View> {
@@ -63,16 +65,25 @@ fn small_box() -> impl Strategy<Value = Aabb> {
     )
 }
 
-/// Returns the position of a point on the screen (pixels), in 64 bits.
-fn project(view: &View, point: DVec3) -> DVec2 {
-    let clip = view.view_proj.as_dmat4() * point.extend(1.0);
-    let half = DVec2::new(view.size[0].into(), view.size[1].into()) * 0.5;
-    (clip.truncate().truncate() / clip.w + 1.0) * half
+/// Returns the clip coordinates of a point of an object, as its shader computes them.
+fn clip(view: &View, point: Vec3) -> DVec4 {
+    (view.from_anchor * (point - view.anchor).extend(1.0)).as_dvec4()
 }
 
-/// Returns the depth of a point as a rasteriser stores it, larger ones nearer.
-fn depth(view: &View, point: DVec3) -> f64 {
-    let clip = view.view_proj.as_dmat4() * point.extend(1.0);
+/// Returns half of the image's size (pixels).
+fn half_size(view: &View) -> DVec2 {
+    DVec2::new(view.size[0].into(), view.size[1].into()) * 0.5
+}
+
+/// Returns the position of a point of an object on the screen (pixels).
+fn project(view: &View, point: Vec3) -> DVec2 {
+    let clip = clip(view, point);
+    (clip.truncate().truncate() / clip.w + 1.0) * half_size(view)
+}
+
+/// Returns the depth of a point of an object as a rasteriser stores it, larger ones nearer.
+fn depth(view: &View, point: Vec3) -> f64 {
+    let clip = clip(view, point);
     clip.z / clip.w * f64::from(view.depth.sign())
 }
 
@@ -81,16 +92,11 @@ fn near_depth(view: &View) -> f64 {
     f64::from(view.depth.nearest() * view.depth.sign())
 }
 
-/// Returns the point where the ray of a screen position enters a box, if it does.
-fn enters(view: &View, bounds: &Aabb, position: DVec2) -> Option<DVec3> {
-    let half = DVec2::new(view.size[0].into(), view.size[1].into()) * 0.5;
-    let inverse = view.view_proj.as_dmat4().inverse();
-    let at = |depth: f32| inverse.project_point3((position / half - 1.0).extend(depth.into()));
-    let start = at(view.depth.nearest());
-    let ray = at(0.5) - start;
-    let (a, b) = ((bounds.min.as_dvec3() - start) / ray, (bounds.max.as_dvec3() - start) / ray);
-    let (first, last) = (a.min(b).max_element(), a.max(b).min_element());
-    (first <= last).then_some(start + ray * first)
+/// Returns the depth of a proxy at a position on the screen, larger ones nearer.
+fn proxy_depth(view: &View, proxy: &Aabb, position: DVec2) -> Option<f64> {
+    let clip_box = ClipBox::of_proxy(view, proxy);
+    let points = clip_box.points(position / half_size(view) - 1.0);
+    points.map(|point| point.z / point.w * f64::from(view.depth.sign())).reduce(f64::max)
 }
 
 /// Returns a point on the screen: its position (0 to 1 from the upper left) and its view depth
@@ -113,6 +119,51 @@ fn reach() -> impl Strategy<Value = [[f32; 3]; 2]> {
 fn around(point: Vec3, [low, high]: [[f32; 3]; 2], scale: f32) -> Aabb {
     let [low, high] = [low, high].map(|reach| Vec3::from_array(reach) * scale);
     Aabb::new(point - low, point + high)
+}
+
+/// Returns true if a proxy is drawn where a corner of its object is, and is no deeper.
+fn covers(view: &View, corner: Vec3, proxy: &Aabb) -> bool {
+    let there = proxy_depth(view, proxy, project(view, corner));
+    there.is_some_and(|there| there >= depth(view, corner))
+}
+
+/// Checks that a proxy covers its object where both are drawn by their own matrix, and that it would
+/// not without the term for coordinates, in a world at the origin and far from it.
+#[test]
+fn proxies_cover_objects_whose_matrix_is_another() {
+    for (coordinate, scale, lost_min) in [(0.0, 1.0, 0), (1.0e5, 1.0, 2_000), (1.0e7, 100.0, 2_000)]
+    {
+        let mut random = Random::new(3);
+        let mut checked = 0;
+        let mut lost_without = 0;
+        for round in 0..4_000 {
+            let towards = random.point(-1.0, 1.0);
+            let camera = Camera {
+                eye: towards / towards.abs().max_element() * coordinate,
+                forward: random.point(-1.0, 1.0),
+                up: Vec3::Y,
+                projection: Projection::perspective(random.between(0.2, 2.0)),
+                near: 0.1 * scale,
+            };
+            let view = View::new(&camera, [1280, 720], 8);
+            let ndc = random.point(-1.0, 1.0).truncate();
+            let middle = view.rays.point(ndc, random.between(3.0, 30.0) * scale);
+            let half = random.point(0.1, 2.0) * scale;
+            let bounds = Aabb::new(middle - half, middle + half);
+            let Some(proxy) = view.margin.proxy(&bounds) else { continue };
+            let depths_m = bounds.corners().map(|corner| view.rays.depth_m(corner));
+            let farthest_m = depths_m.into_iter().fold(0.0, f32::max);
+            let [per_w, _] = view.margin.metres();
+            let without = bounds.enlarged(per_w * farthest_m);
+            for corner in bounds.corners() {
+                checked += 1;
+                assert!(covers(&view, corner, &proxy), "{round}: {camera:?} {bounds:?}");
+                lost_without += u32::from(!covers(&view, corner, &without));
+            }
+        }
+        println!("{coordinate} m: {lost_without} of {checked} corners need the term");
+        assert!(checked > 5_000 && lost_without >= lost_min, "{lost_without} of {checked}");
+    }
 }
 
 proptest! {
@@ -148,8 +199,8 @@ proptest! {
         }
         let size = DVec2::new(view.size[0].into(), view.size[1].into());
         for corner in bounds.corners() {
-            let pixel = project(&view, corner.as_dvec3());
-            prop_assert!(depth(&view, corner.as_dvec3()) < near_depth(&view) + 1.0e-3);
+            let pixel = project(&view, corner);
+            prop_assert!(depth(&view, corner) < near_depth(&view) + 1.0e-3);
             prop_assert!(pixel.cmpge(DVec2::splat(-0.01)).all());
             prop_assert!(pixel.cmple(size + 0.01).all());
         }
@@ -177,20 +228,18 @@ proptest! {
         at[onto] = at[onto].round();
         let point = bounds.min + (bounds.max - bounds.min) * at;
         let point = point.clamp(bounds.min, bounds.max);
-        let pixel = project(&view, point.as_dvec3());
+        let pixel = project(&view, point);
         let step = std::f64::consts::SQRT_2 * 0.5_f64.powi(bits);
         let sample = angles
             .iter()
             .fold(pixel, |position, angle| position + DVec2::from_angle(*angle) * step);
-        let entry = enters(&view, &proxy, sample);
-        prop_assert!(entry.is_some(), "{:?} at {} missed by {:?}", point, sample, proxy);
-        let entry = entry.unwrap();
-        let drawn = View { view_proj: view.proxy_view_proj(), ..view };
-        let nearer = depth(&drawn, entry);
+        let nearer = proxy_depth(&view, &proxy, sample);
+        prop_assert!(nearer.is_some(), "{:?} at {} missed by {:?}", point, sample, proxy);
+        let nearer = nearer.unwrap();
         prop_assert!(nearer <= near_depth(&view), "the near plane cuts the proxy");
         // Four units in the last place, of both.
         let constant = f64::from(view.rays.depth[0]);
-        let own = depth(&view, point.as_dvec3());
+        let own = depth(&view, point);
         let terms = constant.abs() + (own * f64::from(view.depth.sign()) - constant).abs();
         let rounding = 8.0 * f64::from(f32::EPSILON) * terms;
         prop_assert!(nearer >= own + rounding, "{nearer} {own} {rounding}");

@@ -32,6 +32,12 @@ impl Scene {
         Self { bounds, solids, shifts }
     }
 
+    /// Returns the scene at a place.
+    pub fn placed(self, place: Place) -> Self {
+        let all = |boxes: Vec<Aabb>| boxes.iter().map(|bounds| place.bounds(bounds)).collect();
+        Self { bounds: all(self.bounds), solids: all(self.solids), shifts: self.shifts }
+    }
+
     /// Creates a scene of solids that fill their bounding boxes, not shifted.
     pub fn solid(bounds: Vec<Aabb>) -> Self {
         Self { solids: bounds.clone(), shifts: vec![[0.0; 2]; bounds.len()], bounds }
@@ -45,6 +51,40 @@ impl Scene {
             *bounds = Aabb::new(bounds.min + offset, bounds.max + offset);
         }
         object
+    }
+}
+
+/// A place in the world, and the size of what lies there.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// What the origin of a scene becomes (metres).
+    pub origin: Vec3,
+    /// What a metre of a scene becomes (metres).
+    pub scale: f32,
+}
+
+impl Place {
+    /// The origin, with everything as large as it is.
+    pub const HERE: Self = Self { origin: Vec3::ZERO, scale: 1.0 };
+
+    pub fn bounds(&self, bounds: &Aabb) -> Aabb {
+        let [min, max] = [bounds.min, bounds.max].map(|corner| corner * self.scale + self.origin);
+        Aabb::new(min, max)
+    }
+
+    pub fn camera(&self, camera: &Camera) -> Camera {
+        let projection = match camera.projection {
+            Projection::Orthographic { height, far } => {
+                Projection::Orthographic { height: height * self.scale, far: far * self.scale }
+            }
+            perspective @ Projection::Perspective { .. } => perspective,
+        };
+        Camera {
+            eye: camera.eye * self.scale + self.origin,
+            near: camera.near * self.scale,
+            projection,
+            ..*camera
+        }
     }
 }
 
@@ -188,6 +228,16 @@ impl Lens {
             jitter: [0.0, 0.7][random.below(2)],
             scale: [1.0, random.between(0.1, 10.0)][random.below(2)],
         })
+    }
+
+    /// Returns the same for a scene of another size.
+    pub fn scaled(self, scale: f32) -> Self {
+        match self {
+            Self::Camera => Self::Camera,
+            Self::Matrix(optics) => {
+                Self::Matrix(Optics { far: optics.far.map(|far| far * scale), ..optics })
+            }
+        }
     }
 
     pub fn view(&self, camera: &Camera, frame: u64, size: [u32; 2], bits: u32) -> View {

@@ -10,6 +10,11 @@ use super::super::{Hierarchy, HierarchyError, MAX_OBJECTS, build, error, occupan
 use crate::geom::bounds::Aabb;
 use crate::ids::{Generation, LeafRange, NodeId, ObjectId};
 
+/// Memory that a hierarchy holds for each leaf and its two nodes (bytes).
+const BYTES_PER_LEAF: usize = Topology::BYTES_PER_LEAF
+    + 2 * (Nodes::BYTES + size_of::<Generation>())
+    + size_of::<Generation>();
+
 /// The work that changes took, counted since the hierarchy was built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HierarchyWork {
@@ -56,9 +61,10 @@ impl Hierarchy {
     }
 
     /// Puts objects in, and adds their ids, in the same order, to `added`. Where there are as many
-    /// as there were before, the hierarchy is built again. Else, where there are more than free
-    /// leaves, they get leaves behind all others, together with free ones: a sixteenth of all. Adds
-    /// the ranges of leaves that are new, or in another order now, to `reordered`.
+    /// as there were before, the hierarchy is built again. Else they get the free leaves; where
+    /// those are too few, the rest gets leaves behind all others, together with free ones: a
+    /// sixteenth of all. Adds the ranges of leaves that are new, or in another order now, to
+    /// `reordered`.
     ///
     /// Objects keep their ids, and cullers keep their history.
     ///
@@ -78,13 +84,16 @@ impl Hierarchy {
         if is_most && !boxes.is_empty() {
             self.rebuild_with(boxes, added)?;
             reordered.extend(self.root().map(|root| self.leaves(root)));
-        } else if boxes.len() > self.free_leaves() {
-            self.append(boxes, added, reordered)?;
-        } else {
-            for bounds in boxes {
-                added.push(self.insert(*bounds)?);
-            }
+            return Ok(());
         }
+        let most = boxes.len().min(self.free_leaves());
+        let (fitting, rest) = boxes.split_at(most);
+        // First what can be refused.
+        let mut appended = self.append(rest, reordered)?;
+        for bounds in fitting {
+            added.push(self.insert(*bounds)?);
+        }
+        added.append(&mut appended);
         Ok(())
     }
 
@@ -110,27 +119,49 @@ impl Hierarchy {
         Ok(())
     }
 
-    /// Gives objects leaves behind all others, and makes room for some more.
+    /// Gives objects leaves behind all others, makes room for some more, and returns their ids.
+    /// Nothing is changed where there is nothing to append, or no memory for it.
     fn append(
         &mut self,
         boxes: &[Aabb],
-        added: &mut Vec<ObjectId>,
         reordered: &mut Vec<LeafRange>,
-    ) -> Result<(), HierarchyError> {
+    ) -> Result<Vec<ObjectId>, HierarchyError> {
         const SPARE_MIN: usize = 8;
-        let before = self.topology.leaf_objects.len();
-        let spare =
-            (before / 16).max(SPARE_MIN).min(MAX_OBJECTS.saturating_sub(before + boxes.len()));
-        build::check_capacity(before + boxes.len() + spare)?;
-        let mut more = boxes.to_vec();
-        more.resize(boxes.len() + spare, Aabb::EMPTY);
-        let root = restructure::last_subtree(&self.topology, LEAVES_PER_UPDATE);
-        self.rebuild_below(root, &more, reordered)?;
-        for (object, bounds) in (before as u32..).map(ObjectId).zip(boxes) {
-            self.boxes.push(BoxChange { object, before: Aabb::EMPTY, after: *bounds });
-            added.push(object);
+        if boxes.is_empty() {
+            return Ok(Vec::new());
         }
-        Ok(())
+        let before = self.topology.leaf_objects.len();
+        let wanted = before + boxes.len();
+        build::check_count(wanted)?;
+        let spare = (before / 16).max(SPARE_MIN).min(MAX_OBJECTS - wanted);
+        let new = boxes.len() + spare;
+        let root = restructure::last_subtree(&self.topology, LEAVES_PER_UPDATE);
+        // What grows is reserved beside the memory that building the subtree takes.
+        self.reserve_leaves(new)?;
+        build::check_memory(self.leaves(NodeId(root)).count as usize + new)?;
+        let mut more = boxes.to_vec();
+        more.resize(new, Aabb::EMPTY);
+        self.rebuild_below(root, &more, reordered)?;
+        let ids: Vec<ObjectId> = (before as u32..wanted as u32).map(ObjectId).collect();
+        for (object, bounds) in ids.iter().zip(boxes) {
+            self.boxes.push(BoxChange { object: *object, before: Aabb::EMPTY, after: *bounds });
+        }
+        Ok(ids)
+    }
+
+    /// Reserves the memory of more leaves and their nodes, and no more than that: spare leaves
+    /// already make growth rare.
+    fn reserve_leaves(&mut self, new: usize) -> Result<(), HierarchyError> {
+        let reserved = self
+            .topology
+            .try_reserve(new)
+            .and_then(|()| self.nodes.try_reserve(2 * new))
+            .and_then(|()| self.births.try_reserve_exact(2 * new))
+            .and_then(|()| self.arrivals.try_reserve_exact(new));
+        reserved.map_err(|_| {
+            let count = self.topology.leaf_objects.len() + new;
+            HierarchyError::NoMemory { count, size_bytes: count * BYTES_PER_LEAF }
+        })
     }
 
     /// Puts an object in, in the free leaf where it fits best: one whose object was removed or had
