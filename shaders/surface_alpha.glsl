@@ -17,9 +17,10 @@ vec4 base_colour() {
     return base_colour_of(at_centroid(covered_uvs), at_centroid(vertex_colour));
 }
 
-// The alpha that decides about a hole, or that flares are veiled by. Where there are several samples that is the one in the
-// middle of the pixel: on some drivers (Mesa's llvmpipe) centroids are those of the samples that
-// pass the depth test, so draws before would decide about holes, and both passes would differ.
+// The alpha that decides about a hole, or that flares are veiled by. Where there are several
+// samples that is the one in the middle of the pixel: on some drivers (Mesa's llvmpipe) centroids
+// are those of the samples that pass the depth test, so draws before would decide about holes, and
+// both passes would differ.
 float mask_alpha(vec4 base) {
     return SEVERAL_SAMPLES ? base_colour_of(middle_uvs, vec4(vec3(1.0), middle_alpha)).a : base.a;
 }

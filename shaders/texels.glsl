@@ -50,14 +50,15 @@ vec4 texel(const uint used, uint packed, vec4 uvs) {
     vec2 even = SEVERAL_SAMPLES ? set_of(packed, middle_uvs) : uv;
     vec2 step_x = dFdx(even);
     vec2 step_y = dFdy(even);
+    bool has_steps = SEVERAL_SAMPLES;
     if (TRANSFORMED) {
         TextureTransform transform = transforms[packed >> 16];
         mat2 axes = mat2(transform.axes.xy, transform.axes.zw);
         uv = axes * uv + transform.origin.xy;
         step_x = axes * step_x;
         step_y = axes * step_y;
+        has_steps = true;
     }
-    const bool has_steps = TRANSFORMED || SEVERAL_SAMPLES;
     vec4 found = vec4(1.0);
 #ifdef INDEXED_TEXTURES
     if (used != 0u && has_texture(packed)) {

@@ -13,9 +13,9 @@ const SIZES: f32 = 20.0;
 /// The distance in sizes of the whole scene, for one of few and large objects.
 const SCENE_SIZES: f32 = 2.0;
 
-/// Returns the distance in the scene of a hierarchy (metres): 200, and that times powers of the ratio
-/// of two cascades where half of the objects are larger than houses. So a scene whose unit is not
-/// the metre has shadows where it would have them in metres.
+/// Returns the distance in the scene of a hierarchy (metres): 200, and that times powers of the
+/// ratio of two cascades where half of the objects are larger than houses. So a scene whose unit is
+/// not the metre has shadows where it would have them in metres.
 pub(crate) fn sun_distance_m(hierarchy: &Hierarchy) -> f32 {
     let objects = hierarchy.leaf_objects().iter();
     let boxes =

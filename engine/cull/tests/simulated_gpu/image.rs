@@ -1,9 +1,9 @@
 //! A depth buffer that boxes are drawn into by casting the ray of each pixel.
 //!
 //! Objects and proxies are what their shaders make of them, in single precision and by a matrix
-//! each. Snapping to the sub-pixel grid is simulated by shifting the rays of a box by up to one step
-//! of the grid; the rounding of depths by an error of some units in the last place of their terms,
-//! another one for each box and pixel.
+//! each. Snapping to the sub-pixel grid is simulated by shifting the rays of a box by up to one
+//! step of the grid; the rounding of depths by an error of some units in the last place of their
+//! terms, another one for each box and pixel.
 
 use antumbra_cull::{Aabb, DepthConvention, ProjectionKind, View};
 use glam::DVec2;

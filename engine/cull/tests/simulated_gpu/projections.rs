@@ -127,8 +127,8 @@ fn covers(view: &View, corner: Vec3, proxy: &Aabb) -> bool {
     there.is_some_and(|there| there >= depth(view, corner))
 }
 
-/// Checks that a proxy covers its object where both are drawn by their own matrix, and that it would
-/// not without the term for coordinates, in a world at the origin and far from it.
+/// Checks that a proxy covers its object where both are drawn by their own matrix, and that it
+/// would not without the term for coordinates, in a world at the origin and far from it.
 #[test]
 fn proxies_cover_objects_whose_matrix_is_another() {
     for (coordinate, scale, lost_min) in [(0.0, 1.0, 0), (1.0e5, 1.0, 2_000), (1.0e7, 100.0, 2_000)]

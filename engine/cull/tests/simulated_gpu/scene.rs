@@ -57,9 +57,9 @@ impl Scene {
 /// A place in the world, and the size of what lies there.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
-    /// What the origin of a scene becomes (metres).
+    /// The place of the origin of a scene (metres).
     pub origin: Vec3,
-    /// What a metre of a scene becomes (metres).
+    /// The length of a metre of a scene (metres).
     pub scale: f32,
 }
 
