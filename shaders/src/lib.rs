@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 52] = [
+pub const PASSES: [Shader; 53] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -60,6 +60,7 @@ pub const PASSES: [Shader; 52] = [
     shader!("flat.frag"),
     shader!("seen.vert"),
     shader!("seen.frag"),
+    shader!("pointer.frag"),
     shader!("flare.vert"),
     shader!("flare.frag"),
     shader!("flare_block.vert"),

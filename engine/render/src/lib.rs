@@ -59,7 +59,7 @@ pub use calibration_scene::measure_prices;
 pub use debug::debug_overlay::{DebugOverlay, OVERLAY_PASSES};
 pub use debug::flat_overlay::FlatOverlay;
 pub use debug::palette;
-pub use debug::pick::Pick;
+pub use debug::pointer::{Pointed, PointedSurface};
 pub use debug::sample_counts::{ProxySamples, VisibleSamples};
 pub use debug::visibility_snapshot::VisibilitySnapshot;
 pub use debug::visible_set::VisibleSet;

@@ -19,6 +19,8 @@ pub(crate) enum ViewScope {
     Transparent,
     /// The counts of the samples of watched objects.
     SampleCounts,
+    /// The search for the object under the pointer.
+    Pointer,
     /// The sum of what is transparent in front of flares.
     FlareVeil,
     /// The counts of the samples of flares.
@@ -75,13 +77,14 @@ pub(crate) struct ViewScopes {
 
 impl ViewScope {
     /// All of them, in their order.
-    pub(crate) const ALL: [Self; 13] = [
+    pub(crate) const ALL: [Self; 14] = [
         Self::LastRound,
         Self::ShadedRound,
         Self::CasterTests,
         Self::Shade,
         Self::Transparent,
         Self::SampleCounts,
+        Self::Pointer,
         Self::FlareVeil,
         Self::FlareCounts,
         Self::Flares,
@@ -132,6 +135,7 @@ impl ViewScopes {
             ViewScope::Shade => [Replaces, Reads],
             ViewScope::CasterTests
             | ViewScope::SampleCounts
+            | ViewScope::Pointer
             | ViewScope::FlareVeil
             | ViewScope::FlareCounts => [Nothing, Reads],
             ViewScope::Transparent | ViewScope::DebugLines | ViewScope::Outline => [Writes, Reads],

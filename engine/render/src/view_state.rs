@@ -6,6 +6,7 @@ use cull::{Corrections, FramePlan, Hierarchy, ObjectId};
 use gpu::Tick;
 use occlusion::{FrameOutcome, LeafTable, VisibilityState};
 
+use crate::debug::pointer::{Pointed, Pointer, check_pointer};
 use crate::debug::sample_counts::{COUNTING, SampleCounts, VisibleSamples, check_counts};
 use crate::error::Error;
 use crate::flares::{FlareCounts, FlareState};
@@ -27,13 +28,15 @@ pub struct ViewState {
     pub(crate) renderer: RendererId,
     pub(crate) visibility: VisibilityState,
     pub(crate) counts: SampleCounts,
+    pub(crate) pointer: Pointer,
     pub(crate) flares: FlareCounts,
 }
 
 impl ViewState {
     pub(crate) fn new(renderer: RendererId, visibility: VisibilityState) -> Self {
-        let (counts, flares) = (SampleCounts::default(), FlareCounts::default());
-        Self { renderer, visibility, counts, flares }
+        let counts = SampleCounts::default();
+        let flares = FlareCounts::default();
+        Self { renderer, visibility, counts, pointer: Pointer::default(), flares }
     }
 
     /// Returns the plan of the newest frame.
@@ -81,6 +84,28 @@ impl ViewState {
         self.counts.newest()
     }
 
+    /// Finds the object at a pixel of the view's part of the image, from the upper left, in every
+    /// frame from now on; `None` ends it. Costs a draw of the objects along the pixel's ray, cut to
+    /// that pixel; nothing is waited for. Opaque objects count, also where only a part of the pixel
+    /// is theirs; transparent ones and the background do not.
+    ///
+    /// # Errors
+    /// A device whose fragment shaders cannot write to buffers
+    /// ([`gpu::Optional::FragmentStores`]).
+    pub fn point_at(&mut self, pixel: Option<[u32; 2]>) -> Result<(), Error> {
+        if pixel.is_some() {
+            check_pointer(self.visibility.device())?;
+        }
+        self.pointer.point_at(pixel);
+        Ok(())
+    }
+
+    /// Returns the object under the pointer in the newest frame whose answer has been read, as that
+    /// frame showed it; `None` before the first.
+    pub fn pointed(&self) -> Option<&Pointed> {
+        self.pointer.newest()
+    }
+
     /// Returns the state of each flare ([`Renderer::set_flares`](crate::Renderer::set_flares)) in
     /// the newest frame, in their order.
     pub fn flares(&self) -> &[FlareState] {
@@ -91,6 +116,7 @@ impl ViewState {
     pub(crate) fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
         self.visibility.collect(completed, hierarchy, leaves);
         self.counts.collect(completed, hierarchy, self.visibility.plan().frame);
+        self.pointer.collect(completed);
         self.flares.collect(completed);
     }
 
@@ -103,6 +129,7 @@ impl ViewState {
         if self.visibility.frames_in_flight() != frames_in_flight {
             self.visibility.set_frames_in_flight(frames_in_flight, leaves)?;
             self.counts.forget_ring();
+            self.pointer.forget_ring();
             self.flares.forget_ring();
         }
         Ok(())
@@ -113,6 +140,7 @@ impl ViewState {
         self.visibility.submitted(tick, leaves, timed_views);
         let (now, slots) = (self.visibility.plan().frame, self.visibility.frames_in_flight());
         self.counts.submitted(tick, now, slots);
+        self.pointer.submitted(tick);
         self.flares.submitted(tick);
     }
 }

@@ -1,15 +1,15 @@
 //! The selection of an object.
 
-use antumbra::cull::ObjectId;
-use antumbra::render::Pick;
+use antumbra::ObjectId;
+use antumbra::cull::FrameId;
 
 /// The object that is selected, and the pixel for the next selection.
 #[derive(Debug, Default)]
 pub struct Selection {
     /// The pixel to identify before the next frame.
     pub(super) pixel: Option<[u32; 2]>,
-    /// The pending pick.
-    pub(super) pick: Option<Pick>,
+    /// The newest frame when the pointer began to look for it.
+    pub(super) asked_after: Option<FrameId>,
     pub(super) object: Option<ObjectId>,
     /// True if the card is to be logged when its results are read back.
     pub(super) is_new: bool,

@@ -187,7 +187,7 @@ fn files_in_map_coordinates_have_the_shadows_of_the_same_at_the_origin() {
 }
 
 /// Returns the objects at pixels of a grid, and the shares of lights that flares show.
-fn picked(device: &Device, scene: &Scene, away: Vec3) -> (Vec<Option<u32>>, Vec<f32>) {
+fn picked(device: &Device, scene: &Scene, away: Vec3) -> (Vec<Option<(u32, f32)>>, Vec<f32>) {
     let mut renderer: Renderer = renderer(device, &moved(scene, away), ShadowOptions::default());
     let mut view = renderer.new_view().unwrap();
     let flare = |place, radius| LensFlare {
@@ -210,9 +210,10 @@ fn picked(device: &Device, scene: &Scene, away: Vec3) -> (Vec<Option<u32>>, Vec<
     let shares = view.flares().iter().map(|state| state.fraction()).collect();
     let pixels = (0..SIZE[1]).step_by(7).flat_map(|y| (0..SIZE[0]).step_by(7).map(move |x| [x, y]));
     let objects = pixels.map(|pixel| {
-        let pick = renderer.pick(&camera(away), pixel).unwrap();
-        device.drain().unwrap();
-        renderer.picked(&pick).unwrap().expect("it is over").map(|object| object.0)
+        view.point_at(Some(pixel)).unwrap();
+        image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera(away));
+        let surface = view.pointed().expect("it is over").surface;
+        surface.map(|surface| (surface.object.0, surface.depth))
     });
     (objects.collect(), shares)
 }
@@ -227,11 +228,19 @@ fn picks_and_flares_are_the_same() {
             object.transform.translation = object.transform.translation.round();
         }
         let (objects, shares) = picked(device, &scene, Vec3::ZERO);
-        let kinds: std::collections::BTreeSet<_> = objects.iter().flatten().collect();
+        let kinds: std::collections::BTreeSet<u32> =
+            objects.iter().flatten().map(|(object, _)| *object).collect();
         assert!(kinds.len() > 15, "{kinds:?}");
         assert!(shares.iter().any(|share| *share > 0.0 && *share < 1.0), "{shares:?}");
         for away in AWAY {
-            assert_eq!(picked(device, &scene, away), (objects.clone(), shares.clone()), "{away}");
+            let (objects_there, shares_there) = picked(device, &scene, away);
+            assert_eq!(shares_there, shares, "{away}");
+            for (there, here) in objects_there.iter().zip(&objects) {
+                assert_eq!(there.map(|it| it.0), here.map(|it| it.0), "{away}");
+                let apart =
+                    there.zip(*here).map_or(0.0, |(there, here)| (there.1 / here.1 - 1.0).abs());
+                assert!(apart < 1e-4, "{away}: {there:?}, {here:?}");
+            }
         }
     });
 }

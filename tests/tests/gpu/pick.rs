@@ -4,8 +4,10 @@
 use cull::{Camera, Decision, ObjectId, Outcome, Projection, Strategy};
 use glam::{Affine3A, Vec2, Vec3};
 use gpu::Readback;
-use render::{Costs, DebugOverlay, FrameRequest, Renderer, RendererOptions, ViewState};
-use scene::{Mesh, MeshId, Object, Scene};
+use render::{
+    Costs, DebugOverlay, FrameRequest, PointedSurface, Renderer, RendererOptions, ViewState,
+};
+use scene::{Mesh, MeshId, Object, ObjectChange, Scene};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::shapes::square_camera;
 use tests::{Driver, run, run_on_all};
@@ -16,10 +18,32 @@ fn options() -> RendererOptions {
     RendererOptions { size: SIZE, costs: Costs::Ignored, ..RendererOptions::default() }
 }
 
+/// The first triangle along a ray.
+#[derive(Clone, Copy)]
+struct Hit {
+    object: u32,
+    depth_m: f32,
+}
+
+/// Draws a frame and waits for it. Returns what it shows at a pixel.
+fn pointed(
+    renderer: &mut Renderer,
+    view: &mut ViewState,
+    camera: Camera,
+    pixel: [u32; 2],
+) -> Option<PointedSurface> {
+    view.point_at(Some(pixel)).unwrap();
+    renderer.render(view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
+    renderer.drain(view).unwrap();
+    let found = view.pointed().expect("it is over");
+    assert_eq!((found.pixel, found.frame), (pixel, view.plan().frame));
+    found.surface
+}
+
 /// Returns the object of the triangle that a ray meets first (Möller and Trumbore 1997): backs are
 /// not drawn.
-fn hit(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<u32> {
-    let mut nearest: Option<(f32, u32)> = None;
+fn hit(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<Hit> {
+    let mut nearest: Option<Hit> = None;
     for (number, object) in (0..).zip(&scene.objects) {
         let mesh = &scene.meshes[object.mesh.0 as usize];
         let point = |index: u32| {
@@ -37,14 +61,14 @@ fn hit(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<u32> {
             let from = origin - a;
             let u = from.dot(across) / determinant;
             let v = direction.dot(from.cross(ab)) / determinant;
-            let distance = ac.dot(from.cross(ab)) / determinant;
-            let is_in = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0;
-            if is_in && nearest.is_none_or(|(before, _)| distance < before) {
-                nearest = Some((distance, number));
+            let depth_m = ac.dot(from.cross(ab)) / determinant;
+            let is_in = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && depth_m > 0.0;
+            if is_in && nearest.is_none_or(|before| depth_m < before.depth_m) {
+                nearest = Some(Hit { object: number, depth_m });
             }
         }
     }
-    nearest.map(|(_, object)| object)
+    nearest
 }
 
 #[test]
@@ -62,19 +86,23 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
             (0..SIZE[1]).step_by(15).flat_map(|y| (0..SIZE[0]).step_by(16).map(move |x| [x, y]));
         let pixels: Vec<[u32; 2]> = pixels.collect();
         for pixel in &pixels {
-            let pick = renderer.pick(&camera, *pixel).unwrap();
-            // Frames go on meanwhile; none of them waits for the answer.
-            let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-            renderer.render(&mut view, &request).unwrap();
-            device.drain().unwrap();
-            let found = renderer.picked(&pick).unwrap().expect("it is over");
+            let found = pointed(&mut renderer, &mut view, camera, *pixel);
             let [x, y] = [0, 1].map(|side| (pixel[side] as f32 + 0.5) / SIZE[side] as f32);
             let ndc = Vec2::new(x, y) * 2.0 - 1.0;
             let eye = rays.point(ndc, 0.0);
             let expected = hit(&scene, eye, rays.point(ndc, 1.0) - eye);
-            right += usize::from(found.map(|object| object.0) == expected);
+            let object = found.map(|surface| surface.object);
+            let is_right = object.map(|object| object.0) == expected.map(|hit| hit.object);
+            right += usize::from(is_right);
+            if let (Some(found), Some(expected), true) = (found, expected, is_right) {
+                let point = rays.point(ndc, expected.depth_m).as_dvec3();
+                assert!(
+                    found.point.distance(point) < 1e-3 * f64::from(expected.depth_m),
+                    "{found:?} {point}"
+                );
+            }
             empty += usize::from(found.is_none());
-            objects.extend(found);
+            objects.extend(object);
         }
         // At an edge, one sub-pixel decides.
         assert!(right * 100 >= pixels.len() * 98, "{right} of {}", pixels.len());
@@ -114,9 +142,10 @@ fn what_is_behind_thousands_of_boxes_is_found() {
         for (half, expected) in [(1.0, Some(ObjectId(FRAMES))), (0.0, None)] {
             let scene = behind_frames(FRAMES, half);
             let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
-            let pick = renderer.pick(&camera, [SIZE[0] / 2, SIZE[1] / 2]).unwrap();
-            device.drain().unwrap();
-            assert_eq!(renderer.picked(&pick).unwrap(), Some(expected));
+            let mut view = renderer.new_view().unwrap();
+            let middle = [SIZE[0] / 2, SIZE[1] / 2];
+            let found = pointed(&mut renderer, &mut view, camera, middle);
+            assert_eq!(found.map(|surface| surface.object), expected);
         }
     });
 }
@@ -176,17 +205,43 @@ fn check(
 }
 
 #[test]
-fn a_pick_is_not_answered_by_what_a_newer_one_found() {
+fn each_answer_is_about_the_frame_that_it_names() {
     run(Driver::Lavapipe, |device| {
-        let GeneratedScene { scene, routes } = city(1000, 5).unwrap();
-        let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(0);
-        let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
-        let [width, height] = renderer.size();
-        let middle = renderer.pick(&camera, [width / 2, height / 2]).unwrap();
-        let below = renderer.pick(&camera, [width / 2, height - 1]).unwrap();
-        device.drain().unwrap();
-        assert_eq!(renderer.picked(&middle).unwrap(), None, "a newer one took its place");
-        assert!(renderer.picked(&below).unwrap().unwrap().is_some(), "the street");
+        // A wall that moves a metre away from the eye with each frame.
+        let wall = Mesh::of_triangles(
+            "wall",
+            &[[-9.0, -9.0, 0.0], [27.0, -9.0, 0.0], [-9.0, 27.0, 0.0]].map(|at| (at, [1.0; 3])),
+        );
+        let mut scene = Scene::single(wall);
+        scene.objects[0].transform.translation.z = -1.0;
+        let options = RendererOptions { frames_in_flight: 3, ..options() };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let camera = square_camera();
+        let eye = camera.eye.z;
+        let mut answers = Vec::new();
+        let mut distances = std::collections::HashMap::new();
+        for metres in 1..=12 {
+            let transform = Affine3A::from_translation(Vec3::new(0.0, 0.0, eye - metres as f32));
+            renderer.update(&[ObjectChange::Move { object: ObjectId(0), transform }]).unwrap();
+            view.point_at((metres != 7).then_some([160, 60])).unwrap();
+            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
+            distances.insert(view.plan().frame, f64::from(metres));
+            answers.extend(view.pointed().copied());
+        }
+        renderer.drain(&mut view).unwrap();
+        answers.extend(view.pointed().copied());
+        answers.dedup();
+        // None waits, none is about another frame, and the frame without a pointer has none.
+        assert!(answers.len() >= 3, "{answers:?}");
+        for answer in &answers {
+            let metres = distances[&answer.frame];
+            let surface = answer.surface.unwrap();
+            let distance = f64::from(eye) - surface.point.z;
+            assert!((distance - metres).abs() < 1e-3, "{metres}: {surface:?}");
+            assert_ne!(metres, 7.0);
+        }
+        assert_eq!(distances[&answers.last().unwrap().frame], 12.0);
     });
 }
 
@@ -201,9 +256,8 @@ fn an_outline_and_a_debug_overlay_are_not_in_the_image_of_the_scene() {
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
         let bare = FrameRequest { image: Some(&plain), ..request };
         renderer.render(&mut view, &bare).unwrap();
-        let pick = renderer.pick(&camera, [160, 100]).unwrap();
-        device.drain().unwrap();
-        let object = renderer.picked(&pick).unwrap().expect("it is over");
+        let surface = pointed(&mut renderer, &mut view, camera, [160, 100]);
+        let object = surface.map(|surface| surface.object);
         assert!(object.is_some(), "something is in the middle of the street");
         renderer.outline(object).unwrap();
         renderer

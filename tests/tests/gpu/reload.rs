@@ -260,17 +260,20 @@ fn a_reload_that_fails_changes_nothing() {
 }
 
 #[test]
-fn a_pick_on_its_way_outlives_a_reload() {
+fn an_answer_about_the_pointer_outlives_a_reload() {
     run_on_all(|device| {
         let mut studio = Studio::new(device, false, None);
+        let mut view = studio.renderer.new_view().unwrap();
         let mut found = |has_reload: bool| {
             let owner = |x: u32| {
-                let pick = studio.renderer.pick(&camera(), [x, 45]).unwrap();
+                view.point_at(Some([x, 45])).unwrap();
+                let request = FrameRequest::new(Strategy::ANTUMBRA, camera());
+                studio.renderer.render(&mut view, &request).unwrap();
                 if has_reload {
                     studio.renderer.reload(ShaderSet::embedded().unwrap()).unwrap();
                 }
-                device.drain().unwrap();
-                studio.renderer.picked(&pick).unwrap().expect("it is over")
+                studio.renderer.drain(&mut view).unwrap();
+                view.pointed().expect("it is over").surface.map(|surface| surface.object)
             };
             (20..140).step_by(12).map(owner).collect::<Vec<_>>()
         };

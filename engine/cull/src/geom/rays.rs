@@ -88,6 +88,17 @@ impl Rays {
         self.forward.dot(point - self.origin)
     }
 
+    /// Returns the view depth at which the rasteriser stores a depth (metres): infinite for the
+    /// depth of the horizon.
+    #[must_use]
+    pub fn depth_m_of(&self, stored: f32) -> f32 {
+        let [at_start, slope] = self.depth;
+        match self.kind {
+            ProjectionKind::Perspective => slope / (stored - at_start),
+            ProjectionKind::Orthographic => (stored - at_start) / slope,
+        }
+    }
+
     /// Returns the point under a place in normalised device coordinates, at a view depth (metres).
     #[must_use]
     pub fn point(&self, ndc: Vec2, depth_m: f32) -> Vec3 {

@@ -1,6 +1,6 @@
 //! The view of one frame, derived from a camera or a host's matrix and the size of its image.
 
-use glam::{DMat4, DVec3, DVec4, Mat4, Vec2, Vec3, Vec4};
+use glam::{DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 
 use crate::geom::bounds::Aabb;
 use crate::geom::camera::{Camera, Projection};
@@ -146,31 +146,6 @@ impl View {
         let from_anchor = from_origin(&view_proj, &rays);
         let matrices = Matrices { view_proj, anchor: rays.origin, from_anchor };
         Ok(Self::of(matrices, projection.depth, rays, size, sub_pixel_bits))
-    }
-
-    /// Returns the part of the view that a pixel (from the upper left) shows, as an image of one
-    /// pixel on the same device. Its anchor is that of the whole.
-    #[must_use]
-    pub fn of_pixel(&self, pixel: [u32; 2], sub_pixel_bits: u32) -> Self {
-        let size = self.size.map(|side| side.max(1) as f32);
-        let place = Vec2::from(pixel.map(|number| number as f32 + 0.5));
-        let middle = place / Vec2::from(size) * 2.0 - 1.0;
-        let enlarged = Mat4::from_scale(Vec3::new(size[0], size[1], 1.0))
-            * Mat4::from_translation((-middle).extend(0.0));
-        let whole = &self.rays;
-        let rays = Rays {
-            origin: whole.point(middle, 0.0),
-            middle: whole.along(middle),
-            right: whole.right / size[0],
-            down: whole.down / size[1],
-            ..*whole
-        };
-        let matrices = Matrices {
-            view_proj: enlarged * self.view_proj,
-            anchor: self.anchor,
-            from_anchor: enlarged * self.from_anchor,
-        };
-        Self::of(matrices, self.depth, rays, [1, 1], sub_pixel_bits)
     }
 
     fn of(

@@ -10,8 +10,8 @@ mod lod;
 mod materials;
 mod meshes;
 mod moves;
+mod object;
 mod overlay;
-mod pick;
 mod poses;
 #[cfg(feature = "window")]
 mod present;

@@ -10,6 +10,7 @@ use scene::LensFlare;
 use crate::debug::debug_overlay::DebugOverlay;
 use crate::debug::flat_overlay::FlatOverlay;
 use crate::debug::outline::record_outline;
+use crate::debug::pointer::record_pointer;
 use crate::debug::sample_counts::count_samples;
 use crate::debug::visible_set::{VISIBLE_SET, VisibleSet};
 use crate::error::{Error, FOREIGN_VIEW};
@@ -244,6 +245,9 @@ impl Renderer {
         if targets.iter().any(is_watching) {
             passes.pipelines.count.prepare(device, shaders)?;
         }
+        if targets.iter().any(|target| target.state.pointer.is_pointing()) {
+            passes.pipelines.pointer.prepare(device, shaders)?;
+        }
         let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
         Ok(methods[method].prepare(&mut scene)?)
     }
@@ -330,6 +334,7 @@ fn begin_scopes(
         (ViewScope::Shade, shades),
         (ViewScope::Transparent, shades && has_transparent),
         (ViewScope::SampleCounts, state.counts.is_watching()),
+        (ViewScope::Pointer, state.pointer.is_pointing()),
         (ViewScope::FlareVeil, has_flares),
         (ViewScope::FlareCounts, has_flares),
         (ViewScope::Flares, has_flares),
@@ -344,8 +349,9 @@ fn finish_view(
     state: &mut ViewState,
     view: &View,
 ) -> Result<(), Error> {
-    let ViewState { counts, flares: flare_counts, visibility, .. } = state;
+    let ViewState { counts, pointer, flares: flare_counts, visibility, .. } = state;
     count_samples(passes, frame, (executor, hierarchy), (counts, visibility), view)?;
+    record_pointer(passes, frame, executor, hierarchy, pointer, visibility, view)?;
     record_flares(passes, frame, (executor, flares), (flare_counts, visibility), view)
 }
 

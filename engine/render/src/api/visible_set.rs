@@ -3,7 +3,7 @@
 //! waits for the result.
 
 use cull::{LeafIndex, Rays, Strategy};
-use gpu::{Access, MemoryBarrier, Tick};
+use gpu::{Access, MemoryBarrier};
 use occlusion::{BucketId, ObjectPass, ObjectRenderer, Rect, Rendering};
 
 use crate::debug::visible_set::{SeenLeaves, VISIBLE_SET, VisibleSet};
@@ -85,7 +85,7 @@ impl Renderer {
         &mut self,
         view: &cull::View,
         leaves: &[LeafIndex],
-    ) -> Result<Tick, Error> {
+    ) -> Result<(), Error> {
         let (passes, leaf_table) = (&mut self.passes, &self.executor.leaves);
         passes.pipelines.seen.prepare(&self.device, &self.shaders)?;
         let seen = match self.seen_leaves.take() {
@@ -122,8 +122,8 @@ impl Renderer {
             commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
         });
         passes.read_back(commands);
-        seen.newest = frame.submit(None)?;
-        passes.stale_submitted(seen.newest);
-        Ok(seen.newest)
+        let tick = frame.submit(None)?;
+        passes.stale_submitted(tick);
+        Ok(())
     }
 }

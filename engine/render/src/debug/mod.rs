@@ -4,7 +4,7 @@ pub(crate) mod debug_overlay;
 pub(crate) mod flat_overlay;
 pub(crate) mod outline;
 pub mod palette;
-pub(crate) mod pick;
+pub(crate) mod pointer;
 pub(crate) mod sample_counts;
 pub(crate) mod settled_counts;
 pub(crate) mod top_down;

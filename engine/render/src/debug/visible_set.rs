@@ -4,7 +4,7 @@
 //! drawn once more against the finished depth, and the CPU waits for the result.
 
 use cull::{LeafIndex, ObjectId};
-use gpu::{Buffer, Device, MemoryKind, Tick, vk};
+use gpu::{Buffer, Device, MemoryKind, vk};
 
 use crate::error::Error;
 use crate::view_state::RendererId;
@@ -61,8 +61,6 @@ impl VisibleSet {
 pub(crate) struct SeenLeaves {
     pub(crate) values: Buffer,
     pub(crate) readback: Buffer,
-    /// The tick of the frame whose values come last.
-    pub(crate) newest: Tick,
 }
 
 impl SeenLeaves {
@@ -81,13 +79,7 @@ impl SeenLeaves {
                 readback_usage,
                 MemoryKind::ReadBack,
             )?,
-            newest: Tick::default(),
         })
-    }
-
-    /// Returns true if no frame after that of `tick` writes the values.
-    pub(crate) fn is_newest(&self, tick: Tick) -> bool {
-        self.newest == tick
     }
 
     /// Returns true if a leaf owned a pixel of the frame that was read back last.

@@ -5,8 +5,8 @@ use gpu::{Attachments, Device, Optional};
 use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
-    CountPass, FlarePass, FlatPass, MapPasses, OpaquePass, OverlayPass, SeenPass, SkinningPass,
-    SurfaceKind, SurfacePass, SurfaceShadows, VolumePass, VolumePath,
+    CountPass, FlarePass, FlatPass, MapPasses, OpaquePass, OverlayPass, PointerPass, SeenPass,
+    SkinningPass, SurfaceKind, SurfacePass, SurfaceShadows, VolumePass, VolumePath,
 };
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
@@ -34,6 +34,7 @@ pub(crate) struct Pipelines {
     /// The pass of transparent objects before flares, if there are both.
     pub(crate) veil: Option<SurfacePass>,
     pub(crate) seen: OnDemand<SeenPass>,
+    pub(crate) pointer: OnDemand<PointerPass>,
     pub(crate) overlay: OnDemand<OverlayPass>,
     pub(crate) wireframe: OnDemand<OpaquePass>,
     pub(crate) flat: OnDemand<FlatPass>,
@@ -117,6 +118,7 @@ impl Pipelines {
             flares: on_demand.again(|it| &it.flares, FlarePass::new)?,
             veil,
             seen: on_demand.again(|it| &it.seen, SeenPass::new)?,
+            pointer: on_demand.again(|it| &it.pointer, PointerPass::new)?,
             overlay: on_demand.again(|it| &it.overlay, OverlayPass::new)?,
             wireframe: on_demand.again(|it| &it.wireframe, OpaquePass::wireframe)?,
             flat: on_demand.again(|it| &it.flat, FlatPass::new)?,

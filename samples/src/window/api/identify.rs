@@ -17,16 +17,19 @@ impl Session {
         self.selection.pixel = Some([x.min(width - 1), y.min(height - 1)]);
     }
 
-    /// Handles the results known by now, then picks at the pixel that was clicked last; never
-    /// waits. For the scene as the last frame drew it.
+    /// Handles the answer that is there by now, then points at the pixel that was clicked last;
+    /// never waits.
     pub(crate) fn follow_selection(&mut self) -> Result<(), RunError> {
-        if let Some(pick) = &self.selection.pick {
+        if let Some(before) = self.selection.asked_after {
             // A newer click waits, so that many of them cannot keep all from being answered.
-            let Some(object) = self.renderer.picked(pick)? else { return Ok(()) };
-            self.select(object)?;
+            let newer = self.history.pointed().filter(|pointed| pointed.frame > before);
+            let Some(surface) = newer.map(|pointed| pointed.surface) else { return Ok(()) };
+            self.history.point_at(None)?;
+            self.select(surface.map(|surface| surface.object))?;
         }
         if let Some(pixel) = self.selection.pixel.take_if(|_| self.frame > 0) {
-            self.selection.pick = Some(self.renderer.pick(&self.seen_from, pixel)?);
+            self.selection.asked_after = Some(self.history.plan().frame);
+            self.history.point_at(Some(pixel))?;
         }
         Ok(())
     }
@@ -34,7 +37,7 @@ impl Session {
     fn select(&mut self, object: Option<ObjectId>) -> Result<(), RunError> {
         self.renderer.outline(object)?;
         let pixel = self.selection.pixel;
-        self.selection = Selection { pixel, object, is_new: object.is_some(), pick: None };
+        self.selection = Selection { pixel, object, is_new: object.is_some(), asked_after: None };
         self.is_page_stale = true;
         if object.is_none() {
             self.tell("there is no object".to_owned());

@@ -112,9 +112,6 @@ fn histories(row: MakeRow) -> Vec<Row> {
             let (camera, area) = (ours.camera, Rect::whole(SIZE));
             text(ours.renderer.visible_set(&mut theirs.view, camera, area))
         }),
-        row("Renderer::picked", "a pick (`Pick`)", "Renderer", |ours, theirs| {
-            text(ours.renderer.picked(&theirs.pick))
-        }),
         row("Renderer::visible_again", VISIBLE_SET, "Renderer", |ours, theirs| {
             text(ours.renderer.visible_again(&mut theirs.visible))
         }),

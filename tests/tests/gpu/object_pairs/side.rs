@@ -10,7 +10,7 @@ use gpu::{
     TextureArray, TextureArrayInfo, TextureUploads, Timeline, vk,
 };
 use render::{
-    FlatVertex, FrameRequest, Pick, Rect, Renderer, RendererOptions, ViewState, VisibilitySnapshot,
+    FlatVertex, FrameRequest, Rect, Renderer, RendererOptions, ViewState, VisibilitySnapshot,
     VisibleSet,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind};
@@ -30,7 +30,6 @@ pub struct Side {
     pub view: ViewState,
     pub snapshot: VisibilitySnapshot,
     pub visible: VisibleSet,
-    pub pick: Pick,
     pub camera: Camera,
     pub swapchain: Swapchain,
     pub target: Target,
@@ -114,7 +113,6 @@ impl Side {
         let mut view = renderer.new_view().unwrap();
         let visible = renderer.visible_set(&mut view, camera, Rect::whole(SIZE)).unwrap();
         let snapshot = renderer.snapshot(&mut view, renderer.view_of(&camera)).unwrap();
-        let pick = renderer.pick(&camera, [32, 18]).unwrap();
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::INDIRECT_BUFFER
             | vk::BufferUsageFlags::VERTEX_BUFFER
@@ -135,7 +133,6 @@ impl Side {
             view,
             snapshot,
             visible,
-            pick,
             camera,
             swapchain: stage.swapchain(&Default::default()),
             target,

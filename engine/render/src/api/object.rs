@@ -1,0 +1,44 @@
+//! What is known of an object: why it is drawn or not, its triangles, the outline of its box.
+
+use cull::{FrameId, LeafExplanation, LeafRange, ObjectId, Outcome, View};
+
+use crate::error::Error;
+use crate::renderer::Renderer;
+use crate::view_state::ViewState;
+
+impl Renderer {
+    /// Explains the decision to draw an object or not in the newest frame of `state`, seen from
+    /// `view`, with the outcome by the newest answers and their frame. `None` if there is no such
+    /// object, or the view is of another renderer.
+    pub fn explain_object(
+        &self,
+        state: &ViewState,
+        view: &View,
+        object: ObjectId,
+    ) -> Option<(LeafExplanation, Option<(FrameId, Outcome)>)> {
+        self.check_view(state).ok()?;
+        let plan = state.plan();
+        let explained = state.visibility.culler().explain(&self.hierarchy, view, plan, object)?;
+        let answers = state.visibility.newest_answers();
+        let outcome = explained.outcome(&self.hierarchy, answers);
+        Some((explained, answers.first().map(|answer| answer.tag.frame).zip(outcome)))
+    }
+
+    /// Returns the number of triangles of an object, in the form in which it is drawn; 0 for a
+    /// foreign one.
+    pub fn triangles_of(&self, object: ObjectId) -> u64 {
+        let leaf = self.hierarchy.leaf_of(object);
+        leaf.map_or(0, |first| self.executor.leaves.count(LeafRange { first, count: 1 }).triangles)
+    }
+
+    /// Outlines the box of an object in every image from now on, seen through everything; of
+    /// several views, in the first.
+    ///
+    /// # Errors
+    /// A shader that does not compile, a failed call.
+    pub fn outline(&mut self, object: Option<ObjectId>) -> Result<(), Error> {
+        self.passes.pipelines.overlay.prepare(&self.device, &self.shaders)?;
+        self.outlined = object;
+        Ok(())
+    }
+}

@@ -1,0 +1,207 @@
+//! The object under a pointer: found within each frame, for the image that it shows, and read back
+//! some frames later without a wait.
+//!
+//! After a view is drawn, the objects along the ray of the pixel are drawn once more, cut to that
+//! pixel, against the finished depth. What passes owns the pixel. The frame's own matrices and
+//! buffers decide, so the answer is about what was shown, whatever has moved since.
+
+use std::collections::VecDeque;
+
+use cull::{FrameId, Hierarchy, LeafIndex, ObjectId, View};
+use glam::{DVec3, Vec2};
+use gpu::{Access, Device, FlagRing, Frame, MemoryBarrier, Optional, ResultSource, Tick, Viewport};
+use occlusion::{PlanExecutor, VisibilityState};
+
+use crate::error::Error;
+use crate::frame_passes::FramePasses;
+use crate::passes::PointerIo;
+use crate::view_scopes::ViewScope;
+
+/// The words of an answer: the leaf and the depth.
+const WORDS: usize = 2;
+
+/// The object under the pointer, in one frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pointed {
+    /// The frame of the view.
+    pub frame: FrameId,
+    /// The pixel, from the upper left of the view's part of the image.
+    pub pixel: [u32; 2],
+    /// The object that owns it, and the point that is seen; `None` where there is only background.
+    pub surface: Option<PointedSurface>,
+}
+
+/// A point of an object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointedSurface {
+    /// The object.
+    pub object: ObjectId,
+    /// The depth as the rasteriser stored it.
+    pub depth: f32,
+    /// The point in the world, in metres, as exact as the depth.
+    pub point: DVec3,
+}
+
+/// A frame in which the pointer was asked for.
+struct Asked {
+    frame: FrameId,
+    pixel: [u32; 2],
+    view: View,
+    /// The leaves along the ray, ascending, and their objects then.
+    candidates: Vec<(LeafIndex, ObjectId)>,
+}
+
+/// The pointer of a view, and its answers.
+#[derive(Default)]
+pub(crate) struct Pointer {
+    pixel: Option<[u32; 2]>,
+    ring: Option<FlagRing<FrameId>>,
+    asked: VecDeque<Asked>,
+    is_asking: bool,
+    newest: Option<Pointed>,
+}
+
+impl Pointer {
+    /// Asks for the object at a pixel in each frame from now on, or for none. The newest answer
+    /// stays.
+    pub(crate) fn point_at(&mut self, pixel: Option<[u32; 2]>) {
+        self.pixel = pixel;
+    }
+
+    /// Returns true if the next frame asks.
+    pub(crate) fn is_pointing(&self) -> bool {
+        self.pixel.is_some()
+    }
+
+    /// Returns the answer of the newest frame that is over.
+    pub(crate) fn newest(&self) -> Option<&Pointed> {
+        self.newest.as_ref()
+    }
+
+    /// Reads the answers of frames that are over.
+    pub(crate) fn collect(&mut self, completed: Tick) {
+        let Self { ring: Some(ring), asked, newest, .. } = self else { return };
+        ring.collect(completed, |frames, words| {
+            let ([frame, ..], [complement, depth_bits]) = (frames, words) else { return };
+            // Frames that never ran do not answer.
+            while let Some(of) = asked.pop_front_if(|asked| asked.frame <= *frame) {
+                if of.frame == *frame {
+                    *newest = Some(of.answer(*complement, f32::from_bits(*depth_bits)));
+                }
+            }
+        });
+    }
+
+    /// Forgets the ring, where another number of frames is in flight.
+    pub(crate) fn forget_ring(&mut self) {
+        self.ring = None;
+        self.asked.clear();
+        self.is_asking = false;
+    }
+
+    /// Notes that the frame was submitted.
+    pub(crate) fn submitted(&mut self, tick: Tick) {
+        if let Some(ring) = self.ring.as_mut().filter(|_| self.is_asking) {
+            ring.submitted(tick);
+        }
+        self.is_asking = false;
+    }
+}
+
+impl Asked {
+    fn answer(&self, complement: u32, depth: f32) -> Pointed {
+        let leaf = LeafIndex(!complement);
+        let found = self.candidates.binary_search_by_key(&leaf, |(leaf, _)| *leaf).ok();
+        let surface = found.filter(|_| complement != 0).map(|found| {
+            let (_, object) = self.candidates[found];
+            let ndc = middle_of(self.pixel, self.view.size);
+            let rays = &self.view.rays;
+            let depth_m = f64::from(rays.depth_m_of(depth));
+            let near_m = rays.point(ndc, 0.0).as_dvec3();
+            let point = near_m + rays.along(ndc).as_dvec3() * depth_m;
+            PointedSurface { object, depth, point }
+        });
+        Pointed { frame: self.frame, pixel: self.pixel, surface }
+    }
+}
+
+/// Returns the middle of a pixel in normalised device coordinates.
+pub(crate) fn middle_of(pixel: [u32; 2], size: [u32; 2]) -> Vec2 {
+    let [x, y] = [0, 1].map(|axis| (pixel[axis] as f32 + 0.5) / size[axis].max(1) as f32);
+    Vec2::new(x, y) * 2.0 - 1.0
+}
+
+/// Checks that a device finds the object under a pointer.
+pub(crate) fn check_pointer(device: &Device) -> Result<(), Error> {
+    if device.capabilities().has(Optional::FragmentStores) {
+        return Ok(());
+    }
+    let missing = Optional::FragmentStores.name();
+    let wanted = "finding the object under the pointer";
+    Err(gpu::Error::Unsupported { device: device.adapter().name.clone(), missing, wanted }.into())
+}
+
+/// Records the search for the object under the pointer of a view, once everything of its frame is
+/// drawn.
+///
+/// # Errors
+/// No memory, or a failed call.
+pub(crate) fn record_pointer(
+    passes: &mut FramePasses,
+    frame: &mut Frame<'_>,
+    executor: &PlanExecutor,
+    hierarchy: &Hierarchy,
+    pointer: &mut Pointer,
+    visibility: &VisibilityState,
+    view: &View,
+) -> Result<(), Error> {
+    pointer.is_asking = false;
+    let Some([x, y]) = pointer.pixel else { return Ok(()) };
+    // The image may have become smaller.
+    let pixel = [x.min(view.size[0].saturating_sub(1)), y.min(view.size[1].saturating_sub(1))];
+    let candidates = candidates(hierarchy, view, pixel);
+    let ring = pointer.ring.get_or_insert_with(|| {
+        let slots = visibility.frames_in_flight();
+        FlagRing::new(&passes.device, slots, ResultSource::Fragments, "pointer")
+    });
+    let now = visibility.plan().frame;
+    ring.begin(frame, std::iter::repeat_n(now, WORDS))?;
+    let draws = candidates.iter().map(|(leaf, _)| executor.leaves.draw(*leaf));
+    let draws = frame.uploads().push_iter(draws)?;
+    pointer.is_asking = true;
+    let has_draws = !candidates.is_empty();
+    pointer.asked.push_back(Asked { frame: now, pixel, view: *view, candidates });
+    let Some(pointed) = ring.results() else { return Ok(()) };
+    let commands = frame.commands();
+    let cleared = MemoryBarrier::between(&[Access::CopyWrite], &[Access::FragmentWrite]);
+    passes.target.prepare_tests(commands);
+    let origin = [view.origin[0] + pixel[0], view.origin[1] + pixel[1]];
+    let target = passes.target_of(view, None);
+    let target = passes.scope_target(commands, ViewScope::Pointer, target);
+    commands.pass("find pointed object", |commands| {
+        commands.barrier(cleared);
+        if has_draws {
+            commands.rendering(target.within(pixel, [1, 1]), |commands| {
+                let Some(pass) = passes.pipelines.pointer.get() else { return };
+                pass.bind(commands, &PointerIo { opaque: passes.opaque_io(), pointed }, view);
+                commands.set_viewport(&Viewport::covering(view.origin, view.size));
+                commands.clip(origin, [1, 1]);
+                commands.draw_indirect(draws);
+            });
+        }
+        ring.read_back(commands);
+    });
+    Ok(())
+}
+
+/// Returns the leaves along the ray of a pixel, ascending, and their objects.
+fn candidates(hierarchy: &Hierarchy, view: &View, pixel: [u32; 2]) -> Vec<(LeafIndex, ObjectId)> {
+    let ndc = middle_of(pixel, view.size);
+    let origin = view.rays.point(ndc, 0.0);
+    let objects = hierarchy.leaf_objects();
+    let met = hierarchy.leaves_along(origin, view.rays.along(ndc)).into_iter();
+    let met = met.filter_map(|(_, leaf)| Some((leaf, *objects.get(leaf.0 as usize)?)));
+    let mut candidates: Vec<(LeafIndex, ObjectId)> = met.collect();
+    candidates.sort_unstable_by_key(|(leaf, _)| *leaf);
+    candidates
+}

@@ -1,0 +1,66 @@
+//! The pointer pass: finds the object that owns one pixel of a finished image, and its depth.
+
+use cull::View;
+use gpu::{
+    Attachments, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    StorageLayout, vk,
+};
+
+use crate::passes::OpaqueIo;
+use crate::passes::opaque::POSITIONS;
+use crate::passes::seen::SeenConstants;
+use crate::resources::instance::Instance;
+use occlusion::{Error, ShaderSet};
+
+/// The pass that draws objects a second time where their depth equals the finished one. The
+/// positions are invariant, so the objects that were drawn there pass, and no hole of a masked
+/// material does.
+pub(crate) struct PointerPass {
+    pipeline: GraphicsPipeline,
+}
+
+/// The buffers of the pass: reads those of the opaque pass, and the finished depth; writes the
+/// pointed object.
+#[derive(Clone, Copy)]
+pub(crate) struct PointerIo {
+    /// The buffers of the draws.
+    pub(crate) opaque: OpaqueIo,
+    /// Two words, 0 before: the complement of the number of the first leaf that owns the pixel, and
+    /// the bits of its depth.
+    pub(crate) pointed: BufferSlice,
+}
+
+impl PointerPass {
+    /// Compiles the pass for renderings to `attachments`, on a device whose fragment shaders write to
+    /// buffers.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
+        let vertex = shaders.find("seen.vert")?;
+        let pipeline = GraphicsPipeline::new(
+            device,
+            &GraphicsPipelineInfo {
+                fragment: Some(shaders.find("pointer.frag")?),
+                vertices: POSITIONS,
+                storage: StorageLayout::new::<SeenConstants>(2),
+                cull: vk::CullModeFlags::BACK,
+                depth: DepthMode::Equal,
+                attachments,
+                ..GraphicsPipelineInfo::of("pointer", vertex).numbered::<Instance>()
+            },
+        )?;
+        Ok(Self { pipeline })
+    }
+
+    /// Binds everything; the caller then records the draws of the objects along the ray.
+    pub(crate) fn bind(&self, commands: &Commands, io: &PointerIo, view: &View) {
+        commands.bind(&self.pipeline, &[io.opaque.instances, io.pointed]);
+        commands.bind_geometry(io.opaque.vertices, Some(io.opaque.indices));
+        commands.push_constants(&self.pipeline, &SeenConstants::of(view));
+    }
+}
