@@ -5,7 +5,7 @@ use crate::{assert_catches, assert_obeyed, assert_permits};
 
 /// The crates that each crate may depend on, of all kinds of dependencies; only `gpu` may know
 /// Vulkan's.
-const ARROWS: [(&str, &[&str]); 16] = [
+const ARROWS: [(&str, &[&str]); 17] = [
     ("engine/animation/Cargo.toml", &["cull"]),
     (
         "engine/antumbra/Cargo.toml",
@@ -35,12 +35,13 @@ const ARROWS: [(&str, &[&str]); 16] = [
     ("samples/Cargo.toml", &["antumbra", "bench", "harness", "scenes", "tests"]),
     ("samples/bench/Cargo.toml", &["antumbra", "harness", "scenes"]),
     ("samples/scenes/Cargo.toml", &["cull", "scene"]),
+    ("samples/workshop/Cargo.toml", &["antumbra", "bench", "harness", "scenes"]),
     ("shaders/Cargo.toml", &[]),
 ];
 
 /// Finds dependencies between crates that [`ARROWS`] does not allow.
 pub fn arrows(files: &[SourceFile]) -> Vec<String> {
-    const OURS: [&str; 18] = [
+    const OURS: [&str; 19] = [
         "animation",
         "antumbra",
         "bench",
@@ -59,6 +60,7 @@ pub fn arrows(files: &[SourceFile]) -> Vec<String> {
         "shaders",
         "shadows",
         "tests",
+        "workshop",
     ];
     const VULKAN: [&str; 3] = ["ash", "ash-window", "gpu-allocator"];
     let mut findings = Vec::new();

@@ -1,0 +1,69 @@
+//! The command line of `workshop`.
+
+use std::path::PathBuf;
+
+use antumbra::gpu::SampleCount;
+use bench::choices::{DeviceChoice, ValidationChoice};
+use bench::options::{FrameSize, parse_samples};
+use clap::{Parser, value_parser};
+
+/// Shows a CAD model: its parts are picked, hidden, taken apart, measured and exported. The lid of
+/// the waffle maker is dragged until it touches something.
+///
+/// Without a window, by a script: a command per line, whose outcomes are in the report.
+#[derive(Clone, Debug, Parser)]
+#[command(
+    name = "workshop",
+    version,
+    args_override_self = true,
+    after_help = "\
+Commands of a script, one per line:
+  pick X Y                the part under a pixel, from the upper left
+  select NAME, deselect   a part or a group
+  hide, show, ghost, isolate   what is selected, or (but isolate) a NAME; show alone shows all
+  lid DEGREES             drags the lid until it touches; 0 is closed
+  explode MM, assemble    parts at least so far apart, and back
+  distance X Y X Y        between the points under two pixels
+  edge X Y                the length of the model's edge near the point under a pixel
+  edges off|visible|hidden|shaded|shaded-hidden
+  view front, top-left, ..., iso; projection perspective|orthographic; fit
+  play FRAMES             the model's camera path
+  image FILE.png, export FILE.glb
+
+Exit codes: 0 all was done; 2 the command line or the script is wrong; 1 a command was refused, the \
+machine cannot do it, or a file cannot be written."
+)]
+pub struct Arguments {
+    /// The model: waffle, assembly, or a file, whose name has a dot or a slash
+    #[arg(value_name = "waffle|assembly|FILE", default_value = "waffle")]
+    pub model: String,
+    /// Number of parts of the assembly
+    #[arg(long, value_name = "N", default_value = "1000")]
+    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(scenes::MAX_OBJECTS)))]
+    pub parts: u32,
+    /// The number that the assembly is made from
+    #[arg(long, value_name = "SEED", default_value = "1")]
+    pub seed: u64,
+    /// The script to carry out
+    #[arg(long, value_name = "FILE")]
+    pub script: PathBuf,
+    /// Write what each command did, as JSON
+    #[arg(long, value_name = "FILE.json")]
+    pub report: Option<PathBuf>,
+    /// Without a window: the only way today
+    #[arg(long, required = true)]
+    pub headless: bool,
+    /// Size of the image in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720")]
+    pub size: FrameSize,
+    /// Samples per pixel, 1 or 4: with 4, edges are smooth
+    #[arg(long, value_name = "1|4", default_value = "4")]
+    #[arg(value_parser = parse_samples)]
+    pub msaa: SampleCount,
+    /// Vulkan device: a part of its name, or its number
+    #[arg(long, value_name = "DEVICE")]
+    pub device: Option<DeviceChoice>,
+    /// Validation layers: off, on (core checks), or sync (synchronization, too)
+    #[arg(long, value_name = "off|on|sync", default_value = "off")]
+    pub validation: ValidationChoice,
+}

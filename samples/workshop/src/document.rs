@@ -1,0 +1,288 @@
+//! The state of the viewer: what is shown of each part, and where. A pure value.
+
+use std::collections::BTreeSet;
+
+use antumbra::ObjectId;
+use antumbra::cull::Aabb;
+use antumbra::glam::{Affine3A, Vec3};
+use antumbra::scene::{Mesh, Object, Scene};
+use scenes::{Hinge, PartId, PartNode, PartTree};
+use thiserror::Error;
+
+use crate::explode::explode;
+use crate::hinge::{BadSolid, LidCollision, Solid, Turn, rotation};
+
+/// The way in which a part is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Display {
+    /// As it is.
+    #[default]
+    Shown,
+    /// Transparent.
+    Ghosted,
+    /// Not at all.
+    Hidden,
+}
+
+/// A lid and its hinge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lid {
+    /// The group of all that turns.
+    pub group: PartId,
+    /// The hinge that it turns about.
+    pub hinge: Hinge,
+}
+
+/// A command that cannot be done. Nothing has changed.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum CommandError {
+    /// A name that no part and no group has.
+    #[error("there is no part and no group '{0}'")]
+    NoPart(String),
+    /// A command about the selection while nothing is selected.
+    #[error("nothing is selected: pick or select a part first, or name one")]
+    NothingSelected,
+    /// A model without a lid.
+    #[error("this model has no lid on a hinge")]
+    NoLid,
+    /// A lid whose parts are apart.
+    #[error("the parts are apart: move them back (assemble) before the lid turns")]
+    Exploded,
+    /// A model of too many parts to show some of them transparent.
+    #[error("parts can be shown transparent in models of at most {0} parts")]
+    TooManyToGhost(usize),
+    /// Parts that cannot collide.
+    #[error(transparent)]
+    BadSolid(#[from] BadSolid),
+}
+
+/// A model and the state in which it is shown.
+pub struct Document {
+    /// The scene at rest. Its objects are the parts.
+    pub scene: Scene,
+    /// The parts in their groups.
+    pub parts: PartTree,
+    /// The lid, if the model has one.
+    pub lid: Option<Lid>,
+    /// The part of each object.
+    part_of_object: Vec<Option<PartId>>,
+    displays: Vec<Display>,
+    displacements: Vec<Vec3>,
+    turns: Vec<bool>,
+    lid_rad: f32,
+    selected: BTreeSet<ObjectId>,
+    collision: Option<LidCollision>,
+}
+
+impl Document {
+    /// Creates the state at rest: everything is shown in its place, nothing selected.
+    pub fn new(scene: Scene, parts: PartTree, lid: Option<Lid>) -> Self {
+        let count = scene.objects.len();
+        let mut part_of_object = vec![None; count];
+        for (number, node) in (0..).zip(&parts.nodes) {
+            let object = node.object.and_then(|object| part_of_object.get_mut(object.0 as usize));
+            if let Some(part) = object {
+                *part = Some(PartId(number));
+            }
+        }
+        let mut turns = vec![false; count];
+        for object in lid.iter().flat_map(|lid| parts.objects_of(lid.group)) {
+            if let Some(turns) = turns.get_mut(object.0 as usize) {
+                *turns = true;
+            }
+        }
+        Self {
+            displays: vec![Display::Shown; count],
+            displacements: vec![Vec3::ZERO; count],
+            turns,
+            lid_rad: lid.map_or(0.0, |lid| lid.hinge.closed_rad),
+            selected: BTreeSet::new(),
+            collision: None,
+            scene,
+            parts,
+            lid,
+            part_of_object,
+        }
+    }
+
+    /// Creates the state at rest of a scene without groups: each object is a part with the name of
+    /// its mesh.
+    pub fn of_scene(scene: Scene) -> Self {
+        let root = PartNode { name: scene.name.clone(), parent: None, object: None };
+        let part = |(number, object): (u32, &Object)| PartNode {
+            name: scene.mesh_of(object).map_or_else(String::new, |mesh| mesh.name.clone()),
+            parent: Some(PartId(0)),
+            object: Some(ObjectId(number)),
+        };
+        let nodes = std::iter::once(root).chain((0..).zip(&scene.objects).map(part)).collect();
+        Self::new(scene, PartTree { nodes }, None)
+    }
+
+    /// Returns the objects of the scene at rest.
+    pub fn objects(&self) -> impl Iterator<Item = ObjectId> + use<> {
+        (0..self.scene.objects.len() as u32).map(ObjectId)
+    }
+
+    /// Returns the way in which an object is shown.
+    pub fn display(&self, object: ObjectId) -> Display {
+        self.displays.get(object.0 as usize).copied().unwrap_or(Display::Hidden)
+    }
+
+    /// Returns the place of an object now.
+    pub fn transform(&self, object: ObjectId) -> Affine3A {
+        let index = object.0 as usize;
+        let rest = self.scene.objects.get(index).map_or(Affine3A::IDENTITY, |it| it.transform);
+        let turned = match &self.lid {
+            Some(lid) if self.turns[index] => rotation(&lid.hinge, self.lid_rad) * rest,
+            _ => rest,
+        };
+        let by = self.displacements.get(index).copied().unwrap_or_default();
+        Affine3A { translation: turned.translation + antumbra::glam::Vec3A::from(by), ..turned }
+    }
+
+    /// Returns the box of an object where it is now.
+    pub fn bounds(&self, object: ObjectId) -> Aabb {
+        let of = self.scene.objects.get(object.0 as usize);
+        let placed = of.map(|of| Object { transform: self.transform(object), ..*of });
+        placed.and_then(|placed| self.scene.bounds_of(&placed)).unwrap_or(Aabb::EMPTY)
+    }
+
+    /// Returns the box around all that is shown; around the origin alone if that is nothing.
+    pub fn shown_bounds(&self) -> Aabb {
+        let shown = self.objects().filter(|object| self.display(*object) != Display::Hidden);
+        let all = shown.fold(Aabb::EMPTY, |all, object| all.union(&self.bounds(object)));
+        if all.min.is_finite() && all.max.is_finite() {
+            return all;
+        }
+        Aabb { min: Vec3::ZERO, max: Vec3::ZERO }
+    }
+
+    /// Returns the mesh of an object.
+    pub fn mesh(&self, object: ObjectId) -> Option<&Mesh> {
+        self.scene.mesh_of(self.scene.objects.get(object.0 as usize)?)
+    }
+
+    /// Returns the name of an object's part.
+    pub fn name(&self, object: ObjectId) -> &str {
+        let part = self.part_of_object.get(object.0 as usize).copied().flatten();
+        part.and_then(|part| self.parts.node(part)).map_or("", |node| &node.name)
+    }
+
+    /// Returns the angle of the lid, in radians.
+    pub fn lid_rad(&self) -> f32 {
+        self.lid_rad
+    }
+
+    /// Returns the objects that are selected, in ascending order.
+    pub fn selected(&self) -> impl Iterator<Item = ObjectId> {
+        self.selected.iter().copied()
+    }
+
+    /// Returns the objects of a part or a group, by its name: the first one in the tree.
+    ///
+    /// # Errors
+    /// [`CommandError::NoPart`].
+    pub fn find(&self, name: &str) -> Result<Vec<ObjectId>, CommandError> {
+        let place = self.parts.nodes.iter().position(|node| node.name == name);
+        let place = place.ok_or_else(|| CommandError::NoPart(name.to_owned()))?;
+        Ok(self.parts.objects_of(PartId(place as u32)))
+    }
+
+    /// Returns the objects of a name, or without one those that are selected.
+    ///
+    /// # Errors
+    /// [`CommandError::NoPart`], [`CommandError::NothingSelected`].
+    pub fn named_or_selected(&self, name: Option<&str>) -> Result<Vec<ObjectId>, CommandError> {
+        match name {
+            Some(name) => self.find(name),
+            None if self.selected.is_empty() => Err(CommandError::NothingSelected),
+            None => Ok(self.selected.iter().copied().collect()),
+        }
+    }
+
+    /// Selects these objects and no others.
+    pub fn select(&mut self, objects: impl IntoIterator<Item = ObjectId>) {
+        self.selected = objects.into_iter().collect();
+    }
+
+    /// Changes the way in which objects are shown. What is hidden is no longer selected.
+    pub fn set_display(&mut self, objects: &[ObjectId], display: Display) {
+        for object in objects {
+            if let Some(of) = self.displays.get_mut(object.0 as usize) {
+                *of = display;
+            }
+            if display == Display::Hidden {
+                self.selected.remove(object);
+            }
+        }
+    }
+
+    /// Hides all but what is selected.
+    ///
+    /// # Errors
+    /// [`CommandError::NothingSelected`].
+    pub fn isolate(&mut self) -> Result<(), CommandError> {
+        if self.selected.is_empty() {
+            return Err(CommandError::NothingSelected);
+        }
+        for (object, display) in (0..).map(ObjectId).zip(&mut self.displays) {
+            *display = match self.selected.contains(&object) {
+                true => Display::Shown,
+                false => Display::Hidden,
+            };
+        }
+        Ok(())
+    }
+
+    /// Moves all shown parts apart by a gap, in metres, from where they are without displacements.
+    pub fn explode(&mut self, gap_m: f32) {
+        self.assemble();
+        let is_shown = |object: &ObjectId| self.display(*object) != Display::Hidden;
+        let shown: Vec<ObjectId> = self.objects().filter(is_shown).collect();
+        let boxes: Vec<Aabb> = shown.iter().map(|object| self.bounds(*object)).collect();
+        for (object, by) in shown.iter().zip(explode(&boxes, gap_m)) {
+            self.displacements[object.0 as usize] = by;
+        }
+    }
+
+    /// Moves all parts back.
+    pub fn assemble(&mut self) {
+        self.displacements.fill(Vec3::ZERO);
+    }
+
+    /// Turns the lid towards an angle, until a part of it touches something that is not hidden.
+    ///
+    /// # Errors
+    /// [`CommandError::NoLid`], [`CommandError::Exploded`], [`CommandError::BadSolid`].
+    pub fn turn_lid(&mut self, to_rad: f32) -> Result<Turn, CommandError> {
+        let lid = self.lid.ok_or(CommandError::NoLid)?;
+        if self.displacements.iter().any(|by| *by != Vec3::ZERO) {
+            return Err(CommandError::Exploded);
+        }
+        let collision = match self.collision.take() {
+            Some(collision) => collision,
+            None => self.lid_collision(&lid)?,
+        };
+        let is_there = |part: usize| self.displays[part] != Display::Hidden;
+        let turn = collision.turn(self.lid_rad, to_rad, &is_there);
+        self.collision = Some(collision);
+        self.lid_rad = turn.angle_rad;
+        Ok(turn)
+    }
+
+    fn lid_collision(&self, lid: &Lid) -> Result<LidCollision, BadSolid> {
+        let solid = |object: ObjectId| {
+            let of = self.scene.objects.get(object.0 as usize)?;
+            let mesh = self.scene.mesh_of(of)?;
+            let corner = |position: [f32; 3]| of.transform.transform_point3(position.into());
+            let corners = mesh.vertices.iter().map(|vertex| corner(vertex.position)).collect();
+            let triangles = mesh.indices.as_chunks::<3>().0.to_vec();
+            Some(Solid { part: object.0 as usize, corners, triangles })
+        };
+        let turns = |object: &ObjectId| self.turns[object.0 as usize];
+        let (moving, fixed): (Vec<ObjectId>, Vec<ObjectId>) = self.objects().partition(turns);
+        let moving: Vec<Solid> = moving.into_iter().filter_map(solid).collect();
+        let fixed: Vec<Solid> = fixed.into_iter().filter_map(solid).collect();
+        LidCollision::new(lid.hinge, &moving, &fixed)
+    }
+}

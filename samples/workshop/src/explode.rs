@@ -1,0 +1,185 @@
+//! Exploded views: displacements that part boxes by a guaranteed gap.
+//!
+//! Boxes are placed one after the other, from the middle outwards. Each moves away from the middle
+//! along a direction of its own until it is clear of all that were placed before. A box along a ray
+//! meets another convex box in one interval, so each placed box is left behind once and the search
+//! ends. Touching, coincident and central parts separate, too: where a direction cannot be told
+//! from the places, it is one of a spiral over the sphere.
+
+use std::f64::consts::PI;
+
+use antumbra::cull::Aabb;
+use antumbra::glam::{DVec3, Vec3};
+
+/// The angle between neighbours of the spiral, in radians: the golden angle.
+const GOLDEN_ANGLE_RAD: f64 = 2.399_963_229_728_653;
+
+/// The share of the assembly's size under which a box counts as central.
+const CENTRAL_SHARE: f64 = 1e-6;
+
+/// The share of the assembly's size by which gaps are larger than asked, for the rounding of what is
+/// added to single-precision transforms.
+const ROUNDING_SHARE: f64 = 1e-6;
+
+/// Returns a displacement for each box, in metres: displaced boxes lie at least `gap_m` apart along
+/// one of the axes. The box nearest to the middle stays.
+pub fn explode(boxes: &[Aabb], gap_m: f32) -> Vec<Vec3> {
+    let all = boxes.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
+    let middle = centre(&all);
+    let size = (all.max - all.min).as_dvec3().length();
+    let gap = f64::from(gap_m.max(0.0)) + size * ROUNDING_SHARE;
+    let mut order: Vec<usize> = (0..boxes.len()).collect();
+    let distance = |index: &usize| centre(&boxes[*index]).distance_squared(middle);
+    order.sort_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.cmp(b)));
+
+    let mut displacements = vec![Vec3::ZERO; boxes.len()];
+    let mut placed: Vec<DBox> = Vec::with_capacity(boxes.len());
+    for (rank, index) in order.into_iter().enumerate() {
+        let bounds = DBox::of(&boxes[index]);
+        let outward = centre(&boxes[index]) - middle;
+        let direction = if outward.length() > size * CENTRAL_SHARE {
+            outward.normalize()
+        } else {
+            spiral_direction(rank, boxes.len())
+        };
+        let distance = free_distance(&bounds, direction, &placed, gap);
+        let displacement = (direction * distance).as_vec3();
+        placed.push(bounds.moved(displacement.as_dvec3()));
+        displacements[index] = displacement;
+    }
+    displacements
+}
+
+/// Returns the least gap between two of the boxes, each pair along the axis that parts it most, in
+/// metres: negative where boxes overlap. `None` for fewer than two.
+pub fn least_gap(boxes: &[Aabb]) -> Option<f64> {
+    let boxes: Vec<DBox> = boxes.iter().map(DBox::of).collect();
+    let others = |(index, one): (usize, &DBox)| {
+        let gaps = boxes[index + 1..].iter().map(|other| one.gap(other));
+        gaps.min_by(f64::total_cmp)
+    };
+    boxes.iter().enumerate().filter_map(others).min_by(f64::total_cmp)
+}
+
+/// Returns the least distance along `direction` at which a box is clear of all placed boxes.
+fn free_distance(bounds: &DBox, direction: DVec3, placed: &[DBox], gap: f64) -> f64 {
+    let mut distance = 0.0;
+    loop {
+        let there = bounds.moved(direction * distance);
+        let exits = placed.iter().filter(|other| there.gap(other) < gap);
+        let exits = exits.map(|other| bounds.exit_distance(other, direction, gap));
+        // Some axis moves, since a direction has unit length: every exit is finite.
+        let next = exits.fold(distance, f64::max);
+        if next <= distance {
+            return distance;
+        }
+        distance = next;
+    }
+}
+
+/// Returns the `index`-th of `count` directions that are spread evenly over the sphere.
+fn spiral_direction(index: usize, count: usize) -> DVec3 {
+    let share = (index as f64 + 0.5) / count.max(1) as f64;
+    let (sine, cosine) = (index as f64 * GOLDEN_ANGLE_RAD).rem_euclid(2.0 * PI).sin_cos();
+    let height = 1.0 - 2.0 * share;
+    let radius = (1.0 - height * height).max(0.0).sqrt();
+    DVec3::new(radius * cosine, height, radius * sine).normalize_or(DVec3::Y)
+}
+
+fn centre(bounds: &Aabb) -> DVec3 {
+    (bounds.min.as_dvec3() + bounds.max.as_dvec3()) * 0.5
+}
+
+/// A box in double precision.
+#[derive(Clone, Copy)]
+struct DBox {
+    min: DVec3,
+    max: DVec3,
+}
+
+impl DBox {
+    fn of(bounds: &Aabb) -> Self {
+        Self { min: bounds.min.as_dvec3(), max: bounds.max.as_dvec3() }
+    }
+
+    fn moved(&self, by: DVec3) -> Self {
+        Self { min: self.min + by, max: self.max + by }
+    }
+
+    /// Returns the gap to another box along the axis that parts them most.
+    fn gap(&self, other: &Self) -> f64 {
+        (other.min - self.max).max(self.min - other.max).max_element()
+    }
+
+    /// Returns the distance along `direction` from which on this box is clear of another.
+    fn exit_distance(&self, other: &Self, direction: DVec3, gap: f64) -> f64 {
+        let exit = |axis: usize| {
+            let speed = direction[axis];
+            if speed > 0.0 {
+                (other.max[axis] + gap - self.min[axis]) / speed
+            } else if speed < 0.0 {
+                (other.min[axis] - gap - self.max[axis]) / speed
+            } else {
+                f64::INFINITY
+            }
+        };
+        exit(0).min(exit(1)).min(exit(2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn cube(middle: Vec3, half: f32) -> Aabb {
+        Aabb { min: middle - half, max: middle + half }
+    }
+
+    fn assert_apart(boxes: &[Aabb], gap_m: f32) {
+        let displacements = explode(boxes, gap_m);
+        let moved: Vec<Aabb> = boxes
+            .iter()
+            .zip(&displacements)
+            .map(|(bounds, by)| Aabb { min: bounds.min + *by, max: bounds.max + *by })
+            .collect();
+        let gap = least_gap(&moved).unwrap_or(f64::INFINITY);
+        assert!(gap >= f64::from(gap_m), "{gap}: {boxes:?}: {displacements:?}");
+    }
+
+    #[test]
+    fn touching_coincident_and_central_parts_separate() {
+        let touching = [cube(Vec3::ZERO, 1.0), cube(Vec3::X * 2.0, 1.0)];
+        let coincident = [cube(Vec3::ONE, 0.5); 7];
+        let central = [cube(Vec3::ZERO, 5.0), cube(Vec3::ZERO, 1.0), cube(Vec3::ZERO, 0.1)];
+        for boxes in [&touching[..], &coincident, &central] {
+            assert_apart(boxes, 0.25);
+        }
+    }
+
+    #[test]
+    fn parts_that_are_clear_stay() {
+        let boxes = [cube(Vec3::ZERO, 1.0), cube(Vec3::X * 3.0, 1.0), cube(Vec3::Y * -9.0, 1.0)];
+        assert_eq!(explode(&boxes, 0.5), [Vec3::ZERO; 3]);
+        assert_eq!(explode(&[], 0.5), []);
+    }
+
+    #[test]
+    fn flat_and_empty_extents_separate() {
+        let sheet = Aabb { min: Vec3::new(-1.0, 0.0, -1.0), max: Vec3::new(1.0, 0.0, 1.0) };
+        assert_apart(&[sheet, sheet, cube(Vec3::ZERO, 0.0)], 0.1);
+    }
+
+    proptest! {
+        #[test]
+        fn no_two_boxes_are_nearer_than_the_gap(
+            places in prop::collection::vec(
+                (prop::array::uniform3(-3.0_f32..3.0), 0.0_f32..2.0), 1..24),
+            gap_m in 0.01_f32..1.0,
+        ) {
+            let boxes: Vec<Aabb> =
+                places.iter().map(|(middle, half)| cube((*middle).into(), *half)).collect();
+            assert_apart(&boxes, gap_m);
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! What is shown, as a binary glTF 2.0 file: the tree of parts, each in its place, with the colours
+//! of its vertices and the numbers of its material. Textures are left out.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use antumbra::ObjectId;
+use antumbra::glam::Mat4;
+use antumbra::scene::{Mesh, MeshId, unpack_normal};
+use gltf::binary::{Glb, Header};
+use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
+use gltf::json::buffer::Target;
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::validation::Checked::Valid;
+use gltf::json::validation::USize64;
+use gltf::json::{self, Accessor, Buffer, Index, Material, Node, Root, buffer};
+use scenes::PartNode;
+use thiserror::Error;
+
+use crate::document::{Display, Document};
+
+/// A model that cannot be exported.
+#[derive(Debug, Error)]
+pub enum ExportError {
+    /// Nothing is shown.
+    #[error("nothing is shown, so there is nothing to export: show a part first")]
+    Nothing,
+    /// A failure of the writer, such as a file of more than 4 GiB.
+    #[error("cannot write the model as glTF: {0}")]
+    Writing(String),
+}
+
+/// Returns the file of all that is not hidden.
+///
+/// # Errors
+/// [`ExportError::Nothing`]; more than 4 GiB.
+pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
+    let is_shown = |object: &ObjectId| document.display(*object) != Display::Hidden;
+    let shown: Vec<ObjectId> = document.objects().filter(is_shown).collect();
+    if shown.is_empty() {
+        return Err(ExportError::Nothing);
+    }
+    let mut writer = Writer::default();
+    let mut meshes: BTreeMap<MeshId, Index<json::Mesh>> = BTreeMap::new();
+    let mut nodes: Vec<Option<Index<Node>>> = vec![None; document.parts.nodes.len()];
+    for (place, part) in document.parts.nodes.iter().enumerate() {
+        let Some(object) = part.object.filter(is_shown) else { continue };
+        let Some(mesh) = document.mesh(object) else { continue };
+        let id = document.scene.objects[object.0 as usize].mesh;
+        let mesh = *meshes.entry(id).or_insert_with(|| writer.mesh(document, id, mesh));
+        let matrix = Mat4::from(document.transform(object)).to_cols_array();
+        let node = Node { matrix: Some(matrix), mesh: Some(mesh), ..named(part) };
+        nodes[place] = Some(writer.root.push(node));
+    }
+    let roots = writer.groups(&document.parts.nodes, nodes);
+    let scene = json::Scene { name: None, nodes: roots, extensions: None, extras: None };
+    writer.root.scene = Some(writer.root.push(scene));
+    writer.finish()
+}
+
+/// Returns a node with the name of a part.
+fn named(part: &PartNode) -> Node {
+    Node { name: Some(part.name.clone()), ..Node::default() }
+}
+
+/// A file in the making.
+#[derive(Default)]
+struct Writer {
+    root: Root,
+    bytes: Vec<u8>,
+}
+
+impl Writer {
+    /// Adds a node for each group with something in it. Returns the nodes without a parent.
+    fn groups(
+        &mut self,
+        parts: &[PartNode],
+        mut nodes: Vec<Option<Index<Node>>>,
+    ) -> Vec<Index<Node>> {
+        let mut children: Vec<Vec<Index<Node>>> = vec![Vec::new(); parts.len()];
+        let mut roots = Vec::new();
+        // Parents come before what they hold.
+        for (place, part) in parts.iter().enumerate().rev() {
+            let inside = std::mem::take(&mut children[place]);
+            if nodes[place].is_none() && !inside.is_empty() {
+                let children = Some(inside.into_iter().rev().collect());
+                nodes[place] = Some(self.root.push(Node { children, ..named(part) }));
+            }
+            let Some(node) = nodes[place] else { continue };
+            match part.parent {
+                Some(parent) => children[parent.0 as usize].push(node),
+                None => roots.push(node),
+            }
+        }
+        roots
+    }
+
+    /// Adds a mesh of the document's scene.
+    fn mesh(&mut self, document: &Document, id: MeshId, mesh: &Mesh) -> Index<json::Mesh> {
+        let positions = mesh.vertices.iter().flat_map(|vertex| vertex.position);
+        let positions = self.floats(positions, mesh.vertices.len());
+        if let Some(accessor) = self.root.accessors.get_mut(positions.value()) {
+            accessor.min = Some(json::Value::from(mesh.bounds.min.to_array().to_vec()));
+            accessor.max = Some(json::Value::from(mesh.bounds.max.to_array().to_vec()));
+        }
+        let normal = |packed: u32| unpack_normal(packed).normalize_or(antumbra::glam::Vec3::Y);
+        let normals = mesh.vertices.iter().flat_map(|vertex| normal(vertex.normal).to_array());
+        let normals = self.floats(normals, mesh.vertices.len());
+        let colours = mesh.vertices.iter().flat_map(|vertex| {
+            let [red, green, blue, _] = vertex.colour.to_le_bytes();
+            [red, green, blue, u8::MAX]
+        });
+        let view = self.view(colours, Target::ArrayBuffer);
+        let colours = self.root.push(Accessor {
+            normalized: true,
+            ..accessor(view, ComponentType::U8, Type::Vec4, mesh.vertices.len())
+        });
+        let view = self
+            .view(mesh.indices.iter().flat_map(|it| it.to_le_bytes()), Target::ElementArrayBuffer);
+        let indices = accessor(view, ComponentType::U32, Type::Scalar, mesh.indices.len());
+        let primitive = Primitive {
+            attributes: BTreeMap::from([
+                (Valid(Semantic::Positions), positions),
+                (Valid(Semantic::Normals), normals),
+                (Valid(Semantic::Colors(0)), colours),
+            ]),
+            indices: Some(self.root.push(indices)),
+            material: Some(self.material(document, id)),
+            mode: Valid(Mode::Triangles),
+            targets: None,
+            extensions: None,
+            extras: None,
+        };
+        let name = Some(mesh.name.clone());
+        let primitives = vec![primitive];
+        self.root.push(json::Mesh {
+            name,
+            primitives,
+            weights: None,
+            extensions: None,
+            extras: None,
+        })
+    }
+
+    /// Adds the material of a mesh.
+    fn material(&mut self, document: &Document, id: MeshId) -> Index<Material> {
+        let surfaces = document.scene.surfaces.as_ref();
+        let of = surfaces.and_then(|surfaces| {
+            let material = surfaces.meshes.get(id.0 as usize)?.material;
+            surfaces.materials.get(material.0 as usize)
+        });
+        let mut material = Material::default();
+        material.pbr_metallic_roughness.metallic_factor.0 = of.map_or(0.0, |of| of.metallic);
+        material.pbr_metallic_roughness.roughness_factor.0 = of.map_or(1.0, |of| of.roughness);
+        if let Some(of) = of {
+            material.name = Some(of.name.clone());
+            material.pbr_metallic_roughness.base_color_factor.0 = of.base_colour;
+        }
+        self.root.push(material)
+    }
+
+    /// Adds vectors of three floats.
+    fn floats(&mut self, of: impl Iterator<Item = f32>, count: usize) -> Index<Accessor> {
+        let view = self.view(of.flat_map(f32::to_le_bytes), Target::ArrayBuffer);
+        self.root.push(accessor(view, ComponentType::F32, Type::Vec3, count))
+    }
+
+    /// Adds bytes, from a multiple of four on.
+    fn view(&mut self, of: impl Iterator<Item = u8>, target: Target) -> Index<buffer::View> {
+        let first = self.bytes.len();
+        self.bytes.extend(of);
+        let length = self.bytes.len() - first;
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.root.push(buffer::View {
+            name: None,
+            buffer: Index::new(0),
+            byte_length: USize64::from(length),
+            byte_offset: Some(USize64::from(first)),
+            byte_stride: None,
+            target: Some(Valid(target)),
+            extensions: None,
+            extras: None,
+        })
+    }
+
+    fn finish(mut self) -> Result<Vec<u8>, ExportError> {
+        let writing = |error: &dyn std::fmt::Display| ExportError::Writing(error.to_string());
+        self.root.push(Buffer {
+            name: None,
+            byte_length: USize64::from(self.bytes.len()),
+            uri: None,
+            extensions: None,
+            extras: None,
+        });
+        self.root.asset.generator = Some("Antumbra workshop".to_owned());
+        let json = self.root.to_vec().map_err(|error| writing(&error))?;
+        let glb = Glb {
+            // The length is the writer's to find.
+            header: Header { magic: *b"glTF", version: 2, length: 0 },
+            json: Cow::Owned(json),
+            bin: Some(Cow::Owned(self.bytes)),
+        };
+        glb.to_vec().map_err(|error| writing(&error))
+    }
+}
+
+fn accessor(
+    view: Index<buffer::View>,
+    component: ComponentType,
+    shape: Type,
+    count: usize,
+) -> Accessor {
+    Accessor {
+        name: None,
+        buffer_view: Some(view),
+        byte_offset: None,
+        count: USize64::from(count),
+        component_type: Valid(GenericComponentType(component)),
+        type_: Valid(shape),
+        min: None,
+        max: None,
+        normalized: false,
+        sparse: None,
+        extensions: None,
+        extras: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use antumbra::import::{LoadOptions, load_bytes};
+
+    use super::*;
+
+    #[test]
+    fn what_was_exported_is_read_back_by_other_readers() {
+        let made = scenes::waffle_maker();
+        let mut document = Document::new(made.scene, made.parts, None);
+        let hidden = document.find("lid").unwrap();
+        document.set_display(&hidden, Display::Hidden);
+        let bytes = glb(&document).unwrap();
+
+        let read = gltf::Gltf::from_slice(&bytes).unwrap();
+        let nodes = read.nodes().filter(|node| node.mesh().is_some()).count();
+        assert_eq!(nodes, document.scene.objects.len() - hidden.len());
+        let names: Vec<&str> = read.nodes().filter_map(|node| node.name()).collect();
+        assert!(names.contains(&"lower plate") && !names.contains(&"upper plate"), "{names:?}");
+
+        let mut progress = |_| ControlFlow::Continue(());
+        let loaded = load_bytes(bytes, None, &LoadOptions::default(), &mut progress).unwrap();
+        assert!(loaded.notes.is_empty(), "{:?}", loaded.notes);
+        assert_eq!(loaded.scene.objects.len(), nodes);
+        let (found, expected) = (loaded.bounds(), document.shown_bounds());
+        assert!((found.min - expected.min).length() < 1e-4, "{found:?} {expected:?}");
+        assert!((found.max - expected.max).length() < 1e-4, "{found:?} {expected:?}");
+    }
+
+    #[test]
+    fn nothing_shown_is_nothing_exported() {
+        let made = scenes::waffle_maker();
+        let mut document = Document::new(made.scene, made.parts, None);
+        let all: Vec<ObjectId> = document.objects().collect();
+        document.set_display(&all, Display::Hidden);
+        assert!(matches!(glb(&document), Err(ExportError::Nothing)));
+    }
+}

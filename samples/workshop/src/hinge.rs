@@ -1,0 +1,324 @@
+//! A lid on a hinge, which turns until it touches something.
+//!
+//! By conservative advancement: a point that lies `r` from the axis moves at most `r` times the
+//! angle, so a part that is `d` away from another cannot touch it within an angle of `d / r`. Each
+//! pair of parts has its own safe angle, and only the pair whose safe angle ends first is measured
+//! again. Nothing between two measurements is missed, however thin it is.
+
+use antumbra::glam::{Affine3A, Quat, Vec3};
+use parry3d::math::{Pose, Real, Rot3, Vector};
+use parry3d::query;
+use parry3d::shape::TriMesh;
+use scenes::Hinge;
+use thiserror::Error;
+
+/// The distance at which parts count as touching, in metres.
+pub const TOUCH_M: f32 = 2.0e-5;
+
+/// Millimetres in a metre. The distance queries have absolute tolerances that take triangles of a
+/// few thousandths of a unit for points: in metres they find contacts where there are none.
+const MM: f32 = 1000.0;
+
+/// The most measurements of one turn. A turn that needs more ends where it is, before contact.
+const MOST_MEASUREMENTS: usize = 20_000;
+
+/// The triangles of a part in the world, where its hinge has angle 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    /// The number of the part, for reports.
+    pub part: usize,
+    /// Its corners, in metres.
+    pub corners: Vec<Vec3>,
+    /// Three indices of corners for each triangle.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A solid that cannot take part in collisions.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("part {part} cannot collide: {reason}")]
+pub struct BadSolid {
+    /// The number of the part.
+    pub part: usize,
+    /// The reason.
+    pub reason: String,
+}
+
+/// The end of a turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// The angle at which it ended, in radians.
+    pub angle_rad: f32,
+    /// The parts that touched there: of the lid, and of what stands still. `None` if the turn ended
+    /// where it was to end.
+    pub contact: Option<Contact>,
+}
+
+/// Two parts that touch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Contact {
+    /// The number of the part that turned.
+    pub moving: usize,
+    /// The number of the part that stood still.
+    pub fixed: usize,
+}
+
+/// A part as the collision queries take it.
+struct Shape {
+    part: usize,
+    mesh: TriMesh,
+}
+
+/// Two parts that may touch.
+#[derive(Clone, Copy)]
+struct Pair {
+    moving: usize,
+    fixed: usize,
+    /// The largest distance of the moving part from the axis.
+    radius_m: f32,
+}
+
+/// The parts on both sides of a hinge.
+pub struct LidCollision {
+    hinge: Hinge,
+    moving: Vec<Shape>,
+    fixed: Vec<Shape>,
+    /// The pairs that collide: all but those that interpenetrate as they were designed, such as a
+    /// pin and its bearing.
+    pairs: Vec<Pair>,
+}
+
+impl LidCollision {
+    /// Creates the collision of parts that turn with those that stand still. Pairs that
+    /// interpenetrate where the hinge has its least angle, as they were designed, belong together
+    /// and never collide.
+    ///
+    /// # Errors
+    /// A solid without triangles, or with indices that do not fit.
+    pub fn new(hinge: Hinge, moving: &[Solid], fixed: &[Solid]) -> Result<Self, BadSolid> {
+        let moving_shapes = moving.iter().map(shape).collect::<Result<Vec<Shape>, BadSolid>>()?;
+        let fixed_shapes = fixed.iter().map(shape).collect::<Result<Vec<Shape>, BadSolid>>()?;
+        let mut collision =
+            Self { hinge, moving: moving_shapes, fixed: fixed_shapes, pairs: Vec::new() };
+        for (moving_index, solid) in moving.iter().enumerate() {
+            let radii = solid.corners.iter().map(|corner| radius_m(&hinge, *corner));
+            let radius_m = radii.fold(f32::MIN_POSITIVE, f32::max);
+            for fixed_index in 0..fixed.len() {
+                let pair = Pair { moving: moving_index, fixed: fixed_index, radius_m };
+                if collision.distance_m(pair, hinge.closed_rad) > 0.0 {
+                    collision.pairs.push(pair);
+                }
+            }
+        }
+        Ok(collision)
+    }
+
+    /// Turns from one angle towards another, within the limits of the hinge, until parts touch that
+    /// are both there. Parts that touch at the start and separate do not hinder it.
+    pub fn turn(&self, from_rad: f32, to_rad: f32, is_there: &dyn Fn(usize) -> bool) -> Turn {
+        let Hinge { closed_rad, open_rad, .. } = self.hinge;
+        let to_rad = to_rad.clamp(closed_rad, open_rad);
+        let sign = if to_rad < from_rad { -1.0 } else { 1.0 };
+        let whole_rad = (to_rad - from_rad).abs();
+        // The turned angle up to which a pair cannot touch.
+        let are_there = |pair: &Pair| {
+            is_there(self.moving[pair.moving].part) && is_there(self.fixed[pair.fixed].part)
+        };
+        let pairs: Vec<Pair> = self.pairs.iter().copied().filter(are_there).collect();
+        let mut safe_rad = vec![0.0_f32; pairs.len()];
+        for _ in 0..MOST_MEASUREMENTS {
+            let first = safe_rad.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+            let Some((index, &turned_rad)) = first.filter(|(_, safe)| **safe < whole_rad) else {
+                return Turn { angle_rad: to_rad, contact: None };
+            };
+            let pair = pairs[index];
+            let step_rad = TOUCH_M / pair.radius_m;
+            let distance_m = self.distance_m(pair, from_rad + sign * turned_rad);
+            if distance_m > TOUCH_M {
+                // Up to where half of the touching distance is left: then it counts as touching.
+                safe_rad[index] += (distance_m - 0.5 * TOUCH_M) / pair.radius_m;
+            } else if self.separates(pair, from_rad + sign * turned_rad, sign * step_rad) {
+                safe_rad[index] += step_rad;
+            } else {
+                let contact = Contact {
+                    moving: self.moving[pair.moving].part,
+                    fixed: self.fixed[pair.fixed].part,
+                };
+                let angle_rad = from_rad + sign * turned_rad;
+                return Turn { angle_rad, contact: Some(contact) };
+            }
+        }
+        let reached_rad = safe_rad.into_iter().fold(whole_rad, f32::min);
+        Turn { angle_rad: from_rad + sign * reached_rad, contact: None }
+    }
+
+    /// Returns true if a touching pair is farther apart a small step later.
+    fn separates(&self, pair: Pair, angle_rad: f32, step_rad: f32) -> bool {
+        let now_m = self.distance_m(pair, angle_rad);
+        self.distance_m(pair, angle_rad + step_rad) > now_m
+    }
+
+    /// Returns the distance of a pair, in metres; 0 where the surfaces meet.
+    fn distance_m(&self, pair: Pair, angle_rad: f32) -> f32 {
+        let moved = pose(&rotation(&self.hinge, angle_rad));
+        let (moving, fixed) = (&self.moving[pair.moving].mesh, &self.fixed[pair.fixed].mesh);
+        // Two meshes of triangles are always supported.
+        let found = query::distance(&moved, moving, &Pose::IDENTITY, fixed);
+        found.map_or(0.0, |found| found.distance / MM)
+    }
+}
+
+/// Returns the rotation about the axis of a hinge, also beyond its limits.
+pub fn rotation(hinge: &Hinge, angle_rad: f32) -> Affine3A {
+    let turn = Quat::from_axis_angle(hinge.axis, angle_rad);
+    Affine3A::from_rotation_translation(turn, hinge.point - turn * hinge.point)
+}
+
+/// Returns the distance of a point from the axis of a hinge, in metres.
+fn radius_m(hinge: &Hinge, point: Vec3) -> f32 {
+    (point - hinge.point).reject_from_normalized(hinge.axis).length()
+}
+
+fn shape(solid: &Solid) -> Result<Shape, BadSolid> {
+    let part = solid.part;
+    let refuse = |reason: String| BadSolid { part, reason };
+    let count = solid.corners.len() as u32;
+    if solid.triangles.as_flattened().iter().any(|corner| *corner >= count) {
+        return Err(refuse("an index names a corner that it does not have".to_owned()));
+    }
+    let corners = solid.corners.iter().map(|corner| vector(*corner)).collect();
+    let mesh = TriMesh::new(corners, solid.triangles.clone());
+    Ok(Shape { part, mesh: mesh.map_err(|error| refuse(error.to_string()))? })
+}
+
+/// Returns a place or a displacement as the queries take it, in millimetres.
+fn vector(of: Vec3) -> Vector {
+    let of_mm = of * MM;
+    Vector::new(of_mm.x, of_mm.y, of_mm.z)
+}
+
+fn pose(of: &Affine3A) -> Pose {
+    let (_, turn, place) = of.to_scale_rotation_translation();
+    let [x, y, z, w]: [Real; 4] = turn.to_array();
+    Pose::from_parts(vector(place), Rot3::from_xyzw(x, y, z, w))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the twelve triangles of a box.
+    fn box_solid(part: usize, min: Vec3, max: Vec3) -> Solid {
+        let corner = |index: usize| {
+            let side = |bit: usize| if index >> bit & 1 == 1 { max } else { min };
+            Vec3::new(side(0).x, side(1).y, side(2).z)
+        };
+        let triangles = [
+            [0, 2, 1],
+            [1, 2, 3],
+            [4, 5, 6],
+            [5, 7, 6],
+            [0, 1, 4],
+            [1, 5, 4],
+            [2, 6, 3],
+            [3, 6, 7],
+            [0, 4, 2],
+            [2, 4, 6],
+            [1, 3, 5],
+            [3, 7, 5],
+        ];
+        Solid { part, corners: (0..8).map(corner).collect(), triangles: triangles.to_vec() }
+    }
+
+    /// A lid two metres long, a centimetre over a body.
+    fn hinge() -> Hinge {
+        let point = Vec3::new(0.0, 0.01, -1.0);
+        Hinge { point, axis: Vec3::NEG_X, closed_rad: 0.0, open_rad: 2.0 }
+    }
+
+    fn lid() -> Solid {
+        box_solid(1, Vec3::new(-1.0, 0.01, -1.0), Vec3::new(1.0, 0.06, 1.0))
+    }
+
+    fn body() -> Solid {
+        box_solid(2, Vec3::new(-1.0, -1.0, -1.0), Vec3::new(1.0, 0.0, 1.0))
+    }
+
+    /// A ceiling, 0.8 m over the body.
+    fn ceiling() -> Solid {
+        box_solid(3, Vec3::new(-1.0, 0.8, -1.0), Vec3::new(1.0, 0.9, 1.0))
+    }
+
+    fn collision(fixed: &[Solid]) -> LidCollision {
+        LidCollision::new(hinge(), &[lid()], fixed).unwrap()
+    }
+
+    #[test]
+    fn a_lid_turns_until_it_touches() {
+        let turn = collision(&[body(), ceiling()]).turn(0.0, 1.5, &|_| true);
+        // The upper edge of its end, on an arc about the axis, reaches the ceiling.
+        let radius_m = 2.0_f32.hypot(0.05);
+        let expected_rad = (0.79 / radius_m).asin() - 0.05_f32.atan2(2.0);
+        assert!((turn.angle_rad - expected_rad).abs() < 2.0 * TOUCH_M, "{turn:?}");
+        assert!(turn.angle_rad <= expected_rad, "it stops before it penetrates: {turn:?}");
+        assert_eq!(turn.contact, Some(Contact { moving: 1, fixed: 3 }));
+    }
+
+    #[test]
+    fn what_touches_at_the_start_may_separate_but_not_go_on() {
+        let collision = collision(&[body(), ceiling()]);
+        let touching_rad = collision.turn(0.0, 1.5, &|_| true).angle_rad;
+        let back = collision.turn(touching_rad, 0.0, &|_| true);
+        assert_eq!(back, Turn { angle_rad: 0.0, contact: None });
+        let further = collision.turn(touching_rad, 1.5, &|_| true);
+        assert!(further.contact.is_some() && (further.angle_rad - touching_rad).abs() < 1e-4);
+    }
+
+    #[test]
+    fn what_is_not_there_is_no_contact() {
+        let turn = collision(&[body(), ceiling()]).turn(0.0, 1.5, &|part| part != 3);
+        assert_eq!(turn, Turn { angle_rad: 1.5, contact: None });
+    }
+
+    #[test]
+    fn a_sheet_thinner_than_any_step_stops_it() {
+        let sheet = box_solid(7, Vec3::new(-0.5, 0.9, 0.5), Vec3::new(0.5, 0.900_01, 0.9));
+        let turn = collision(&[body(), sheet]).turn(0.0, 1.9, &|_| true);
+        assert_eq!(turn.contact, Some(Contact { moving: 1, fixed: 7 }));
+        assert!(turn.angle_rad > 0.3 && turn.angle_rad < 0.8, "{turn:?}");
+    }
+
+    #[test]
+    fn small_triangles_near_each_other_do_not_touch() {
+        let made = scenes::waffle_maker();
+        let lid = crate::document::Lid { group: made.lid, hinge: made.hinge };
+        let mut document = crate::document::Document::new(made.scene, made.parts, Some(lid));
+        // Lid and body are 0.6 mm apart along their whole rims, which have round corners.
+        let turn = document.turn_lid(1.0).unwrap();
+        assert_eq!(turn, Turn { angle_rad: 1.0, contact: None });
+        let back = document.turn_lid(-1.0).unwrap();
+        assert_eq!(back, Turn { angle_rad: made.hinge.closed_rad, contact: None });
+    }
+
+    #[test]
+    fn the_limits_of_the_hinge_hold() {
+        let turn = collision(&[body()]).turn(0.0, 9.0, &|_| true);
+        assert_eq!(turn, Turn { angle_rad: 2.0, contact: None });
+    }
+
+    #[test]
+    fn a_pin_in_its_bearing_is_no_contact() {
+        let pin = box_solid(3, Vec3::new(-1.0, 0.0, -1.01), Vec3::new(1.0, 0.02, -0.99));
+        let turn = collision(&[pin]).turn(0.0, 1.0, &|_| true);
+        assert_eq!(turn, Turn { angle_rad: 1.0, contact: None });
+    }
+
+    #[test]
+    fn broken_solids_are_refused() {
+        let mut broken = lid();
+        broken.triangles.push([0, 1, 99]);
+        let refused = LidCollision::new(hinge(), &[broken], &[body()]).err().unwrap();
+        assert!(refused.to_string().contains("part 1 cannot collide"), "{refused}");
+        let empty = Solid { part: 5, corners: Vec::new(), triangles: Vec::new() };
+        assert!(LidCollision::new(hinge(), &[empty], &[body()]).is_err());
+    }
+}

@@ -1,0 +1,19 @@
+//! A CAD viewer on the engine: parts that are picked, hidden, taken apart, measured and exported.
+//!
+//! The state of the viewer is a pure value, a [`document::Document`]: commands of a [`script`]
+//! change it, and a [`viewport::Viewport`] on the GPU follows. A [`session::Session`] holds both.
+#![forbid(unsafe_code)]
+
+pub mod args;
+pub mod document;
+pub mod explode;
+pub mod export;
+pub mod hinge;
+pub mod hit;
+pub mod measure;
+pub mod orbit;
+pub mod report;
+pub mod run;
+pub mod script;
+pub mod session;
+pub mod viewport;

@@ -1,0 +1,214 @@
+//! The camera of the viewer: around a target, in perspective or not, and the cube that turns it.
+
+use std::f32::consts::{FRAC_PI_2, PI};
+
+use antumbra::glam::Vec3;
+use antumbra::{Camera, Projection};
+
+/// The vertical field of view in full perspective, in radians.
+const FOV_Y_RAD: f32 = 40.0 * PI / 180.0;
+
+/// The half height of the image over its distance under which a perspective is drawn as an
+/// orthographic projection: what lies as far behind the target as the image is high is then shown
+/// half a pixel in a thousand away, and farther eyes lose as much to single precision.
+const LEAST_TANGENT: f32 = 1.0e-3;
+
+/// The largest share of the distance at which the near plane lies.
+const NEAR_SHARE: f32 = 1.0e-3;
+
+/// A camera that looks at a target from around it.
+///
+/// From perspective to orthographic the image keeps its height at the target, while the eye moves
+/// away and the angle of sight closes (a dolly zoom), so that the change is smooth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrbitCamera {
+    /// The point in the middle of the image, in metres.
+    pub target: Vec3,
+    /// The angle about the vertical, in radians: 0 looks along -z, positive turns left.
+    pub yaw_rad: f32,
+    /// The angle above the horizon of the direction of sight, in radians, within a quarter turn.
+    pub pitch_rad: f32,
+    /// The height of the image at the target, in metres.
+    pub height_m: f32,
+    /// The share of the way from perspective (0) to orthographic (1).
+    pub flatness: f32,
+}
+
+impl OrbitCamera {
+    /// Returns a camera that sees a ball of `radius_m` around `target` whole, in full perspective,
+    /// in images at least as wide as high.
+    pub fn around(target: Vec3, radius_m: f32) -> Self {
+        // Where the ball touches the cone of sight it is wider than at its middle.
+        let height_m = 2.0 * radius_m.max(1.0e-6) / (FOV_Y_RAD * 0.5).cos();
+        let (yaw_rad, pitch_rad) = CubeView::ISOMETRIC.angles();
+        Self { target, yaw_rad, pitch_rad, height_m, flatness: 0.0 }
+    }
+
+    /// Returns the direction of sight.
+    pub fn forward(&self) -> Vec3 {
+        let (sine, cosine) = self.yaw_rad.sin_cos();
+        let (rise, level) = self.pitch_rad.sin_cos();
+        Vec3::new(-sine * level, rise, -cosine * level)
+    }
+
+    /// Returns the camera. It sees everything within `radius_m` of the target that is before the
+    /// eye.
+    pub fn camera(&self, radius_m: f32) -> Camera {
+        let forward = self.forward();
+        let right = Vec3::new(self.yaw_rad.cos(), 0.0, -self.yaw_rad.sin());
+        let up = right.cross(forward);
+        let tangent = (FOV_Y_RAD * 0.5).tan() * (1.0 - self.flatness.clamp(0.0, 1.0));
+        if tangent < LEAST_TANGENT {
+            let eye = self.target - forward * radius_m;
+            let projection =
+                Projection::Orthographic { height: self.height_m, far: 2.0 * radius_m };
+            return Camera { eye, forward, up, projection, near: 0.0 };
+        }
+        let distance_m = self.height_m / (2.0 * tangent);
+        let eye = self.target - forward * distance_m;
+        let near = (distance_m - radius_m).max(distance_m * NEAR_SHARE);
+        let projection = Projection::perspective(2.0 * tangent.atan());
+        Camera { eye, forward, up, projection, near }
+    }
+
+    /// Returns the camera on the way from this one to a view of the cube, at a share of 0 to 1:
+    /// the shorter way around, slow at both ends.
+    pub fn turned_to(&self, view: CubeView, share: f32) -> Self {
+        let share = share.clamp(0.0, 1.0);
+        let eased = share * share * (3.0 - 2.0 * share);
+        let (yaw_rad, pitch_rad) = view.angles();
+        let turn_rad = (yaw_rad - self.yaw_rad + PI).rem_euclid(2.0 * PI) - PI;
+        Self {
+            yaw_rad: self.yaw_rad + turn_rad * eased,
+            pitch_rad: self.pitch_rad + (pitch_rad - self.pitch_rad) * eased,
+            ..*self
+        }
+    }
+}
+
+/// One of the 26 views of the view cube: onto a face, an edge or a corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct CubeView {
+    /// The side that the eye is on along each axis: -1, 0 or 1. Not all are 0.
+    side: [i8; 3],
+}
+
+impl CubeView {
+    /// The view onto the corner of top, front and right.
+    pub const ISOMETRIC: Self = Self { side: [1, 1, 1] };
+
+    /// Returns the view with a name: `front`, `top-left`, `back-top-right`, or `iso`.
+    pub fn named(name: &str) -> Option<Self> {
+        if name == "iso" {
+            return Some(Self::ISOMETRIC);
+        }
+        let mut side = [0_i8; 3];
+        for word in name.split('-') {
+            let (axis, sign) = match word {
+                "right" => (0, 1),
+                "left" => (0, -1),
+                "top" => (1, 1),
+                "bottom" => (1, -1),
+                "front" => (2, 1),
+                "back" => (2, -1),
+                _ => return None,
+            };
+            if side[axis] != 0 {
+                return None;
+            }
+            side[axis] = sign;
+        }
+        Some(Self { side })
+    }
+
+    /// Returns the view under a ray that meets the cube from -1 to 1: the middle of a face shows
+    /// that face, a band along an edge the edge, and a corner the corner.
+    pub fn under(origin: Vec3, direction: Vec3) -> Option<Self> {
+        /// The distance from the middle beyond which a click means the edge.
+        const EDGE: f32 = 0.7;
+        let to_low = (Vec3::NEG_ONE - origin) / direction;
+        let to_high = (Vec3::ONE - origin) / direction;
+        let entry = to_low.min(to_high).max_element();
+        let exit = to_low.max(to_high).min_element();
+        if !entry.is_finite() || entry > exit || exit < 0.0 {
+            return None;
+        }
+        let point = origin + direction * entry;
+        let side =
+            point.to_array().map(|place| if place.abs() < EDGE { 0 } else { place.signum() as i8 });
+        (side != [0; 3]).then_some(Self { side })
+    }
+
+    /// Returns yaw and pitch of an [`OrbitCamera`] on this side, in radians.
+    fn angles(self) -> (f32, f32) {
+        let [x, y, z] = self.side.map(f32::from);
+        if x == 0.0 && z == 0.0 {
+            return (0.0, -FRAC_PI_2 * y);
+        }
+        (x.atan2(z), -y.atan2((x * x + z * z).sqrt()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use antumbra::cull::View;
+
+    use super::*;
+
+    #[test]
+    fn faces_edges_and_corners_are_seen_from_their_side() {
+        for (name, from) in [
+            ("front", Vec3::Z),
+            ("back", Vec3::NEG_Z),
+            ("right", Vec3::X),
+            ("left", Vec3::NEG_X),
+            ("top", Vec3::Y),
+            ("bottom", Vec3::NEG_Y),
+            ("top-left", Vec3::new(-1.0, 1.0, 0.0)),
+            ("iso", Vec3::ONE),
+        ] {
+            let view = CubeView::named(name).unwrap();
+            let camera = OrbitCamera::around(Vec3::ZERO, 1.0).turned_to(view, 1.0).camera(1.0);
+            assert!(camera.forward.distance(-from.normalize()) < 1e-6, "{name}: {camera:?}");
+            assert!(camera.up.is_normalized() && camera.up.dot(camera.forward).abs() < 1e-6);
+            assert_eq!(CubeView::under(from * 9.0, -from), Some(view), "{name}");
+        }
+        for name in ["", "up", "front-back", "front-front", "iso-front"] {
+            assert_eq!(CubeView::named(name), None, "{name}");
+        }
+        assert_eq!(CubeView::under(Vec3::Z * 9.0, Vec3::X), None);
+        assert_eq!(CubeView::under(Vec3::Z * 9.0, Vec3::Z), None);
+    }
+
+    #[test]
+    fn a_turn_takes_the_shorter_way() {
+        let from = OrbitCamera { yaw_rad: 3.0, ..OrbitCamera::around(Vec3::ZERO, 1.0) };
+        let half = from.turned_to(CubeView::named("left").unwrap(), 0.5);
+        assert!(half.yaw_rad > 3.0 && half.yaw_rad < 3.0 + PI / 2.0, "{half:?}");
+    }
+
+    /// Returns where a point lies in the image, in normalised device coordinates.
+    fn place(camera: &OrbitCamera, point: Vec3) -> Vec3 {
+        View::new(&camera.camera(2.0), [1000, 1000], 8).view_proj.project_point3(point)
+    }
+
+    #[test]
+    fn the_change_to_orthographic_is_smooth_and_keeps_the_target_plane() {
+        let camera = OrbitCamera::around(Vec3::new(3.0, 1.0, -2.0), 1.0);
+        let right = Vec3::new(camera.yaw_rad.cos(), 0.0, -camera.yaw_rad.sin());
+        let in_plane = camera.target + right * 0.5;
+        let behind = in_plane + camera.forward() * 0.8;
+        let expected = place(&OrbitCamera { flatness: 1.0, ..camera }, in_plane);
+        let mut last = place(&camera, behind);
+        for step in 1..=1000 {
+            let flatness = step as f32 / 1000.0;
+            let now = OrbitCamera { flatness, ..camera };
+            let (kept, moved) = (place(&now, in_plane), place(&now, behind));
+            // Half a pixel of a thousand.
+            assert!((kept - expected).truncate().length() < 1e-3, "{flatness}: {kept}");
+            assert!((moved - last).truncate().length() < 2e-3, "{flatness}: {moved} after {last}");
+            assert!(moved.z > 0.0 && moved.z < 1.0, "{flatness}: cut off at {moved}");
+            last = moved;
+        }
+    }
+}

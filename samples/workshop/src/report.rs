@@ -1,0 +1,101 @@
+//! The report of a script: what each command did, in JSON.
+
+use serde::Serialize;
+
+/// The report of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// The version of this format.
+    pub version: u32,
+    /// The name of the model.
+    pub model: String,
+    /// The device that drew it.
+    pub device: String,
+    /// The number of its parts.
+    pub parts: u64,
+    /// The number of its triangles.
+    pub triangles: u64,
+    /// The commands in their order.
+    pub steps: Vec<Step>,
+    /// The messages of the validation layers.
+    pub validation_messages: u64,
+}
+
+/// A command and its outcome.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Step {
+    /// The command, as the script has it.
+    pub command: String,
+    /// The outcome.
+    #[serde(flatten)]
+    pub outcome: Outcome,
+}
+
+/// The outcome of a command.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// It was done.
+    Done,
+    /// It could not be done, for this reason. Nothing has changed.
+    Refused(String),
+    /// The part under a pixel; `None` where there is none.
+    Picked(Option<PickedPoint>),
+    /// The parts that are selected.
+    Selected(Vec<String>),
+    /// The lid turned.
+    Lid(LidTurn),
+    /// The parts moved apart.
+    Exploded {
+        /// The least gap between the boxes of two parts, along the axis that parts them most, in
+        /// millimetres; `None` for a single part.
+        least_gap_mm: Option<f64>,
+    },
+    /// A distance was measured.
+    Distance {
+        /// The distance, in millimetres; `None` where no part is under one of the pixels.
+        distance_mm: Option<f64>,
+    },
+    /// An edge of the model was measured.
+    Edge {
+        /// Its length from corner to corner, in millimetres; `None` where no edge is near.
+        length_mm: Option<f64>,
+    },
+    /// Frames were drawn.
+    Played {
+        /// The number of frames.
+        frames: u32,
+    },
+    /// An image was written.
+    Image {
+        /// The file.
+        file: String,
+        /// The parts that own a pixel of it.
+        visible: Vec<String>,
+    },
+    /// A model was written.
+    Exported {
+        /// The file.
+        file: String,
+        /// Its size in bytes.
+        bytes: u64,
+    },
+}
+
+/// A point of a part.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PickedPoint {
+    /// The name of the part.
+    pub part: String,
+    /// The point in the world, in millimetres.
+    pub point_mm: [f64; 3],
+}
+
+/// The end of a turn of the lid.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LidTurn {
+    /// The angle, in degrees; 0 is closed.
+    pub degrees: f32,
+    /// The parts that touch there: of the lid, and of what stands still.
+    pub contact: Option<[String; 2]>,
+}

@@ -1,0 +1,119 @@
+//! From the command line to the report.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use antumbra::Camera;
+use antumbra::gpu::{Device, DeviceOptions};
+use antumbra::import::LoadOptions;
+use bench::choices::DeviceChoice;
+use bench::outputs::{OutputFile, Outputs, write_file};
+use bench::run::{open_instance, pick_adapter, pipeline_cache_file};
+use bench::run_error::RunError;
+use bench::scene_file;
+use bench::terminal::Ending;
+use bench::terminal::output::say_wrote;
+
+use crate::args::Arguments;
+use crate::document::{Document, Lid};
+use crate::report::{Outcome, Report, Step};
+use crate::script::{self, ScriptLine};
+use crate::session::Session;
+
+/// The version of the report's format.
+const REPORT_VERSION: u32 = 1;
+
+/// A model and the path of its camera.
+struct Model {
+    document: Document,
+    path: Vec<Camera>,
+}
+
+/// Carries out a script, and writes its report. What is refused is a failure of the ending, and the
+/// commands after it are carried out.
+///
+/// # Errors
+/// A command line, a script or a file that is wrong; a failure of the device.
+pub fn run(arguments: &Arguments, ending: &mut Ending) -> Result<(), RunError> {
+    let lines = script::read(&arguments.script)?;
+    let report_file = OutputFile::of("--report", arguments.report.as_deref());
+    let _outputs = Outputs::prepare(None, report_file)?;
+    let instance = open_instance(arguments.validation, None)?;
+    let adapter =
+        pick_adapter(&instance, arguments.device.as_ref().unwrap_or(&DeviceChoice::Best))?;
+    let device_options =
+        DeviceOptions { pipeline_cache: pipeline_cache_file(), ..DeviceOptions::default() };
+    let device = Device::new(&instance, &adapter, &device_options)?;
+    let Model { document, path } = model(arguments)?;
+    let mut report = Report {
+        version: REPORT_VERSION,
+        model: document.scene.name.clone(),
+        device: adapter.name.clone(),
+        parts: document.scene.objects.len() as u64,
+        triangles: document.scene.triangles(),
+        steps: Vec::with_capacity(lines.len()),
+        validation_messages: 0,
+    };
+    let mut session = Session::new(&device, document, path, arguments.size, arguments.msaa)?;
+    let mut failed = Ok(());
+    for ScriptLine { text, command } in &lines {
+        match session.act(command) {
+            Ok(outcome) => {
+                if let Outcome::Refused(reason) = &outcome {
+                    ending.fail(format!("{text}: {reason}"));
+                }
+                report.steps.push(Step { command: text.clone(), outcome });
+            }
+            Err(error) => {
+                failed = Err(error);
+                break;
+            }
+        }
+    }
+    drop(session);
+    drop(device);
+    report.validation_messages = instance.validation_log().len() as u64;
+    if report.validation_messages > 0 {
+        ending.fail(format!("{} messages of the validation layers", report.validation_messages));
+    }
+    if let Some(file) = &arguments.report {
+        let text = serde_json::to_vec_pretty(&report).map_err(RunError::machine)?;
+        if ending.attempt(write_file(file, &text)).is_some() {
+            say_wrote(file);
+        }
+    }
+    failed
+}
+
+/// Makes or reads the model.
+fn model(arguments: &Arguments) -> Result<Model, RunError> {
+    match arguments.model.as_str() {
+        "waffle" => {
+            let made = scenes::waffle_maker();
+            let lid = Lid { group: made.lid, hinge: made.hinge };
+            Ok(Model {
+                document: Document::new(made.scene, made.parts, Some(lid)),
+                path: made.cameras,
+            })
+        }
+        "assembly" => {
+            let made = scenes::assembly(arguments.parts, arguments.seed)?;
+            Ok(Model {
+                document: Document::new(made.generated.scene, made.parts, None),
+                path: Vec::new(),
+            })
+        }
+        file if file.contains(['.', '/']) => {
+            let loaded = scene_file::load(Path::new(file), &LoadOptions::default(), &mut |_| {
+                ControlFlow::Continue(())
+            })?;
+            for note in &loaded.notes {
+                tracing::warn!("{note}");
+            }
+            Ok(Model { document: Document::of_scene(loaded.scene), path: Vec::new() })
+        }
+        other => Err(RunError::user(format!(
+            "there is no model '{other}': waffle, assembly, or a file, whose name has a dot or a slash"
+        ))),
+    }
+}

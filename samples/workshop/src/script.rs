@@ -1,0 +1,262 @@
+//! Scripts: a command per line, in order. Empty lines and lines that begin with `#` are ignored.
+//!
+//! Names of parts and groups may hold spaces: they are the rest of a line. A length is in
+//! millimetres, an angle in degrees, a pixel counts from the upper left.
+
+use std::path::{Path, PathBuf};
+
+use antumbra::render::EdgeMode;
+use bench::input_file;
+use bench::options::UsageError;
+use bench::terminal::shown;
+
+use crate::orbit::CubeView;
+
+/// The largest script that is read.
+const MOST_BYTES: u64 = 4 << 20;
+
+/// A pixel of the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pixel {
+    /// The column, from the left.
+    pub x: u32,
+    /// The row, from the top.
+    pub y: u32,
+}
+
+/// Something that a user does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Selects the part under a pixel, or nothing where there is none.
+    Pick(Pixel),
+    /// Selects a part or a group by its name.
+    Select(String),
+    /// Selects nothing.
+    Deselect,
+    /// Hides what is selected, or a part by its name.
+    Hide(Option<String>),
+    /// Shows a part by its name, or all.
+    Show(Option<String>),
+    /// Hides all but what is selected.
+    Isolate,
+    /// Shows what is selected transparent, or a part by its name.
+    Ghost(Option<String>),
+    /// Drags the lid towards an angle, until it touches something.
+    Lid {
+        /// The angle, in degrees; 0 is closed.
+        degrees: f32,
+    },
+    /// Moves the children of a group apart.
+    Explode {
+        /// The least gap between their boxes, in millimetres.
+        gap_mm: f32,
+    },
+    /// Moves all parts back.
+    Assemble,
+    /// Measures the distance of the points under two pixels.
+    Distance {
+        /// The pixel of one point.
+        from: Pixel,
+        /// The pixel of the other.
+        to: Pixel,
+    },
+    /// Measures the edge of the model near the point under a pixel.
+    Edge(Pixel),
+    /// Draws edges.
+    Edges(EdgeMode),
+    /// Turns the camera to a view of the cube.
+    View(CubeView),
+    /// Changes the projection: 0 is perspective, 1 orthographic.
+    Flatness(f32),
+    /// Sees everything that is shown.
+    Fit,
+    /// Plays the camera's path once, in a number of frames.
+    Play {
+        /// The frames.
+        frames: u32,
+    },
+    /// Writes an image.
+    Image(PathBuf),
+    /// Writes what is shown, in its place, as a binary glTF file.
+    Export(PathBuf),
+}
+
+impl Command {
+    /// Reads one command.
+    ///
+    /// # Errors
+    /// What is wrong, and what is expected.
+    pub fn parse(line: &str) -> Result<Self, String> {
+        let (verb, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let rest = rest.trim();
+        let name = || (!rest.is_empty()).then(|| rest.to_owned());
+        let nothing = |command: Self| {
+            if rest.is_empty() {
+                Ok(command)
+            } else {
+                Err(format!("'{verb}' takes nothing, not '{rest}'"))
+            }
+        };
+        match verb {
+            "pick" => pixels::<1>(rest).map(|[at]| Self::Pick(at)),
+            "select" => {
+                name().map(Self::Select).ok_or("'select' takes the name of a part".to_owned())
+            }
+            "deselect" => nothing(Self::Deselect),
+            "hide" => Ok(Self::Hide(name())),
+            "show" => Ok(Self::Show(name())),
+            "isolate" => nothing(Self::Isolate),
+            "ghost" => Ok(Self::Ghost(name())),
+            "lid" => number(rest, "an angle in degrees").map(|degrees| Self::Lid { degrees }),
+            "explode" => {
+                let gap_mm = number(rest, "a gap in millimetres")?;
+                if gap_mm < 0.0 {
+                    return Err(format!("a gap is 0 mm or more, not {gap_mm}"));
+                }
+                Ok(Self::Explode { gap_mm })
+            }
+            "assemble" => nothing(Self::Assemble),
+            "distance" => pixels::<2>(rest).map(|[from, to]| Self::Distance { from, to }),
+            "edge" => pixels::<1>(rest).map(|[at]| Self::Edge(at)),
+            "edges" => edge_mode(rest).map(Self::Edges),
+            "view" => CubeView::named(rest).map(Self::View).ok_or_else(|| {
+                format!("'{rest}' is no view: front, top-left, back-bottom-right, ..., or iso")
+            }),
+            "projection" => match rest {
+                "perspective" => Ok(Self::Flatness(0.0)),
+                "orthographic" => Ok(Self::Flatness(1.0)),
+                _ => Err(format!("a projection is perspective or orthographic, not '{rest}'")),
+            },
+            "fit" => nothing(Self::Fit),
+            "play" => {
+                rest.parse().ok().filter(|frames| (1..=100_000).contains(frames)).map_or_else(
+                    || {
+                        Err(format!(
+                            "'play' takes a number of frames from 1 to 100000, not '{rest}'"
+                        ))
+                    },
+                    |frames| Ok(Self::Play { frames }),
+                )
+            }
+            "image" => file(rest, "png").map(Self::Image),
+            "export" => file(rest, "glb").map(Self::Export),
+            _ => Err(format!(
+                "unknown command '{verb}'; there are pick, select, deselect, hide, show, isolate, ghost, lid, explode, assemble, distance, edge, edges, view, projection, fit, play, image, export"
+            )),
+        }
+    }
+}
+
+/// A line of a script.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScriptLine {
+    /// The line as it stands there.
+    pub text: String,
+    /// What it says.
+    pub command: Command,
+}
+
+/// Reads a script.
+///
+/// # Errors
+/// A file that cannot be read, or the number of the first bad line.
+pub fn read(path: &Path) -> Result<Vec<ScriptLine>, UsageError> {
+    let shown = shown(path);
+    let text = input_file::read_text(path, MOST_BYTES)
+        .map_err(|error| UsageError(format!("cannot read the script '{shown}': {error}")))?;
+    let lines = (1..).zip(text.lines().map(str::trim));
+    let lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    lines
+        .map(|(number, line): (u32, &str)| {
+            let command = Command::parse(line);
+            let command =
+                command.map_err(|reason| UsageError(format!("{shown}:{number}: {reason}")))?;
+            Ok(ScriptLine { text: line.to_owned(), command })
+        })
+        .collect()
+}
+
+fn number(text: &str, what: &str) -> Result<f32, String> {
+    let number = text.parse::<f32>().ok().filter(|number| number.is_finite());
+    number.ok_or_else(|| format!("{what} is a number, not '{text}'"))
+}
+
+/// Reads so many pixels, two numbers each.
+fn pixels<const COUNT: usize>(text: &str) -> Result<[Pixel; COUNT], String> {
+    let numbers: Option<Vec<u32>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
+    let numbers = numbers.filter(|numbers| numbers.len() == 2 * COUNT).ok_or_else(|| {
+        format!(
+            "{} whole numbers, column and row of a pixel, are expected, not '{text}'",
+            2 * COUNT
+        )
+    })?;
+    Ok(std::array::from_fn(|index| Pixel { x: numbers[2 * index], y: numbers[2 * index + 1] }))
+}
+
+fn edge_mode(text: &str) -> Result<EdgeMode, String> {
+    match text {
+        "off" => Ok(EdgeMode::Off),
+        "visible" => Ok(EdgeMode::Visible),
+        "hidden" => Ok(EdgeMode::HiddenDashed),
+        "shaded" => Ok(EdgeMode::Shaded),
+        "shaded-hidden" => Ok(EdgeMode::ShadedWithHiddenDashed),
+        _ => Err(format!("edges are off, visible, hidden, shaded or shaded-hidden, not '{text}'")),
+    }
+}
+
+/// Reads the path of a file that is to be written.
+fn file(text: &str, extension: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if path.extension().is_some_and(|found| found == extension) {
+        return Ok(path);
+    }
+    Err(format!("the name of a file ends in .{extension}, not '{text}'"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_are_read() {
+        for (line, expected) in [
+            ("pick 12 7", Command::Pick(Pixel { x: 12, y: 7 })),
+            ("select upper plate", Command::Select("upper plate".to_owned())),
+            ("hide", Command::Hide(None)),
+            ("ghost lid", Command::Ghost(Some("lid".to_owned()))),
+            ("lid -3.5", Command::Lid { degrees: -3.5 }),
+            ("explode 12", Command::Explode { gap_mm: 12.0 }),
+            ("view iso", Command::View(CubeView::ISOMETRIC)),
+            ("projection orthographic", Command::Flatness(1.0)),
+            ("play 30", Command::Play { frames: 30 }),
+            ("image out/a b.png", Command::Image(PathBuf::from("out/a b.png"))),
+        ] {
+            assert_eq!(Command::parse(line), Ok(expected), "{line}");
+        }
+    }
+
+    #[test]
+    fn wrong_lines_say_what_is_expected() {
+        for (line, reason) in [
+            ("fly", "unknown command 'fly'; there are pick"),
+            ("pick 1", "2 whole numbers"),
+            ("pick -1 2", "2 whole numbers"),
+            ("distance 1 2 3", "4 whole numbers"),
+            ("lid NaN", "an angle in degrees is a number"),
+            ("explode -1", "0 mm or more"),
+            ("explode", "a gap in millimetres is a number"),
+            ("isolate all", "takes nothing"),
+            ("view up", "is no view"),
+            ("projection flat", "perspective or orthographic"),
+            ("edges thick", "visible, hidden"),
+            ("play 0", "1 to 100000"),
+            ("export part.stl", "ends in .glb"),
+            ("select", "takes the name"),
+        ] {
+            let refused = Command::parse(line).unwrap_err();
+            assert!(refused.contains(reason), "{line}: {refused}");
+        }
+        let missing = read(Path::new("/nowhere/script")).unwrap_err().to_string();
+        assert!(missing.contains("/nowhere/script"), "{missing}");
+    }
+}

@@ -1,0 +1,257 @@
+//! The document on the GPU: follows its state, draws it, finds the part under a pixel.
+
+use antumbra::cull::{Strategy, View};
+use antumbra::glam::{Affine3A, Mat3A};
+use antumbra::gpu::{Device, Readback, SampleCount};
+use antumbra::occlusion::Rect;
+use antumbra::render::{EdgeMode, EdgeOptions, Error, ObjectOutline, PointedSurface};
+use antumbra::scene::{
+    Alpha, MaterialId, MeshId, Object, ObjectChange, Scene, SceneUpdate, Surfaces, TransparentId,
+    TransparentMove,
+};
+use antumbra::{Camera, FrameRequest, ObjectId, Renderer, RendererOptions, ViewState};
+
+use crate::document::{Display, Document};
+use crate::script::Pixel;
+
+/// The most objects of a model whose parts can be shown transparent: each has a second object for
+/// it on the GPU, and transparent objects are sorted in every frame.
+pub const MOST_GHOSTED_OBJECTS: usize = 4096;
+
+/// The opacity of a transparent part.
+const GHOST_ALPHA: f32 = 0.25;
+
+/// The colour of the line around what is selected.
+const SELECTED_COLOUR: [f32; 3] = [1.0, 0.35, 0.0];
+
+/// The width of that line, in pixels.
+const OUTLINE_PIXELS: f32 = 2.0;
+
+/// The place of a transparent part that is not shown: a point.
+const NOWHERE: Affine3A =
+    Affine3A { matrix3: Mat3A::ZERO, translation: antumbra::glam::Vec3A::ZERO };
+
+/// An object as the renderer has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Placed {
+    /// Its id in the renderer; `None` while it is not shown opaque.
+    object: Option<ObjectId>,
+    display: Display,
+    transform: Affine3A,
+}
+
+/// A document on the GPU.
+pub struct Viewport {
+    renderer: Renderer,
+    view: ViewState,
+    /// The view whose history serves [`Viewport::visible`].
+    counting: ViewState,
+    image: Readback,
+    /// The objects of the document, in their order.
+    placed: Vec<Placed>,
+    has_ghosts: bool,
+}
+
+impl Viewport {
+    /// Uploads a document as it is at rest.
+    ///
+    /// # Errors
+    /// A scene or size beyond the device's limits, no memory, a failed call.
+    pub fn new(
+        device: &Device,
+        document: &Document,
+        size: [u32; 2],
+        samples: SampleCount,
+    ) -> Result<Self, Error> {
+        let scene = with_ghosts(document.scene.clone());
+        let has_ghosts = scene.surfaces.as_ref().is_some_and(|it| !it.transparent.is_empty());
+        let options = RendererOptions { size, samples, ..RendererOptions::default() };
+        let renderer = Renderer::new(device, &scene, &options)?;
+        let placed = |object: ObjectId| Placed {
+            object: Some(object),
+            display: Display::Shown,
+            transform: document.scene.objects[object.0 as usize].transform,
+        };
+        Ok(Self {
+            view: renderer.new_view()?,
+            counting: renderer.new_view()?,
+            image: Readback::new(device, size)?,
+            placed: document.objects().map(placed).collect(),
+            renderer,
+            has_ghosts,
+        })
+    }
+
+    /// Returns true if parts can be shown transparent.
+    pub fn has_ghosts(&self) -> bool {
+        self.has_ghosts
+    }
+
+    /// Returns the view of a camera.
+    pub fn view_of(&self, camera: &Camera) -> View {
+        self.renderer.view_of(camera)
+    }
+
+    /// Takes over what has changed in the document.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub fn follow(&mut self, document: &Document) -> Result<(), Error> {
+        let mut update = SceneUpdate::default();
+        let mut added = Vec::new();
+        for (index, placed) in self.placed.iter_mut().enumerate() {
+            let id = ObjectId(index as u32);
+            let (display, transform) = (document.display(id), document.transform(id));
+            if (display, transform) == (placed.display, placed.transform) {
+                continue;
+            }
+            match (placed.object, display) {
+                (Some(object), Display::Shown) => {
+                    update.objects.push(ObjectChange::Move { object, transform });
+                }
+                (Some(object), _) => {
+                    update.objects.push(ObjectChange::Remove { object });
+                    placed.object = None;
+                }
+                (None, Display::Shown) => {
+                    let object = Object { transform, ..document.scene.objects[index] };
+                    update.objects.push(ObjectChange::Add { object });
+                    added.push(index);
+                }
+                (None, _) => {}
+            }
+            if self.has_ghosts && (display, placed.display) != (Display::Shown, Display::Shown) {
+                let is_ghosted = display == Display::Ghosted;
+                let transform = if is_ghosted { transform } else { NOWHERE };
+                let transparent = TransparentId(index as u32);
+                update.transparent.push(TransparentMove { transparent, transform });
+            }
+            placed.display = display;
+            placed.transform = transform;
+        }
+        let report = self.renderer.apply(&update)?;
+        for (index, object) in added.into_iter().zip(report.added) {
+            self.placed[index].object = Some(object);
+        }
+        Ok(())
+    }
+
+    /// Draws a frame.
+    ///
+    /// # Errors
+    /// No memory, a lost device, a frame that takes too long.
+    pub fn draw(&mut self, camera: &Camera) -> Result<(), Error> {
+        let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
+        self.renderer.render(&mut self.view, &request).map(|_| ())
+    }
+
+    /// Draws a frame and returns its image, rows of RGBA from the top. Waits for it.
+    ///
+    /// # Errors
+    /// Those of [`Viewport::draw`].
+    pub fn image(&mut self, camera: &Camera) -> Result<Vec<u8>, Error> {
+        let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
+        let request = FrameRequest { image: Some(&self.image), ..request };
+        self.renderer.render(&mut self.view, &request)?;
+        self.renderer.drain(&mut self.view)?;
+        Ok(self.image.rgba8()?.to_vec())
+    }
+
+    /// Draws a frame and returns what it shows at a pixel, with the object of the document. Waits
+    /// for it.
+    ///
+    /// # Errors
+    /// A device whose fragment shaders cannot write to buffers; those of [`Viewport::draw`].
+    pub fn pick(&mut self, camera: &Camera, at: Pixel) -> Result<Option<PointedSurface>, Error> {
+        self.view.point_at(Some([at.x, at.y]))?;
+        self.draw(camera)?;
+        self.view.point_at(None)?;
+        self.renderer.drain(&mut self.view)?;
+        let surface = self.view.pointed().and_then(|pointed| pointed.surface);
+        Ok(surface.and_then(|surface| {
+            let object = self.document_object(surface.object)?;
+            Some(PointedSurface { object, ..surface })
+        }))
+    }
+
+    /// Returns the opaque objects that own a pixel, in ascending order. Waits for the GPU.
+    ///
+    /// # Errors
+    /// A device whose fragment shaders cannot write to buffers; no memory, a lost device.
+    pub fn visible(&mut self, camera: &Camera) -> Result<Vec<ObjectId>, Error> {
+        let area = Rect::whole(self.renderer.size());
+        let set = self.renderer.visible_set(&mut self.counting, camera, area)?;
+        let objects = self.renderer.hierarchy().leaf_objects();
+        let seen = set.leaves().iter().filter_map(|leaf| objects.get(leaf.0 as usize));
+        let mut seen: Vec<ObjectId> =
+            seen.filter_map(|object| self.document_object(*object)).collect();
+        seen.sort_unstable();
+        Ok(seen)
+    }
+
+    /// Outlines objects, or none.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn outline(&mut self, objects: impl Iterator<Item = ObjectId>) -> Result<(), Error> {
+        let placed = objects.filter_map(|object| self.placed.get(object.0 as usize)?.object);
+        let objects: Vec<ObjectId> = placed.collect();
+        let outline =
+            ObjectOutline { objects, colour: SELECTED_COLOUR, width_pixels: OUTLINE_PIXELS };
+        let outlines = std::slice::from_ref(&outline);
+        self.renderer.set_outlined(if outline.objects.is_empty() { &[] } else { outlines })
+    }
+
+    /// Draws edges from the next frame on.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub fn set_edges(&mut self, mode: EdgeMode) -> Result<(), Error> {
+        self.renderer.set_edges(EdgeOptions { mode, ..EdgeOptions::default() })
+    }
+
+    /// Returns the object of the document that the renderer knows by an id.
+    fn document_object(&self, id: ObjectId) -> Option<ObjectId> {
+        let is_it = |placed: &Placed| placed.object == Some(id);
+        // Most have kept their ids.
+        if self.placed.get(id.0 as usize).is_some_and(is_it) {
+            return Some(id);
+        }
+        self.placed.iter().position(is_it).map(|index| ObjectId(index as u32))
+    }
+}
+
+/// Returns a scene with a transparent object for each of its objects, shown nowhere, if there are
+/// few enough.
+fn with_ghosts(scene: Scene) -> Scene {
+    let mut scene = scene.with_surfaces();
+    let Scene { meshes, objects, surfaces: Some(surfaces), .. } = &mut scene else { return scene };
+    if objects.len() > MOST_GHOSTED_OBJECTS || !surfaces.transparent.is_empty() {
+        return scene;
+    }
+    let first_mesh = meshes.len() as u32;
+    let first_material = surfaces.materials.len() as u32;
+    let ghosts = surfaces.materials.iter().map(|material| {
+        let [red, green, blue, _] = material.base_colour;
+        let base_colour = [red, green, blue, GHOST_ALPHA];
+        antumbra::scene::Material { base_colour, alpha: Alpha::Blend, ..material.clone() }
+    });
+    let ghosts: Vec<antumbra::scene::Material> = ghosts.collect();
+    surfaces.materials.extend(ghosts);
+    for index in 0..first_mesh as usize {
+        meshes.push(meshes[index].clone());
+        let mut surface = surfaces.meshes[index].clone();
+        surface.material = MaterialId(first_material + surface.material.0);
+        surfaces.meshes.push(surface);
+    }
+    let Surfaces { levels, transparent, .. } = surfaces;
+    if !levels.is_empty() {
+        levels.resize(meshes.len(), Vec::new());
+    }
+    transparent.extend(objects.iter().map(|object| Object {
+        mesh: MeshId(first_mesh + object.mesh.0),
+        transform: NOWHERE,
+        ..*object
+    }));
+    scene
+}

@@ -1,0 +1,125 @@
+//! Runs `workshop` as a user does: scripts without a window, under synchronization validation.
+
+use std::fs;
+use std::process::Output;
+
+use harness::{Scratch, pixels, program, stderr};
+use serde_json::Value;
+
+const WORKSHOP: &str = env!("CARGO_BIN_EXE_workshop");
+
+/// Runs a script of these lines in a folder of its own.
+fn run(scratch: &Scratch, script: &str, arguments: &[&str]) -> Output {
+    fs::write(scratch.0.join("script"), script).unwrap();
+    let line = ["--headless", "--script", "script", "--report", "report.json", "--size", "320x240"];
+    let line = [&line[..], &["--validation", "sync"], arguments].concat();
+    program(WORKSHOP, &scratch.0, &line).output().expect("the program runs")
+}
+
+/// Returns the steps of a report.
+fn steps(scratch: &Scratch) -> Vec<Value> {
+    let text = fs::read_to_string(scratch.0.join("report.json")).unwrap();
+    let report: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(report["validation_messages"], 0, "{text}");
+    report["steps"].as_array().unwrap().clone()
+}
+
+#[test]
+fn a_script_picks_turns_the_lid_explodes_measures_and_exports() {
+    for device in ["llvmpipe", "SwiftShader"] {
+        let scratch = Scratch::new(&format!("workshop-{device}"));
+        let script = "\
+            view front\n\
+            projection orthographic\n\
+            pick 160 160\n\
+            distance 110 160 210 160\n\
+            image closed.png\n\
+            lid 40\n\
+            image open.png\n\
+            lid 0\n\
+            image again.png\n\
+            explode 12.5\n\
+            assemble\n\
+            select lid\n\
+            hide\n\
+            export body.glb\n\
+            show\n\
+            play 3\n";
+        let output = run(&scratch, script, &["--device", device]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let steps = steps(&scratch);
+        assert_eq!(steps[2]["picked"]["part"], "body", "{steps:#?}");
+        // The front of the body is plane, and the view along its normal: a distance is that of the
+        // pixels, whose height is known from the camera.
+        let distance_mm = steps[3]["distance"]["distance_mm"].as_f64().unwrap();
+        let point = |step: usize| steps[step]["picked"]["point_mm"][2].as_f64().unwrap();
+        assert!(distance_mm > 50.0 && distance_mm < 300.0, "{distance_mm}");
+        assert!((point(2) - 125.0).abs() < 0.1, "{}", point(2));
+        let lid = &steps[5]["lid"];
+        assert!((lid["degrees"].as_f64().unwrap() - 40.0).abs() < 1e-3 && lid["contact"].is_null());
+        let image = |name: &str| pixels(&scratch.0.join(name));
+        assert!(image("open.png") != image("closed.png"));
+        assert!(image("again.png") == image("closed.png"), "the lid comes back to the bit");
+        let gap_mm = steps[9]["exploded"]["least_gap_mm"].as_f64().unwrap();
+        assert!((12.5..12.6).contains(&gap_mm), "{gap_mm}");
+
+        let exported = gltf::Gltf::open(scratch.0.join("body.glb")).unwrap();
+        let names: Vec<&str> = exported.nodes().filter_map(|node| node.name()).collect();
+        assert!(names.contains(&"body") && !names.contains(&"lid shell"), "{names:?}");
+    }
+}
+
+#[test]
+fn an_empty_selection_and_what_is_not_there_change_nothing() {
+    let scratch = Scratch::new("workshop-refused");
+    let script = "\
+        image before.png\n\
+        hide\n\
+        isolate\n\
+        ghost the moon\n\
+        pick 0 0\n\
+        pick 99999 0\n\
+        image after.png\n";
+    let output = run(&scratch, script, &[]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let said = stderr(&output);
+    assert!(said.contains("hide: nothing is selected") && said.contains("'the moon'"), "{said}");
+    let steps = steps(&scratch);
+    assert!(steps[1]["refused"].is_string() && steps[4]["picked"].is_null(), "{steps:#?}");
+    let image = |name: &str| pixels(&scratch.0.join(name));
+    assert!(image("before.png") == image("after.png"));
+}
+
+#[test]
+fn what_is_wrong_is_refused_before_anything_is_written() {
+    let scratch = Scratch::new("workshop-wrong");
+    for (script, arguments, reason) in [
+        ("image a.png\nfly\n", &[][..], "script:2: unknown command 'fly'"),
+        ("image a.png\n", &["--report", "nowhere/report.json"], "there is no folder"),
+        ("image a.png\n", &["moon"], "there is no model 'moon'"),
+        ("image a.png\n", &["moon.glb"], "moon.glb"),
+        ("image nowhere/a.png\n", &[], "nowhere/a.png"),
+        ("export nowhere/a.glb\n", &[], "nowhere/a.glb"),
+    ] {
+        let output = run(&scratch, script, arguments);
+        assert_ne!(output.status.code(), Some(0), "{script} {arguments:?}");
+        assert!(stderr(&output).contains(reason), "{script}: {}", stderr(&output));
+        let left = scratch.names("");
+        assert!(
+            !left.iter().any(|name| name.ends_with("png") || name.ends_with("glb")),
+            "{left:?}"
+        );
+    }
+}
+
+#[test]
+fn an_assembly_is_taken_apart_by_its_names() {
+    let scratch = Scratch::new("workshop-assembly");
+    let script = "select assembly\nview top-front\nfit\npick 160 120\nimage all.png\n";
+    let output = run(&scratch, script, &["assembly", "--parts", "1000", "--seed", "3"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let steps = steps(&scratch);
+    assert_eq!(steps[0]["selected"].as_array().unwrap().len(), 1000, "{}", steps[0]);
+    let visible = steps[4]["image"]["visible"].as_array().unwrap().len();
+    assert!((10..1000).contains(&visible), "{visible}");
+}
