@@ -16,6 +16,7 @@
 
 mod backdrop;
 mod check;
+mod crease;
 mod environment;
 mod error;
 mod flare;
@@ -41,6 +42,7 @@ use cull::Aabb;
 use glam::{Affine3A, Vec3, vec3};
 
 pub use backdrop::{Backdrop, Panorama, Sky, SkyDisk};
+pub use crease::{CREASE_RAD, CreasedTriangles, creased};
 pub use environment::{ENVIRONMENT_SIDE, Environment, GLOSSY_LEVELS};
 pub use error::SceneError;
 pub use flare::{FlarePlace, LensFlare};

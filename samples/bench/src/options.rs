@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use antumbra::gpu::SampleCount;
 use antumbra::import::BrokenParts;
-use scenes::LightSet;
+use scenes::{GeneratedScene, GeneratorError, LightSet};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -99,6 +99,26 @@ pub struct MadeScene {
     pub objects: u32,
     /// The seed: the same one makes the same scene and the same paths.
     pub seed: u64,
+}
+
+impl MadeScene {
+    /// Makes the scene.
+    ///
+    /// # Errors
+    /// Numbers from which no scene can be made.
+    pub fn make(&self) -> Result<GeneratedScene, GeneratorError> {
+        match self.scene {
+            GeneratorChoice::City => scenes::city(self.objects, self.seed),
+            GeneratorChoice::Field => scenes::field(self.objects, self.seed),
+            GeneratorChoice::Assembly => {
+                scenes::assembly(self.objects, self.seed).map(|made| made.generated)
+            }
+            GeneratorChoice::Waffle => {
+                let made = scenes::waffle_maker();
+                Ok(GeneratedScene { scene: made.scene, routes: made.routes })
+            }
+        }
+    }
 }
 
 /// The camera's path.

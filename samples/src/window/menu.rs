@@ -217,8 +217,8 @@ pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
 /// Returns the list of scenes: the generated ones, then files, each once. The one of the name
 /// `shown` is selected.
 pub fn scenes(files: impl IntoIterator<Item = PathBuf>, shown: &str) -> Menu {
-    let made = [choices::GeneratorChoice::City, choices::GeneratorChoice::Field];
-    let made = made.map(|scene| Row::plain(scene.to_string(), Choice::Made(scene)));
+    let made = choices::GeneratorChoice::ALL
+        .map(|scene| Row::plain(scene.to_string(), Choice::Made(scene)));
     let mut rows: Vec<Row> = made.into();
     for file in files {
         let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
