@@ -24,6 +24,7 @@ mod image;
 pub mod limits;
 mod mesh;
 mod outwardness;
+mod pieces;
 mod pose_bounds;
 mod prepared_mesh;
 mod prepared_texture;
@@ -52,6 +53,7 @@ pub use mesh::{
     pack_unorm, unpack_normal, unpack_unorm,
 };
 pub use outwardness::{ENCLOSING, outwardness};
+pub use pieces::{PieceLimits, PieceMap, spatial_pieces};
 pub use pose_bounds::PoseBounds;
 pub use prepared_mesh::PreparedMesh;
 pub use prepared_texture::PreparedTexture;
