@@ -240,7 +240,7 @@ impl FromStr for SceneArgument {
         }
         parse_named("scene", text)
             .map(Self::Made)
-            .map_err(|message| format!("{message} (a glTF file has a dot or a slash in its name)"))
+            .map_err(|message| format!("{message} (a file has a dot or a slash in its name)"))
     }
 }
 
@@ -324,6 +324,7 @@ impl Arguments {
         Ok(Options {
             scene,
             broken_parts: self.file.broken_parts(),
+            cut_above_triangles: self.file.cut_above_triangles(),
             lights: self.lighting.lights,
             shadows,
             path,
@@ -358,7 +359,7 @@ impl Arguments {
             SceneArgument::File(file) => file,
             SceneArgument::Made(scene) if self.file.strict => {
                 return usage(format!(
-                    "--strict is about glTF files, and --scene {scene} is none: leave it out"
+                    "--strict is about files, and --scene {scene} is none: leave it out"
                 ));
             }
             SceneArgument::Made(scene) => {

@@ -18,7 +18,7 @@ pub enum GeneratorChoice {
     Field,
     /// Machines of many small parts in halls: nearly all are inside of something.
     Assembly,
-    /// A waffle maker of some fifty parts.
+    /// A waffle maker of some thirty parts.
     Waffle,
 }
 

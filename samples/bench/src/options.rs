@@ -77,7 +77,7 @@ impl fmt::Display for FrameSize {
 pub enum SceneChoice {
     /// A scene that is generated.
     Made(MadeScene),
-    /// The scene in this glTF file.
+    /// The scene in this file.
     File(PathBuf),
 }
 
@@ -150,6 +150,8 @@ pub struct Options {
     pub scene: SceneChoice,
     /// The treatment of broken parts of a file.
     pub broken_parts: BrokenParts,
+    /// The triangles above which a mesh of a file is cut into pieces, if one is.
+    pub cut_above_triangles: Option<usize>,
     /// The lights on it; none where it has its own, or no surfaces that they could shine on.
     pub lights: Option<LightSet>,
     /// The ways to draw shadows, each with each strategy; empty where nothing is said about

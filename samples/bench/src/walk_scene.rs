@@ -82,7 +82,11 @@ impl WalkScene {
     ) -> Result<Self, RunError> {
         let mut clock = Stopwatch::start();
         let mut newest = String::new();
-        let reading = LoadOptions { broken_parts: options.broken_parts, ..LoadOptions::default() };
+        let reading = LoadOptions {
+            broken_parts: options.broken_parts,
+            cut_above_triangles: options.cut_above_triangles,
+            ..LoadOptions::default()
+        };
         let imported = scene_file::load(file, &reading, &mut |loading| {
             if loading.what != newest {
                 loading.what.clone_into(&mut newest);

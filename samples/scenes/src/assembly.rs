@@ -18,7 +18,7 @@ use super::error::GeneratorError;
 use super::generated::{GeneratedScene, room_for_objects, share};
 use super::parts::{PartId, PartNode, PartTree};
 use super::random::Random;
-use super::routes::{AIRCRAFT_INWARDS_RAD, Flight, Routes, Streets};
+use super::routes::{Flight, Routes, Streets};
 
 /// The most parts of a hall with all that is in it: less than it has room for.
 const HALL_PARTS: u32 = 1400;
@@ -122,12 +122,11 @@ pub fn assembly(parts: u32, seed: u64) -> Result<Assembly, GeneratorError> {
         let middle = vec3(column as f32 + 0.5, 0.0, row as f32 + 0.5) * PITCH_M;
         shapes.hall_at(&mut placer, number, Affine3A::from_translation(middle));
     }
-    // Between the halls, and across them from gate to gate.
-    let lines = |count: u32, per_hall: u32| {
-        let step_m = PITCH_M / per_hall as f32;
-        let line = |number: u32| first(count) as f32 * PITCH_M + number as f32 * step_m;
-        let lines = (0..=count * per_hall).map(line);
-        lines.filter(|line| line.abs() <= WALK_M).collect::<Vec<_>>()
+    // Between the halls and through their gates; around them only if there is one alone.
+    let lines = |count: u32| {
+        let line = |number: u32| (first(count) as f32 + number as f32 * 0.5) * PITCH_M;
+        let ends = if count == 1 { 0..=2 } else { 1..=2 * count - 1 };
+        ends.map(line).filter(|line| line.abs() <= WALK_M).collect::<Vec<_>>()
     };
     let width_m = rows.min(columns) as f32 * PITCH_M;
     let middle = |count: u32| (first(count) as f32 + count as f32 * 0.5) * PITCH_M;
@@ -135,9 +134,10 @@ pub fn assembly(parts: u32, seed: u64) -> Result<Assembly, GeneratorError> {
         centre: Vec3::new(middle(columns), 22.0, middle(rows)),
         radius_m: (width_m * 0.5).clamp(20.0, 90.0),
         down_rad: 0.6,
-        inwards_rad: AIRCRAFT_INWARDS_RAD,
+        // Halls are few and large: they are in sight from all of the circle.
+        inwards_rad: 1.1,
     };
-    let streets = Streets { xs: lines(columns, 2), zs: lines(rows, 1), turn_radius_m: 2.0 };
+    let streets = Streets { xs: lines(columns), zs: lines(rows), turn_radius_m: 2.0 };
     let Placer { objects, parts, .. } = placer;
     let scene = Scene {
         name: "assembly".to_owned(),

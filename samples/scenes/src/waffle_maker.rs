@@ -1,4 +1,4 @@
-//! The waffle maker: a kitchen machine of some fifty closed parts, true to the millimetre, whose lid
+//! The waffle maker: a kitchen machine of some thirty closed parts, true to the millimetre, whose lid
 //! opens about a hinge.
 
 mod logo;

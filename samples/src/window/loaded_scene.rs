@@ -160,6 +160,7 @@ impl SceneLoader<'_> {
         let reading = import::LoadOptions {
             exposure: settings.exposure,
             broken_parts: self.options.broken_parts,
+            cut_above_triangles: self.options.cut_above_triangles,
             ..import::LoadOptions::default()
         };
         let mut imported = scene_file::load(file, &reading, progress_fn)?;

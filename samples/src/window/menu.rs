@@ -17,7 +17,7 @@ pub enum Choice {
     Strategy(Strategy),
     /// This generated scene.
     Made(choices::GeneratorChoice),
-    /// A glTF file to open.
+    /// A file to open.
     File(PathBuf),
     /// A path to be typed.
     TypePath,
@@ -127,7 +127,7 @@ impl Menu {
                 format!("{title}: {keys}\n{}", lines.collect::<Vec<_>>().join("\n"))
             }
             Self::Path { text } => {
-                format!("the path of a glTF file, typed or pasted (Ctrl+V), and Enter\n> {text}_")
+                format!("the path of a file, typed or pasted (Ctrl+V), and Enter\n> {text}_")
             }
         }
     }

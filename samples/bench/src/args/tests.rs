@@ -92,6 +92,7 @@ fn every_option_arrives() {
             costs: CostsChoice::Measured,
             time_passes: false,
             broken_parts: BrokenParts::LeaveOut,
+            cut_above_triangles: Some(1 << 16),
             scene: SceneChoice::Made(MadeScene {
                 scene: GeneratorChoice::Field,
                 objects: 2_000_000,
@@ -286,7 +287,7 @@ fn a_strict_reading_is_for_files() {
     let parts = |line: &[&str]| parse(line).unwrap().broken_parts;
     assert_eq!(parts(&["--scene=a.glb"]), BrokenParts::LeaveOut);
     assert_eq!(parts(&["--scene=a.glb", "--strict"]), BrokenParts::Refuse);
-    assert!(refusal(&["--strict"]).starts_with("--strict is about glTF files"));
+    assert!(refusal(&["--strict"]).starts_with("--strict is about files"));
 }
 
 #[test]
