@@ -43,7 +43,9 @@ impl Cause {
     pub fn advice(self) -> &'static str {
         match self {
             Self::Unreadable => "check that the file is there, whole, and may be read",
-            Self::NotScene => "choose a .gltf or .glb file, or copy this one again if it is one",
+            Self::NotScene => {
+                "choose a .gltf, .glb, .stl or .obj file, or copy this one again if it is one"
+            }
             Self::Malformed => {
                 "the file is damaged or its exporter is wrong: export it again, or see what the \
                  glTF validator says"

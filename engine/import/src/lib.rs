@@ -1,4 +1,4 @@
-//! Scenes out of glTF 2.0 files, which are hostile until proven otherwise.
+//! Scenes out of glTF 2.0, STL and OBJ files, which are hostile until proven otherwise.
 //!
 //! [`load`] reads a file and what it refers to, [`load_bytes`] a file in memory. Container, weight
 //! of the JSON, structure and budget are checked before anything is allocated by what a file says
@@ -52,6 +52,7 @@ mod load_options;
 mod lods;
 mod losses;
 mod memory;
+mod mesh_files;
 mod meshopt;
 mod notes;
 mod progress;
@@ -69,9 +70,10 @@ pub use extensions::SUPPORTED_EXTENSIONS;
 pub use gltf_scene::{GltfScene, NodeAttachment, PlacedNode, SceneCamera};
 pub use images::decode_image;
 pub use limits::Limits;
-pub use load::{load, load_bytes};
+pub use load::{load, load_bytes, load_mesh_bytes};
 pub use load_options::{BrokenParts, LoadOptions};
 pub use lods::LevelOptions;
+pub use mesh_files::MeshFormat;
 pub use notes::Note;
 pub use progress::{Progress, ProgressFn, Stage};
 pub use scene_animator::SceneAnimator;

@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use crate::load_options::LoadOptions;
+use crate::notes::Notes;
 use crate::progress::{ProgressFn, ProgressSender, Stage};
-use crate::{GltfScene, ImportError, convert, source};
+use crate::{GltfScene, ImportError, MeshFormat, convert, mesh_files, source};
 
-/// Loads the scene of a .gltf or .glb file, with everything it refers to. The scene's name is the
-/// file's, without its ending.
+/// Loads the scene of a .gltf, .glb, .stl or .obj file, with everything it refers to. The scene's
+/// name is the file's, without its ending. A file that begins as glTF is one whatever its name is,
+/// and so is a binary STL file unless its name says otherwise.
 ///
 /// With any contents of the file, this does not panic and does not read outside of its folder.
 /// Reading takes no more memory than the [`Limits`](crate::Limits); bones
@@ -30,10 +32,50 @@ pub fn load(
 ) -> Result<GltfScene, ImportError> {
     let mut progress_sender = ProgressSender { file: path.display().to_string(), progress_fn };
     progress_sender.report(Stage::Reading, 0.0)?;
-    let mut read_progress = |fraction| progress_sender.go_on(Stage::Reading, fraction);
-    let source = source::open_with_progress(path, options, &mut read_progress)?;
+    let bytes = source::file_bytes(path, options)?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    convert::convert(source, name.unwrap_or_default(), options, &mut progress_sender)
+    let name = name.unwrap_or_default();
+    if let Some(format) = MeshFormat::of(path, &bytes) {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = Some(folder.unwrap_or(Path::new(".")));
+        return load_triangles(&bytes, format, folder, name, options, &mut progress_sender);
+    }
+    let mut read_progress = |fraction| progress_sender.go_on(Stage::Reading, fraction);
+    let source = source::read_file_bytes(path, bytes, options, &mut read_progress)?;
+    convert::convert(source, name, options, &mut progress_sender)
+}
+
+/// Loads the scene of an STL or OBJ file whose bytes are here. The materials of an OBJ file are
+/// read from `folder`; without a folder all is grey.
+///
+/// # Errors
+/// Those of [`load`].
+pub fn load_mesh_bytes(
+    bytes: &[u8],
+    format: MeshFormat,
+    folder: Option<&Path>,
+    options: &LoadOptions,
+    progress_fn: &mut ProgressFn<'_>,
+) -> Result<GltfScene, ImportError> {
+    let mut progress_sender = ProgressSender { file: "memory".to_owned(), progress_fn };
+    progress_sender.report(Stage::Reading, 0.0)?;
+    load_triangles(bytes, format, folder, "memory".to_owned(), options, &mut progress_sender)
+}
+
+fn load_triangles(
+    bytes: &[u8],
+    format: MeshFormat,
+    folder: Option<&Path>,
+    name: String,
+    options: &LoadOptions,
+    progress_sender: &mut ProgressSender<'_>,
+) -> Result<GltfScene, ImportError> {
+    let file = progress_sender.file.clone();
+    let mut notes = Notes::default();
+    let mut read_progress = |fraction| progress_sender.go_on(Stage::Reading, fraction);
+    let read = mesh_files::read(bytes, format, folder, options, &mut notes, &mut read_progress);
+    let read = read.map_err(|fault| fault.in_file(&file))?;
+    convert::convert_mesh_file(read, format, name, options, notes, progress_sender)
 }
 
 /// Loads the scene of a .gltf or .glb file whose bytes are here. Files that it refers to are read

@@ -20,7 +20,7 @@ pub struct LoadOptions {
     /// The limits on the file's demands.
     pub limits: Limits,
     /// The number of triangles above which a rigid mesh with a single object is cut into spatial
-    /// pieces, each an object of at most a quarter as many triangles. `None` leaves all meshes
+    /// pieces, each an object of at most an eighth and at least a sixteenth as many triangles. `None` leaves all meshes
     /// whole. Default: 65,536.
     pub cut_above_triangles: Option<usize>,
     /// The factor of all light before tone mapping, as
@@ -29,6 +29,9 @@ pub struct LoadOptions {
     pub exposure: Option<f32>,
     /// The treatment of broken parts. Default: they are left out.
     pub broken_parts: BrokenParts,
+    /// The length in metres of the unit of STL and OBJ files, which do not say it. `None`, the
+    /// default, takes millimetres for STL and metres for OBJ. glTF files are in metres.
+    pub unit_m: Option<f32>,
 }
 
 impl Default for LoadOptions {
@@ -38,6 +41,7 @@ impl Default for LoadOptions {
             cut_above_triangles: Some(1 << 16),
             exposure: None,
             broken_parts: BrokenParts::default(),
+            unit_m: None,
         }
     }
 }

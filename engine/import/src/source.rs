@@ -166,9 +166,24 @@ pub(crate) fn open_with_progress(
     options: &LoadOptions,
     read_progress: &mut ReadProgress<'_>,
 ) -> Result<Source, ImportError> {
+    let bytes = file_bytes(path, options)?;
+    read_file_bytes(path, bytes, options, read_progress)
+}
+
+/// Returns the bytes of a file.
+pub(crate) fn file_bytes(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, ImportError> {
+    uri::read_file(path, "it", Wanted::All, options.limits.file_bytes)
+        .map_err(|reason| reason.of("file").in_file(&path.display().to_string()))
+}
+
+/// Reads a file whose bytes are here, with what it refers to.
+pub(crate) fn read_file_bytes(
+    path: &Path,
+    bytes: Vec<u8>,
+    options: &LoadOptions,
+    read_progress: &mut ReadProgress<'_>,
+) -> Result<Source, ImportError> {
     let file = path.display().to_string();
-    let bytes = uri::read_file(path, "it", Wanted::All, options.limits.file_bytes)
-        .map_err(|reason| reason.of("file").in_file(&file))?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), options, read_progress)
 }

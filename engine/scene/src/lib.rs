@@ -16,6 +16,7 @@
 
 mod backdrop;
 mod check;
+mod crease;
 mod environment;
 mod error;
 mod flare;
@@ -23,6 +24,7 @@ mod image;
 pub mod limits;
 mod mesh;
 mod outwardness;
+mod pieces;
 mod pose_bounds;
 mod prepared_mesh;
 mod prepared_texture;
@@ -41,6 +43,7 @@ use cull::Aabb;
 use glam::{Affine3A, Vec3, vec3};
 
 pub use backdrop::{Backdrop, Panorama, Sky, SkyDisk};
+pub use crease::{CREASE_RAD, CreasedTriangles, creased};
 pub use environment::{ENVIRONMENT_SIDE, Environment, GLOSSY_LEVELS};
 pub use error::SceneError;
 pub use flare::{FlarePlace, LensFlare};
@@ -50,6 +53,7 @@ pub use mesh::{
     pack_unorm, unpack_normal, unpack_unorm,
 };
 pub use outwardness::{ENCLOSING, outwardness};
+pub use pieces::{PieceLimits, PieceMap, spatial_pieces};
 pub use pose_bounds::PoseBounds;
 pub use prepared_mesh::PreparedMesh;
 pub use prepared_texture::PreparedTexture;

@@ -63,10 +63,16 @@ walk short: the table and the report then have what was measured until then."
 )]
 pub struct Arguments {
     /// The scene: city (nearly all hidden at street level), field (objects side by side: from above
-    /// nothing hides anything), or a glTF file, whose name has a dot or a slash
-    #[arg(long, value_name = "city|field|FILE", default_value = "city", help_heading = "Scene")]
+    /// nothing hides anything), assembly (machines of small parts in halls), waffle (a waffle
+    /// maker), or a glTF, STL or OBJ file, whose name has a dot or a slash
+    #[arg(
+        long,
+        value_name = "city|field|assembly|waffle|FILE",
+        default_value = "city",
+        help_heading = "Scene"
+    )]
     pub scene: SceneArgument,
-    /// The numbers that city and field are made from.
+    /// The numbers that city, field and assembly are made from.
     #[command(flatten)]
     pub made: MadeArguments,
     /// The reading of a file.
@@ -89,7 +95,7 @@ pub struct Arguments {
     /// on; or jittered, in perspective and moved within the pixel from frame to frame
     #[arg(long, value_name = "KIND", default_value = "perspective", help_heading = "Walk")]
     pub projection: ProjectionChoice,
-    /// Share of the objects of city or field that move, come and go, 0 to 100. In a file its clips
+    /// Share of the objects of a scene that is made that move, come and go, 0 to 100. In a file its clips
     /// play
     #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
     #[arg(value_parser = value_parser!(u32).range(0..=100))]
@@ -177,11 +183,11 @@ pub struct Arguments {
 /// The numbers that a scene is made from.
 #[derive(Clone, Debug, Args)]
 pub struct MadeArguments {
-    /// Approximate number of objects in city or field, 1 to 2000000 [default: 10000]
+    /// Approximate number of objects in city, field or assembly, 1 to 2000000 [default: 10000]
     #[arg(long, value_name = "N", help_heading = "Scene")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_OBJECTS)))]
     pub objects: Option<u32>,
-    /// Seed of city or field: the same one builds the same scene [default: 1]
+    /// Seed of city, field or assembly: the same one builds the same scene [default: 1]
     #[arg(long, value_name = "S", help_heading = "Scene")]
     pub seed: Option<u64>,
 }
@@ -234,7 +240,7 @@ impl FromStr for SceneArgument {
         }
         parse_named("scene", text)
             .map(Self::Made)
-            .map_err(|message| format!("{message} (a glTF file has a dot or a slash in its name)"))
+            .map_err(|message| format!("{message} (a file has a dot or a slash in its name)"))
     }
 }
 
@@ -318,6 +324,7 @@ impl Arguments {
         Ok(Options {
             scene,
             broken_parts: self.file.broken_parts(),
+            cut_above_triangles: self.file.cut_above_triangles(),
             lights: self.lighting.lights,
             shadows,
             path,
@@ -352,11 +359,23 @@ impl Arguments {
             SceneArgument::File(file) => file,
             SceneArgument::Made(scene) if self.file.strict => {
                 return usage(format!(
-                    "--strict is about glTF files, and --scene {scene} is none: leave it out"
+                    "--strict is about files, and --scene {scene} is none: leave it out"
                 ));
             }
             SceneArgument::Made(scene) => {
-                let path = parse_path(self.path.as_deref().unwrap_or("street"));
+                for (option, is_there) in [
+                    ("--objects", self.made.objects.is_some()),
+                    ("--seed", self.made.seed.is_some()),
+                ] {
+                    if is_there && !scene.takes_numbers() {
+                        return usage(format!(
+                            "{option} is not for --scene {scene}, which is always the same: leave \
+                             it out"
+                        ));
+                    }
+                }
+                let path = self.path.clone().unwrap_or_else(|| scene.default_path().to_string());
+                let path = parse_path(&path);
                 let path = path.map_err(|message| UsageError(format!("--path: {message}")))?;
                 return Ok((SceneChoice::Made(self.made.of(*scene)), path));
             }
@@ -369,7 +388,7 @@ impl Arguments {
         ] {
             if is_there {
                 return usage(format!(
-                    "{option} is for city and field, not for --scene {shown}: {why}; leave it out"
+                    "{option} is for scenes that are made, not for --scene {shown}: {why}; leave it out"
                 ));
             }
         }

@@ -16,6 +16,28 @@ pub enum GeneratorChoice {
     City,
     /// Objects side by side on a plane: from above nothing hides anything.
     Field,
+    /// Machines of many small parts in halls: nearly all are inside of something.
+    Assembly,
+    /// A waffle maker of some thirty parts.
+    Waffle,
+}
+
+impl GeneratorChoice {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::City, Self::Field, Self::Assembly, Self::Waffle];
+
+    /// Returns true if the number of its objects and a seed are chosen.
+    pub fn takes_numbers(self) -> bool {
+        self != Self::Waffle
+    }
+
+    /// Returns the path along which it is walked if nothing is said.
+    pub fn default_path(self) -> CameraPathChoice {
+        match self {
+            Self::City | Self::Field | Self::Assembly => CameraPathChoice::Street,
+            Self::Waffle => CameraPathChoice::Fly,
+        }
+    }
 }
 
 impl fmt::Display for GeneratorChoice {

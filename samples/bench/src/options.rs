@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use antumbra::gpu::SampleCount;
 use antumbra::import::BrokenParts;
-use scenes::LightSet;
+use scenes::{GeneratedScene, GeneratorError, LightSet};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -77,7 +77,7 @@ impl fmt::Display for FrameSize {
 pub enum SceneChoice {
     /// A scene that is generated.
     Made(MadeScene),
-    /// The scene in this glTF file.
+    /// The scene in this file.
     File(PathBuf),
 }
 
@@ -99,6 +99,26 @@ pub struct MadeScene {
     pub objects: u32,
     /// The seed: the same one makes the same scene and the same paths.
     pub seed: u64,
+}
+
+impl MadeScene {
+    /// Makes the scene.
+    ///
+    /// # Errors
+    /// Numbers from which no scene can be made.
+    pub fn make(&self) -> Result<GeneratedScene, GeneratorError> {
+        match self.scene {
+            GeneratorChoice::City => scenes::city(self.objects, self.seed),
+            GeneratorChoice::Field => scenes::field(self.objects, self.seed),
+            GeneratorChoice::Assembly => {
+                scenes::assembly(self.objects, self.seed).map(|made| made.generated)
+            }
+            GeneratorChoice::Waffle => {
+                let made = scenes::waffle_maker();
+                Ok(GeneratedScene { scene: made.scene, routes: made.routes })
+            }
+        }
+    }
 }
 
 /// The camera's path.
@@ -130,6 +150,8 @@ pub struct Options {
     pub scene: SceneChoice,
     /// The treatment of broken parts of a file.
     pub broken_parts: BrokenParts,
+    /// The triangles above which a mesh of a file is cut into pieces, if one is.
+    pub cut_above_triangles: Option<usize>,
     /// The lights on it; none where it has its own, or no surfaces that they could shine on.
     pub lights: Option<LightSet>,
     /// The ways to draw shadows, each with each strategy; empty where nothing is said about

@@ -11,7 +11,6 @@ use scenes::GeneratedScene;
 
 use crate::Options;
 use crate::camera_path::CameraTrack;
-use crate::choices;
 use crate::moving::Moving;
 use crate::options::{MadeScene, PathChoice, SceneChoice};
 use crate::playback::{self, Clips, FrameClock, Orbit};
@@ -63,11 +62,11 @@ impl WalkScene {
         progress: &dyn WalkProgress,
     ) -> Result<Self, RunError> {
         let MadeScene { scene: kind, objects, seed } = *made;
-        progress.stage(&format!("building the {kind} of about {objects} objects"));
-        let GeneratedScene { scene, routes } = match kind {
-            choices::GeneratorChoice::City => scenes::city(objects, seed)?,
-            choices::GeneratorChoice::Field => scenes::field(objects, seed)?,
-        };
+        progress.stage(&match kind.takes_numbers() {
+            true => format!("building the {kind} of about {objects} objects"),
+            false => format!("building the {kind}"),
+        });
+        let GeneratedScene { scene, routes } = made.make()?;
         let path = CameraTrack::new(&options.path, &routes)?;
         let moving = Moving::new(&scene, options.moving_percent, seed)?;
         let scene = lit(scene, &path, options)?;
@@ -83,7 +82,11 @@ impl WalkScene {
     ) -> Result<Self, RunError> {
         let mut clock = Stopwatch::start();
         let mut newest = String::new();
-        let reading = LoadOptions { broken_parts: options.broken_parts, ..LoadOptions::default() };
+        let reading = LoadOptions {
+            broken_parts: options.broken_parts,
+            cut_above_triangles: options.cut_above_triangles,
+            ..LoadOptions::default()
+        };
         let imported = scene_file::load(file, &reading, &mut |loading| {
             if loading.what != newest {
                 loading.what.clone_into(&mut newest);

@@ -32,7 +32,7 @@ use self::props::Site;
 use super::error::GeneratorError;
 use super::generated::{GeneratedScene, HOVER_M, placement, room_for_objects, share};
 use super::random::Random;
-use super::routes::{Flight, Routes, Streets};
+use super::routes::{AIRCRAFT_INWARDS_RAD, Flight, Routes, Streets};
 
 /// The distance between a district's wall and the line on which one walks along it, in metres.
 const WALL_WALK_M: f32 = 5.4;
@@ -350,5 +350,10 @@ fn flight(plan: &Plan) -> Flight {
     let ends = |axis: &Axis| [boundary_m(axis.first()), boundary_m(axis.last())];
     let ([x0, x1], [z0, z1]) = (ends(&plan.columns), ends(&plan.rows));
     let radius_m = ((x1 - x0).min(z1 - z0) * 0.35).clamp(16.0, 160.0);
-    Flight { centre: Vec3::new((x0 + x1) / 2.0, 64.0, (z0 + z1) / 2.0), radius_m, down_rad: 0.32 }
+    Flight {
+        centre: Vec3::new((x0 + x1) / 2.0, 64.0, (z0 + z1) / 2.0),
+        radius_m,
+        down_rad: 0.32,
+        inwards_rad: AIRCRAFT_INWARDS_RAD,
+    }
 }

@@ -11,7 +11,7 @@ use super::city::{pavilions::pavilions, props::props};
 use super::error::GeneratorError;
 use super::generated::{GeneratedScene, HOVER_M, placement, room_for_objects, share};
 use super::random::Random;
-use super::routes::{Flight, Routes, Streets};
+use super::routes::{AIRCRAFT_INWARDS_RAD, Flight, Routes, Streets};
 
 /// The side of a cell in metres; a cell holds one object in its middle.
 const CELL_M: f32 = 16.0;
@@ -65,6 +65,7 @@ pub fn field(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> 
         // Steep enough that the upper edge of the view meets the ground at 15 degrees, where a
         // pavilion's roof does not yet cover what stands in the next cell.
         down_rad: 0.785,
+        inwards_rad: AIRCRAFT_INWARDS_RAD,
     };
     let streets = Streets { xs: aisles(x), zs: aisles(z), turn_radius_m: 2.5 };
     let scene = Scene {

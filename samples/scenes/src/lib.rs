@@ -4,7 +4,8 @@
 //! faces, and objects on the ground hover 2 cm over it. So each pixel's colour does not depend on
 //! the order in which objects are drawn. Only the ground's tiles share edges, with bit-identical
 //! vertices. Transforms are quarter turns about y (exact: each column one of the axes) and uniform
-//! scales only. [`LightSet`] puts lights on them: the sun of an [`Hour`], torches, street lamps.
+//! scales only. [`assembly`] and [`waffle_maker`] make models of closed parts, in a tree, at any angle.
+//! [`LightSet`] puts lights on them: the sun of an [`Hour`], torches, street lamps.
 //!
 //! ```
 //! use scenes::{CameraPath, PathKind};
@@ -17,6 +18,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod assembly;
 mod builder;
 mod city;
 mod courtyard;
@@ -25,12 +27,16 @@ mod field;
 mod generated;
 mod lights;
 mod motion;
+mod parts;
 mod path;
 mod random;
 mod routes;
+mod solid;
 #[cfg(test)]
 mod tests;
+mod waffle_maker;
 
+pub use assembly::{Assembly, assembly};
 pub use city::city;
 pub use courtyard::{Courtyard, YardMotion, courtyard};
 pub use error::{GeneratorError, MAX_LAMPS, MAX_OBJECTS, MotionError};
@@ -38,5 +44,7 @@ pub use field::field;
 pub use generated::GeneratedScene;
 pub use lights::{Daylight, GLOW_NAME, Hour, LampHours, LightSet, sun_light};
 pub use motion::{Cast, Motion};
+pub use parts::{PartId, PartNode, PartTree};
 pub use path::{CameraPath, PathKind};
 pub use routes::{Flight, Routes, Streets};
+pub use waffle_maker::{Hinge, WaffleMaker, waffle_maker};

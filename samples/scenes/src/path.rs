@@ -24,6 +24,9 @@ const WALK_STEP_M: f64 = 0.1;
 /// The distance that an aircraft covers per frame, in metres.
 const FLY_STEP_M: f64 = 0.5;
 
+/// The fewest frames of a circle: small ones are flown more slowly.
+const FLY_LEAST_FRAMES: f64 = 120.0;
+
 /// The number of frames for which the path `cut` stays in one place.
 const CUT_FRAMES: u32 = 10;
 
@@ -156,11 +159,11 @@ fn walker(place: Vec2, heading: f32) -> Camera {
 
 fn aircraft(flight: &Flight, frame: u32) -> Camera {
     let around = f64::from(TAU * flight.radius_m);
-    let turn = (f64::from(frame) * FLY_STEP_M % around / around) as f32 * TAU;
+    let step_m = FLY_STEP_M.min(around / FLY_LEAST_FRAMES);
+    let turn = (f64::from(frame) * step_m % around / around) as f32 * TAU;
     let place = direction(turn) * flight.radius_m;
     let eye = flight.centre + Vec3::new(place.x, 0.0, place.y);
-    // Along the circle, and somewhat towards its middle, where there is most to see.
-    camera(eye, turn + FRAC_PI_2 + 0.6, -flight.down_rad)
+    camera(eye, turn + FRAC_PI_2 + flight.inwards_rad, -flight.down_rad)
 }
 
 fn jump(streets: &Streets, seed: u64, frame: u32) -> Camera {

@@ -2,6 +2,10 @@
 
 use glam::Vec3;
 
+/// The angle by which one looks inwards from a circle over a wide scene, in radians: there is most
+/// to see.
+pub(crate) const AIRCRAFT_INWARDS_RAD: f32 = 0.6;
+
 /// The routes for walks and flights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Routes {
@@ -35,4 +39,6 @@ pub struct Flight {
     pub radius_m: f32,
     /// The angle by which the view looks down, in radians.
     pub down_rad: f32,
+    /// The angle by which it looks from along the circle towards its middle, in radians.
+    pub inwards_rad: f32,
 }

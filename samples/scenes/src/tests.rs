@@ -3,6 +3,7 @@
 mod ground;
 mod layout;
 mod meshes;
+mod models;
 mod paths;
 mod views;
 

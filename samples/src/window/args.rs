@@ -40,8 +40,13 @@ there is, and a second one ends it at once.";
     after_help = help_with_keys(EXAMPLES, &[])
 )]
 pub struct CityArguments {
-    /// The scene to fly through: city or field
-    #[arg(long, value_name = "city|field", default_value = "city", help_heading = "Scene")]
+    /// The scene to fly through: city, field, assembly or waffle
+    #[arg(
+        long,
+        value_name = "city|field|assembly|waffle",
+        default_value = "city",
+        help_heading = "Scene"
+    )]
     pub scene: SceneArgument,
     /// The numbers that it is made from.
     #[command(flatten)]

@@ -104,10 +104,7 @@ impl SceneLoader<'_> {
         path: Option<&PathChoice>,
         hour: Option<Hour>,
     ) -> Result<LoadedScene, RunError> {
-        let GeneratedScene { scene, routes } = match made.scene {
-            choices::GeneratorChoice::City => scenes::city(made.objects, made.seed)?,
-            choices::GeneratorChoice::Field => scenes::field(made.objects, made.seed)?,
-        };
+        let GeneratedScene { scene, routes } = made.make()?;
         let track = path.map(|choice| CameraTrack::new(choice, &routes)).transpose()?;
         let start = match &track {
             Some(track) => track.camera(0),
@@ -163,6 +160,7 @@ impl SceneLoader<'_> {
         let reading = import::LoadOptions {
             exposure: settings.exposure,
             broken_parts: self.options.broken_parts,
+            cut_above_triangles: self.options.cut_above_triangles,
             ..import::LoadOptions::default()
         };
         let mut imported = scene_file::load(file, &reading, progress_fn)?;

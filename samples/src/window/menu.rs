@@ -17,7 +17,7 @@ pub enum Choice {
     Strategy(Strategy),
     /// This generated scene.
     Made(choices::GeneratorChoice),
-    /// A glTF file to open.
+    /// A file to open.
     File(PathBuf),
     /// A path to be typed.
     TypePath,
@@ -127,7 +127,7 @@ impl Menu {
                 format!("{title}: {keys}\n{}", lines.collect::<Vec<_>>().join("\n"))
             }
             Self::Path { text } => {
-                format!("the path of a glTF file, typed or pasted (Ctrl+V), and Enter\n> {text}_")
+                format!("the path of a file, typed or pasted (Ctrl+V), and Enter\n> {text}_")
             }
         }
     }
@@ -217,8 +217,8 @@ pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
 /// Returns the list of scenes: the generated ones, then files, each once. The one of the name
 /// `shown` is selected.
 pub fn scenes(files: impl IntoIterator<Item = PathBuf>, shown: &str) -> Menu {
-    let made = [choices::GeneratorChoice::City, choices::GeneratorChoice::Field];
-    let made = made.map(|scene| Row::plain(scene.to_string(), Choice::Made(scene)));
+    let made = choices::GeneratorChoice::ALL
+        .map(|scene| Row::plain(scene.to_string(), Choice::Made(scene)));
     let mut rows: Vec<Row> = made.into();
     for file in files {
         let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();

@@ -10,7 +10,7 @@ use super::show::ShowOptions;
 use super::source::SceneSource;
 use bench::run_error::RunError;
 
-const DROP_ONE: &str = "drop a glTF file (.glb or .gltf) into this window";
+const DROP_ONE: &str = "drop a file (.glb, .gltf, .stl or .obj) into this window";
 
 /// The scenes that are loading.
 pub struct PendingScenes {

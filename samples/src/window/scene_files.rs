@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// The entries of a folder that are looked at.
 const MOST_ENTRIES: usize = 10_000;
 
-/// Returns the glTF files that were opened, the newest first, and those in the folder of the
+/// Returns the files of scenes that were opened, the newest first, and those in the folder of the
 /// newest, or in the working folder if none was.
 pub fn to_choose(opened: &[PathBuf]) -> Vec<PathBuf> {
     let newest = opened.last().and_then(|file| file.parent());
@@ -22,7 +22,7 @@ pub fn to_choose(opened: &[PathBuf]) -> Vec<PathBuf> {
     files
 }
 
-/// Returns the glTF files in a folder, by name. None of one that cannot be read.
+/// Returns the files of scenes in a folder, by name. None of one that cannot be read.
 fn beside(folder: &Path, is_named: bool) -> BTreeSet<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().take(MOST_ENTRIES).flatten();
     let files = entries.map(|entry| match is_named {
@@ -31,7 +31,8 @@ fn beside(folder: &Path, is_named: bool) -> BTreeSet<PathBuf> {
     });
     let is_scene = |file: &PathBuf| {
         let extension = file.extension().map(|extension| extension.to_ascii_lowercase());
-        extension.is_some_and(|extension| extension == "glb" || extension == "gltf")
+        let is_known = |known: &str| extension.as_ref().is_some_and(|extension| extension == known);
+        ["glb", "gltf", "stl", "obj"].into_iter().any(is_known)
     };
     files.filter(is_scene).collect()
 }
@@ -44,13 +45,15 @@ mod tests {
     fn opened_files_come_first_and_each_once() {
         let folder = std::env::temp_dir().join(format!("scene-files-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
-        for name in ["b.glb", "a.GLTF", "c.png", "glb"] {
+        for name in ["b.glb", "a.GLTF", "c.png", "glb", "d.stl"] {
             fs::write(folder.join(name), "").unwrap();
         }
         let opened = [PathBuf::from("/elsewhere/z.glb"), folder.join("b.glb")];
         let files = to_choose(&opened);
         fs::remove_dir_all(&folder).unwrap();
-        assert_eq!(files, [folder.join("b.glb"), "/elsewhere/z.glb".into(), folder.join("a.GLTF")]);
+        let opened = [folder.join("b.glb"), "/elsewhere/z.glb".into()];
+        assert_eq!(files[..2], opened);
+        assert_eq!(files[2..], [folder.join("a.GLTF"), folder.join("d.stl")]);
         assert!(to_choose(&["/no/such/folder/a.glb".into()]).len() == 1);
     }
 }

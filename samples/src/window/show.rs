@@ -151,6 +151,8 @@ pub struct ShowOptions {
     pub times_passes: bool,
     /// The treatment of broken parts of files.
     pub broken_parts: BrokenParts,
+    /// The triangles above which a mesh of a file is cut into pieces, if one is.
+    pub cut_above_triangles: Option<usize>,
     /// The trust in the driver.
     pub trust: TrustChoice,
     /// The assumptions that the self-test found broken, once it ran.
@@ -195,6 +197,7 @@ impl ShowArguments {
             flares: self.flares.unwrap_or_default(),
             times_passes: self.time_passes || self.trace.is_some(),
             broken_parts: self.file.broken_parts(),
+            cut_above_triangles: self.file.cut_above_triangles(),
             trust: self.trust,
             distrusted: OnceLock::new(),
             device: self.device.choice(),

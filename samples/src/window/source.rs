@@ -22,7 +22,7 @@ pub enum SceneSource {
         /// The hour of its sun.
         hour: Hour,
     },
-    /// A scene in a glTF file.
+    /// A scene in a file.
     File {
         /// The path of the file.
         file: PathBuf,

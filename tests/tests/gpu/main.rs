@@ -39,6 +39,7 @@ mod host_trust;
 mod ideal;
 mod learning;
 mod list_draws;
+mod mesh_pieces;
 mod misuse;
 mod moving;
 mod msaa;

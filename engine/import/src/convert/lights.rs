@@ -111,7 +111,8 @@ fn along(world: &Affine3A) -> Vec3 {
     Vec3::from(world.matrix3 * glam::Vec3A::NEG_Z)
 }
 
-fn from_above() -> PunctualLight {
+/// Returns the light of scenes without any.
+pub(super) fn from_above() -> PunctualLight {
     PunctualLight {
         kind: LightKind::Directional,
         colour: [1.0, 0.97, 0.92],

@@ -14,6 +14,7 @@ mod initial_view;
 mod instancing;
 mod lights;
 mod materials;
+mod mesh_file;
 mod nodes;
 mod normals;
 mod numbers;
@@ -53,6 +54,7 @@ use crate::notes::Notes;
 use crate::progress::{ProgressSender, Stage};
 use crate::{ImportError, Source};
 
+pub(crate) use self::mesh_file::convert_mesh_file;
 pub(crate) use self::skins::used_joints;
 
 /// Returns a scene made of a file.

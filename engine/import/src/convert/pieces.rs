@@ -1,6 +1,7 @@
 //! Pieces: a large mesh as several that lie side by side, so that culling has something to cull.
 
 use glam::Vec3;
+use scene::spatial_pieces;
 
 use super::geometry::Geometry;
 
@@ -16,30 +17,14 @@ pub(super) fn cut(geometry: Geometry, most: usize) -> Vec<Geometry> {
     let (count, most) = (geometry.triangles.len() / sides, (most / sides).max(1));
     let first_sides = geometry.triangles.iter().take(count);
     let middles: Vec<Vec3> = first_sides.map(|it| middle(&geometry, it)).collect();
-    let of = |triangle: u32| middles.get(triangle as usize).copied().unwrap_or_default();
-    let mut order: Vec<u32> = (0..count as u32).collect();
-    let mut pending = vec![order.as_mut_slice()];
-    let mut pieces = Vec::new();
     // The index of a vertex in the current piece; each piece resets it.
     let mut names = vec![u32::MAX; geometry.positions.len()];
-    while let Some(part) = pending.pop() {
-        if part.len() <= most {
-            part.sort_unstable();
-            let of_side = |side| part.iter().map(move |triangle| triangle + (side * count) as u32);
-            let part: Vec<u32> = (0..sides).flat_map(of_side).collect();
-            pieces.push(piece(&geometry, &part, &mut names));
-            continue;
-        }
-        let axis = longest_side(part.iter().map(|&triangle| of(triangle)));
-        let half = part.len() / 2;
-        part.select_nth_unstable_by(half, |&a, &b| {
-            of(a)[axis].total_cmp(&of(b)[axis]).then(a.cmp(&b))
-        });
-        let (low, high) = part.split_at_mut(half);
-        pending.push(high);
-        pending.push(low);
-    }
-    pieces
+    let with_backs = |part: Vec<u32>| {
+        let of_side = |side| part.iter().map(move |triangle| triangle + (side * count) as u32);
+        let part: Vec<u32> = (0..sides).flat_map(of_side).collect();
+        piece(&geometry, &part, &mut names)
+    };
+    spatial_pieces(&middles, most).into_iter().map(with_backs).collect()
 }
 
 fn middle(geometry: &Geometry, triangle: &[u32; 3]) -> Vec3 {

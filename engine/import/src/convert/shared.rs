@@ -258,7 +258,7 @@ fn pieces(assembly: &mut Assembly<'_>, geometry: Geometry, kind: &Kind) -> Vec<G
     }
     match assembly.cut_above {
         Some(most) if uses == 1 && geometry.triangles.len() > most => {
-            pieces::cut(geometry, most / 4)
+            pieces::cut(geometry, most / 8)
         }
         _ => vec![geometry],
     }

@@ -17,6 +17,7 @@ mod mutations;
 mod refused;
 mod replaced;
 mod tolerated;
+mod triangles;
 mod unused;
 
 use antumbra_import::{BrokenParts, LoadOptions};

@@ -223,7 +223,7 @@ fn what_is_no_scene_is_told_from_a_broken_one() {
     };
     let png = encoded(image::ImageFormat::Png);
     for (bytes, expected) in [
-        (&b""[..], "file: it is empty (choose a .gltf or .glb file"),
+        (&b""[..], "file: it is empty (choose a .gltf, .glb, .stl or .obj file"),
         (b"glT", "GLB header: cut off after 3 bytes (the file is damaged"),
         (&png, "file: it is neither a GLB nor JSON"),
         (b"hello", "file: it is neither a GLB nor JSON"),

@@ -1,0 +1,57 @@
+//! MTL files: the names and colours of materials. All else in them is left out.
+
+use std::path::Path;
+
+use crate::error::Reason;
+use crate::uri::{self, Wanted};
+
+/// A material of a part.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PartMaterial {
+    /// The name.
+    pub(crate) name: String,
+    /// Linear red, green, blue, 0 to 1.
+    pub(crate) colour: [f32; 3],
+}
+
+/// The colour of what has no material.
+pub(crate) const GREY: [f32; 3] = [0.5, 0.5, 0.5];
+
+/// Returns a channel in linear light: MTL files have colours as screens show them.
+fn linear(value: f32) -> f32 {
+    let value = value.clamp(0.0, 1.0);
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Reads a file of materials in a folder.
+pub(super) fn read(
+    name: &str,
+    folder: Option<&Path>,
+    limit: u64,
+) -> Result<Vec<PartMaterial>, Reason> {
+    // Names are no URIs: a percent sign and a colon are themselves.
+    let escaped = name.replace('%', "%25").replace('\\', "/").replace(':', "%3A");
+    let bytes = uri::fetch(&escaped, folder, Wanted::All, limit)?;
+    let mut found: Vec<PartMaterial> = Vec::new();
+    for line in bytes.split(|byte| *byte == b'\n') {
+        let text = String::from_utf8_lossy(line);
+        let mut words = text.split_whitespace();
+        match words.next() {
+            Some("newmtl") => {
+                let name = text.trim_start().strip_prefix("newmtl").unwrap_or_default().trim();
+                found.push(PartMaterial { name: name.to_owned(), colour: GREY });
+            }
+            Some("Kd") => {
+                let parts: Vec<f32> = words.map_while(|word| word.parse().ok()).take(3).collect();
+                let is_finite = parts.iter().all(|part| part.is_finite());
+                if let (Ok(colour), true, Some(last)) =
+                    (<[f32; 3]>::try_from(parts), is_finite, found.last_mut())
+                {
+                    last.colour = colour.map(linear);
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(found)
+}

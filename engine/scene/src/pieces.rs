@@ -1,0 +1,377 @@
+//! Pieces: large meshes as several that lie side by side, so that culling has something to cull.
+
+use cull::ObjectId;
+use glam::Vec3;
+
+use super::{
+    Mesh, MeshId, Object, ObjectChange, Scene, SceneUpdate, SurfaceMesh, Surfaces,
+    bounds_of_vertices,
+};
+
+/// Sorts triangles with these middles into pieces of at most `most`, by their numbers, ascending in
+/// each. They are halved along the longest side of the box around their middles, again and again:
+/// so a piece has at least half as many as another one, but for one triangle.
+pub fn spatial_pieces(middles: &[Vec3], most: usize) -> Vec<Vec<u32>> {
+    let most = most.max(1);
+    let at = |triangle: u32| middles.get(triangle as usize).copied().unwrap_or_default();
+    let mut order: Vec<u32> = (0..middles.len() as u32).collect();
+    let mut pending = vec![order.as_mut_slice()];
+    let mut pieces = Vec::new();
+    while let Some(part) = pending.pop() {
+        if part.len() <= most {
+            part.sort_unstable();
+            pieces.push(part.to_vec());
+            continue;
+        }
+        let corner = |part: &[u32], pick: fn(Vec3, Vec3) -> Vec3| {
+            part.iter().map(|triangle| at(*triangle)).reduce(pick).unwrap_or_default()
+        };
+        // Halves first: the difference of two large numbers may overflow.
+        let axis = (corner(part, Vec3::max) * 0.5 - corner(part, Vec3::min) * 0.5).max_position();
+        let half = part.len() / 2;
+        part.select_nth_unstable_by(half, |&a, &b| {
+            at(a)[axis].total_cmp(&at(b)[axis]).then(a.cmp(&b))
+        });
+        let (low, high) = part.split_at_mut(half);
+        pending.push(high);
+        pending.push(low);
+    }
+    pieces
+}
+
+/// The sizes of meshes that are cut, and of their pieces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PieceLimits {
+    /// The triangles above which a mesh is cut. Default: 65,536.
+    pub cut_above: usize,
+    /// The most triangles of a piece. Default: 8,192; a piece has at least 4,096 then.
+    pub piece: usize,
+}
+
+impl Default for PieceLimits {
+    fn default() -> Self {
+        Self { cut_above: 1 << 16, piece: 1 << 13 }
+    }
+}
+
+/// The pieces of each object of a scene before it was cut: of each *part*. Most have one.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PieceMap {
+    /// The first piece of each part, and the end of the last one's.
+    firsts: Vec<u32>,
+    /// The meshes of the pieces of each mesh.
+    meshes: Vec<Vec<MeshId>>,
+}
+
+impl PieceMap {
+    /// Returns the part that a piece belongs to, as its id before the cut: what is picked is it.
+    /// `None` for objects that came later.
+    pub fn part_of(&self, piece: ObjectId) -> Option<ObjectId> {
+        let part = self.firsts.partition_point(|first| *first <= piece.0).checked_sub(1)?;
+        (part + 1 < self.firsts.len()).then_some(ObjectId(part as u32))
+    }
+
+    /// Returns the pieces of a part, by its id before the cut; none if there was no such part.
+    pub fn pieces_of(&self, part: ObjectId) -> impl Iterator<Item = ObjectId> + use<> {
+        let at = |place: usize| self.firsts.get(place).copied();
+        let next = (part.0 as usize).checked_add(1).and_then(at).unwrap_or_default();
+        let first = at(part.0 as usize).unwrap_or(next);
+        (first..next).map(ObjectId)
+    }
+
+    /// Returns changes of parts as changes of all of their pieces. An added object becomes one for
+    /// each piece of its mesh, whose ids the renderer returns in this order.
+    #[must_use]
+    pub fn in_pieces(&self, mut update: SceneUpdate) -> SceneUpdate {
+        let changes = std::mem::take(&mut update.objects);
+        for change in changes {
+            match change {
+                ObjectChange::Move { object, transform } => {
+                    let pieces = self.pieces_of(object);
+                    let moved = |object| ObjectChange::Move { object, transform };
+                    update.objects.extend(pieces.map(moved));
+                }
+                ObjectChange::Remove { object } => {
+                    let pieces = self.pieces_of(object);
+                    update.objects.extend(pieces.map(|object| ObjectChange::Remove { object }));
+                }
+                ObjectChange::Add { object } => {
+                    let own = [object.mesh];
+                    let meshes = self.meshes.get(object.mesh.0 as usize);
+                    let meshes = meshes.map_or(own.as_slice(), Vec::as_slice);
+                    let added = |mesh: &MeshId| Object { mesh: *mesh, ..object };
+                    update.objects.extend(
+                        meshes.iter().map(|mesh| ObjectChange::Add { object: added(mesh) }),
+                    );
+                }
+            }
+        }
+        update
+    }
+}
+
+impl Scene {
+    /// Cuts large meshes into pieces, each an object with a box of its own, and returns which are
+    /// whose. The pieces of an object take its place in the list, with its transform and tint;
+    /// triangles keep their order within a piece, and backs are in the piece of their fronts. Ids of
+    /// meshes stay: the first piece has its mesh's, the others follow all meshes.
+    ///
+    /// The image keeps its bits, but where triangles of one mesh are at equal depth: in scenes with
+    /// [`Surfaces`] the renderer's rule for objects decides there, without them what is drawn first.
+    /// A mesh that has a skin or morph targets, is of sprites or of transparent objects stays whole.
+    /// Pieces have no coarser levels of detail.
+    pub fn cut_large_meshes(&mut self, limits: PieceLimits) -> PieceMap {
+        let mut is_whole: Vec<bool> =
+            self.meshes.iter().map(|mesh| mesh.indices.len() / 3 <= limits.cut_above).collect();
+        for mesh in self.surfaces.iter().flat_map(whole_meshes) {
+            if let Some(is_whole) = is_whole.get_mut(mesh.0 as usize) {
+                *is_whole = true;
+            }
+        }
+        let mut map = PieceMap::default();
+        for (place, is_whole) in is_whole.into_iter().enumerate() {
+            let mut meshes = vec![MeshId(place as u32)];
+            if !is_whole {
+                self.cut_mesh(place, limits.piece, &mut meshes);
+            }
+            map.meshes.push(meshes);
+        }
+        let objects = std::mem::take(&mut self.objects);
+        for object in objects {
+            map.firsts.push(self.objects.len() as u32);
+            let own = [object.mesh];
+            let meshes = map.meshes.get(object.mesh.0 as usize);
+            let meshes = meshes.map_or(own.as_slice(), Vec::as_slice);
+            self.objects.extend(meshes.iter().map(|mesh| Object { mesh: *mesh, ..object }));
+        }
+        map.firsts.push(self.objects.len() as u32);
+        map
+    }
+
+    /// Replaces a mesh by its first piece, and adds the others, with their surfaces.
+    fn cut_mesh(&mut self, place: usize, most: usize, meshes: &mut Vec<MeshId>) {
+        let empty = Mesh::of_triangles("", &[]);
+        let Some(mesh) = self.meshes.get_mut(place).map(|mesh| std::mem::replace(mesh, empty))
+        else {
+            return;
+        };
+        let surface = self.surfaces.as_mut().and_then(|it| it.meshes.get_mut(place));
+        let surface = surface.map(|it| (std::mem::take(&mut it.vertices), it.material));
+        let sides = if mesh.has_backs { 2 } else { 1 };
+        let triangles = mesh.indices.as_chunks::<3>().0;
+        let count = triangles.len() / sides;
+        let at = |vertex: &u32| {
+            let vertex = mesh.vertices.get(*vertex as usize);
+            vertex.map_or(Vec3::ZERO, |vertex| Vec3::from_array(vertex.position))
+        };
+        // Thirds first: the sum of three large numbers may overflow.
+        let middle = |corners: &[u32; 3]| corners.iter().map(|corner| at(corner) / 3.0).sum();
+        let middles: Vec<Vec3> = triangles.iter().take(count).map(middle).collect();
+        let mut names = vec![u32::MAX; mesh.vertices.len()];
+        let pieces = spatial_pieces(&middles, (most / sides).max(1));
+        for (number, piece) in pieces.into_iter().enumerate() {
+            let of_side =
+                |side: usize| piece.iter().map(move |triangle| *triangle as usize + side * count);
+            let own = (0..sides).flat_map(of_side).filter_map(|place| triangles.get(place));
+            let own: Vec<[u32; 3]> = own.copied().collect();
+            let (indices, picks) = renamed(&own, &mut names);
+            let picked = |pick: &u32| mesh.vertices.get(*pick as usize).copied();
+            let vertices: Vec<_> = picks.iter().filter_map(picked).collect();
+            let name = format!("{}, piece {number}", mesh.name);
+            let bounds = bounds_of_vertices(&vertices);
+            let made = Mesh { name, vertices, indices, bounds, has_backs: mesh.has_backs };
+            let id = if number == 0 { place } else { self.meshes.len() };
+            let surface = surface.as_ref().map(|(vertices, material)| SurfaceMesh {
+                vertices: picks
+                    .iter()
+                    .filter_map(|pick| vertices.get(*pick as usize).copied())
+                    .collect(),
+                material: *material,
+            });
+            if number == 0 {
+                self.put_piece(place, made, surface);
+            } else {
+                self.push_piece(made, surface);
+                meshes.push(MeshId(id as u32));
+            }
+        }
+    }
+
+    fn put_piece(&mut self, place: usize, mesh: Mesh, surface: Option<SurfaceMesh>) {
+        if let Some(whole) = self.meshes.get_mut(place) {
+            *whole = mesh;
+        }
+        let Some(surfaces) = &mut self.surfaces else { return };
+        if let Some((whole, piece)) = surfaces.meshes.get_mut(place).zip(surface) {
+            *whole = piece;
+        }
+        if let Some(levels) = surfaces.levels.get_mut(place) {
+            levels.clear();
+        }
+    }
+
+    fn push_piece(&mut self, mesh: Mesh, surface: Option<SurfaceMesh>) {
+        self.meshes.push(mesh);
+        let Some(surfaces) = &mut self.surfaces else { return };
+        surfaces.meshes.extend(surface);
+        if !surfaces.levels.is_empty() {
+            surfaces.levels.push(Vec::new());
+        }
+    }
+}
+
+/// Returns the meshes that stay whole.
+fn whole_meshes(surfaces: &Surfaces) -> Vec<MeshId> {
+    let skinned = surfaces.skinned_meshes.iter().map(|skinned_mesh| skinned_mesh.mesh);
+    let sprites = surfaces.sprites.iter().map(|sprites| sprites.mesh);
+    let transparent = surfaces.transparent.iter().map(|object| object.mesh);
+    skinned.chain(sprites).chain(transparent).collect()
+}
+
+/// Returns indices into the vertices that these triangles have, and which those are, in the order
+/// of their first use. `names` has an element per vertex, all `u32::MAX` before and after.
+fn renamed(triangles: &[[u32; 3]], names: &mut [u32]) -> (Vec<u32>, Vec<u32>) {
+    let mut picks = Vec::new();
+    let mut indices = Vec::with_capacity(3 * triangles.len());
+    for vertex in triangles.as_flattened() {
+        let Some(name) = names.get_mut(*vertex as usize) else { continue };
+        if *name == u32::MAX {
+            *name = picks.len() as u32;
+            picks.push(*vertex);
+        }
+        indices.push(*name);
+    }
+    for vertex in &picks {
+        if let Some(name) = names.get_mut(*vertex as usize) {
+            *name = u32::MAX;
+        }
+    }
+    (indices, picks)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Affine3A;
+
+    use super::*;
+
+    /// Returns a scene of two objects with a small mesh each, and two that share a wavy sheet of
+    /// `side` by `side` squares between them.
+    fn sheet(side: u16) -> Scene {
+        let corner = |x: u16, z: u16| {
+            let [x, z] = [f32::from(x), f32::from(z)];
+            ([x, (x * 0.3).sin() + (z * 0.2).cos(), z], [0.5, 0.5, 0.5])
+        };
+        let square = |x: u16, z: u16| {
+            let [a, b, c, d] =
+                [corner(x, z), corner(x, z + 1), corner(x + 1, z + 1), corner(x + 1, z)];
+            [a, b, c, a, c, d]
+        };
+        let corners: Vec<_> =
+            (0..side).flat_map(|z| (0..side).flat_map(move |x| square(x, z))).collect();
+        let mut scene = Scene::single(Mesh::of_triangles("small", &corners[..6]));
+        scene.meshes.push(Mesh::of_triangles("sheet", &corners));
+        let small = scene.objects[0];
+        let large = Object { mesh: MeshId(1), ..small };
+        let moved = Object { transform: Affine3A::from_translation(Vec3::Y), ..large };
+        scene.objects = vec![small, large, moved, small];
+        scene
+    }
+
+    fn corners(scene: &Scene, object: &Object) -> Vec<[[u32; 3]; 3]> {
+        let mesh = scene.mesh_of(object).unwrap();
+        let at = |index: u32| mesh.vertices[index as usize].position.map(f32::to_bits);
+        mesh.indices.as_chunks::<3>().0.iter().map(|corners| corners.map(at)).collect()
+    }
+
+    #[test]
+    fn every_triangle_is_in_one_piece_and_parts_know_their_pieces() {
+        let limits = PieceLimits { cut_above: 1000, piece: 128 };
+        for with_surfaces in [false, true] {
+            let whole = sheet(40);
+            let whole = if with_surfaces { whole.with_surfaces() } else { whole };
+            let mut cut = whole.clone();
+            let map = cut.cut_large_meshes(limits);
+            assert_eq!(cut.validate(), Ok(()));
+            assert_eq!((whole.triangles(), cut.objects.len()), (cut.triangles(), 2 + 2 * 32));
+            for (place, part) in (0_u32..).zip(&whole.objects) {
+                let pieces: Vec<ObjectId> = map.pieces_of(ObjectId(place)).collect();
+                let mut found = Vec::new();
+                for piece in &pieces {
+                    assert_eq!(map.part_of(*piece), Some(ObjectId(place)));
+                    let object = &cut.objects[piece.0 as usize];
+                    assert_eq!((object.transform, object.tint), (part.transform, part.tint));
+                    let own = corners(&cut, object);
+                    assert!(pieces.len() == 1 || (64..=128).contains(&own.len()), "{}", own.len());
+                    found.extend(own);
+                }
+                let mut expected = corners(&whole, part);
+                found.sort_unstable();
+                expected.sort_unstable();
+                assert_eq!(found, expected);
+            }
+            assert_eq!(map.part_of(ObjectId(cut.objects.len() as u32)), None);
+            assert_eq!(map.pieces_of(ObjectId(4)).count(), 0);
+        }
+    }
+
+    #[test]
+    fn what_is_small_or_bends_stays_whole_and_backs_stay_with_their_fronts() {
+        let whole = sheet(40);
+        let mut same = whole.clone();
+        let map = same.cut_large_meshes(PieceLimits::default());
+        assert_eq!(same, whole);
+        assert_eq!(map.part_of(ObjectId(3)), Some(ObjectId(3)));
+        let limits = PieceLimits { cut_above: 10, piece: 100 };
+        let mut skinned = sheet(40).with_surfaces();
+        skinned.objects.truncate(2);
+        let skin = super::super::SkinnedMesh { mesh: MeshId(1), skin: None, targets: Vec::new() };
+        skinned.surfaces.as_mut().unwrap().skinned_meshes.push(skin);
+        let before = skinned.clone();
+        skinned.cut_large_meshes(limits);
+        assert_eq!(skinned, before);
+
+        let mut both = sheet(40);
+        let mesh = &mut both.meshes[1];
+        let backs: Vec<u32> =
+            mesh.indices.as_chunks::<3>().0.iter().flat_map(|[a, b, c]| [*a, *c, *b]).collect();
+        mesh.indices.extend(backs);
+        mesh.has_backs = true;
+        both.cut_large_meshes(limits);
+        assert_eq!(both.triangles(), sheet(40).triangles());
+        for object in &both.objects[1..] {
+            let found = corners(&both, object);
+            let (fronts, backs) = found.split_at(found.len() / 2);
+            if both.mesh_of(object).unwrap().has_backs {
+                assert!(fronts.iter().map(|[a, b, c]| [*a, *c, *b]).eq(backs.iter().copied()));
+            }
+        }
+    }
+
+    #[test]
+    fn changes_of_parts_are_changes_of_all_of_their_pieces() {
+        let mut scene = sheet(10);
+        let map = scene.cut_large_meshes(PieceLimits { cut_above: 100, piece: 100 });
+        let add = scene.objects[1];
+        let object = ObjectId(2);
+        let transform = Affine3A::from_translation(Vec3::Z);
+        let update = SceneUpdate {
+            objects: vec![
+                ObjectChange::Move { object, transform },
+                ObjectChange::Remove { object: ObjectId(0) },
+                ObjectChange::Add { object: add },
+            ],
+            ..SceneUpdate::default()
+        };
+        let [first, second] = [3, 4].map(ObjectId);
+        let meshes = [MeshId(1), MeshId(2)];
+        let expected = [
+            ObjectChange::Move { object: first, transform },
+            ObjectChange::Move { object: second, transform },
+            ObjectChange::Remove { object: ObjectId(0) },
+            ObjectChange::Add { object: Object { mesh: meshes[0], ..add } },
+            ObjectChange::Add { object: Object { mesh: meshes[1], ..add } },
+        ];
+        assert_eq!(map.in_pieces(update).objects, expected);
+    }
+}
