@@ -18,6 +18,7 @@ mod backdrop;
 mod check;
 mod environment;
 mod error;
+mod feature_edges;
 mod flare;
 mod image;
 pub mod limits;
@@ -43,6 +44,9 @@ use glam::{Affine3A, Vec3, vec3};
 pub use backdrop::{Backdrop, Panorama, Sky, SkyDisk};
 pub use environment::{ENVIRONMENT_SIDE, Environment, GLOSSY_LEVELS};
 pub use error::SceneError;
+pub use feature_edges::{
+    EdgeChain, EdgeKind, EdgeRules, EdgeSegment, EdgeSource, FeatureEdges,
+};
 pub use flare::{FlarePlace, LensFlare};
 pub use image::{AstcBlock, BlockFormat, Image, Texels};
 pub use mesh::{
