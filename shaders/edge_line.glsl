@@ -77,23 +77,52 @@ float step_at(float depth) {
     return depth * depth_step.x + depth_step.y;
 }
 
+// How a face lies beside its edge: the depth by which its corner is nearer, the distance to that in
+// pixels, and 0 for a corner without a place on the screen.
+struct Slope {
+    float rise;
+    float distance_px;
+    float is_known;
+};
+
+Slope slope_of_face(Line line, vec4 corner) {
+    if (!(corner.w > corner.z && corner.w > 0.0)) return Slope(0.0, 1.0, 0.0);
+    vec3 place = on_screen(corner);
+    vec2 along = line.to.xy - line.from.xy;
+    vec2 away = place.xy - line.from.xy;
+    float length_2 = max(dot(along, along), 1.0e-12);
+    float foot = clamp(dot(away, along) / length_2, 0.0, 1.0);
+    float rise = place.z - mix(line.from.z, line.to.z, foot);
+    float distance_px = abs(away.x * along.y - away.y * along.x) * inversesqrt(length_2);
+    return Slope(rise, max(distance_px, 1.0e-6), 1.0);
+}
+
 // Returns how much nearer the ends of a line must be to lie before a face of its edge, over half of
 // its width: as much as the face rises there, but no nearer than the face itself comes. Over other
 // faces in the same plane, STEEP pixels.
-vec2 rise_of_face(Line line, vec4 corner) {
-    vec2 steps = vec2(step_at(line.from.z), step_at(line.to.z));
+vec2 rise_of_face(Line line, Slope face) {
     float reach = half_width + 1.0;
-    vec2 most = STEEP * reach * steps;
-    if (!(corner.w > corner.z && corner.w > 0.0)) return most;
-    vec3 place = on_screen(corner);
-    vec2 along = line.to.xy - line.from.xy;
-    float length_2 = max(dot(along, along), 1.0e-12);
-    float foot = clamp(dot(place.xy - line.from.xy, along) / length_2, 0.0, 1.0);
-    float rise = place.z - mix(line.from.z, line.to.z, foot);
-    vec2 away = place.xy - line.from.xy;
-    float distance_px = abs(away.x * along.y - away.y * along.x) * inversesqrt(length_2);
-    float slope = abs(rise) / max(distance_px, 1.0e-6);
-    return max(min(vec2(slope * reach), most), vec2(clamp(min(slope * reach, rise), 0.0, 1.0)));
+    vec2 most = STEEP * reach * vec2(step_at(line.from.z), step_at(line.to.z));
+    if (face.is_known == 0.0) return most;
+    float rise = reach * abs(face.rise) / face.distance_px;
+    return max(min(vec2(rise), most), vec2(clamp(face.rise, 0.0, rise)));
+}
+
+// Returns the same before a round surface of which the edge is a silhouette: over half of the width
+// it rises by more than the face at the edge, which is seen nearly edge-on. Its radius follows from
+// the height of that face and its fold.
+vec2 rise_of_round(Line line, float face_rise, float fold_sine) {
+    vec2 steps = max(vec2(step_at(line.from.z), step_at(line.to.z)), vec2(1.0e-30));
+    vec2 radius_px = max(face_rise, 0.0) / max(fold_sine, 1.0e-3) / steps;
+    return min(sqrt(2.0 * (half_width + 1.0) * radius_px), radius_px) * steps;
+}
+
+// Returns the sine of the fold between two faces at an edge.
+float fold_sine(vec3 from, vec3 to, vec3 left, vec3 right) {
+    vec3 along = normalize(to - from);
+    vec3 into_left = left - from - along * dot(left - from, along);
+    vec3 into_right = right - from - along * dot(right - from, along);
+    return length(cross(into_left, into_right)) / max(length(into_left) * length(into_right), 1.0e-30);
 }
 
 // Returns the lengths of the segments of a pattern before one, in pixels.
@@ -133,7 +162,13 @@ Line line_of(Instance instance, uint number) {
             line.along = vec2(before, before + length_px);
         }
     }
-    vec2 rise = max(rise_of_face(line, clip_of(left)), rise_of_face(line, clip_of(right)));
+    Slope left_slope = slope_of_face(line, clip_of(left));
+    Slope right_slope = slope_of_face(line, clip_of(right));
+    vec2 rise = max(rise_of_face(line, left_slope), rise_of_face(line, right_slope));
+    if (segment.run == SMOOTH) {
+        float face_rise = max(left_slope.rise, right_slope.rise);
+        rise = max(rise, rise_of_round(line, face_rise, fold_sine(from, to, left, right)));
+    }
     rise += 0.5 * vec2(step_at(line.from.z), step_at(line.to.z));
     line.from.z = min(line.from.z + rise.x, 1.0);
     line.to.z = min(line.to.z + rise.y, 1.0);

@@ -93,6 +93,23 @@ pub struct FeatureEdges {
     chains: Vec<EdgeChain>,
 }
 
+/// A triangle by the names of its corners.
+#[derive(Clone, Copy)]
+struct Corners {
+    triangle: u32,
+    a: u32,
+    b: u32,
+    c: u32,
+}
+
+/// A triangle without a plane: the ends of its longest side, and the corner on that.
+#[derive(Clone, Copy)]
+struct Sliver {
+    from: u32,
+    middle: u32,
+    to: u32,
+}
+
 /// A face at an edge, which is the vertices' names in the upper and lower half.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct EdgeFace {
@@ -124,7 +141,8 @@ impl FeatureEdges {
 
     /// Finds the edges of a mesh.
     pub fn of_mesh(mesh: &Mesh, rules: &EdgeRules) -> Self {
-        let positions: Vec<Vec3> = mesh.vertices.iter().map(|it| it.position.into()).collect();
+        let positions: Vec<Vec3> =
+            mesh.vertices.iter().map(|vertex| vertex.position.into()).collect();
         let source = EdgeSource { positions: &positions, triangles: &mesh.indices, faces: &[] };
         Self::new(&source, rules)
     }
@@ -161,13 +179,13 @@ impl FeatureEdges {
     /// the model, however many triangles it is cut into. 0 for a chain that is not there.
     pub fn chain_length(&self, chain: u32, positions: &[Vec3], transform: &Affine3A) -> f64 {
         let segments = self.chains.get(chain as usize).map(|chain| chain.segments.clone());
-        let segments = segments.map(|it| it.start as usize..it.end as usize);
+        let segments = segments.map(|range| range.start as usize..range.end as usize);
         let place = |vertex: u32| {
             let position = positions.get(vertex as usize).copied().unwrap_or_default();
             transform.matrix3.as_dmat3() * position.as_dvec3()
         };
         let lengths = segments.and_then(|range| self.segments.get(range)).unwrap_or_default();
-        lengths.iter().map(|it| place(it.from).distance(place(it.to))).sum()
+        lengths.iter().map(|segment| place(segment.from).distance(place(segment.to))).sum()
     }
 }
 
@@ -203,11 +221,11 @@ impl Finder<'_> {
     }
 
     /// Returns the triangles that have three corners, a triangle and its back once.
-    fn triangles(&self) -> Vec<(u32, [u32; 3])> {
+    fn triangles(&self) -> Vec<Corners> {
         let name = |vertex: &u32| self.names.get(*vertex as usize).copied();
         let mut sorted: Vec<([u32; 3], u32)> = Vec::new();
-        for (number, [a, b, c]) in (0..).zip(self.source.triangles.as_chunks::<3>().0) {
-            let (Some(a), Some(b), Some(c)) = (name(a), name(b), name(c)) else { continue };
+        for (number, corners) in (0..).zip(self.source.triangles.as_chunks::<3>().0) {
+            let [Some(a), Some(b), Some(c)] = corners.each_ref().map(name) else { continue };
             if a != b && b != c && c != a {
                 let mut corners = [a, b, c];
                 corners.sort_unstable();
@@ -216,7 +234,8 @@ impl Finder<'_> {
         }
         sorted.sort_unstable();
         sorted.dedup_by_key(|(corners, _)| *corners);
-        sorted.into_iter().map(|(corners, number)| (number, corners)).collect()
+        let named = |([a, b, c], triangle)| Corners { triangle, a, b, c };
+        sorted.into_iter().map(named).collect()
     }
 
     /// Returns the faces at all edges, edge by edge. A triangle without a plane has no face: the
@@ -224,13 +243,15 @@ impl Finder<'_> {
     fn faces(&self) -> Vec<EdgeFace> {
         let mut faces = Vec::new();
         let mut slivers = Vec::new();
-        for (triangle, [a, b, c]) in self.triangles() {
-            match self.middle_of_sliver([a, b, c]) {
-                Some(sliver) => slivers.push(sliver),
-                None => faces.extend([(a, b, c), (b, c, a), (c, a, b)].map(
-                    |(from, to, opposite)| EdgeFace { edge: edge_of(from, to), triangle, opposite },
-                )),
+        for corners in self.triangles() {
+            if let Some(sliver) = self.sliver(&corners) {
+                slivers.push(sliver);
+                continue;
             }
+            let Corners { triangle, a, b, c } = corners;
+            let face =
+                |from, to, opposite| EdgeFace { edge: edge_of(from, to), triangle, opposite };
+            faces.extend([face(a, b, c), face(b, c, a), face(c, a, b)]);
         }
         faces.sort_unstable();
         if slivers.is_empty() {
@@ -238,7 +259,7 @@ impl Finder<'_> {
         }
         let mut spanned = HashSet::new();
         let mut passed_on = Vec::new();
-        for [from, middle, to] in slivers {
+        for Sliver { from, middle, to } in slivers {
             let edge = edge_of(from, to);
             let first = faces.partition_point(|face| face.edge < edge);
             let beyond = faces.iter().skip(first).take_while(|face| face.edge == edge);
@@ -254,28 +275,32 @@ impl Finder<'_> {
         faces
     }
 
-    /// Returns the ends of the longest side of a triangle without a plane, and the corner on it.
-    fn middle_of_sliver(&self, corners: [u32; 3]) -> Option<[u32; 3]> {
-        let [a, b, c] = corners;
-        let turns = [[a, b, c], [b, c, a], [c, a, b]];
-        let length = |[from, _, to]: [u32; 3]| self.place(from).distance_squared(self.place(to));
-        let longest = turns.into_iter().max_by(|a, b| length(*a).total_cmp(&length(*b)))?;
-        let [from, middle, to] = longest.map(|vertex| self.place(vertex));
-        let height_by_length = (to - from).cross(middle - from).length();
-        (height_by_length <= SLIVER * (to - from).length_squared()).then_some(longest)
+    /// Returns a triangle as a sliver, if it has no plane.
+    fn sliver(&self, corners: &Corners) -> Option<Sliver> {
+        let Corners { a, b, c, .. } = *corners;
+        let sides = [(a, b, c), (b, c, a), (c, a, b)];
+        let sides = sides.map(|(from, middle, to)| Sliver { from, middle, to });
+        let along = |side: &Sliver| self.place(side.to) - self.place(side.from);
+        let length = |side: &Sliver| along(side).length_squared();
+        let longest = sides.into_iter().max_by(|a, b| length(a).total_cmp(&length(b)))?;
+        let away = self.place(longest.middle) - self.place(longest.from);
+        let height_by_length = along(&longest).cross(away).length();
+        (height_by_length <= SLIVER * length(&longest)).then_some(longest)
     }
 
     /// Returns the segment of an edge with these faces, unless it is flat.
     fn segment(&self, faces: &[EdgeFace], rules: &EdgeRules) -> Option<EdgeSegment> {
-        let (first, second) = (faces.first()?, faces.get(1));
-        let (from, to) = ((first.edge >> 32) as u32, first.edge as u32);
+        let first = faces.first()?;
+        let second = faces.get(1);
+        let from = (first.edge >> 32) as u32;
+        let to = first.edge as u32;
         let label = |face: &EdgeFace| self.source.faces.get(face.triangle as usize);
         let kind = match second {
             None => EdgeKind::Border,
             Some(_) if faces.len() > 2 => EdgeKind::NonManifold,
             Some(second) if label(first) != label(second) => EdgeKind::FaceBorder,
             Some(second) => {
-                let fold = self.fold(from, to, [first.opposite, second.opposite]);
+                let fold = self.fold(from, to, first.opposite, second.opposite);
                 match fold > f64::from(rules.crease_degrees).to_radians() {
                     true => EdgeKind::Crease,
                     false if fold <= FLAT_RAD && !rules.keeps_flat => return None,
@@ -288,10 +313,10 @@ impl Finder<'_> {
     }
 
     /// Returns the angle between the planes of two faces at an edge, in radians.
-    fn fold(&self, from: u32, to: u32, opposite: [u32; 2]) -> f64 {
+    fn fold(&self, from: u32, to: u32, left: u32, right: u32) -> f64 {
         let start = self.place(from);
         let along = (self.place(to) - start).normalize_or_zero();
-        let [left, right] = opposite.map(|corner| {
+        let [left, right] = [left, right].map(|corner| {
             let into = self.place(corner) - start;
             (into - along * into.dot(along)).normalize_or_zero()
         });
@@ -312,7 +337,8 @@ struct Chains<'a> {
 
 impl<'a> Chains<'a> {
     fn new(segments: &'a [EdgeSegment], positions: &'a [Vec3], rules: &EdgeRules) -> Self {
-        let ends = (0..).zip(segments).flat_map(|(id, it)| [(it.from, id), (it.to, id)]);
+        let ends =
+            (0..).zip(segments).flat_map(|(id, segment)| [(segment.from, id), (segment.to, id)]);
         let mut at: Vec<_> = ends.collect();
         at.sort_unstable();
         let least_cosine = f64::from(rules.crease_degrees).to_radians().cos();
@@ -365,7 +391,8 @@ impl<'a> Chains<'a> {
             return None;
         };
         let other = if *a == id { *b } else { *a };
-        let (this, next) = (self.segments.get(id as usize)?, self.segments.get(other as usize)?);
+        let this = self.segments.get(id as usize)?;
+        let next = self.segments.get(other as usize)?;
         let goes_on = self.direction(this, vertex).dot(self.direction(next, vertex));
         (this.kind == next.kind && -goes_on >= self.least_cosine).then_some(other)
     }

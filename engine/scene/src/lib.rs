@@ -44,9 +44,7 @@ use glam::{Affine3A, Vec3, vec3};
 pub use backdrop::{Backdrop, Panorama, Sky, SkyDisk};
 pub use environment::{ENVIRONMENT_SIDE, Environment, GLOSSY_LEVELS};
 pub use error::SceneError;
-pub use feature_edges::{
-    EdgeChain, EdgeKind, EdgeRules, EdgeSegment, EdgeSource, FeatureEdges,
-};
+pub use feature_edges::{EdgeChain, EdgeKind, EdgeRules, EdgeSegment, EdgeSource, FeatureEdges};
 pub use flare::{FlarePlace, LensFlare};
 pub use image::{AstcBlock, BlockFormat, Image, Texels};
 pub use mesh::{

@@ -1,6 +1,7 @@
 //! Edges as drawings in CAD show them: the same under every strategy and on every path, hidden ones
 //! in dashes and never gone, silhouettes closed, and nothing at all while they are off.
 
+mod changes;
 mod outlines;
 
 use std::f32::consts::TAU;
@@ -52,14 +53,21 @@ impl Image {
         self.0.as_chunks::<4>().0.iter().filter(|pixel| pixel[..3] == colour).count()
     }
 
-    /// Returns the number of pixels of a colour within two pixels of a line along an axis.
-    fn count_along(&self, from: [u32; 2], to: [u32; 2], colour: [u8; 3]) -> usize {
-        let within = |x: u32, y: u32| {
-            (from[0] - 2..=to[0] + 2).contains(&x) && (from[1] - 2..=to[1] + 2).contains(&y)
-        };
-        let all = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
-        all.filter(|(x, y)| within(*x, *y) && self.at(*x, *y) == colour).count()
+    /// Returns the number of pixels of a colour in an area and two pixels around it.
+    fn count_near(&self, area: &Area, colour: [u8; 3]) -> usize {
+        let columns = area.left - 2..=area.right + 2;
+        let pixels =
+            (area.top - 2..=area.bottom + 2).flat_map(|y| columns.clone().map(move |x| (x, y)));
+        pixels.filter(|(x, y)| self.at(*x, *y) == colour).count()
     }
+}
+
+/// A part of an image in pixels, with its last ones.
+struct Area {
+    left: u32,
+    top: u32,
+    right: u32,
+    bottom: u32,
 }
 
 fn draw(renderer: &mut Renderer, view: &mut ViewState, strategy: Strategy, seen: Camera) -> Image {
@@ -79,7 +87,7 @@ fn settled(renderer: &mut Renderer, strategy: Strategy, seen: Camera) -> Image {
 }
 
 fn exact() -> impl Iterator<Item = Strategy> {
-    let is_usual = |it: &Strategy| it.is_exact() && !it.needs_still_scene();
+    let is_usual = |strategy: &Strategy| strategy.is_exact() && !strategy.needs_still_scene();
     methods::strategies().into_iter().filter(is_usual)
 }
 
@@ -116,19 +124,21 @@ fn a_far_box_wholly_behind_a_near_one_has_no_visible_and_four_dashed_edges() {
             let dashed = settled(&mut renderer, strategy, straight());
             assert_eq!(dashed.count(BLACK), alone.count(BLACK), "{strategy}");
             // The far box is 40 pixels wide, around the middle: all four sides, and nothing else.
+            let whole = Area { left: 60, top: 40, right: 100, bottom: 80 };
             let sides = [
-                ([60, 40], [100, 40]),
-                ([60, 80], [100, 80]),
-                ([60, 40], [60, 80]),
-                ([100, 40], [100, 80]),
+                Area { bottom: 40, ..whole },
+                Area { top: 80, ..whole },
+                Area { right: 60, ..whole },
+                Area { left: 100, ..whole },
             ];
-            for (from, to) in sides {
-                let red = dashed.count_along(from, to, RED);
-                let paper = dashed.count_along(from, to, WHITE);
+            for side in sides {
+                let red = dashed.count_near(&side, RED);
+                let paper = dashed.count_near(&side, WHITE);
                 assert!(red >= 40 && paper >= 40, "{strategy}: {red} red, {paper} white");
             }
-            let around = dashed.count_along([60, 40], [100, 80], RED);
-            let inside = dashed.count_along([64, 44], [96, 76], RED);
+            let around = dashed.count_near(&whole, RED);
+            let middle = Area { left: 64, top: 44, right: 96, bottom: 76 };
+            let inside = dashed.count_near(&middle, RED);
             assert_eq!((around, inside), (dashed.count(RED) - alone.count(RED), 0), "{strategy}");
         }
     });
@@ -178,7 +188,10 @@ fn cylinder(sides: u32) -> Mesh {
         corners.extend([at(side, 1.0), middle(1.0), at(next, 1.0)]);
         corners.extend([at(next, -1.0), middle(-1.0), at(side, -1.0)]);
     }
-    Mesh::of_triangles("cylinder", &corners.into_iter().map(|it| (it, [0.5; 3])).collect::<Vec<_>>())
+    Mesh::of_triangles(
+        "cylinder",
+        &corners.into_iter().map(|place| (place, [0.5; 3])).collect::<Vec<_>>(),
+    )
 }
 
 /// Returns true if paper leads from the corner of an image to its middle.
@@ -186,9 +199,8 @@ fn reaches_the_middle(image: &Image) -> bool {
     let mut is_seen = vec![false; (SIZE[0] * SIZE[1]) as usize];
     let mut open = vec![[0_u32; 2]];
     while let Some([x, y]) = open.pop() {
-        let is_new = x < SIZE[0] && y < SIZE[1] && image.at(x, y) == WHITE;
-        let place = (y * SIZE[0] + x) as usize;
-        if is_new && !std::mem::replace(&mut is_seen[place], true) {
+        let is_paper = x < SIZE[0] && y < SIZE[1] && image.at(x, y) == WHITE;
+        if is_paper && !std::mem::replace(&mut is_seen[(y * SIZE[0] + x) as usize], true) {
             open.extend([[x + 1, y], [x.wrapping_sub(1), y], [x, y + 1], [x, y.wrapping_sub(1)]]);
         }
     }
@@ -198,8 +210,7 @@ fn reaches_the_middle(image: &Image) -> bool {
 #[test]
 fn a_cylinder_has_a_closed_outline_from_everywhere() {
     run_on_all(|device| {
-        let mut renderer =
-            renderer_of(device, &Scene::single(cylinder(48)), SampleCount::One);
+        let mut renderer = renderer_of(device, &Scene::single(cylinder(48)), SampleCount::One);
         for view in 0..24 {
             let turn = Quat::from_rotation_y(0.37 * view as f32)
                 * Quat::from_rotation_x(-1.5 + 0.13 * view as f32);
@@ -230,7 +241,7 @@ fn walk(device: &Device, scene: &Scene, cameras: &[Camera], samples: SampleCount
             frame_loop(&mut renderer, &mut view, strategy, cameras).images
         };
         let expected = images(Strategy::FRUSTUM);
-        for strategy in exact().filter(|it| *it != Strategy::FRUSTUM) {
+        for strategy in exact().filter(|strategy| *strategy != Strategy::FRUSTUM) {
             for (frame, (a, b)) in expected.iter().zip(images(strategy)).enumerate() {
                 let wrong = pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap());
                 assert_eq!(wrong, 0, "{strategy}, {mode:?}, frame {frame}");
@@ -269,7 +280,9 @@ fn the_geometry_shader_and_quads_draw_the_same_bits() {
     let film = |device: &Device| {
         let mut renderer = renderer_of(device, &scene, SampleCount::One);
         let mut view = renderer.new_view().unwrap();
-        renderer.set_edges(EdgeOptions { width_pixels: 3.0, ..options(EdgeMode::HiddenDashed) }).unwrap();
+        renderer
+            .set_edges(EdgeOptions { width_pixels: 3.0, ..options(EdgeMode::HiddenDashed) })
+            .unwrap();
         frame_loop(&mut renderer, &mut view, Strategy::ANTUMBRA, &cameras).images
     };
     let mut by_geometry = Vec::new();
@@ -278,7 +291,8 @@ fn the_geometry_shader_and_quads_draw_the_same_bits() {
         let images = film(device);
         by_geometry.extend(images.iter().map(|image| image.rgba8().unwrap().to_vec()));
     });
-    let hides: fn(&mut vk::PhysicalDeviceFeatures) = |it| it.geometry_shader = vk::FALSE;
+    let hides: fn(&mut vk::PhysicalDeviceFeatures) =
+        |features| features.geometry_shader = vk::FALSE;
     let machine = Machine { hides: Some(hides), ..Machine::default() };
     let instance = instance_with(machine.entry());
     let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();

@@ -46,7 +46,8 @@ fn as_many_objects_are_in_the_frustum_as_frustum_culling_draws() {
             let expected = brute_force(&hierarchy, &boxes, &view);
             assert_eq!([counted; 2], expected, "seed {seed}, frame {frame}");
             let wide = view.frustum_around(2.0);
-            let (mut leaves, mut wider) = (Vec::new(), Vec::new());
+            let mut leaves = Vec::new();
+            let mut wider = Vec::new();
             hierarchy.leaves_in(&view.frustum, &mut leaves);
             hierarchy.leaves_in(&wide, &mut wider);
             let has = |ranges: &[LeafRange], leaf| {

@@ -248,6 +248,19 @@ mod tests {
     use crate::record::shader::Spirv;
 
     #[test]
+    fn what_is_not_hidden_is_visible() {
+        use vk::CompareOp as Op;
+        let test = |mode, near| depth_test(mode, near).1;
+        for (near, visible, hidden) in [
+            (NearDepth::One, Op::GREATER_OR_EQUAL, Op::LESS),
+            (NearDepth::Zero, Op::LESS_OR_EQUAL, Op::GREATER),
+        ] {
+            assert_eq!(test(DepthMode::TestOnly, near), visible);
+            assert_eq!(test(DepthMode::TestFarther, near), hidden);
+        }
+    }
+
+    #[test]
     fn proxies_are_moved_towards_the_eye_where_depth_has_steps() {
         let mut bytes = 0x0723_0203_u32.to_le_bytes().to_vec();
         bytes.extend([0; 16]);

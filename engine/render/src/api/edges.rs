@@ -64,9 +64,13 @@ impl Renderer {
         if known.is_some_and(|edges| *edges.rules() == options.rules()) {
             return Ok(());
         }
-        let rules = (&self.hierarchy, options.rules());
-        let skinned_meshes = passes.skinned_meshes.as_ref();
-        let edges = EdgeMeshes::new(&self.device, &passes.geometry, skinned_meshes, rules)?;
+        let edges = EdgeMeshes::new(
+            &self.device,
+            &passes.geometry,
+            passes.skinned_meshes.as_ref(),
+            &self.hierarchy,
+            options.rules(),
+        )?;
         passes.geometry.edges = Some(edges);
         Ok(())
     }

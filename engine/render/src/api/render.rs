@@ -356,7 +356,7 @@ fn finish_view(
     count_samples(passes, frame, (executor, hierarchy), (counts, visibility), view)?;
     record_flares(passes, frame, (executor, flares), (flare_counts, visibility), view)?;
     record_edges(passes, frame, hierarchy, view)?;
-    record_outlines(passes, frame, (hierarchy, &executor.leaves), view)
+    record_outlines(passes, frame, hierarchy, &executor.leaves, view)
 }
 
 /// Returns the request for one view of a frame.

@@ -188,8 +188,7 @@ mod tests {
             let error = check_edges(&options).unwrap_err().to_string();
             assert!(error.starts_with("edges and outlines: "), "{error}");
         }
-        let outline =
-            ObjectOutline { objects: Vec::new(), colour: [1.0; 3], width_pixels: 33.0 };
+        let outline = ObjectOutline { objects: Vec::new(), colour: [1.0; 3], width_pixels: 33.0 };
         assert!(check_outlines(&[outline]).is_err());
     }
 }

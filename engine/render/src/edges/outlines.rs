@@ -28,7 +28,8 @@ struct OutlineDraws {
 pub(crate) fn record_outlines(
     passes: &mut FramePasses,
     frame: &mut Frame<'_>,
-    (hierarchy, leaves): (&Hierarchy, &LeafTable),
+    hierarchy: &Hierarchy,
+    leaves: &LeafTable,
     view: &View,
 ) -> Result<(), Error> {
     if passes.edges.outlines.is_empty() {
@@ -36,7 +37,7 @@ pub(crate) fn record_outlines(
     }
     let mut outlines = Vec::new();
     for number in 0..passes.edges.outlines.len() {
-        outlines.extend(upload(passes, frame, (hierarchy, leaves), number)?);
+        outlines.extend(upload(passes, frame, hierarchy, leaves, number)?);
     }
     if passes.edges.stencil.is_none() {
         let stencil = StencilTarget::beside(&passes.device, &passes.target, "outlines")?;
@@ -46,8 +47,9 @@ pub(crate) fn record_outlines(
     passes.target.prepare(frame.commands());
     let target = passes.target_of(view, None);
     let target = passes.scope_target(frame.commands(), ViewScope::StencilOutlines, target);
-    let (pass, io) = (passes.pipelines.outlines.get(), passes.edge_io());
-    let (Some(pass), Some(io), Some(stencil)) = (pass, io, &passes.edges.stencil) else {
+    let pass = passes.pipelines.outlines.get();
+    let stencil = passes.edges.stencil.as_ref();
+    let (Some(pass), Some(io), Some(stencil)) = (pass, passes.edge_io(), stencil) else {
         return Ok(());
     };
     let predicates = leaves.predicates();
@@ -58,7 +60,7 @@ pub(crate) fn record_outlines(
                 commands.clear_stencil(view.origin, view.size);
                 pass.mark.bind(commands, &passes.opaque_io(), view, &passes.light);
                 predicates.draw_after_counted(commands, *triangles);
-                pass.draw(commands, &io, (view, style), *edges);
+                pass.draw(commands, &io, view, style, *edges);
             }
         });
     });
@@ -69,11 +71,11 @@ pub(crate) fn record_outlines(
 fn upload(
     passes: &FramePasses,
     frame: &mut Frame<'_>,
-    (hierarchy, leaves): (&Hierarchy, &LeafTable),
+    hierarchy: &Hierarchy,
+    leaves: &LeafTable,
     number: usize,
 ) -> Result<Option<OutlineDraws>, Error> {
-    let (Some(outline), Some(meshes)) =
-        (passes.edges.outlines.get(number), &passes.geometry.edges)
+    let (Some(outline), Some(meshes)) = (passes.edges.outlines.get(number), &passes.geometry.edges)
     else {
         return Ok(None);
     };

@@ -43,27 +43,27 @@ pub(crate) fn record_edges(
     hierarchy.leaves_in(&frustum, &mut ranges);
     let transparent = transparent_edges(passes, frame, &frustum)?;
     wait_for_vertices(frame);
-    let (scope, paper) = match options.mode.is_on_paper() {
-        true => (ViewScope::EdgesOnPaper, Some(options.paper)),
-        false => (ViewScope::Edges, None),
-    };
     passes.target.prepare(frame.commands());
     let mut target = passes.target_of(view, None);
-    if let Some([red, green, blue]) = paper {
+    let mut scope = ViewScope::Edges;
+    if options.mode.is_on_paper() {
+        let [red, green, blue] = options.paper;
         target = target.cleared_to([red, green, blue, 1.0]);
+        scope = ViewScope::EdgesOnPaper;
     }
     let target = passes.scope_target(frame.commands(), scope, target);
-    let (pass, io) = (passes.pipelines.edges.get(), passes.edge_io());
-    if let (Some(pass), Some(meshes), Some(io)) = (pass, &passes.geometry.edges, io) {
+    let pass = passes.pipelines.edges.get();
+    let meshes = passes.geometry.edges.as_ref();
+    if let (Some(pass), Some(meshes), Some(io)) = (pass, meshes, passes.edge_io()) {
         let hidden = options.mode.shows_hidden().then(|| (EdgeTest::Hidden, options.hidden()));
         let visible = (EdgeTest::Visible, options.visible());
         frame.commands().pass(EDGES, |commands| {
             commands.rendering(target, |commands| {
                 for (test, style) in hidden.iter().chain([&visible]) {
-                    pass.bind(commands, &io, view, (*test, style));
+                    pass.bind(commands, &io, view, *test, style);
                     ranges.iter().for_each(|range| pass.draw(commands, meshes.leaf_draws(*range)));
                     if let Some(TransparentEdges { instances, draws }) = transparent {
-                        pass.bind(commands, &EdgeIo { instances, ..io }, view, (*test, style));
+                        pass.bind(commands, &EdgeIo { instances, ..io }, view, *test, style);
                         pass.draw(commands, draws);
                     }
                 }
@@ -94,10 +94,10 @@ fn transparent_edges(
     if objects.is_empty() {
         return Ok(None);
     }
-    let instances =
-        objects.iter().map(|(id, object)| geometry.transparent_instance(*id, object));
-    let draws =
-        (0..).zip(&objects).map(|(place, (_, object))| meshes.draw(MeshDrawId(object.mesh.0), place));
+    let instances = objects.iter().map(|(id, object)| geometry.transparent_instance(*id, object));
+    let draws = (0..)
+        .zip(&objects)
+        .map(|(place, (_, object))| meshes.draw(MeshDrawId(object.mesh.0), place));
     let draws: Vec<_> = draws.collect();
     let instances = frame.uploads().push_iter(instances)?;
     Ok(Some(TransparentEdges { instances, draws: frame.uploads().push(&draws)? }))
@@ -107,7 +107,7 @@ impl FramePasses {
     /// Returns the inputs of the pass of edges, once they are built.
     pub(crate) fn edge_io(&self) -> Option<EdgeIo> {
         let segments = self.geometry.edges.as_ref()?.segments();
-        let (instances, vertices) = (&self.geometry.instances, &self.geometry.vertices);
-        Some(EdgeIo { instances: instances.whole(), segments, vertices: vertices.whole() })
+        let instances = self.geometry.instances.whole();
+        Some(EdgeIo { instances, segments, vertices: self.geometry.vertices.whole() })
     }
 }

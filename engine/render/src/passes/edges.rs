@@ -190,13 +190,14 @@ impl EdgePass {
         commands: &Commands,
         io: &EdgeIo,
         view: &View,
-        (test, style): (EdgeTest, &EdgeStyle),
+        test: EdgeTest,
+        style: &EdgeStyle,
     ) {
         let pipeline = match test {
             EdgeTest::Visible => &self.visible,
             EdgeTest::Hidden => &self.hidden,
         };
-        bind(commands, pipeline, io, (view, style));
+        bind(commands, pipeline, io, view, style);
     }
 
     /// Draws [`UnindexedDraw`]s with what is bound.
@@ -234,10 +235,11 @@ impl OutlinePass {
         &self,
         commands: &Commands,
         io: &EdgeIo,
-        (view, style): (&View, &EdgeStyle),
+        view: &View,
+        style: &EdgeStyle,
         draws: BufferSlice,
     ) {
-        bind(commands, &self.edges, io, (view, style));
+        bind(commands, &self.edges, io, view, style);
         commands.draw_all_unindexed_indirect(draws, self.all.whole());
     }
 }
@@ -246,7 +248,8 @@ fn bind(
     commands: &Commands,
     pipeline: &GraphicsPipeline,
     io: &EdgeIo,
-    (view, style): (&View, &EdgeStyle),
+    view: &View,
+    style: &EdgeStyle,
 ) {
     commands.bind(pipeline, &[io.instances, io.segments, io.vertices]);
     commands.push_constants(pipeline, &Constants::new(view, style));
@@ -258,9 +261,13 @@ fn info<'a>(
     name: &'a str,
 ) -> Result<GraphicsPipelineInfo<'a>, Error> {
     let path = EdgePath::of(device);
-    let (vertex, topology) = match path {
-        EdgePath::GeometryShader => ("edge.vert", vk::PrimitiveTopology::POINT_LIST),
-        EdgePath::Quads => ("edge_quads.vert", vk::PrimitiveTopology::TRIANGLE_LIST),
+    let vertex = match path {
+        EdgePath::GeometryShader => "edge.vert",
+        EdgePath::Quads => "edge_quads.vert",
+    };
+    let topology = match path {
+        EdgePath::GeometryShader => vk::PrimitiveTopology::POINT_LIST,
+        EdgePath::Quads => vk::PrimitiveTopology::TRIANGLE_LIST,
     };
     let has_stage = path == EdgePath::GeometryShader;
     Ok(GraphicsPipelineInfo {

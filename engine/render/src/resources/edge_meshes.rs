@@ -59,7 +59,8 @@ impl EdgeMeshes {
         device: &Device,
         geometry: &Geometry,
         skinned_meshes: Option<&SkinnedMeshes>,
-        (hierarchy, rules): (&Hierarchy, EdgeRules),
+        hierarchy: &Hierarchy,
+        rules: EdgeRules,
     ) -> Result<Self, Error> {
         const SIMPLER: &str = "use simpler meshes, or leave edges and outlines off";
         let vertex_bytes = size_of::<Vertex>() as u64;
@@ -68,9 +69,9 @@ impl EdgeMeshes {
         let contents = Contents::copied_back(device, geometry, skinned_meshes)?;
         let mut all = Vec::new();
         let mut draws = vec![0..0; geometry.mesh_draws().len()];
-        let mut put = |id: MeshDrawId, source: &EdgeSource<'_>, (place, rules): (&MeshPlace, _)| {
+        let mut put = |id: MeshDrawId, source: &EdgeSource<'_>, place: &MeshPlace, rules| {
             if let Some(draw) = draws.get_mut(id.0 as usize) {
-                *draw = append(&mut all, source, (place, rules));
+                *draw = append(&mut all, source, place, rules);
             }
         };
         for (mesh, residency, place) in geometry.meshes.placed() {
@@ -84,14 +85,14 @@ impl EdgeMeshes {
                 let indices = indices.start as usize..indices.end as usize;
                 let triangles = contents.indices.read::<u32>(indices);
                 let source = EdgeSource { positions: &positions, triangles, faces: &[] };
-                put(id, &source, (place, EdgeRules { keeps_flat: is_skinned, ..rules }));
+                put(id, &source, place, EdgeRules { keeps_flat: is_skinned, ..rules });
             }
         }
         for (mesh, prepared, place) in geometry.uploads.meshes() {
             let positions = positions_of(prepared);
             for ((id, _), triangles) in place.draws(mesh).zip(levels_of(prepared)) {
                 let source = EdgeSource { positions: &positions, triangles, faces: &[] };
-                put(id, &source, (place, rules));
+                put(id, &source, place, rules);
             }
         }
         let path = EdgePath::of(device);
@@ -106,14 +107,13 @@ impl EdgeMeshes {
         let leaf_draws: Vec<_> = (0..).zip(hierarchy.leaf_objects()).map(leaf_draw).collect();
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::INDIRECT_BUFFER;
         let leaf_draws = device.upload("draws of edges", &leaf_draws, usage)?;
-        let (device, count) = (device.clone(), all.len() as u32);
         Ok(Self {
-            device,
+            device: device.clone(),
             path,
             rules,
             segments,
             former: None,
-            count,
+            count: all.len() as u32,
             draws,
             coming: Vec::new(),
             leaf_draws,
@@ -132,8 +132,8 @@ impl EdgeMeshes {
 
     /// Returns the draws of a range of leaves.
     pub(crate) fn leaf_draws(&self, leaves: LeafRange) -> BufferSlice {
-        let (first, count) = (u64::from(leaves.first.0), u64::from(leaves.count));
-        self.leaf_draws.whole().part(first * DRAW_BYTES, count * DRAW_BYTES)
+        let first = u64::from(leaves.first.0);
+        self.leaf_draws.whole().part(first * DRAW_BYTES, u64::from(leaves.count) * DRAW_BYTES)
     }
 
     /// Returns the draw of the edges of a mesh by an instance.
@@ -148,7 +148,7 @@ impl EdgeMeshes {
         for ((id, _), triangles) in place.draws(id).zip(levels_of(mesh)) {
             let source = EdgeSource { positions: &positions, triangles, faces: &[] };
             let before = self.count - self.coming.len() as u32;
-            let range = append(&mut self.coming, &source, (place, self.rules));
+            let range = append(&mut self.coming, &source, place, self.rules);
             // Numbered from those on the GPU on.
             for segment in &mut self.coming[range.start as usize..range.end as usize] {
                 if segment.run != EdgeSegment::SMOOTH {
@@ -178,7 +178,8 @@ impl EdgeMeshes {
     pub(crate) fn upload(
         &mut self,
         frame: &mut Frame<'_>,
-        (leaves, scatter): (&LeafTable, &ScatterPass),
+        leaves: &LeafTable,
+        scatter: &ScatterPass,
         draw_of: impl Fn(&LeafIndex) -> MeshDrawId,
     ) -> Result<(), Error> {
         self.upload_coming(frame)?;
@@ -211,8 +212,8 @@ impl EdgeMeshes {
         if wanted > self.segments.size_bytes() {
             let most = u64::from(self.device.adapter().limits.max_storage_buffer_range);
             let size_bytes = wanted.max((2 * self.segments.size_bytes()).min(most));
-            let (usage, memory) = (segments_usage(), MemoryKind::Device);
-            let larger = Buffer::new(&self.device, "edges", size_bytes, usage, memory)?;
+            let memory = MemoryKind::Device;
+            let larger = Buffer::new(&self.device, "edges", size_bytes, segments_usage(), memory)?;
             let former = std::mem::replace(&mut self.segments, larger);
             self.former.get_or_insert(former);
         }
@@ -251,10 +252,12 @@ fn check_segments(device: &Device, count: usize) -> Result<(), Error> {
 fn append(
     all: &mut Vec<EdgeSegment>,
     source: &EdgeSource<'_>,
-    (place, rules): (&MeshPlace, EdgeRules),
+    place: &MeshPlace,
+    rules: EdgeRules,
 ) -> Range<u32> {
     let edges = FeatureEdges::new(source, &rules);
-    let (start, vertex) = (all.len() as u32, place.vertices.start);
+    let start = all.len() as u32;
+    let vertex = place.vertices.start;
     let mut push = |segment: &scene::EdgeSegment, run: u32| {
         all.push(EdgeSegment {
             from: vertex + segment.from,

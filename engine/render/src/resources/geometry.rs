@@ -164,7 +164,7 @@ impl Geometry {
     /// Returns the draw of an object: its mesh, or a coarser level of it; none while the mesh is on
     /// its way.
     pub(crate) fn draw_of(&self, object: ObjectId) -> MeshDrawId {
-        draw_of((&self.object_meshes, &self.object_lods), &self.meshes, object)
+        draw_of(&self.object_meshes, &self.object_lods, &self.meshes, object)
     }
 
     /// Returns the reason why a mesh does not fit the scene.
@@ -468,10 +468,10 @@ impl Geometry {
             let draw_of = |leaf: &LeafIndex| {
                 let object = hierarchy.leaf_objects().get(leaf.0 as usize);
                 object.map_or(MeshDrawId::NONE, |object| {
-                    draw_of((object_meshes, object_lods), meshes, *object)
+                    draw_of(object_meshes, object_lods, meshes, *object)
                 })
             };
-            edges.upload(frame, (leaves, scatter), draw_of)?;
+            edges.upload(frame, leaves, scatter, draw_of)?;
         }
         if leaves.dirty().is_empty() {
             return Ok(());
@@ -503,7 +503,8 @@ impl Geometry {
 
 /// Returns the draw of an object, by the meshes of all objects and their levels of detail.
 fn draw_of(
-    (object_meshes, object_lods): (&[u32], &[u32]),
+    object_meshes: &[u32],
+    object_lods: &[u32],
     meshes: &MeshSlots,
     object: ObjectId,
 ) -> MeshDrawId {

@@ -28,7 +28,8 @@ impl Soup {
     fn cube() -> Self {
         let corner = |id: u32| vec3((id & 1) as f32, (id >> 1 & 1) as f32, (id >> 2) as f32);
         let mut soup = Self::default();
-        let sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+        let sides =
+            [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
         for [a, b, c, d] in sides {
             soup.quad(corner(a), corner(b), corner(c), corner(d));
         }
@@ -90,13 +91,14 @@ fn a_cylinder_has_two_rims_and_no_edges_on_its_side() {
     let cylinder = Soup::cylinder(32);
     let edges = cylinder.edges();
     assert_eq!((edges.features().len(), count(&edges, EdgeKind::Crease)), (64, 64));
-    let chains: Vec<_> = edges.chains().iter().map(|it| (it.is_closed, it.segments.len())).collect();
+    let chains: Vec<_> =
+        edges.chains().iter().map(|chain| (chain.is_closed, chain.segments.len())).collect();
     assert_eq!(chains, [(true, 32), (true, 32)]);
     // The sides fold a little; diagonals and the spokes of the caps are flat.
     assert_eq!(edges.smooth().len(), 32);
-    let is_along = |it: &EdgeSegment| {
-        let along = cylinder.positions[it.from as usize] - cylinder.positions[it.to as usize];
-        along.x == 0.0 && along.z == 0.0 && it.right.is_some()
+    let is_along = |segment: &EdgeSegment| {
+        let [from, to] = [segment.from, segment.to].map(|end| cylinder.positions[end as usize]);
+        from.x == to.x && from.z == to.z && segment.right.is_some()
     };
     assert!(edges.smooth().iter().all(is_along));
     let around = 64.0 * f64::from(TAU / 64.0).sin();
@@ -113,23 +115,25 @@ fn the_length_of_an_edge_is_that_of_all_its_triangles() {
     let mut bar = Soup::default();
     let (near, far, height) = (vec3(0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 1.0, 0.0));
     for part in 0..5 {
-        let [a, b] = [part, part + 1].map(|it| vec3(it as f32 * 2.0, 0.0, 0.0));
+        let [a, b] = [part, part + 1].map(|end| vec3(end as f32 * 2.0, 0.0, 0.0));
         bar.quad(near + a, near + b, near + b + height, near + a + height);
         bar.quad(near + a + height, near + b + height, far + b + height, far + a + height);
     }
     let edges = bar.edges();
     let of = |kind| {
         let chains = (0..).zip(edges.chains());
-        let is_of = |it: &EdgeChain| edges.segments()[it.segments.start as usize].kind == kind;
-        chains.filter(|(_, it)| is_of(it)).map(|(id, _)| id).collect::<Vec<u32>>()
+        let is_of =
+            |chain: &EdgeChain| edges.segments()[chain.segments.start as usize].kind == kind;
+        chains.filter(|(_, chain)| is_of(chain)).map(|(id, _)| id).collect::<Vec<u32>>()
     };
     let creases = of(EdgeKind::Crease);
     assert_eq!((creases.len(), bar.length(&edges, creases[0])), (1, 10.0));
     let chain = &edges.chains()[creases[0] as usize];
     assert_eq!((chain.segments.len(), chain.is_closed), (5, false));
-    assert!(chain.segments.clone().all(|it| edges.chain_of(it) == Some(creases[0])));
+    assert!(chain.segments.clone().all(|id| edges.chain_of(id) == Some(creases[0])));
     // The border goes around two sheets: two long edges, two short ones on either side.
-    let mut borders: Vec<_> = of(EdgeKind::Border).iter().map(|it| bar.length(&edges, *it)).collect();
+    let mut borders: Vec<_> =
+        of(EdgeKind::Border).iter().map(|id| bar.length(&edges, *id)).collect();
     borders.sort_by(f64::total_cmp);
     assert_eq!(borders, [1.0, 1.0, 1.0, 1.0, 10.0, 10.0]);
     let stretched = Affine3A::from_scale(vec3(3.0, 1.0, 1.0));

@@ -23,7 +23,7 @@ fn an_outline_goes_around_all_pixels_of_what_is_selected() {
     // 40 by 40 pixels around the middle, behind a wall; beside it one in sight.
     let wall = box_at(vec3(0.0, 0.0, -5.0), vec3(3.0, 2.0, 0.1));
     let hidden = box_at(vec3(0.0, 0.0, -20.0), vec3(1.0, 1.0, 1.0));
-    let beside = box_at(vec3(-1.5, 0.0, -3.0), vec3(0.5, 0.5, 0.5));
+    let beside = box_at(vec3(-2.25, 0.0, -3.0), vec3(0.5, 0.5, 0.5));
     run_on_all(|device| {
         let mut renderer =
             renderer_of(device, &box_scene(&[wall, hidden, beside]), SampleCount::One);

@@ -28,9 +28,13 @@ impl Hierarchy {
     /// free leaves may be among them. The cost grows as in [`Hierarchy::objects_in_frustum`].
     pub fn leaves_in(&self, frustum: &Frustum, found: &mut Vec<LeafRange>) {
         let first = found.len();
-        self.visit_in(frustum, |_, leaves| match found.get_mut(first..).and_then(<[_]>::last_mut) {
-            Some(last) if last.first.0 + last.count == leaves.first.0 => last.count += leaves.count,
-            _ => found.push(leaves),
+        self.visit_in(frustum, |_, leaves| {
+            match found.get_mut(first..).and_then(<[_]>::last_mut) {
+                Some(last) if last.first.0 + last.count == leaves.first.0 => {
+                    last.count += leaves.count
+                }
+                _ => found.push(leaves),
+            }
         });
     }
 
