@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 53] = [
+pub const PASSES: [Shader; 57] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -97,6 +97,10 @@ pub const PASSES: [Shader; 53] = [
     shader!("volume_extrude.comp"),
     shader!("volume_extruded.vert"),
     shader!("volume_mask.frag"),
+    shader!("edge.vert"),
+    shader!("edge.geom"),
+    shader!("edge_quads.vert"),
+    shader!("edge.frag"),
 ];
 
 /// Returns the stage of that name among [`PASSES`].

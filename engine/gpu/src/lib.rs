@@ -124,7 +124,7 @@ pub use crate::record::commands::Commands;
 pub use crate::record::finished_image::FinishedImage;
 pub use crate::record::frames::{Frame, FrameNumbers, FrameRing, SlotIndex};
 pub use crate::record::host_image::{HostImage, HostImages, ImageState};
-pub use crate::record::indirect::{DrawLink, DrawRange, IndirectDraw};
+pub use crate::record::indirect::{DrawLink, DrawRange, IndirectDraw, UnindexedDraw};
 pub use crate::record::pipeline::{
     Blend, ComputePipeline, DepthMode, DepthRange, FragmentChoice, GraphicsPipeline,
     GraphicsPipelineInfo, Polygon, StencilMode, StorageLayout, VertexLayout,

@@ -104,6 +104,9 @@ pub enum Error {
         "shadow volumes are counted against one depth per pixel, and the renderer has several samples: take shadow maps, or one sample"
     )]
     MultisampledVolumes,
+    /// Options of edges or outlines that are impossible.
+    #[error("edges and outlines: {0}")]
+    Edges(&'static str),
     /// Light from all around for a scene that has no surfaces.
     #[error(
         "the scene has no surfaces, and only they are lit from all around: give it some with `Scene::with_surfaces`"

@@ -12,6 +12,7 @@ use occlusion::{
 };
 use scene::{Light, Scene, TransparentId};
 
+use crate::edges::Edges;
 use crate::passes::pipelines::{DepthFirst, PassNeeds, Pipelines};
 use crate::passes::{OpaqueIo, SurfaceIo};
 use crate::resources::geometry::{Geometry, bounds_in_world};
@@ -37,6 +38,7 @@ pub(crate) struct FramePasses {
     /// The transparent objects, if there are any.
     pub(crate) transparent: Option<Transparent>,
     pub(crate) shadows: Shadows,
+    pub(crate) edges: Edges,
     /// The renderings of the view that is recorded, if they are known.
     pub(crate) scopes: Option<ViewScopes>,
 }
@@ -201,6 +203,7 @@ impl FramePasses {
             skinned_meshes,
             transparent,
             shadows,
+            edges: Edges::default(),
             scopes: None,
         })
     }

@@ -38,6 +38,7 @@
 mod api;
 mod calibration_scene;
 mod debug;
+mod edges;
 mod error;
 mod executor_choice;
 mod flares;
@@ -63,6 +64,7 @@ pub use debug::pointer::{Pointed, PointedSurface};
 pub use debug::sample_counts::{ProxySamples, VisibleSamples};
 pub use debug::visibility_snapshot::VisibilitySnapshot;
 pub use debug::visible_set::VisibleSet;
+pub use edges::{EdgeMode, EdgeOptions, ObjectOutline};
 pub use error::Error;
 pub use flares::{FlareBlock, FlareSamples, FlareState};
 pub use occlusion::{

@@ -27,6 +27,12 @@ pub(crate) enum ViewScope {
     FlareCounts,
     /// The flares.
     Flares,
+    /// The edges of objects over their surfaces.
+    Edges,
+    /// The edges of objects over paper.
+    EdgesOnPaper,
+    /// The outlines of objects, by a stencil of their own.
+    StencilOutlines,
     /// The lines and boxes of the debug overlay.
     DebugLines,
     /// The view from above, in a corner of the image.
@@ -71,13 +77,13 @@ pub(crate) enum ColourEnd {
 /// may turn out empty and be left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ViewScopes {
-    present: u16,
+    present: u32,
     colour: ColourEnd,
 }
 
 impl ViewScope {
     /// All of them, in their order.
-    pub(crate) const ALL: [Self; 14] = [
+    pub(crate) const ALL: [Self; 17] = [
         Self::LastRound,
         Self::ShadedRound,
         Self::CasterTests,
@@ -88,13 +94,16 @@ impl ViewScope {
         Self::FlareVeil,
         Self::FlareCounts,
         Self::Flares,
+        Self::Edges,
+        Self::EdgesOnPaper,
+        Self::StencilOutlines,
         Self::DebugLines,
         Self::ViewFromAbove,
         Self::Outline,
         Self::FlatOverlay,
     ];
 
-    const fn bit(self) -> u16 {
+    const fn bit(self) -> u32 {
         1 << self as u16
     }
 }
@@ -132,14 +141,19 @@ impl ViewScopes {
             ViewScope::LastRound if self.has(ViewScope::Shade) => [Nothing, Writes],
             ViewScope::LastRound | ViewScope::ViewFromAbove => [Writes, Writes],
             ViewScope::ShadedRound => [Replaces, Writes],
-            ViewScope::Shade => [Replaces, Reads],
+            ViewScope::Shade | ViewScope::EdgesOnPaper => [Replaces, Reads],
             ViewScope::CasterTests
             | ViewScope::SampleCounts
             | ViewScope::Pointer
             | ViewScope::FlareVeil
             | ViewScope::FlareCounts => [Nothing, Reads],
-            ViewScope::Transparent | ViewScope::DebugLines | ViewScope::Outline => [Writes, Reads],
-            ViewScope::Flares | ViewScope::FlatOverlay => [Writes, Nothing],
+            ViewScope::Transparent
+            | ViewScope::Edges
+            | ViewScope::DebugLines
+            | ViewScope::Outline => [Writes, Reads],
+            ViewScope::Flares | ViewScope::StencilOutlines | ViewScope::FlatOverlay => {
+                [Writes, Nothing]
+            }
         }
     }
 
@@ -256,6 +270,18 @@ mod tests {
     }
 
     #[test]
+    fn nobody_stores_the_colours_that_paper_covers() {
+        assert_eq!(
+            ends(&[LastRound, EdgesOnPaper, StencilOutlines], ColourEnd::Read),
+            [
+                [(true, Forget), (true, Keep)],
+                [(true, Keep), (true, Forget)],
+                [(true, Keep), (false, Forget)],
+            ],
+        );
+    }
+
+    #[test]
     fn colours_within_the_last_round_break_nothing() {
         let apart = frame(&[LastRound, CasterTests, Shade, Transparent], ColourEnd::Read);
         let within = frame(&[ShadedRound, Transparent], ColourEnd::Read);
@@ -286,7 +312,7 @@ mod tests {
     /// is kept is read.
     #[test]
     fn what_is_read_is_there_and_what_is_kept_is_read() {
-        for present in 0..1_u16 << ViewScope::ALL.len() {
+        for present in 0..1_u32 << ViewScope::ALL.len() {
             let frame = ViewScopes { present, colour: ColourEnd::Read };
             let apart = !frame.has(ShadedRound) && frame.has(LastRound);
             let within = frame.has(ShadedRound) && frame == frame.shaded_within();

@@ -19,6 +19,7 @@ mod check;
 mod crease;
 mod environment;
 mod error;
+mod feature_edges;
 mod flare;
 mod image;
 pub mod limits;
@@ -46,6 +47,7 @@ pub use backdrop::{Backdrop, Panorama, Sky, SkyDisk};
 pub use crease::{CREASE_RAD, CreasedTriangles, creased};
 pub use environment::{ENVIRONMENT_SIDE, Environment, GLOSSY_LEVELS};
 pub use error::SceneError;
+pub use feature_edges::{EdgeChain, EdgeKind, EdgeRules, EdgeSegment, EdgeSource, FeatureEdges};
 pub use flare::{FlarePlace, LensFlare};
 pub use image::{AstcBlock, BlockFormat, Image, Texels};
 pub use mesh::{

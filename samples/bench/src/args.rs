@@ -10,8 +10,8 @@ use clap::{Args, Parser, value_parser};
 
 use crate::Options;
 use crate::choices::{
-    CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice, ProjectionChoice, TrustChoice,
-    ValidationChoice, Verify, enumerate, parse_named, parse_strategy,
+    CostsChoice, DeviceChoice, EdgesChoice, GeneratorChoice, PredicatesChoice, ProjectionChoice,
+    TrustChoice, ValidationChoice, Verify, enumerate, parse_named, parse_strategy,
 };
 use crate::file_args::FileArguments;
 use crate::light_args::LightArguments;
@@ -95,6 +95,11 @@ pub struct Arguments {
     /// on; or jittered, in perspective and moved within the pixel from frame to frame
     #[arg(long, value_name = "KIND", default_value = "perspective", help_heading = "Walk")]
     pub projection: ProjectionChoice,
+    /// Edges of objects, as a drawing shows them: off; visible ones on paper; hidden ones, too, in
+    /// dashes; or both over the shaded surfaces
+    #[arg(long, value_name = "off|visible|hidden|shaded", default_value = "off")]
+    #[arg(help_heading = "Walk")]
+    pub edges: EdgesChoice,
     /// Share of the objects of a scene that is made that move, come and go, 0 to 100. In a file its clips
     /// play
     #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
@@ -332,6 +337,7 @@ impl Arguments {
             frames,
             views,
             projection: self.projection,
+            edges: self.edges,
             size,
             samples: self.msaa,
             strategies,

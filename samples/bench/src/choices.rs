@@ -4,7 +4,7 @@ use std::fmt;
 use std::num::NonZeroU32;
 use std::str::FromStr;
 
-use antumbra::render;
+use antumbra::render::{self, EdgeMode, EdgeOptions};
 use clap::ValueEnum;
 
 use crate::strategy::{self, Strategy};
@@ -77,6 +77,32 @@ pub enum ProjectionChoice {
 impl fmt::Display for ProjectionChoice {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&name_of(self))
+    }
+}
+
+/// The edges of objects that a walk draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EdgesChoice {
+    /// None.
+    Off,
+    /// Visible edges on paper.
+    Visible,
+    /// The same, with hidden edges in dashes.
+    Hidden,
+    /// Visible edges over the surfaces, and hidden ones in dashes.
+    Shaded,
+}
+
+impl EdgesChoice {
+    /// Returns the options of edges.
+    pub fn options(self) -> EdgeOptions {
+        let mode = match self {
+            Self::Off => EdgeMode::Off,
+            Self::Visible => EdgeMode::Visible,
+            Self::Hidden => EdgeMode::HiddenDashed,
+            Self::Shaded => EdgeMode::ShadedWithHiddenDashed,
+        };
+        EdgeOptions { mode, ..EdgeOptions::default() }
     }
 }
 

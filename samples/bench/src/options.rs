@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::choices::{
-    CameraPathChoice, CostsChoice, DeviceChoice, GeneratorChoice, PredicatesChoice,
+    CameraPathChoice, CostsChoice, DeviceChoice, EdgesChoice, GeneratorChoice, PredicatesChoice,
     ProjectionChoice, TrustChoice, ValidationChoice, Verify,
 };
 use crate::shadow_choice::ShadowChoice;
@@ -163,6 +163,8 @@ pub struct Options {
     pub views: u32,
     /// The projection of the cameras.
     pub projection: ProjectionChoice,
+    /// The edges of objects.
+    pub edges: EdgesChoice,
     /// The percentage of objects that move: 0 to 100, and 0 in a scene out of a file.
     pub moving_percent: u32,
     /// Timed frames of each strategy: 1 to [`MAX_FRAMES`].

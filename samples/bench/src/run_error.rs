@@ -81,6 +81,7 @@ impl From<render::Error> for RunError {
             | render::Error::Shadows(_)
             | render::Error::NoSurfacesForShadows
             | render::Error::MultisampledVolumes
+            | render::Error::Edges(_)
             | render::Error::NoSurfacesForEnvironment
             | render::Error::SampleDepths { .. }
             | render::Error::CannotCount(_) => Self::user(error),

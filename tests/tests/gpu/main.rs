@@ -21,6 +21,7 @@ mod compute_test;
 mod counts;
 mod detail;
 mod edge_on;
+mod edges;
 mod environment;
 mod exactness;
 mod explain;

@@ -31,7 +31,7 @@ fn pane(number: u32) -> Object {
 }
 
 /// Returns walls with doors one behind the other, and panes before, between and behind them.
-fn scene() -> Scene {
+pub(crate) fn scene() -> Scene {
     let mut objects = Vec::new();
     for wall in 0..4 {
         let z = -5.5 - 3.0 * wall as f32;
@@ -61,7 +61,7 @@ fn scene() -> Scene {
     scene
 }
 
-fn camera(frame: u32) -> Camera {
+pub(crate) fn camera(frame: u32) -> Camera {
     let time = frame as f32 * 0.4;
     Camera {
         eye: vec3(3.0 * time.sin(), 0.3, 0.0 - 0.4 * frame as f32),

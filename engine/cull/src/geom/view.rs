@@ -171,6 +171,15 @@ impl View {
         }
     }
 
+    /// Returns the frustum of an image that is larger by so many pixels on each side: what is drawn
+    /// wider than it is, such as a line, shows in the image only if it meets that.
+    #[must_use]
+    pub fn frustum_around(&self, pixels: f32) -> Frustum {
+        let larger = self.size.map(|side| 1.0 + 2.0 * pixels.max(0.0) / side.max(1) as f32);
+        let smaller = Mat4::from_scale(Vec3::new(larger[0].recip(), larger[1].recip(), 1.0));
+        Frustum::new(&(smaller * self.from_anchor), self.anchor, self.depth, &self.rays)
+    }
+
     /// Returns the clip coordinates of a point (metres), as exact far from the origin of the world
     /// as near it.
     #[must_use]

@@ -1,8 +1,8 @@
 //! Tests of the count of objects in the frustum against the classification of each box.
 
 use antumbra_cull::{
-    Aabb, Containment, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, PlaneMask, Strategy,
-    View,
+    Aabb, Containment, CullConfig, Culler, FramePlan, Frustum, Hierarchy, LeafRange, ObjectId,
+    PlaneMask, Strategy, View,
 };
 
 use crate::random::Random;
@@ -45,6 +45,24 @@ fn as_many_objects_are_in_the_frustum_as_frustum_culling_draws() {
             let counted = hierarchy.objects_in_frustum(&view) as usize;
             let expected = brute_force(&hierarchy, &boxes, &view);
             assert_eq!([counted; 2], expected, "seed {seed}, frame {frame}");
+            let wide = view.frustum_around(2.0);
+            let mut leaves = Vec::new();
+            let mut wider = Vec::new();
+            hierarchy.leaves_in(&view.frustum, &mut leaves);
+            hierarchy.leaves_in(&wide, &mut wider);
+            let has = |ranges: &[LeafRange], leaf| {
+                ranges.iter().any(|range| range.indices().contains(&leaf))
+            };
+            for (leaf, object) in hierarchy.leaf_objects().iter().enumerate() {
+                let bounds = boxes.get(object.0 as usize).copied().unwrap_or(Aabb::EMPTY);
+                let is_in = |frustum: &Frustum| {
+                    frustum.classify(&bounds, PlaneMask::ALL).0 != Containment::Outside
+                };
+                let free = bounds.is_empty();
+                assert!(free || is_in(&view.frustum) == has(&leaves, leaf), "seed {seed}");
+                assert!(free || is_in(&wide) == has(&wider, leaf), "seed {seed}");
+                assert!(free || !has(&leaves, leaf) || has(&wider, leaf), "seed {seed}");
+            }
             partly += usize::from(counted > 0 && counted < there);
             none += usize::from(counted == 0);
         }

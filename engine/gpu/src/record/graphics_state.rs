@@ -112,17 +112,19 @@ fn depth_stencil(
 
 /// Returns the write of the depth and its comparison.
 fn depth_test(mode: DepthMode, near_depth: NearDepth) -> (bool, vk::CompareOp) {
-    let (nearer, as_near) = match near_depth {
-        NearDepth::One => (vk::CompareOp::GREATER, vk::CompareOp::GREATER_OR_EQUAL),
-        NearDepth::Zero => (vk::CompareOp::LESS, vk::CompareOp::LESS_OR_EQUAL),
+    use vk::CompareOp as Op;
+    let (nearer, as_near, farther) = match near_depth {
+        NearDepth::One => (Op::GREATER, Op::GREATER_OR_EQUAL, Op::LESS),
+        NearDepth::Zero => (Op::LESS, Op::LESS_OR_EQUAL, Op::GREATER),
     };
     match mode {
         DepthMode::TestAndWrite => (true, nearer),
         DepthMode::TestEqualAndWrite => (true, as_near),
         DepthMode::TestOnly => (false, as_near),
         DepthMode::TestNearer => (false, nearer),
-        DepthMode::Equal => (false, vk::CompareOp::EQUAL),
-        DepthMode::Ignored => (false, vk::CompareOp::ALWAYS),
+        DepthMode::TestFarther => (false, farther),
+        DepthMode::Equal => (false, Op::EQUAL),
+        DepthMode::Ignored => (false, Op::ALWAYS),
     }
 }
 
@@ -143,6 +145,12 @@ fn stencil_of_faces(mode: StencilMode) -> [vk::StencilOpState; 2] {
         }
         StencilMode::Counted => {
             [vk::StencilOpState { compare_op: vk::CompareOp::NOT_EQUAL, ..ignored }; 2]
+        }
+        StencilMode::Mark => {
+            [vk::StencilOpState { pass_op: Op::REPLACE, reference: 1, ..counted }; 2]
+        }
+        StencilMode::Unmarked => {
+            [vk::StencilOpState { compare_op: vk::CompareOp::EQUAL, ..ignored }; 2]
         }
     }
 }
@@ -238,6 +246,19 @@ fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
 mod tests {
     use super::*;
     use crate::record::shader::Spirv;
+
+    #[test]
+    fn what_is_not_hidden_is_visible() {
+        use vk::CompareOp as Op;
+        let test = |mode, near| depth_test(mode, near).1;
+        for (near, visible, hidden) in [
+            (NearDepth::One, Op::GREATER_OR_EQUAL, Op::LESS),
+            (NearDepth::Zero, Op::LESS_OR_EQUAL, Op::GREATER),
+        ] {
+            assert_eq!(test(DepthMode::TestOnly, near), visible);
+            assert_eq!(test(DepthMode::TestFarther, near), hidden);
+        }
+    }
 
     #[test]
     fn proxies_are_moved_towards_the_eye_where_depth_has_steps() {

@@ -18,6 +18,20 @@ pub struct IndirectDraw {
     pub first_instance: u32,
 }
 
+/// One draw without indices as the GPU reads it (`VkDrawIndirectCommand`, 16 bytes).
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
+pub struct UnindexedDraw {
+    /// The number of vertices to draw.
+    pub vertex_count: u32,
+    /// The number of instances; 0 draws nothing.
+    pub instance_count: u32,
+    /// The first vertex.
+    pub first_vertex: u32,
+    /// The first instance: the number that the shader has of it.
+    pub first_instance: u32,
+}
+
 /// The size of one draw in bytes.
 pub(crate) const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 

@@ -25,6 +25,9 @@ pub enum DepthMode {
     TestOnly,
     /// A test for nearer, with nothing stored.
     TestNearer,
+    /// A test for farther, with nothing stored: of every two fragments alike, [`DepthMode::TestOnly`]
+    /// passes one and this the other. For what is drawn where it is hidden.
+    TestFarther,
     /// A test for the same depth, with nothing stored, for objects that are drawn a second time.
     Equal,
     /// No test; nothing is stored.
@@ -58,6 +61,10 @@ pub enum StencilMode {
     CountFailing,
     /// A test for a count other than 0, which stays as it is.
     Counted,
+    /// A mark, 1, where a fragment passes the depth test.
+    Mark,
+    /// A test for 0, which stays as it is.
+    Unmarked,
 }
 
 /// The depths that a pipeline draws.

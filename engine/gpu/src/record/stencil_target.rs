@@ -1,5 +1,5 @@
 //! A depth image with a stencil beside it: a copy of depths that are drawn elsewhere, against which
-//! shadow volumes are counted.
+//! shadow volumes are counted, or no depths at all, for marks beside the colours of a target.
 
 use ash::vk;
 
@@ -13,7 +13,7 @@ use crate::record::access::{Access, LayoutChange};
 use crate::record::attachments::{Attachments, COLOURS_MAX, ColourFormats};
 use crate::record::commands::Commands;
 use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
-use crate::record::target::check_size;
+use crate::record::target::{Target, check_size};
 
 /// The depth of a [`Target`](crate::Target), to the bit, and eight bits of stencil.
 const FORMAT: vk::Format = vk::Format::D32_SFLOAT_S8_UINT;
@@ -45,6 +45,50 @@ impl StencilTarget {
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST;
         let image = Image::new(device, name, size, [FORMAT; 2], usage, both())?;
         Ok(Self { device: device.clone(), image, size })
+    }
+
+    /// Creates a stencil of the size and the samples of `target`, for renderings of its
+    /// [colours](StencilTarget::with_colours).
+    ///
+    /// # Errors
+    /// [`Error::TargetFormat`] and [`Error::Samples`] where the device cannot draw to 32-bit float
+    /// depth with a stencil; no memory.
+    pub fn beside(device: &Device, target: &Target, name: &str) -> Result<Self, Error> {
+        let attachments = Self::attachments_beside(&target.attachments());
+        attachments.check(device)?;
+        let (size, usage) = (target.size(), vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
+        let samples = (size, attachments.samples);
+        let image = Image::multisampled(device, name, samples, FORMAT, usage, both())?;
+        Ok(Self { device: device.clone(), image, size })
+    }
+
+    /// Returns the attachments that pipelines are compiled for which draw to the colours of a
+    /// target with this stencil.
+    pub fn attachments_beside(target: &Attachments) -> Attachments {
+        Attachments { depth: FORMAT, ..*target }
+    }
+
+    /// Forgets the contents, after any earlier rendering, so that the stencil can be drawn to:
+    /// clear it.
+    pub fn forget(&self, commands: &Commands) {
+        if commands.admit(self).is_ok() {
+            let uses = [Access::Depth];
+            let fresh = LayoutChange::forgetting(self.image.raw, both(), &uses, Access::Depth);
+            commands.change_layouts([fresh]);
+        }
+    }
+
+    /// Returns the rendering to the colours of `target`, with the forgotten stencil in place of its
+    /// depth. Nobody reads it afterwards. The target must be the one that it was made for.
+    #[must_use]
+    pub fn with_colours(&self, target: RenderTarget) -> RenderTarget {
+        RenderTarget {
+            depth: self.image.view,
+            has_stencil: true,
+            depth_load: Load::Forget,
+            depth_store: AttachmentStore::Forget,
+            ..target
+        }
     }
 
     /// Returns the attachments that pipelines which draw to it are compiled for.

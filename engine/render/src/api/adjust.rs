@@ -25,6 +25,7 @@ impl Renderer {
             volumes.resize(&self.device, size)?;
         }
         self.passes.target = target;
+        self.passes.edges.resized();
         // These make again what the next frame needs.
         self.executor.resized();
         self.methods.iter_mut().for_each(|method| method.resized());

@@ -1,6 +1,7 @@
 //! The renderer's calls, a file per concern; nothing below imports them.
 
 mod adjust;
+mod edges;
 mod environment;
 mod finished_image;
 mod flares;

@@ -13,6 +13,7 @@ use crate::debug::outline::record_outline;
 use crate::debug::pointer::record_pointer;
 use crate::debug::sample_counts::count_samples;
 use crate::debug::visible_set::{VISIBLE_SET, VisibleSet};
+use crate::edges::{EdgeMode, record_edges, record_outlines};
 use crate::error::{Error, FOREIGN_VIEW};
 use crate::flares::record_flares;
 use crate::frame_passes::FramePasses;
@@ -182,10 +183,11 @@ impl Renderer {
     }
 
     /// Returns true if cost models learn from the time of the next frame. Draws of the debug
-    /// overlay beside a plan falsify prices.
+    /// overlay and of edges beside a plan falsify prices.
     fn is_timed(&self, strategy: Strategy, targets: &[ViewTarget<'_>]) -> bool {
         let views = targets.iter().map(|target| &target.state.visibility);
-        self.debug_overlay.is_empty() && self.frame_times.is_due(strategy, views)
+        let is_alone = self.debug_overlay.is_empty() && !self.passes.edges.has_draws();
+        is_alone && self.frame_times.is_due(strategy, views)
     }
 
     /// Notes in the views that their frame was submitted, and in the report their plans.
@@ -220,7 +222,8 @@ impl Renderer {
         // The debug overlay may draw the scene as seen from elsewhere, and watched objects are
         // drawn even if they are hidden.
         let draws_hidden = |target: &ViewTarget<'_>| target.state.counts.is_watching();
-        match !self.debug_overlay.is_empty() || targets.iter().any(draws_hidden) {
+        let draws_all = !self.debug_overlay.is_empty() || self.passes.edges.has_draws();
+        match draws_all || targets.iter().any(draws_hidden) {
             true => PoseUploads::All,
             false => PoseUploads::Seen(views),
         }
@@ -327,6 +330,7 @@ fn begin_scopes(
 ) {
     let (has_flares, shades) = (!flares.is_empty(), passes.pipelines.shading.is_some());
     let has_transparent = passes.transparent.as_ref().is_some_and(|it| !it.list().is_empty());
+    let mode = passes.edges.options.mode;
     let later = if number == 0 { after_views } else { ViewScopes::default() };
     passes.scopes = Some(later.and([
         (ViewScope::LastRound, true),
@@ -338,10 +342,14 @@ fn begin_scopes(
         (ViewScope::FlareVeil, has_flares),
         (ViewScope::FlareCounts, has_flares),
         (ViewScope::Flares, has_flares),
+        (ViewScope::Edges, mode != EdgeMode::Off && !mode.is_on_paper()),
+        (ViewScope::EdgesOnPaper, mode.is_on_paper()),
+        (ViewScope::StencilOutlines, !passes.edges.outlines.is_empty()),
     ]));
 }
 
-/// Records the end of a view, once everything of its frame is drawn: its counts, and its flares.
+/// Records the end of a view, once everything of its frame is drawn: its counts, its flares, its
+/// edges and outlines.
 fn finish_view(
     passes: &mut FramePasses,
     frame: &mut Frame<'_>,
@@ -352,7 +360,9 @@ fn finish_view(
     let ViewState { counts, pointer, flares: flare_counts, visibility, .. } = state;
     count_samples(passes, frame, (executor, hierarchy), (counts, visibility), view)?;
     record_pointer(passes, frame, executor, hierarchy, pointer, visibility, view)?;
-    record_flares(passes, frame, (executor, flares), (flare_counts, visibility), view)
+    record_flares(passes, frame, (executor, flares), (flare_counts, visibility), view)?;
+    record_edges(passes, frame, hierarchy, view)?;
+    record_outlines(passes, frame, hierarchy, &executor.leaves, view)
 }
 
 /// Returns the request for one view of a frame.

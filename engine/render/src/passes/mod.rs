@@ -2,6 +2,7 @@
 
 mod caster;
 mod count;
+mod edges;
 mod flare;
 mod flat;
 mod midpoint;
@@ -20,6 +21,8 @@ mod volumes;
 pub(crate) use caster::MapPasses;
 pub use caster::{CasterIo, CasterPass, CasterSide, WholeCasters};
 pub(crate) use count::CountPass;
+pub use edges::EdgePath;
+pub(crate) use edges::{EdgeIo, EdgePass, EdgeSegment, EdgeStyle, EdgeTest, OutlinePass};
 pub(crate) use flare::{FlareBlockIo, FlarePass, VEIL_LEVELS};
 pub use flare::{FlareBlockRow, FlareShape, FlareSprite};
 pub use flat::FlatVertex;

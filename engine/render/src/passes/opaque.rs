@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, Polygon, StorageLayout, VertexLayout, vk,
+    GraphicsPipelineInfo, Polygon, StencilMode, StorageLayout, VertexLayout, vk,
 };
 use scene::{Light, Vertex};
 
@@ -23,6 +23,7 @@ enum Kind {
     Depth,
     Colour,
     Wireframe,
+    Mark,
 }
 
 /// The buffers of the pass: reads vertices, indices and instances; writes the colour and depth that
@@ -116,6 +117,19 @@ impl OpaquePass {
         Self::of_kind(device, shaders, attachments, Kind::Wireframe)
     }
 
+    /// Compiles a pass that marks the pixels of objects in the stencil of `attachments`, whatever is
+    /// before them, and writes nothing else.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) fn marking(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, attachments, Kind::Mark)
+    }
+
     fn of_kind(
         device: &Device,
         shaders: &ShaderSet,
@@ -133,7 +147,9 @@ impl OpaquePass {
                 DepthMode::TestOnly,
                 Blend::Opaque,
             ),
+            Kind::Mark => ("mark", None, DepthMode::Ignored, Blend::NoColour),
         };
+        let stencil = if kind == Kind::Mark { StencilMode::Mark } else { StencilMode::Ignored };
         let polygon = if kind == Kind::Wireframe { Polygon::Wireframe } else { Polygon::Filled };
         let vertex = shaders.find("opaque.vert")?;
         let pipeline = GraphicsPipeline::new(
@@ -152,6 +168,7 @@ impl OpaquePass {
                 polygon,
                 cull: vk::CullModeFlags::BACK,
                 depth,
+                stencil,
                 blend,
                 attachments,
                 ..GraphicsPipelineInfo::of(name, vertex).numbered::<Instance>()

@@ -5,8 +5,9 @@ use gpu::{Attachments, Device, Optional};
 use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
-    CountPass, FlarePass, FlatPass, MapPasses, OpaquePass, OverlayPass, PointerPass, SeenPass,
-    SkinningPass, SurfaceKind, SurfacePass, SurfaceShadows, VolumePass, VolumePath,
+    CountPass, EdgePass, FlarePass, FlatPass, MapPasses, OpaquePass, OutlinePass, OverlayPass,
+    PointerPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass, SurfaceShadows, VolumePass,
+    VolumePath,
 };
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
@@ -38,6 +39,8 @@ pub(crate) struct Pipelines {
     pub(crate) overlay: OnDemand<OverlayPass>,
     pub(crate) wireframe: OnDemand<OpaquePass>,
     pub(crate) flat: OnDemand<FlatPass>,
+    pub(crate) edges: OnDemand<EdgePass>,
+    pub(crate) outlines: OnDemand<OutlinePass>,
 }
 
 /// The parts of a scene that have passes of their own.
@@ -122,6 +125,8 @@ impl Pipelines {
             overlay: on_demand.again(|it| &it.overlay, OverlayPass::new)?,
             wireframe: on_demand.again(|it| &it.wireframe, OpaquePass::wireframe)?,
             flat: on_demand.again(|it| &it.flat, FlatPass::new)?,
+            edges: on_demand.again(|it| &it.edges, EdgePass::new)?,
+            outlines: on_demand.again(|it| &it.outlines, OutlinePass::new)?,
         })
     }
 }

@@ -1,5 +1,6 @@
 //! Scenes on the GPU: meshes, instances, levels of detail and poses, and the checks that they fit.
 
+pub(crate) mod edge_meshes;
 pub(crate) mod geometry;
 pub(crate) mod instance;
 pub(crate) mod joined_meshes;

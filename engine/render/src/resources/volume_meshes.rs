@@ -51,9 +51,9 @@ impl VolumeDraw {
 }
 
 /// The vertices and triangles of meshes, as they were copied back.
-struct Contents {
+pub(super) struct Contents {
     vertices: Buffer,
-    indices: Buffer,
+    pub(super) indices: Buffer,
     mesh_data: Option<Buffer>,
 }
 
@@ -82,11 +82,7 @@ impl VolumeMeshes {
             room("the triangles of shadow volumes", ADJACENCY_PER_INDEX * index_count)?;
         adjacency.resize(ADJACENCY_PER_INDEX * index_count, 0);
         let mut draws = vec![VolumeDraw::default(); geometry.mesh_draws().len()];
-        let contents = Contents {
-            vertices: copied_back(device, vertices)?,
-            indices: copied_back(device, indices)?,
-            mesh_data: skinned_meshes.map(|it| copied_back(device, it.mesh_data())).transpose()?,
-        };
+        let contents = Contents::copied_back(device, geometry, skinned_meshes)?;
         let mut put = |id: MeshDrawId, first: u32, volumes: &VolumeMesh, changes_shape: bool| {
             let place = ADJACENCY_PER_INDEX * first as usize;
             let values = volumes.triangles().as_flattened();
@@ -157,8 +153,24 @@ impl VolumeMeshes {
 }
 
 impl Contents {
+    /// Copies the meshes of a renderer back, and waits for that.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub(super) fn copied_back(
+        device: &Device,
+        geometry: &Geometry,
+        skinned_meshes: Option<&SkinnedMeshes>,
+    ) -> Result<Self, Error> {
+        Ok(Self {
+            vertices: copied_back(device, geometry.vertices.whole())?,
+            indices: copied_back(device, geometry.indices.whole())?,
+            mesh_data: skinned_meshes.map(|it| copied_back(device, it.mesh_data())).transpose()?,
+        })
+    }
+
     /// Returns the positions of a mesh, at rest, and their motions if it is skinned.
-    fn vertices_of(
+    pub(super) fn vertices_of(
         &self,
         mesh: MeshId,
         place: &MeshPlace,

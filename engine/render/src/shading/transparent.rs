@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use cull::{Aabb, Containment, PlaneMask, Rays, View};
+use cull::{Aabb, Containment, Frustum, PlaneMask, Rays, View};
 use glam::Affine3A;
 use gpu::{BufferSlice, Commands, Device, Frame, IndirectDraw};
 use occlusion::{BucketDraw, OcclusionPasses, PlanExecutor, TransparentList};
@@ -199,6 +199,19 @@ impl Transparent {
     /// Returns an object.
     pub(crate) fn get(&self, id: TransparentId) -> Option<&TransparentObject> {
         self.objects.get(id.0 as usize)
+    }
+
+    /// Returns the objects that meet a frustum, in the order of the scene.
+    pub(crate) fn in_frustum<'a>(
+        &'a self,
+        frustum: &'a Frustum,
+    ) -> impl Iterator<Item = (TransparentId, &'a Object)> {
+        let objects = (0..).map(TransparentId).zip(&self.objects);
+        let is_in = |object: &TransparentObject| {
+            frustum.classify(&object.bounds, PlaneMask::ALL).0 != Containment::Outside
+        };
+        let objects = objects.filter(move |(_, object)| is_in(object));
+        objects.map(|(id, object)| (id, &object.object))
     }
 
     /// Returns the draws of the view being recorded.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::choices::{
-    CameraPathChoice, CostsChoice, PredicatesChoice, ProjectionChoice, TrustChoice,
+    CameraPathChoice, CostsChoice, EdgesChoice, PredicatesChoice, ProjectionChoice, TrustChoice,
     ValidationChoice,
 };
 use crate::strategy::Strategy;
@@ -66,6 +66,7 @@ fn every_option_arrives() {
         "--path=cut",
         "--views=2",
         "--projection=jittered",
+        "--edges=hidden",
         "--moving=30",
         "--frames=7",
         "--size=64X32",
@@ -101,6 +102,7 @@ fn every_option_arrives() {
             path: PathChoice::Made(CameraPathChoice::Cut),
             views: 2,
             projection: ProjectionChoice::Jittered,
+            edges: EdgesChoice::Hidden,
             moving_percent: 30,
             frames: 7,
             size: FrameSize { width: 64, height: 32 },

@@ -9,6 +9,9 @@ use crate::memory::buffer::BufferSlice;
 use crate::record::commands::{Commands, Failure};
 use crate::record::indirect::{DRAW_BYTES, IndirectDraw};
 
+/// The distance between indirect commands without indices, in bytes.
+const UNINDEXED_STRIDE: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
+
 impl Commands {
     /// Draws `vertices` vertices of one instance.
     pub fn draw(&self, vertices: u32, instance: u32) {
@@ -72,49 +75,70 @@ impl Commands {
         }
     }
 
-    /// Draws the one indirect command in `draw` (`VkDrawIndirectCommand`), without indices.
-    pub fn draw_unindexed_indirect(&self, draw: BufferSlice) {
-        if self.admit(&draw).is_ok() && self.is_sound() {
-            // SAFETY: the slice holds one command and lies in its buffer.
-            unsafe {
-                self.device().raw().cmd_draw_indirect(
-                    self.raw(),
-                    draw.raw,
-                    draw.offset_bytes,
-                    1,
-                    16,
-                );
+    /// Draws the indirect commands in `draws` (`VkDrawIndirectCommand`), which holds nothing else,
+    /// without indices.
+    pub fn draw_unindexed_indirect(&self, draws: BufferSlice) {
+        if self.admit(&draws).is_err() {
+            return;
+        }
+        for (offset, count) in self.unindexed_pieces(draws) {
+            if self.is_sound() {
+                // SAFETY: multiDrawIndirect is required; the slice lies in its buffer.
+                unsafe {
+                    self.device().raw().cmd_draw_indirect(
+                        self.raw(),
+                        draws.raw,
+                        offset,
+                        count,
+                        UNINDEXED_STRIDE,
+                    );
+                }
             }
         }
     }
 
-    /// Draws the one command in `draw` (`VkDrawIndirectCommand`) unless the value in `count` is 0.
-    pub(crate) fn draw_unindexed_indirect_count(&self, draw: BufferSlice, count: BufferSlice) {
-        if !self.admit_all([&draw, &count]) || !self.is_sound() {
+    /// Draws the first of the commands in `draws` (`VkDrawIndirectCommand`), as many as the value in
+    /// `count`, which is no less than `maxDrawIndirectCount` where there are more than that.
+    pub(crate) fn draw_unindexed_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
+        if !self.admit_all([&draws, &count]) {
             return;
         }
-        // SAFETY: drawIndirectCount was checked when this way was chosen; the slices hold one
-        // command and one value.
-        unsafe {
-            self.device().raw().cmd_draw_indirect_count(
-                self.raw(),
-                draw.raw,
-                draw.offset_bytes,
-                count.raw,
-                count.offset_bytes,
-                1,
-                16,
-            );
+        for (offset, most) in self.unindexed_pieces(draws) {
+            if self.is_sound() {
+                // SAFETY: drawIndirectCount was checked when this way was chosen; the slices hold
+                // commands and one value.
+                unsafe {
+                    self.device().raw().cmd_draw_indirect_count(
+                        self.raw(),
+                        draws.raw,
+                        offset,
+                        count.raw,
+                        count.offset_bytes,
+                        most,
+                        UNINDEXED_STRIDE,
+                    );
+                }
+            }
         }
     }
 
-    /// Draws the one command in `draw` (`VkDrawIndirectCommand`), as
+    /// Returns the offsets and counts of commands without indices, as many as the device takes at
+    /// once.
+    fn unindexed_pieces(&self, draws: BufferSlice) -> impl Iterator<Item = (u64, u32)> + use<> {
+        let limit = u64::from(self.device().adapter().limits.max_draw_indirect_count.max(1));
+        let stride = u64::from(UNINDEXED_STRIDE);
+        let (all, start) = (draws.size_bytes / stride, draws.offset_bytes);
+        let pieces = (0..all.div_ceil(limit)).map(move |piece| piece * limit);
+        pieces.map(move |first| (start + first * stride, (all - first).min(limit) as u32))
+    }
+
+    /// Draws the commands in `draws` (`VkDrawIndirectCommand`), which holds nothing else, as
     /// [`Commands::draw_all_indirect`] does.
-    pub fn draw_all_unindexed_indirect(&self, draw: BufferSlice, all: BufferSlice) {
+    pub fn draw_all_unindexed_indirect(&self, draws: BufferSlice, all: BufferSlice) {
         if self.device().capabilities().keeps_draw_counts() {
-            self.draw_unindexed_indirect_count(draw, all);
+            self.draw_unindexed_indirect_count(draws, all);
         } else {
-            self.draw_unindexed_indirect(draw);
+            self.draw_unindexed_indirect(draws);
         }
     }
 

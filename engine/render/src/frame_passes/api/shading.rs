@@ -47,7 +47,10 @@ impl FramePasses {
         view: &View,
         draw: &dyn Fn(&Commands),
     ) {
-        self.draw_surfaces(commands, view, None, draw);
+        // Paper covers all colours.
+        if !self.edges.options.mode.is_on_paper() {
+            self.draw_surfaces(commands, view, None, draw);
+        }
         if let Some(transparent) = &self.transparent {
             let viewport = Viewport::covering(view.origin, view.size);
             transparent.list().test(&executor.passes, commands, (view, viewport));

@@ -1,0 +1,84 @@
+//! Edges of objects, and outlines.
+
+use crate::edges::{EdgeMode, EdgeOptions, ObjectOutline, check_edges, check_outlines};
+use crate::error::Error;
+use crate::renderer::Renderer;
+use crate::resources::edge_meshes::EdgeMeshes;
+
+impl Renderer {
+    /// Returns the options of edges.
+    pub fn edges(&self) -> &EdgeOptions {
+        &self.passes.edges.options
+    }
+
+    /// Draws the edges of objects in every view from now on, as the options say. The first call with
+    /// a mode but [`EdgeMode::Off`], and one with another crease angle, finds the edges of all
+    /// meshes and waits for copies: not for every frame. Off they cost nothing, and their memory
+    /// stays until no object is outlined either.
+    ///
+    /// Every object around the frustum has its edges drawn, also one that is hidden: the image is
+    /// the same under every strategy.
+    ///
+    /// # Errors
+    /// [`Error::Edges`]; meshes beyond the device's limits, a shader that does not compile, no
+    /// memory, a failed call. Nothing has changed then.
+    pub fn set_edges(&mut self, options: EdgeOptions) -> Result<(), Error> {
+        check_edges(&options)?;
+        if options.mode != EdgeMode::Off {
+            self.passes.pipelines.edges.prepare(&self.device, &self.shaders)?;
+            self.find_edges(&options)?;
+        }
+        self.passes.edges.options = options;
+        self.drop_unused_edges();
+        Ok(())
+    }
+
+    /// Outlines objects in every view from now on, in the order given: later ones lie above. None
+    /// ends it. The first call finds the edges of all meshes, as [`Renderer::set_edges`] does.
+    ///
+    /// # Errors
+    /// As for [`Renderer::set_edges`]; a device that cannot draw to a stencil.
+    pub fn set_outlined(&mut self, outlines: &[ObjectOutline]) -> Result<(), Error> {
+        check_outlines(outlines)?;
+        let outlines: Vec<_> =
+            outlines.iter().filter(|outline| !outline.objects.is_empty()).cloned().collect();
+        if !outlines.is_empty() {
+            self.passes.pipelines.outlines.prepare(&self.device, &self.shaders)?;
+            let options = self.passes.edges.options;
+            self.find_edges(&options)?;
+        }
+        self.passes.edges.outlines = outlines;
+        self.drop_unused_edges();
+        Ok(())
+    }
+
+    /// Returns the outlines that have objects.
+    pub fn outlined(&self) -> &[ObjectOutline] {
+        &self.passes.edges.outlines
+    }
+
+    /// Finds the edges of all meshes, unless they are known by the same rules.
+    fn find_edges(&mut self, options: &EdgeOptions) -> Result<(), Error> {
+        let passes = &mut self.passes;
+        let known = passes.geometry.edges.as_ref();
+        if known.is_some_and(|edges| *edges.rules() == options.rules()) {
+            return Ok(());
+        }
+        let edges = EdgeMeshes::new(
+            &self.device,
+            &passes.geometry,
+            passes.skinned_meshes.as_ref(),
+            &self.hierarchy,
+            options.rules(),
+        )?;
+        passes.geometry.edges = Some(edges);
+        Ok(())
+    }
+
+    fn drop_unused_edges(&mut self) {
+        if !self.passes.edges.has_draws() {
+            self.passes.geometry.edges = None;
+            self.passes.edges.resized();
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Outlines of objects by a stencil: their pixels are marked in it, then their edges are drawn where
+//! no mark is, so that only the outer halves of silhouettes are left.
+
+use cull::{Hierarchy, LeafIndex, ObjectId, View};
+use gpu::{BufferSlice, Frame, IndirectDraw, StencilTarget};
+use occlusion::{LeafTable, MeshDrawId};
+
+use super::record::wait_for_vertices;
+use crate::error::Error;
+use crate::frame_passes::FramePasses;
+use crate::passes::EdgeStyle;
+use crate::view_scopes::ViewScope;
+
+/// The pass that outlines objects.
+const OUTLINES: &str = "outline objects";
+
+/// The draws of one outline.
+struct OutlineDraws {
+    style: EdgeStyle,
+    triangles: BufferSlice,
+    edges: BufferSlice,
+}
+
+/// Outlines objects in a view, if there are any.
+///
+/// # Errors
+/// A device that cannot draw to a stencil beside the colours; no memory.
+pub(crate) fn record_outlines(
+    passes: &mut FramePasses,
+    frame: &mut Frame<'_>,
+    hierarchy: &Hierarchy,
+    leaves: &LeafTable,
+    view: &View,
+) -> Result<(), Error> {
+    if passes.edges.outlines.is_empty() {
+        return Ok(());
+    }
+    let mut outlines = Vec::new();
+    for number in 0..passes.edges.outlines.len() {
+        outlines.extend(upload(passes, frame, hierarchy, leaves, number)?);
+    }
+    if passes.edges.stencil.is_none() {
+        let stencil = StencilTarget::beside(&passes.device, &passes.target, "outlines")?;
+        passes.edges.stencil = Some(stencil);
+    }
+    wait_for_vertices(frame);
+    passes.target.prepare(frame.commands());
+    let target = passes.target_of(view, None);
+    let target = passes.scope_target(frame.commands(), ViewScope::StencilOutlines, target);
+    let pass = passes.pipelines.outlines.get();
+    let stencil = passes.edges.stencil.as_ref();
+    let (Some(pass), Some(io), Some(stencil)) = (pass, passes.edge_io(), stencil) else {
+        return Ok(());
+    };
+    let predicates = leaves.predicates();
+    frame.commands().pass(OUTLINES, |commands| {
+        stencil.forget(commands);
+        commands.rendering(stencil.with_colours(target), |commands| {
+            for OutlineDraws { style, triangles, edges } in &outlines {
+                commands.clear_stencil(view.origin, view.size);
+                pass.mark.bind(commands, &passes.opaque_io(), view, &passes.light);
+                predicates.draw_after_counted(commands, *triangles);
+                pass.draw(commands, &io, view, style, *edges);
+            }
+        });
+    });
+    Ok(())
+}
+
+/// Uploads the draws of an outline; `None` if it has no object in the scene.
+fn upload(
+    passes: &FramePasses,
+    frame: &mut Frame<'_>,
+    hierarchy: &Hierarchy,
+    leaves: &LeafTable,
+    number: usize,
+) -> Result<Option<OutlineDraws>, Error> {
+    let (Some(outline), Some(meshes)) = (passes.edges.outlines.get(number), &passes.geometry.edges)
+    else {
+        return Ok(None);
+    };
+    let leaf_of = |object: &ObjectId| Some((*object, hierarchy.leaf_of(*object)?));
+    let objects: Vec<(ObjectId, LeafIndex)> = outline.objects.iter().filter_map(leaf_of).collect();
+    if objects.is_empty() {
+        return Ok(None);
+    }
+    let triangles: Vec<IndirectDraw> = objects.iter().map(|(_, leaf)| leaves.draw(*leaf)).collect();
+    let draw_of = |object: ObjectId| -> MeshDrawId { passes.geometry.draw_of(object) };
+    let edges: Vec<_> =
+        objects.iter().map(|(object, leaf)| meshes.draw(draw_of(*object), leaf.0)).collect();
+    Ok(Some(OutlineDraws {
+        style: outline.style(),
+        triangles: frame.uploads().push(&triangles)?,
+        edges: frame.uploads().push(&edges)?,
+    }))
+}

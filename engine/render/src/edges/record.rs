@@ -1,0 +1,113 @@
+//! The edges of a view, drawn over its finished image and against its finished depth.
+//!
+//! Which edges show depends on that depth alone, which is the same under every strategy: so are
+//! they. The edges of all objects around the frustum are drawn, whatever hides the objects.
+
+use cull::{Hierarchy, View};
+use gpu::{Access, BufferSlice, Frame, MemoryBarrier};
+use occlusion::MeshDrawId;
+
+use crate::edges::EdgeMode;
+use crate::error::Error;
+use crate::frame_passes::FramePasses;
+use crate::passes::{EdgeIo, EdgeTest};
+use crate::view_scopes::ViewScope;
+
+/// The pass that draws edges.
+const EDGES: &str = "draw edges";
+
+/// The draws of the transparent objects of a view.
+struct TransparentEdges {
+    instances: BufferSlice,
+    draws: BufferSlice,
+}
+
+/// Draws the edges of a view, if they are on.
+///
+/// # Errors
+/// No memory.
+pub(crate) fn record_edges(
+    passes: &mut FramePasses,
+    frame: &mut Frame<'_>,
+    hierarchy: &Hierarchy,
+    view: &View,
+) -> Result<(), Error> {
+    let options = passes.edges.options;
+    if options.mode == EdgeMode::Off {
+        return Ok(());
+    }
+    // Snapping and rounding move a line by less than a pixel.
+    let frustum = view.frustum_around(options.width_pixels / 2.0 + 1.0);
+    let mut ranges = std::mem::take(&mut passes.edges.ranges);
+    ranges.clear();
+    hierarchy.leaves_in(&frustum, &mut ranges);
+    let transparent = transparent_edges(passes, frame, &frustum)?;
+    wait_for_vertices(frame);
+    passes.target.prepare(frame.commands());
+    let mut target = passes.target_of(view, None);
+    let mut scope = ViewScope::Edges;
+    if options.mode.is_on_paper() {
+        let [red, green, blue] = options.paper;
+        target = target.cleared_to([red, green, blue, 1.0]);
+        scope = ViewScope::EdgesOnPaper;
+    }
+    let target = passes.scope_target(frame.commands(), scope, target);
+    let pass = passes.pipelines.edges.get();
+    let meshes = passes.geometry.edges.as_ref();
+    if let (Some(pass), Some(meshes), Some(io)) = (pass, meshes, passes.edge_io()) {
+        let hidden = options.mode.shows_hidden().then(|| (EdgeTest::Hidden, options.hidden()));
+        let visible = (EdgeTest::Visible, options.visible());
+        frame.commands().pass(EDGES, |commands| {
+            commands.rendering(target, |commands| {
+                for (test, style) in hidden.iter().chain([&visible]) {
+                    pass.bind(commands, &io, view, *test, style);
+                    ranges.iter().for_each(|range| pass.draw(commands, meshes.leaf_draws(*range)));
+                    if let Some(TransparentEdges { instances, draws }) = transparent {
+                        pass.bind(commands, &EdgeIo { instances, ..io }, view, *test, style);
+                        pass.draw(commands, draws);
+                    }
+                }
+            });
+        });
+    }
+    passes.edges.ranges = ranges;
+    Ok(())
+}
+
+/// Waits for vertices that passes before wrote: edges read them in another way.
+pub(super) fn wait_for_vertices(frame: &Frame<'_>) {
+    let written = [Access::ComputeWrite, Access::CopyWrite];
+    frame.commands().barrier(MemoryBarrier::between(&written, &[Access::VertexRead]));
+}
+
+/// Uploads the draws of the transparent objects around the frustum of a view.
+fn transparent_edges(
+    passes: &FramePasses,
+    frame: &mut Frame<'_>,
+    frustum: &cull::Frustum,
+) -> Result<Option<TransparentEdges>, Error> {
+    let FramePasses { transparent, geometry, .. } = passes;
+    let (Some(transparent), Some(meshes)) = (transparent, &geometry.edges) else {
+        return Ok(None);
+    };
+    let objects: Vec<_> = transparent.in_frustum(frustum).collect();
+    if objects.is_empty() {
+        return Ok(None);
+    }
+    let instances = objects.iter().map(|(id, object)| geometry.transparent_instance(*id, object));
+    let draws = (0..)
+        .zip(&objects)
+        .map(|(place, (_, object))| meshes.draw(MeshDrawId(object.mesh.0), place));
+    let draws: Vec<_> = draws.collect();
+    let instances = frame.uploads().push_iter(instances)?;
+    Ok(Some(TransparentEdges { instances, draws: frame.uploads().push(&draws)? }))
+}
+
+impl FramePasses {
+    /// Returns the inputs of the pass of edges, once they are built.
+    pub(crate) fn edge_io(&self) -> Option<EdgeIo> {
+        let segments = self.geometry.edges.as_ref()?.segments();
+        let instances = self.geometry.instances.whole();
+        Some(EdgeIo { instances, segments, vertices: self.geometry.vertices.whole() })
+    }
+}

@@ -1,0 +1,287 @@
+//! The edge pass: segments of edges as lines that are pixels wide, over a depth that is there.
+
+use bytemuck::{Pod, Zeroable};
+use cull::{ProjectionKind, View};
+use gpu::{
+    Attachments, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
+    GraphicsPipelineInfo, Optional, StencilMode, StencilTarget, StorageLayout, UnindexedDraw, vk,
+};
+use occlusion::{Error, ShaderSet};
+
+use super::opaque::{OpaquePass, anchored};
+use crate::resources::instance::Instance;
+
+/// The stage that widens lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EdgePath {
+    /// A geometry shader. For devices with [`Optional::GeometryShaders`].
+    GeometryShader,
+    /// The vertex shader, which finds the line of its segment for each corner of a strip. The same
+    /// picture, to the bit, at several times the work.
+    Quads,
+}
+
+impl EdgePath {
+    /// Returns the path for a device.
+    pub fn of(device: &Device) -> Self {
+        match device.capabilities().has(Optional::GeometryShaders) {
+            true => Self::GeometryShader,
+            false => Self::Quads,
+        }
+    }
+
+    /// Returns the vertices that a segment is drawn by.
+    fn vertices(self) -> u32 {
+        match self {
+            Self::GeometryShader => 1,
+            Self::Quads => 18,
+        }
+    }
+
+    /// Returns the draw of segments by the instance of this number.
+    pub(crate) fn draw(self, segments: &std::ops::Range<u32>, instance: u32) -> UnindexedDraw {
+        UnindexedDraw {
+            vertex_count: self.vertices().saturating_mul(segments.len() as u32),
+            instance_count: u32::from(!segments.is_empty()),
+            first_vertex: self.vertices().saturating_mul(segments.start),
+            first_instance: instance,
+        }
+    }
+}
+
+/// The lines that are drawn where a test passes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EdgeTest {
+    /// Those that nothing hides.
+    Visible,
+    /// All others.
+    Hidden,
+}
+
+/// The look of lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct EdgeStyle {
+    pub(crate) width_pixels: f32,
+    /// Linear red, green and blue.
+    pub(crate) colour: [f32; 3],
+    /// The length of a dash and of a gap in pixels; a dash of 0 for lines without gaps.
+    pub(crate) dash_pixels: f32,
+    pub(crate) gap_pixels: f32,
+}
+
+/// The buffers of the pass: reads instances, segments and the vertices of all meshes; writes the
+/// colour that is being rendered to.
+#[derive(Clone, Copy)]
+pub(crate) struct EdgeIo {
+    /// One instance per leaf, or per draw.
+    pub(crate) instances: BufferSlice,
+    /// [`EdgeSegment`]s.
+    pub(crate) segments: BufferSlice,
+    /// The vertices, as a storage buffer.
+    pub(crate) vertices: BufferSlice,
+}
+
+/// A segment of an edge; mirrors `edge_line.glsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub(crate) struct EdgeSegment {
+    pub(crate) from: u32,
+    pub(crate) to: u32,
+    pub(crate) left: u32,
+    pub(crate) right: u32,
+    pub(crate) run: u32,
+}
+
+const _: () = assert!(size_of::<EdgeSegment>() == 20);
+
+impl EdgeSegment {
+    /// In place of the corner of a face that there is not.
+    pub(crate) const NO_FACE: u32 = u32::MAX;
+    /// In place of the run of a smooth edge.
+    pub(crate) const SMOOTH: u32 = u32::MAX;
+}
+
+/// Mirrors `edge_constants.glsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    /// See [`anchored`].
+    anchored: [f32; 16],
+    eye: [f32; 4],
+    half_size: [f32; 2],
+    half_width: f32,
+    anchor_w: f32,
+    colour: [f32; 3],
+    dash: f32,
+    depth_step: [f32; 2],
+    period: f32,
+}
+
+const _: () = assert!(size_of::<Constants>() == 124);
+
+impl Constants {
+    fn new(view: &View, style: &EdgeStyle) -> Self {
+        let eye = view.rays.eye();
+        Self {
+            anchored: anchored(view),
+            eye: (eye - view.anchor.extend(0.0) * eye.w).to_array(),
+            half_size: view.size.map(|side| side.max(1) as f32 / 2.0),
+            half_width: style.width_pixels / 2.0,
+            anchor_w: view.from_anchor.w_axis.w,
+            colour: style.colour,
+            dash: style.dash_pixels,
+            depth_step: depth_step(view),
+            period: style.dash_pixels + style.gap_pixels,
+        }
+    }
+}
+
+/// Returns the difference of depth over the width of a pixel along the view: a factor of the depth,
+/// and what is added to that.
+fn depth_step(view: &View) -> [f32; 2] {
+    let [_, height] = view.size;
+    // In metres, in perspective at a distance of one.
+    let pixel_m = 2.0 * view.rays.down.length() / height.max(1) as f32;
+    let [constant, scaled] = view.rays.depth;
+    match view.rays.kind {
+        ProjectionKind::Perspective => [pixel_m, -constant * pixel_m],
+        ProjectionKind::Orthographic => [0.0, scaled.abs() * pixel_m],
+    }
+}
+
+/// The pipelines that draw edges.
+pub(crate) struct EdgePass {
+    visible: GraphicsPipeline,
+    hidden: GraphicsPipeline,
+    all: Buffer,
+}
+
+/// The pipelines that mark objects in a stencil, and draw edges where no mark is.
+pub(crate) struct OutlinePass {
+    pub(crate) mark: OpaquePass,
+    edges: GraphicsPipeline,
+    all: Buffer,
+}
+
+impl EdgePass {
+    /// Compiles the pass for renderings to `attachments`.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub(crate) fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
+        let pipeline = |name, depth| {
+            let info = GraphicsPipelineInfo { depth, attachments, ..info(device, shaders, name)? };
+            Ok::<_, Error>(GraphicsPipeline::new(device, &info)?)
+        };
+        Ok(Self {
+            visible: pipeline("visible edges", DepthMode::TestOnly)?,
+            hidden: pipeline("hidden edges", DepthMode::TestFarther)?,
+            all: all_draws(device)?,
+        })
+    }
+
+    /// Binds the pipeline of a test; the caller then [draws](EdgePass::draw).
+    pub(crate) fn bind(
+        &self,
+        commands: &Commands,
+        io: &EdgeIo,
+        view: &View,
+        test: EdgeTest,
+        style: &EdgeStyle,
+    ) {
+        let pipeline = match test {
+            EdgeTest::Visible => &self.visible,
+            EdgeTest::Hidden => &self.hidden,
+        };
+        bind(commands, pipeline, io, view, style);
+    }
+
+    /// Draws [`UnindexedDraw`]s with what is bound.
+    pub(crate) fn draw(&self, commands: &Commands, draws: BufferSlice) {
+        commands.draw_all_unindexed_indirect(draws, self.all.whole());
+    }
+}
+
+impl OutlinePass {
+    /// Compiles the pass for renderings to the colours of `attachments` with a stencil.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub(crate) fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
+        let attachments = StencilTarget::attachments_beside(&attachments);
+        let edges = GraphicsPipelineInfo {
+            depth: DepthMode::Ignored,
+            stencil: StencilMode::Unmarked,
+            attachments,
+            ..info(device, shaders, "outlines")?
+        };
+        Ok(Self {
+            mark: OpaquePass::marking(device, shaders, attachments)?,
+            edges: GraphicsPipeline::new(device, &edges)?,
+            all: all_draws(device)?,
+        })
+    }
+
+    /// Draws the edges of objects where no mark is.
+    pub(crate) fn draw(
+        &self,
+        commands: &Commands,
+        io: &EdgeIo,
+        view: &View,
+        style: &EdgeStyle,
+        draws: BufferSlice,
+    ) {
+        bind(commands, &self.edges, io, view, style);
+        commands.draw_all_unindexed_indirect(draws, self.all.whole());
+    }
+}
+
+fn bind(
+    commands: &Commands,
+    pipeline: &GraphicsPipeline,
+    io: &EdgeIo,
+    view: &View,
+    style: &EdgeStyle,
+) {
+    commands.bind(pipeline, &[io.instances, io.segments, io.vertices]);
+    commands.push_constants(pipeline, &Constants::new(view, style));
+}
+
+fn info<'a>(
+    device: &Device,
+    shaders: &'a ShaderSet,
+    name: &'a str,
+) -> Result<GraphicsPipelineInfo<'a>, Error> {
+    let path = EdgePath::of(device);
+    let vertex = match path {
+        EdgePath::GeometryShader => "edge.vert",
+        EdgePath::Quads => "edge_quads.vert",
+    };
+    let topology = match path {
+        EdgePath::GeometryShader => vk::PrimitiveTopology::POINT_LIST,
+        EdgePath::Quads => vk::PrimitiveTopology::TRIANGLE_LIST,
+    };
+    let has_stage = path == EdgePath::GeometryShader;
+    Ok(GraphicsPipelineInfo {
+        geometry: has_stage.then(|| shaders.find("edge.geom")).transpose()?,
+        fragment: Some(shaders.find("edge.frag")?),
+        storage: StorageLayout::new::<Constants>(3),
+        topology,
+        blend: Blend::Opaque,
+        ..GraphicsPipelineInfo::of(name, shaders.find(vertex)?).numbered::<Instance>()
+    })
+}
+
+/// Returns the count of all draws, however many there are.
+fn all_draws(device: &Device) -> Result<Buffer, Error> {
+    let most = [device.adapter().limits.max_draw_indirect_count.max(1)];
+    Ok(device.upload("all edges", &most, vk::BufferUsageFlags::INDIRECT_BUFFER)?)
+}
