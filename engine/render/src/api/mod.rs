@@ -16,6 +16,7 @@ mod poses;
 #[cfg(feature = "window")]
 mod present;
 mod render;
+mod section;
 mod shadows;
 mod snapshot;
 mod textures;
