@@ -246,7 +246,11 @@ fn upload(
     };
     let renderer_options = RendererOptions { distrusted, ..renderer_options };
     let renderer = Renderer::with_hierarchy(device, scene, hierarchy, &renderer_options);
-    renderer.map_err(|error| match &options.scene {
+    let cut = renderer.and_then(|mut renderer| {
+        renderer.set_section(options.section)?;
+        Ok(renderer)
+    });
+    cut.map_err(|error| match &options.scene {
         SceneChoice::File(file) => RunError::from(error).about(file),
         SceneChoice::Made(_) => error.into(),
     })
