@@ -1,25 +1,4 @@
 // Edges: widens a line to a strip.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "edge_constants.glsl"
-#include "edge_strip.glsl"
-
-layout(points) in;
-layout(triangle_strip, max_vertices = 8) out;
-
-layout(location = 0) in vec3 line_from[];
-layout(location = 1) in vec3 line_to[];
-layout(location = 2) in vec2 line_along[];
-
-layout(location = 0) out float along;
-
-void main() {
-    Line line = Line(line_from[0], line_to[0], line_along[0]);
-    if (line.from == line.to) return;
-    for (uint corner = 0; corner < STRIP_CORNERS; ++corner) {
-        gl_Position = strip_corner(line, corner);
-        along = strip_along(line, corner);
-        EmitVertex();
-    }
-    EndPrimitive();
-}
+#include "edge_geometry.glsl"

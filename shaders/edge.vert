@@ -1,21 +1,4 @@
 // Edges: the line of a segment, for the geometry stage.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "instance.glsl"
-#include "instance_number.glsl"
-#include "edge_constants.glsl"
-#include "edge_strip.glsl"
-#include "edge_line.glsl"
-
-layout(location = 0) out vec3 line_from;
-layout(location = 1) out vec3 line_to;
-layout(location = 2) out vec2 line_along;
-
-void main() {
-    Line line = line_of(instances[instance_number], uint(gl_VertexIndex));
-    line_from = line.from;
-    line_to = line.to;
-    line_along = line.along;
-    gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
-    gl_PointSize = 1.0;
-}
+#include "edge_vertex.glsl"

@@ -1,23 +1,4 @@
-// Edges, where there is no geometry stage: each vertex is a corner of a triangle of the strip of its
-// segment, in the order in which a strip has them.
+// Edges, where there is no geometry stage.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "instance.glsl"
-#include "instance_number.glsl"
-#include "edge_constants.glsl"
-#include "edge_strip.glsl"
-#include "edge_line.glsl"
-
-layout(location = 0) out float along;
-
-void main() {
-    uint vertex = uint(gl_VertexIndex);
-    uint place = vertex % STRIP_VERTICES;
-    uint triangle = place / 3u;
-    uint turn = place % 3u;
-    // Every other triangle of a strip is turned around.
-    uint corner = triangle + (turn == 0u || (triangle & 1u) == 0u ? turn : 3u - turn);
-    Line line = line_of(instances[instance_number], vertex / STRIP_VERTICES);
-    gl_Position = strip_corner(line, corner);
-    along = strip_along(line, corner);
-}
+#include "edge_quads_vertex.glsl"

@@ -5,6 +5,9 @@
 #include "texels.glsl"
 #include "surface_alpha.glsl"
 #include "flare_block.glsl"
+#ifdef SECTION_BINDING
+#include "section_fragment.glsl"
+#endif
 
 layout(early_fragment_tests) in;
 
@@ -12,6 +15,9 @@ layout(std430, binding = 3) readonly buffer Blocks { FlareBlock blocks[]; };
 layout(std430, binding = 4) buffer Veil { uint veil[]; };
 
 void main() {
+#ifdef SECTION_BINDING
+    if (is_cut_away(section_state)) discard;
+#endif
     // At least a 65536th is let through, so that sums stay within their range.
     float alpha = mask_alpha(base_colour());
     float through = max(1.0 - clamp(alpha, 0.0, 1.0), exp2(-16.0));

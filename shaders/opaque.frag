@@ -1,16 +1,4 @@
-// The opaque pass: one directional light, plain diffuse; sRGB is encoded by the attachment.
+// The opaque pass: one directional light, plain diffuse.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "opaque_constants.glsl"
-
-layout(location = 0) in vec3 world_normal;
-layout(location = 1) in vec3 albedo;
-
-layout(location = 0) out vec4 colour;
-
-void main() {
-    vec3 n = normalize(world_normal);
-    vec3 ambient = mix(ambient_below.rgb, ambient_above.rgb, 0.5 + 0.5 * n.y);
-    vec3 direct = sun.rgb * max(dot(n, towards_sun.xyz), 0.0);
-    colour = vec4(albedo * (ambient + direct), 1.0);
-}
+#include "opaque_main.glsl"

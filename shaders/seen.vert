@@ -1,27 +1,4 @@
-// The seen pass: the opaque pass's positions to the bit, and the leaf that a vertex belongs to.
+// The seen pass: the opaque pass's positions.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "instance.glsl"
-#include "instance_number.glsl"
-#include "snap.glsl"
-
-layout(location = 0) in vec3 position;
-
-layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
-#include "sprites.glsl"
-
-layout(push_constant) uniform Constants {
-    mat4 view_proj; // of places relative to the anchor
-    vec4 anchor;    // w unused
-    vec2 snap_steps;
-};
-
-layout(location = 0) flat out uint leaf;
-
-invariant gl_Position;
-
-void main() {
-    vec4 clip = view_proj * vec4(vertex_from_anchor(instances[instance_number], position, view_proj, anchor.xyz), 1.0);
-    gl_Position = snapped(clip, snap_steps);
-    leaf = instance_number;
-}
+#include "seen_vertex.glsl"

@@ -22,9 +22,9 @@ struct ShadowFace {
 
 layout(std430, binding = 5) readonly buffer ShadowLights { ShadowLight shadow_lights[]; };
 layout(std430, binding = 6) readonly buffer ShadowFaces { ShadowFace shadow_faces[]; };
-layout(binding = 7) uniform sampler2DArrayShadow shadow_maps;
-layout(binding = 8) uniform sampler2DArray shadow_depths;
-layout(binding = 9) uniform sampler3D disks;
+layout(binding = SHADOW_TEXTURES_BINDING) uniform sampler2DArrayShadow shadow_maps;
+layout(binding = SHADOW_TEXTURES_BINDING + 1) uniform sampler2DArray shadow_depths;
+layout(binding = SHADOW_TEXTURES_BINDING + 2) uniform sampler3D disks;
 
 const uint SINGLE = 0u;
 const uint PCF3 = 1u;

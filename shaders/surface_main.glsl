@@ -10,6 +10,9 @@
 #include "light_picture.glsl"
 #include "environment.glsl"
 #include "tonemap.glsl"
+#ifdef SECTION_BINDING
+#include "section_fragment.glsl"
+#endif
 
 layout(location = 4) flat in uvec4 material_emission;
 layout(location = 5) flat in uvec4 material_details;
@@ -151,6 +154,10 @@ void main() {
     vec3 n = shading_normal(uvs);
     // Not before the last texel: where a neighbour is gone, derivatives are not defined.
     if (MASKED && is_hole(base)) discard;
+#ifdef SECTION_BINDING
+    if (is_cut_away(section_state)) discard;
+    n = gl_FrontFacing ? n : -n;
+#endif
     vec3 v = unit_or(towards_eye == vec3(0.0) ? -world_position : towards_eye, n);
     Brdf brdf = brdf_of(base.rgb, roughness_metallic.y, roughness_metallic.x, n, v);
     vec3 light = ambient(brdf, roughness_metallic.x) * occlusion + direct(brdf) + emission;

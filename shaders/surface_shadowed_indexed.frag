@@ -4,5 +4,6 @@
 #extension GL_EXT_nonuniform_qualifier : require
 #define INDEXED_TEXTURES
 #define SHADOWED
+#define SHADOW_TEXTURES_BINDING 7
 #define ENVIRONMENT_BINDING 10
 #include "surface_main.glsl"

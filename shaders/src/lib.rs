@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 57] = [
+pub const PASSES: [Shader; 90] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -101,6 +101,39 @@ pub const PASSES: [Shader; 57] = [
     shader!("edge.geom"),
     shader!("edge_quads.vert"),
     shader!("edge.frag"),
+    shader!("edge_section.vert"),
+    shader!("edge_section.geom"),
+    shader!("edge_quads_section.vert"),
+    shader!("edge_section.frag"),
+    shader!("opaque_section.vert"),
+    shader!("opaque_section.frag"),
+    shader!("section_depth.frag"),
+    shader!("counted_section.vert"),
+    shader!("wireframe_section.frag"),
+    shader!("seen_section.vert"),
+    shader!("seen_section.frag"),
+    shader!("surface_section.vert"),
+    shader!("surface_shadowed_section.vert"),
+    shader!("surface_depth_section.vert"),
+    shader!("surface_section.frag"),
+    shader!("surface_indexed_section.frag"),
+    shader!("surface_shadowed_section.frag"),
+    shader!("surface_shadowed_indexed_section.frag"),
+    shader!("surface_volumes_section.frag"),
+    shader!("surface_volumes_indexed_section.frag"),
+    shader!("surface_depth_section.frag"),
+    shader!("surface_depth_indexed_section.frag"),
+    shader!("flare_veil_section.frag"),
+    shader!("flare_veil_indexed_section.frag"),
+    shader!("cap_count.vert"),
+    shader!("cap_count.frag"),
+    shader!("cap.vert"),
+    shader!("cap.frag"),
+    shader!("cap_depth.frag"),
+    shader!("cap_seen.frag"),
+    shader!("cap_pointed.frag"),
+    shader!("section_mark.frag"),
+    shader!("pointer_section.frag"),
 ];
 
 /// Returns the stage of that name among [`PASSES`].

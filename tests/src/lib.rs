@@ -22,6 +22,7 @@ pub mod numbered_boxes;
 pub mod reference;
 pub mod reported;
 pub mod scene_rays;
+pub mod section;
 pub mod shapes;
 pub mod show;
 pub mod stage;

@@ -81,6 +81,7 @@ pub fn image(
     let sky = SkyPass::new(device, &shaders, Attachments::default()).expect("a pass");
     let view = View::new(camera, size, device.adapter().limits.sub_pixel_precision_bits);
     let io = SurfaceIo {
+        section: None,
         vertices: vertices.whole(),
         indices: indices.whole(),
         instances: instances.whole(),
@@ -96,7 +97,7 @@ pub fn image(
                 masked.bind(commands, &io, &view, &scene.light);
             } else {
                 let SurfaceIo { vertices, indices, instances, .. } = io;
-                let io = OpaqueIo { vertices, indices, instances };
+                let io = OpaqueIo { vertices, indices, instances, section: None };
                 plain.bind(commands, &io, &view, &scene.light);
             }
             commands.draw_indirect(draws.whole());

@@ -101,6 +101,7 @@ pub use geom::margin::Margin;
 pub use geom::multi_view::{MultiView, MultiViewError};
 pub use geom::projection::{ClipY, DepthConvention, ViewError, ViewProjection};
 pub use geom::rays::{ProjectionKind, Rays};
+pub use geom::section::{SectionError, SectionMember, SectionMode, SectionPlane, SectionPlanes};
 pub use geom::view::{Anchor, View};
 pub use hierarchy::{
     BUILD_BYTES_PER_OBJECT, BoxChange, Hierarchy, HierarchyError, HierarchyWork, MAX_OBJECTS,

@@ -113,7 +113,7 @@ pub use passes::{
 };
 pub use planned::PlannedMethod;
 pub use rect::Rect;
-pub use shader_set::ShaderSet;
+pub use shader_set::{SectionShaders, ShaderSet};
 pub use transparent_list::TransparentList;
 pub use trust::{Assumption, Trust};
 pub use visibility_state::VisibilityState;

@@ -11,6 +11,17 @@ use crate::error::Error;
 #[derive(Debug, Clone)]
 pub struct ShaderSet {
     loaded: Vec<Spirv>,
+    section: SectionShaders,
+}
+
+/// The shaders that objects are drawn with.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SectionShaders {
+    /// Those that draw objects whole.
+    #[default]
+    Whole,
+    /// Those that section planes cut, with two more storage buffers behind the others.
+    Cut,
 }
 
 impl ShaderSet {
@@ -20,7 +31,7 @@ impl ShaderSet {
     /// None, unless the build itself is broken.
     pub fn embedded() -> Result<Self, Error> {
         let load = |shader: &Shader| Spirv::from_bytes(shader.name, shader.spirv);
-        Ok(Self { loaded: PASSES.iter().map(load).collect::<Result<_, _>>()? })
+        Ok(Self::of(PASSES.iter().map(load).collect::<Result<_, _>>()?))
     }
 
     /// Compiles all of them from the GLSL in `folder`.
@@ -31,7 +42,7 @@ impl ShaderSet {
     #[cfg(feature = "shader-compiler")]
     pub fn compiled_from(folder: &Path) -> Result<Self, Error> {
         let compile = |shader: &Shader| gpu::compile(&folder.join(shader.name));
-        Ok(Self { loaded: PASSES.iter().map(compile).collect::<Result<_, _>>()? })
+        Ok(Self::of(PASSES.iter().map(compile).collect::<Result<_, _>>()?))
     }
 
     /// Fails to compile the GLSL in `folder`.
@@ -52,6 +63,34 @@ impl ShaderSet {
             *shader = shader.specialised(&[SPRITES]);
         }
         self
+    }
+
+    fn of(loaded: Vec<Spirv>) -> Self {
+        Self { loaded, section: SectionShaders::Whole }
+    }
+
+    /// Returns the same set, of which passes take the shaders of objects that are cut by section
+    /// planes, or whole.
+    #[must_use]
+    pub fn with_section(self, section: SectionShaders) -> Self {
+        Self { section, ..self }
+    }
+
+    /// Returns the shaders of objects that passes take.
+    pub fn section(&self) -> SectionShaders {
+        self.section
+    }
+
+    /// Returns the shader of a pass of objects, by the name of the pass and the end of its file's
+    /// name: cut by section planes or whole.
+    ///
+    /// # Errors
+    /// None, unless the build itself is broken.
+    pub fn find_of_objects(&self, pass: &str, end: &str) -> Result<&Spirv, Error> {
+        match self.section {
+            SectionShaders::Whole => self.find(&format!("{pass}.{end}")),
+            SectionShaders::Cut => self.find(&format!("{pass}_section.{end}")),
+        }
     }
 
     /// Returns the shader of this file name.

@@ -96,6 +96,7 @@ impl ObjectRenderer for CalibrationObjects<'_> {
 
     fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
         let io = OpaqueIo {
+            section: None,
             vertices: self.geometry.vertices.whole(),
             indices: self.geometry.indices.whole(),
             instances: self.geometry.instances.whole(),

@@ -19,6 +19,7 @@ use crate::resources::geometry::{Geometry, bounds_in_world};
 use crate::resources::skinned_mesh_state::SkinnedMeshState;
 use crate::resources::skinned_meshes::{PoseUploads, Skinned, SkinnedMeshes};
 use crate::resources::volume_meshes::VolumeMeshes;
+use crate::section::Section;
 use crate::shading::depth_first::{DARK, DepthPass};
 use crate::shading::surfaces::SurfaceOptions;
 use crate::shading::surfaces::SurfaceResources;
@@ -39,6 +40,8 @@ pub(crate) struct FramePasses {
     pub(crate) transparent: Option<Transparent>,
     pub(crate) shadows: Shadows,
     pub(crate) edges: Edges,
+    /// The section planes and what they cut.
+    pub(crate) section: Section,
     /// The renderings of the view that is recorded, if they are known.
     pub(crate) scopes: Option<ViewScopes>,
 }
@@ -67,6 +70,8 @@ impl ObjectRenderer for FramePasses {
 
     fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget {
         let target = match rendering {
+            // Caps were the first.
+            Rendering::First if self.section.uploaded_caps.is_some() => self.target_of(view, None),
             Rendering::First => self.image_target(view, self.sky()),
             Rendering::Next => self.target_of(view, None),
         };
@@ -204,6 +209,7 @@ impl FramePasses {
             transparent,
             shadows,
             edges: Edges::default(),
+            section: Section::default(),
             scopes: None,
         })
     }
@@ -248,6 +254,7 @@ impl FramePasses {
             vertices: self.geometry.vertices.whole(),
             indices: self.geometry.indices.whole(),
             instances: self.geometry.instances.whole(),
+            section: self.section.io(),
         }
     }
 
@@ -286,6 +293,7 @@ impl FramePasses {
             instances: self.geometry.instances.whole(),
             surfaces: self.geometry.surfaces.as_ref()?,
             shadows: self.shadows.io(),
+            section: self.section.io(),
         })
     }
 
@@ -343,8 +351,12 @@ impl FramePasses {
         self.shadows.plan(scene, opaque.union(&transparent), views, uses)?;
         self.geometry.upload_changes(frame, hierarchy, executor)?;
         self.upload_poses(frame, hierarchy, uploads)?;
-        let Self { geometry, pipelines, shadows, .. } = self;
-        shadows.record(frame, (geometry, hierarchy), (pipelines, executor.leaves.predicates()))
+        let Self { geometry, pipelines, shadows, section, .. } = self;
+        shadows.record(
+            frame,
+            (geometry, hierarchy, section),
+            (pipelines, executor.leaves.predicates()),
+        )
     }
 
     fn upload_poses(

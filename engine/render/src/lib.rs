@@ -48,6 +48,7 @@ mod price_list;
 mod probe_recording;
 mod renderer;
 mod resources;
+mod section;
 mod self_test;
 mod shading;
 mod shadows;

@@ -446,7 +446,8 @@ impl Renderer {
 
     /// Returns the view of `camera` on this renderer's image.
     pub fn view_of(&self, camera: &Camera) -> View {
-        view_in(&self.device, camera, Rect::whole(self.size()))
+        let view = view_in(&self.device, camera, Rect::whole(self.size()));
+        View { section: self.passes.section.planes, ..view }
     }
 
     /// Waits until every frame is over and reads its results. Not for a frame loop: it counts as a

@@ -30,6 +30,7 @@ mod pose_bounds;
 mod prepared_mesh;
 mod prepared_texture;
 mod punctual_light;
+mod shell;
 mod sprites;
 mod surface;
 #[cfg(test)]
@@ -60,6 +61,7 @@ pub use pose_bounds::PoseBounds;
 pub use prepared_mesh::PreparedMesh;
 pub use prepared_texture::PreparedTexture;
 pub use punctual_light::{LightKind, LightPicture, PunctualLight};
+pub use shell::Shell;
 pub use sprites::{MAX_SPRITES, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
 pub use surface::{
     Alpha, Encoding, Filter, ImageId, LightId, LodLevel, Material, MaterialId, MorphTarget,

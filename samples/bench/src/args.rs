@@ -19,6 +19,7 @@ use crate::options::{
     DEFAULT_IMAGES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
     MadeScene, PathChoice, SceneChoice, UsageError, parse_samples,
 };
+use crate::section_args::SectionArguments;
 use crate::strategy::{self, Strategy};
 use crate::terminal::shown;
 
@@ -81,6 +82,9 @@ pub struct Arguments {
     /// Its lights and their shadows.
     #[command(flatten)]
     pub lighting: LightArguments,
+    /// The planes that cut it.
+    #[command(flatten)]
+    pub section: SectionArguments,
     /// The camera's path: street (eye level), fly (from above), cut (every tenth frame jumps), or a
     /// file that city or viewer recorded (a name with .txt at its end or a slash). In a glTF file:
     /// a camera of that name, whose whole clip is walked once from end to end [default: street; in
@@ -351,6 +355,7 @@ impl Arguments {
             trust: self.trust,
             predicates,
             threshold_pixels: threshold,
+            section: self.section.planes()?,
             shaders: self.device.shaders.clone(),
             output: self.out.clone(),
             report: self.report.clone(),

@@ -39,6 +39,7 @@ pub mod run;
 pub mod run_error;
 pub mod scene_file;
 pub mod schedule;
+pub mod section_args;
 pub mod shadow_choice;
 pub mod signals;
 pub mod statistics;

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+use antumbra::cull::SectionPlanes;
 use antumbra::gpu::SampleCount;
 use antumbra::import::BrokenParts;
 use scenes::{GeneratedScene, GeneratorError, LightSet};
@@ -144,7 +145,7 @@ impl fmt::Display for PathChoice {
 }
 
 /// A walk, fully described. Every value is in its range.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// The scene to walk through: generated, or out of a file.
     pub scene: SceneChoice,
@@ -195,6 +196,8 @@ pub struct Options {
     pub predicates: PredicatesChoice,
     /// The largest number of visible pixels that counts as hidden; 0 where all is exact.
     pub threshold_pixels: u32,
+    /// The planes that cut the scene.
+    pub section: SectionPlanes,
     /// Folder of GLSL that replaces the embedded shaders.
     pub shaders: Option<PathBuf>,
     /// Folder for images.

@@ -248,6 +248,7 @@ fn upload(
     let renderer = Renderer::with_hierarchy(device, scene, hierarchy, &renderer_options);
     let drawing = renderer.and_then(|mut renderer| {
         renderer.set_edges(options.edges.options())?;
+        renderer.set_section(options.section)?;
         Ok(renderer)
     });
     drawing.map_err(|error| match &options.scene {

@@ -51,7 +51,7 @@ impl ObjectCard<'_> {
             facts.push(fact("group", format!("{leaves} objects, level {level}")));
             facts.push(fact("group is", self.state(&history)));
             facts.push(fact("last answer", self.answer(&history)));
-        } else if explained.decision != Decision::Outside {
+        } else if !matches!(explained.decision, Decision::Outside | Decision::CutAway) {
             facts.push(fact("object is", self.state(&explained.history)));
             facts.push(fact("last answer", self.answer(&explained.history)));
         }
@@ -75,6 +75,7 @@ impl ObjectCard<'_> {
         };
         match self.explained.decision {
             Decision::Outside => "not drawn: outside of the frustum".to_owned(),
+            Decision::CutAway => "not drawn: cut away by section planes".to_owned(),
             Decision::Drawn if self.strategy == Strategy::FRUSTUM => {
                 "drawn: in the frustum".to_owned()
             }

@@ -58,6 +58,7 @@ mod relight;
 #[cfg(feature = "shader-compiler")]
 mod reload;
 mod scene_rays;
+mod sections;
 mod self_test;
 mod shading;
 mod shadow_maps;

@@ -67,7 +67,7 @@ impl Copies {
         };
         let instances = uploads.push_iter(all.iter().map(instance)).unwrap();
         let [vertices, indices] = geometry;
-        let io = OpaqueIo { vertices, indices, instances };
+        let io = OpaqueIo { vertices, indices, instances, section: None };
         Self { io, indices: mesh.indices.len() as u32 }
     }
 

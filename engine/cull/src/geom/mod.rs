@@ -10,4 +10,5 @@ pub(crate) mod multi_view;
 pub(crate) mod outline;
 pub(crate) mod projection;
 pub(crate) mod rays;
+pub(crate) mod section;
 pub(crate) mod view;

@@ -99,17 +99,29 @@ impl<'a> MultiView<'a> {
         &self.views[0]
     }
 
-    /// Tests a box against the frustums by `masks`, which belong to a box around it. Returns its
-    /// place, in whichever frustum it is farthest inside, and the masks for its parts.
-    pub(crate) fn classify(self, bounds: &Aabb, masks: ViewMasks) -> (Containment, ViewMasks) {
+    /// Tests a box against the frustums by `masks`, which belong to a box around it, and the views
+    /// by whose section planes it `is_cut_away`. Returns its place, in whichever frustum it is
+    /// farthest inside, and the masks for its parts.
+    pub(crate) fn classify(
+        self,
+        bounds: &Aabb,
+        masks: ViewMasks,
+        is_cut_away: impl Fn(&View) -> bool,
+    ) -> (Containment, ViewMasks) {
         if let Some(volumes) = self.volumes {
-            return (volumes.classify(bounds, self.first()), masks);
+            return match is_cut_away(self.first()) {
+                true => (Containment::Outside, masks),
+                false => (volumes.classify(bounds, self.first()), masks),
+            };
         }
         let mut below = masks;
         let mut place = Containment::Outside;
         for (view, mask) in self.views.iter().zip(&mut below.0) {
             if *mask != PlaneMask::OUTSIDE {
-                let (of_view, remaining) = view.frustum.classify(bounds, *mask);
+                let (of_view, remaining) = match is_cut_away(view) {
+                    true => (Containment::Outside, *mask),
+                    false => view.frustum.classify(bounds, *mask),
+                };
                 *mask = match of_view {
                     Containment::Outside => PlaneMask::OUTSIDE,
                     _ => remaining,
@@ -206,13 +218,14 @@ mod tests {
         let pair = [Vec3::NEG_Z, Vec3::X].map(|forward| looking(Vec3::ZERO, forward));
         let views = MultiView::new(&pair).unwrap();
         let ahead = cube(Vec3::NEG_Z * 10.0, 1.0);
-        let (place, masks) = views.classify(&ahead, ViewMasks::ALL);
+        let (place, masks) = views.classify(&ahead, ViewMasks::ALL, |_| false);
         assert_eq!((place, masks.is_inside()), (Containment::Inside, true));
         // The second view is not asked again.
-        let (place, _) = views.classify(&cube(Vec3::X * 10.0, 1.0), masks);
+        let (place, _) = views.classify(&cube(Vec3::X * 10.0, 1.0), masks, |_| false);
         assert_eq!(place, Containment::Inside, "the first has nothing left to ask");
         assert_eq!(masks.0[1], PlaneMask::OUTSIDE);
-        let behind = views.classify(&cube(Vec3::new(-10.0, 0.0, 10.0), 1.0), ViewMasks::ALL);
+        let behind = cube(Vec3::new(-10.0, 0.0, 10.0), 1.0);
+        let behind = views.classify(&behind, ViewMasks::ALL, |_| false);
         assert_eq!(behind.0, Containment::Outside);
     }
 
@@ -220,7 +233,8 @@ mod tests {
     fn a_proxy_has_the_largest_margin_and_no_view_that_sees_it_cuts_it() {
         let pair = [Vec3::ZERO, Vec3::Z * 90.0].map(|eye| looking(eye, Vec3::NEG_Z));
         let views = MultiView::new(&pair).unwrap();
-        let proxy = |bounds: &Aabb| views.proxy(bounds, views.classify(bounds, ViewMasks::ALL).1);
+        let masks = |bounds: &Aabb| views.classify(bounds, ViewMasks::ALL, |_| false).1;
+        let proxy = |bounds: &Aabb| views.proxy(bounds, masks(bounds));
         let far = cube(Vec3::NEG_Z * 10.0, 1.0);
         let [near_one, far_one] = pair.map(|view| view.margin.proxy(&far).unwrap());
         assert!(far_one.contains(&near_one) && far_one != near_one);

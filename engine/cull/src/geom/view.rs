@@ -5,9 +5,10 @@ use glam::{DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 use crate::geom::bounds::Aabb;
 use crate::geom::camera::{Camera, Projection};
 use crate::geom::frustum::Frustum;
-use crate::geom::margin::Margin;
+use crate::geom::margin::{Margin, rounding};
 use crate::geom::projection::{DEPTH_ROUNDING, DepthConvention, ViewError, ViewProjection};
 use crate::geom::rays::{ProjectionKind, Rays};
+use crate::geom::section::SectionPlanes;
 
 /// One frame's view: the matrix that draws and the volumes that cull, from the same numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +38,8 @@ pub struct View {
     pub frustum: Frustum,
     /// The proxies of boxes in this view.
     pub margin: Margin,
+    /// The planes that cut objects in this view; none unless they are set.
+    pub section: SectionPlanes,
 }
 
 impl View {
@@ -168,6 +171,7 @@ impl View {
             snap_steps: size.map(|side| side as f32 * 0.5 * steps_per_pixel),
             frustum: Frustum::new(&from_anchor, anchor, depth, &rays),
             margin: Margin::new(&rays, size, sub_pixel_bits),
+            section: SectionPlanes::default(),
         }
     }
 
@@ -208,6 +212,14 @@ impl View {
             column[2] += nearer;
         }
         Mat4::from_cols_array_2d(&columns)
+    }
+
+    /// Returns true if the [section planes](View::section) leave nothing of what is in a box, by
+    /// more than the rounding of what is drawn.
+    #[must_use]
+    pub fn cuts_away(&self, bounds: &Aabb) -> bool {
+        !self.section.is_empty()
+            && self.section.removes(bounds, rounding(bounds, self.rays.coordinate))
     }
 
     /// Returns the size of a pixel at a distance (metres).

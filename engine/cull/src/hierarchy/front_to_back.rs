@@ -39,6 +39,9 @@ impl<'a> ViewedHierarchy<'a> {
     pub(crate) fn look(&self, node: NodeId, mask: PlaneMask) -> Option<InSight> {
         let bounds = self.hierarchy.bounds(node);
         let (containment, mask) = self.view.frustum.classify(&bounds, mask);
+        if self.hierarchy.is_cut_away(node, self.view) {
+            return None;
+        }
         let distance_bits = self.view.rays.distance_squared(&bounds).to_bits();
         (containment != Containment::Outside).then_some(InSight { distance_bits, node, mask })
     }

@@ -12,6 +12,7 @@ mod refit;
 mod restructure;
 mod topology;
 mod wear;
+mod whole;
 
 use crate::geom::bounds::Aabb;
 use crate::ids::{Generation, HierarchyId, LeafIndex, LeafRange, NodeId, ObjectId};
@@ -45,6 +46,7 @@ pub struct Hierarchy {
     /// Subtrees to rebuild; kept to allocate nothing.
     chosen: Vec<u32>,
     work: HierarchyWork,
+    whole: whole::WholeObjects,
 }
 
 impl Hierarchy {
@@ -71,6 +73,7 @@ impl Hierarchy {
             search: occupancy::Search::default(),
             chosen: Vec::new(),
             work: HierarchyWork::default(),
+            whole: whole::WholeObjects::default(),
         })
     }
 

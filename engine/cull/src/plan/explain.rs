@@ -3,6 +3,7 @@
 use crate::geom::bounds::Aabb;
 use crate::geom::frustum::Containment;
 use crate::geom::multi_view::{MultiView, ViewMasks};
+use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;
 use crate::history::record::NodeState;
 use crate::ids::{FrameId, LeafIndex, NodeId, ObjectId};
@@ -26,6 +27,8 @@ pub struct NodeHistory {
 pub enum Decision {
     /// Left out: its box is outside of the view's frustum, and it is in no group that is tested.
     Outside,
+    /// Left out: section planes remove all of its box, and it is in no group that is tested.
+    CutAway,
     /// Taken as visible and drawn, without a test.
     Drawn,
     /// Drawn, and the draw itself is tested for the frames to come.
@@ -103,16 +106,16 @@ pub(crate) fn explain(
         level: hierarchy.level(node),
         frame: plan.frame,
         history: known(node),
-        decision: decision(views, plan, (leaf, node, &bounds), known),
+        decision: decision((hierarchy, views), plan, (leaf, node), known),
         leaf,
         node,
     })
 }
 
 fn decision(
-    views: MultiView<'_>,
+    (hierarchy, views): (&Hierarchy, MultiView<'_>),
     plan: &FramePlan,
-    (leaf, node, bounds): (LeafIndex, NodeId, &Aabb),
+    (leaf, node): (LeafIndex, NodeId),
     known: impl Fn(NodeId) -> NodeHistory,
 ) -> Decision {
     if plan.queried_draws.iter().any(|(queried, _)| *queried == leaf) {
@@ -124,7 +127,10 @@ fn decision(
         return own
             .map_or(Decision::Drawn, |test| Decision::DrawnAndBoxTested { tester: test.tester });
     }
-    let is_outside = || views.classify(bounds, ViewMasks::ALL).0 == Containment::Outside;
+    let is_outside = |is_cut_away: &dyn Fn(&View) -> bool| {
+        let (place, _) = views.classify(&hierarchy.bounds(node), ViewMasks::ALL, is_cut_away);
+        place == Containment::Outside
+    };
     match plan.tests.iter().find(|test| test.leaves.contains(leaf)) {
         Some(test) => Decision::Tested {
             node: test.tag.node,
@@ -134,7 +140,8 @@ fn decision(
             tester: test.tester,
             history: known(test.tag.node),
         },
-        None if is_outside() => Decision::Outside,
+        None if is_outside(&|_| false) => Decision::Outside,
+        None if is_outside(&|view| hierarchy.is_cut_away(node, view)) => Decision::CutAway,
         None => Decision::Unplanned,
     }
 }

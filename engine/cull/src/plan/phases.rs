@@ -15,7 +15,7 @@ pub(crate) fn test_boxes_of_retests(scratch: &mut Scratch, walk: &Walk<'_>, stat
     for retest in scratch.retests.drain(..) {
         scratch.draws.push(Draw { nearness: retest.nearness, leaf: retest.leaf });
         let bounds = bounds(retest.node);
-        let (_, masks) = walk.views.classify(&bounds, ViewMasks::ALL);
+        let (_, masks) = walk.classify(NodeId(retest.node), ViewMasks::ALL);
         // None where the near plane cuts it.
         let Some(proxy) = walk.views.proxy(&bounds, masks) else { continue };
         stats.visible_box_queries += 1;

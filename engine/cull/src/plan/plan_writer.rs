@@ -2,6 +2,7 @@
 
 use crate::geom::frustum::Containment;
 use crate::geom::multi_view::{MultiView, ViewMasks};
+use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;
 use crate::history::record::FrameStamp;
 use crate::history::records::History;
@@ -103,7 +104,8 @@ impl PlanWriter<'_> {
     }
 
     fn containment(&self, node: u32) -> Containment {
-        let bounds = self.hierarchy.bounds(NodeId(node));
-        self.views.classify(&bounds, ViewMasks::ALL).0
+        let (hierarchy, node) = (self.hierarchy, NodeId(node));
+        let is_cut_away = |view: &View| hierarchy.is_cut_away(node, view);
+        self.views.classify(&hierarchy.bounds(node), ViewMasks::ALL, is_cut_away).0
     }
 }

@@ -282,8 +282,14 @@ impl Walk<'_> {
     }
 
     fn is_in_frustum(&self, node: NodeId, masks: ViewMasks) -> bool {
+        self.classify(node, masks).0 != Containment::Outside
+    }
+
+    /// Tests a node against the frustums by `masks`, which belong to a node above it, and against
+    /// section planes. Returns its place, and the masks for its parts.
+    pub(crate) fn classify(&self, node: NodeId, masks: ViewMasks) -> (Containment, ViewMasks) {
         let bounds = self.hierarchy.bounds(node);
-        self.views.classify(&bounds, masks).0 != Containment::Outside
+        self.views.classify(&bounds, masks, |view| self.hierarchy.is_cut_away(node, view))
     }
 
     /// Returns the record of a node. Where it is stale and a node above was hidden, it is that
@@ -307,9 +313,9 @@ impl Walk<'_> {
 
     /// Queues a node unless it is outside of the frustum.
     fn push(&self, node: u32, above: Above, scratch: &mut Scratch) {
-        let bounds = self.hierarchy.bounds(NodeId(node));
-        let (containment, masks) = self.views.classify(&bounds, above.masks);
+        let (containment, masks) = self.classify(NodeId(node), above.masks);
         if containment != Containment::Outside {
+            let bounds = self.hierarchy.bounds(NodeId(node));
             let nearness = Nearness::of(&bounds, self.views);
             scratch.queue.push(Reverse((nearness, node, Above { masks, ..above })));
         }
@@ -379,7 +385,7 @@ impl Walk<'_> {
         stack.push((node, ViewMasks::ALL));
         while let Some((node, masks)) = stack.pop() {
             let bounds = self.hierarchy.bounds(NodeId(node));
-            let (containment, masks) = self.views.classify(&bounds, masks);
+            let (containment, masks) = self.classify(NodeId(node), masks);
             if containment == Containment::Outside {
                 continue;
             }

@@ -3,7 +3,8 @@
 
 use antumbra_cull::{
     Aabb, Answer, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafList, LeafRange,
-    MultiView, NodeId, PendingTest, ProxyTest, QueryKind, QueryTag, ResultReader, Tester, View,
+    MultiView, NodeId, ObjectId, PendingTest, ProxyTest, QueryKind, QueryTag, ResultReader,
+    SectionMember, SectionPlanes, Tester, View,
 };
 
 use crate::image::{Image, Shift};
@@ -103,6 +104,23 @@ fn pending(tag: QueryTag, tester: Tester) -> PendingTest<()> {
     PendingTest { tag, tester, contents: () }
 }
 
+/// Returns a view as it shows an object: not cut where that is whole.
+pub fn seen(hierarchy: &Hierarchy, object: u32, view: &View) -> View {
+    match hierarchy.section_member(ObjectId(object)) {
+        SectionMember::Cut => *view,
+        SectionMember::Whole => View { section: SectionPlanes::default(), ..*view },
+    }
+}
+
+/// Draws what section planes cut open, before anything else.
+pub fn draw_caps(image: &mut Image, view: &View, hierarchy: &Hierarchy, solids: &[Aabb]) {
+    for (object, solid) in (0..).zip(solids) {
+        if !solid.is_empty() {
+            image.draw_caps(&seen(hierarchy, object, view), solid);
+        }
+    }
+}
+
 /// The solids that are drawn inside of the bounding boxes.
 pub struct Solids<'a> {
     pub solids: &'a [Aabb],
@@ -190,6 +208,9 @@ impl Device {
         let views = views.into();
         self.images.resize(views.as_slice().len(), Image::new(views.first().size));
         self.images.iter_mut().for_each(Image::clear);
+        for (view, image) in views.as_slice().iter().zip(&mut self.images) {
+            draw_caps(image, view, hierarchy, solids.solids);
+        }
         self.drawn.clear();
         self.below_threshold.clear();
         let mut written = Written::new(plan, hierarchy);
@@ -286,6 +307,6 @@ impl Device {
         self.drawn.push(object);
         let (solid, shift) = (&solids.solids[object as usize], solids.shifts[object as usize]);
         let images = views.as_slice().iter().zip(&mut self.images);
-        images.map(|(view, image)| image.draw(view, solid, shift)).sum()
+        images.map(|(view, image)| image.draw(&seen(hierarchy, object, view), solid, shift)).sum()
     }
 }

@@ -5,11 +5,12 @@ use antumbra_cull::{
     SceneCosts, Strategy, Tester, TesterSupport, View,
 };
 
-use crate::device::{Device, Mishaps, Solids};
+use crate::device::{Device, Mishaps, Solids, draw_caps, seen};
 use crate::image::Image;
 use crate::invariants;
 use crate::random::Random;
 use crate::scene::{Lens, PATHS, Path, Place, Scene};
+use crate::section::Cuts;
 
 const SCENES: u64 = 1_500;
 const FRAMES: u64 = 24;
@@ -42,6 +43,8 @@ struct World {
     rebuilding: bool,
     /// True for a policy that nobody would choose.
     is_extreme: bool,
+    /// The section planes, which are dragged.
+    cuts: Cuts,
 }
 
 impl World {
@@ -61,6 +64,7 @@ impl World {
             moving: random.chance(0.4),
             rebuilding: random.chance(0.3),
             is_extreme: false,
+            cuts: Cuts::default(),
             scene,
             random,
         }
@@ -140,7 +144,9 @@ impl World {
         if self.rebuilding && frame % 6 == 5 {
             self.hierarchy.rebuild(&self.scene.bounds).unwrap();
         }
-        self.lens.view(&self.place.camera(&self.camera), frame, SIZE, self.sub_pixel_bits)
+        let view =
+            self.lens.view(&self.place.camera(&self.camera), frame, SIZE, self.sub_pixel_bits);
+        View { section: self.cuts.drag(&mut self.random), ..view }
     }
 
     fn solids(&self) -> Solids<'_> {
@@ -296,8 +302,10 @@ fn verify_world(seed: u64, mut world: World) -> Checked {
     for frame in 0..FRAMES {
         let view = world.advance(frame);
         truth.clear();
-        for (solid, shift) in world.scene.solids.iter().zip(&world.scene.shifts) {
-            truth.draw(&view, solid, *shift);
+        draw_caps(&mut truth, &view, &world.hierarchy, &world.scene.solids);
+        let objects = world.scene.solids.iter().zip(&world.scene.shifts);
+        for (object, (solid, shift)) in (0..).zip(objects) {
+            truth.draw(&seen(&world.hierarchy, object, &view), solid, *shift);
         }
         for run in &mut runs {
             let answers = run.device.collect(run.culler.frame().0 + 1, &world.hierarchy);
@@ -368,6 +376,20 @@ fn nothing_visible_is_missing_far_from_the_origin() {
         let [frustum, ours] = checked.drawn;
         assert!(ours * 20 < frustum * 19, "{coordinate}: culled to {ours} of {frustum}");
     }
+}
+
+/// Checks that nothing is missing while section planes are dragged: what is cut away hides nothing,
+/// and what is cut open hides.
+#[test]
+fn nothing_visible_is_missing_while_planes_are_dragged() {
+    let mut checked = Checked::default();
+    for seed in 0..300 {
+        let mut world = World::new(seed);
+        world.cuts = Cuts::random(&mut world.random, &mut world.hierarchy);
+        checked = checked.and(verify_world(seed, world));
+    }
+    let [frustum, ours] = checked.drawn;
+    assert!(ours * 20 < frustum * 19, "nothing was culled: {ours} of {frustum}");
 }
 
 #[test]

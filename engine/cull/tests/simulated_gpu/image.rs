@@ -5,8 +5,10 @@
 //! step of the grid; the rounding of depths by an error of some units in the last place of their
 //! terms, another one for each box and pixel.
 
-use antumbra_cull::{Aabb, DepthConvention, ProjectionKind, View};
-use glam::DVec2;
+use antumbra_cull::{
+    Aabb, DepthConvention, ProjectionKind, SectionMode, SectionPlane, SectionPlanes, View,
+};
+use glam::{DMat4, DVec2, DVec4};
 
 use crate::raster::{ClipBox, ClipPoint};
 
@@ -45,15 +47,74 @@ impl Image {
         passed
     }
 
+    /// Draws the faces that section planes cut through a solid box, which are in it and in a plane.
+    pub fn draw_caps(&mut self, view: &View, bounds: &Aabb) {
+        let cut = Cut::of(view);
+        let range = signed(view, view.depth.farthest())..=signed(view, view.depth.nearest());
+        let [width, height] = self.size.map(f64::from);
+        for plane in view.section.planes() {
+            let row = cut.to_world.transpose() * plane.from_anchor(cut.anchor);
+            for (pixel, stored) in self.depths.iter_mut().enumerate() {
+                let (column, line) = (pixel as u32 % self.size[0], pixel as u32 / self.size[0]);
+                let across = (f64::from(column) + 0.5) / width * 2.0 - 1.0;
+                let down = (f64::from(line) + 0.5) / height * 2.0 - 1.0;
+                let z = -(row.x * across + row.y * down + row.w) / row.z;
+                let place = cut.place(DVec4::new(across, down, z, 1.0));
+                let depth = signed(view, z as f32);
+                let is_in = bounds.contains_point(place.as_vec3());
+                if is_in && range.contains(&depth) && cut.shows(plane, place) {
+                    *stored = stored.max(depth);
+                }
+            }
+        }
+    }
+
     /// Counts samples of the front faces of a box that pass, without writing; faces before the
     /// near plane are clipped away.
     pub fn test(&self, view: &View, bounds: &Aabb, shift: Shift) -> u32 {
         let mut passed = 0;
         let proxy = ClipBox::of_proxy(view, bounds);
+        // Proxies are not cut.
+        let view = &View { section: SectionPlanes::default(), ..*view };
         cast(self.size, view, &proxy, (bounds, shift), |pixel, depth| {
             passed += u32::from(depth >= self.depths[pixel]);
         });
         passed
+    }
+}
+
+/// Section planes as they cut what is seen in a view.
+struct Cut {
+    section: SectionPlanes,
+    to_world: DMat4,
+    anchor: glam::DVec3,
+}
+
+impl Cut {
+    fn of(view: &View) -> Self {
+        let to_world = view.from_anchor.as_dmat4().inverse();
+        Self { section: view.section, to_world, anchor: view.anchor.as_dvec3() }
+    }
+
+    fn place(&self, clip: DVec4) -> glam::DVec3 {
+        let place = self.to_world * clip;
+        place.truncate() / place.w + self.anchor
+    }
+
+    fn keeps(&self, ndc: DVec2, point: &ClipPoint) -> bool {
+        let clip = DVec4::new(ndc.x * point.w, ndc.y * point.w, point.z, point.w);
+        self.section.is_empty() || self.section.keeps(self.place(clip))
+    }
+
+    /// Returns true if a plane's point shows that a solid is cut there: the other planes of an
+    /// intersection keep it, those of a union remove it.
+    fn shows(&self, of: &SectionPlane, place: glam::DVec3) -> bool {
+        let mut others = self.section.planes().iter().filter(|plane| *plane != of);
+        let keeps = |plane: &SectionPlane| plane.distance_m(place) >= 0.0;
+        match self.section.mode() {
+            SectionMode::Intersection => others.all(keeps),
+            SectionMode::Union => !others.any(keeps),
+        }
     }
 }
 
@@ -77,18 +138,20 @@ fn cast(
     let Some([columns, rows]) = rectangle(size, clip_box) else {
         return;
     };
-    let seed = seed_of(bounds);
+    let (seed, cut) = (seed_of(bounds), Cut::of(view));
     let range = signed(view, view.depth.farthest())..=signed(view, view.depth.nearest());
     for row in rows {
         let down = (f64::from(row) + 0.5 + shift[1]) / f64::from(size[1]) * 2.0 - 1.0;
         for column in columns.clone() {
             let across = (f64::from(column) + 0.5 + shift[0]) / f64::from(size[0]) * 2.0 - 1.0;
             let pixel = (row * size[0] + column) as usize;
+            let is_kept = |point: &ClipPoint| cut.keeps(DVec2::new(across, down), point);
             let depth = |point: ClipPoint| {
                 let noise = noise(seed, pixel) * terms(view, point);
                 signed(view, ((point.z + noise) / point.w) as f32)
             };
-            let depths = clip_box.points(DVec2::new(across, down)).map(depth);
+            let points = clip_box.points(DVec2::new(across, down)).filter(is_kept);
+            let depths = points.map(depth);
             let nearest = depths.filter(|depth| range.contains(depth)).reduce(f32::max);
             if let Some(nearest) = nearest {
                 hit(pixel, nearest);

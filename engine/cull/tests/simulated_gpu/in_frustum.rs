@@ -48,8 +48,8 @@ fn as_many_objects_are_in_the_frustum_as_frustum_culling_draws() {
             let wide = view.frustum_around(2.0);
             let mut leaves = Vec::new();
             let mut wider = Vec::new();
-            hierarchy.leaves_in(&view.frustum, &mut leaves);
-            hierarchy.leaves_in(&wide, &mut wider);
+            hierarchy.leaves_in(&view.frustum, &view, &mut leaves);
+            hierarchy.leaves_in(&wide, &view, &mut wider);
             let has = |ranges: &[LeafRange], leaf| {
                 ranges.iter().any(|range| range.indices().contains(&leaf))
             };

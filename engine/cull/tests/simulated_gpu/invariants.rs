@@ -1,7 +1,8 @@
 //! The invariants of every plan, checked from the plan alone.
 
 use antumbra_cull::{
-    FramePlan, Hierarchy, LeafIndex, MultiView, QueryKind, Strategy, Tester, View,
+    FramePlan, Hierarchy, LeafIndex, MultiView, ObjectId, QueryKind, SectionMember, SectionMode,
+    SectionPlane, Strategy, Tester, View,
 };
 use glam::DVec4;
 
@@ -113,6 +114,21 @@ fn fronts_answer_in_time(plan: &FramePlan) -> Result<(), String> {
 
 /// Returns true if no plane of the frustum has the whole box outside, in 64 bits and without any
 /// allowance.
+/// Returns true if section planes leave something of an object's box.
+fn is_left(hierarchy: &Hierarchy, view: &View, object: ObjectId) -> bool {
+    let corners = hierarchy.bounds(hierarchy.node_of(object).unwrap()).corners();
+    let keeps = |plane: &SectionPlane| {
+        corners.iter().any(|corner| plane.distance_m(corner.as_dvec3()) >= 0.0)
+    };
+    let is_whole = hierarchy.section_member(object) == SectionMember::Whole;
+    let mut planes = view.section.planes().iter();
+    match view.section.mode() {
+        _ if view.section.is_empty() || is_whole => true,
+        SectionMode::Intersection => planes.all(keeps),
+        SectionMode::Union => planes.any(keeps),
+    }
+}
+
 fn meets_frustum(hierarchy: &Hierarchy, view: &View, leaf: usize) -> bool {
     let object = hierarchy.leaf_objects()[leaf];
     let bounds = hierarchy.bounds(hierarchy.node_of(object).unwrap());
@@ -123,7 +139,8 @@ fn meets_frustum(hierarchy: &Hierarchy, view: &View, leaf: usize) -> bool {
     let reaches = |plane: fn(DVec4) -> f64| {
         corners.iter().any(|corner| plane(*corner) > 1e-9 * corner.abs().max_element())
     };
-    reaches(|clip| clip.w + clip.x)
+    is_left(hierarchy, view, object)
+        && reaches(|clip| clip.w + clip.x)
         && reaches(|clip| clip.w - clip.x)
         && reaches(|clip| clip.w + clip.y)
         && reaches(|clip| clip.w - clip.y)

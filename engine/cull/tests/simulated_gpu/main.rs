@@ -30,6 +30,7 @@ mod raster;
 mod recycling;
 mod rest;
 mod scene;
+mod section;
 mod talk;
 mod tester_support;
 mod threshold;

@@ -15,6 +15,9 @@ pub(crate) const COLOUR_BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
 /// Depth: 32-bit float, reversed, so that precision is even over all distances.
 pub(crate) const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
+/// The same with eight bits of stencil beside it.
+pub(crate) const DEPTH_AND_STENCIL_FORMAT: vk::Format = vk::Format::D32_SFLOAT_S8_UINT;
+
 /// The depth of the near plane. The far side of the range has the other one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NearDepth {

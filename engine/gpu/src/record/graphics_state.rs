@@ -128,6 +128,21 @@ fn depth_test(mode: DepthMode, near_depth: NearDepth) -> (bool, vk::CompareOp) {
     }
 }
 
+/// The bit of a stencil that says if a number is odd.
+const PARITY: u32 = 1;
+
+/// Returns the test for an odd number, with the operation on it where the depth test passes.
+fn odd(pass_op: vk::StencilOp) -> vk::StencilOpState {
+    vk::StencilOpState {
+        compare_op: vk::CompareOp::NOT_EQUAL,
+        compare_mask: PARITY,
+        write_mask: PARITY,
+        pass_op,
+        depth_fail_op: vk::StencilOp::ZERO,
+        ..Default::default()
+    }
+}
+
 /// Returns the use of the stencil by front and by back faces.
 fn stencil_of_faces(mode: StencilMode) -> [vk::StencilOpState; 2] {
     use vk::StencilOp as Op;
@@ -152,6 +167,12 @@ fn stencil_of_faces(mode: StencilMode) -> [vk::StencilOpState; 2] {
         StencilMode::Unmarked => {
             [vk::StencilOpState { compare_op: vk::CompareOp::EQUAL, ..ignored }; 2]
         }
+        StencilMode::Parity => {
+            let (pass_op, write_mask) = (Op::INVERT, PARITY);
+            [vk::StencilOpState { pass_op, write_mask, ..counted }; 2]
+        }
+        StencilMode::Odd => [odd(Op::ZERO); 2],
+        StencilMode::OddDrawn => [odd(Op::KEEP); 2],
     }
 }
 

@@ -65,6 +65,12 @@ pub enum StencilMode {
     Mark,
     /// A test for 0, which stays as it is.
     Unmarked,
+    /// A bit that each fragment turns over, so that it says if their number is odd.
+    Parity,
+    /// A test for an odd number, which every fragment sets to 0, drawn or not.
+    Odd,
+    /// A test for an odd number, which fragments set to 0 where they fail the depth test.
+    OddDrawn,
 }
 
 /// The depths that a pipeline draws.

@@ -9,8 +9,8 @@ use crate::core::ownership::of_device;
 use crate::core::tick::Tick;
 use crate::record::access::Access;
 use crate::record::attachments::{
-    Attachments, COLOUR_BYTES, COLOUR_FORMAT, COLOURS_MAX, ColourFormats, DEPTH_FORMAT,
-    check_formats,
+    Attachments, COLOUR_BYTES, COLOUR_FORMAT, COLOURS_MAX, ColourFormats, DEPTH_AND_STENCIL_FORMAT,
+    DEPTH_FORMAT, check_formats,
 };
 use crate::record::commands::Commands;
 use crate::record::finished_image::FinishedImage;
@@ -139,6 +139,43 @@ impl Target {
             recording: None,
             submitted: None,
         })
+    }
+
+    /// Creates a target like [`Target::multisampled`], of any number of samples, with a stencil beside
+    /// the depth, whose values are the same.
+    ///
+    /// # Errors
+    /// Those of [`Target::multisampled`]; [`Error::TargetFormat`] where the device cannot draw to
+    /// 32-bit float depth with a stencil.
+    pub fn with_stencil(
+        device: &Device,
+        size: [u32; 2],
+        samples: SampleCount,
+        name: &str,
+    ) -> Result<Self, Error> {
+        let target = Self::multisampled(device, size, samples, name)?;
+        let attachments = Attachments { depth: DEPTH_AND_STENCIL_FORMAT, ..target.attachments };
+        attachments.check(device)?;
+        let (name, aspect) = (format!("{name} depth and stencil"), vk::ImageAspectFlags::DEPTH);
+        let attached = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        let depth = match samples {
+            SampleCount::One => {
+                let usage = attached | vk::ImageUsageFlags::TRANSFER_SRC;
+                let formats = [DEPTH_AND_STENCIL_FORMAT; 2];
+                TargetImage::new(device, &name, (size, 1), formats, usage, aspect)?
+            }
+            _ => {
+                let usage = attached | vk::ImageUsageFlags::SAMPLED;
+                let format = DEPTH_AND_STENCIL_FORMAT;
+                TargetImage::multisampled(device, &name, (size, samples), format, usage, aspect)?
+            }
+        };
+        Ok(Self { depth: depth.with_stencil(), attachments, ..target })
+    }
+
+    /// Returns true if there is a stencil beside the depth.
+    pub fn has_stencil(&self) -> bool {
+        self.attachments.stencil() != vk::Format::UNDEFINED
     }
 
     /// Takes images of a host. Nothing is created on the device: make one target for each set of
@@ -281,7 +318,7 @@ impl Target {
             colour_count: self.colours.len(),
             depth: self.depth.view,
             average: vk::ImageView::null(),
-            has_stencil: self.attachments.stencil() != vk::Format::UNDEFINED,
+            has_stencil: self.has_stencil(),
             view_mask: self.attachments.view_mask(),
             origin: [0, 0],
             size: self.size,

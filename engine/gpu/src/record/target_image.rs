@@ -63,6 +63,11 @@ impl TargetImage {
         Self { raw, view, aspect, layers, origin: Origin::Ours { _image: image }, access }
     }
 
+    /// Returns a depth image of a format with stencil, of which only the depth is read.
+    pub(super) fn with_stencil(self) -> Self {
+        Self { aspect: self.aspect | vk::ImageAspectFlags::STENCIL, ..self }
+    }
+
     /// Takes so many layers of a host's image as an attachment for `attachment`.
     pub(super) fn of_host(image: &HostImage, layers: u32, attachment: Access) -> Self {
         let aspect = match attachment {

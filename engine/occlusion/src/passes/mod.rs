@@ -96,12 +96,25 @@ impl OcclusionPasses {
         shaders: &ShaderSet,
         size: [u32; 2],
     ) -> Result<Self, Error> {
+        self.recompiled(device, (shaders, self.attachments), size)
+    }
+
+    /// Compiles the same passes again, with other shaders and for other attachments.
+    ///
+    /// # Errors
+    /// A shader that does not fit its pass, a failed call.
+    pub fn recompiled(
+        &self,
+        device: &Device,
+        (shaders, attachments): (&ShaderSet, Attachments),
+        size: [u32; 2],
+    ) -> Result<Self, Error> {
         let compute_test = self.compute_test.as_ref();
-        let samples = self.attachments.samples;
+        let samples = attachments.samples;
         let compute_test = compute_test
             .map(|_| ComputeTest::new(device, shaders, size).map(|test| test.of_samples(samples)));
         let list_draws = self.list_draws.as_ref().map(|_| ListDrawsPass::new(device, shaders));
-        let fresh = Self::with_trust(device, shaders, self.attachments, self.trust.clone())?;
+        let fresh = Self::with_trust(device, shaders, attachments, self.trust.clone())?;
         let (compute_test, list_draws) = (compute_test.transpose()?, list_draws.transpose()?);
         Ok(Self { compute_test, list_draws, ..fresh })
     }

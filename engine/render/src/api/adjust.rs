@@ -20,7 +20,11 @@ impl Renderer {
             return Ok(());
         }
         self.executor.check_resize(&self.device, [self.size(), size])?;
-        let target = Target::multisampled(&self.device, size, self.samples, "target")?;
+        let create = match self.passes.target.has_stencil() {
+            true => Target::with_stencil,
+            false => Target::multisampled,
+        };
+        let target = create(&self.device, size, self.samples, "target")?;
         if let Some(volumes) = &mut self.passes.pipelines.volumes {
             volumes.resize(&self.device, size)?;
         }
@@ -105,8 +109,16 @@ impl Renderer {
         let surfaces = self.passes.geometry.surfaces.as_ref();
         let has_sprites = surfaces.is_some_and(SurfaceResources::has_sprites);
         let shaders = if has_sprites { shaders.with_sprites() } else { shaders };
+        self.draw_with(shaders.with_section(self.shaders.section()))
+    }
+}
+
+impl Renderer {
+    /// Compiles all passes again with shaders that fit the scene, and for the target.
+    pub(crate) fn draw_with(&mut self, shaders: ShaderSet) -> Result<(), Error> {
         let pipelines = self.passes.recompiled(&shaders, &self.passes.shadows)?;
-        let executing = self.executor.passes.reloaded(&self.device, &shaders, self.size())?;
+        let drawn = (&shaders, self.passes.target.attachments());
+        let executing = self.executor.passes.recompiled(&self.device, drawn, self.size())?;
         let methods = self.reloaded_methods(&shaders)?;
         // Nothing fails from here on.
         (self.passes.pipelines, self.executor.passes) = (pipelines, executing);
@@ -114,9 +126,7 @@ impl Renderer {
         self.passes.shadows.forget();
         Ok(())
     }
-}
 
-impl Renderer {
     fn reloaded_methods(&mut self, shaders: &ShaderSet) -> Result<Vec<Box<dyn Method>>, Error> {
         let Self { device, hierarchy, passes, executor, methods, .. } = self;
         let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };

@@ -13,11 +13,13 @@ impl Renderer {
     pub fn degradations(&self) -> SceneDegradations {
         let geometry = &self.passes.geometry;
         let Some(surfaces) = &geometry.surfaces else { return SceneDegradations::default() };
-        let unshadowed_objects = match self.shadows().method {
-            ShadowMethod::Volumes => geometry.masked_objects(),
-            ShadowMethod::Off | ShadowMethod::Maps => 0,
+        let planes = self.section().planes().len();
+        let (unshadowed_objects, planes_without_shadows) = match self.shadows().method {
+            ShadowMethod::Volumes => (geometry.masked_objects(), planes),
+            ShadowMethod::Off | ShadowMethod::Maps => (0, 0),
         };
-        SceneDegradations { unshadowed_objects, ..surfaces.degradations() }
+        let of_surfaces = surfaces.degradations();
+        SceneDegradations { unshadowed_objects, planes_without_shadows, ..of_surfaces }
     }
 }
 

@@ -17,6 +17,7 @@ mod poses;
 #[cfg(feature = "window")]
 mod present;
 mod render;
+mod section;
 mod shadows;
 mod snapshot;
 mod textures;

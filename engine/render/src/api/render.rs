@@ -82,6 +82,7 @@ impl Renderer {
 
         let mut frame = frames.begin()?;
         note_times(&frame, &mut self.pass_times, &mut self.frame_times);
+        passes.begin_section(&mut frame, hierarchy)?;
         passes.upload_changes(&mut frame, hierarchy, executor, (uploads, &views, map_uses))?;
         if is_timed {
             frame.begin_timing();
@@ -149,8 +150,9 @@ impl Renderer {
     fn take_views(&mut self, targets: &[ViewTarget<'_>]) -> Result<Vec<View>, Error> {
         let mut views = std::mem::take(&mut self.views);
         views.clear();
+        let section = self.passes.section.planes;
         for target in targets {
-            views.push(target.view(&self.device)?);
+            views.push(View { section, ..target.view(&self.device)? });
         }
         Ok(views)
     }
@@ -260,7 +262,8 @@ impl Renderer {
     /// # Errors
     /// A matrix that is no projection, or whose depth is not reversed. None for a camera.
     pub fn view_in(&self, viewpoint: impl Into<Viewpoint>, area: Rect) -> Result<View, Error> {
-        viewpoint.into().view(&self.device, area)
+        let view = viewpoint.into().view(&self.device, area)?;
+        Ok(View { section: self.passes.section.planes, ..view })
     }
 
     /// Refuses a view of another renderer.
@@ -319,6 +322,8 @@ fn begin_view(
 ) -> Result<u32, Error> {
     let FramePasses { geometry, pipelines, shadows, .. } = passes;
     shadows.begin_view(frame, (number, view), (geometry, hierarchy), pipelines)?;
+    passes.begin_section_view(frame, hierarchy, view)?;
+    passes.record_caps(frame.commands(), view);
     passes.gather_transparent(frame, executor, view, strategy)
 }
 
@@ -398,7 +403,8 @@ impl Overlays<'_> {
         let began = Instant::now();
         passes.scopes = Some(self.scopes);
         if let Some(target) = target {
-            let view = target.view(&passes.device)?;
+            let view = View { section: passes.section.planes, ..target.view(&passes.device)? };
+            passes.begin_section_view(frame, hierarchy, &view)?;
             let scene = (&mut *passes, executor, hierarchy);
             self.debug_overlay.record(frame, scene, (target.state, &view))?;
             if let Some(bounds) = self.outlined {

@@ -127,7 +127,9 @@ impl Renderer {
         let mut frame = frames.begin()?;
         passes.scopes = None;
         let uploads = (PoseUploads::All, std::slice::from_ref(&view), MapUses::Anywhere);
+        passes.begin_section(&mut frame, hierarchy)?;
         passes.upload_changes(&mut frame, hierarchy, executor, uploads)?;
+        passes.begin_section_view(&mut frame, hierarchy, &view)?;
         passes.gather_transparent(&mut frame, executor, &view, Strategy::FRUSTUM)?;
         let draws = snapshot.upload(&mut frame, &executor.leaves)?;
         let io = sketch.upload(&mut frame)?;

@@ -4,7 +4,7 @@
 
 use cull::{LeafIndex, Rays, Strategy};
 use gpu::{Access, MemoryBarrier};
-use occlusion::{BucketId, ObjectPass, ObjectRenderer, Rect, Rendering};
+use occlusion::{BucketId, ObjectPass, ObjectRenderer, Rect};
 
 use crate::debug::visible_set::{SeenLeaves, VISIBLE_SET, VisibleSet};
 use crate::error::Error;
@@ -95,6 +95,8 @@ impl Renderer {
         let seen = self.seen_leaves.insert(seen);
         let mut frame = self.frames.begin()?;
         passes.write_stale(&mut frame)?;
+        passes.begin_section(&mut frame, &self.hierarchy)?;
+        passes.begin_section_view(&mut frame, &self.hierarchy, view)?;
         let draws = frame.uploads().push_iter(leaves.iter().map(|leaf| leaf_table.draw(*leaf)))?;
         let commands = frame.commands();
         let values = seen.values.whole();
@@ -105,8 +107,9 @@ impl Renderer {
             commands.fill(values, 0);
             commands.barrier(between(&[Access::CopyWrite], &[Access::FragmentWrite]));
             passes.target.prepare(commands);
-            let target = passes.rendering(view, Rendering::First).forgotten();
+            let target = passes.image_target(view, passes.sky()).forgotten();
             commands.rendering(target, |commands| {
+                passes.draw_caps(commands, view);
                 passes.bind(commands, view, BucketId(0), ObjectPass::Visibility);
                 if !leaves.is_empty() {
                     commands.draw_indirect(draws);
@@ -116,6 +119,7 @@ impl Renderer {
                     pass.bind(commands, &io, view);
                     commands.draw_indirect(draws);
                 }
+                passes.note_caps(commands, view, values);
             });
             commands.barrier(between(&[Access::FragmentWrite], &[Access::CopyRead]));
             commands.copy_buffer(values, seen.readback.whole());

@@ -141,7 +141,9 @@ impl DebugOverlay {
         let Some(area) = self.top_down else { return Ok(()) };
         let reach = reach(hierarchy, snapshot);
         let io = Sketch::of(snapshot, reach).upload(frame)?;
-        let view = &view_in(&passes.device, &above(snapshot, reach), area);
+        let view = view_in(&passes.device, &above(snapshot, reach), area);
+        let view = &View { section: passes.section.planes, ..view };
+        passes.begin_section_view(frame, hierarchy, view)?;
         passes.target.prepare(frame.commands());
         let target = passes.image_target(view, BACKGROUND);
         let target = passes.scope_target(frame.commands(), ViewScope::ViewFromAbove, target);

@@ -187,6 +187,7 @@ pub(crate) fn record_pointer(
                 commands.set_viewport(&Viewport::covering(view.origin, view.size));
                 commands.clip(origin, [1, 1]);
                 commands.draw_indirect(draws);
+                passes.point_at_caps(commands, view, pixel, pointed);
             });
         }
         ring.read_back(commands);

@@ -210,7 +210,8 @@ impl SampleCounts {
             }
             let tag = CountTag { kind: CountKind::Object, object, frame, generation };
             let bounds = hierarchy.bounds(node);
-            if view.frustum.classify(&bounds, PlaneMask::ALL).0 == Containment::Outside {
+            let (place, _) = view.frustum.classify(&bounds, PlaneMask::ALL);
+            if place == Containment::Outside || hierarchy.is_cut_away(node, view) {
                 self.keep(tag.answer(0));
                 continue;
             }

@@ -19,6 +19,8 @@ const EDGES: &str = "draw edges";
 /// The draws of the transparent objects of a view.
 struct TransparentEdges {
     instances: BufferSlice,
+    /// What section planes do to the instances: they cut all of them, pixel by pixel.
+    states: BufferSlice,
     draws: BufferSlice,
 }
 
@@ -40,7 +42,7 @@ pub(crate) fn record_edges(
     let frustum = view.frustum_around(options.width_pixels / 2.0 + 1.0);
     let mut ranges = std::mem::take(&mut passes.edges.ranges);
     ranges.clear();
-    hierarchy.leaves_in(&frustum, &mut ranges);
+    hierarchy.leaves_in(&frustum, view, &mut ranges);
     let transparent = transparent_edges(passes, frame, &frustum)?;
     wait_for_vertices(frame);
     passes.target.prepare(frame.commands());
@@ -62,8 +64,10 @@ pub(crate) fn record_edges(
                 for (test, style) in hidden.iter().chain([&visible]) {
                     pass.bind(commands, &io, view, *test, style);
                     ranges.iter().for_each(|range| pass.draw(commands, meshes.leaf_draws(*range)));
-                    if let Some(TransparentEdges { instances, draws }) = transparent {
-                        pass.bind(commands, &EdgeIo { instances, ..io }, view, *test, style);
+                    if let Some(TransparentEdges { instances, states, draws }) = transparent {
+                        let section = io.section.map(|section| section.of_states(states));
+                        let io = EdgeIo { instances, section, ..io };
+                        pass.bind(commands, &io, view, *test, style);
                         pass.draw(commands, draws);
                     }
                 }
@@ -100,7 +104,8 @@ fn transparent_edges(
         .map(|(place, (_, object))| meshes.draw(MeshDrawId(object.mesh.0), place));
     let draws: Vec<_> = draws.collect();
     let instances = frame.uploads().push_iter(instances)?;
-    Ok(Some(TransparentEdges { instances, draws: frame.uploads().push(&draws)? }))
+    let states = frame.uploads().push(&vec![0_u32; objects.len().div_ceil(2)])?;
+    Ok(Some(TransparentEdges { instances, states, draws: frame.uploads().push(&draws)? }))
 }
 
 impl FramePasses {
@@ -108,6 +113,7 @@ impl FramePasses {
     pub(crate) fn edge_io(&self) -> Option<EdgeIo> {
         let segments = self.geometry.edges.as_ref()?.segments();
         let instances = self.geometry.instances.whole();
-        Some(EdgeIo { instances, segments, vertices: self.geometry.vertices.whole() })
+        let vertices = self.geometry.vertices.whole();
+        Some(EdgeIo { instances, segments, vertices, section: self.section.io() })
     }
 }

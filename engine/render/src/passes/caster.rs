@@ -10,6 +10,7 @@ use occlusion::{Error, ShaderSet};
 use scene::Light;
 
 use crate::passes::opaque::POSITIONS;
+use crate::passes::section::{SectionIo, cut_depth_stages, section_buffers, with_section};
 use crate::passes::seen::SeenConstants;
 use crate::passes::{MidpointPass, SurfaceIo, SurfaceKind, SurfacePass};
 use crate::resources::instance::Instance;
@@ -35,6 +36,8 @@ pub struct CasterIo<'a> {
     pub instances: BufferSlice,
     /// The scene's surfaces.
     pub surfaces: &'a SurfaceResources,
+    /// Section planes as the light sees them, for passes that were compiled to be cut.
+    pub section: Option<SectionIo>,
 }
 
 /// The pass that draws casters without holes, of which it needs positions alone.
@@ -44,14 +47,16 @@ pub struct WholeCasters {
 
 impl WholeCasters {
     fn new(device: &Device, shaders: &ShaderSet, side: CasterSide) -> Result<Self, Error> {
+        let section = shaders.section();
+        let (vertex, fragment) = cut_depth_stages(shaders)?;
         let info = GraphicsPipelineInfo {
             vertices: POSITIONS,
-            storage: StorageLayout::new::<SeenConstants>(1),
+            fragment,
+            storage: StorageLayout::new::<SeenConstants>(1 + section_buffers(section)),
             cull: side.culled_faces(),
             depth: DepthMode::TestAndWrite,
             attachments: DepthLayers::attachments(),
-            ..GraphicsPipelineInfo::of(side.name(), shaders.find("seen.vert")?)
-                .numbered::<Instance>()
+            ..GraphicsPipelineInfo::of(side.name(), vertex).numbered::<Instance>()
         };
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
     }
@@ -59,8 +64,8 @@ impl WholeCasters {
 
 impl CasterIo<'_> {
     fn surface(&self) -> SurfaceIo<'_> {
-        let Self { vertices, indices, instances, surfaces } = *self;
-        SurfaceIo { vertices, indices, instances, surfaces, shadows: None }
+        let Self { vertices, indices, instances, surfaces, section } = *self;
+        SurfaceIo { vertices, indices, instances, surfaces, shadows: None, section }
     }
 }
 
@@ -159,7 +164,7 @@ impl CasterPass {
     pub fn bind(&self, commands: &Commands, io: &CasterIo<'_>) {
         match self {
             Self::Whole(WholeCasters { pipeline }) => {
-                commands.bind(pipeline, &[io.instances]);
+                with_section(&[io.instances], io.section, |all| commands.bind(pipeline, all));
                 commands.bind_geometry(io.vertices, Some(io.indices));
             }
             Self::Masked(pass) => pass.bind_inputs(commands, &io.surface()),

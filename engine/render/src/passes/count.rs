@@ -12,6 +12,7 @@ use occlusion::{ProxyBox, ProxyConstants, ProxyIo};
 
 use crate::passes::OpaqueIo;
 use crate::passes::opaque::POSITIONS;
+use crate::passes::section::{culled_faces, cut_depth_stages, section_buffers, with_section};
 use crate::resources::instance::Instance;
 use occlusion::{Error, ShaderSet};
 
@@ -33,7 +34,9 @@ impl CountPass {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
-        let (proxy, seen) = (shaders.find("proxy.vert")?, shaders.find("seen.vert")?);
+        let section = shaders.section();
+        let proxy = shaders.find("proxy.vert")?;
+        let (seen, fragment) = cut_depth_stages(shaders)?;
         let proxies = GraphicsPipelineInfo {
             storage: StorageLayout::new::<ProxyConstants>(1),
             depth: DepthMode::Ignored,
@@ -41,9 +44,10 @@ impl CountPass {
             ..GraphicsPipelineInfo::of("counted proxies", proxy).numbered::<ProxyBox>()
         };
         let objects = GraphicsPipelineInfo {
+            fragment,
             vertices: POSITIONS,
-            storage: StorageLayout::new::<SeenConstants>(1),
-            cull: vk::CullModeFlags::BACK,
+            storage: StorageLayout::new::<SeenConstants>(1 + section_buffers(section)),
+            cull: culled_faces(section, vk::CullModeFlags::BACK),
             attachments,
             ..GraphicsPipelineInfo::of("counted objects", seen).numbered::<Instance>()
         };
@@ -55,7 +59,7 @@ impl CountPass {
 
     /// Binds everything for objects; the caller then records [`CountPass::draw`] for each.
     pub fn bind_objects(&self, commands: &Commands, io: &OpaqueIo, view: &View) {
-        commands.bind(&self.objects, &[io.instances]);
+        with_section(&[io.instances], io.section, |all| commands.bind(&self.objects, all));
         commands.bind_geometry(io.vertices, Some(io.indices));
         commands.push_constants(&self.objects, &SeenConstants::of(view));
     }

@@ -9,6 +9,7 @@ use gpu::{
 use occlusion::{Error, ShaderSet};
 
 use super::opaque::{OpaquePass, anchored};
+use super::section::{SectionIo, section_buffers, with_section};
 use crate::resources::instance::Instance;
 
 /// The stage that widens lines.
@@ -79,6 +80,8 @@ pub(crate) struct EdgeIo {
     pub(crate) segments: BufferSlice,
     /// The vertices, as a storage buffer.
     pub(crate) vertices: BufferSlice,
+    /// The section planes that cut lines, where there are any.
+    pub(crate) section: Option<SectionIo>,
 }
 
 /// A segment of an edge; mirrors `edge_line.glsl`.
@@ -251,7 +254,8 @@ fn bind(
     view: &View,
     style: &EdgeStyle,
 ) {
-    commands.bind(pipeline, &[io.instances, io.segments, io.vertices]);
+    let own = [io.instances, io.segments, io.vertices];
+    with_section(&own, io.section, |all| commands.bind(pipeline, all));
     commands.push_constants(pipeline, &Constants::new(view, style));
 }
 
@@ -262,21 +266,23 @@ fn info<'a>(
 ) -> Result<GraphicsPipelineInfo<'a>, Error> {
     let path = EdgePath::of(device);
     let vertex = match path {
-        EdgePath::GeometryShader => "edge.vert",
-        EdgePath::Quads => "edge_quads.vert",
+        EdgePath::GeometryShader => "edge",
+        EdgePath::Quads => "edge_quads",
     };
+    let section = shaders.section();
     let topology = match path {
         EdgePath::GeometryShader => vk::PrimitiveTopology::POINT_LIST,
         EdgePath::Quads => vk::PrimitiveTopology::TRIANGLE_LIST,
     };
     let has_stage = path == EdgePath::GeometryShader;
     Ok(GraphicsPipelineInfo {
-        geometry: has_stage.then(|| shaders.find("edge.geom")).transpose()?,
-        fragment: Some(shaders.find("edge.frag")?),
-        storage: StorageLayout::new::<Constants>(3),
+        geometry: has_stage.then(|| shaders.find_of_objects("edge", "geom")).transpose()?,
+        fragment: Some(shaders.find_of_objects("edge", "frag")?),
+        storage: StorageLayout::new::<Constants>(3 + section_buffers(section)),
         topology,
         blend: Blend::Opaque,
-        ..GraphicsPipelineInfo::of(name, shaders.find(vertex)?).numbered::<Instance>()
+        ..GraphicsPipelineInfo::of(name, shaders.find_of_objects(vertex, "vert")?)
+            .numbered::<Instance>()
     })
 }
 

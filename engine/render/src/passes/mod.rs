@@ -1,5 +1,6 @@
 //! The passes: each a struct with its pipeline, and an `Io` that lists its reads and writes.
 
+mod cap;
 mod caster;
 mod count;
 mod edges;
@@ -10,6 +11,7 @@ mod opaque;
 mod overlay;
 pub(crate) mod pipelines;
 mod pointer;
+mod section;
 mod seen;
 mod skinning;
 mod sky;
@@ -18,6 +20,7 @@ mod volume_constants;
 mod volume_extruder;
 mod volumes;
 
+pub(crate) use cap::{CapDraw, CapIo, CapKind, CapPass, CapRow};
 pub(crate) use caster::MapPasses;
 pub use caster::{CasterIo, CasterPass, CasterSide, WholeCasters};
 pub(crate) use count::CountPass;
@@ -32,6 +35,8 @@ pub use opaque::{OpaqueIo, OpaquePass};
 pub use overlay::OverlayVertex;
 pub(crate) use overlay::{OverlayIo, OverlayPass};
 pub(crate) use pointer::{PointerIo, PointerPass};
+pub use section::SectionIo;
+pub(crate) use section::{ImageRows, SectionRow};
 pub(crate) use seen::{SeenIo, SeenPass};
 pub(crate) use skinning::{NOTHING, REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
 pub(crate) use sky::SkyIo;

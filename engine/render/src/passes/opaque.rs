@@ -8,8 +8,9 @@ use gpu::{
 };
 use scene::{Light, Vertex};
 
+use crate::passes::section::{SectionIo, culled_faces, section_buffers, with_section};
 use crate::resources::instance::Instance;
-use occlusion::{Error, ShaderSet};
+use occlusion::{Error, SectionShaders, ShaderSet};
 
 /// The pass that draws opaque objects: nearer ones win.
 pub struct OpaquePass {
@@ -36,6 +37,8 @@ pub struct OpaqueIo {
     pub indices: BufferSlice,
     /// One instance per leaf.
     pub instances: BufferSlice,
+    /// Section planes, for passes that were compiled to be cut.
+    pub section: Option<SectionIo>,
 }
 
 #[repr(C)]
@@ -136,22 +139,31 @@ impl OpaquePass {
         attachments: Attachments,
         kind: Kind,
     ) -> Result<Self, Error> {
-        let fragment = shaders.find("opaque.frag")?;
+        let section = shaders.section();
+        let fragment = shaders.find_of_objects("opaque", "frag")?;
+        let mut of_depth = None;
+        let mut of_mark = None;
+        if section == SectionShaders::Cut {
+            of_depth = Some(shaders.find("section_depth.frag")?);
+            of_mark = Some(shaders.find("section_mark.frag")?);
+        }
         let (name, fragment, depth, blend) = match kind {
             Kind::Whole => ("opaque", Some(fragment), DepthMode::TestAndWrite, Blend::Opaque),
-            Kind::Depth => ("opaque depth", None, DepthMode::TestEqualAndWrite, Blend::NoColour),
+            Kind::Depth => {
+                ("opaque depth", of_depth, DepthMode::TestEqualAndWrite, Blend::NoColour)
+            }
             Kind::Colour => ("opaque colour", Some(fragment), DepthMode::TestOnly, Blend::Opaque),
             Kind::Wireframe => (
                 "wireframe",
-                Some(shaders.find("wireframe.frag")?),
+                Some(shaders.find_of_objects("wireframe", "frag")?),
                 DepthMode::TestOnly,
                 Blend::Opaque,
             ),
-            Kind::Mark => ("mark", None, DepthMode::Ignored, Blend::NoColour),
+            Kind::Mark => ("mark", of_mark, DepthMode::Ignored, Blend::NoColour),
         };
         let stencil = if kind == Kind::Mark { StencilMode::Mark } else { StencilMode::Ignored };
         let polygon = if kind == Kind::Wireframe { Polygon::Wireframe } else { Polygon::Filled };
-        let vertex = shaders.find("opaque.vert")?;
+        let vertex = shaders.find_of_objects("opaque", "vert")?;
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {
@@ -164,9 +176,9 @@ impl OpaquePass {
                     ],
                     ..POSITIONS
                 },
-                storage: StorageLayout::new::<Constants>(1),
+                storage: StorageLayout::new::<Constants>(1 + section_buffers(section)),
                 polygon,
-                cull: vk::CullModeFlags::BACK,
+                cull: culled_faces(section, vk::CullModeFlags::BACK),
                 depth,
                 stencil,
                 blend,
@@ -184,7 +196,7 @@ impl OpaquePass {
     }
 
     fn bind_inputs(&self, commands: &Commands, io: &OpaqueIo) {
-        commands.bind(&self.pipeline, &[io.instances]);
+        with_section(&[io.instances], io.section, |all| commands.bind(&self.pipeline, all));
         commands.bind_geometry(io.vertices, Some(io.indices));
     }
 

@@ -5,9 +5,9 @@ use gpu::{Attachments, Device, Optional};
 use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
-    CountPass, EdgePass, FlarePass, FlatPass, MapPasses, OpaquePass, OutlinePass, OverlayPass,
-    PointerPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass, SurfaceShadows, VolumePass,
-    VolumePath,
+    CapPass, CountPass, EdgePass, FlarePass, FlatPass, MapPasses, OpaquePass, OutlinePass,
+    OverlayPass, PointerPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass, SurfaceShadows,
+    VolumePass, VolumePath,
 };
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
@@ -30,6 +30,7 @@ pub(crate) struct Pipelines {
     pub(crate) volumes: Option<VolumePass>,
     /// The opaque pass in two, for methods that draw depth first.
     pub(crate) depth_first: OnDemand<DepthFirst>,
+    pub(crate) caps: OnDemand<CapPass>,
     pub(crate) count: OnDemand<CountPass>,
     pub(crate) flares: OnDemand<FlarePass>,
     /// The pass of transparent objects before flares, if there are both.
@@ -117,6 +118,7 @@ impl Pipelines {
             shadow_tests,
             volumes,
             depth_first: on_demand.again(|it| &it.depth_first, DepthFirst::new)?,
+            caps: on_demand.again(|it| &it.caps, CapPass::new)?,
             count: on_demand.again(|it| &it.count, CountPass::new)?,
             flares: on_demand.again(|it| &it.flares, FlarePass::new)?,
             veil,

@@ -8,6 +8,7 @@ use gpu::{
 
 use crate::passes::OpaqueIo;
 use crate::passes::opaque::POSITIONS;
+use crate::passes::section::{culled_faces, section_buffers, with_section};
 use crate::passes::seen::SeenConstants;
 use crate::resources::instance::Instance;
 use occlusion::{Error, ShaderSet};
@@ -41,14 +42,15 @@ impl PointerPass {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
-        let vertex = shaders.find("seen.vert")?;
+        let vertex = shaders.find_of_objects("seen", "vert")?;
+        let section = shaders.section();
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {
-                fragment: Some(shaders.find("pointer.frag")?),
+                fragment: Some(shaders.find_of_objects("pointer", "frag")?),
                 vertices: POSITIONS,
-                storage: StorageLayout::new::<SeenConstants>(2),
-                cull: vk::CullModeFlags::BACK,
+                storage: StorageLayout::new::<SeenConstants>(2 + section_buffers(section)),
+                cull: culled_faces(section, vk::CullModeFlags::BACK),
                 depth: DepthMode::Equal,
                 attachments,
                 ..GraphicsPipelineInfo::of("pointer", vertex).numbered::<Instance>()
@@ -59,7 +61,8 @@ impl PointerPass {
 
     /// Binds everything; the caller then records the draws of the objects along the ray.
     pub(crate) fn bind(&self, commands: &Commands, io: &PointerIo, view: &View) {
-        commands.bind(&self.pipeline, &[io.opaque.instances, io.pointed]);
+        let own = [io.opaque.instances, io.pointed];
+        with_section(&own, io.opaque.section, |all| commands.bind(&self.pipeline, all));
         commands.bind_geometry(io.opaque.vertices, Some(io.opaque.indices));
         commands.push_constants(&self.pipeline, &SeenConstants::of(view));
     }

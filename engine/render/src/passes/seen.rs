@@ -9,6 +9,7 @@ use gpu::{
 
 use crate::passes::OpaqueIo;
 use crate::passes::opaque::POSITIONS;
+use crate::passes::section::{culled_faces, section_buffers, with_section};
 use crate::resources::instance::Instance;
 use occlusion::{Error, ShaderSet};
 
@@ -67,14 +68,15 @@ impl SeenPass {
             }
             .into());
         }
-        let vertex = shaders.find("seen.vert")?;
+        let vertex = shaders.find_of_objects("seen", "vert")?;
+        let section = shaders.section();
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {
-                fragment: Some(shaders.find("seen.frag")?),
+                fragment: Some(shaders.find_of_objects("seen", "frag")?),
                 vertices: POSITIONS,
-                storage: StorageLayout::new::<SeenConstants>(2),
-                cull: vk::CullModeFlags::BACK,
+                storage: StorageLayout::new::<SeenConstants>(2 + section_buffers(section)),
+                cull: culled_faces(section, vk::CullModeFlags::BACK),
                 attachments,
                 ..GraphicsPipelineInfo::of("seen", vertex).numbered::<Instance>()
             },
@@ -84,7 +86,8 @@ impl SeenPass {
 
     /// Binds everything; the caller then records the same draws as before.
     pub fn bind(&self, commands: &Commands, io: &SeenIo, view: &View) {
-        commands.bind(&self.pipeline, &[io.opaque.instances, io.seen]);
+        let own = [io.opaque.instances, io.seen];
+        with_section(&own, io.opaque.section, |all| commands.bind(&self.pipeline, all));
         commands.bind_geometry(io.opaque.vertices, Some(io.opaque.indices));
         commands.push_constants(&self.pipeline, &SeenConstants::of(view));
     }

@@ -12,10 +12,11 @@ use scene::{Light, SurfaceVertex};
 
 use crate::passes::caster::CasterSide;
 use crate::passes::opaque::POSITIONS;
+use crate::passes::section::{SectionIo, culled_faces, section_buffers, with_section};
 use crate::resources::instance::Instance;
 use crate::shading::surfaces::{SurfaceResources, SurfaceTextures};
 use crate::shadows::ShadowIo;
-use occlusion::{Error, ShaderSet};
+use occlusion::{Error, SectionShaders, ShaderSet};
 
 /// The output of a surface pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,6 +114,8 @@ pub struct SurfaceIo<'a> {
     pub surfaces: &'a SurfaceResources,
     /// The shadows of its lights, for passes that were compiled for them.
     pub shadows: Option<ShadowIo<'a>>,
+    /// Section planes, for passes that were compiled to be cut.
+    pub section: Option<SectionIo>,
 }
 
 #[repr(C)]
@@ -185,6 +188,7 @@ impl SurfacePass {
             SurfaceKind::Casters(side) => side.culled_faces(),
             _ => vk::CullModeFlags::BACK,
         };
+        let section = shaders.section();
         let is_transparent = matches!(kind, SurfaceKind::Transparent | SurfaceKind::Veil);
         let mut constants = surfaces.features(is_transparent).constants(is_transparent).to_vec();
         constants.push((PICTURE_PAGES, surfaces.features(is_transparent).pictures));
@@ -193,7 +197,7 @@ impl SurfacePass {
         constants.push((SEVERAL_SAMPLES, u32::from(has_several)));
         constants.extend(shadows.filter(|_| inputs == Inputs::Maps).and_then(filter_constant));
         let stage = |name: &str, end: &str| {
-            shaders.find(&format!("{name}.{end}")).map(|shader| shader.specialised(&constants))
+            shaders.find_of_objects(name, end).map(|shader| shader.specialised(&constants))
         };
         // Holes are a matter of texture coordinates and colours alone, the last three.
         let (first, attributes) = match is_depth {
@@ -205,7 +209,13 @@ impl SurfacePass {
             attributes,
             beside: None,
         };
-        let vertex = stage(shader, "vert")?;
+        let vertex = match (section, inputs) {
+            // The planes lie behind the buffers of shadows.
+            (SectionShaders::Cut, Inputs::Maps | Inputs::Mask) => {
+                stage("surface_shadowed", "vert")?
+            }
+            _ => stage(shader, "vert")?,
+        };
         let (fragment, texture_arrays, table) = match &surfaces.textures {
             SurfaceTextures::Pages { .. } => (fragment.to_owned(), MAX_PAGES as u32, None),
             SurfaceTextures::Images(images) => {
@@ -218,10 +228,10 @@ impl SurfacePass {
             storage: StorageLayout {
                 textures: inputs.textures(),
                 texture_arrays,
-                ..StorageLayout::new::<Constants>(inputs.buffers())
+                ..StorageLayout::new::<Constants>(inputs.buffers() + section_buffers(section))
             },
             table,
-            cull,
+            cull: culled_faces(section, cull),
             depth,
             blend,
             attachments,
@@ -274,19 +284,27 @@ impl SurfacePass {
         let around = io.surfaces.environment.sampled();
         let [instances, materials, transforms, lights, lists] = own;
         match (self.inputs, &io.shadows) {
-            (Inputs::Holes, _) => commands.bind_sampled(&self.pipeline, &own, &[], pages),
+            (Inputs::Holes, _) => with_section(&own, io.section, |all| {
+                commands.bind_sampled(&self.pipeline, all, &[], pages);
+            }),
             (Inputs::Maps, Some(ShadowIo::Maps(shadows))) => {
                 let [of_lights, of_faces] = [shadows.lights, shadows.faces];
                 let all = [instances, materials, transforms, lights, lists, of_lights, of_faces];
                 let textures = [shadows.maps, shadows.depths, shadows.disks, around];
-                commands.bind_sampled(&self.pipeline, &all, &textures, pages);
+                with_section(&all, io.section, |all| {
+                    commands.bind_sampled(&self.pipeline, all, &textures, pages);
+                });
             }
             (Inputs::Mask, Some(ShadowIo::Mask(mask))) => {
                 let all = [instances, materials, transforms, lights, lists, mask.lights, mask.mask];
-                commands.bind_sampled(&self.pipeline, &all, &[around], pages);
+                with_section(&all, io.section, |all| {
+                    commands.bind_sampled(&self.pipeline, all, &[around], pages);
+                });
             }
             (Inputs::Lights | Inputs::Maps | Inputs::Mask, _) => {
-                commands.bind_sampled(&self.pipeline, &own, &[around], pages);
+                with_section(&own, io.section, |all| {
+                    commands.bind_sampled(&self.pipeline, all, &[around], pages);
+                });
             }
         }
     }

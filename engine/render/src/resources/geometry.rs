@@ -25,6 +25,7 @@ use crate::resources::skinned_meshes::{SkinnedVertices, are_skinned, skinned_ver
 use crate::resources::sprites;
 use crate::resources::upload_queue::{UploadQueue, UploadTargets};
 use crate::resources::volume_meshes::{VolumeDraw, VolumeMeshes};
+use crate::section::SectionMeshes;
 use crate::shading::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// Memory that a renderer takes for each object while it is made (bytes): its instance, by object
@@ -54,6 +55,8 @@ pub(crate) struct Geometry {
     pub(crate) volumes: Option<VolumeMeshes>,
     /// The edges of meshes, while edges or outlines are drawn.
     pub(crate) edges: Option<EdgeMeshes>,
+    /// The meshes as section planes cut them, while there are such planes.
+    pub(crate) section_meshes: Option<SectionMeshes>,
     /// Objects whose meshes are on their way.
     waiting: Vec<ObjectId>,
     mesh_bounds: Vec<Aabb>,
@@ -146,6 +149,7 @@ impl Geometry {
             uploads: UploadQueue::new(frame_bytes),
             volumes: None,
             edges: None,
+            section_meshes: None,
             waiting: Vec::new(),
             surfaces,
             mesh_draws,
@@ -203,6 +207,9 @@ impl Geometry {
         if let Some(edges) = &mut self.edges {
             edges.add(id, &mesh, &place);
         }
+        if let Some(section_meshes) = &mut self.section_meshes {
+            section_meshes.add((id, &mesh), &place);
+        }
         self.uploads.push_mesh(id, mesh, (place, adjacency.unwrap_or_default()));
         Ok(id)
     }
@@ -258,6 +265,52 @@ impl Geometry {
     /// Returns the draw of a mesh; an empty one where the scene does not have it.
     pub(crate) fn mesh_draw(&self, mesh: MeshId) -> IndirectDraw {
         self.mesh_draws.get(mesh.0 as usize).map(|mesh| mesh.draw).unwrap_or_default()
+    }
+
+    /// Returns the mesh of an object.
+    pub(crate) fn mesh_of(&self, object: ObjectId) -> Option<MeshId> {
+        let mesh = self.object_meshes.get(object.0 as usize).filter(|mesh| **mesh != NO_MESH);
+        mesh.copied().map(MeshId)
+    }
+
+    /// Returns the vertex shader's data of an object.
+    pub(crate) fn instance(&self, object: ObjectId) -> Option<&Instance> {
+        self.object_instances.get(object.0 as usize)
+    }
+
+    /// Returns true if a mesh is drawn in other places than those of its vertices: in a pose, or as
+    /// sprites.
+    pub(crate) fn changes_shape(&self, mesh: MeshId) -> bool {
+        let surfaces = self.surfaces.as_ref();
+        self.is_skinned(mesh) || surfaces.is_some_and(|surfaces| surfaces.is_of_sprites(mesh))
+    }
+
+    /// Returns the draw of a mesh, or of a coarser level, for a leaf.
+    pub(crate) fn leaf_draw(&self, draw: MeshDrawId, leaf: LeafIndex) -> Option<IndirectDraw> {
+        let mesh = self.mesh_draws.get(draw.0 as usize)?;
+        Some(IndirectDraw { first_instance: leaf.0, instance_count: 1, ..mesh.draw })
+    }
+
+    /// Returns the colour of an object where it is cut open, linear: of its material or of its
+    /// mesh, with its tint.
+    pub(crate) fn section_colour(&self, object: ObjectId) -> [f32; 3] {
+        const WHITE: [f32; 3] = [1.0; 3];
+        let (Some(mesh), Some(instance)) = (self.mesh_of(object), self.instance(object)) else {
+            return WHITE;
+        };
+        let vertex = self.section_meshes.as_ref().map_or(u32::MAX, |meshes| meshes.colour(mesh));
+        let [red, green, blue, share] = unpack_unorm(vertex);
+        let (own, tint) = match &self.surfaces {
+            None => {
+                let [r, g, b, _] = instance.tail.map(f32::from_bits);
+                ([red, green, blue], [r, g, b])
+            }
+            Some(surfaces) => {
+                let [r, g, b, _] = unpack_unorm(instance.tail[2] >> 8);
+                (surfaces.base_colour(instance.tail[0]), [r, g, b])
+            }
+        };
+        std::array::from_fn(|part| own[part] * (1.0 + (tint[part] - 1.0) * share))
     }
 
     /// Returns the draw of an object as a caster of shadows: always its mesh itself, so that no

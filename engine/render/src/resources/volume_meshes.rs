@@ -188,7 +188,7 @@ impl Contents {
 }
 
 /// Returns a copy of a buffer that the CPU reads.
-fn copied_back(device: &Device, from: BufferSlice) -> Result<Buffer, Error> {
+pub(crate) fn copied_back(device: &Device, from: BufferSlice) -> Result<Buffer, Error> {
     let usage = vk::BufferUsageFlags::TRANSFER_DST;
     let to = Buffer::new(device, "meshes", from.size_bytes, usage, MemoryKind::ReadBack)?;
     device.run_once("copy meshes back", |commands| {

@@ -19,6 +19,9 @@ pub struct SceneDegradations {
     /// Objects of masked materials, which cast no shadow since a stencil knows no holes: with
     /// shadow volumes. The present number.
     pub unshadowed_objects: usize,
+    /// Section planes that do not cut the shadows of objects: with shadow volumes. The present
+    /// number.
+    pub planes_without_shadows: usize,
     /// Images that lose sharpness, since the device or the memory for textures holds no larger
     /// ones.
     pub shrunk_images: usize,
@@ -42,6 +45,7 @@ impl SceneDegradations {
     pub fn texts(&self) -> Vec<String> {
         let Self { crowded_objects, dark_suns, broken_lights, unshadowed_objects, .. } = *self;
         let Self { shrunk_images, unpacked_images, borrowed_samplers, textures, .. } = *self;
+        let planes_without_shadows = self.planes_without_shadows;
         let shrunk_by = match textures {
             TextureStorage::Images => "the device takes no larger ones".to_owned(),
             TextureStorage::Pages => format!(
@@ -81,6 +85,13 @@ impl SceneDegradations {
                 "object of a masked material casts",
                 "objects of masked materials cast",
                 "no shadow: shadow volumes know no holes, shadow maps do".to_owned(),
+            ),
+            sentence(
+                planes_without_shadows,
+                "section plane does",
+                "section planes do",
+                "not cut shadow volumes: what is cut away still casts a shadow, shadow maps do better"
+                    .to_owned(),
             ),
             sentence(
                 shrunk_images,

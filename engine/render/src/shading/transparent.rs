@@ -22,6 +22,8 @@ pub(crate) struct Transparent {
     sorted: Vec<SortedObject>,
     /// The vertex shader's data of the view being recorded, if it has any.
     instances: Option<BufferSlice>,
+    /// What section planes do to each of them: they cut all alike.
+    states: Option<BufferSlice>,
 }
 
 pub(crate) struct TransparentObject {
@@ -111,6 +113,7 @@ impl Transparent {
             list: TransparentList::new(device)?,
             sorted: Vec::new(),
             instances: None,
+            states: None,
         }))
     }
 
@@ -126,7 +129,8 @@ impl Transparent {
         self.sorted.clear();
         for (number, object) in self.objects.iter().enumerate() {
             let bounds = &object.bounds;
-            if view.frustum.classify(bounds, PlaneMask::ALL).0 == Containment::Outside {
+            let (place, _) = view.frustum.classify(bounds, PlaneMask::ALL);
+            if place == Containment::Outside || view.cuts_away(bounds) {
                 continue;
             }
             let depth_m = depth_m(bounds, &view.rays, object.faces.under(&object.object.transform));
@@ -162,6 +166,10 @@ impl Transparent {
             geometry.transparent_instance(id, &objects[sorted.number].object)
         });
         self.instances = Some(frame.uploads().push_iter(instances)?);
+        self.states = match view.section.is_empty() {
+            true => None,
+            false => Some(frame.uploads().push(&vec![0_u32; sorted.len().div_ceil(2)])?),
+        };
         Ok(list.write(frame, passes)?)
     }
 
@@ -241,7 +249,9 @@ impl Transparent {
         bind: &dyn Fn(&Commands, &SurfaceIo<'_>),
     ) {
         let Some(instances) = self.instances else { return };
-        let surfaces = SurfaceIo { instances, ..surfaces };
+        let section = surfaces.section.zip(self.states);
+        let section = section.map(|(section, states)| section.of_states(states));
+        let surfaces = SurfaceIo { instances, section, ..surfaces };
         self.list.draw(executor.leaves.predicates(), commands, &|commands, _| {
             bind(commands, &surfaces);
         });

@@ -23,6 +23,7 @@ use scene::LightId;
 use crate::error::Error;
 use crate::passes::pipelines::Pipelines;
 use crate::resources::geometry::Geometry;
+use crate::section::Section;
 pub(crate) use caster_culling::can_skip;
 use culled_draws::CastersInView;
 pub use light_shadow::LightShadow;
@@ -164,7 +165,7 @@ impl Shadows {
     pub(crate) fn record(
         &mut self,
         frame: &mut Frame<'_>,
-        scene: (&Geometry, &Hierarchy),
+        scene: (&Geometry, &Hierarchy, &Section),
         (pipelines, predicates): (&Pipelines, &Predicates),
     ) -> Result<(), Error> {
         match (&mut self.maps, &pipelines.maps) {

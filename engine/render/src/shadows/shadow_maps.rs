@@ -18,13 +18,16 @@ use scene::LightId;
 use crate::error::Error;
 use crate::passes::{CasterPass, MapPasses};
 use crate::resources::geometry::Geometry;
+use crate::section::Section;
 use crate::shading::surfaces::LightTable;
 use crate::shadows::LightShadow;
 use crate::shadows::caster_culling::CasterCulling;
 use crate::shadows::culled_draws::{CasterGroup, CastersInView, CulledGroup};
 use crate::shadows::map_images::MapImages;
 use crate::shadows::records::{FaceRecord, LightRecord, ShadowMapIo, light_records};
-use crate::shadows::tile_draws::{CasterDraws, TileStart, begin_tile, caster_io, tiles_target};
+use crate::shadows::tile_draws::{
+    CasterDraws, FaceSections, TileStart, begin_tile, caster_io, tiles_target,
+};
 
 /// The side of the tile of disks, in pixels: neighbours filter with different ones.
 const DISKS_SIDE: u32 = 8;
@@ -51,6 +54,8 @@ pub(crate) struct ShadowMaps {
     triangles: u64,
     buffers: Option<[BufferSlice; 2]>,
     scratch: Scratch,
+    /// Section planes as the faces of the frame see them.
+    sections: FaceSections,
 }
 
 /// Memory that is kept to allocate nothing at rest.
@@ -120,6 +125,7 @@ impl ShadowMaps {
             view: 0,
             buffers: None,
             scratch: Scratch::default(),
+            sections: FaceSections::default(),
         })
     }
 
@@ -228,9 +234,10 @@ impl ShadowMaps {
     pub(crate) fn record(
         &mut self,
         frame: &mut Frame<'_>,
-        (geometry, hierarchy): (&Geometry, &Hierarchy),
+        (geometry, hierarchy, section): (&Geometry, &Hierarchy, &Section),
         (passes, predicates): (&MapPasses, &Predicates),
     ) -> Result<(), Error> {
+        self.sections.upload(frame, section, &self.plan.faces)?;
         let Self { plan, lights, places, views, scratch, .. } = self;
         let of_views = (*views, self.options.cascade_blend);
         light_records(plan, (lights, places), of_views, &mut scratch.records);
@@ -268,7 +275,7 @@ impl ShadowMaps {
             self.images.maps_mut().prepare(commands);
             return Ok(());
         }
-        let casters = CasterDraws { geometry, predicates, draws };
+        let casters = CasterDraws { geometry, predicates, draws, section: &self.sections };
         self.images.draw(commands, (&casters, passes), &self.plan);
         Ok(())
     }
@@ -307,10 +314,11 @@ impl ShadowMaps {
                     let tiles =
                         groups().filter_map(|it| Some((planned(it)?.tile, TileStart::Cleared)));
                     commands.rendering(tiles_target(target, tiles), |commands| {
-                        casters.bind(commands, &io);
+                        self.sections.bind(commands, casters, &io);
                         for (culled, face) in here {
                             begin_tile(commands, face, TileStart::Cleared);
-                            casters.set_view(commands, &io, &face.face.view);
+                            let numbered = (culled.number, face);
+                            self.sections.bind_face(commands, (casters, &io), numbered);
                             culling.draw(commands, culled);
                         }
                     });

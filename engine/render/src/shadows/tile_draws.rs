@@ -3,10 +3,13 @@
 use std::ops::Range;
 
 use ::shadows::{FaceWork, PlannedFace, Tile};
-use gpu::{BufferSlice, Commands, DepthLayers, Load, Predicates, RenderTarget};
+use cull::View;
+use gpu::{BufferSlice, Commands, DepthLayers, Frame, Load, Predicates, RenderTarget};
 
-use crate::passes::{CasterIo, CasterPass};
+use crate::error::Error;
+use crate::passes::{CasterIo, CasterPass, SectionIo};
 use crate::resources::geometry::Geometry;
+use crate::section::Section;
 
 /// Bytes of an indirect draw.
 const DRAW_BYTES: u64 = size_of::<gpu::IndirectDraw>() as u64;
@@ -35,6 +38,53 @@ pub(super) struct CasterDraws<'a> {
     pub(super) predicates: &'a Predicates,
     /// One indirect command per caster of the plan.
     pub(super) draws: BufferSlice,
+    /// Section planes as each face sees them.
+    pub(super) section: &'a FaceSections,
+}
+
+/// Section planes as the faces of a frame's plan see them.
+#[derive(Default)]
+pub(super) struct FaceSections(Vec<SectionIo>);
+
+impl FaceSections {
+    /// Uploads the planes of a frame for its faces, in their order; nothing without planes.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(super) fn upload(
+        &mut self,
+        frame: &mut Frame<'_>,
+        section: &Section,
+        faces: &[PlannedFace],
+    ) -> Result<(), Error> {
+        self.0.clear();
+        for face in faces {
+            let view = View { section: section.planes, ..face.face.view };
+            let Some(io) = section.io_of(frame, &view)? else { break };
+            self.0.push(io);
+        }
+        Ok(())
+    }
+
+    /// Sets the view of a face for draws of its casters, by its number in the plan.
+    pub(super) fn bind_face(
+        &self,
+        commands: &Commands,
+        (pass, io): (&CasterPass, &CasterIo<'_>),
+        (number, face): (usize, &PlannedFace),
+    ) {
+        if let Some(section) = self.0.get(number) {
+            pass.bind(commands, &CasterIo { section: Some(*section), ..*io });
+        }
+        pass.set_view(commands, io, &face.face.view);
+    }
+
+    /// Binds a pass for all faces, where each needs no planes of its own.
+    pub(super) fn bind(&self, commands: &Commands, pass: &CasterPass, io: &CasterIo<'_>) {
+        if self.0.is_empty() {
+            pass.bind(commands, io);
+        }
+    }
 }
 
 impl CasterDraws<'_> {
@@ -52,8 +102,9 @@ impl CasterDraws<'_> {
                 let is_here = |face: &&PlannedFace| face.tile.layer == layer;
                 let mut work = faces
                     .iter()
-                    .filter(is_here)
-                    .filter_map(|face| Some((face, part(&face.work)?)))
+                    .enumerate()
+                    .filter(|(_, face)| is_here(face))
+                    .filter_map(|(number, face)| Some(((number, face), part(&face.work)?)))
                     .peekable();
                 let (Some(target), true) = (layers.target(layer), work.peek().is_some()) else {
                     continue;
@@ -63,7 +114,7 @@ impl CasterDraws<'_> {
                     .filter(is_here)
                     .filter_map(|face| Some((face.tile, part(&face.work)?.start())));
                 commands.rendering(tiles_target(target, tiles), |commands| {
-                    pass.bind(commands, &io);
+                    self.section.bind(commands, pass, &io);
                     work.for_each(|(face, part)| self.draw_face(commands, (pass, &io), face, part));
                 });
             }
@@ -74,7 +125,7 @@ impl CasterDraws<'_> {
         &self,
         commands: &Commands,
         (pass, io): (&CasterPass, &CasterIo<'_>),
-        face: &PlannedFace,
+        (number, face): (usize, &PlannedFace),
         part: TileDraws,
     ) {
         begin_tile(commands, face, part.start());
@@ -82,7 +133,7 @@ impl CasterDraws<'_> {
         if casters.is_empty() {
             return;
         }
-        pass.set_view(commands, io, &face.face.view);
+        self.section.bind_face(commands, (pass, io), (number, face));
         let (first, count) = (casters.start as u64, casters.len() as u64);
         let draws = self.draws.part(first * DRAW_BYTES, count * DRAW_BYTES);
         self.predicates.draw_after_counted(commands, draws);
@@ -155,6 +206,7 @@ pub(super) fn caster_io(geometry: &Geometry) -> Option<CasterIo<'_>> {
         indices: geometry.indices.whole(),
         instances: geometry.instances.whole(),
         surfaces: geometry.surfaces.as_ref()?,
+        section: None,
     })
 }
 

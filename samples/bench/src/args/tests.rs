@@ -6,6 +6,7 @@ use crate::choices::{
     ValidationChoice,
 };
 use crate::strategy::Strategy;
+use antumbra::cull::SectionPlanes;
 use antumbra::import::BrokenParts;
 use antumbra::methods;
 use clap::CommandFactory;
@@ -116,6 +117,7 @@ fn every_option_arrives() {
             trust: TrustChoice::Driver,
             predicates: PredicatesChoice::Instances,
             threshold_pixels: 9,
+            section: SectionPlanes::default(),
             shaders: Some("glsl".into()),
             output: Some("images".into()),
             report: Some("r.json".into()),

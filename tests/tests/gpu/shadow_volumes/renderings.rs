@@ -118,6 +118,7 @@ impl Renderings {
         self.target.prepare(commands);
         commands.rendering(self.target.render_target(Some([0.0; 4])), |commands| {
             let io = OpaqueIo {
+                section: None,
                 vertices: self.vertices.whole(),
                 indices: self.indices.whole(),
                 instances: self.instances.whole(),

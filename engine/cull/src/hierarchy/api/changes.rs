@@ -57,6 +57,7 @@ impl Hierarchy {
         let node = occupancy::vacate(&self.topology, &mut self.nodes, object)?;
         self.boxes.push(BoxChange { object, before, after: Aabb::EMPTY });
         self.refit_above(node);
+        self.list_whole();
         Ok(())
     }
 
@@ -365,5 +366,6 @@ impl Hierarchy {
         const ENTRIES_MIN: usize = 1 << 14;
         let most_entries = ENTRIES_MIN.max(8 * self.topology.nodes.len());
         self.journal.push(generation, change, most_entries);
+        self.list_whole();
     }
 }

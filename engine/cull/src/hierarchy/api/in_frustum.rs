@@ -1,9 +1,10 @@
-//! The objects of a hierarchy in a frustum: their number, for statistics, and their leaves.
+//! The objects of a hierarchy that a view sees by their boxes, by its frustum and by what section
+//! planes leave: their number, for statistics, and their leaves.
 
 use super::super::Hierarchy;
 use crate::geom::frustum::{Containment, Frustum, PlaneMask};
 use crate::geom::view::View;
-use crate::ids::{LeafIndex, LeafRange};
+use crate::ids::{LeafIndex, LeafRange, NodeId};
 
 impl Hierarchy {
     /// Returns the number of objects; free leaves are none.
@@ -12,23 +13,33 @@ impl Hierarchy {
         self.topology.nodes.first().map_or(0, |root| root.leaf_count) - self.free_below(0)
     }
 
-    /// Counts the objects whose box meets the view's frustum: exactly those that
-    /// [`Strategy::FRUSTUM`](crate::Strategy::FRUSTUM) draws.
+    /// Returns true if the section planes of a view leave nothing of what is under a node.
+    #[must_use]
+    pub fn is_cut_away(&self, node: NodeId, view: &View) -> bool {
+        view.cuts_away(&self.bounds(node)) && !self.has_whole(node)
+    }
+
+    /// Counts the objects whose box meets the view's frustum and what section planes keep: exactly
+    /// those that [`Strategy::FRUSTUM`](crate::Strategy::FRUSTUM) draws.
     ///
     /// Descends only into nodes that cross a plane of the frustum, so the cost grows with the
-    /// frustum's surface and not with its contents or its surroundings. Allocates nothing.
+    /// frustum's surface and not with its contents or its surroundings; with section planes it
+    /// grows with the contents. Allocates nothing.
     #[must_use]
     pub fn objects_in_frustum(&self, view: &View) -> u32 {
         let mut count = 0;
-        self.visit_in(&view.frustum, |node, leaves| count += leaves.count - self.free_below(node));
+        self.visit_in(&view.frustum, view, |node, leaves| {
+            count += leaves.count - self.free_below(node);
+        });
         count
     }
 
-    /// Adds the leaves whose box meets a frustum to `found`, in ascending ranges that do not touch;
-    /// free leaves may be among them. The cost grows as in [`Hierarchy::objects_in_frustum`].
-    pub fn leaves_in(&self, frustum: &Frustum, found: &mut Vec<LeafRange>) {
+    /// Adds the leaves whose box meets a frustum and what the section planes of a view keep to
+    /// `found`, in ascending ranges that do not touch; free leaves may be among them. The cost grows
+    /// as in [`Hierarchy::objects_in_frustum`].
+    pub fn leaves_in(&self, frustum: &Frustum, view: &View, found: &mut Vec<LeafRange>) {
         let first = found.len();
-        self.visit_in(frustum, |_, leaves| {
+        self.visit_in(frustum, view, |_, leaves| {
             match found.get_mut(first..).and_then(<[_]>::last_mut) {
                 Some(last) if last.first.0 + last.count == leaves.first.0 => {
                     last.count += leaves.count
@@ -38,14 +49,21 @@ impl Hierarchy {
         });
     }
 
-    /// Calls `visit` with the topmost nodes that meet a frustum wholly, or are leaves.
-    fn visit_in(&self, frustum: &Frustum, mut visit: impl FnMut(u32, LeafRange)) {
+    /// Calls `visit` with the topmost nodes that meet a frustum wholly and are not cut, or are
+    /// leaves.
+    fn visit_in(&self, frustum: &Frustum, view: &View, mut visit: impl FnMut(u32, LeafRange)) {
+        let is_cut = !view.section.is_empty();
         let mut node = 0;
         // In pre-order the node after a subtree is the next that is not below it.
         while let Some((links, bounds)) =
             self.topology.nodes.get(node as usize).zip(self.nodes.bounds.get(node as usize))
         {
             let (containment, _) = frustum.classify(bounds, PlaneMask::ALL);
+            let containment = match containment {
+                _ if is_cut && self.is_cut_away(NodeId(node), view) => Containment::Outside,
+                Containment::Inside if is_cut => Containment::Intersects,
+                containment => containment,
+            };
             if containment == Containment::Intersects && !links.is_leaf() {
                 node += 1;
                 continue;

@@ -61,6 +61,19 @@ impl Commands {
         self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, textures, arrays);
     }
 
+    /// Binds another pipeline with the buffers, constants and geometry that are bound for one of the
+    /// same [layout](crate::StorageLayout), without textures.
+    pub fn switch(&self, pipeline: &GraphicsPipeline) {
+        if self.admit(&pipeline.0).is_ok() {
+            // SAFETY: a live pipeline; what is bound stays valid, since pipelines of equal layouts
+            // are compatible.
+            unsafe {
+                let point = vk::PipelineBindPoint::GRAPHICS;
+                self.device().raw().cmd_bind_pipeline(self.raw(), point, pipeline.0.raw);
+            }
+        }
+    }
+
     /// Binds a compute pipeline and its storage buffers.
     pub fn bind_compute(&self, pipeline: &ComputePipeline, storage: &[BufferSlice]) {
         self.bind_kind(

@@ -5,7 +5,7 @@ use ash::vk;
 use crate::memory::buffer::BufferSlice;
 use crate::memory::readback::Readback;
 use crate::record::access::{Access, MemoryBarrier};
-use crate::record::attachments::Attachments;
+use crate::record::attachments::{Attachments, DEPTH_AND_STENCIL_FORMAT, DEPTH_FORMAT};
 use crate::record::commands::{Commands, Failure};
 use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 use crate::record::target::Target;
@@ -118,8 +118,11 @@ impl Target {
             commands.fail(Failure::Wrong("an image is copied to a `Readback` of another size"));
             return;
         }
-        let ours = Attachments { views: layers, ..Attachments::default() };
-        let is_ours = self.attachments == ours;
+        let ours = |depth: &vk::Format| {
+            let ours = Attachments { views: layers, depth: *depth, ..Attachments::default() };
+            self.attachments == ours
+        };
+        let is_ours = [DEPTH_FORMAT, DEPTH_AND_STENCIL_FORMAT].iter().any(ours);
         let colour = match &mut self.multisampling {
             Some(multisampling) => Some(&mut multisampling.average),
             None => self.colours.first_mut().filter(|_| is_ours),

@@ -1,3 +1,4 @@
 //! The draws of frames by concern.
 
+mod caps;
 mod shading;

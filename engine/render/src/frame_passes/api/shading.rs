@@ -83,6 +83,7 @@ impl FramePasses {
         };
         surfaces.bind(commands, &io, view, &self.light);
         draw(commands);
+        self.colour_caps(commands, view);
         match (backdrop, io.surfaces.environment.sky()) {
             (None, Some(around)) => {
                 sky.draw_around(commands, &around, view, io.surfaces.exposure());
@@ -106,6 +107,7 @@ impl FramePasses {
                 executor.leaves.predicates().draw_after_counted(commands, draws);
             }
         };
+        self.draw_caps(commands, view);
         self.bind_visibility(commands, view);
         draw(commands);
         self.draw_surfaces(commands, view, backdrop, draw);

@@ -158,6 +158,16 @@ impl SurfaceResources {
         [material, slot, lights_and_tint(self.light_lists.count(slot), object.tint), sprites]
     }
 
+    /// Returns true if a mesh is made of sprites.
+    pub(crate) fn is_of_sprites(&self, mesh: MeshId) -> bool {
+        self.mesh_sprites.get(mesh.0 as usize).is_some_and(|place| *place != 0)
+    }
+
+    /// Returns the factor of the base colour of a material, linear.
+    pub(crate) fn base_colour(&self, material: u32) -> [f32; 3] {
+        self.material_slots.base_colour(MaterialId(material))
+    }
+
     /// Returns true if objects of a mesh cast shadow volumes: its material lets no light through,
     /// and it is not made of sprites.
     pub(crate) fn casts_volumes(&self, mesh: MeshId) -> bool {

@@ -1,0 +1,256 @@
+//! Section planes: what lies on their removed side is cut away from objects, and not drawn.
+//!
+//! A node whose box lies wholly on the removed side is outside of a view like one beyond the
+//! frustum. Proxies stay whole: the uncut box is nearer than anything that is left inside of it, so
+//! a test of it can only reveal too much.
+
+use glam::{DVec3, DVec4};
+use thiserror::Error;
+
+use crate::geom::bounds::Aabb;
+use crate::geom::margin::rounding;
+
+/// The combination of several section planes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SectionMode {
+    /// What all planes keep is kept.
+    #[default]
+    Intersection,
+    /// What one of the planes keeps is kept.
+    Union,
+}
+
+/// The part that section planes leave of an object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SectionMember {
+    /// What the planes keep.
+    #[default]
+    Cut,
+    /// All: section planes do not apply to it.
+    Whole,
+}
+
+/// The reason why planes are no section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum SectionError {
+    /// A normal of length zero, or one that is no number.
+    #[error("a section plane needs a normal that is not zero and finite: give it a direction")]
+    Normal,
+    /// An offset that is no number.
+    #[error("the offset of a section plane must be a finite number of metres")]
+    Offset,
+    /// More planes than there can be.
+    #[error("{count} section planes: there may be up to {}", SectionPlanes::MAX)]
+    Count {
+        /// The number of planes.
+        count: usize,
+    },
+}
+
+/// A plane that keeps the points `p` with `normal · p + offset >= 0`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SectionPlane {
+    normal: DVec3,
+    offset_m: f64,
+}
+
+impl SectionPlane {
+    /// Creates a plane. A normal of another length than 1 is normalised, and the offset with it, so
+    /// that the same points are kept.
+    ///
+    /// # Errors
+    /// [`SectionError::Normal`], [`SectionError::Offset`].
+    pub fn new(normal: DVec3, offset_m: f64) -> Result<Self, SectionError> {
+        if !normal.is_finite() {
+            return Err(SectionError::Normal);
+        }
+        // Twice: the length of a normal beyond 1e150, or below 1e-150, overflows.
+        let scale = normal.abs().max_element();
+        if scale <= 0.0 {
+            return Err(SectionError::Normal);
+        }
+        let scaled = normal / scale;
+        let offset_m = offset_m / scale / scaled.length();
+        match offset_m.is_finite() {
+            true => Ok(Self { normal: scaled.normalize(), offset_m }),
+            false => Err(SectionError::Offset),
+        }
+    }
+
+    /// Returns the unit normal, which points to the side that is kept.
+    #[must_use]
+    pub fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// Returns the offset: the distance of the origin from the plane, positive on the kept side
+    /// (metres).
+    #[must_use]
+    pub fn offset_m(&self) -> f64 {
+        self.offset_m
+    }
+
+    /// Returns the distance of a point, positive on the kept side (metres).
+    #[must_use]
+    pub fn distance_m(&self, point: DVec3) -> f64 {
+        self.normal.dot(point) + self.offset_m
+    }
+
+    /// Returns the same plane as coefficients for points relative to `anchor`.
+    #[must_use]
+    pub fn from_anchor(&self, anchor: DVec3) -> DVec4 {
+        self.normal.extend(self.distance_m(anchor))
+    }
+
+    /// Returns the distances of the nearest and of the farthest point of a box, with signs (metres).
+    pub(crate) fn reach_m(&self, bounds: &Aabb) -> [f64; 2] {
+        let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let middle = self.distance_m((low + high) * 0.5);
+        let reach = self.normal.abs().dot((high - low) * 0.5);
+        [middle - reach, middle + reach]
+    }
+}
+
+impl Default for SectionPlane {
+    /// Creates the plane through the origin that keeps what is above.
+    fn default() -> Self {
+        Self { normal: DVec3::Y, offset_m: 0.0 }
+    }
+}
+
+/// The section planes of a view: up to six; none, which keep everything, by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SectionPlanes {
+    planes: [SectionPlane; Self::MAX],
+    count: usize,
+    mode: SectionMode,
+}
+
+impl SectionPlanes {
+    /// The most planes.
+    pub const MAX: usize = 6;
+
+    /// Takes planes and the way to combine them. No plane keeps everything, in either mode.
+    ///
+    /// # Errors
+    /// [`SectionError::Count`].
+    pub fn new(planes: &[SectionPlane], mode: SectionMode) -> Result<Self, SectionError> {
+        let mut section = Self { mode, ..Self::default() };
+        let Some(places) = section.planes.get_mut(..planes.len()) else {
+            return Err(SectionError::Count { count: planes.len() });
+        };
+        places.copy_from_slice(planes);
+        section.count = planes.len();
+        Ok(section)
+    }
+
+    /// Returns the planes.
+    #[must_use]
+    pub fn planes(&self) -> &[SectionPlane] {
+        self.planes.get(..self.count).unwrap_or_default()
+    }
+
+    /// Returns the way in which they are combined.
+    #[must_use]
+    pub fn mode(&self) -> SectionMode {
+        self.mode
+    }
+
+    /// Returns true if there is no plane.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Returns true if the planes keep a point.
+    #[must_use]
+    pub fn keeps(&self, point: DVec3) -> bool {
+        let keeps = |plane: &SectionPlane| plane.distance_m(point) >= 0.0;
+        match self.mode {
+            _ if self.is_empty() => true,
+            SectionMode::Intersection => self.planes().iter().all(keeps),
+            SectionMode::Union => self.planes().iter().any(keeps),
+        }
+    }
+
+    /// Returns true if one of the planes may cut what is in a box, or touch it.
+    #[must_use]
+    pub fn meets(&self, bounds: &Aabb) -> bool {
+        let slack_m = f64::from(rounding(bounds, 0.0));
+        self.planes().iter().any(|plane| {
+            let [nearest, farthest] = plane.reach_m(bounds);
+            nearest <= slack_m && farthest >= -slack_m
+        })
+    }
+
+    /// Returns true if no point of a box, or nearer to it than `slack_m`, is kept for certain. In an
+    /// intersection one plane must remove the box, in a union all of them.
+    #[must_use]
+    pub fn removes(&self, bounds: &Aabb, slack_m: f32) -> bool {
+        let removes = |plane: &SectionPlane| {
+            let [_, farthest] = plane.reach_m(bounds);
+            farthest < -f64::from(slack_m)
+        };
+        match self.mode {
+            _ if self.is_empty() => false,
+            SectionMode::Intersection => self.planes().iter().any(removes),
+            SectionMode::Union => self.planes().iter().all(removes),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    fn plane(normal: DVec3, offset_m: f64) -> SectionPlane {
+        SectionPlane::new(normal, offset_m).unwrap()
+    }
+
+    #[test]
+    fn a_plane_is_the_same_whatever_the_length_of_its_normal() {
+        for scale in [1.0, 2.0, 1.0e-300, 1.0e300] {
+            let plane = plane(DVec3::new(0.0, 3.0, 4.0) * scale, 10.0 * scale);
+            assert!((plane.normal() - DVec3::new(0.0, 0.6, 0.8)).length() < 1.0e-15);
+            assert!((plane.offset_m() - 2.0).abs() < 1.0e-14);
+        }
+    }
+
+    #[test]
+    fn what_is_no_plane_is_refused_with_a_sentence() {
+        for normal in [DVec3::ZERO, DVec3::NAN, DVec3::new(0.0, f64::INFINITY, 0.0)] {
+            assert_eq!(SectionPlane::new(normal, 0.0), Err(SectionError::Normal));
+        }
+        assert_eq!(SectionPlane::new(DVec3::X, f64::NAN), Err(SectionError::Offset));
+        let seven = [SectionPlane::default(); 7];
+        let error = SectionPlanes::new(&seven, SectionMode::Union).unwrap_err();
+        assert_eq!(error.to_string(), "7 section planes: there may be up to 6");
+    }
+
+    #[test]
+    fn an_intersection_removes_by_one_plane_and_a_union_by_all() {
+        let planes = [plane(DVec3::X, 0.0), plane(DVec3::Y, 0.0)];
+        let both = SectionPlanes::new(&planes, SectionMode::Intersection).unwrap();
+        let either = SectionPlanes::new(&planes, SectionMode::Union).unwrap();
+        let cube = |x: f32, y: f32| {
+            let centre = Vec3::new(x, y, 0.0);
+            Aabb::new(centre - 1.0, centre + 1.0)
+        };
+        for (bounds, of_both, of_either) in [
+            (cube(2.0, 2.0), false, false),
+            (cube(-2.0, 2.0), true, false),
+            (cube(-2.0, -2.0), true, true),
+            (cube(-0.5, -0.5), false, false),
+            // It touches, so it is not removed for certain.
+            (cube(-1.0, 2.0), false, false),
+        ] {
+            assert_eq!(both.removes(&bounds, 1.0e-6), of_both, "{bounds:?}");
+            assert_eq!(either.removes(&bounds, 1.0e-6), of_either, "{bounds:?}");
+        }
+        let none = SectionPlanes::default();
+        assert!(!none.removes(&cube(0.0, 0.0), 0.0) && none.keeps(DVec3::NEG_ONE));
+    }
+}

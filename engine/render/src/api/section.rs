@@ -1,0 +1,94 @@
+//! Section planes: what lies on their removed side is cut away from objects.
+
+use cull::{ObjectId, SectionMember, SectionPlanes};
+use gpu::Target;
+use occlusion::SectionShaders;
+
+use crate::error::Error;
+use crate::renderer::Renderer;
+use crate::section::SectionMeshes;
+
+impl Renderer {
+    /// Cuts all objects by these planes in every image from now on, but those that are
+    /// [whole](Renderer::set_section_member), and closes solids where they are cut open. What is cut
+    /// away is not picked, hides nothing and is culled. Without planes nothing is cut.
+    ///
+    /// Planes may be other ones in every frame at no cost. The first ones, and the change between
+    /// some and none, compile passes and wait for a copy of the meshes.
+    ///
+    /// # Errors
+    /// A device that cannot draw to a depth with a stencil, no memory, a failed call. Nothing has
+    /// changed then.
+    pub fn set_section(&mut self, planes: SectionPlanes) -> Result<(), Error> {
+        if planes == self.passes.section.planes {
+            return Ok(());
+        }
+        match planes.is_empty() {
+            true => self.leave_whole()?,
+            false if self.passes.section.planes.is_empty() => self.prepare_cuts()?,
+            false => {}
+        }
+        self.passes.section.planes = planes;
+        self.section_changed();
+        Ok(())
+    }
+
+    /// Returns the planes that objects are cut by.
+    pub fn section(&self) -> &SectionPlanes {
+        &self.passes.section.planes
+    }
+
+    /// Applies section planes to an object from now on, or leaves it whole. Without effect for an
+    /// object that is not there.
+    pub fn set_section_member(&mut self, object: ObjectId, member: SectionMember) {
+        if self.hierarchy.section_member(object) != member {
+            self.hierarchy.set_section_member(object, member);
+            self.section_changed();
+        }
+    }
+
+    /// Returns what section planes do to an object.
+    pub fn section_member(&self, object: ObjectId) -> SectionMember {
+        self.hierarchy.section_member(object)
+    }
+
+    /// Notes that other parts of objects are there now.
+    fn section_changed(&mut self) {
+        self.revision.advance();
+        self.passes.shadows.forget();
+    }
+
+    /// Compiles the passes that are cut, for images with a stencil.
+    fn prepare_cuts(&mut self) -> Result<(), Error> {
+        let meshes = SectionMeshes::new(&self.device, &self.passes.geometry)?;
+        let former = match self.passes.target.has_stencil() {
+            true => None,
+            false => {
+                let (size, samples) = (self.size(), self.samples);
+                let target = Target::with_stencil(&self.device, size, samples, "target")?;
+                Some(std::mem::replace(&mut self.passes.target, target))
+            }
+        };
+        let shaders = self.shaders.clone().with_section(SectionShaders::Cut);
+        if let Err(error) = self.draw_with(shaders) {
+            if let Some(former) = former {
+                self.passes.target = former;
+            }
+            return Err(error);
+        }
+        if former.is_some() {
+            self.executor.resized();
+            self.methods.iter_mut().for_each(|method| method.resized());
+        }
+        self.passes.geometry.section_meshes = Some(meshes);
+        self.passes.pipelines.caps.prepare(&self.device, &self.shaders).map_err(Error::from)
+    }
+
+    /// Compiles the passes that draw objects whole.
+    fn leave_whole(&mut self) -> Result<(), Error> {
+        self.draw_with(self.shaders.clone().with_section(SectionShaders::Whole))?;
+        self.passes.geometry.section_meshes = None;
+        self.passes.section.forget();
+        Ok(())
+    }
+}

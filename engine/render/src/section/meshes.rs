@@ -1,0 +1,126 @@
+//! Meshes as section planes cut them: the points that decide whether a plane meets an object, and
+//! whether there is an inside to close. Only renderers with section planes have them.
+
+use std::collections::HashMap;
+
+use cull::SectionPlane;
+use glam::{DVec3, Vec3};
+use gpu::{Buffer, Device};
+use occlusion::MeshDrawId;
+use scene::{Mesh, MeshId, PreparedMesh, Shell, Vertex};
+
+use crate::error::Error;
+use crate::resources::geometry::Geometry;
+use crate::resources::instance::Instance;
+use crate::resources::mesh_slots::{MeshPlace, Residency};
+use crate::resources::volume_meshes::copied_back;
+
+/// All meshes.
+pub(crate) struct SectionMeshes {
+    meshes: HashMap<MeshId, SectionMesh>,
+    shells: HashMap<u32, Shell>,
+}
+
+/// A mesh whose shape does not change.
+struct SectionMesh {
+    points: Vec<Vec3>,
+    /// The colour of its first vertex, packed as vertices have it.
+    colour: u32,
+}
+
+/// The part of the world along a plane's normal that an object takes, and its size (metres).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent {
+    /// The lowest and the highest distance of a point from the plane.
+    pub(crate) low_m: f64,
+    pub(crate) high_m: f64,
+    pub(crate) size_m: f64,
+}
+
+impl SectionMeshes {
+    /// Reads the meshes that the GPU holds. Waits for copies.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub(crate) fn new(device: &Device, geometry: &Geometry) -> Result<Self, Error> {
+        let [vertices, indices] = [&geometry.vertices, &geometry.indices].map(Buffer::whole);
+        let (vertices, indices) = (copied_back(device, vertices)?, copied_back(device, indices)?);
+        let mut all = Self { meshes: HashMap::new(), shells: HashMap::new() };
+        for (mesh, residency, place) in geometry.meshes.placed() {
+            // Poses and sprites change their shape.
+            if residency == Residency::Uploading || geometry.changes_shape(mesh) {
+                continue;
+            }
+            let range = place.vertices.start as usize..place.vertices.end as usize;
+            all.add_vertices(mesh, vertices.read::<Vertex>(range));
+            let triangles = place.draws(mesh).map(|(id, range)| {
+                (id, indices.read::<u32>(range.start as usize..range.end as usize))
+            });
+            all.add_shells(mesh, triangles);
+        }
+        for (mesh, prepared, place) in geometry.uploads.meshes() {
+            all.add((mesh, prepared), place);
+        }
+        Ok(all)
+    }
+
+    /// Takes a mesh on its way to the GPU.
+    pub(crate) fn add(&mut self, (id, prepared): (MeshId, &PreparedMesh), place: &MeshPlace) {
+        let mesh: &Mesh = prepared.mesh();
+        self.add_vertices(id, &mesh.vertices);
+        let levels = prepared.levels().iter().map(|level| level.indices.as_slice());
+        let triangles = std::iter::once(mesh.indices.as_slice()).chain(levels);
+        self.add_shells(id, place.draws(id).map(|(draw, _)| draw).zip(triangles));
+    }
+
+    fn add_vertices(&mut self, id: MeshId, vertices: &[Vertex]) {
+        let points = vertices.iter().map(|vertex| vertex.position.into()).collect();
+        let colour = vertices.first().map_or(0, |vertex| vertex.colour);
+        self.meshes.insert(id, SectionMesh { points, colour });
+    }
+
+    fn add_shells<'a>(&mut self, id: MeshId, draws: impl Iterator<Item = (MeshDrawId, &'a [u32])>) {
+        let Some(mesh) = self.meshes.get(&id) else { return };
+        let positions: Vec<[f32; 3]> = mesh.points.iter().map(Vec3::to_array).collect();
+        for (draw, triangles) in draws {
+            self.shells.insert(draw.0, Shell::of(&positions, triangles));
+        }
+    }
+
+    /// Returns what the triangles of a draw enclose.
+    pub(crate) fn shell(&self, draw: MeshDrawId) -> Shell {
+        self.shells.get(&draw.0).copied().unwrap_or_default()
+    }
+
+    /// Returns the colour of a mesh without surfaces, as vertices have it.
+    pub(crate) fn colour(&self, mesh: MeshId) -> u32 {
+        self.meshes.get(&mesh).map_or(u32::MAX, |mesh| mesh.colour)
+    }
+
+    /// Returns the part of the world along the normal of a plane that an object takes, if its mesh
+    /// keeps its shape.
+    pub(crate) fn extent(
+        &self,
+        mesh: MeshId,
+        instance: &Instance,
+        plane: &SectionPlane,
+    ) -> Option<Extent> {
+        let points = &self.meshes.get(&mesh).filter(|mesh| !mesh.points.is_empty())?.points;
+        let rows = instance.rows.map(|[x, y, z, _]| DVec3::new(x.into(), y.into(), z.into()));
+        let origin = DVec3::from(instance.rows.map(|[.., w]| f64::from(w)));
+        let [x, y, z] = rows;
+        let normal = plane.normal();
+        let along = x * normal.x + y * normal.y + z * normal.z;
+        let mut extent = Extent { low_m: f64::INFINITY, high_m: f64::NEG_INFINITY, size_m: 0.0 };
+        for point in points {
+            let at = along.dot(point.as_dvec3());
+            extent.low_m = extent.low_m.min(at);
+            extent.high_m = extent.high_m.max(at);
+        }
+        let from = plane.distance_m(origin);
+        extent.size_m = extent.low_m.abs().max(extent.high_m.abs());
+        extent.low_m += from;
+        extent.high_m += from;
+        Some(extent)
+    }
+}

@@ -1,0 +1,289 @@
+//! Section planes: which objects they cut, and the caps that close them.
+//!
+//! ```text
+//! once per frame   objects whose box a plane meets -> what each plane does to each of them
+//! per view         planes in the view's image, caps of what is cut open -> drawn first of all
+//! ```
+
+mod caps;
+mod meshes;
+
+use std::collections::HashMap;
+
+use cull::{
+    Hierarchy, LeafIndex, NodeId, ObjectId, SectionMode, SectionPlane, SectionPlanes, View,
+};
+use glam::DVec3;
+use gpu::{BufferSlice, Frame};
+use occlusion::MeshDrawId;
+use scene::Shell;
+
+use crate::error::Error;
+use crate::passes::{CapDraw, CapRow, SectionIo, SectionRow};
+use crate::resources::geometry::Geometry;
+use meshes::Extent;
+pub(crate) use meshes::SectionMeshes;
+
+/// The state of an object that all planes keep.
+const KEPT: u16 = (1 << SectionPlanes::MAX) - 1;
+/// The backs of the object's triangles show.
+const BACKS: u16 = 1 << (2 * SectionPlanes::MAX);
+
+/// The share of an object's size within which a plane touches it and does not cut: a bound on the
+/// rounding of single precision in its vertices and in its transform.
+const TOUCHING: f64 = 8.0 * f32::EPSILON as f64;
+
+/// What a plane does to an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PlaneEffect {
+    Keeps,
+    Removes,
+    Cuts,
+}
+
+impl PlaneEffect {
+    fn of(extent: &Extent) -> Self {
+        let touching_m = extent.size_m * TOUCHING;
+        match extent {
+            _ if extent.low_m >= -touching_m => Self::Keeps,
+            _ if extent.high_m <= touching_m => Self::Removes,
+            _ => Self::Cuts,
+        }
+    }
+}
+
+/// An object that planes meet.
+#[derive(Clone, Copy, Debug)]
+struct MetObject {
+    object: ObjectId,
+    leaf: LeafIndex,
+    state: u16,
+    /// A bit for each plane that cuts it.
+    cuts: u8,
+    draw: MeshDrawId,
+    shell: Shell,
+}
+
+/// The extent of an object along a normal that was found before.
+#[derive(Clone, Copy)]
+struct KnownExtent {
+    rows: [[f32; 4]; 3],
+    normal: DVec3,
+    mesh: u32,
+    /// For a plane through the origin.
+    extent: Option<Extent>,
+}
+
+/// The section planes of a renderer.
+#[derive(Default)]
+pub(crate) struct Section {
+    pub(crate) planes: SectionPlanes,
+    met: Vec<MetObject>,
+    states: Vec<u16>,
+    known: HashMap<(ObjectId, usize), KnownExtent>,
+    stack: Vec<NodeId>,
+    /// The states of the frame that is recorded.
+    uploaded_states: Option<BufferSlice>,
+    /// The planes of the view that is recorded.
+    io: Option<SectionIo>,
+    /// The caps of the view that is recorded.
+    cap_rows: Vec<CapRow>,
+    pub(crate) cap_draws: Vec<CapDraw>,
+    pub(crate) uploaded_caps: Option<BufferSlice>,
+}
+
+impl Section {
+    /// Forgets what is known of objects.
+    pub(crate) fn forget(&mut self) {
+        self.known.clear();
+    }
+
+    /// Returns the planes of the view that is recorded.
+    pub(crate) fn io(&self) -> Option<SectionIo> {
+        self.io
+    }
+
+    /// Returns the planes of another view in the frame that was begun, if there are any.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn io_of(
+        &self,
+        frame: &mut Frame<'_>,
+        view: &View,
+    ) -> Result<Option<SectionIo>, Error> {
+        let Some(states) = self.uploaded_states else { return Ok(None) };
+        let planes = frame.uploads().push(&[SectionRow::of(view)])?;
+        Ok(Some(SectionIo { planes, states }))
+    }
+
+    /// Begins a frame: finds what planes do to objects and uploads that.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn begin_frame(
+        &mut self,
+        frame: &mut Frame<'_>,
+        (geometry, hierarchy): (&Geometry, &Hierarchy),
+    ) -> Result<(), Error> {
+        self.uploaded_states = None;
+        self.end_view();
+        let Some(meshes) = &geometry.section_meshes else { return Ok(()) };
+        self.find_met(hierarchy, geometry, meshes);
+        let leaves = hierarchy.leaf_objects().len();
+        self.states.clear();
+        self.states.resize(leaves.next_multiple_of(2).max(2), 0);
+        for met in &self.met {
+            if let Some(state) = self.states.get_mut(met.leaf.0 as usize) {
+                *state = met.state;
+            }
+        }
+        for leaf in hierarchy.whole_leaves() {
+            if let Some(state) = self.states.get_mut(leaf.0 as usize) {
+                *state = KEPT;
+            }
+        }
+        self.uploaded_states = Some(frame.uploads().push(&self.states)?);
+        Ok(())
+    }
+
+    /// Begins a view: uploads its planes and its caps.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn begin_view(
+        &mut self,
+        frame: &mut Frame<'_>,
+        (geometry, hierarchy): (&Geometry, &Hierarchy),
+        view: &View,
+    ) -> Result<(), Error> {
+        self.end_view();
+        self.io = self.io_of(frame, view)?;
+        if self.io.is_none() {
+            return Ok(());
+        }
+        self.plan_caps(geometry, hierarchy, view);
+        if !self.cap_draws.is_empty() {
+            self.uploaded_caps = Some(frame.uploads().push(&self.cap_rows)?);
+        }
+        Ok(())
+    }
+
+    /// Ends a view: nothing is bound or drawn by its planes any more.
+    fn end_view(&mut self) {
+        (self.io, self.uploaded_caps) = (None, None);
+        self.cap_draws.clear();
+        self.cap_rows.clear();
+    }
+
+    /// Finds the objects that planes meet, and what these do to them.
+    fn find_met(&mut self, hierarchy: &Hierarchy, geometry: &Geometry, meshes: &SectionMeshes) {
+        self.met.clear();
+        let mut stack = std::mem::take(&mut self.stack);
+        let section = self.planes;
+        stack.extend(hierarchy.root().filter(|_| !section.is_empty()));
+        while let Some(node) = stack.pop() {
+            let bounds = hierarchy.bounds(node);
+            if bounds.is_empty() || !section.meets(&bounds) {
+                continue;
+            }
+            if let Some(children) = hierarchy.children(node) {
+                stack.extend(children);
+                continue;
+            }
+            let leaf = hierarchy.leaves(node).first;
+            if let Some(object) = hierarchy.leaf_objects().get(leaf.0 as usize)
+                && !hierarchy.has_whole(node)
+            {
+                self.meet(geometry, meshes, (*object, leaf));
+            }
+        }
+        self.stack = stack;
+        // In an order that no rebuild of the hierarchy changes: of two caps at one place the first
+        // is drawn.
+        self.met.sort_unstable_by_key(|met| met.object);
+    }
+
+    fn meet(
+        &mut self,
+        geometry: &Geometry,
+        meshes: &SectionMeshes,
+        (object, leaf): (ObjectId, LeafIndex),
+    ) {
+        let section = self.planes;
+        let draw = geometry.draw_of(object);
+        let mut met =
+            MetObject { object, leaf, state: 0, cuts: 0, draw, shell: meshes.shell(draw) };
+        for (number, plane) in section.planes().iter().enumerate() {
+            match self.effect(geometry, meshes, object, (number, plane)) {
+                PlaneEffect::Keeps => met.state |= 1 << number,
+                PlaneEffect::Removes => met.state |= 1 << (number + SectionPlanes::MAX),
+                PlaneEffect::Cuts => met.cuts |= 1 << number,
+            }
+        }
+        if met.cuts != 0 && met.shell == Shell::Open {
+            met.state |= BACKS;
+        }
+        self.met.push(met);
+    }
+
+    fn effect(
+        &mut self,
+        geometry: &Geometry,
+        meshes: &SectionMeshes,
+        object: ObjectId,
+        (number, plane): (usize, &SectionPlane),
+    ) -> PlaneEffect {
+        let (Some(mesh), Some(instance)) = (geometry.mesh_of(object), geometry.instance(object))
+        else {
+            return PlaneEffect::Cuts;
+        };
+        let normal = plane.normal();
+        let known = self.known.get(&(object, number));
+        let known = known.filter(|known| {
+            known.rows == instance.rows && known.normal == normal && known.mesh == mesh.0
+        });
+        let extent = match known {
+            Some(known) => known.extent,
+            None => {
+                let through_origin = SectionPlane::new(normal, 0.0).ok();
+                let extent = through_origin.and_then(|it| meshes.extent(mesh, instance, &it));
+                let known = KnownExtent { rows: instance.rows, normal, mesh: mesh.0, extent };
+                self.known.insert((object, number), known);
+                extent
+            }
+        };
+        let at = |extent: Extent| Extent {
+            low_m: extent.low_m + plane.offset_m(),
+            high_m: extent.high_m + plane.offset_m(),
+            ..extent
+        };
+        extent.map(at).map_or(PlaneEffect::Cuts, |extent| PlaneEffect::of(&extent))
+    }
+
+    /// Returns the planes whose caps of an object show: those that cut it while the others leave
+    /// something there.
+    fn caps_of(&self, met: &MetObject) -> u8 {
+        let (keeps, removes) = (met.state & KEPT, met.state >> SectionPlanes::MAX & KEPT);
+        let is_decided = match self.planes.mode() {
+            SectionMode::Intersection => removes != 0,
+            SectionMode::Union => keeps != 0,
+        };
+        if is_decided || met.shell == Shell::Open { 0 } else { met.cuts }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_that_touches_keeps_or_removes_all() {
+        let at = |low_m, high_m| PlaneEffect::of(&Extent { low_m, high_m, size_m: 1.0 });
+        assert_eq!(at(0.0, 1.0), PlaneEffect::Keeps);
+        assert_eq!(at(-1.0e-7, 1.0), PlaneEffect::Keeps);
+        assert_eq!(at(-1.0, 1.0e-7), PlaneEffect::Removes);
+        assert_eq!(at(-1.0, 1.0e-4), PlaneEffect::Cuts);
+        assert_eq!(at(-0.5, 0.5), PlaneEffect::Cuts);
+    }
+}

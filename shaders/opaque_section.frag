@@ -1,0 +1,5 @@
+// The opaque pass, cut by section planes.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#define SECTION_BINDING 1
+#include "opaque_main.glsl"

@@ -1,0 +1,5 @@
+// The seen pass, cut by section planes.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#define SECTION_BINDING 2
+#include "seen_vertex.glsl"
