@@ -234,7 +234,10 @@ impl Finder<'_> {
         }
         sorted.sort_unstable();
         sorted.dedup_by_key(|(corners, _)| *corners);
-        let named = |([a, b, c], triangle)| Corners { triangle, a, b, c };
+        let named = |(corners, triangle): ([u32; 3], u32)| {
+            let [a, b, c] = corners;
+            Corners { triangle, a, b, c }
+        };
         sorted.into_iter().map(named).collect()
     }
 
