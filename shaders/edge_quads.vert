@@ -1,5 +1,5 @@
-// Edges, where there is no geometry stage: each vertex is a corner of a triangle of the strip of its
-// segment, in the order in which a strip has them.
+// Edges, where there is no geometry stage: each vertex is a corner of a triangle of the strip of
+// its segment, in the order in which a strip has them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "instance.glsl"
