@@ -1,5 +1,5 @@
-// The cap pass, pointed at: notes the leaf of a cap that owns the pixel under the pointer. The stencil
-// says if one does, so it is tested first.
+// The cap pass, pointed at: notes the leaf of a cap that owns the pixel under the pointer. The
+// stencil says if one does, so it is tested first.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_memory_scope_semantics : require

@@ -1,5 +1,5 @@
-// The line of a segment of an edge in a view. Includes need edge_constants.glsl, edge_strip.glsl and
-// instance.glsl.
+// The line of a segment of an edge in a view. Includes need edge_constants.glsl, edge_strip.glsl
+// and instance.glsl.
 
 // Mirrors `EdgeSegment` of the renderer.
 struct Segment {

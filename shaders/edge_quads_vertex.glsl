@@ -1,5 +1,5 @@
-// Edges, where there is no geometry stage: each vertex is a corner of a triangle of the strip of its
-// segment, in the order in which a strip has them.
+// Edges, where there is no geometry stage: each vertex is a corner of a triangle of the strip of
+// its segment, in the order in which a strip has them.
 #include "instance.glsl"
 #include "instance_number.glsl"
 #include "edge_constants.glsl"

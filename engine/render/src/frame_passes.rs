@@ -12,7 +12,7 @@ use occlusion::{
 };
 use scene::{Light, Scene, TransparentId};
 
-use crate::edges::Edges;
+use crate::edges::state::Edges;
 use crate::passes::pipelines::{DepthFirst, PassNeeds, Pipelines};
 use crate::passes::{OpaqueIo, SurfaceIo};
 use crate::resources::geometry::{Geometry, bounds_in_world};
@@ -350,6 +350,7 @@ impl FramePasses {
         let scene = (&self.geometry, hierarchy);
         self.shadows.plan(scene, opaque.union(&transparent), views, uses)?;
         self.geometry.upload_changes(frame, hierarchy, executor)?;
+        self.edges.upload(frame, executor, &self.geometry, hierarchy)?;
         self.upload_poses(frame, hierarchy, uploads)?;
         let Self { geometry, pipelines, shadows, section, .. } = self;
         shadows.record(
@@ -452,6 +453,7 @@ impl FramePasses {
     pub(crate) fn submitted(&mut self, tick: Tick) {
         self.target.submitted();
         self.geometry.submitted();
+        self.edges.submitted();
         self.shadows.submitted(tick);
         if let Some(skinned_meshes) = &mut self.skinned_meshes {
             skinned_meshes.submitted(tick);

@@ -25,8 +25,8 @@ pub enum DepthMode {
     TestOnly,
     /// A test for nearer, with nothing stored.
     TestNearer,
-    /// A test for farther, with nothing stored: of every two fragments alike, [`DepthMode::TestOnly`]
-    /// passes one and this the other. For what is drawn where it is hidden.
+    /// A test for farther, with nothing stored: a fragment passes either this or
+    /// [`DepthMode::TestOnly`]. For what is drawn where it is hidden.
     TestFarther,
     /// A test for the same depth, with nothing stored, for objects that are drawn a second time.
     Equal,

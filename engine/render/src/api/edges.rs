@@ -11,8 +11,8 @@ impl Renderer {
         &self.passes.edges.options
     }
 
-    /// Draws the edges of objects in every view from now on, as the options say. The first call with
-    /// a mode but [`EdgeMode::Off`], and one with another crease angle, finds the edges of all
+    /// Draws the edges of objects in every view from now on, as the options say. The first call
+    /// with a mode but [`EdgeMode::Off`], and one with another crease angle, finds the edges of all
     /// meshes and waits for copies: not for every frame. Off they cost nothing, and their memory
     /// stays until no object is outlined either.
     ///
@@ -60,7 +60,7 @@ impl Renderer {
     /// Finds the edges of all meshes, unless they are known by the same rules.
     fn find_edges(&mut self, options: &EdgeOptions) -> Result<(), Error> {
         let passes = &mut self.passes;
-        let known = passes.geometry.edges.as_ref();
+        let known = passes.edges.meshes.as_ref();
         if known.is_some_and(|edges| *edges.rules() == options.rules()) {
             return Ok(());
         }
@@ -71,13 +71,13 @@ impl Renderer {
             &self.hierarchy,
             options.rules(),
         )?;
-        passes.geometry.edges = Some(edges);
+        passes.edges.meshes = Some(edges);
         Ok(())
     }
 
     fn drop_unused_edges(&mut self) {
         if !self.passes.edges.has_draws() {
-            self.passes.geometry.edges = None;
+            self.passes.edges.meshes = None;
             self.passes.edges.resized();
         }
     }

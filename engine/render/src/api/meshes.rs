@@ -39,6 +39,7 @@ impl Renderer {
                 }
             }
         }
+        self.passes.edges.take(&self.passes.geometry, &added);
         Ok(added)
     }
 

@@ -98,8 +98,9 @@ impl EdgeOptions {
     }
 }
 
-/// A line around objects, seen through everything: around all pixels that they would have if nothing
-/// were before them. Objects of one outline that overlap in the image have one line around both.
+/// A line around objects, seen through everything: around all pixels that they would have if
+/// nothing were before them. Objects of one outline that overlap in the image have one line around
+/// both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectOutline {
     /// The objects. An id without an object has no outline until an object has it.

@@ -1,11 +1,11 @@
-//! Outlines of objects by a stencil: their pixels are marked in it, then their edges are drawn where
-//! no mark is, so that only the outer halves of silhouettes are left.
+//! Outlines of objects by a stencil: their pixels are marked in it, then their edges are drawn
+//! where no mark is, so that only the outer halves of silhouettes are left.
 
 use cull::{Hierarchy, LeafIndex, ObjectId, View};
 use gpu::{BufferSlice, Frame, IndirectDraw, StencilTarget};
 use occlusion::{LeafTable, MeshDrawId};
 
-use super::record::wait_for_vertices;
+use super::record::{edge_io, wait_for_vertices};
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::EdgeStyle;
@@ -49,7 +49,7 @@ pub(crate) fn record_outlines(
     let target = passes.scope_target(frame.commands(), ViewScope::StencilOutlines, target);
     let pass = passes.pipelines.outlines.get();
     let stencil = passes.edges.stencil.as_ref();
-    let (Some(pass), Some(io), Some(stencil)) = (pass, passes.edge_io(), stencil) else {
+    let (Some(pass), Some(io), Some(stencil)) = (pass, edge_io(passes), stencil) else {
         return Ok(());
     };
     let predicates = leaves.predicates();
@@ -75,7 +75,7 @@ fn upload(
     leaves: &LeafTable,
     number: usize,
 ) -> Result<Option<OutlineDraws>, Error> {
-    let (Some(outline), Some(meshes)) = (passes.edges.outlines.get(number), &passes.geometry.edges)
+    let (Some(outline), Some(meshes)) = (passes.edges.outlines.get(number), &passes.edges.meshes)
     else {
         return Ok(None);
     };

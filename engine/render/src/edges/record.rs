@@ -7,7 +7,7 @@ use cull::{Hierarchy, View};
 use gpu::{Access, BufferSlice, Frame, MemoryBarrier};
 use occlusion::MeshDrawId;
 
-use crate::edges::EdgeMode;
+use super::options::EdgeMode;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::{EdgeIo, EdgeTest};
@@ -55,8 +55,8 @@ pub(crate) fn record_edges(
     }
     let target = passes.scope_target(frame.commands(), scope, target);
     let pass = passes.pipelines.edges.get();
-    let meshes = passes.geometry.edges.as_ref();
-    if let (Some(pass), Some(meshes), Some(io)) = (pass, meshes, passes.edge_io()) {
+    let meshes = passes.edges.meshes.as_ref();
+    if let (Some(pass), Some(meshes), Some(io)) = (pass, meshes, edge_io(passes)) {
         let hidden = options.mode.shows_hidden().then(|| (EdgeTest::Hidden, options.hidden()));
         let visible = (EdgeTest::Visible, options.visible());
         frame.commands().pass(EDGES, |commands| {
@@ -90,8 +90,8 @@ fn transparent_edges(
     frame: &mut Frame<'_>,
     frustum: &cull::Frustum,
 ) -> Result<Option<TransparentEdges>, Error> {
-    let FramePasses { transparent, geometry, .. } = passes;
-    let (Some(transparent), Some(meshes)) = (transparent, &geometry.edges) else {
+    let FramePasses { transparent, geometry, edges, .. } = passes;
+    let (Some(transparent), Some(meshes)) = (transparent, &edges.meshes) else {
         return Ok(None);
     };
     let objects: Vec<_> = transparent.in_frustum(frustum).collect();
@@ -108,12 +108,10 @@ fn transparent_edges(
     Ok(Some(TransparentEdges { instances, states, draws: frame.uploads().push(&draws)? }))
 }
 
-impl FramePasses {
-    /// Returns the inputs of the pass of edges, once they are built.
-    pub(crate) fn edge_io(&self) -> Option<EdgeIo> {
-        let segments = self.geometry.edges.as_ref()?.segments();
-        let instances = self.geometry.instances.whole();
-        let vertices = self.geometry.vertices.whole();
-        Some(EdgeIo { instances, segments, vertices, section: self.section.io() })
-    }
+/// Returns the inputs of the pass of edges, once they are built.
+pub(super) fn edge_io(passes: &FramePasses) -> Option<EdgeIo> {
+    let segments = passes.edges.meshes.as_ref()?.segments();
+    let instances = passes.geometry.instances.whole();
+    let vertices = passes.geometry.vertices.whole();
+    Some(EdgeIo { instances, segments, vertices, section: passes.section.io() })
 }

@@ -120,8 +120,8 @@ impl OpaquePass {
         Self::of_kind(device, shaders, attachments, Kind::Wireframe)
     }
 
-    /// Compiles a pass that marks the pixels of objects in the stencil of `attachments`, whatever is
-    /// before them, and writes nothing else.
+    /// Compiles a pass that marks the pixels of objects in the stencil of `attachments`, whatever
+    /// is before them, and writes nothing else.
     ///
     /// # Errors
     /// A failed call.

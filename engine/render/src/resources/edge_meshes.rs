@@ -1,6 +1,6 @@
-//! The edges of meshes on the GPU: the segments of each draw, and a draw of them for each leaf. Only
-//! renderers that draw edges have them; they are built from what the GPU holds, and from meshes that
-//! come later.
+//! The edges of meshes on the GPU: the segments of each draw, and a draw of them for each leaf.
+//! Only renderers that draw edges have them; they are built from what the GPU holds, and from
+//! meshes that come later.
 //!
 //! A segment names vertices and holds no positions, so that edges follow the poses of skinned
 //! meshes. Which edges are features is decided at rest.
@@ -160,13 +160,6 @@ impl EdgeMeshes {
             if let Some(draw) = self.draws.get_mut(id.0 as usize) {
                 *draw = range;
             }
-        }
-    }
-
-    /// Forgets a draw. Its segments keep their room until the edges are built again.
-    pub(crate) fn remove(&mut self, draw: MeshDrawId) {
-        if let Some(draw) = self.draws.get_mut(draw.0 as usize) {
-            *draw = 0..0;
         }
     }
 

@@ -15,7 +15,6 @@ use scene::{
 };
 
 use crate::error::Error;
-use crate::resources::edge_meshes::EdgeMeshes;
 use crate::resources::instance::{Instance, rows_of, with_lights};
 use crate::resources::joined_meshes::JoinedMeshes;
 use crate::resources::limits::{check_memory, check_storage};
@@ -53,8 +52,6 @@ pub(crate) struct Geometry {
     pub(crate) uploads: UploadQueue,
     /// The meshes as shadow volumes are extruded from them, while such are drawn.
     pub(crate) volumes: Option<VolumeMeshes>,
-    /// The edges of meshes, while edges or outlines are drawn.
-    pub(crate) edges: Option<EdgeMeshes>,
     /// The meshes as section planes cut them, while there are such planes.
     pub(crate) section_meshes: Option<SectionMeshes>,
     /// Objects whose meshes are on their way.
@@ -148,7 +145,6 @@ impl Geometry {
             meshes,
             uploads: UploadQueue::new(frame_bytes),
             volumes: None,
-            edges: None,
             section_meshes: None,
             waiting: Vec::new(),
             surfaces,
@@ -168,7 +164,11 @@ impl Geometry {
     /// Returns the draw of an object: its mesh, or a coarser level of it; none while the mesh is on
     /// its way.
     pub(crate) fn draw_of(&self, object: ObjectId) -> MeshDrawId {
-        draw_of(&self.object_meshes, &self.object_lods, &self.meshes, object)
+        let mesh = self.object_meshes.get(object.0 as usize).copied().unwrap_or(NO_MESH);
+        match (self.object_lods.get(object.0 as usize), self.meshes.residency(MeshId(mesh))) {
+            (Some(lod), Residency::Resident | Residency::Kept) => MeshDrawId(*lod),
+            _ => MeshDrawId::NONE,
+        }
     }
 
     /// Returns the reason why a mesh does not fit the scene.
@@ -204,9 +204,6 @@ impl Geometry {
         let casts_volumes = self.casts_volumes(id);
         let volumes = self.volumes.as_mut().filter(|_| casts_volumes);
         let adjacency = volumes.map(|volumes| volumes.add((id, &mesh), &place));
-        if let Some(edges) = &mut self.edges {
-            edges.add(id, &mesh, &place);
-        }
         if let Some(section_meshes) = &mut self.section_meshes {
             section_meshes.add((id, &mesh), &place);
         }
@@ -220,9 +217,6 @@ impl Geometry {
             self.set_mesh_draw(draw, MeshDraw::default(), leaves);
             if let Some(volumes) = &mut self.volumes {
                 volumes.remove(draw);
-            }
-            if let Some(edges) = &mut self.edges {
-                edges.remove(draw);
             }
         }
         if let Some(bounds) = self.mesh_bounds.get_mut(mesh.0 as usize) {
@@ -516,16 +510,6 @@ impl Geometry {
         if let Some(surfaces) = &self.surfaces {
             surfaces.upload_changes(frame, scatter)?;
         }
-        let Self { edges, object_lods, object_meshes, meshes, .. } = self;
-        if let Some(edges) = edges {
-            let draw_of = |leaf: &LeafIndex| {
-                let object = hierarchy.leaf_objects().get(leaf.0 as usize);
-                object.map_or(MeshDrawId::NONE, |object| {
-                    draw_of(object_meshes, object_lods, meshes, *object)
-                })
-            };
-            edges.upload(frame, leaves, scatter, draw_of)?;
-        }
         if leaves.dirty().is_empty() {
             return Ok(());
         }
@@ -545,26 +529,9 @@ impl Geometry {
     /// Notes that the frame of the last [`Geometry::upload_changes`] was submitted.
     pub(crate) fn submitted(&mut self) {
         self.uploads.submitted();
-        if let Some(edges) = &mut self.edges {
-            edges.submitted();
-        }
         if let Some(surfaces) = &mut self.surfaces {
             surfaces.submitted();
         }
-    }
-}
-
-/// Returns the draw of an object, by the meshes of all objects and their levels of detail.
-fn draw_of(
-    object_meshes: &[u32],
-    object_lods: &[u32],
-    meshes: &MeshSlots,
-    object: ObjectId,
-) -> MeshDrawId {
-    let mesh = object_meshes.get(object.0 as usize).copied().unwrap_or(NO_MESH);
-    match (object_lods.get(object.0 as usize), meshes.residency(MeshId(mesh))) {
-        (Some(lod), Residency::Resident | Residency::Kept) => MeshDrawId(*lod),
-        _ => MeshDrawId::NONE,
     }
 }
 

@@ -97,8 +97,8 @@ impl Commands {
         }
     }
 
-    /// Draws the first of the commands in `draws` (`VkDrawIndirectCommand`), as many as the value in
-    /// `count`, which is no less than `maxDrawIndirectCount` where there are more than that.
+    /// Draws the first of the commands in `draws` (`VkDrawIndirectCommand`), as many as the value
+    /// in `count`, which is no less than `maxDrawIndirectCount` where there are more than that.
     pub(crate) fn draw_unindexed_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
         if !self.admit_all([&draws, &count]) {
             return;

@@ -1,0 +1,71 @@
+//! The edges and outlines of a renderer, and what is kept for them.
+
+use cull::{Hierarchy, LeafIndex, LeafRange};
+use gpu::{Frame, StencilTarget};
+use occlusion::{MeshDrawId, PlanExecutor};
+use scene::MeshId;
+
+use super::options::{EdgeMode, EdgeOptions, ObjectOutline};
+use crate::error::Error;
+use crate::resources::edge_meshes::EdgeMeshes;
+use crate::resources::geometry::Geometry;
+
+/// The edges and outlines of a renderer.
+#[derive(Default)]
+pub(crate) struct Edges {
+    pub(crate) options: EdgeOptions,
+    /// Those that have objects.
+    pub(crate) outlines: Vec<ObjectOutline>,
+    /// The edges of meshes, while edges or outlines are drawn.
+    pub(crate) meshes: Option<EdgeMeshes>,
+    /// The marks of outlined objects, for the target that they were made for.
+    pub(super) stencil: Option<StencilTarget>,
+    /// The leaves of a view, kept to allocate nothing.
+    pub(super) ranges: Vec<LeafRange>,
+}
+
+impl Edges {
+    /// Returns true if something is drawn.
+    pub(crate) fn has_draws(&self) -> bool {
+        self.options.mode != EdgeMode::Off || !self.outlines.is_empty()
+    }
+
+    /// Forgets the images of the target before.
+    pub(crate) fn resized(&mut self) {
+        self.stencil = None;
+    }
+
+    /// Takes meshes that were added and are on their way to the GPU.
+    pub(crate) fn take(&mut self, geometry: &Geometry, added: &[MeshId]) {
+        let Some(meshes) = &mut self.meshes else { return };
+        let coming = geometry.uploads.meshes().filter(|(mesh, ..)| added.contains(mesh));
+        coming.for_each(|(id, mesh, place)| meshes.add(id, mesh, place));
+    }
+
+    /// Records the upload of what changed since the last frame, before anything of `frame` reads
+    /// it.
+    ///
+    /// # Errors
+    /// More segments than the device's storage buffers hold; no memory.
+    pub(crate) fn upload(
+        &mut self,
+        frame: &mut Frame<'_>,
+        executor: &PlanExecutor,
+        geometry: &Geometry,
+        hierarchy: &Hierarchy,
+    ) -> Result<(), Error> {
+        let Some(meshes) = &mut self.meshes else { return Ok(()) };
+        let draw_of = |leaf: &LeafIndex| {
+            let object = hierarchy.leaf_objects().get(leaf.0 as usize);
+            object.map_or(MeshDrawId::NONE, |object| geometry.draw_of(*object))
+        };
+        meshes.upload(frame, &executor.leaves, &executor.passes.scatter, draw_of)
+    }
+
+    /// Notes that the frame of the last upload was submitted.
+    pub(crate) fn submitted(&mut self) {
+        if let Some(meshes) = &mut self.meshes {
+            meshes.submitted();
+        }
+    }
+}
