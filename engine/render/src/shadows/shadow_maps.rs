@@ -18,13 +18,13 @@ use scene::LightId;
 use crate::error::Error;
 use crate::passes::{CasterPass, MapPasses};
 use crate::resources::geometry::Geometry;
+use crate::section::Section;
 use crate::shading::surfaces::LightTable;
 use crate::shadows::LightShadow;
 use crate::shadows::caster_culling::CasterCulling;
 use crate::shadows::culled_draws::{CasterGroup, CastersInView, CulledGroup};
 use crate::shadows::map_images::MapImages;
 use crate::shadows::records::{FaceRecord, LightRecord, ShadowMapIo, light_records};
-use crate::section::Section;
 use crate::shadows::tile_draws::{
     CasterDraws, FaceSections, TileStart, begin_tile, caster_io, tiles_target,
 };
@@ -317,8 +317,7 @@ impl ShadowMaps {
                         self.sections.bind(commands, casters, &io);
                         for (culled, face) in here {
                             begin_tile(commands, face, TileStart::Cleared);
-                            let numbered = (culled.number, face);
-                            self.sections.bind_face(commands, (casters, &io), numbered);
+                            self.sections.bind_face(commands, casters, &io, culled.number, face);
                             culling.draw(commands, culled);
                         }
                     });
