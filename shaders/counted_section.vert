@@ -2,4 +2,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define SECTION_BINDING 1
+#define DEPTH_ONLY
 #include "seen_vertex.glsl"

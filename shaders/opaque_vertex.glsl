@@ -5,8 +5,10 @@
 #include "snap.glsl"
 
 layout(location = 0) in vec3 position;
+#ifndef DEPTH_ONLY
 layout(location = 1) in vec4 normal; // w unused
 layout(location = 2) in vec4 colour; // linear; alpha is the share of the object's tint
+#endif
 
 layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
 #include "sprites.glsl"
@@ -14,8 +16,10 @@ layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
 #include "section_vertex.glsl"
 #endif
 
+#ifndef DEPTH_ONLY
 layout(location = 0) out vec3 world_normal;
 layout(location = 1) out vec3 albedo;
+#endif
 
 // The seen pass finds these positions again, to the bit.
 invariant gl_Position;
@@ -29,6 +33,8 @@ void main() {
 #ifdef SECTION_BINDING
     section_state = state_of(instance_number);
 #endif
+#ifndef DEPTH_ONLY
     world_normal = direction_to_world(instance, normal.xyz);
     albedo = colour.rgb * mix(vec3(1.0), uintBitsToFloat(instance.tail.rgb), colour.a);
+#endif
 }

@@ -17,7 +17,9 @@ layout(push_constant) uniform Constants {
     vec2 snap_steps;
 };
 
+#ifndef DEPTH_ONLY
 layout(location = 0) flat out uint leaf;
+#endif
 
 invariant gl_Position;
 
@@ -27,5 +29,7 @@ void main() {
 #ifdef SECTION_BINDING
     section_state = state_of(instance_number);
 #endif
+#ifndef DEPTH_ONLY
     leaf = instance_number;
+#endif
 }

@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 90] = [
+pub const PASSES: [Shader; 91] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -107,6 +107,7 @@ pub const PASSES: [Shader; 90] = [
     shader!("edge_section.frag"),
     shader!("opaque_section.vert"),
     shader!("opaque_section.frag"),
+    shader!("opaque_depth_section.vert"),
     shader!("section_depth.frag"),
     shader!("counted_section.vert"),
     shader!("wireframe_section.frag"),

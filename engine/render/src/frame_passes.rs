@@ -7,8 +7,8 @@ use cull::{Aabb, Containment, Hierarchy, PlaneMask, Strategy, View};
 use glam::Affine3A;
 use gpu::{Commands, Device, Frame, RenderTarget, Target, Tick};
 use occlusion::{
-    BucketId, DrawBuckets, Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering, ShaderSet,
-    UpcomingDraws,
+    BucketId, DrawBuckets, Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering,
+    SectionShaders, ShaderSet, UpcomingDraws,
 };
 use scene::{Light, Scene, TransparentId};
 
@@ -225,7 +225,12 @@ impl FramePasses {
     ) -> Result<Pipelines, Error> {
         let Self { target, geometry, transparent, skinned_meshes, .. } = self;
         let needs = needs(target, geometry, transparent.as_ref(), skinned_meshes.as_ref(), shadows);
-        Pipelines::compile(&self.device, shaders, needs, Some(&self.pipelines))
+        let mut pipelines =
+            Pipelines::compile(&self.device, shaders, needs, Some(&self.pipelines))?;
+        if shaders.section() == SectionShaders::Cut {
+            pipelines.caps.prepare(&self.device, shaders)?;
+        }
+        Ok(pipelines)
     }
 
     /// Returns the attachments of a view: its part of the target.

@@ -2,6 +2,7 @@
 //! size, and every strategy draws the same.
 
 mod dragged;
+mod lit;
 mod picked;
 
 use cull::{Camera, ObjectId, SectionMember, SectionPlanes, Strategy};

@@ -96,7 +96,7 @@ impl OcclusionPasses {
         shaders: &ShaderSet,
         size: [u32; 2],
     ) -> Result<Self, Error> {
-        self.recompiled(device, (shaders, self.attachments), size)
+        self.recompiled(device, shaders, self.attachments, size)
     }
 
     /// Compiles the same passes again, with other shaders and for other attachments.
@@ -106,7 +106,8 @@ impl OcclusionPasses {
     pub fn recompiled(
         &self,
         device: &Device,
-        (shaders, attachments): (&ShaderSet, Attachments),
+        shaders: &ShaderSet,
+        attachments: Attachments,
         size: [u32; 2],
     ) -> Result<Self, Error> {
         let compute_test = self.compute_test.as_ref();

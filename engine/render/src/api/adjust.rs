@@ -117,8 +117,10 @@ impl Renderer {
     /// Compiles all passes again with shaders that fit the scene, and for the target.
     pub(crate) fn draw_with(&mut self, shaders: ShaderSet) -> Result<(), Error> {
         let pipelines = self.passes.recompiled(&shaders, &self.passes.shadows)?;
-        let drawn = (&shaders, self.passes.target.attachments());
-        let executing = self.executor.passes.recompiled(&self.device, drawn, self.size())?;
+        let attachments = self.passes.target.attachments();
+        let size = self.size();
+        let executing =
+            self.executor.passes.recompiled(&self.device, &shaders, attachments, size)?;
         let methods = self.reloaded_methods(&shaders)?;
         // Nothing fails from here on.
         (self.passes.pipelines, self.executor.passes) = (pipelines, executing);

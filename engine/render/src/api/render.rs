@@ -404,7 +404,9 @@ impl Overlays<'_> {
         passes.scopes = Some(self.scopes);
         if let Some(target) = target {
             let view = View { section: passes.section.planes, ..target.view(&passes.device)? };
-            passes.begin_section_view(frame, hierarchy, &view)?;
+            if !self.debug_overlay.is_empty() {
+                passes.begin_section_view(frame, hierarchy, &view)?;
+            }
             let scene = (&mut *passes, executor, hierarchy);
             self.debug_overlay.record(frame, scene, (target.state, &view))?;
             if let Some(bounds) = self.outlined {

@@ -81,7 +81,7 @@ impl Renderer {
             self.methods.iter_mut().for_each(|method| method.resized());
         }
         self.passes.geometry.section_meshes = Some(meshes);
-        self.passes.pipelines.caps.prepare(&self.device, &self.shaders).map_err(Error::from)
+        Ok(())
     }
 
     /// Compiles the passes that draw objects whole.

@@ -163,19 +163,24 @@ impl OpaquePass {
         };
         let stencil = if kind == Kind::Mark { StencilMode::Mark } else { StencilMode::Ignored };
         let polygon = if kind == Kind::Wireframe { Polygon::Wireframe } else { Polygon::Filled };
-        let vertex = shaders.find_of_objects("opaque", "vert")?;
+        let is_cut_depth = kind == Kind::Depth && section == SectionShaders::Cut;
+        let vertex = match is_cut_depth {
+            true => shaders.find("opaque_depth_section.vert")?,
+            false => shaders.find_of_objects("opaque", "vert")?,
+        };
+        let all = VertexLayout {
+            attributes: &[
+                (vk::Format::R32G32B32_SFLOAT, 0),
+                (vk::Format::R8G8B8A8_SNORM, 12),
+                (vk::Format::R8G8B8A8_UNORM, 16),
+            ],
+            ..POSITIONS
+        };
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {
                 fragment,
-                vertices: VertexLayout {
-                    attributes: &[
-                        (vk::Format::R32G32B32_SFLOAT, 0),
-                        (vk::Format::R8G8B8A8_SNORM, 12),
-                        (vk::Format::R8G8B8A8_UNORM, 16),
-                    ],
-                    ..POSITIONS
-                },
+                vertices: if is_cut_depth { POSITIONS } else { all },
                 storage: StorageLayout::new::<Constants>(1 + section_buffers(section)),
                 polygon,
                 cull: culled_faces(section, vk::CullModeFlags::BACK),

@@ -205,7 +205,7 @@ impl Geometry {
         let volumes = self.volumes.as_mut().filter(|_| casts_volumes);
         let adjacency = volumes.map(|volumes| volumes.add((id, &mesh), &place));
         if let Some(section_meshes) = &mut self.section_meshes {
-            section_meshes.add((id, &mesh), &place);
+            section_meshes.add(id, &mesh, &place);
         }
         self.uploads.push_mesh(id, mesh, (place, adjacency.unwrap_or_default()));
         Ok(id)

@@ -1,7 +1,7 @@
 //! The caps of a view: which objects have some, and what shaders need to draw them.
 
 use cull::{Aabb, Containment, Hierarchy, ObjectId, PlaneMask, ProjectionKind, SectionPlane, View};
-use glam::{DVec3, DVec4, Vec2};
+use glam::{DVec3, DVec4, Vec2, Vec3};
 
 use super::{MetObject, Section};
 use crate::passes::{CapDraw, CapRow, ImageRows};
@@ -29,7 +29,9 @@ impl Section {
                     continue;
                 }
                 let colour = geometry.section_colour(met.object);
-                let cap = Cap { met: &met, bounds, number, plane, colour };
+                let origin =
+                    geometry.transform(met.object).map_or(Vec3::ZERO, |it| it.translation.into());
+                let cap = Cap { met: &met, bounds, number, plane, colour, origin };
                 self.cap_rows.push(cap.row(view, &image));
                 self.cap_draws.push(CapDraw { draw, shell: met.shell });
             }
@@ -58,6 +60,8 @@ struct Cap<'a> {
     plane: &'a SectionPlane,
     /// Linear.
     colour: [f32; 3],
+    /// The place of the object in the world, which its hatch is fixed to.
+    origin: Vec3,
 }
 
 impl Cap<'_> {
@@ -107,8 +111,9 @@ impl Cap<'_> {
         let wanted_m = (HATCH_PIXELS * pattern.scale * pixel_m).clamp(1.0e-30, 1.0e30);
         let spacing_m = wanted_m.log2().round().exp2() * pattern.scale;
         let across = across / spacing_m;
-        // Whole lines away from the origin of the world are left out, for few digits.
-        across.extend(across.dot(view.anchor.as_dvec3()).rem_euclid(1.0))
+        // Whole lines between anchor and object are left out, for few digits.
+        let anchor = view.anchor.as_dvec3() - self.origin.as_dvec3();
+        across.extend(across.dot(anchor).rem_euclid(1.0))
     }
 }
 

@@ -44,7 +44,8 @@ impl SectionMeshes {
     /// No memory, a failed call.
     pub(crate) fn new(device: &Device, geometry: &Geometry) -> Result<Self, Error> {
         let [vertices, indices] = [&geometry.vertices, &geometry.indices].map(Buffer::whole);
-        let (vertices, indices) = (copied_back(device, vertices)?, copied_back(device, indices)?);
+        let vertices = copied_back(device, vertices)?;
+        let indices = copied_back(device, indices)?;
         let mut all = Self { meshes: HashMap::new(), shells: HashMap::new() };
         for (mesh, residency, place) in geometry.meshes.placed() {
             // Poses and sprites change their shape.
@@ -59,13 +60,13 @@ impl SectionMeshes {
             all.add_shells(mesh, triangles);
         }
         for (mesh, prepared, place) in geometry.uploads.meshes() {
-            all.add((mesh, prepared), place);
+            all.add(mesh, prepared, place);
         }
         Ok(all)
     }
 
     /// Takes a mesh on its way to the GPU.
-    pub(crate) fn add(&mut self, (id, prepared): (MeshId, &PreparedMesh), place: &MeshPlace) {
+    pub(crate) fn add(&mut self, id: MeshId, prepared: &PreparedMesh, place: &MeshPlace) {
         let mesh: &Mesh = prepared.mesh();
         self.add_vertices(id, &mesh.vertices);
         let levels = prepared.levels().iter().map(|level| level.indices.as_slice());

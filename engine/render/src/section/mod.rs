@@ -124,7 +124,8 @@ impl Section {
     pub(crate) fn begin_frame(
         &mut self,
         frame: &mut Frame<'_>,
-        (geometry, hierarchy): (&Geometry, &Hierarchy),
+        geometry: &Geometry,
+        hierarchy: &Hierarchy,
     ) -> Result<(), Error> {
         self.uploaded_states = None;
         self.end_view();
@@ -154,7 +155,8 @@ impl Section {
     pub(crate) fn begin_view(
         &mut self,
         frame: &mut Frame<'_>,
-        (geometry, hierarchy): (&Geometry, &Hierarchy),
+        geometry: &Geometry,
+        hierarchy: &Hierarchy,
         view: &View,
     ) -> Result<(), Error> {
         self.end_view();
@@ -171,7 +173,8 @@ impl Section {
 
     /// Ends a view: nothing is bound or drawn by its planes any more.
     fn end_view(&mut self) {
-        (self.io, self.uploaded_caps) = (None, None);
+        self.io = None;
+        self.uploaded_caps = None;
         self.cap_draws.clear();
         self.cap_rows.clear();
     }
@@ -195,7 +198,7 @@ impl Section {
             if let Some(object) = hierarchy.leaf_objects().get(leaf.0 as usize)
                 && !hierarchy.has_whole(node)
             {
-                self.meet(geometry, meshes, (*object, leaf));
+                self.meet(geometry, meshes, *object, leaf);
             }
         }
         self.stack = stack;
@@ -208,14 +211,15 @@ impl Section {
         &mut self,
         geometry: &Geometry,
         meshes: &SectionMeshes,
-        (object, leaf): (ObjectId, LeafIndex),
+        object: ObjectId,
+        leaf: LeafIndex,
     ) {
         let section = self.planes;
         let draw = geometry.draw_of(object);
         let mut met =
             MetObject { object, leaf, state: 0, cuts: 0, draw, shell: meshes.shell(draw) };
-        for (number, plane) in section.planes().iter().enumerate() {
-            match self.effect(geometry, meshes, object, (number, plane)) {
+        for number in 0..section.planes().len() {
+            match self.effect(geometry, meshes, object, number) {
                 PlaneEffect::Keeps => met.state |= 1 << number,
                 PlaneEffect::Removes => met.state |= 1 << (number + SectionPlanes::MAX),
                 PlaneEffect::Cuts => met.cuts |= 1 << number,
@@ -232,12 +236,12 @@ impl Section {
         geometry: &Geometry,
         meshes: &SectionMeshes,
         object: ObjectId,
-        (number, plane): (usize, &SectionPlane),
+        number: usize,
     ) -> PlaneEffect {
-        let (Some(mesh), Some(instance)) = (geometry.mesh_of(object), geometry.instance(object))
-        else {
-            return PlaneEffect::Cuts;
-        };
+        let Some(mesh) = geometry.mesh_of(object) else { return PlaneEffect::Cuts };
+        let Some(instance) = geometry.instance(object) else { return PlaneEffect::Cuts };
+        let section = self.planes;
+        let Some(plane) = section.planes().get(number) else { return PlaneEffect::Cuts };
         let normal = plane.normal();
         let known = self.known.get(&(object, number));
         let known = known.filter(|known| {
@@ -264,7 +268,8 @@ impl Section {
     /// Returns the planes whose caps of an object show: those that cut it while the others leave
     /// something there.
     fn caps_of(&self, met: &MetObject) -> u8 {
-        let (keeps, removes) = (met.state & KEPT, met.state >> SectionPlanes::MAX & KEPT);
+        let keeps = met.state & KEPT;
+        let removes = met.state >> SectionPlanes::MAX & KEPT;
         let is_decided = match self.planes.mode() {
             SectionMode::Intersection => removes != 0,
             SectionMode::Union => keeps != 0,

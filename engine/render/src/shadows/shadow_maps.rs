@@ -317,8 +317,7 @@ impl ShadowMaps {
                         self.sections.bind(commands, casters, &io);
                         for (culled, face) in here {
                             begin_tile(commands, face, TileStart::Cleared);
-                            let numbered = (culled.number, face);
-                            self.sections.bind_face(commands, (casters, &io), numbered);
+                            self.sections.bind_face(commands, casters, &io, culled.number, face);
                             culling.draw(commands, culled);
                         }
                     });

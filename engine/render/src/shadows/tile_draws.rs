@@ -70,8 +70,10 @@ impl FaceSections {
     pub(super) fn bind_face(
         &self,
         commands: &Commands,
-        (pass, io): (&CasterPass, &CasterIo<'_>),
-        (number, face): (usize, &PlannedFace),
+        pass: &CasterPass,
+        io: &CasterIo<'_>,
+        number: usize,
+        face: &PlannedFace,
     ) {
         if let Some(section) = self.0.get(number) {
             pass.bind(commands, &CasterIo { section: Some(*section), ..*io });
@@ -133,7 +135,7 @@ impl CasterDraws<'_> {
         if casters.is_empty() {
             return;
         }
-        self.section.bind_face(commands, (pass, io), (number, face));
+        self.section.bind_face(commands, pass, io, number, face);
         let (first, count) = (casters.start as u64, casters.len() as u64);
         let draws = self.draws.part(first * DRAW_BYTES, count * DRAW_BYTES);
         self.predicates.draw_after_counted(commands, draws);

@@ -1,8 +1,8 @@
 //! Planes that are dragged through a scene: every strategy draws the bits of frustum culling.
 
 use cull::{SectionMode, SectionPlane, SectionPlanes, Strategy};
-use gpu::{Device, SampleCount};
-use render::RendererOptions;
+use gpu::{Device, Optional, SampleCount};
+use render::{DebugOverlay, Rect, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind, city, field};
 use tests::run_on_all;
 use tests::section::Shown;
@@ -55,7 +55,19 @@ fn drag(device: &Device, generated: &GeneratedScene, options: RendererOptions, f
             whole += shown.renderer.hierarchy().objects_in_frustum(&view);
         }
     }
+    explain(&mut shown, path.camera(3));
     assert!(culled < whole, "nothing was cut away: {culled} of {whole}");
+}
+
+/// Draws wires, boxes and the view from above, all cut, which only the validation layer judges.
+fn explain(shown: &mut Shown, camera: cull::Camera) {
+    let has_wireframe = shown.renderer.device().capabilities().has(Optional::Wireframe);
+    let top_down = Some(Rect { origin: [80, 45], size: [80, 45] });
+    let overlay = DebugOverlay { has_wireframe, has_boxes: true, top_down };
+    shown.renderer.set_debug_overlay(overlay).unwrap();
+    let explained = shown.pixels(camera, Strategy::ANTUMBRA);
+    shown.renderer.set_debug_overlay(DebugOverlay::default()).unwrap();
+    assert!(explained != shown.pixels(camera, Strategy::ANTUMBRA));
 }
 
 #[test]

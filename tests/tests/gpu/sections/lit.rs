@@ -1,0 +1,109 @@
+//! Scenes with surfaces, lights and shadows: cut like all others, near the origin and far from it.
+
+use cull::{Camera, ObjectId, SectionMember, SectionPlanes, Strategy};
+use glam::{DVec3, Vec3, vec3};
+use gpu::Device;
+use render::RendererOptions;
+use shadows::{ShadowMethod, ShadowOptions};
+use tests::section::{Shown, plane, planes};
+use tests::shapes::box_at;
+use tests::{run_on_all, yard};
+
+const SIZE: [u32; 2] = [160, 120];
+const GROUND: ObjectId = ObjectId(0);
+
+fn options(method: ShadowMethod) -> RendererOptions {
+    let shadows = ShadowOptions {
+        method,
+        distance_m: Some(60.0),
+        sun_side: 256,
+        spot_side: 256,
+        point_side: 128,
+        layers_max: 16,
+        ..ShadowOptions::default()
+    };
+    RendererOptions { size: SIZE, shadows, ..RendererOptions::default() }
+}
+
+/// Returns a ground, two blocks on it, and what stands between them.
+fn boxes(blocks: usize) -> Vec<cull::Aabb> {
+    let mut boxes = vec![box_at(vec3(0.0, -0.5, 0.0), vec3(16.0, 0.5, 16.0))];
+    let block = |x: f32| box_at(vec3(x, 2.0, -3.0), vec3(1.0, 2.0, 1.0));
+    boxes.extend([-3.0, 4.0].map(block).into_iter().take(blocks));
+    boxes
+}
+
+fn camera(away: Vec3) -> Camera {
+    let eye = vec3(1.0, 6.0, 11.0);
+    Camera { eye: eye + away, forward: (vec3(0.0, 0.0, -1.5) - eye).normalize(), ..yard::camera() }
+}
+
+/// Returns the pixels whose red differs much.
+fn apart(a: &[[u8; 3]], b: &[[u8; 3]]) -> usize {
+    a.iter().zip(b).filter(|(a, b)| a[0].abs_diff(b[0]) > 16).count()
+}
+
+#[test]
+fn what_is_cut_away_casts_no_shadow_by_maps() {
+    run_on_all(|device| {
+        let [sun, ..] = yard::lights();
+        let shown = |blocks: usize, section: SectionPlanes| {
+            let scene = yard::scene(&boxes(blocks), &[sun.clone()]);
+            let mut shown = Shown::new(device, &scene, options(ShadowMethod::Maps));
+            shown.renderer.set_section_member(GROUND, SectionMember::Whole);
+            // Before there are planes, so that a kept map must be drawn again.
+            shown.pixels(camera(Vec3::ZERO), Strategy::ANTUMBRA);
+            shown.renderer.set_section(section).unwrap();
+            shown.pixels(camera(Vec3::ZERO), Strategy::ANTUMBRA)
+        };
+        let none = SectionPlanes::default();
+        let left = planes(&[plane([-1.0, 0.0, 0.0], 2.0)]);
+        let (one, both) = (shown(1, none), shown(2, none));
+        assert!(apart(&one, &both) > 300, "the block and its shadow are small");
+        assert!(apart(&one, &shown(2, left)) < 10);
+        let lost = {
+            let scene = yard::scene(&boxes(2), &[sun.clone()]);
+            let mut shown = Shown::new(device, &scene, options(ShadowMethod::Volumes));
+            shown.renderer.set_section(left).unwrap();
+            shown.renderer.degradations()
+        };
+        assert_eq!(lost.planes_without_shadows, 1);
+    });
+}
+
+/// Returns images of a scene that is cut, by several strategies, at a place far away.
+fn images(device: &Device, away: Vec3) -> Vec<Vec<[u8; 3]>> {
+    let moved = |bounds: cull::Aabb| cull::Aabb::new(bounds.min + away, bounds.max + away);
+    let boxes: Vec<cull::Aabb> = boxes(2).into_iter().map(moved).collect();
+    let lights = yard::lights().map(|mut light| {
+        light.position = light.position.round() + away;
+        light
+    });
+    let normal = DVec3::new(-0.2, -0.5, -0.8);
+    let offset_m = 1.2 - normal.dot(away.as_dvec3());
+    let section = planes(&[plane(normal.to_array(), offset_m)]);
+    let scene = yard::scene(&boxes, &lights);
+    let mut images = Vec::new();
+    for method in [ShadowMethod::Off, ShadowMethod::Maps, ShadowMethod::Volumes] {
+        let mut shown = Shown::new(device, &scene, options(method));
+        shown.renderer.set_section(section).unwrap();
+        let draw = |strategy| shown.pixels(camera(away), strategy);
+        let drawn = [Strategy::FRUSTUM, Strategy::ANTUMBRA, Strategy::ANTUMBRA].map(draw);
+        assert!(drawn.iter().all(|image| *image == drawn[0]), "{method:?} {away}");
+        images.extend(drawn);
+    }
+    images
+}
+
+#[test]
+fn a_cut_model_far_from_the_origin_looks_the_same() {
+    run_on_all(|device| {
+        let here = images(device, Vec3::ZERO);
+        for away in [vec3(35_360.0, 12.0, -35_360.0), vec3(-707_120.0, 300.0, 707_120.0)] {
+            for (number, (a, b)) in here.iter().zip(images(device, away)).enumerate() {
+                let wrong = a.iter().zip(&b).filter(|(a, b)| a != b).count();
+                assert!(wrong <= 2, "{away}, image {number}: {wrong}");
+            }
+        }
+    });
+}
