@@ -172,6 +172,9 @@ pub enum Error {
         /// Size of the image in pixels.
         image: [u32; 2],
     },
+    /// A host's overlay that failed.
+    #[error("what is drawn over the image failed: {0}")]
+    Overlay(#[source] Box<dyn std::error::Error + Send + Sync>),
     /// A piece of an atlas that is not within it.
     #[error(
         "{pixels} pixels are no piece of {}x{} at {}, {} of an atlas of {}x{}: it lies inside, and has as many pixels as it is large",

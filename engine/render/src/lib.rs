@@ -42,6 +42,7 @@ mod error;
 mod executor_choice;
 mod flares;
 mod frame_passes;
+mod host_overlay;
 pub mod passes;
 mod price_list;
 mod probe_recording;
@@ -65,6 +66,7 @@ pub use debug::visibility_snapshot::VisibilitySnapshot;
 pub use debug::visible_set::VisibleSet;
 pub use error::Error;
 pub use flares::{FlareBlock, FlareSamples, FlareState};
+pub use host_overlay::HostOverlay;
 pub use occlusion::{
     Assumption, Costs, DevicePrices, FrameOutcome, PriceChoice, Rect, ResetPrices, ShaderSet, Trust,
 };

@@ -280,7 +280,7 @@ impl Session {
         self.times.push(began);
         let tick = match &self.frozen {
             Some(snapshot) => {
-                let tick = self.renderer.render_snapshot(snapshot, camera, wanted)?;
+                let tick = self.renderer.render_snapshot(snapshot, camera, wanted, None)?;
                 self.trace_submit(scope, false)?;
                 tick
             }

@@ -33,6 +33,7 @@ mod gpu_layer;
 mod host_device;
 #[cfg(feature = "shader-compiler")]
 mod host_frames;
+mod host_overlay;
 #[cfg(feature = "shader-compiler")]
 mod host_scenes;
 mod host_trust;

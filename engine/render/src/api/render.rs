@@ -36,9 +36,10 @@ impl Renderer {
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
         let rect = Rect::whole(self.size());
-        let FrameRequest { strategy, viewpoint, visible, image, scene_image, after } = *request;
+        let FrameRequest { strategy, viewpoint, visible, image, scene_image, overlay, after } =
+            *request;
         let target = ViewTarget { state, viewpoint, visible, rect };
-        let request = ViewsRequest { strategy, image, after };
+        let request = ViewsRequest { strategy, image, overlay, after };
         self.render_targets(&mut [target], &request, scene_image)
     }
 
@@ -108,11 +109,12 @@ impl Renderer {
         let (debug_overlay, flat) = (self.debug_overlay, self.flat_overlay.as_mut());
         let overlays = Overlays { debug_overlay, outlined, flat, scopes: after_views };
         let scene = (&mut *passes, &*executor, &*hierarchy);
-        report.overlay_cpu = overlays.record(&mut frame, scene, targets.first(), request.image)?;
+        report.overlay_cpu = overlays.record(&mut frame, scene, targets.first(), request)?;
         passes.read_back(frame.commands());
         let waited = frame.waited();
         report.waits = frame.waits();
         report.tick = frame.submit(request.after)?;
+        request.overlay.inspect(|overlay| overlay.submitted());
         self.views = views;
         self.submitted(report.tick);
         self.note_submitted(targets, is_timed, &mut report);
@@ -377,7 +379,7 @@ impl Overlays<'_> {
         frame: &mut Frame<'_>,
         (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
         target: Option<&ViewTarget<'_>>,
-        image: Option<&Readback>,
+        request: &ViewsRequest<'_>,
     ) -> Result<Duration, Error> {
         let began = Instant::now();
         passes.scopes = Some(self.scopes);
@@ -389,7 +391,7 @@ impl Overlays<'_> {
                 record_outline(frame, passes, bounds, &view)?;
             }
         }
-        finish_image(frame, passes, self.flat, image)?;
+        finish_image(frame, passes, self.flat, request.overlay, request.image)?;
         passes.scopes = None;
         Ok(began.elapsed())
     }

@@ -12,6 +12,7 @@ use crate::debug::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
+use crate::host_overlay::HOST_OVERLAY;
 use crate::passes::OverlayIo;
 use crate::passes::pipelines::Pipelines;
 use crate::view_scopes::ViewScope;
@@ -34,8 +35,8 @@ pub struct DebugOverlay {
 
 const BOXES_AND_WIREFRAME: &str = "boxes and wireframe";
 /// The labels of the passes that explain or lie flat over images: their time is not the engine's.
-pub const OVERLAY_PASSES: [&str; 5] =
-    [BOXES_AND_WIREFRAME, VIEW_FROM_ABOVE, OUTLINE, GLYPHS, OVERLAY];
+pub const OVERLAY_PASSES: [&str; 6] =
+    [BOXES_AND_WIREFRAME, VIEW_FROM_ABOVE, OUTLINE, GLYPHS, OVERLAY, HOST_OVERLAY];
 
 impl DebugOverlay {
     /// Returns true if it explains nothing.

@@ -35,6 +35,7 @@ fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> Str
     let request = ViewsRequest {
         strategy: methods::IDEAL,
         image: (what == IMAGE).then_some(&theirs.image),
+        overlay: None,
         after: (what == TIMELINE).then_some((&theirs.timeline, Tick(1))),
     };
     let request = match what {
@@ -130,11 +131,11 @@ fn moments(row: MakeRow) -> Vec<Row> {
             text(ours.renderer.top_down(&ours.snapshot, &theirs.image))
         }),
         row("Renderer::render_snapshot", MOMENT, "Renderer", |ours, theirs| {
-            text(ours.renderer.render_snapshot(&theirs.snapshot, ours.camera, None))
+            text(ours.renderer.render_snapshot(&theirs.snapshot, ours.camera, None, None))
         }),
         row("Renderer::render_snapshot", IMAGE, "Device", |ours, theirs| {
             let image = Some(&theirs.image);
-            text(ours.renderer.render_snapshot(&ours.snapshot, ours.camera, image))
+            text(ours.renderer.render_snapshot(&ours.snapshot, ours.camera, image, None))
         }),
     ]
 }
