@@ -58,7 +58,6 @@ mod views;
 
 pub use calibration_scene::measure_prices;
 pub use debug::debug_overlay::{DebugOverlay, OVERLAY_PASSES};
-pub use debug::flat_overlay::FlatOverlay;
 pub use debug::palette;
 pub use debug::pick::Pick;
 pub use debug::sample_counts::{ProxySamples, VisibleSamples};
@@ -70,7 +69,6 @@ pub use host_overlay::HostOverlay;
 pub use occlusion::{
     Assumption, Costs, DevicePrices, FrameOutcome, PriceChoice, Rect, ResetPrices, ShaderSet, Trust,
 };
-pub use passes::FlatVertex;
 pub use price_list::{BoxSize, PredicateResult, Price, PriceListOptions, PricedItem, price_list};
 pub use renderer::{MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use resources::object_bounds::object_bounds;

@@ -12,7 +12,6 @@ use cull::{Camera, Corrections, DepthConvention, Strategy, View, ViewProjection}
 use gpu::{Device, Frame, Readback, Tick, Timeline};
 use occlusion::{Rect, VisibilityState};
 
-use crate::debug::flat_overlay::FlatOverlay;
 use crate::debug::visible_set::VisibleSet;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
@@ -223,21 +222,17 @@ pub(crate) fn finish_scene(
     passes: &mut FramePasses,
     image: Option<&Readback>,
 ) -> Result<(), Error> {
-    image.map_or(Ok(()), |image| finish_image(frame, passes, None, None, Some(image)))
+    image.map_or(Ok(()), |image| finish_image(frame, passes, None, Some(image)))
 }
 
-/// Records the end of a frame after its views, under any strategy: the flat overlay, the averages
-/// of several samples, the overlay of a host, and the copy of the image if it is wanted.
+/// Records the end of a frame after its views, under any strategy: the averages of several
+/// samples, the overlay of a host, and the copy of the image if it is wanted.
 pub(crate) fn finish_image(
     frame: &mut Frame<'_>,
-    FramePasses { pipelines, target, scopes, .. }: &mut FramePasses,
-    flat: Option<&mut FlatOverlay>,
+    FramePasses { target, .. }: &mut FramePasses,
     overlay: Option<&dyn HostOverlay>,
     image: Option<&Readback>,
 ) -> Result<(), Error> {
-    if let (Some(flat), Some(pass)) = (flat, pipelines.flat.get()) {
-        flat.record(frame, pass, (target, *scopes))?;
-    }
     if target.needs_resolve() {
         frame.commands().pass("resolve samples", |commands| target.resolve(commands));
     }

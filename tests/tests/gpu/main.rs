@@ -26,7 +26,6 @@ mod exactness;
 mod explain;
 mod far_away;
 mod flares;
-mod flat;
 mod frame_loop;
 mod golden;
 mod gpu_layer;
@@ -37,6 +36,7 @@ mod host_overlay;
 #[cfg(feature = "shader-compiler")]
 mod host_scenes;
 mod host_trust;
+mod hud;
 mod ideal;
 mod learning;
 mod list_draws;

@@ -10,7 +10,6 @@ mod lod;
 mod materials;
 mod meshes;
 mod moves;
-mod overlay;
 mod pick;
 mod poses;
 #[cfg(feature = "window")]

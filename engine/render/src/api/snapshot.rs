@@ -130,7 +130,7 @@ impl Renderer {
             Backdrop::Dark => None,
             Backdrop::Sky => self.outlined_bounds(),
         };
-        let Self { frames, passes, executor, hierarchy, flat_overlay, .. } = self;
+        let Self { frames, passes, executor, hierarchy, .. } = self;
         let before = match backdrop {
             Backdrop::Dark => Some(BACKGROUND),
             Backdrop::Sky => None,
@@ -163,7 +163,7 @@ impl Renderer {
         if let Some(bounds) = outlined {
             record_outline(&mut frame, passes, bounds, &view)?;
         }
-        finish_image(&mut frame, passes, flat_overlay.as_mut(), overlay, image)?;
+        finish_image(&mut frame, passes, overlay, image)?;
         passes.read_back(frame.commands());
         let tick = frame.submit(None)?;
         overlay.inspect(|overlay| overlay.submitted());

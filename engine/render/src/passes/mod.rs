@@ -3,7 +3,6 @@
 mod caster;
 mod count;
 mod flare;
-mod flat;
 mod midpoint;
 mod opaque;
 mod overlay;
@@ -21,8 +20,6 @@ pub use caster::{CasterIo, CasterPass, CasterSide, WholeCasters};
 pub(crate) use count::CountPass;
 pub(crate) use flare::{FlareBlockIo, FlarePass, VEIL_LEVELS};
 pub use flare::{FlareBlockRow, FlareShape, FlareSprite};
-pub use flat::FlatVertex;
-pub(crate) use flat::{FlatDraw, FlatIo, FlatPass};
 pub(crate) use midpoint::{MidpointIo, MidpointPass, MidpointTile};
 pub use opaque::{OpaqueIo, OpaquePass};
 pub use overlay::OverlayVertex;

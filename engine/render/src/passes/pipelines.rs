@@ -5,8 +5,8 @@ use gpu::{Attachments, Device, Optional};
 use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
-    CountPass, FlarePass, FlatPass, MapPasses, OpaquePass, OverlayPass, SeenPass, SkinningPass,
-    SurfaceKind, SurfacePass, SurfaceShadows, VolumePass, VolumePath,
+    CountPass, FlarePass, MapPasses, OpaquePass, OverlayPass, SeenPass, SkinningPass, SurfaceKind,
+    SurfacePass, SurfaceShadows, VolumePass, VolumePath,
 };
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
@@ -36,7 +36,6 @@ pub(crate) struct Pipelines {
     pub(crate) seen: OnDemand<SeenPass>,
     pub(crate) overlay: OnDemand<OverlayPass>,
     pub(crate) wireframe: OnDemand<OpaquePass>,
-    pub(crate) flat: OnDemand<FlatPass>,
 }
 
 /// The parts of a scene that have passes of their own.
@@ -119,7 +118,6 @@ impl Pipelines {
             seen: on_demand.again(|it| &it.seen, SeenPass::new)?,
             overlay: on_demand.again(|it| &it.overlay, OverlayPass::new)?,
             wireframe: on_demand.again(|it| &it.wireframe, OpaquePass::wireframe)?,
-            flat: on_demand.again(|it| &it.flat, FlatPass::new)?,
         })
     }
 }

@@ -124,7 +124,7 @@ impl Probe {
                 }
             });
         });
-        finish_image(&mut frame, passes, None, None, Some(image))?;
+        finish_image(&mut frame, passes, None, Some(image))?;
         let tick = frame.submit(None)?;
         renderer.submitted(tick);
         self.device.drain()?;
@@ -318,7 +318,7 @@ impl Probe {
                 }
             });
         });
-        finish_image(&mut frame, passes, None, None, Some(image))?;
+        finish_image(&mut frame, passes, None, Some(image))?;
         let tick = frame.submit(None)?;
         queries.submitted(tick);
         flags.submitted(tick);

@@ -79,19 +79,6 @@ pub fn rows() -> Vec<Row> {
         row("Renderer::present", "a target (`Target`)", "Device", |ours, theirs| {
             text(theirs.renderer.present(&mut ours.swapchain, SIZE))
         }),
-        // Whoever holds two overlays can swap them.
-        row("Renderer::render", "a texture (`DynamicTexture`)", "Device", |ours, theirs| {
-            let swap = |ours: &mut Side, theirs: &mut Side| {
-                let (a, b) = (ours.renderer.flat_overlay(), theirs.renderer.flat_overlay());
-                std::mem::swap(a.unwrap(), b.unwrap());
-            };
-            ours.lay_out();
-            theirs.lay_out();
-            swap(ours, theirs);
-            let error = rendered(ours, |_| {});
-            swap(ours, theirs);
-            error
-        }),
     ];
     rows.extend(histories(row));
     rows.extend(moments(row));
