@@ -16,6 +16,8 @@ const ABOUT: Style = Style::text(11.5, NAME);
 /// The space between columns, and around the letters of a row.
 const GAP: f32 = 8.0;
 const PADDING: f32 = 1.0;
+/// The space below the title.
+const TITLE_GAP: f32 = 3.0;
 /// The width that words about rows are given at least.
 const ABOUT_WIDTH: f32 = 60.0;
 
@@ -41,7 +43,7 @@ pub fn show(ui: &mut Ui, list: &ChoiceList, room: Rect, clicked: &mut Option<usi
     let line = ui.fonts_mut(|fonts| fonts.row_height(&TITLE.font()));
     let title = ui.painter().layout(list.title.clone(), TITLE.font(), TITLE.colour, width);
     let heights: Vec<f32> = rows.iter().map(Row::height).collect();
-    let height = room.height() - 2.0 * ends - title.size().y;
+    let height = room.height() - 2.0 * ends - title.size().y - TITLE_GAP;
     let shown = match heights.iter().sum::<f32>() <= height {
         true => 0..rows.len(),
         false => window(&heights, list.selected, height - 2.0 * line),
@@ -49,6 +51,7 @@ pub fn show(ui: &mut Ui, list: &ChoiceList, room: Rect, clicked: &mut Option<usi
     let chosen = std::cell::Cell::new(None);
     let area = panel::show(ui, room, Align2::LEFT_BOTTOM, |ui| {
         ui.add(Label::new(TITLE.of(&list.title)).wrap());
+        ui.add_space(TITLE_GAP);
         let columns = columns(&rows);
         let more = |ui: &mut Ui, count: usize, place: &str| {
             if count > 0 {

@@ -137,11 +137,12 @@ impl Opened {
 
     /// Gives an event of the window to a list that is open. Returns true if it was meant for that.
     pub(super) fn give_to_list(&mut self, event: &WindowEvent) -> bool {
+        // It remembers where the pointer is.
+        let _repaints = self.egui.on_window_event(&self.window, event);
+        let events = std::mem::take(&mut self.egui.egui_input_mut().events);
         if self.session.menu.is_none() {
             return false;
         }
-        let _repaints = self.egui.on_window_event(&self.window, event);
-        let events = std::mem::take(&mut self.egui.egui_input_mut().events);
         self.session.hud.take(events);
         self.next_layout = Time::ZERO;
         matches!(event, WindowEvent::MouseInput { .. }) && self.session.hud.is_on_list(self.cursor)

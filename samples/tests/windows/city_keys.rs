@@ -60,6 +60,22 @@ fn help_lists_the_keys_and_escape_closes_it() {
 }
 
 #[test]
+fn a_row_of_a_list_is_chosen_by_a_click() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("keys-click"));
+    let running = Running::city(&scratch, &server, &["--hud", "off", "--size", "640x360"]);
+    let window = Seen::wait_for(&server);
+    window.point_at([60, 341]);
+    window.strike('u'.into());
+    window.await_that("a list", |found| of_colour(found, MARK) > 20);
+    window.click(1);
+    running.await_text("strategy antumbra_");
+    window.await_that("no list", |found| of_colour(found, MARK) == 0);
+    assert!(!running.log().contains("object"), "{}", running.log());
+    window.close();
+    running.end_well();
+}
+
+#[test]
 fn the_title_says_scene_strategy_and_rate() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("keys-title"));
     let running = Running::city(&scratch, &server, &["--scene", "field"]);
