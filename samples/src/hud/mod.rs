@@ -28,13 +28,15 @@ pub use layout::{Measures, PANEL_SHARE, Room};
 pub use level::HudLevel;
 pub use overlay::HudOverlay;
 pub use page::{
-    Asked, ChoiceList, ExactnessVerdict, Help, HudFigure, HudPage, Legend, Overview, Sign, Split,
+    ChoiceList, ExactnessVerdict, Help, HudAnswer, HudFigure, HudPage, Legend, Overview, Sign,
+    Split,
 };
 
 /// The layout of pages, with fonts of its own.
 pub struct Hud {
     context: Context,
-    /// The page that was laid out last, for an image of this size, and pixels per point of a window.
+    /// The page that was laid out last, for an image of this size in pixels, and for so many of
+    /// them per point of the window.
     page: HudPage,
     size: [u32; 2],
     window_scale: f32,

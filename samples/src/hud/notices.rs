@@ -4,7 +4,7 @@
 use egui::{Align2, Label, Rect, Sense, Ui, pos2, vec2};
 
 use super::choices;
-use super::page::{Asked, HudPage};
+use super::page::{HudAnswer, HudPage};
 use super::panel::{self, row};
 use super::style::{DIM, GOOD, MARGIN, MARK, Style};
 
@@ -13,7 +13,7 @@ const TEXT: Style = Style::text(13.0, MARK);
 const ROWS: Style = Style::number(11.5, MARK);
 const BAR: [f32; 2] = [320.0, 10.0];
 
-/// What the lower edge leaves, and what was done there.
+/// The outcome of the lower edge.
 pub struct Notices {
     /// The room that is left above.
     pub above: Rect,
@@ -44,11 +44,11 @@ pub fn show(ui: &mut Ui, page: &HudPage, room: Rect) -> Notices {
     rest.max.y = lowest.map_or(rest.max.y, |area| area.min.y - MARGIN);
     let mut clicked = None;
     let list = match &page.asked {
-        Some(Asked::List(list)) => Some(choices::show(ui, list, rest, &mut clicked)),
+        Some(HudAnswer::List(list)) => Some(choices::show(ui, list, rest, &mut clicked)),
         _ => None,
     };
     let asked = match &page.asked {
-        Some(Asked::Rows(text)) => Some(message(ui, text, ROWS, rest)),
+        Some(HudAnswer::Rows(text)) => Some(message(ui, text, ROWS, rest)),
         _ => list,
     };
     rest.max.y = asked.map_or(rest.max.y, |area| area.min.y - MARGIN);

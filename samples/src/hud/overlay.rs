@@ -28,7 +28,7 @@ pub struct HudOverlay {
     state: RefCell<State>,
 }
 
-/// What is drawn.
+/// The triangles that are drawn, and the objects that draw them.
 #[derive(Default)]
 struct State {
     primitives: Vec<ClippedPrimitive>,

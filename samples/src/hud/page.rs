@@ -19,7 +19,7 @@ pub struct HudPage {
     /// All keys, over the middle of the image.
     pub help: Option<Help>,
     /// The answer to a request, above the lower edge.
-    pub asked: Option<Asked>,
+    pub asked: Option<HudAnswer>,
     /// A message about an error or a finished action, at the lower edge.
     pub toast: Option<String>,
     /// The scene that is loading, and its finished fraction (0 to 1, if known): a bar in place of
@@ -123,7 +123,7 @@ pub struct Help {
 
 /// The answer to a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Asked {
+pub enum HudAnswer {
     /// Rows about something, or a field.
     Rows(String),
     /// A list to choose from.

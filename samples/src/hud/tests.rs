@@ -193,7 +193,7 @@ fn what_is_said_takes_nothing_from_the_details() {
     for size in [[960, 540], [1920, 1080]] {
         let quiet = HudPage { toast: None, ..page(size) };
         let said = HudPage {
-            asked: Some(Asked::Rows(vec!["a row about something"; 14].join("\n"))),
+            asked: Some(HudAnswer::Rows(vec!["a row about something"; 14].join("\n"))),
             toast: Some("one line\nand another".to_owned()),
             ..page(size)
         };
@@ -259,7 +259,7 @@ fn list(selected: usize) -> ChoiceList {
 fn the_selected_row_of_a_list_is_shown_whole_at_every_size() {
     for size in SIZES.into_iter().filter(|size| size[0] >= 240 && size[1] >= 180) {
         for selected in [0, 6, 12] {
-            let page = HudPage { asked: Some(Asked::List(list(selected))), ..page(size) };
+            let page = HudPage { asked: Some(HudAnswer::List(list(selected))), ..page(size) };
             check(&page, size);
             let (_, texts, screen) = laid_out(&page, size);
             let label = format!("strategy_{selected}");
@@ -276,7 +276,7 @@ fn the_selected_row_of_a_list_is_shown_whole_at_every_size() {
 #[test]
 fn a_row_is_chosen_by_a_click() {
     let size = [1280, 720];
-    let page = HudPage { asked: Some(Asked::List(list(0))), ..page(size) };
+    let page = HudPage { asked: Some(HudAnswer::List(list(0))), ..page(size) };
     for window_scale in [1.0, 2.0] {
         let measures = Measures::of(size, window_scale);
         let mut hud = Hud::default();

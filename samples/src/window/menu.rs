@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::hud::{Asked, ChoiceList};
+use crate::hud::{ChoiceList, HudAnswer};
 use bench::choices;
 use bench::strategy::{self, Strategy};
 
@@ -101,7 +101,7 @@ impl Menu {
     }
 
     /// Returns it for the HUD.
-    pub fn asked(&self) -> Asked {
+    pub fn asked(&self) -> HudAnswer {
         match self {
             Self::List { title, rows, selected } => {
                 let keys = match rows.len() {
@@ -110,13 +110,13 @@ impl Menu {
                     _ => "a click, arrows, Page Up, Page Down and Enter",
                 };
                 let row = |row: &Row| (row.label.clone(), row.about.clone());
-                Asked::List(ChoiceList {
+                HudAnswer::List(ChoiceList {
                     title: format!("{title}: {keys}"),
                     rows: rows.iter().map(row).collect(),
                     selected: *selected,
                 })
             }
-            Self::Path { text } => Asked::Rows(format!(
+            Self::Path { text } => HudAnswer::Rows(format!(
                 "the path of a glTF file, typed or pasted (Ctrl+V), and Enter\n> {text}_"
             )),
         }
@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn what_is_selected_is_marked() {
         let asked = strategies(|_| true, methods::NAIVE).asked();
-        let Asked::List(list) = asked else { panic!("a list") };
+        let HudAnswer::List(list) = asked else { panic!("a list") };
         assert_eq!((list.selected, list.rows[1].0.as_str()), (1, "naive"));
         for strategy in strategy::strategies().into_iter().filter(|it| !it.needs_still_scene()) {
             let row = list.rows.iter().find(|(_, about)| about.contains(strategy.summary()));
@@ -248,7 +248,7 @@ mod tests {
         }
         let mut menu = Menu::path();
         menu.key(&self::text("/a"));
-        let Asked::Rows(text) = menu.asked() else { panic!("a field") };
+        let HudAnswer::Rows(text) = menu.asked() else { panic!("a field") };
         assert!(text.ends_with("\n> /a_"), "{text}");
     }
 

@@ -78,7 +78,7 @@ pub struct Session {
     /// True if the text over the image is out of date.
     pub(super) is_page_stale: bool,
     pub(super) hud: Hud,
-    /// What the HUD draws over images.
+    /// The triangles of the HUD over images.
     pub(super) overlay: HudOverlay,
     pub(super) toast: Toast,
     pub(super) times: FrameTimeSeries,

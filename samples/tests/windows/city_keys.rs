@@ -62,9 +62,9 @@ fn help_lists_the_keys_and_escape_closes_it() {
 #[test]
 fn a_row_of_a_list_is_chosen_by_a_click() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("keys-click"));
-    let running = Running::city(&scratch, &server, &["--hud", "off", "--size", "640x360"]);
+    let running = Running::city(&scratch, &server, &["--hud", "off", "--size", "1280x720"]);
     let window = Seen::wait_for(&server);
-    window.point_at([60, 341]);
+    window.point_at([60, 692]);
     window.strike('u'.into());
     window.await_that("a list", |found| of_colour(found, MARK) > 20);
     window.click(1);

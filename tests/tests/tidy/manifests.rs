@@ -61,7 +61,8 @@ pub fn arrows(files: &[SourceFile]) -> Vec<String> {
         "tests",
     ];
     const VULKAN: [&str; 3] = ["ash", "ash-window", "gpu-allocator"];
-    /// The manifests that may name them: of the window programs for one file ([`EGUI_OVER_VULKAN`](crate::rules::EGUI_OVER_VULKAN)).
+    /// The manifests that may name them: of the window programs for one file
+    /// ([`EGUI_OVER_VULKAN`](crate::rules::EGUI_OVER_VULKAN)).
     const KNOW_VULKAN: [(&str, &[&str]); 2] =
         [("engine/gpu/Cargo.toml", &VULKAN), ("samples/Cargo.toml", &["ash"])];
     let mut findings = Vec::new();

@@ -6,7 +6,7 @@ use antumbra::cull::{Camera, FrameId};
 use antumbra::gpu;
 use antumbra::pacing::Time;
 
-use crate::hud::{Asked, Help, HudLevel, HudPage, Legend, Sign};
+use crate::hud::{Help, HudAnswer, HudLevel, HudPage, Legend, Sign};
 use crate::window::actions::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};
 use crate::window::comparison::Comparison;
 use crate::window::conditions::Conditions;
@@ -178,13 +178,13 @@ impl Session {
 
     /// Returns the answer to a request, in words: the list or field that is open, or else the
     /// results of a comparison and the card of the selected object.
-    fn asked_for(&self) -> Option<Asked> {
+    fn asked_for(&self) -> Option<HudAnswer> {
         if let Some(menu) = &self.menu {
             return Some(menu.asked());
         }
         let card = self.card().into_iter().map(|(name, value)| format!("{name}: {value}"));
         let lines: Vec<String> = self.comparison_text().into_iter().chain(card).collect();
-        (!lines.is_empty()).then(|| Asked::Rows(lines.join("\n")))
+        (!lines.is_empty()).then(|| HudAnswer::Rows(lines.join("\n")))
     }
 
     /// Returns the meanings of the colours that are shown.
