@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 91] = [
+pub const PASSES: [Shader; 89] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -56,8 +56,6 @@ pub const PASSES: [Shader; 91] = [
     shader!("overlay.vert"),
     shader!("overlay.frag"),
     shader!("wireframe.frag"),
-    shader!("flat.vert"),
-    shader!("flat.frag"),
     shader!("seen.vert"),
     shader!("seen.frag"),
     shader!("pointer.frag"),

@@ -11,6 +11,7 @@ pub mod host_copy;
 pub mod host_device;
 pub mod host_images;
 pub mod host_memory;
+pub mod host_overlay;
 pub mod host_passes;
 #[cfg(feature = "shader-compiler")]
 pub mod host_scene;

@@ -150,6 +150,15 @@ fn render_explains_and_looks_from_above() {
 }
 
 #[test]
+fn render_lets_a_host_draw_over_the_image() {
+    let file = scratch("overlay.png");
+    let printed = run("host_overlay", &[&file]);
+    fs::remove_file(file).expect("it is there");
+    assert_eq!(line(&printed, "over "), "over the image: 6400 green pixels");
+    assert_eq!(line(&printed, "in "), "in the scene's image: 0 green pixels");
+}
+
+#[test]
 fn antumbra_draws_a_street_of_a_city() {
     let printed = run("walk_city", &[]);
     let [_, drawn, all] = numbers(line(&printed, "frame "))[..] else { panic!("{printed}") };

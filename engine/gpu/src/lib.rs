@@ -89,6 +89,7 @@ pub use crate::memory::readback::{Pixels, Readback};
 pub use crate::memory::resample::resampled;
 pub use crate::memory::sampled_texture::SampledTexture;
 pub use crate::memory::texture_array::{MipMaking, TextureArray, TextureArrayInfo};
+pub use crate::memory::texture_set::TextureSet;
 pub use crate::memory::texture_table::{TextureNumber, TextureTable};
 pub use crate::memory::texture_uploads::TextureUploads;
 pub use crate::memory::upload::Uploads;
@@ -125,6 +126,7 @@ pub use crate::record::finished_image::FinishedImage;
 pub use crate::record::frames::{Frame, FrameNumbers, FrameRing, SlotIndex};
 pub use crate::record::host_image::{HostImage, HostImages, ImageState};
 pub use crate::record::indirect::{DrawLink, DrawRange, IndirectDraw, UnindexedDraw};
+pub use crate::record::overlay_image::OverlayImage;
 pub use crate::record::pipeline::{
     Blend, ComputePipeline, DepthMode, DepthRange, FragmentChoice, GraphicsPipeline,
     GraphicsPipelineInfo, Polygon, StencilMode, StorageLayout, VertexLayout,

@@ -175,21 +175,9 @@ pub enum Error {
         /// Size of the image in pixels.
         image: [u32; 2],
     },
-    /// A piece of an atlas that is not within it.
-    #[error(
-        "{pixels} pixels are no piece of {}x{} at {}, {} of an atlas of {}x{}: it lies inside, and has as many pixels as it is large",
-        size[0], size[1], origin[0], origin[1], atlas[0], atlas[1]
-    )]
-    Atlas {
-        /// Its upper left corner.
-        origin: [u32; 2],
-        /// Its width and height, in pixels.
-        size: [u32; 2],
-        /// The number of pixels given.
-        pixels: usize,
-        /// Size of the atlas.
-        atlas: [u32; 2],
-    },
+    /// A host's overlay that failed.
+    #[error("what is drawn over the image failed: {0}")]
+    Overlay(#[source] Box<dyn std::error::Error + Send + Sync>),
     /// An image that is not whole.
     #[error("the image \"{image}\" of {}x{} pixels cannot be drawn: {fault}", size[0], size[1])]
     Image {

@@ -43,6 +43,7 @@ mod error;
 mod executor_choice;
 mod flares;
 mod frame_passes;
+mod host_overlay;
 pub mod passes;
 mod price_list;
 mod probe_recording;
@@ -59,7 +60,6 @@ mod views;
 
 pub use calibration_scene::measure_prices;
 pub use debug::debug_overlay::{DebugOverlay, OVERLAY_PASSES};
-pub use debug::flat_overlay::FlatOverlay;
 pub use debug::palette;
 pub use debug::pointer::{Pointed, PointedSurface};
 pub use debug::sample_counts::{ProxySamples, VisibleSamples};
@@ -68,10 +68,10 @@ pub use debug::visible_set::VisibleSet;
 pub use edges::{EdgeMode, EdgeOptions, ObjectOutline};
 pub use error::Error;
 pub use flares::{FlareBlock, FlareSamples, FlareState};
+pub use host_overlay::HostOverlay;
 pub use occlusion::{
     Assumption, Costs, DevicePrices, FrameOutcome, PriceChoice, Rect, ResetPrices, ShaderSet, Trust,
 };
-pub use passes::FlatVertex;
 pub use price_list::{BoxSize, PredicateResult, Price, PriceListOptions, PricedItem, price_list};
 pub use renderer::{MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use resources::object_bounds::object_bounds;

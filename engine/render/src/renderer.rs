@@ -17,7 +17,6 @@ use occlusion::{
 use scene::{LensFlare, Scene};
 
 use crate::debug::debug_overlay::DebugOverlay;
-use crate::debug::flat_overlay::FlatOverlay;
 use crate::debug::visible_set::{SceneRevision, SeenLeaves};
 use crate::error::Error;
 use crate::executor_choice::decide;
@@ -174,7 +173,6 @@ pub struct Renderer {
     pub(crate) shaders: ShaderSet,
     /// The object whose box is outlined.
     pub(crate) outlined: Option<ObjectId>,
-    pub(crate) flat_overlay: Option<FlatOverlay>,
     /// The lights that flare in every image.
     pub(crate) flares: Vec<LensFlare>,
     pub(crate) debug_overlay: DebugOverlay,
@@ -269,7 +267,6 @@ impl Renderer {
             executor,
             shaders,
             outlined: None,
-            flat_overlay: None,
             flares: Vec::new(),
             debug_overlay: DebugOverlay::default(),
             seen_leaves: None,
@@ -433,9 +430,6 @@ impl Renderer {
         self.passes.submitted(tick);
         self.executor.leaves.submitted(tick);
         self.show_arrived();
-        if let Some(overlay) = &mut self.flat_overlay {
-            overlay.submitted();
-        }
     }
 
     /// Returns the GPU time of each pass of the frame that used the slot of the newest one before

@@ -39,8 +39,6 @@ pub(crate) enum ViewScope {
     ViewFromAbove,
     /// The outline of an object.
     Outline,
-    /// The flat overlay.
-    FlatOverlay,
 }
 
 /// The use that a rendering makes of an image.
@@ -83,7 +81,7 @@ pub(crate) struct ViewScopes {
 
 impl ViewScope {
     /// All of them, in their order.
-    pub(crate) const ALL: [Self; 17] = [
+    pub(crate) const ALL: [Self; 16] = [
         Self::LastRound,
         Self::ShadedRound,
         Self::CasterTests,
@@ -100,7 +98,6 @@ impl ViewScope {
         Self::DebugLines,
         Self::ViewFromAbove,
         Self::Outline,
-        Self::FlatOverlay,
     ];
 
     const fn bit(self) -> u32 {
@@ -151,9 +148,7 @@ impl ViewScopes {
             | ViewScope::Edges
             | ViewScope::DebugLines
             | ViewScope::Outline => [Writes, Reads],
-            ViewScope::Flares | ViewScope::StencilOutlines | ViewScope::FlatOverlay => {
-                [Writes, Nothing]
-            }
+            ViewScope::Flares | ViewScope::StencilOutlines => [Writes, Nothing],
         }
     }
 
@@ -242,7 +237,7 @@ mod tests {
         let read = ColourEnd::Read;
         assert_eq!(ends(&[LastRound], read), [[(true, Keep), (true, Forget)]]);
         assert_eq!(
-            ends(&[LastRound, FlatOverlay], read),
+            ends(&[LastRound, Flares], read),
             [[(true, Keep), (true, Forget)], [(true, Keep), (false, Forget)]],
         );
         assert_eq!(
@@ -299,7 +294,7 @@ mod tests {
         assert_eq!(averaged(&[LastRound]), [LastRound]);
         assert_eq!(averaged(&[LastRound, Shade]), [Shade]);
         assert_eq!(averaged(&[LastRound, Shade, Transparent, FlareCounts]), [Transparent]);
-        assert_eq!(averaged(&[LastRound, Outline, FlatOverlay]), [FlatOverlay]);
+        assert_eq!(averaged(&[LastRound, Flares, Outline]), [Outline]);
         assert!(!frame(&[LastRound], ColourEnd::Read).averages(LastRound));
         assert_eq!(ends(&[LastRound], ColourEnd::Averaged), [[(true, Forget), (true, Forget)]]);
         assert_eq!(

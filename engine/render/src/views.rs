@@ -12,10 +12,10 @@ use cull::{Camera, Corrections, DepthConvention, Strategy, View, ViewProjection}
 use gpu::{Device, Frame, Readback, Tick, Timeline};
 use occlusion::{Rect, VisibilityState};
 
-use crate::debug::flat_overlay::FlatOverlay;
 use crate::debug::visible_set::VisibleSet;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
+use crate::host_overlay::{HOST_OVERLAY, HostOverlay};
 use crate::resources::skinned_meshes::Skinned;
 use crate::view_state::ViewState;
 
@@ -103,6 +103,8 @@ pub struct ViewsRequest<'a> {
     /// The destination of a copy of the image, if it is wanted. Parts that no view covers are
     /// undefined.
     pub image: Option<&'a Readback>,
+    /// The host's commands over the image, if there are any.
+    pub overlay: Option<&'a dyn HostOverlay>,
     /// The tick of a host's timeline that the frame waits for on the GPU.
     pub after: Option<(&'a Timeline, Tick)>,
 }
@@ -119,9 +121,11 @@ pub struct FrameRequest<'a> {
     pub visible: Option<&'a VisibleSet>,
     /// The destination of a copy of the image, if it is wanted. Read it when the frame is over.
     pub image: Option<&'a Readback>,
-    /// The destination of a copy of the scene's image alone, before the debug overlay and the flat
-    /// overlay are drawn over it, if that is wanted.
+    /// The destination of a copy of the scene's image alone, before anything is drawn over it, if
+    /// that is wanted.
     pub scene_image: Option<&'a Readback>,
+    /// The host's commands over the image, if there are any.
+    pub overlay: Option<&'a dyn HostOverlay>,
     /// The tick of a host's timeline that the frame waits for on the GPU.
     pub after: Option<(&'a Timeline, Tick)>,
 }
@@ -130,7 +134,15 @@ impl FrameRequest<'_> {
     /// Creates a request for a frame and nothing else.
     pub fn new(strategy: Strategy, viewpoint: impl Into<Viewpoint>) -> Self {
         let viewpoint = viewpoint.into();
-        Self { strategy, viewpoint, visible: None, image: None, scene_image: None, after: None }
+        Self {
+            strategy,
+            viewpoint,
+            visible: None,
+            image: None,
+            scene_image: None,
+            overlay: None,
+            after: None,
+        }
     }
 }
 
@@ -141,7 +153,7 @@ pub struct FrameReport {
     pub tick: Tick,
     /// Time the CPU spent in the engine, without waits and without [`FrameReport::overlay_cpu`].
     pub cpu: Duration,
-    /// Time the CPU spent on the debug overlay and the flat overlay.
+    /// Time the CPU spent on what is drawn over the scene: the debug overlay, and the host's.
     pub overlay_cpu: Duration,
     /// Proxies tested, by any tester.
     pub tests: u32,
@@ -213,19 +225,24 @@ pub(crate) fn finish_scene(
     image.map_or(Ok(()), |image| finish_image(frame, passes, None, Some(image)))
 }
 
-/// Records the end of a frame after its views, under any strategy: the flat overlay, the averages
-/// of several samples, and the copy of the image if it is wanted.
+/// Records the end of a frame after its views, under any strategy: the averages of several
+/// samples, the overlay of a host, and the copy of the image if it is wanted.
 pub(crate) fn finish_image(
     frame: &mut Frame<'_>,
-    FramePasses { pipelines, target, scopes, .. }: &mut FramePasses,
-    overlay: Option<&mut FlatOverlay>,
+    FramePasses { target, .. }: &mut FramePasses,
+    overlay: Option<&dyn HostOverlay>,
     image: Option<&Readback>,
 ) -> Result<(), Error> {
-    if let (Some(overlay), Some(pass)) = (overlay, pipelines.flat.get()) {
-        overlay.record(frame, pass, (target, *scopes))?;
-    }
     if target.needs_resolve() {
         frame.commands().pass("resolve samples", |commands| target.resolve(commands));
+    }
+    if let Some(overlay) = overlay {
+        overlay.upload(frame.uploads())?;
+        let commands = frame.commands();
+        let over = target.begin_overlay(commands)?;
+        let mut recorded = Ok(());
+        commands.pass(HOST_OVERLAY, |commands| recorded = overlay.record(commands, &over));
+        recorded?;
     }
     if let Some(image) = image {
         frame.commands().pass("copy image", |commands| target.copy_to(commands, image));

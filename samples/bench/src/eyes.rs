@@ -57,7 +57,7 @@ impl Eyes {
         };
         let mut eyes: Vec<ViewTarget<'_>> =
             (0..).zip(&mut self.histories).zip(areas).map(eye).collect();
-        let request = ViewsRequest { strategy, image, after: None };
+        let request = ViewsRequest { strategy, image, overlay: None, after: None };
         Ok(renderer.render_views(&mut eyes, &request)?)
     }
 

@@ -100,7 +100,7 @@ impl From<render::Error> for RunError {
             | render::Error::ForeignHierarchy { .. }
             | render::Error::ImageSize { .. }
             | render::Error::Rect { .. }
-            | render::Error::Atlas { .. }
+            | render::Error::Overlay(_)
             | render::Error::Transparent { .. }
             | render::Error::Pose { .. }
             | render::Error::Light { .. }

@@ -1,11 +1,10 @@
 //! The graph of frame times: one bar per frame, a labelled scale, and marks on bars that exceed it.
 
-use epaint::{Pos2, Rect, pos2, vec2};
+use egui::{Align2, Painter, Rect, Sense, Sides, Stroke, Ui, pos2, vec2};
 
-use super::canvas::{HudCanvas, TextAlign};
 use super::page::Overview;
 use super::scale::GraphScale;
-use super::style::{BAD, DIM, GOOD, MARGIN, MARK, NAME, Style};
+use super::style::{BAD, DIM, GOOD, MARK, NAME, Style};
 
 const HEIGHT: f32 = 46.0;
 /// The width of the numbers of the scale.
@@ -17,39 +16,42 @@ const CUT_MARK: f32 = 4.0;
 const CAPTION: Style = Style::text(10.5, NAME);
 const SCALE: Style = Style::number(9.5, NAME);
 
-/// Draws the graph from `corner` on, `width` points wide. Returns its lower end.
-pub fn draw(canvas: &mut HudCanvas<'_>, overview: &Overview, corner: Pos2, width: f32) -> f32 {
+/// Shows the graph, as wide as there is room.
+pub fn show(ui: &mut Ui, overview: &Overview) {
     let scale = GraphScale::of(&overview.frames_ms, overview.budget_ms);
-    let caption = canvas.text(corner, TextAlign::Left, overview.caption, CAPTION);
-    if let Some(GraphScale { cut, slowest_ms, .. }) = scale.filter(|scale| scale.cut > 0) {
-        let text = format!("{cut} cut, longest {slowest_ms:.0}");
-        let at = pos2(corner.x + width, corner.y);
-        canvas.text(at, TextAlign::Right, &text, Style { colour: BAD, ..CAPTION });
-    }
-    let plot = Rect::from_min_size(
-        pos2(corner.x + GUTTER, caption.max.y + 2.0),
-        vec2(width - GUTTER, HEIGHT),
+    let cut = scale.filter(|scale| scale.cut > 0).map_or(String::new(), |scale| {
+        format!("{} cut, longest {:.0}", scale.cut, scale.slowest_ms)
+    });
+    Sides::new().shrink_left().truncate().show(
+        ui,
+        |ui| ui.label(CAPTION.of(overview.caption)),
+        |ui| ui.label(Style { colour: BAD, ..CAPTION }.of(cut)),
     );
+    ui.add_space(2.0);
+    let size = vec2(ui.available_width(), HEIGHT);
+    let (area, _) = ui.allocate_exact_size(size, Sense::hover());
+    let plot = Rect::from_min_max(pos2(area.min.x + GUTTER, area.min.y), area.max);
     if let Some(scale) = scale {
-        rules(canvas, &scale, plot);
-        bars(canvas, overview, &scale, plot);
-        budget(canvas, overview, &scale, plot);
+        let row = ui.fonts_mut(|fonts| fonts.row_height(&SCALE.font()));
+        rules(ui.painter(), &scale, plot);
+        bars(ui.painter(), overview, &scale, plot);
+        budget(ui.painter(), overview, &scale, plot, row);
     }
-    plot.max.y + MARGIN * 0.5
+    ui.add_space(4.0);
 }
 
 /// Draws the lines of the scale with their numbers.
-fn rules(canvas: &mut HudCanvas<'_>, scale: &GraphScale, plot: Rect) {
-    let row = canvas.row(SCALE);
-    for (share, above) in [(1.0, 0.0), (0.0, row)] {
-        let y = plot.max.y - share * plot.height();
-        canvas.line([pos2(plot.min.x, y), pos2(plot.max.x, y)], 1.0, DIM);
-        let at = pos2(plot.min.x - 4.0, y - above);
-        canvas.text(at, TextAlign::Right, &number(share * scale.top_ms), SCALE);
+fn rules(painter: &Painter, scale: &GraphScale, plot: Rect) {
+    for (share, y, align) in
+        [(1.0, plot.min.y, Align2::RIGHT_TOP), (0.0, plot.max.y, Align2::RIGHT_BOTTOM)]
+    {
+        painter.hline(plot.x_range(), y, Stroke::new(1.0, DIM));
+        let at = pos2(plot.min.x - 4.0, y);
+        painter.text(at, align, number(share * scale.top_ms), SCALE.font(), SCALE.colour);
     }
 }
 
-fn bars(canvas: &mut HudCanvas<'_>, overview: &Overview, scale: &GraphScale, plot: Rect) {
+fn bars(painter: &Painter, overview: &Overview, scale: &GraphScale, plot: Rect) {
     let shown = (plot.width() / PITCH[0]) as usize;
     let frames = &overview.frames_ms;
     let skipped = frames.len().saturating_sub(shown);
@@ -58,25 +60,23 @@ fn bars(canvas: &mut HudCanvas<'_>, overview: &Overview, scale: &GraphScale, plo
         let top = plot.max.y - scale.height(*ms) * plot.height();
         let is_late = overview.budget_ms.is_some_and(|budget| *ms > budget * 1.05);
         let bar = Rect::from_min_max(pos2(x, top), pos2(x + PITCH[1], plot.max.y));
-        canvas.fill(bar, if is_late { BAD } else { GOOD });
+        painter.rect_filled(bar, 0.0, if is_late { BAD } else { GOOD });
         if *ms > scale.top_ms {
             let mark = Rect::from_min_size(bar.min, vec2(PITCH[1], CUT_MARK));
-            canvas.fill(mark, MARK);
+            painter.rect_filled(mark, 0.0, MARK);
         }
     }
 }
 
-/// Draws the line that frames should stay below, if it has room beside the ends of the scale.
-fn budget(canvas: &mut HudCanvas<'_>, overview: &Overview, scale: &GraphScale, plot: Rect) {
+/// Draws the line that frames should stay below, and its number if a row of it has room beside the
+/// ends of the scale.
+fn budget(painter: &Painter, overview: &Overview, scale: &GraphScale, plot: Rect, row: f32) {
     let Some(budget_ms) = overview.budget_ms else { return };
     let y = plot.max.y - scale.height(budget_ms) * plot.height();
-    canvas.line([pos2(plot.min.x, y), pos2(plot.max.x, y)], 1.0, MARK);
-    let row = canvas.row(SCALE);
-    let top = y - row * 0.5;
-    if top >= plot.min.y + row && top + row <= plot.max.y - row {
-        let style = Style { colour: MARK, ..SCALE };
-        let at = pos2(plot.min.x - 4.0, top);
-        canvas.text(at, TextAlign::Right, &number(budget_ms), style);
+    painter.hline(plot.x_range(), y, Stroke::new(1.0, MARK));
+    if y - 1.5 * row >= plot.min.y && y + 1.5 * row <= plot.max.y {
+        let at = pos2(plot.min.x - 4.0, y);
+        painter.text(at, Align2::RIGHT_CENTER, number(budget_ms), SCALE.font(), MARK);
     }
 }
 

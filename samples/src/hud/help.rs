@@ -1,9 +1,9 @@
 //! The page with all keys, in as many columns as it takes.
 
-use epaint::{Rect, pos2, vec2};
+use egui::{Align, Align2, Layout, Rect, Ui, vec2};
 
-use super::canvas::{HudCanvas, TextAlign};
 use super::page::Help;
+use super::panel;
 use super::style::{MARGIN, MARK, NAME, Style, VALUE};
 
 const TITLE: Style = Style::text(13.0, VALUE);
@@ -22,52 +22,48 @@ enum Row<'a> {
 /// The numbers of columns to try, the best first.
 const COLUMNS: [usize; 4] = [3, 2, 4, 1];
 
-/// Draws the page in the middle of the image, above `bottom`. Returns its area, or `None` where
-/// it has no room.
-pub fn draw(canvas: &mut HudCanvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
-    let row = canvas.row(TITLE) + 1.0;
-    let room = vec2(canvas.screen.width(), bottom);
-    let (columns, widths, size) = COLUMNS.into_iter().find_map(|count| {
+/// Shows the page in the middle of `room`. Returns its area, or `None` where it has no room.
+pub fn show(ui: &mut Ui, help: &Help, room: Rect) -> Option<Rect> {
+    COLUMNS.into_iter().find_map(|count| {
         let columns = columns(help, count);
-        let rows = columns.iter().map(Vec::len).max()?;
-        let widths: Vec<[f32; 2]> = columns.iter().map(|column| widths(canvas, column)).collect();
-        let gutters = (columns.len() - 1) as f32 * GUTTER;
-        let texts: f32 = widths.iter().map(|[keys, actions]| keys + MARGIN + actions).sum();
-        let size = vec2(texts + gutters + 4.0 * MARGIN, rows as f32 * row + 2.0 * MARGIN);
-        (size.x <= room.x && size.y <= room.y).then_some((columns, widths, size))
-    })?;
-    let corner = pos2((canvas.screen.width() - size.x) * 0.5, ((bottom - size.y) * 0.5).max(0.0));
-    let area = Rect::from_min_size(corner, size);
-    let panel = canvas.open_panel();
-    canvas.close_panel(panel, area);
-    let mut left = corner.x + 2.0 * MARGIN;
-    for (rows, [keys, actions]) in columns.iter().zip(widths) {
-        for (down, content) in rows.iter().enumerate() {
-            let y = corner.y + MARGIN + down as f32 * row;
-            match content {
-                Row::Title(text) => {
-                    canvas.text(pos2(left, y), TextAlign::Left, text, TITLE);
+        panel::show_if_fits(ui, room, Align2::CENTER_CENTER, Rect::NOTHING, |ui| {
+            ui.horizontal_top(|ui| {
+                ui.spacing_mut().item_spacing.x = GUTTER;
+                for rows in &columns {
+                    ui.vertical(|ui| column(ui, rows));
                 }
-                Row::Key(name, action) => {
-                    canvas.text(pos2(left + keys, y + 1.0), TextAlign::Right, name, KEY);
-                    canvas.text(pos2(left + keys + MARGIN, y), TextAlign::Left, action, WHAT);
-                }
-                Row::Empty => {}
-            }
-        }
-        left += keys + MARGIN + actions + GUTTER;
-    }
-    Some(area)
+            });
+        })
+    })
 }
 
-/// Returns the widths of a column's keys and of their texts.
-fn widths(canvas: &mut HudCanvas<'_>, rows: &[Row<'_>]) -> [f32; 2] {
-    rows.iter().fold([0.0, 0.0], |[keys, actions], row| match row {
-        Row::Key(key, action) => {
-            [canvas.width(key, KEY).max(keys), canvas.width(action, WHAT).max(actions)]
+fn column(ui: &mut Ui, rows: &[Row<'_>]) {
+    ui.spacing_mut().item_spacing.x = MARGIN;
+    let height = ui.fonts_mut(|fonts| fonts.row_height(&TITLE.font())) + 1.0;
+    let width = |key: &str| {
+        let galley = ui.painter().layout_no_wrap(key.to_owned(), KEY.font(), KEY.colour);
+        galley.size().x
+    };
+    let keys = rows.iter().map(|row| match row {
+        Row::Key(key, _) => width(key),
+        Row::Title(_) | Row::Empty => 0.0,
+    });
+    let keys = keys.fold(0.0, f32::max).ceil();
+    for row in rows {
+        match row {
+            Row::Title(text) => _ = ui.label(TITLE.of(*text)),
+            Row::Key(key, action) => {
+                ui.horizontal(|ui| {
+                    let right = Layout::right_to_left(Align::Center);
+                    ui.allocate_ui_with_layout(vec2(keys, height), right, |ui| {
+                        ui.label(KEY.of(*key));
+                    });
+                    ui.label(WHAT.of(*action));
+                });
+            }
+            Row::Empty => ui.add_space(height),
         }
-        Row::Title(_) | Row::Empty => [keys, actions],
-    })
+    }
 }
 
 /// Returns the groups in at most so many columns of about equal height; a group stays together.

@@ -1,6 +1,6 @@
 //! The size of points in an image, and the parts of the panel that fit.
 
-use super::style::MARGIN;
+use super::panel;
 
 /// The panel's share of the image's width, at most.
 pub const PANEL_SHARE: f32 = 0.25;
@@ -62,7 +62,7 @@ impl Measures {
 
     /// Returns the width between the panel's margins, in points.
     pub fn inner_width(&self) -> f32 {
-        self.panel_width - 2.0 * MARGIN
+        self.panel_width - 2.0 * f32::from(panel::MARGINS[0])
     }
 }
 

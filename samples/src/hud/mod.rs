@@ -1,124 +1,180 @@
-//! The head-up display: the engine's state in numbers, a graph and signs over the image.
+//! The head-up display: the engine's state in numbers, a graph and signs over the image, by egui.
 //!
 //! A [`HudPage`] has plain values. [`Measures`] determines the size of points and the parts that
-//! fit; each part draws itself on a canvas: the [overview](self), the lower edge, legends, signs,
-//! and the page of keys.
+//! fit; each part shows itself: the [overview](self), the lower edge, legends, signs, and the page
+//! of keys. [`HudOverlay`] draws what egui makes of that over the frames of a renderer.
 
-mod canvas;
+mod choices;
 mod graph;
 mod help;
 mod layout;
 mod legend;
 mod level;
-mod marks;
+mod notices;
+mod overlay;
 mod overview;
 mod page;
+mod panel;
 mod scale;
 mod signs;
 mod style;
 #[cfg(test)]
 mod tests;
-mod toast;
 
-use antumbra::render;
-use antumbra::render::{FlatOverlay, FlatVertex};
-use epaint::text::{FontDefinitions, Fonts, TextOptions, ViewportKey};
-use epaint::{ClippedShape, Color32, ImageData, Primitive, TessellationOptions, Tessellator};
+use egui::{ClippedPrimitive, Context, Event, FullOutput, RawInput, Rect, TexturesDelta, Ui, vec2};
+use notices::Notices;
 
-use canvas::HudCanvas;
 pub use layout::{Measures, PANEL_SHARE, Room};
 pub use level::HudLevel;
-pub use page::{ExactnessVerdict, Help, HudFigure, HudPage, Legend, Overview, Sign, Split};
+pub use overlay::HudOverlay;
+pub use page::{
+    ChoiceList, ExactnessVerdict, Help, HudAnswer, HudFigure, HudPage, Legend, Overview, Sign,
+    Split,
+};
 
 /// The layout of pages, with fonts of its own.
 pub struct Hud {
-    fonts: Fonts,
+    context: Context,
+    /// The page that was laid out last, for an image of this size in pixels, and for so many of
+    /// them per point of the window.
+    page: HudPage,
+    size: [u32; 2],
+    window_scale: f32,
+    /// The events of the pointer since then, in points.
+    events: Vec<Event>,
+    /// The area of a list, in pixels.
+    list: Option<Rect>,
+}
+
+/// A page as triangles, and the letters that they need for the first time.
+#[derive(Default)]
+pub struct HudFrame {
+    primitives: Vec<ClippedPrimitive>,
+    textures: TexturesDelta,
+    /// The pixels per point.
+    scale: f32,
+    /// The index of the row of a list that was clicked.
+    clicked: Option<usize>,
 }
 
 impl Default for Hud {
     fn default() -> Self {
-        Self { fonts: Fonts::new(TextOptions::default(), FontDefinitions::default()) }
+        let context = Context::default();
+        context.options_mut(|options| options.zoom_with_keyboard = false);
+        context.all_styles_mut(|style| {
+            style.spacing.item_spacing = vec2(5.0, 0.0);
+            // Rows are as high as their letters.
+            style.spacing.interact_size.y = 0.0;
+            style.interaction.selectable_labels = false;
+        });
+        Self {
+            context,
+            page: HudPage::default(),
+            size: [0; 2],
+            window_scale: 0.0,
+            events: Vec::new(),
+            list: None,
+        }
     }
 }
 
 impl Hud {
-    /// Lays `page` out for an image of `size` pixels, `scale` of them per point of the window,
-    /// replacing the contents of `overlay`. Parts that do not fit are left out.
-    ///
-    /// # Errors
-    /// An atlas that the device cannot hold.
-    pub fn lay_out(
-        &mut self,
-        page: &HudPage,
-        size: [u32; 2],
-        scale: f32,
-        overlay: &mut FlatOverlay,
-    ) -> Result<(), render::Error> {
-        let measures = Measures::of(size, scale);
-        let shapes = self.shapes(page, size, &measures);
-        self.upload_atlas(overlay)?;
-        let mut tessellator = Tessellator::new(
-            measures.scale,
-            TessellationOptions::default(),
-            self.fonts.font_image_size(),
-            self.fonts.texture_atlas().prepared_discs(),
-        );
-        overlay.clear();
-        for part in tessellator.tessellate_shapes(shapes) {
-            let Primitive::Mesh(mesh) = part.primitive else { continue };
-            let vertices: Vec<FlatVertex> =
-                mesh.vertices.iter().map(|it| vertex(it, measures.scale)).collect();
-            overlay.add([0, 0], size, &vertices, &mesh.indices);
+    /// Lays `page` out for an image of `size` pixels, `scale` of them per point of the window.
+    /// Parts that do not fit are left out. Returns `None` if nothing changed since the last call.
+    pub fn lay_out(&mut self, page: &HudPage, size: [u32; 2], scale: f32) -> Option<HudFrame> {
+        let is_empty = *page == HudPage::default();
+        let is_same = self.page == *page && self.events.is_empty();
+        if is_same && (is_empty || (self.size == size && self.window_scale == scale)) {
+            return None;
         }
-        Ok(())
+        (self.size, self.window_scale) = (size, scale);
+        self.page.clone_from(page);
+        if is_empty {
+            self.events.clear();
+            self.list = None;
+            return Some(HudFrame::default());
+        }
+        let (output, notices) = self.run(page, size, scale);
+        let FullOutput { shapes, textures_delta, pixels_per_point, .. } = output;
+        self.list = notices.list.map(|area| area * pixels_per_point);
+        let primitives = self.context.tessellate(shapes, pixels_per_point);
+        let clicked = notices.clicked;
+        Some(HudFrame { primitives, textures: textures_delta, scale: pixels_per_point, clicked })
     }
 
-    /// Returns the shapes of a page, later ones over earlier ones.
-    fn shapes(&mut self, page: &HudPage, size: [u32; 2], measures: &Measures) -> Vec<ClippedShape> {
-        self.fonts.begin_pass(TextOptions::default(), ViewportKey::default());
-        let mut canvas = HudCanvas::new(&mut self.fonts, size, measures.scale);
-        signs::draw(&mut canvas, &page.signs);
-        marks::draw(&mut canvas, &page.marks);
-        // The panel goes down to the edge: what is said for a while is beside it and hides nothing
-        // of it.
-        let has_panel = page.overview.is_some() && page.help.is_none();
-        let left = if has_panel { measures.panel_width } else { 0.0 };
-        let bottom = toast::draw(&mut canvas, page, left);
-        let is_helped =
-            page.help.as_ref().and_then(|help| help::draw(&mut canvas, help, bottom)).is_some();
-        // The keys are read alone: nothing is beside them.
-        if !is_helped {
-            let panel = overview::draw(&mut canvas, page, measures);
-            let left = panel.map_or(0.0, |panel| panel.max.x);
-            let mut top = 0.0;
-            for legend in &page.legends {
-                let area = legend::draw(&mut canvas, legend, top, left);
-                top = area.filter(|_| legend.area.is_none()).map_or(top, |area| area.max.y);
+    /// Returns egui's context, for the events of a window.
+    pub fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// Takes events of a window, in points of the window, for the next layout.
+    pub fn take(&mut self, events: impl IntoIterator<Item = Event>) {
+        let to_ours = self.window_scale / Measures::of(self.size, self.window_scale).scale;
+        for mut event in events {
+            match &mut event {
+                Event::PointerMoved(at) | Event::PointerButton { pos: at, .. } => {
+                    *at = (at.to_vec2() * to_ours).to_pos2();
+                }
+                Event::PointerGone => {}
+                // Keys have effects of their own, and nothing scrolls.
+                _ => continue,
             }
+            self.events.push(event);
         }
-        canvas.shapes
     }
 
-    /// Uploads the glyphs that were drawn for the first time.
-    fn upload_atlas(&mut self, overlay: &mut FlatOverlay) -> Result<(), render::Error> {
-        let Some(delta) = self.fonts.font_image_delta() else { return Ok(()) };
-        let ImageData::Color(image) = &delta.image;
-        let size = image.size.map(|side| side as u32);
-        let pixels = image.pixels.iter().map(Color32::to_array);
-        let Some(origin) = delta.pos else {
-            overlay.begin_atlas(size)?;
-            return overlay.write_atlas([0, 0], size, pixels);
-        };
-        overlay.write_atlas(origin.map(|side| side as u32), size, pixels)
+    /// Returns true if a place, in pixels from the upper left, is on a list that is shown.
+    pub fn is_on_list(&self, [x, y]: [f64; 2]) -> bool {
+        self.list.is_some_and(|area| area.contains(egui::pos2(x as f32, y as f32)))
+    }
+
+    /// Runs egui over a page.
+    fn run(&mut self, page: &HudPage, size: [u32; 2], scale: f32) -> (FullOutput, Notices) {
+        let measures = Measures::of(size, scale);
+        let [width, height] = size.map(|side| side as f32 / measures.scale);
+        let screen = Rect::from_min_size(egui::Pos2::ZERO, vec2(width, height));
+        let mut input = RawInput { screen_rect: Some(screen), ..RawInput::default() };
+        let viewport = input.viewports.entry(input.viewport_id).or_default();
+        viewport.native_pixels_per_point = Some(measures.scale);
+        input.events = std::mem::take(&mut self.events);
+        let mut notices = Notices::default();
+        let output = self.context.run_ui(input, |ui| notices = show(ui, page, &measures));
+        (output, notices)
     }
 }
 
-fn vertex(vertex: &epaint::Vertex, scale: f32) -> FlatVertex {
-    FlatVertex {
-        position: [vertex.pos.x * scale, vertex.pos.y * scale],
-        texture_position: [vertex.uv.x, vertex.uv.y],
-        colour: vertex.color.to_array(),
+impl HudFrame {
+    /// Returns the index of the row of a list that was clicked.
+    pub fn clicked(&self) -> Option<usize> {
+        self.clicked
     }
+}
+
+/// Shows a page, later parts over earlier ones.
+fn show(ui: &mut Ui, page: &HudPage, measures: &Measures) -> Notices {
+    let screen = ui.max_rect();
+    signs::draw(ui.painter(), &page.signs);
+    signs::outline(ui.painter(), &page.marks, measures.scale);
+    // The panel goes down to the edge: what is said for a while is beside it and hides nothing of
+    // it.
+    let has_panel = page.overview.is_some() && page.help.is_none();
+    let mut beside = screen;
+    beside.min.x += if has_panel { measures.panel_width } else { 0.0 };
+    let notices = notices::show(ui, page, beside);
+    let help = page.help.as_ref();
+    let is_helped = help.and_then(|help| help::show(ui, help, notices.above)).is_some();
+    // The keys are read alone: nothing is beside them.
+    if !is_helped {
+        let panel = overview::show(ui, page, measures);
+        let mut room = screen;
+        room.min.x = panel.map_or(screen.min.x, |panel| panel.max.x);
+        for legend in &page.legends {
+            let area = legend::show(ui, legend, room, notices.taken, measures.scale);
+            let area = area.filter(|_| legend.area.is_none());
+            room.min.y = area.map_or(room.min.y, |area| area.max.y);
+        }
+    }
+    notices
 }
 
 /// Returns a number with its thousands separated.

@@ -18,8 +18,8 @@ pub struct HudPage {
     pub signs: Vec<Sign>,
     /// All keys, over the middle of the image.
     pub help: Option<Help>,
-    /// The answer to a request: a list or field, or rows about something, above the lower edge.
-    pub asked: Option<String>,
+    /// The answer to a request, above the lower edge.
+    pub asked: Option<HudAnswer>,
     /// A message about an error or a finished action, at the lower edge.
     pub toast: Option<String>,
     /// The scene that is loading, and its finished fraction (0 to 1, if known): a bar in place of
@@ -119,4 +119,24 @@ pub enum Sign {
 pub struct Help {
     /// The titles of the groups, and their keys with their actions.
     pub groups: Vec<(&'static str, Vec<(String, String)>)>,
+}
+
+/// The answer to a request.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum HudAnswer {
+    /// Rows about something, or a field.
+    Rows(String),
+    /// A list to choose from.
+    List(ChoiceList),
+}
+
+/// A list to choose from.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ChoiceList {
+    /// The title above the rows.
+    pub title: String,
+    /// The names of the rows, and words about them; empty for none.
+    pub rows: Vec<(String, String)>,
+    /// The index of the row that is selected.
+    pub selected: usize,
 }

@@ -1,7 +1,6 @@
 //! Colours and letters of the HUD. Every colour of text keeps its contrast on a panel over white.
 
-use epaint::Color32;
-use epaint::text::{FontFamily, FontId};
+use egui::{Color32, FontFamily, FontId, RichText};
 
 /// The space between texts and edges, in points.
 pub const MARGIN: f32 = 8.0;
@@ -18,6 +17,8 @@ pub const GOOD: Color32 = Color32::from_rgb(86, 196, 150);
 pub const BAD: Color32 = Color32::from_rgb(245, 130, 80);
 /// Keys, toasts and marks.
 pub const MARK: Color32 = Color32::from_rgb(250, 210, 90);
+/// The ground of the row that is selected, and of the one below the pointer.
+pub const SELECTED: Color32 = Color32::from_rgb(28, 46, 70);
 /// Lines of a scale, and the rest of a bar.
 pub const DIM: Color32 = Color32::from_rgb(84, 94, 110);
 
@@ -52,7 +53,13 @@ impl Style {
         Self { points, colour, family: Family::Monospace }
     }
 
-    pub(super) fn font(&self) -> FontId {
+    /// Returns a text in this style.
+    pub fn of(self, text: impl Into<String>) -> RichText {
+        RichText::new(text).font(self.font()).color(self.colour)
+    }
+
+    /// Returns the font.
+    pub fn font(self) -> FontId {
         let family = match self.family {
             Family::Proportional => FontFamily::Proportional,
             Family::Monospace => FontFamily::Monospace,
@@ -80,12 +87,13 @@ mod tests {
 
     #[test]
     fn text_can_be_read_over_a_white_scene() {
-        let panel = luminance(PANEL);
-        for (colour, name) in
-            [(NAME, "name"), (VALUE, "value"), (GOOD, "good"), (BAD, "bad"), (MARK, "mark")]
-        {
-            let contrast = (luminance(colour) + 0.05) / (panel + 0.05);
-            assert!(contrast >= 4.5, "{name}: {contrast:.1}, WCAG 2 asks for 4.5");
+        for ground in [PANEL, SELECTED] {
+            for (colour, name) in
+                [(NAME, "name"), (VALUE, "value"), (GOOD, "good"), (BAD, "bad"), (MARK, "mark")]
+            {
+                let contrast = (luminance(colour) + 0.05) / (luminance(ground) + 0.05);
+                assert!(contrast >= 4.5, "{name}: {contrast:.1}, WCAG 2 asks for 4.5");
+            }
         }
     }
 }

@@ -3,13 +3,14 @@
 
 use antumbra::render;
 use bench::legend::LegendEntry;
-use epaint::{Rect, Shape};
+use egui::epaint::ClippedShape;
+use egui::{Rect, Shape};
 
 use super::style::PANEL;
 use super::*;
 use crate::window::actions::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};
 
-const SIZES: [[u32; 2]; 11] = [
+const SIZES: [[u32; 2]; 12] = [
     [960, 540],
     [1280, 720],
     [1920, 1080],
@@ -18,6 +19,7 @@ const SIZES: [[u32; 2]; 11] = [
     [640, 360],
     [800, 600],
     [320, 180],
+    [300, 200],
     [240, 700],
     [100, 80],
     [1, 1],
@@ -80,23 +82,31 @@ fn page([width, height]: [u32; 2]) -> HudPage {
     }
 }
 
+/// Returns what egui draws for a page.
+fn shapes(page: &HudPage, size: [u32; 2]) -> Vec<ClippedShape> {
+    let (mut output, _) = Hud::default().run(page, size, 1.0);
+    output.textures_delta.clear();
+    std::mem::take(&mut output.shapes)
+}
+
 /// Returns the panels and the texts of a page, and the image's area.
 fn laid_out(page: &HudPage, size: [u32; 2]) -> (Vec<Rect>, Vec<(Rect, String)>, Rect) {
     let measures = Measures::of(size, 1.0);
-    let shapes = Hud::default().shapes(page, size, &measures);
     let (mut panels, mut texts) = (Vec::new(), Vec::new());
-    for ClippedShape { shape, .. } in &shapes {
+    for ClippedShape { shape, clip_rect } in &shapes(page, size) {
         match shape {
             Shape::Rect(rect) if rect.fill == PANEL => panels.push(rect.rect),
             Shape::Text(text) => {
-                let area = Rect::from_min_size(text.pos, text.galley.size());
+                let area = text.galley.rect.translate(text.pos.to_vec2());
+                let is_whole = clip_rect.expand(0.6).contains_rect(area);
+                assert!(is_whole, "{size:?}: '{}' is cut", text.galley.text());
                 texts.push((area, text.galley.text().to_owned()));
             }
             _ => {}
         }
     }
     let size = size.map(|side| side as f32 / measures.scale);
-    (panels, texts, Rect::from_min_size(epaint::Pos2::ZERO, size.into()))
+    (panels, texts, Rect::from_min_size(egui::Pos2::ZERO, size.into()))
 }
 
 /// Returns true if areas share more than an edge and the blank rim of letters.
@@ -106,7 +116,7 @@ fn overlap(one: Rect, other: Rect) -> bool {
 
 fn check(page: &HudPage, size: [u32; 2]) {
     let (panels, texts, screen) = laid_out(page, size);
-    let said = [&page.toast, &page.asked].into_iter().flatten().count();
+    let said = usize::from(page.toast.is_some()) + usize::from(page.asked.is_some());
     for (place, panel) in panels.iter().enumerate() {
         // A message alone is shown in images of any size.
         let is_notice = place < said;
@@ -183,7 +193,7 @@ fn what_is_said_takes_nothing_from_the_details() {
     for size in [[960, 540], [1920, 1080]] {
         let quiet = HudPage { toast: None, ..page(size) };
         let said = HudPage {
-            asked: Some(vec!["a row of a list"; 14].join("\n")),
+            asked: Some(HudAnswer::Rows(vec!["a row about something"; 14].join("\n"))),
             toast: Some("one line\nand another".to_owned()),
             ..page(size)
         };
@@ -218,7 +228,7 @@ fn signs_are_seen_without_text() {
         for size in [[320, 180], [1920, 1080]] {
             let page = HudPage { signs: vec![sign], ..HudPage::default() };
             let measures = Measures::of(size, 1.0);
-            let shapes = Hud::default().shapes(&page, size, &measures);
+            let shapes = shapes(&page, size);
             assert!(shapes.iter().all(|it| !matches!(it.shape, Shape::Text(_))), "{sign:?}");
             let edges = shapes.iter().map(|it| it.shape.visual_bounding_rect());
             let around = edges.reduce(Rect::union).unwrap();
@@ -235,5 +245,68 @@ fn numbers_are_readable() {
     let cases = [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")];
     for (number, text) in cases {
         assert_eq!(grouped(number), text);
+    }
+}
+
+fn list(selected: usize) -> ChoiceList {
+    let row = |place: usize| {
+        (format!("strategy_{place}"), "what it does, in a phrase that is not short".repeat(2))
+    };
+    ChoiceList { title: "a list: keys".to_owned(), rows: (0..13).map(row).collect(), selected }
+}
+
+#[test]
+fn the_selected_row_of_a_list_is_shown_whole_at_every_size() {
+    for size in SIZES.into_iter().filter(|size| size[0] >= 240 && size[1] >= 180) {
+        for selected in [0, 6, 12] {
+            let page = HudPage { asked: Some(HudAnswer::List(list(selected))), ..page(size) };
+            check(&page, size);
+            let (_, texts, screen) = laid_out(&page, size);
+            let label = format!("strategy_{selected}");
+            let row = texts.iter().find(|(_, text)| *text == label);
+            let (area, _) = row.unwrap_or_else(|| panic!("{size:?}: {label} in {texts:?}"));
+            assert!(screen.contains_rect(*area), "{size:?}: {area:?}");
+            let shown = texts.iter().filter(|(_, text)| text.starts_with("strategy_")).count();
+            let is_said = texts.iter().any(|(_, text)| text.starts_with("... "));
+            assert_eq!(is_said, shown < 13, "{size:?}: {shown} rows");
+        }
+    }
+}
+
+#[test]
+fn a_row_is_chosen_by_a_click() {
+    let size = [1280, 720];
+    let page = HudPage { asked: Some(HudAnswer::List(list(0))), ..page(size) };
+    for window_scale in [1.0, 2.0] {
+        let measures = Measures::of(size, window_scale);
+        let mut hud = Hud::default();
+        let drop = |frame: Option<HudFrame>| {
+            let mut frame = frame.unwrap();
+            frame.textures.clear();
+            frame.clicked()
+        };
+        assert_eq!(drop(hud.lay_out(&page, size, window_scale)), None);
+        assert!(hud.lay_out(&page, size, window_scale).is_none(), "nothing changed");
+        let list = hud.list.unwrap();
+        assert!(!hud.is_on_list([1270.0, 10.0]));
+        // From the upper edge down, a row is clicked once: in points of the window.
+        let mut clicked = Vec::new();
+        for step in 0..list.height() as u32 {
+            let at = list.min + egui::vec2(30.0, step as f32);
+            assert!(hud.is_on_list([at.x.into(), at.y.into()]));
+            let pos = (at.to_vec2() / window_scale).to_pos2();
+            let button = |pressed| Event::PointerButton {
+                pos,
+                button: egui::PointerButton::Primary,
+                pressed,
+                modifiers: egui::Modifiers::NONE,
+            };
+            hud.take([Event::PointerMoved(pos), button(true)]);
+            drop(hud.lay_out(&page, size, window_scale));
+            hud.take([button(false)]);
+            clicked.extend(drop(hud.lay_out(&page, size, window_scale)));
+        }
+        clicked.dedup();
+        assert!(clicked.iter().copied().eq(0..13), "{clicked:?} at {}", measures.scale);
     }
 }

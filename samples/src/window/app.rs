@@ -15,6 +15,7 @@ use super::clock::Clock;
 use super::display;
 use super::failures::first_error;
 use super::input::Input;
+use super::menu::MenuKey;
 use super::opened::{Next, Opened};
 use super::pointer::Button;
 use super::session::Files;
@@ -97,10 +98,16 @@ impl App<'_> {
             let action = self.input.key(event);
             return action.map_or(Ok(false), |action| opened.act(action, self.options));
         }
+        let Some(key) = self.input.menu_key(event) else { return Ok(false) };
+        self.choose(key).map(|()| false)
+    }
+
+    /// Handles a key or a click in the list or field that is open.
+    fn choose(&mut self, key: MenuKey) -> Result<(), RunError> {
+        let Some(opened) = &mut self.opened else { return Ok(()) };
         let settings = || self.source.settings_for_another();
         let another = |file| SceneSource::File { file, settings: settings() };
-        let Some(key) = self.input.menu_key(event) else { return Ok(false) };
-        opened.choose(key, another, self.options).map(|()| false)
+        opened.choose(key, another, self.options)
     }
 }
 
@@ -116,6 +123,9 @@ impl ApplicationHandler for App<'_> {
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(opened) = &mut self.opened else { return };
+        if opened.give_to_list(&event) {
+            return;
+        }
         match event {
             WindowEvent::CloseRequested => event_loop.exit(),
             WindowEvent::Destroyed => {
@@ -182,6 +192,12 @@ impl ApplicationHandler for App<'_> {
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         let now = self.clock.now();
+        let clicked = self.opened.as_mut().and_then(|opened| opened.session.clicked_row.take());
+        if let Some(row) = clicked
+            && let Err(error) = self.choose(MenuKey::Row(row))
+        {
+            self.follow(event_loop, Err(error));
+        }
         if let Some(opened) = &mut self.opened
             && !event_loop.exiting()
         {

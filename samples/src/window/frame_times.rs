@@ -211,7 +211,8 @@ mod tests {
             overlay_cpu: Duration::from_millis(1),
             ..FrameReport::default()
         };
-        let passes = [pass("draw visible", 4.0), pass("HUD", 0.5), pass("view from above", 1.5)];
+        let passes =
+            [pass("draw visible", 4.0), pass("host overlay", 0.5), pass("view from above", 1.5)];
         for passes in [&passes[..], &[]] {
             times.laid_out(0.5);
             times.take(&report);

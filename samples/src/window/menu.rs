@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
+use crate::hud::{ChoiceList, HudAnswer};
 use bench::choices;
 use bench::strategy::{self, Strategy};
 
 /// The most characters of a path.
 const MOST_CHARACTERS: usize = 4096;
-/// The rows of a list that are shown at once.
-const SHOWN_ROWS: usize = 14;
+/// The rows of a page of a list.
+const PAGE_ROWS: usize = 14;
 
 /// The choice that a list or field ends with.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,9 +49,9 @@ pub enum MenuKey {
     Up,
     /// One row down.
     Down,
-    /// As many rows up as are shown.
+    /// A page of rows up.
     PageUp,
-    /// As many rows down.
+    /// A page of rows down.
     PageDown,
     /// The first row.
     First,
@@ -58,6 +59,8 @@ pub enum MenuKey {
     Last,
     /// The selected or typed choice is taken.
     Enter,
+    /// The row of this index is clicked.
+    Row(usize),
     /// The last character is removed.
     Backspace,
     /// Typed or pasted characters are appended.
@@ -97,38 +100,25 @@ impl Menu {
         Self::Path { text: String::new() }
     }
 
-    /// Returns it as text, one line per row, with a mark at the selected one.
-    pub fn text(&self) -> String {
+    /// Returns it for the HUD.
+    pub fn asked(&self) -> HudAnswer {
         match self {
             Self::List { title, rows, selected } => {
-                let widest = rows.iter().map(|row| row.label.chars().count()).max();
-                let width = widest.unwrap_or_default();
-                let row = |(place, row): (usize, &Row)| {
-                    let mark = if place == *selected { '>' } else { ' ' };
-                    // Numbers of two digits cannot be struck at once.
-                    let number = (place < 9).then(|| (place + 1).to_string());
-                    let number = number.as_deref().unwrap_or(" ");
-                    let text = format!("{mark} {number} {:<width$}  {}", row.label, row.about);
-                    text.trim_end().to_owned()
-                };
-                let above = selected.saturating_sub(SHOWN_ROWS / 2);
-                let above = above.min(rows.len().saturating_sub(SHOWN_ROWS));
-                let below = rows.len().saturating_sub(above + SHOWN_ROWS);
-                let more =
-                    |count, place| (count > 0).then(|| format!("    ... {count} more {place}"));
                 let keys = match rows.len() {
-                    ..=9 => "arrows and Enter, or its number",
-                    10..=SHOWN_ROWS => "arrows and Enter; the first nine also by number",
-                    _ => "arrows, Page Up, Page Down and Enter",
+                    ..=9 => "a click, arrows and Enter, or its number",
+                    10..=PAGE_ROWS => "a click, arrows and Enter; the first nine also by number",
+                    _ => "a click, arrows, Page Up, Page Down and Enter",
                 };
-                let shown = rows.iter().enumerate().skip(above).take(SHOWN_ROWS).map(row);
-                let lines =
-                    more(above, "above").into_iter().chain(shown).chain(more(below, "below"));
-                format!("{title}: {keys}\n{}", lines.collect::<Vec<_>>().join("\n"))
+                let row = |row: &Row| (row.label.clone(), row.about.clone());
+                HudAnswer::List(ChoiceList {
+                    title: format!("{title}: {keys}"),
+                    rows: rows.iter().map(row).collect(),
+                    selected: *selected,
+                })
             }
-            Self::Path { text } => {
-                format!("the path of a file, typed or pasted (Ctrl+V), and Enter\n> {text}_")
-            }
+            Self::Path { text } => HudAnswer::Rows(format!(
+                "the path of a file, typed or pasted (Ctrl+V), and Enter\n> {text}_"
+            )),
         }
     }
 
@@ -143,11 +133,12 @@ impl Menu {
                     MenuKey::Up => *selected -= 1,
                     MenuKey::Down if *selected >= last => *selected = 0,
                     MenuKey::Down => *selected += 1,
-                    MenuKey::PageUp => *selected = selected.saturating_sub(SHOWN_ROWS),
-                    MenuKey::PageDown => *selected = (*selected + SHOWN_ROWS).min(last),
+                    MenuKey::PageUp => *selected = selected.saturating_sub(PAGE_ROWS),
+                    MenuKey::PageDown => *selected = (*selected + PAGE_ROWS).min(last),
                     MenuKey::First => *selected = 0,
                     MenuKey::Last => *selected = last,
                     MenuKey::Enter => return Some(rows.get(*selected)?.choice.clone()),
+                    MenuKey::Row(place) => return Some(rows.get(*place)?.choice.clone()),
                     MenuKey::Text(text) => {
                         let number: usize = text.parse().ok()?;
                         return Some(rows.get(number.checked_sub(1)?)?.choice.clone());
@@ -167,6 +158,7 @@ impl Menu {
                     | MenuKey::PageDown
                     | MenuKey::First
                     | MenuKey::Last
+                    | MenuKey::Row(_)
                     | MenuKey::Paste => {}
                 }
                 None
@@ -246,16 +238,18 @@ mod tests {
 
     #[test]
     fn what_is_selected_is_marked() {
-        let text = strategies(|_| true, methods::NAIVE).text();
+        let asked = strategies(|_| true, methods::NAIVE).asked();
+        let HudAnswer::List(list) = asked else { panic!("a list") };
+        assert_eq!((list.selected, list.rows[1].0.as_str()), (1, "naive"));
         for strategy in strategy::strategies().into_iter().filter(|it| !it.needs_still_scene()) {
-            let line = text.lines().find(|line| line.contains(strategy.summary()));
-            let line = line.unwrap_or_else(|| panic!("{strategy} is not explained: {text}"));
-            assert_eq!(line.contains("not exact: "), !strategy.is_exact(), "{line}");
-            assert_eq!(line.starts_with("> 2 naive  "), strategy == methods::NAIVE, "{line}");
+            let row = list.rows.iter().find(|(_, about)| about.contains(strategy.summary()));
+            let (_, about) = row.unwrap_or_else(|| panic!("{strategy} is not explained"));
+            assert_eq!(about.contains("not exact: "), !strategy.is_exact(), "{about}");
         }
         let mut menu = Menu::path();
         menu.key(&self::text("/a"));
-        assert!(menu.text().ends_with("\n> /a_"), "{}", menu.text());
+        let HudAnswer::Rows(text) = menu.asked() else { panic!("a field") };
+        assert!(text.ends_with("\n> /a_"), "{text}");
     }
 
     fn selected(menu: &Menu) -> &str {
@@ -309,23 +303,19 @@ mod tests {
     }
 
     #[test]
-    fn long_lists_scroll_and_say_how_much_is_not_shown() {
+    fn pages_of_long_lists_are_turned_and_rows_are_clicked() {
         let files = (0..40).map(|number| PathBuf::from(format!("{number:02}.glb")));
         let mut menu = scenes(files, "city");
-        let shows = |menu: &Menu, all: &[&str]| {
-            let text = menu.text();
-            assert_eq!(text.lines().count(), 1 + SHOWN_ROWS + all.len() - 1, "{text}");
-            assert!(all.iter().all(|part| text.contains(part)), "{all:?}: {text}");
-        };
-        shows(&menu, &["> 1 city\n", "... 29 more below"]);
         menu.key(&MenuKey::PageDown);
-        shows(&menu, &["... 7 more above", ">   12.glb\n", "... 22 more below"]);
+        assert_eq!(selected(&menu), "12.glb");
         menu.key(&MenuKey::Up);
         assert_eq!(menu.key(&MenuKey::Enter), Some(Choice::File("11.glb".into())));
+        assert_eq!(menu.key(&MenuKey::Row(12)), Some(Choice::File("10.glb".into())));
+        assert_eq!(menu.key(&MenuKey::Row(99)), None);
         (0..9).for_each(|_| _ = menu.key(&MenuKey::PageDown));
-        shows(&menu, &["... 29 more above", ">   another file ..."]);
+        assert_eq!(selected(&menu), "another file ...");
         (0..9).for_each(|_| _ = menu.key(&MenuKey::PageUp));
-        shows(&menu, &["> 1 city\n", "... 29 more below"]);
+        assert_eq!(selected(&menu), "city");
     }
 
     #[test]

@@ -10,7 +10,9 @@ use antumbra::gpu::{
     PresentResult, PresentSkipped, Surface, WindowSystem,
 };
 use antumbra::pacing::{PacedFrameId, Step, Time};
+use egui::ViewportId;
 use winit::dpi::PhysicalSize;
+use winit::event::WindowEvent;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
 
@@ -48,6 +50,8 @@ pub(super) struct Opened {
     pub(super) window: Arc<Window>,
     pub(super) instance: Instance,
     pub(super) pointer: Pointer,
+    /// The window's events for egui.
+    egui: egui_winit::State,
     /// The position of the cursor, in pixels from the upper left.
     pub(super) cursor: [f64; 2],
     pub(super) gamepad: Option<Gamepad>,
@@ -105,6 +109,8 @@ impl Opened {
         let (arrivals, loaded) =
             PendingScenes::open(source, &device, options, drawn, cancellation)?;
         let session = Session::new(&device, options, files, loaded)?;
+        let context = session.hud.context().clone();
+        let egui = egui_winit::State::new(context, ViewportId::ROOT, &window, None, None, None);
         Ok(Self {
             arrivals,
             session,
@@ -112,6 +118,7 @@ impl Opened {
             window,
             instance,
             pointer: Pointer::default(),
+            egui,
             cursor: [0.0; 2],
             gamepad: Gamepad::watch(),
             files: source.file().into_iter().cloned().collect(),
@@ -126,6 +133,19 @@ impl Opened {
             next_layout: Time::ZERO,
             not_before: Time::ZERO,
         })
+    }
+
+    /// Gives an event of the window to a list that is open. Returns true if it was meant for that.
+    pub(super) fn give_to_list(&mut self, event: &WindowEvent) -> bool {
+        // It remembers where the pointer is.
+        let _repaints = self.egui.on_window_event(&self.window, event);
+        let events = std::mem::take(&mut self.egui.egui_input_mut().events);
+        if self.session.menu.is_none() {
+            return false;
+        }
+        self.session.hud.take(events);
+        self.next_layout = Time::ZERO;
+        matches!(event, WindowEvent::MouseInput { .. }) && self.session.hud.is_on_list(self.cursor)
     }
 
     /// Runs one turn of the loop, and returns its next step.

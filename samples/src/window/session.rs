@@ -33,7 +33,7 @@ use super::show::{FlareChoice, ShowOptions};
 use super::source::SceneSource;
 use super::toast::Toast;
 use super::trace::Trace;
-use crate::hud::{Hud, HudLevel};
+use crate::hud::{Hud, HudLevel, HudOverlay};
 use bench::recorded_path::RecordedPath;
 use bench::run_error::RunError;
 use bench::strategy::Strategy;
@@ -69,14 +69,17 @@ pub struct Session {
     pub(super) selection: Selection,
     /// The list or field that is open.
     pub(super) menu: Option<Menu>,
+    /// The row of the list that was clicked.
+    pub(super) clicked_row: Option<usize>,
     pub(super) has_top_down: bool,
     pub(super) hud_level: HudLevel,
     /// True if the page of all keys is open.
     pub(super) has_help: bool,
     /// True if the text over the image is out of date.
     pub(super) is_page_stale: bool,
-    /// The HUD, while there is something to show over the image.
-    pub(super) hud: Option<Hud>,
+    pub(super) hud: Hud,
+    /// The triangles of the HUD over images.
+    pub(super) overlay: HudOverlay,
     pub(super) toast: Toast,
     pub(super) times: FrameTimeSeries,
     /// The present mode of the window.
@@ -142,11 +145,13 @@ impl Session {
             comparison: None,
             selection: Selection::default(),
             menu: None,
+            clicked_row: None,
             has_top_down: false,
             hud_level: options.hud,
             has_help: false,
             is_page_stale: false,
-            hud: None,
+            hud: Hud::default(),
+            overlay: HudOverlay::new(device),
             toast: Toast::default(),
             times: FrameTimeSeries::default(),
             present_mode: None,
@@ -280,7 +285,12 @@ impl Session {
         self.times.push(began);
         let tick = match &self.frozen {
             Some(snapshot) => {
-                let tick = self.renderer.render_snapshot(snapshot, camera, wanted)?;
+                let tick = self.renderer.render_snapshot(
+                    snapshot,
+                    camera,
+                    wanted,
+                    self.overlay.shown(),
+                )?;
                 self.trace_submit(scope, false)?;
                 tick
             }

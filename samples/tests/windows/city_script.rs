@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use crate::running::of_colour;
 use harness::{Scratch, pixels, program, stderr};
 
 const MARK: [u8; 3] = [245, 130, 80];
@@ -54,8 +55,9 @@ fn a_strategy_that_is_not_exact_is_found_out_and_its_errors_are_marked() {
     // Objects that come into view are missing until their results are read back.
     let differing = number_before(&log, "of 28 frames differ");
     assert!((1..=28).contains(&differing) && !log.contains("at most by 0"), "{log}");
-    let is_marked =
-        |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png"))).contains(&MARK);
+    let is_marked = |frame: u32| {
+        of_colour(&pixels(&scratch.0.join(format!("out/frame_{frame:05}.png"))), MARK) > 0
+    };
     assert!(!is_marked(1) && (3..30).any(is_marked), "where they differ is outlined");
 }
 

@@ -85,3 +85,9 @@ pub fn headless(scratch: &Scratch, arguments: &[&str]) -> Vec<[u8; 3]> {
     assert!(output.status.success(), "{}", stderr(&output));
     pixels(&scratch.0.join("headless/frame_00001.png"))
 }
+
+/// Returns the pixels of a colour of the HUD: what draws it takes 2.2 for the exponent of sRGB.
+pub fn of_colour(pixels: &[[u8; 3]], colour: [u8; 3]) -> usize {
+    let is_near = |pixel: &&[u8; 3]| pixel.iter().zip(colour).all(|(a, b)| a.abs_diff(b) <= 3);
+    pixels.iter().filter(is_near).count()
+}

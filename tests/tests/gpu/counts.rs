@@ -188,7 +188,7 @@ fn each_view_counts_what_it_sees() {
                         rect: area,
                     })
                     .collect();
-                let request = ViewsRequest { strategy, image: None, after: None };
+                let request = ViewsRequest { strategy, image: None, overlay: None, after: None };
                 renderer.render_views(&mut eyes, &request).unwrap();
             }
             let [half, whole] = histories.each_ref().map(|view| of(view, HALF).unwrap());

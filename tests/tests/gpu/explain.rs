@@ -150,7 +150,7 @@ fn a_moment_can_be_walked_around() {
         let view = studio.renderer.view_of(&camera);
         let snapshot = studio.renderer.snapshot(&mut studio.history, view).unwrap();
         let mut seen = |camera| {
-            studio.renderer.render_snapshot(&snapshot, camera, Some(&studio.image)).unwrap();
+            studio.renderer.render_snapshot(&snapshot, camera, Some(&studio.image), None).unwrap();
             studio.renderer.drain(&mut studio.history).unwrap();
             studio.image.rgba8().unwrap().to_vec()
         };

@@ -287,7 +287,12 @@ fn each_view_has_flares_of_its_own() {
                     rect,
                 })
                 .collect();
-            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, image: None, after: None };
+            let request = ViewsRequest {
+                strategy: Strategy::ANTUMBRA,
+                image: None,
+                overlay: None,
+                after: None,
+            };
             renderer.render_views(&mut targets, &request).unwrap();
         }
         let [hidden, seen] = views.each_ref().map(|view| view.flares()[0]);

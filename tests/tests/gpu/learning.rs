@@ -86,7 +86,12 @@ fn views_that_are_drawn_together_learn_the_same() {
                     rect: area,
                 })
                 .collect();
-            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, image: None, after: None };
+            let request = ViewsRequest {
+                strategy: Strategy::ANTUMBRA,
+                image: None,
+                overlay: None,
+                after: None,
+            };
             renderer.render_views(&mut eyes, &request).unwrap();
             for (learned, view) in learned.iter_mut().zip(&views) {
                 *learned = view.corrections().expect("a governor");

@@ -27,16 +27,17 @@ mod exactness;
 mod explain;
 mod far_away;
 mod flares;
-mod flat;
 mod frame_loop;
 mod golden;
 mod gpu_layer;
 mod host_device;
 #[cfg(feature = "shader-compiler")]
 mod host_frames;
+mod host_overlay;
 #[cfg(feature = "shader-compiler")]
 mod host_scenes;
 mod host_trust;
+mod hud;
 mod ideal;
 mod learning;
 mod list_draws;

@@ -141,7 +141,8 @@ fn a_frame_without_a_view_is_refused() {
             Renderer::new(device, &SceneKind::Field.build(9).scene, &options()).unwrap();
         let image = Readback::new(device, SIZE).unwrap();
         for image in [None, Some(&image)] {
-            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, image, after: None };
+            let request =
+                ViewsRequest { strategy: Strategy::ANTUMBRA, image, overlay: None, after: None };
             let refused = renderer.render_views(&mut [], &request).unwrap_err();
             assert!(matches!(refused, Error::NoView), "{refused}");
         }

@@ -134,7 +134,7 @@ fn film(renderer: &mut Renderer, strategy: Strategy, view_count: usize) -> Vec<R
                 rect: *area,
             })
             .collect();
-        let request = ViewsRequest { strategy, image: Some(&image), after: None };
+        let request = ViewsRequest { strategy, image: Some(&image), overlay: None, after: None };
         renderer.render_views(&mut targets, &request).unwrap();
         images.push(image);
     }

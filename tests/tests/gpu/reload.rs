@@ -9,8 +9,7 @@ use cull::{Camera, CoherentOptions, FirstPass, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, DeviceOptions, Instance, Optional, Readback, SampleCount};
 use render::{
-    Costs, DebugOverlay, FlatVertex, FrameRequest, Rect, Renderer, RendererOptions, ShaderSet,
-    ViewState,
+    Costs, DebugOverlay, FrameRequest, Rect, Renderer, RendererOptions, ShaderSet, ViewState,
 };
 use scene::{MeshId, MorphTarget, Object, Scene, SkinnedMesh, SkinnedMeshId};
 use tests::machine::{Fault, Machine};
@@ -122,29 +121,12 @@ impl Studio {
         self.renderer.outline(Some(ObjectId(1))).unwrap();
         shown.push(("outline", self.frame(Strategy::ANTUMBRA)));
         self.renderer.outline(None).unwrap();
-        self.lay_out();
-        shown.push(("flat", self.frame(Strategy::ANTUMBRA)));
-        self.renderer.drop_flat_overlay();
         if device.capabilities().has(Optional::FragmentStores) {
             let set = self.renderer.visible_set(&mut self.view, camera(), Rect::whole(SIZE));
             let leaves = set.unwrap().leaves().len();
             shown.push(("seen leaves", vec![leaves as u8]));
         }
         shown
-    }
-
-    /// Lays out a reddish square.
-    fn lay_out(&mut self) {
-        let flat = self.renderer.flat_overlay().unwrap();
-        flat.begin_atlas([1, 1]).unwrap();
-        flat.write_atlas([0, 0], [1, 1], [[255; 4]].into_iter()).unwrap();
-        let corner = |position: [f32; 2]| FlatVertex {
-            position,
-            texture_position: [0.5; 2],
-            colour: [220, 90, 10, 255],
-        };
-        let corners = [[0.0, 0.0], [30.0, 0.0], [30.0, 30.0], [0.0, 30.0]].map(corner);
-        flat.add([0, 0], SIZE, &corners, &[0, 1, 2, 0, 2, 3]);
     }
 }
 

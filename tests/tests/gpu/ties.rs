@@ -295,7 +295,7 @@ fn all_else_goes_on_with_surfaces() {
             let eyes = &mut [eye(&mut left), eye(&mut right)];
             let strategies = [Strategy::ANTUMBRA, methods::PYRAMID, methods::BATCHED];
             let strategy = strategies[frame % 3];
-            let request = ViewsRequest { strategy, image: None, after: None };
+            let request = ViewsRequest { strategy, image: None, overlay: None, after: None };
             renderer.render_views(eyes, &request).unwrap();
         }
         let area = Rect { origin: [0, 0], size: [80, 90] };
@@ -303,7 +303,7 @@ fn all_else_goes_on_with_surfaces() {
         let snapshot = renderer.snapshot(&mut left, view).unwrap();
         let image = Readback::new(device, SIZE).unwrap();
         renderer.top_down(&snapshot, &image).unwrap();
-        renderer.render_snapshot(&snapshot, cameras[3], Some(&image)).unwrap();
+        renderer.render_snapshot(&snapshot, cameras[3], Some(&image), None).unwrap();
         renderer.drain(&mut left).unwrap();
         assert!(!left.visible_samples().is_empty());
         // Something of the scene's colours: neither only sky nor only black.

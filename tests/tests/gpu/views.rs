@@ -51,7 +51,7 @@ fn render(
             rect: *area,
         })
         .collect();
-    let request = ViewsRequest { strategy, image: Some(image), after: None };
+    let request = ViewsRequest { strategy, image: Some(image), overlay: None, after: None };
     renderer.render_views(&mut eyes, &request).unwrap()
 }
 
@@ -170,7 +170,12 @@ fn each_eye_has_an_ideal_of_its_own() {
                     rect: areas[eye],
                 })
                 .collect();
-            let request = ViewsRequest { strategy: methods::IDEAL, image: Some(&got), after: None };
+            let request = ViewsRequest {
+                strategy: methods::IDEAL,
+                image: Some(&got),
+                overlay: None,
+                after: None,
+            };
             renderer.render_views(&mut eyes, &request).unwrap();
             device.drain().unwrap();
             assert_eq!(
@@ -344,7 +349,12 @@ fn areas_outside_of_the_image_are_refused() {
                 visible: None,
                 rect: area,
             }];
-            let request = ViewsRequest { strategy: Strategy::ANTUMBRA, image: None, after: None };
+            let request = ViewsRequest {
+                strategy: Strategy::ANTUMBRA,
+                image: None,
+                overlay: None,
+                after: None,
+            };
             let error = renderer.render_views(&mut eyes, &request).unwrap_err().to_string();
             assert!(error.contains("not within the image of 320x100"), "{error}");
         }

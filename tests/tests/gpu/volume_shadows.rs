@@ -115,7 +115,12 @@ fn draw_parts(
         rect: parts[if shown.len() > 1 && shown[0] == 1 { 1 - *view } else { *view }],
     };
     let mut targets: Vec<_> = views.iter_mut().zip(shown).map(target).collect();
-    let request = ViewsRequest { strategy: Strategy::ANTUMBRA, image: Some(&image), after: None };
+    let request = ViewsRequest {
+        strategy: Strategy::ANTUMBRA,
+        image: Some(&image),
+        overlay: None,
+        after: None,
+    };
     renderer.render_views(&mut targets, &request).unwrap();
     renderer.device().drain().unwrap();
     image.rgba8().unwrap().to_vec()

@@ -130,15 +130,6 @@ fn the_overlay_has_a_matrix_and_no_buffers() {
 }
 
 #[test]
-fn flat_triangles_are_in_pixels() {
-    assert_eq!(interface("flat.vert"), (vec![], 8));
-    assert_eq!(interface("flat.frag"), (vec![], 0));
-    let offsets =
-        [offset_of!(render::FlatVertex, texture_position), offset_of!(render::FlatVertex, colour)];
-    assert_eq!(offsets, [8, 16]);
-}
-
-#[test]
 fn flares_have_blocks_and_sprites() {
     use render::passes::{FlareBlockRow, FlareSprite};
     let offsets = vec![

@@ -110,6 +110,23 @@ fn crates_include_no_files_of_others() {
 }
 
 #[test]
+fn one_file_of_the_programs_knows_vulkan() {
+    assert_obeyed(rules::programs_without_vulkan);
+    assert_catches(
+        rules::programs_without_vulkan,
+        &[
+            ("samples/src/window/a.rs", "use ash::vk;"),
+            ("samples/src/hud/mod.rs", "fn a(_: antumbra::gpu::vk::Format) {}"),
+            ("samples/bench/src/a.rs", "use egui_ash_renderer::Renderer;"),
+        ],
+    );
+    assert_permits(
+        rules::programs_without_vulkan,
+        &[(rules::EGUI_OVER_VULKAN, "use ash::vk;"), ("samples/src/a.rs", "// ash::vk")],
+    );
+}
+
+#[test]
 fn crates_without_unsafe_code_forbid_it() {
     assert_obeyed(rules::forbids_unsafe);
     assert_catches(

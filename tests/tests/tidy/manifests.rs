@@ -4,7 +4,7 @@ use crate::files::SourceFile;
 use crate::{assert_catches, assert_obeyed, assert_permits};
 
 /// The crates that each crate may depend on, of all kinds of dependencies; only `gpu` may know
-/// Vulkan's.
+/// Vulkan's, and one file of the window programs.
 const ARROWS: [(&str, &[&str]); 17] = [
     ("engine/animation/Cargo.toml", &["cull"]),
     (
@@ -63,6 +63,10 @@ pub fn arrows(files: &[SourceFile]) -> Vec<String> {
         "workshop",
     ];
     const VULKAN: [&str; 3] = ["ash", "ash-window", "gpu-allocator"];
+    /// The manifests that may name them: of the window programs for one file
+    /// ([`EGUI_OVER_VULKAN`](crate::rules::EGUI_OVER_VULKAN)).
+    const KNOW_VULKAN: [(&str, &[&str]); 2] =
+        [("engine/gpu/Cargo.toml", &VULKAN), ("samples/Cargo.toml", &["ash"])];
     let mut findings = Vec::new();
     for file in files {
         let of_file = ARROWS.iter().find(|(path, _)| *path == file.path);
@@ -70,7 +74,10 @@ pub fn arrows(files: &[SourceFile]) -> Vec<String> {
         for (line, name) in dependencies(&file.text) {
             let bare = name.strip_prefix("antumbra-").unwrap_or(&name);
             let is_refused = (OURS.contains(&bare) && !allowed.contains(&bare))
-                || (VULKAN.contains(&bare) && file.path != "engine/gpu/Cargo.toml");
+                || (VULKAN.contains(&bare)
+                    && !KNOW_VULKAN
+                        .iter()
+                        .any(|(path, names)| *path == file.path && names.contains(&bare)));
             if is_refused {
                 findings.push(file.finding(line, &format!("must not depend on {name}")));
             }

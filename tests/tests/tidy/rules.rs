@@ -80,6 +80,20 @@ pub fn own_files(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
+/// The one file of the programs that knows Vulkan: the crate that draws egui's triangles is made of
+/// its calls.
+pub const EGUI_OVER_VULKAN: &str = "samples/src/hud/overlay.rs";
+
+/// Finds Vulkan in other files of the programs.
+pub fn programs_without_vulkan(files: &[SourceFile]) -> Vec<String> {
+    in_code(
+        files,
+        |file| file.path.starts_with("samples/") && file.path != EGUI_OVER_VULKAN,
+        |line| ["ash", "vk", "egui_ash_renderer"].iter().any(|name| has_word(line, name)),
+        "the programs know no Vulkan but in samples/src/hud/overlay.rs",
+    )
+}
+
 /// Finds libraries without unsafe code, and samples, that do not forbid it to the compiler.
 pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
     let must = |file: &&SourceFile| {

@@ -319,7 +319,9 @@ impl Device {
         lock(&self.shared.numbers)
     }
 
-    pub(crate) fn raw(&self) -> &ash::Device {
+    /// Returns the functions of the device, for a host that records or makes things of its own. It
+    /// stays the engine's: whoever destroys it, or submits to its queue, breaks this handle.
+    pub fn raw(&self) -> &ash::Device {
         &self.shared.raw
     }
 

@@ -152,6 +152,19 @@ impl Buffer {
         bytemuck::try_cast_slice(bytes).unwrap_or(&[])
     }
 
+    /// Copies `items` to the beginning of mapped memory the CPU writes, as many as fit. The caller
+    /// knows by a tick that the GPU is done reading what was there.
+    pub fn write<T: Copy>(&mut self, items: &[T]) {
+        let bytes = self.bytes_mut();
+        let size = size_of_val(items).min(bytes.len());
+        // SAFETY: so many bytes are mapped, and nobody else has them. Bytes between the fields of
+        // an item may have no value: they are copied, never read.
+        unsafe {
+            let from = items.as_ptr().cast::<u8>();
+            std::ptr::copy_nonoverlapping(from, bytes.as_mut_ptr(), size);
+        }
+    }
+
     /// Returns the buffer and its memory, which are the caller's then.
     pub(crate) fn into_parts(mut self) -> Option<(vk::Buffer, Allocation)> {
         Some((self.raw, self.allocation.take()?))

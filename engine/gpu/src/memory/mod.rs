@@ -11,6 +11,7 @@ pub(crate) mod sampled_texture;
 mod texel_blocks;
 pub(crate) mod texture_array;
 mod texture_sampler;
+pub(crate) mod texture_set;
 pub(crate) mod texture_table;
 pub(crate) mod texture_uploads;
 pub(crate) mod upload;

@@ -13,6 +13,7 @@ pub(crate) mod host_image;
 pub(crate) mod indirect;
 pub(crate) mod label;
 pub(crate) mod multisampling;
+pub(crate) mod overlay_image;
 pub(crate) mod pipeline;
 pub(crate) mod pools;
 pub(crate) mod render_target;

@@ -29,7 +29,7 @@ const FINISHED_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
 
 /// A depth image and colour images of one size: one colour of ours, or what a host has.
 pub struct Target {
-    device: Device,
+    pub(super) device: Device,
     pub(super) colours: Vec<TargetImage>,
     pub(super) depth: TargetImage,
     pub(super) size: [u32; 2],

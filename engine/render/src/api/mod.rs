@@ -12,7 +12,6 @@ mod materials;
 mod meshes;
 mod moves;
 mod object;
-mod overlay;
 mod poses;
 #[cfg(feature = "window")]
 mod present;

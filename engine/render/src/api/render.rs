@@ -8,7 +8,6 @@ use occlusion::{FrameTimes, Method, MethodRequest, MethodScene, PlanExecutor, Re
 use scene::LensFlare;
 
 use crate::debug::debug_overlay::DebugOverlay;
-use crate::debug::flat_overlay::FlatOverlay;
 use crate::debug::outline::record_outline;
 use crate::debug::pointer::record_pointer;
 use crate::debug::sample_counts::count_samples;
@@ -38,9 +37,10 @@ impl Renderer {
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
         let rect = Rect::whole(self.size());
-        let FrameRequest { strategy, viewpoint, visible, image, scene_image, after } = *request;
+        let FrameRequest { strategy, viewpoint, visible, image, scene_image, overlay, after } =
+            *request;
         let target = ViewTarget { state, viewpoint, visible, rect };
-        let request = ViewsRequest { strategy, image, after };
+        let request = ViewsRequest { strategy, image, overlay, after };
         self.render_targets(&mut [target], &request, scene_image)
     }
 
@@ -108,14 +108,15 @@ impl Renderer {
             finish_view(passes, &mut frame, scene, state, view)?;
         }
         finish_scene(&mut frame, passes, scene_image)?;
-        let (debug_overlay, flat) = (self.debug_overlay, self.flat_overlay.as_mut());
-        let overlays = Overlays { debug_overlay, outlined, flat, scopes: after_views };
+        let debug_overlay = self.debug_overlay;
+        let overlays = Overlays { debug_overlay, outlined, scopes: after_views };
         let scene = (&mut *passes, &*executor, &*hierarchy);
-        report.overlay_cpu = overlays.record(&mut frame, scene, targets.first(), request.image)?;
+        report.overlay_cpu = overlays.record(&mut frame, scene, targets.first(), request)?;
         passes.read_back(frame.commands());
         let waited = frame.waited();
         report.waits = frame.waits();
         report.tick = frame.submit(request.after)?;
+        request.overlay.inspect(|overlay| overlay.submitted());
         self.views = views;
         self.submitted(report.tick);
         self.note_submitted(targets, is_timed, &mut report);
@@ -131,12 +132,10 @@ impl Renderer {
         scene_image: Option<&Readback>,
     ) -> ViewScopes {
         let has_debug = !self.debug_overlay.is_empty();
-        let has_flat = self.flat_overlay.as_ref().is_some_and(FlatOverlay::has_draws);
         let overlays = [
             (ViewScope::DebugLines, has_debug),
             (ViewScope::ViewFromAbove, has_debug),
             (ViewScope::Outline, self.outlined_bounds().is_some()),
-            (ViewScope::FlatOverlay, has_flat),
         ];
         let colour = match (self.samples, targets, scene_image) {
             (SampleCount::One, ..) => ColourEnd::Read,
@@ -381,16 +380,15 @@ fn method_request<'a>(
 }
 
 /// The overlays over the scene.
-struct Overlays<'a> {
+struct Overlays {
     debug_overlay: DebugOverlay,
     /// The box that is outlined.
     outlined: Option<Aabb>,
-    flat: Option<&'a mut FlatOverlay>,
     /// The renderings of all of them.
     scopes: ViewScopes,
 }
 
-impl Overlays<'_> {
+impl Overlays {
     /// Draws them over the first view, and copies the image if that is requested. Returns the
     /// CPU's time.
     fn record(
@@ -398,7 +396,7 @@ impl Overlays<'_> {
         frame: &mut Frame<'_>,
         (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
         target: Option<&ViewTarget<'_>>,
-        image: Option<&Readback>,
+        request: &ViewsRequest<'_>,
     ) -> Result<Duration, Error> {
         let began = Instant::now();
         passes.scopes = Some(self.scopes);
@@ -413,7 +411,7 @@ impl Overlays<'_> {
                 record_outline(frame, passes, bounds, &view)?;
             }
         }
-        finish_image(frame, passes, self.flat, image)?;
+        finish_image(frame, passes, request.overlay, request.image)?;
         passes.scopes = None;
         Ok(began.elapsed())
     }

@@ -8,6 +8,7 @@ use crate::debug::outline::record_outline;
 use crate::debug::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
+use crate::host_overlay::HostOverlay;
 use crate::renderer::Renderer;
 use crate::resources::skinned_meshes::PoseUploads;
 use crate::shadows::MapUses;
@@ -18,6 +19,14 @@ use crate::views::finish_image;
 enum Backdrop {
     Dark,
     Sky,
+}
+
+/// The end of a frame that is drawn from a snapshot: a host's commands over its image, and the
+/// destination of a copy.
+#[derive(Clone, Copy)]
+struct Over<'a> {
+    image: Option<&'a Readback>,
+    overlay: Option<&'a dyn HostOverlay>,
 }
 
 impl Renderer {
@@ -79,14 +88,19 @@ impl Renderer {
         image: &Readback,
     ) -> Result<(), Error> {
         let camera = self.above(snapshot);
-        self.draw_snapshot(snapshot, camera, Some(image), Backdrop::Dark)?;
+        self.draw_snapshot(
+            snapshot,
+            camera,
+            Over { image: Some(image), overlay: None },
+            Backdrop::Dark,
+        )?;
         Ok(self.device.drain()?)
     }
 
     /// Draws `moment` as it looks to another eye, without a wait: the culling stands still, the
     /// camera does not. Beside the drawn objects it shows the hidden frontier nodes and the
     /// frustum, as [`Renderer::top_down`] does; of the overlay by [`Renderer::set_debug_overlay`]
-    /// it shows the wires and the view from above.
+    /// it shows the wires and the view from above. `overlay` records over that.
     ///
     /// # Errors
     /// A moment of another renderer, an image of another device or size, no memory, a failed call.
@@ -95,15 +109,16 @@ impl Renderer {
         snapshot: &VisibilitySnapshot,
         camera: Camera,
         image: Option<&Readback>,
+        overlay: Option<&dyn HostOverlay>,
     ) -> Result<Tick, Error> {
-        self.draw_snapshot(snapshot, camera, image, Backdrop::Sky)
+        self.draw_snapshot(snapshot, camera, Over { image, overlay }, Backdrop::Sky)
     }
 
     fn draw_snapshot(
         &mut self,
         snapshot: &VisibilitySnapshot,
         camera: Camera,
-        image: Option<&Readback>,
+        Over { image, overlay }: Over<'_>,
         backdrop: Backdrop,
     ) -> Result<Tick, Error> {
         self.check_renderer(snapshot.renderer, "a snapshot (`VisibilitySnapshot`)")?;
@@ -115,7 +130,7 @@ impl Renderer {
             Backdrop::Dark => None,
             Backdrop::Sky => self.outlined_bounds(),
         };
-        let Self { frames, passes, executor, hierarchy, flat_overlay, .. } = self;
+        let Self { frames, passes, executor, hierarchy, .. } = self;
         let before = match backdrop {
             Backdrop::Dark => Some(BACKGROUND),
             Backdrop::Sky => None,
@@ -150,9 +165,10 @@ impl Renderer {
         if let Some(bounds) = outlined {
             record_outline(&mut frame, passes, bounds, &view)?;
         }
-        finish_image(&mut frame, passes, flat_overlay.as_mut(), image)?;
+        finish_image(&mut frame, passes, overlay, image)?;
         passes.read_back(frame.commands());
         let tick = frame.submit(None)?;
+        overlay.inspect(|overlay| overlay.submitted());
         self.submitted(tick);
         Ok(tick)
     }

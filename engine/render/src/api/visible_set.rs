@@ -33,7 +33,7 @@ impl Renderer {
         // With a threshold, and where no test is exact, ours leaves out what this is to find.
         let is_exact = self.is_exact() && self.supports(Strategy::ANTUMBRA).is_ok();
         let strategy = if is_exact { Strategy::ANTUMBRA } else { Strategy::FRUSTUM };
-        let request = ViewsRequest { strategy, image: None, after: None };
+        let request = ViewsRequest { strategy, image: None, overlay: None, after: None };
         self.render_views(&mut [target], &request)?;
         let view = self.view_in(viewpoint, area)?;
         let snapshot = self.snapshot(state, view)?;

@@ -5,13 +5,13 @@ use cull::{Hierarchy, NodeState, Tester, View};
 use gpu::{BufferSlice, Device, Frame};
 use occlusion::{PlanExecutor, Rect, ShaderSet};
 
-use crate::debug::flat_overlay::{GLYPHS, OVERLAY};
 use crate::debug::outline::OUTLINE;
 use crate::debug::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN};
 use crate::debug::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
+use crate::host_overlay::HOST_OVERLAY;
 use crate::passes::OverlayIo;
 use crate::passes::pipelines::Pipelines;
 use crate::view_scopes::ViewScope;
@@ -33,9 +33,8 @@ pub struct DebugOverlay {
 }
 
 const BOXES_AND_WIREFRAME: &str = "boxes and wireframe";
-/// The labels of the passes that explain or lie flat over images: their time is not the engine's.
-pub const OVERLAY_PASSES: [&str; 5] =
-    [BOXES_AND_WIREFRAME, VIEW_FROM_ABOVE, OUTLINE, GLYPHS, OVERLAY];
+/// The labels of the passes that explain images or lie over them: their time is not the engine's.
+pub const OVERLAY_PASSES: [&str; 4] = [BOXES_AND_WIREFRAME, VIEW_FROM_ABOVE, OUTLINE, HOST_OVERLAY];
 
 impl DebugOverlay {
     /// Returns true if it explains nothing.

@@ -1,7 +1,6 @@
 //! Views into the renderer: overlays, snapshots, and answers about what is visible.
 
 pub(crate) mod debug_overlay;
-pub(crate) mod flat_overlay;
 pub(crate) mod outline;
 pub mod palette;
 pub(crate) mod pointer;

@@ -5,9 +5,9 @@ use gpu::{Attachments, Device, Optional};
 use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
-    CapPass, CountPass, EdgePass, FlarePass, FlatPass, MapPasses, OpaquePass, OutlinePass,
-    OverlayPass, PointerPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass, SurfaceShadows,
-    VolumePass, VolumePath,
+    CapPass, CountPass, EdgePass, FlarePass, MapPasses, OpaquePass, OutlinePass, OverlayPass,
+    PointerPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass, SurfaceShadows, VolumePass,
+    VolumePath,
 };
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
@@ -39,7 +39,6 @@ pub(crate) struct Pipelines {
     pub(crate) pointer: OnDemand<PointerPass>,
     pub(crate) overlay: OnDemand<OverlayPass>,
     pub(crate) wireframe: OnDemand<OpaquePass>,
-    pub(crate) flat: OnDemand<FlatPass>,
     pub(crate) edges: OnDemand<EdgePass>,
     pub(crate) outlines: OnDemand<OutlinePass>,
 }
@@ -126,7 +125,6 @@ impl Pipelines {
             pointer: on_demand.again(|it| &it.pointer, PointerPass::new)?,
             overlay: on_demand.again(|it| &it.overlay, OverlayPass::new)?,
             wireframe: on_demand.again(|it| &it.wireframe, OpaquePass::wireframe)?,
-            flat: on_demand.again(|it| &it.flat, FlatPass::new)?,
             edges: on_demand.again(|it| &it.edges, EdgePass::new)?,
             outlines: on_demand.again(|it| &it.outlines, OutlinePass::new)?,
         })

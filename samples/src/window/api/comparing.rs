@@ -52,7 +52,9 @@ impl Session {
         image: Option<&Readback>,
     ) -> Result<Tick, RunError> {
         let Some(mut comparison) = self.comparison.take() else {
-            let request = FrameRequest { image, ..FrameRequest::new(self.strategy, camera) };
+            let overlay = self.overlay.shown();
+            let request = FrameRequest::new(self.strategy, camera);
+            let request = FrameRequest { image, overlay, ..request };
             self.report = self.renderer.render(&mut self.history, &request)?;
             self.outcome = self.history.take_outcomes().next_back().or(self.outcome);
             self.times.sent(Side::Culled, self.renderer.pass_times());
@@ -86,17 +88,18 @@ impl Session {
             }
             let (unculled, scene_image) = comparison.split(pair.unwrap_or(usize::MAX), side);
             let image = image.filter(|_| side == shown);
+            let overlay = self.overlay.shown();
             tick = match side {
                 Side::Culled => {
                     let request = FrameRequest::new(self.strategy, camera);
-                    let request = FrameRequest { image, scene_image, ..request };
+                    let request = FrameRequest { image, scene_image, overlay, ..request };
                     self.report = self.renderer.render(&mut self.history, &request)?;
                     self.outcome = self.history.take_outcomes().next_back().or(self.outcome);
                     self.report.tick
                 }
                 Side::Unculled => {
                     let request = FrameRequest::new(Strategy::FRUSTUM, camera);
-                    let request = FrameRequest { image, scene_image, ..request };
+                    let request = FrameRequest { image, scene_image, overlay, ..request };
                     self.renderer.render(unculled, &request)?.tick
                 }
             };

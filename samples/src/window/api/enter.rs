@@ -79,8 +79,6 @@ impl Session {
         self.lit = lit;
         self.waiting_for_lights = None;
         self.selection = Selection::default();
-        // The letters of the text are on the old renderer.
-        self.hud = None;
         self.frozen = None;
         self.outcome = None;
         self.report = FrameReport::default();

@@ -6,7 +6,7 @@ use antumbra::cull::{Camera, FrameId};
 use antumbra::gpu;
 use antumbra::pacing::Time;
 
-use crate::hud::{Help, HudLevel, HudPage, Legend, Sign};
+use crate::hud::{Help, HudAnswer, HudLevel, HudPage, Legend, Sign};
 use crate::window::actions::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};
 use crate::window::comparison::Comparison;
 use crate::window::conditions::Conditions;
@@ -25,8 +25,7 @@ const FLASH: Duration = Duration::from_millis(800);
 const MOST_VIEWED: usize = 64;
 
 impl Session {
-    /// Lays the HUD out; without one, errors and signs only. `scale` pixels are a point. While
-    /// there is nothing to draw, no HUD is kept.
+    /// Lays the HUD out; without one, errors and signs only. `scale` pixels are a point.
     ///
     /// # Errors
     /// When the device fails.
@@ -36,18 +35,14 @@ impl Session {
         self.times.follow(self.conditions());
         let page = self.page(screen);
         self.log_selection();
-        if page == HudPage::default() {
-            if self.hud.take().is_some() {
-                self.renderer.drop_flat_overlay();
-            }
-            return Ok(());
+        if let Some(frame) = self.hud.lay_out(&page, self.renderer.size(), scale) {
+            self.clicked_row = frame.clicked();
+            self.overlay.show(frame)?;
         }
-        let mut hud = self.hud.take().unwrap_or_default();
-        let size = self.renderer.size();
-        let laid_out = hud.lay_out(&page, size, scale, self.renderer.flat_overlay()?);
-        self.hud = Some(hud);
-        self.times.laid_out(self.clock.now().since(began).as_secs_f32() * 1e3);
-        Ok(laid_out?)
+        if self.overlay.shown().is_some() {
+            self.times.laid_out(self.clock.now().since(began).as_secs_f32() * 1e3);
+        }
+        Ok(())
     }
 
     /// Times passes: of all frames on request, of some for the HUD.
@@ -183,13 +178,13 @@ impl Session {
 
     /// Returns the answer to a request, in words: the list or field that is open, or else the
     /// results of a comparison and the card of the selected object.
-    fn asked_for(&self) -> Option<String> {
+    fn asked_for(&self) -> Option<HudAnswer> {
         if let Some(menu) = &self.menu {
-            return Some(menu.text());
+            return Some(menu.asked());
         }
         let card = self.card().into_iter().map(|(name, value)| format!("{name}: {value}"));
         let lines: Vec<String> = self.comparison_text().into_iter().chain(card).collect();
-        (!lines.is_empty()).then(|| lines.join("\n"))
+        (!lines.is_empty()).then(|| HudAnswer::Rows(lines.join("\n")))
     }
 
     /// Returns the meanings of the colours that are shown.

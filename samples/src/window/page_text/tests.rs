@@ -137,7 +137,7 @@ const PASSES: [(&str, f64); 7] = [
     ("draw revealed", 0.5),
     ("resolve tests", 0.125),
     ("draw revealed", 4.0),
-    ("HUD", 0.75),
+    ("host overlay", 0.75),
     ("view from above", 0.25),
 ];
 

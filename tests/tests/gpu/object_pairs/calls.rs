@@ -4,7 +4,7 @@
 use std::ptr::NonNull;
 use std::sync::Arc;
 
-use gpu::{Acquired, Device, DeviceOptions, Surface, Swapchain, Tick};
+use gpu::{Acquired, Device, DeviceOptions, Surface, Swapchain, TextureSet, Tick};
 use raw_window_handle::{
     DisplayHandle, HandleError, HasDisplayHandle, HasWindowHandle, RawDisplayHandle,
     RawWindowHandle, WaylandDisplayHandle, WaylandWindowHandle, WindowHandle,
@@ -83,6 +83,9 @@ pub fn rows() -> Vec<Row> {
             "Device",
             |ours, theirs| text(ours.uploads.reserve(&mut theirs.array, 0..1)),
         ),
+        row("TextureSet::new", "a texture (`DynamicTexture`)", "Device", |ours, theirs| {
+            text(TextureSet::new(&ours.device(), &theirs.texture, "set"))
+        }),
     ];
     rows.extend(frames());
     rows

@@ -146,6 +146,11 @@ fn images() -> Vec<Row> {
                 ours.target.copy_depth_to(commands, [0, 0], [8, 8], slice);
             })
         }),
+        row("Target::begin_overlay", TARGET, |ours, theirs| {
+            recorded(&ours.device(), |commands| {
+                theirs.target.begin_overlay(commands).unwrap_err();
+            })
+        }),
         row("Target::copy_to", TARGET, |ours, theirs| {
             recorded(&ours.device(), |commands| theirs.target.copy_to(commands, &ours.image))
         }),

@@ -35,6 +35,7 @@ fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> Str
     let request = ViewsRequest {
         strategy: methods::IDEAL,
         image: (what == IMAGE).then_some(&theirs.image),
+        overlay: None,
         after: (what == TIMELINE).then_some((&theirs.timeline, Tick(1))),
     };
     let request = match what {
@@ -78,19 +79,6 @@ pub fn rows() -> Vec<Row> {
         row("Renderer::present", "a target (`Target`)", "Device", |ours, theirs| {
             text(theirs.renderer.present(&mut ours.swapchain, SIZE))
         }),
-        // Whoever holds two overlays can swap them.
-        row("Renderer::render", "a texture (`DynamicTexture`)", "Device", |ours, theirs| {
-            let swap = |ours: &mut Side, theirs: &mut Side| {
-                let (a, b) = (ours.renderer.flat_overlay(), theirs.renderer.flat_overlay());
-                std::mem::swap(a.unwrap(), b.unwrap());
-            };
-            ours.lay_out();
-            theirs.lay_out();
-            swap(ours, theirs);
-            let error = rendered(ours, |_| {});
-            swap(ours, theirs);
-            error
-        }),
     ];
     rows.extend(histories(row));
     rows.extend(moments(row));
@@ -127,11 +115,11 @@ fn moments(row: MakeRow) -> Vec<Row> {
             text(ours.renderer.top_down(&ours.snapshot, &theirs.image))
         }),
         row("Renderer::render_snapshot", MOMENT, "Renderer", |ours, theirs| {
-            text(ours.renderer.render_snapshot(&theirs.snapshot, ours.camera, None))
+            text(ours.renderer.render_snapshot(&theirs.snapshot, ours.camera, None, None))
         }),
         row("Renderer::render_snapshot", IMAGE, "Device", |ours, theirs| {
             let image = Some(&theirs.image);
-            text(ours.renderer.render_snapshot(&ours.snapshot, ours.camera, image))
+            text(ours.renderer.render_snapshot(&ours.snapshot, ours.camera, image, None))
         }),
     ]
 }

@@ -10,8 +10,7 @@ use gpu::{
     TextureArray, TextureArrayInfo, TextureUploads, Timeline, vk,
 };
 use render::{
-    FlatVertex, FrameRequest, Rect, Renderer, RendererOptions, ViewState, VisibilitySnapshot,
-    VisibleSet,
+    FrameRequest, Rect, Renderer, RendererOptions, ViewState, VisibilitySnapshot, VisibleSet,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use shaders::Shader;
@@ -181,16 +180,6 @@ impl Side {
 
     pub fn slice(&self) -> BufferSlice {
         self.buffer.whole()
-    }
-
-    /// Lays out a flat image over the renderer's images.
-    pub fn lay_out(&mut self) {
-        let overlay = self.renderer.flat_overlay().unwrap();
-        overlay.begin_atlas([1, 1]).unwrap();
-        overlay.write_atlas([0, 0], [1, 1], [[255; 4]].into_iter()).unwrap();
-        let corner = |position| FlatVertex { position, texture_position: [0.5; 2], colour: [9; 4] };
-        let corners = [[0.0, 0.0], [9.0, 0.0], [0.0, 9.0]].map(corner);
-        overlay.add([0, 0], SIZE, &corners, &[0, 1, 2]);
     }
 
     /// Draws a frame with every object of its own, shows it, and waits for it.

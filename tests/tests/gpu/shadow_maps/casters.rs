@@ -68,8 +68,12 @@ fn each_of_two_views_has_the_cascades_of_its_own_eye() {
                 rect: halves[*view],
             };
             let mut targets: Vec<_> = views.iter_mut().zip(shown).map(target).collect();
-            let request =
-                ViewsRequest { strategy: Strategy::ANTUMBRA, image: Some(&image), after: None };
+            let request = ViewsRequest {
+                strategy: Strategy::ANTUMBRA,
+                image: Some(&image),
+                overlay: None,
+                after: None,
+            };
             renderer.render_views(&mut targets, &request).unwrap();
             device.drain().unwrap();
             image.rgba8().unwrap().to_vec()

@@ -270,7 +270,7 @@ fn what_is_transparent_or_drawn_from_elsewhere_has_no_volumes() {
             let moment = renderer.snapshot(&mut view, seen).unwrap();
             let image = gpu::Readback::new(device, SIZE).unwrap();
             let camera = Camera { eye: vec3(0.0, 14.0, 9.0), ..yard::camera() };
-            renderer.render_snapshot(&moment, camera, Some(&image)).unwrap();
+            renderer.render_snapshot(&moment, camera, Some(&image), None).unwrap();
             device.drain().unwrap();
             image.rgba8().unwrap().to_vec()
         });

@@ -2,11 +2,13 @@
 
 use ash::vk;
 
+use crate::core::error::Error;
 use crate::memory::buffer::BufferSlice;
 use crate::memory::readback::Readback;
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::attachments::{Attachments, DEPTH_AND_STENCIL_FORMAT, DEPTH_FORMAT};
 use crate::record::commands::{Commands, Failure};
+use crate::record::overlay_image::OverlayImage;
 use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 use crate::record::target::Target;
 
@@ -53,6 +55,27 @@ impl Target {
         commands.change_layouts([average.first_change(&uses, Access::Colour)]);
         let colour_store = AttachmentStore::Forget;
         RenderTarget { average: average.view, colour_store, ..rendering }
+    }
+
+    /// Prepares the finished image for commands of a host that draws over it, outside of rendering
+    /// and behind the last draws and [`Target::resolve`].
+    ///
+    /// # Errors
+    /// [`Error::NoImage`] where these commands drew nothing to the target, or it has no colours;
+    /// commands of another device.
+    pub fn begin_overlay(&mut self, commands: &Commands) -> Result<OverlayImage, Error> {
+        commands.admit(self)?;
+        let format = self.attachments.colours.as_slice().first().copied();
+        let colour = match &mut self.multisampling {
+            Some(multisampling) => Some(&mut multisampling.average),
+            None => self.colours.first_mut(),
+        };
+        let is_drawn = self.recording == Some(commands.recording());
+        let (Some(colour), Some(format), true) = (colour, format, is_drawn) else {
+            return Err(Error::NoImage);
+        };
+        commands.change_layouts([colour.change(Access::Colour)]);
+        Ok(OverlayImage::new(&self.device, colour.raw, colour.view, format, self.size))
     }
 
     /// Copies the depth of `size` pixels from `origin` on (from the upper left) to `to`, a storage
