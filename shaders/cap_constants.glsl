@@ -1,5 +1,5 @@
-// The constants and buffers of the cap pass: it counts an object's faces behind a section plane, and
-// then draws the plane where the count is odd.
+// The constants and buffers of the cap pass: it counts an object's faces behind a section plane,
+// and then draws the plane where the count is odd.
 
 struct Cap {
     // Of (pixels right and down of the middle, depth, 1) in the plane, all times w: coordinates in

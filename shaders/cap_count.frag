@@ -1,5 +1,5 @@
-// The cap pass, counting: the faces behind a section plane. As many as are drawn there by this plane
-// alone: so a surface shows where their number is even, and a cap where it is odd.
+// The cap pass, counting: the faces behind a section plane. As many as are drawn there by this
+// plane alone: so a surface shows where their number is even, and a cap where it is odd.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define SECTION_BINDING 2

@@ -1,5 +1,5 @@
-// The cap pass, seen: notes the leaf of a cap that owns a pixel. The stencil says which pixels those
-// are, so it is tested first.
+// The cap pass, seen: notes the leaf of a cap that owns a pixel. The stencil says which pixels
+// those are, so it is tested first.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_memory_scope_semantics : require

@@ -1,6 +1,6 @@
 // Section planes, for fragment shaders: which fragments they cut away. A shader that includes this
-// defines SECTION_BINDING, the first of two bindings of storage buffers: the planes of the view, and
-// the states of objects, which only vertex shaders read (`section_vertex.glsl`).
+// defines SECTION_BINDING, the first of two bindings of storage buffers: the planes of the view,
+// and the states of objects, which only vertex shaders read (`section_vertex.glsl`).
 //
 // A plane of the world is a plane of the image: of places in pixels and depths. So a fragment is on
 // the kept side by where it is and how deep. Every pass that draws an object at the same depth

@@ -120,7 +120,7 @@ pub fn front(height_m: f32) -> Camera {
 }
 
 /// A renderer with a view, and its image.
-pub struct Shown {
+pub struct CutScene {
     /// The renderer.
     pub renderer: Renderer,
     /// The view.
@@ -129,7 +129,7 @@ pub struct Shown {
     pub image: Readback,
 }
 
-impl Shown {
+impl CutScene {
     /// Creates a renderer with all methods.
     pub fn new(device: &Device, scene: &Scene, options: RendererOptions) -> Self {
         let options = RendererOptions { costs: Costs::Ignored, methods: methods::all(), ..options };

@@ -1,5 +1,5 @@
-//! Whether triangles enclose something, by the even-odd rule: a ray from outside meets an even
-//! number of them.
+//! Triangles that enclose something, by the even-odd rule: a ray from outside meets an even number
+//! of them.
 
 use std::collections::{HashMap, HashSet};
 

@@ -14,7 +14,7 @@ pub struct SectionArguments {
     #[arg(long, value_name = "X,Y,Z,D[;...]", help_heading = "Scene", allow_hyphen_values = true)]
     #[arg(value_parser = parse_planes)]
     pub section: Option<PlaneList>,
-    /// What several planes keep: intersection, what all keep; union, what one of them keeps
+    /// The part that several planes keep: intersection, of all; union, of any one of them
     /// [default: intersection]
     #[arg(long, value_name = "MODE", help_heading = "Scene", requires = "section")]
     #[arg(value_parser = parse_mode)]

@@ -10,7 +10,7 @@ use glam::Vec3;
 use gpu::Device;
 use render::RendererOptions;
 use tests::run_on_all;
-use tests::section::{Shown, Solid, front, plane, planes, scene_of};
+use tests::section::{CutScene, Solid, front, plane, planes, scene_of};
 
 const SIDE: u32 = 400;
 const RED: [f32; 3] = [1.0, 0.0, 0.0];
@@ -29,13 +29,13 @@ fn area_mm2(pixels: &[[u8; 3]], channel: usize) -> f64 {
     pixels.iter().filter(is_it).count() as f64 * 0.01
 }
 
-/// The half of the world that one looks at is cut away: what remains is z <= 0.
+/// Returns a plane that cuts away the half of the world before it: z <= offset remains.
 fn behind(offset_m: f64) -> SectionPlanes {
     planes(&[plane([0.0, 0.0, -1.0], offset_m)])
 }
 
 fn cut(device: &Device, solid: Solid, section: SectionPlanes) -> Vec<[u8; 3]> {
-    let mut shown = Shown::new(device, &scene_of(&[(solid, RED, Vec3::ZERO)]), options());
+    let mut shown = CutScene::new(device, &scene_of(&[(solid, RED, Vec3::ZERO)]), options());
     shown.renderer.set_section(section).unwrap();
     shown.pixels(front(HEIGHT_M), Strategy::ANTUMBRA)
 }
@@ -70,7 +70,7 @@ fn a_bore_is_open_in_the_cap() {
 fn a_plane_that_is_clear_of_a_solid_or_touches_it_makes_no_cap_and_changes_no_bit() {
     run_on_all(|device| {
         let scene = scene_of(&[(Solid::cube(0.02), RED, Vec3::ZERO)]);
-        let mut shown = Shown::new(device, &scene, options());
+        let mut shown = CutScene::new(device, &scene, options());
         let camera = Camera {
             eye: Vec3::new(0.3, 0.2, 1.0),
             forward: Vec3::new(-0.3, -0.2, -1.0),
@@ -124,7 +124,7 @@ fn solids_that_share_a_wall_keep_their_own_colours() {
             (Solid::cube(0.02), RED, Vec3::new(-0.01, 0.0, 0.0)),
             (Solid::cube(0.02), GREEN, Vec3::new(0.01, 0.0, 0.0)),
         ]);
-        let mut shown = Shown::new(device, &scene, options());
+        let mut shown = CutScene::new(device, &scene, options());
         shown.renderer.set_section(behind(0.0)).unwrap();
         let pixels = shown.pixels(front(HEIGHT_M), Strategy::ANTUMBRA);
         assert_eq!((area_mm2(&pixels, 0), area_mm2(&pixels, 1)), (400.0, 400.0));
@@ -148,7 +148,7 @@ fn a_cap_lies_where_its_plane_does() {
             wall.triangles.iter_mut().flatten().for_each(|corner| corner.z -= 0.1);
             let scene =
                 scene_of(&[(Solid::cube(0.02), RED, Vec3::ZERO), (wall, GREEN, Vec3::ZERO)]);
-            let mut shown = Shown::new(device, &scene, options());
+            let mut shown = CutScene::new(device, &scene, options());
             shown.renderer.set_section_member(ObjectId(1), SectionMember::Whole);
             shown.renderer.set_section(planes(&[cutting])).unwrap();
             let camera = Camera { near: 0.9, ..front(0.01 / zoom) };

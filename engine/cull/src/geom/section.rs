@@ -13,17 +13,17 @@ use crate::geom::margin::rounding;
 /// The combination of several section planes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SectionMode {
-    /// What all planes keep is kept.
+    /// The part that all planes keep.
     #[default]
     Intersection,
-    /// What one of the planes keeps is kept.
+    /// The part that one of the planes keeps, at least.
     Union,
 }
 
 /// The part that section planes leave of an object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SectionMember {
-    /// What the planes keep.
+    /// The part that the planes keep.
     #[default]
     Cut,
     /// All: section planes do not apply to it.
@@ -103,7 +103,8 @@ impl SectionPlane {
         self.normal.extend(self.distance_m(anchor))
     }
 
-    /// Returns the distances of the nearest and of the farthest point of a box, with signs (metres).
+    /// Returns the distances of the nearest and of the farthest point of a box, with signs
+    /// (metres).
     pub(crate) fn reach_m(&self, bounds: &Aabb) -> [f64; 2] {
         let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         let middle = self.distance_m((low + high) * 0.5);
@@ -184,8 +185,8 @@ impl SectionPlanes {
         })
     }
 
-    /// Returns true if no point of a box, or nearer to it than `slack_m`, is kept for certain. In an
-    /// intersection one plane must remove the box, in a union all of them.
+    /// Returns true if no point of a box, or nearer to it than `slack_m`, is kept for certain. In
+    /// an intersection one plane must remove the box, in a union all of them.
     #[must_use]
     pub fn removes(&self, bounds: &Aabb, slack_m: f32) -> bool {
         let removes = |plane: &SectionPlane| {

@@ -12,7 +12,6 @@ mod refit;
 mod restructure;
 mod topology;
 mod wear;
-mod whole;
 
 use crate::geom::bounds::Aabb;
 use crate::ids::{Generation, HierarchyId, LeafIndex, LeafRange, NodeId, ObjectId};
@@ -46,7 +45,7 @@ pub struct Hierarchy {
     /// Subtrees to rebuild; kept to allocate nothing.
     chosen: Vec<u32>,
     work: HierarchyWork,
-    whole: whole::WholeObjects,
+    whole: api::whole::WholeObjects,
 }
 
 impl Hierarchy {
@@ -73,7 +72,7 @@ impl Hierarchy {
             search: occupancy::Search::default(),
             chosen: Vec::new(),
             work: HierarchyWork::default(),
-            whole: whole::WholeObjects::default(),
+            whole: api::whole::WholeObjects::default(),
         })
     }
 

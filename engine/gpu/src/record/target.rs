@@ -141,8 +141,8 @@ impl Target {
         })
     }
 
-    /// Creates a target like [`Target::multisampled`], of any number of samples, with a stencil beside
-    /// the depth, whose values are the same.
+    /// Creates a target like [`Target::multisampled`], of any number of samples, with a stencil
+    /// beside the depth, whose values are the same.
     ///
     /// # Errors
     /// Those of [`Target::multisampled`]; [`Error::TargetFormat`] where the device cannot draw to

@@ -6,12 +6,12 @@ use occlusion::SectionShaders;
 
 use crate::error::Error;
 use crate::renderer::Renderer;
-use crate::section::SectionMeshes;
+use crate::section::read_meshes;
 
 impl Renderer {
     /// Cuts all objects by these planes in every image from now on, but those that are
-    /// [whole](Renderer::set_section_member), and closes solids where they are cut open. What is cut
-    /// away is not picked, hides nothing and is culled. Without planes nothing is cut.
+    /// [whole](Renderer::set_section_member), and closes solids where they are cut open. The rest
+    /// is not picked, hides nothing and is culled. Without planes nothing is cut.
     ///
     /// Planes may be other ones in every frame at no cost. The first ones, and the change between
     /// some and none, compile passes and wait for a copy of the meshes.
@@ -60,7 +60,7 @@ impl Renderer {
 
     /// Compiles the passes that are cut, for images with a stencil.
     fn prepare_cuts(&mut self) -> Result<(), Error> {
-        let meshes = SectionMeshes::new(&self.device, &self.passes.geometry)?;
+        let meshes = read_meshes(&self.device, &self.passes.geometry)?;
         let former = match self.passes.target.has_stencil() {
             true => None,
             false => {

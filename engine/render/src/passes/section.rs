@@ -12,7 +12,7 @@ use occlusion::{Error, SectionShaders, ShaderSet};
 pub struct SectionIo {
     /// The planes of the view.
     pub(crate) planes: BufferSlice,
-    /// What they do to each instance, in sixteen bits.
+    /// Their effects on each instance, in sixteen bits.
     pub(crate) states: BufferSlice,
 }
 

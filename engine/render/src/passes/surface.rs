@@ -210,7 +210,6 @@ impl SurfacePass {
             beside: None,
         };
         let vertex = match (section, inputs) {
-            // The planes lie behind the buffers of shadows.
             (SectionShaders::Cut, Inputs::Maps | Inputs::Mask) => {
                 stage("surface_shadowed", "vert")?
             }

@@ -1,6 +1,8 @@
 //! The scene in GPU memory, in the order of the hierarchy's leaves: a subtree is a range of each
 //! array.
 
+mod api;
+
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -91,10 +93,9 @@ impl Geometry {
         (options, frame_bytes): (&SurfaceOptions, usize),
     ) -> Result<Self, Error> {
         let spare = &options.spare;
-        let objects = hierarchy.leaf_objects().len();
-        check_memory("the objects on their way to the GPU", objects, UPLOAD_BYTES_PER_OBJECT)?;
-        let joined = JoinedMeshes::new(scene, spare)?;
         let leaf_count = hierarchy.leaf_objects().len();
+        check_memory("the objects on their way to the GPU", leaf_count, UPLOAD_BYTES_PER_OBJECT)?;
+        let joined = JoinedMeshes::new(scene, spare)?;
         Self::check_size(device, leaf_count)?;
         sprites::check_size(device, scene, leaf_count)?;
         check_storage(
@@ -261,52 +262,6 @@ impl Geometry {
         self.mesh_draws.get(mesh.0 as usize).map(|mesh| mesh.draw).unwrap_or_default()
     }
 
-    /// Returns the mesh of an object.
-    pub(crate) fn mesh_of(&self, object: ObjectId) -> Option<MeshId> {
-        let mesh = self.object_meshes.get(object.0 as usize).filter(|mesh| **mesh != NO_MESH);
-        mesh.copied().map(MeshId)
-    }
-
-    /// Returns the vertex shader's data of an object.
-    pub(crate) fn instance(&self, object: ObjectId) -> Option<&Instance> {
-        self.object_instances.get(object.0 as usize)
-    }
-
-    /// Returns true if a mesh is drawn in other places than those of its vertices: in a pose, or as
-    /// sprites.
-    pub(crate) fn changes_shape(&self, mesh: MeshId) -> bool {
-        let surfaces = self.surfaces.as_ref();
-        self.is_skinned(mesh) || surfaces.is_some_and(|surfaces| surfaces.is_of_sprites(mesh))
-    }
-
-    /// Returns the draw of a mesh, or of a coarser level, for a leaf.
-    pub(crate) fn leaf_draw(&self, draw: MeshDrawId, leaf: LeafIndex) -> Option<IndirectDraw> {
-        let mesh = self.mesh_draws.get(draw.0 as usize)?;
-        Some(IndirectDraw { first_instance: leaf.0, instance_count: 1, ..mesh.draw })
-    }
-
-    /// Returns the colour of an object where it is cut open, linear: of its material or of its
-    /// mesh, with its tint.
-    pub(crate) fn section_colour(&self, object: ObjectId) -> [f32; 3] {
-        const WHITE: [f32; 3] = [1.0; 3];
-        let (Some(mesh), Some(instance)) = (self.mesh_of(object), self.instance(object)) else {
-            return WHITE;
-        };
-        let vertex = self.section_meshes.as_ref().map_or(u32::MAX, |meshes| meshes.colour(mesh));
-        let [red, green, blue, share] = unpack_unorm(vertex);
-        let (own, tint) = match &self.surfaces {
-            None => {
-                let [r, g, b, _] = instance.tail.map(f32::from_bits);
-                ([red, green, blue], [r, g, b])
-            }
-            Some(surfaces) => {
-                let [r, g, b, _] = unpack_unorm(instance.tail[2] >> 8);
-                (surfaces.base_colour(instance.tail[0]), [r, g, b])
-            }
-        };
-        std::array::from_fn(|part| own[part] * (1.0 + (tint[part] - 1.0) * share))
-    }
-
     /// Returns the draw of an object as a caster of shadows: always its mesh itself, so that no
     /// shadow depends on how far an eye is; nothing while the mesh is on its way.
     pub(crate) fn caster_draw(&self, object: ObjectId, leaf: LeafIndex) -> IndirectDraw {
@@ -329,13 +284,6 @@ impl Geometry {
     /// Returns true if the objects of a mesh cast shadow volumes.
     pub(crate) fn casts_volumes(&self, mesh: MeshId) -> bool {
         self.surfaces.as_ref().is_some_and(|surfaces| surfaces.casts_volumes(mesh))
-    }
-
-    /// Returns the number of objects whose material is masked.
-    pub(crate) fn masked_objects(&self) -> usize {
-        let Some(surfaces) = &self.surfaces else { return 0 };
-        let meshes = self.object_meshes.iter().filter(|mesh| **mesh != NO_MESH);
-        meshes.filter(|mesh| surfaces.has_holes(MeshId(**mesh))).count()
     }
 
     /// Returns the draw of an object and its triangles, if it casts shadow volumes: in the level of

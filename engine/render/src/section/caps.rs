@@ -10,31 +10,34 @@ use crate::resources::geometry::Geometry;
 /// The distance between the lines of a hatch, about (pixels).
 const HATCH_PIXELS: f64 = 9.0;
 
-impl Section {
-    /// Lists the caps that a view sees from the side that is cut away.
-    pub(super) fn plan_caps(&mut self, geometry: &Geometry, hierarchy: &Hierarchy, view: &View) {
-        let section = self.planes;
-        let image = ImageRows::of(view);
-        for number in 0..self.met.len() {
-            let Some(met) = self.met.get(number).copied() else { continue };
-            let cuts = self.caps_of(&met);
-            let bounds = hierarchy.node_of(met.object).map(|node| hierarchy.bounds(node));
-            let (Some(bounds), true) = (bounds, cuts != 0) else { continue };
-            if view.frustum.classify(&bounds, PlaneMask::ALL).0 == Containment::Outside {
+/// Lists the caps that a view sees from the side that is cut away.
+pub(super) fn plan_caps(
+    section: &mut Section,
+    geometry: &Geometry,
+    hierarchy: &Hierarchy,
+    view: &View,
+) {
+    let planes = section.planes;
+    let image = ImageRows::of(view);
+    for number in 0..section.met.len() {
+        let Some(met) = section.met.get(number).copied() else { continue };
+        let cuts = section.caps_of(&met);
+        let bounds = hierarchy.node_of(met.object).map(|node| hierarchy.bounds(node));
+        let (Some(bounds), true) = (bounds, cuts != 0) else { continue };
+        if view.frustum.classify(&bounds, PlaneMask::ALL).0 == Containment::Outside {
+            continue;
+        }
+        let Some(draw) = geometry.leaf_draw(met.draw, met.leaf) else { continue };
+        for (number, plane) in (0..).zip(planes.planes()) {
+            if cuts >> number & 1 == 0 || !is_seen_open(plane, view) {
                 continue;
             }
-            let Some(draw) = geometry.leaf_draw(met.draw, met.leaf) else { continue };
-            for (number, plane) in (0..).zip(section.planes()) {
-                if cuts >> number & 1 == 0 || !is_seen_open(plane, view) {
-                    continue;
-                }
-                let colour = geometry.section_colour(met.object);
-                let origin =
-                    geometry.transform(met.object).map_or(Vec3::ZERO, |it| it.translation.into());
-                let cap = Cap { met: &met, bounds, number, plane, colour, origin };
-                self.cap_rows.push(cap.row(view, &image));
-                self.cap_draws.push(CapDraw { draw, shell: met.shell });
-            }
+            let colour = geometry.section_colour(met.object);
+            let origin =
+                geometry.transform(met.object).map_or(Vec3::ZERO, |it| it.translation.into());
+            let cap = Cap { met: &met, bounds, number, plane, colour, origin };
+            section.cap_rows.push(cap.row(view, &image));
+            section.cap_draws.push(CapDraw { draw, shell: met.shell });
         }
     }
 }

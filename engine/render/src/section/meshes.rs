@@ -5,17 +5,14 @@ use std::collections::HashMap;
 
 use cull::SectionPlane;
 use glam::{DVec3, Vec3};
-use gpu::{Buffer, Device};
 use occlusion::MeshDrawId;
 use scene::{Mesh, MeshId, PreparedMesh, Shell, Vertex};
 
-use crate::error::Error;
-use crate::resources::geometry::Geometry;
 use crate::resources::instance::Instance;
-use crate::resources::mesh_slots::{MeshPlace, Residency};
-use crate::resources::volume_meshes::copied_back;
+use crate::resources::mesh_slots::MeshPlace;
 
 /// All meshes.
+#[derive(Default)]
 pub(crate) struct SectionMeshes {
     meshes: HashMap<MeshId, SectionMesh>,
     shells: HashMap<u32, Shell>,
@@ -38,33 +35,6 @@ pub(crate) struct Extent {
 }
 
 impl SectionMeshes {
-    /// Reads the meshes that the GPU holds. Waits for copies.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
-    pub(crate) fn new(device: &Device, geometry: &Geometry) -> Result<Self, Error> {
-        let [vertices, indices] = [&geometry.vertices, &geometry.indices].map(Buffer::whole);
-        let vertices = copied_back(device, vertices)?;
-        let indices = copied_back(device, indices)?;
-        let mut all = Self { meshes: HashMap::new(), shells: HashMap::new() };
-        for (mesh, residency, place) in geometry.meshes.placed() {
-            // Poses and sprites change their shape.
-            if residency == Residency::Uploading || geometry.changes_shape(mesh) {
-                continue;
-            }
-            let range = place.vertices.start as usize..place.vertices.end as usize;
-            all.add_vertices(mesh, vertices.read::<Vertex>(range));
-            let triangles = place.draws(mesh).map(|(id, range)| {
-                (id, indices.read::<u32>(range.start as usize..range.end as usize))
-            });
-            all.add_shells(mesh, triangles);
-        }
-        for (mesh, prepared, place) in geometry.uploads.meshes() {
-            all.add(mesh, prepared, place);
-        }
-        Ok(all)
-    }
-
     /// Takes a mesh on its way to the GPU.
     pub(crate) fn add(&mut self, id: MeshId, prepared: &PreparedMesh, place: &MeshPlace) {
         let mesh: &Mesh = prepared.mesh();
@@ -74,13 +44,17 @@ impl SectionMeshes {
         self.add_shells(id, place.draws(id).map(|(draw, _)| draw).zip(triangles));
     }
 
-    fn add_vertices(&mut self, id: MeshId, vertices: &[Vertex]) {
+    pub(super) fn add_vertices(&mut self, id: MeshId, vertices: &[Vertex]) {
         let points = vertices.iter().map(|vertex| vertex.position.into()).collect();
         let colour = vertices.first().map_or(0, |vertex| vertex.colour);
         self.meshes.insert(id, SectionMesh { points, colour });
     }
 
-    fn add_shells<'a>(&mut self, id: MeshId, draws: impl Iterator<Item = (MeshDrawId, &'a [u32])>) {
+    pub(super) fn add_shells<'a>(
+        &mut self,
+        id: MeshId,
+        draws: impl Iterator<Item = (MeshDrawId, &'a [u32])>,
+    ) {
         let Some(mesh) = self.meshes.get(&id) else { return };
         let positions: Vec<[f32; 3]> = mesh.points.iter().map(Vec3::to_array).collect();
         for (draw, triangles) in draws {

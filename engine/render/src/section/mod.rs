@@ -7,6 +7,7 @@
 
 mod caps;
 mod meshes;
+mod reading;
 
 use std::collections::HashMap;
 
@@ -23,6 +24,7 @@ use crate::passes::{CapDraw, CapRow, SectionIo, SectionRow};
 use crate::resources::geometry::Geometry;
 use meshes::Extent;
 pub(crate) use meshes::SectionMeshes;
+pub(crate) use reading::read_meshes;
 
 /// The state of an object that all planes keep.
 const KEPT: u16 = (1 << SectionPlanes::MAX) - 1;
@@ -33,7 +35,7 @@ const BACKS: u16 = 1 << (2 * SectionPlanes::MAX);
 /// rounding of single precision in its vertices and in its transform.
 const TOUCHING: f64 = 8.0 * f32::EPSILON as f64;
 
-/// What a plane does to an object.
+/// The effect of a plane on an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PlaneEffect {
     Keeps,
@@ -164,7 +166,7 @@ impl Section {
         if self.io.is_none() {
             return Ok(());
         }
-        self.plan_caps(geometry, hierarchy, view);
+        caps::plan_caps(self, geometry, hierarchy, view);
         if !self.cap_draws.is_empty() {
             self.uploaded_caps = Some(frame.uploads().push(&self.cap_rows)?);
         }

@@ -45,7 +45,6 @@ impl SceneDegradations {
     pub fn texts(&self) -> Vec<String> {
         let Self { crowded_objects, dark_suns, broken_lights, unshadowed_objects, .. } = *self;
         let Self { shrunk_images, unpacked_images, borrowed_samplers, textures, .. } = *self;
-        let planes_without_shadows = self.planes_without_shadows;
         let shrunk_by = match textures {
             TextureStorage::Images => "the device takes no larger ones".to_owned(),
             TextureStorage::Pages => format!(
@@ -87,13 +86,6 @@ impl SceneDegradations {
                 "no shadow: shadow volumes know no holes, shadow maps do".to_owned(),
             ),
             sentence(
-                planes_without_shadows,
-                "section plane does",
-                "section planes do",
-                "not cut shadow volumes: what is cut away still casts a shadow, shadow maps do better"
-                    .to_owned(),
-            ),
-            sentence(
                 shrunk_images,
                 "image is",
                 "images are",
@@ -116,7 +108,14 @@ impl SceneDegradations {
         ]
         .into_iter()
         .flatten()
+        .chain(self.planes_text())
         .collect()
+    }
+
+    fn planes_text(&self) -> Option<String> {
+        let count = self.planes_without_shadows;
+        let planes = counted(count, "section plane does", "section planes do");
+        (count > 0).then(|| format!("{planes} not cut shadow volumes: shadow maps are cut"))
     }
 }
 

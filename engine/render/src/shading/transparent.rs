@@ -22,7 +22,7 @@ pub(crate) struct Transparent {
     sorted: Vec<SortedObject>,
     /// The vertex shader's data of the view being recorded, if it has any.
     instances: Option<BufferSlice>,
-    /// What section planes do to each of them: they cut all alike.
+    /// The effects of section planes on each of them: all are cut.
     states: Option<BufferSlice>,
 }
 

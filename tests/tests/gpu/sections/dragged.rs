@@ -5,7 +5,7 @@ use gpu::{Device, Optional, SampleCount};
 use render::{DebugOverlay, Rect, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind, city, field};
 use tests::run_on_all;
-use tests::section::Shown;
+use tests::section::CutScene;
 
 /// Returns the planes of a frame of a drag.
 fn dragged(frame: u32, mode: SectionMode) -> SectionPlanes {
@@ -23,7 +23,7 @@ fn dragged(frame: u32, mode: SectionMode) -> SectionPlanes {
 
 fn drag(device: &Device, generated: &GeneratedScene, options: RendererOptions, frames: u32) {
     let path = CameraPath::new(PathKind::Fly, &generated.routes).unwrap();
-    let mut shown = Shown::new(device, &generated.scene, options);
+    let mut shown = CutScene::new(device, &generated.scene, options);
     let strategies: Vec<Strategy> = [
         Strategy::ANTUMBRA,
         Strategy::ANTUMBRA_FLAGS,
@@ -60,7 +60,7 @@ fn drag(device: &Device, generated: &GeneratedScene, options: RendererOptions, f
 }
 
 /// Draws wires, boxes and the view from above, all cut, which only the validation layer judges.
-fn explain(shown: &mut Shown, camera: cull::Camera) {
+fn explain(shown: &mut CutScene, camera: cull::Camera) {
     let has_wireframe = shown.renderer.device().capabilities().has(Optional::Wireframe);
     let top_down = Some(Rect { origin: [80, 45], size: [80, 45] });
     let overlay = DebugOverlay { has_wireframe, has_boxes: true, top_down };

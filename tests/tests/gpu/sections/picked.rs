@@ -4,7 +4,7 @@ use cull::{Camera, ObjectId, SectionMember, SectionMode, SectionPlanes, Strategy
 use glam::Vec3;
 use render::{FrameRequest, RendererOptions};
 use tests::run_on_all;
-use tests::section::{Shown, Solid, front, plane, scene_of};
+use tests::section::{CutScene, Solid, front, plane, scene_of};
 
 const SIDE: u32 = 64;
 
@@ -24,10 +24,10 @@ fn a_click_finds_what_is_drawn_where_a_box_is_cut_open() {
             (Solid::cube(0.02), [0.0, 0.0, 1.0], Vec3::new(0.05, 0.05, 0.3)),
         ]);
         let options = RendererOptions { size: [SIDE; 2], ..RendererOptions::default() };
-        let mut shown = Shown::new(device, &scene, options);
+        let mut shown = CutScene::new(device, &scene, options);
         let cuts = [plane([0.0, 0.0, -1.0], 0.04), plane([0.0, -1.0, 0.0], 0.5)];
         let camera = Camera { ..front(0.32) };
-        let pick = |shown: &mut Shown, x: u32, y: u32| {
+        let pick = |shown: &mut CutScene, x: u32, y: u32| {
             shown.view.point_at(Some([x, y])).unwrap();
             let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
             shown.renderer.render(&mut shown.view, &request).unwrap();

@@ -3,3 +3,4 @@
 pub(crate) mod changes;
 mod in_frustum;
 mod ray;
+pub(crate) mod whole;

@@ -61,8 +61,8 @@ impl Commands {
         self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, textures, arrays);
     }
 
-    /// Binds another pipeline with the buffers, constants and geometry that are bound for one of the
-    /// same [layout](crate::StorageLayout), without textures.
+    /// Binds another pipeline with the buffers, constants and geometry that are bound for one of
+    /// the same [layout](crate::StorageLayout), without textures.
     pub fn switch(&self, pipeline: &GraphicsPipeline) {
         if self.admit(&pipeline.0).is_ok() {
             // SAFETY: a live pipeline; what is bound stays valid, since pipelines of equal layouts

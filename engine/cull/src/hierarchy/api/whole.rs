@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use super::Hierarchy;
+use super::super::Hierarchy;
 use crate::geom::section::SectionMember;
 use crate::ids::{LeafIndex, NodeId, ObjectId};
 
 /// Objects, and their leaves in order: a subtree has one if that is in its range.
 #[derive(Clone, Debug, Default)]
-pub(super) struct WholeObjects {
+pub(crate) struct WholeObjects {
     objects: BTreeSet<ObjectId>,
     leaves: Vec<LeafIndex>,
 }
@@ -53,7 +53,7 @@ impl Hierarchy {
     }
 
     /// Lists the leaves again where they are now.
-    pub(super) fn list_whole(&mut self) {
+    pub(crate) fn list_whole(&mut self) {
         if self.whole.objects.is_empty() && self.whole.leaves.is_empty() {
             return;
         }

@@ -1,0 +1,64 @@
+//! Objects as section planes cut them, and as stencils cannot.
+
+use cull::{LeafIndex, ObjectId};
+use gpu::IndirectDraw;
+use occlusion::MeshDrawId;
+use scene::{MeshId, unpack_unorm};
+
+use super::super::{Geometry, NO_MESH};
+use crate::resources::instance::Instance;
+
+impl Geometry {
+    /// Returns the mesh of an object.
+    pub(crate) fn mesh_of(&self, object: ObjectId) -> Option<MeshId> {
+        let mesh = self.object_meshes.get(object.0 as usize).filter(|mesh| **mesh != NO_MESH);
+        mesh.copied().map(MeshId)
+    }
+
+    /// Returns the vertex shader's data of an object.
+    pub(crate) fn instance(&self, object: ObjectId) -> Option<&Instance> {
+        self.object_instances.get(object.0 as usize)
+    }
+
+    /// Returns true if a mesh is drawn in other places than those of its vertices: in a pose, or as
+    /// sprites.
+    pub(crate) fn changes_shape(&self, mesh: MeshId) -> bool {
+        let surfaces = self.surfaces.as_ref();
+        self.is_skinned(mesh) || surfaces.is_some_and(|surfaces| surfaces.is_of_sprites(mesh))
+    }
+
+    /// Returns the draw of a mesh, or of a coarser level, for a leaf.
+    pub(crate) fn leaf_draw(&self, draw: MeshDrawId, leaf: LeafIndex) -> Option<IndirectDraw> {
+        let mesh = self.mesh_draws.get(draw.0 as usize)?;
+        Some(IndirectDraw { first_instance: leaf.0, instance_count: 1, ..mesh.draw })
+    }
+
+    /// Returns the colour of an object where it is cut open, linear: of its material or of its
+    /// mesh, with its tint.
+    pub(crate) fn section_colour(&self, object: ObjectId) -> [f32; 3] {
+        const WHITE: [f32; 3] = [1.0; 3];
+        let (Some(mesh), Some(instance)) = (self.mesh_of(object), self.instance(object)) else {
+            return WHITE;
+        };
+        let vertex = self.section_meshes.as_ref().map_or(u32::MAX, |meshes| meshes.colour(mesh));
+        let [red, green, blue, share] = unpack_unorm(vertex);
+        let (own, tint) = match &self.surfaces {
+            None => {
+                let [r, g, b, _] = instance.tail.map(f32::from_bits);
+                ([red, green, blue], [r, g, b])
+            }
+            Some(surfaces) => {
+                let [r, g, b, _] = unpack_unorm(instance.tail[2] >> 8);
+                (surfaces.base_colour(instance.tail[0]), [r, g, b])
+            }
+        };
+        std::array::from_fn(|part| own[part] * (1.0 + (tint[part] - 1.0) * share))
+    }
+
+    /// Returns the number of objects whose material is masked.
+    pub(crate) fn masked_objects(&self) -> usize {
+        let Some(surfaces) = &self.surfaces else { return 0 };
+        let meshes = self.object_meshes.iter().filter(|mesh| **mesh != NO_MESH);
+        meshes.filter(|mesh| surfaces.has_holes(MeshId(**mesh))).count()
+    }
+}
