@@ -136,16 +136,17 @@ mod tests {
             dark_suns: 6,
             broken_lights: 4,
             unshadowed_objects: 2,
+            planes_without_shadows: 1,
             shrunk_images: 7,
             enlarged_images: 8,
             unpacked_images: 3,
             borrowed_samplers: 9,
             textures: TextureStorage::Pages,
         };
-        for (text, number) in all.texts().iter().zip([5, 6, 4, 2, 7, 3, 9]) {
+        for (text, number) in all.texts().iter().zip([5, 6, 4, 2, 7, 3, 9, 1]) {
             assert!(text.starts_with(&number.to_string()), "{text}");
         }
-        assert_eq!(all.texts().len(), 7);
+        assert_eq!(all.texts().len(), 8);
         assert!(all.texts()[4].contains("texture pages"), "{}", all.texts()[4]);
         let own = SceneDegradations { textures: TextureStorage::Images, ..all }.texts();
         assert!(!own[4].contains("pages"), "{}", own[4]);
