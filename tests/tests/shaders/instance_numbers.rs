@@ -15,6 +15,7 @@ const DRAW_INDEX: u32 = 4426;
 /// vertices of a triangle by it, for the geometry stage.
 const WITH_VERTEX_INDEX: [&str; 9] = [
     "box_volume.vert",
+    "cap.vert",
     "flare.vert",
     "flare_block.vert",
     "leaf_box.vert",

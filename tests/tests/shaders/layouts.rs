@@ -23,7 +23,7 @@ fn interface(name: &str) -> (Buffers, usize) {
     for variable in &entry.vars {
         match variable {
             Variable::Descriptor { desc_bind, ty, nbind, .. } => {
-                if name.ends_with("_indexed.frag") && desc_bind.set() == 1 {
+                if name.contains("_indexed") && desc_bind.set() == 1 {
                     // The one table of textures, as long as it is.
                     assert_eq!((desc_bind.bind(), *nbind), (0, 0), "{name}");
                     continue;
@@ -32,13 +32,16 @@ fn interface(name: &str) -> (Buffers, usize) {
                 if let Type::CombinedImageSampler(_) = ty {
                     // Pages are the last of all bindings.
                     let first_array = match name {
+                        "surface_shadowed_section.frag" => 13,
+                        "surface_volumes_section.frag" => 10,
+                        "surface_section.frag" => 8,
                         "surface_shadowed.frag" => 11,
                         "surface_volumes.frag" => 8,
                         "surface.frag" => 6,
                         _ => 0,
                     };
-                    let is_surface = name.starts_with("surface") || name == "flare_veil.frag";
-                    let is_surface = is_surface && !name.ends_with("_indexed.frag");
+                    let is_surface = name.starts_with("surface") || name.starts_with("flare_veil");
+                    let is_surface = is_surface && !name.contains("_indexed");
                     let is_array = is_surface && desc_bind.bind() >= first_array;
                     assert_eq!(
                         *nbind,

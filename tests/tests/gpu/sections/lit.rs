@@ -103,7 +103,8 @@ fn a_cut_model_far_from_the_origin_looks_the_same() {
         for away in [vec3(35_360.0, 12.0, -35_360.0), vec3(-707_120.0, 300.0, 707_120.0)] {
             for (number, (a, b)) in here.iter().zip(images(device, away)).enumerate() {
                 let wrong = a.iter().zip(&b).filter(|(a, b)| a != b).count();
-                assert!(wrong <= 2, "{away}, image {number}: {wrong}");
+                // The border of a cut or of a line may fall to the other side of a pixel's middle.
+                assert!(wrong <= 12, "{away}, image {number}: {wrong}");
             }
         }
     });
