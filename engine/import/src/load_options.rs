@@ -20,8 +20,8 @@ pub struct LoadOptions {
     /// The limits on the file's demands.
     pub limits: Limits,
     /// The number of triangles above which a rigid mesh with a single object is cut into spatial
-    /// pieces, each an object of at most an eighth and at least a sixteenth as many triangles. `None` leaves all meshes
-    /// whole. Default: 65,536.
+    /// pieces, each an object of at most an eighth and at least a sixteenth as many triangles.
+    /// `None` leaves all meshes whole. Default: 65,536.
     pub cut_above_triangles: Option<usize>,
     /// The factor of all light before tone mapping, as
     /// [`Surfaces::exposure`](scene::Surfaces::exposure). `None`, the default, is 1; lights that

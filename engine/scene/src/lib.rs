@@ -14,6 +14,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod api;
 mod backdrop;
 mod check;
 mod crease;

@@ -1,6 +1,8 @@
 //! The command line of `walkthrough`: its declaration, its help, and the checks that make it
 //! [`Options`].
 
+mod values;
+
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -9,9 +11,10 @@ use antumbra::methods;
 use clap::{Args, Parser, value_parser};
 
 use crate::Options;
+use crate::args::values::{StrategyList, TopDown};
 use crate::choices::{
     CostsChoice, DeviceChoice, EdgesChoice, GeneratorChoice, PredicatesChoice, ProjectionChoice,
-    TrustChoice, ValidationChoice, Verify, enumerate, parse_named, parse_strategy,
+    TrustChoice, ValidationChoice, Verify, enumerate, parse_named,
 };
 use crate::file_args::FileArguments;
 use crate::light_args::LightArguments;
@@ -104,8 +107,8 @@ pub struct Arguments {
     #[arg(long, value_name = "off|visible|hidden|shaded", default_value = "off")]
     #[arg(help_heading = "Walk")]
     pub edges: EdgesChoice,
-    /// Share of the objects of a scene that is made that move, come and go, 0 to 100. In a file its clips
-    /// play
+    /// Share of the objects that move, come and go, 0 to 100, in scenes that are made. In a file its
+    /// clips play
     #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
     #[arg(value_parser = value_parser!(u32).range(0..=100))]
     pub moving: u32,
@@ -250,54 +253,6 @@ impl FromStr for SceneArgument {
         parse_named("scene", text)
             .map(Self::Made)
             .map_err(|message| format!("{message} (a file has a dot or a slash in its name)"))
-    }
-}
-
-/// Strategies to compare.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum StrategyList {
-    /// All that can run.
-    All,
-    /// These, each of them once.
-    These(Vec<Strategy>),
-}
-
-impl FromStr for StrategyList {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text == "all" {
-            return Ok(Self::All);
-        }
-        let mut strategies = Vec::new();
-        for name in text.split(',') {
-            let strategy = parse_strategy(name.trim())?;
-            if strategies.contains(&strategy) {
-                return Err(format!("it names '{strategy}' twice: name each once"));
-            }
-            strategies.push(strategy);
-        }
-        Ok(Self::These(strategies))
-    }
-}
-
-/// The frame that is shown from above.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TopDown {
-    /// No frame is shown from above.
-    Off,
-    /// The frame of this number.
-    Frame(u32),
-}
-
-impl FromStr for TopDown {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "off" => Ok(Self::Off),
-            _ => text.parse().map(Self::Frame).map_err(|_| "it takes a frame, or off".to_owned()),
-        }
     }
 }
 

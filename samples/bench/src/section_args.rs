@@ -23,7 +23,7 @@ pub struct SectionArguments {
 
 /// Section planes between semicolons.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlaneList(Vec<SectionPlane>);
+pub struct PlaneList(pub Vec<SectionPlane>);
 
 impl SectionArguments {
     /// Returns the planes.
@@ -37,7 +37,11 @@ impl SectionArguments {
     }
 }
 
-fn parse_planes(text: &str) -> Result<PlaneList, String> {
+/// Reads planes between semicolons, `X,Y,Z,D` each.
+///
+/// # Errors
+/// A sentence about the first that is none.
+pub fn parse_planes(text: &str) -> Result<PlaneList, String> {
     text.split(';').map(parse_plane).collect::<Result<_, _>>().map(PlaneList)
 }
 

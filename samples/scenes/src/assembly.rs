@@ -4,19 +4,20 @@
 mod conveyor;
 mod gear_box;
 mod hall;
+mod placer;
 mod robot_cell;
 
-use cull::ObjectId;
 use glam::{Affine3A, Vec3, vec3};
-use scene::{Light, Mesh, MeshId, Object, Scene, pack_unorm};
+use scene::{Light, Scene};
 
 use self::conveyor::ConveyorMeshes;
 use self::gear_box::GearBoxMeshes;
 use self::hall::{HallMeshes, PITCH_M};
+use self::placer::{MeshList, Placer};
 use self::robot_cell::RobotCellMeshes;
 use super::error::GeneratorError;
 use super::generated::{GeneratedScene, room_for_objects, share};
-use super::parts::{PartId, PartNode, PartTree};
+use super::parts::{PartId, PartTree};
 use super::random::Random;
 use super::routes::{Flight, Routes, Streets};
 
@@ -41,56 +42,6 @@ struct Shapes {
     gear_box: GearBoxMeshes,
     conveyor: ConveyorMeshes,
     robot_cell: RobotCellMeshes,
-}
-
-/// The meshes of a scene that is being made.
-#[derive(Default)]
-struct MeshList {
-    meshes: Vec<Mesh>,
-}
-
-impl MeshList {
-    fn add(&mut self, mesh: Mesh) -> MeshId {
-        self.meshes.push(mesh);
-        MeshId(self.meshes.len() as u32 - 1)
-    }
-}
-
-/// A number of parts that may still be placed, and those that are there.
-struct Placer {
-    objects: Vec<Object>,
-    parts: PartTree,
-    left: u32,
-    random: Random,
-}
-
-impl Placer {
-    /// Places a part, unless there are enough; its name is that of its kind and a number.
-    fn part(&mut self, group: PartId, what: &str, mesh: MeshId, place: Affine3A) {
-        if self.left == 0 {
-            return;
-        }
-        self.left -= 1;
-        let object = ObjectId(self.objects.len() as u32);
-        let name = format!("{what} {}", object.0);
-        self.parts.add(PartNode { name, parent: Some(group), object: Some(object) });
-        let shade = self.random.between(0.82, 1.0);
-        let tint = pack_unorm([shade, shade, shade, 1.0]);
-        self.objects.push(Object { mesh, transform: place, tint });
-    }
-
-    /// Returns a group of parts, or the parent where no part is left for it.
-    fn group(&mut self, name: String, parent: PartId) -> PartId {
-        if self.left == 0 { parent } else { self.parts.group(name, parent) }
-    }
-
-    /// Places what `place` does, but at most so many parts.
-    fn at_most(&mut self, parts: u32, place: impl FnOnce(&mut Self)) {
-        let kept = self.left.saturating_sub(parts);
-        self.left -= kept;
-        place(self);
-        self.left += kept;
-    }
 }
 
 /// Makes an assembly of exactly `parts` parts, some 1,400 of them in each hall.

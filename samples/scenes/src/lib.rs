@@ -4,8 +4,8 @@
 //! faces, and objects on the ground hover 2 cm over it. So each pixel's colour does not depend on
 //! the order in which objects are drawn. Only the ground's tiles share edges, with bit-identical
 //! vertices. Transforms are quarter turns about y (exact: each column one of the axes) and uniform
-//! scales only. [`assembly`] and [`waffle_maker`] make models of closed parts, in a tree, at any angle.
-//! [`LightSet`] puts lights on them: the sun of an [`Hour`], torches, street lamps.
+//! scales only. [`assembly`] and [`waffle_maker`] make models of closed parts, in a tree, at any
+//! angle. [`LightSet`] puts lights on them: the sun of an [`Hour`], torches, street lamps.
 //!
 //! ```
 //! use scenes::{CameraPath, PathKind};

@@ -1,5 +1,5 @@
-//! The waffle maker: a kitchen machine of some thirty closed parts, true to the millimetre, whose lid
-//! opens about a hinge.
+//! The waffle maker: a kitchen machine of some thirty closed parts, true to the millimetre, whose
+//! lid opens about a hinge.
 
 mod logo;
 mod shapes;
@@ -86,7 +86,7 @@ impl WaffleMaker {
     }
 }
 
-/// What the surface of a part is made of.
+/// The material of a part's surface.
 #[derive(Clone, Copy)]
 enum Finish {
     Plastic,

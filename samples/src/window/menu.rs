@@ -294,8 +294,11 @@ mod tests {
         let mut menu = scenes(files, "one");
         let Menu::List { rows, .. } = &menu else { panic!("a list") };
         let labels: Vec<&str> = rows.iter().map(|row| row.label.as_str()).collect();
-        assert_eq!(labels, ["city", "field", "one.glb", "one.glb", "another file ..."]);
-        assert_eq!(menu.key(&text("4")), Some(Choice::File("/b/one.glb".into())));
+        assert_eq!(
+            labels,
+            ["city", "field", "assembly", "waffle", "one.glb", "one.glb", "another file ..."]
+        );
+        assert_eq!(menu.key(&text("6")), Some(Choice::File("/b/one.glb".into())));
         let first = Some(Choice::File("/a/one.glb".into()));
         assert_eq!(menu.key(&MenuKey::Enter), first, "what is shown is selected");
         menu.key(&MenuKey::Last);
@@ -307,10 +310,10 @@ mod tests {
         let files = (0..40).map(|number| PathBuf::from(format!("{number:02}.glb")));
         let mut menu = scenes(files, "city");
         menu.key(&MenuKey::PageDown);
-        assert_eq!(selected(&menu), "12.glb");
+        assert_eq!(selected(&menu), "10.glb");
         menu.key(&MenuKey::Up);
-        assert_eq!(menu.key(&MenuKey::Enter), Some(Choice::File("11.glb".into())));
-        assert_eq!(menu.key(&MenuKey::Row(12)), Some(Choice::File("10.glb".into())));
+        assert_eq!(menu.key(&MenuKey::Enter), Some(Choice::File("09.glb".into())));
+        assert_eq!(menu.key(&MenuKey::Row(12)), Some(Choice::File("08.glb".into())));
         assert_eq!(menu.key(&MenuKey::Row(99)), None);
         (0..9).for_each(|_| _ = menu.key(&MenuKey::PageDown));
         assert_eq!(selected(&menu), "another file ...");

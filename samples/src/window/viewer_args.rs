@@ -26,7 +26,8 @@ Exit codes: 0 all went well; 2 the command line or the file is wrong; 1 the mach
 cannot be written; 129, 130 or 143 a closed terminal, Ctrl-C or SIGTERM ended it: that writes what \
 there is, and a second one ends it at once.";
 
-/// Shows the scene of a glTF, STL or OBJ file in a window, with its animations, and with occlusion culling.
+/// Shows the scene of a glTF, STL or OBJ file in a window, with its animations, and with occlusion
+/// culling.
 ///
 /// The keys are listed on the screen; another file can be dropped into the window. The same program
 /// runs without a window: --headless.

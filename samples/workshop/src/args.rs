@@ -25,6 +25,8 @@ Commands of a script, one per line:
   explode MM, assemble    parts at least so far apart, and back
   distance X Y X Y        between the points under two pixels
   edge X Y                the length of the model's edge near the point under a pixel
+  section X,Y,Z,D[;...], section union ..., section off   what planes keep; in metres
+  whole, cut              leaves what is selected, or a NAME, whole; cuts it again
   edges off|visible|hidden|shaded|shaded-hidden
   view front, top-left, ..., iso; projection perspective|orthographic; fit
   play FRAMES             the model's camera path
@@ -33,7 +35,7 @@ Commands of a script, one per line:
 Exit codes: 0 all was done; 2 the command line or the script is wrong; 1 a command was refused, the \
 machine cannot do it, or a file cannot be written."
 )]
-pub struct Arguments {
+pub struct WorkshopArguments {
     /// The model: waffle, assembly, or a file, whose name has a dot or a slash
     #[arg(value_name = "waffle|assembly|FILE", default_value = "waffle")]
     pub model: String,

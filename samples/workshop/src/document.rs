@@ -3,14 +3,14 @@
 use std::collections::BTreeSet;
 
 use antumbra::ObjectId;
-use antumbra::cull::Aabb;
+use antumbra::cull::{Aabb, SectionMember};
 use antumbra::glam::{Affine3A, Vec3};
 use antumbra::scene::{Mesh, Object, Scene};
 use scenes::{Hinge, PartId, PartNode, PartTree};
 use thiserror::Error;
 
 use crate::explode::explode;
-use crate::hinge::{BadSolid, LidCollision, Solid, Turn, rotation};
+use crate::hinge::{BadSolid, CollisionSolid, LidCollision, Turn, rotation};
 
 /// The way in which a part is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,6 +68,7 @@ pub struct Document {
     part_of_object: Vec<Option<PartId>>,
     displays: Vec<Display>,
     displacements: Vec<Vec3>,
+    members: Vec<SectionMember>,
     turns: Vec<bool>,
     lid_rad: f32,
     selected: BTreeSet<ObjectId>,
@@ -94,6 +95,7 @@ impl Document {
         Self {
             displays: vec![Display::Shown; count],
             displacements: vec![Vec3::ZERO; count],
+            members: vec![SectionMember::Cut; count],
             turns,
             lid_rad: lid.map_or(0.0, |lid| lid.hinge.closed_rad),
             selected: BTreeSet::new(),
@@ -126,6 +128,20 @@ impl Document {
     /// Returns the way in which an object is shown.
     pub fn display(&self, object: ObjectId) -> Display {
         self.displays.get(object.0 as usize).copied().unwrap_or(Display::Hidden)
+    }
+
+    /// Returns the part that section planes leave of an object.
+    pub fn member(&self, object: ObjectId) -> SectionMember {
+        self.members.get(object.0 as usize).copied().unwrap_or_default()
+    }
+
+    /// Changes the part that section planes leave of objects.
+    pub fn set_member(&mut self, objects: &[ObjectId], member: SectionMember) {
+        for object in objects {
+            if let Some(of) = self.members.get_mut(object.0 as usize) {
+                *of = member;
+            }
+        }
     }
 
     /// Returns the place of an object now.
@@ -277,12 +293,12 @@ impl Document {
             let corner = |position: [f32; 3]| of.transform.transform_point3(position.into());
             let corners = mesh.vertices.iter().map(|vertex| corner(vertex.position)).collect();
             let triangles = mesh.indices.as_chunks::<3>().0.to_vec();
-            Some(Solid { part: object.0 as usize, corners, triangles })
+            Some(CollisionSolid { part: object.0 as usize, corners, triangles })
         };
         let turns = |object: &ObjectId| self.turns[object.0 as usize];
         let (moving, fixed): (Vec<ObjectId>, Vec<ObjectId>) = self.objects().partition(turns);
-        let moving: Vec<Solid> = moving.into_iter().filter_map(solid).collect();
-        let fixed: Vec<Solid> = fixed.into_iter().filter_map(solid).collect();
+        let moving: Vec<CollisionSolid> = moving.into_iter().filter_map(solid).collect();
+        let fixed: Vec<CollisionSolid> = fixed.into_iter().filter_map(solid).collect();
         LidCollision::new(lid.hinge, &moving, &fixed)
     }
 }

@@ -17,8 +17,8 @@ const GOLDEN_ANGLE_RAD: f64 = 2.399_963_229_728_653;
 /// The share of the assembly's size under which a box counts as central.
 const CENTRAL_SHARE: f64 = 1e-6;
 
-/// The share of the assembly's size by which gaps are larger than asked, for the rounding of what is
-/// added to single-precision transforms.
+/// The share of the assembly's size by which gaps are larger than asked, for the rounding of what
+/// is added to single-precision transforms.
 const ROUNDING_SHARE: f64 = 1e-6;
 
 /// Returns a displacement for each box, in metres: displaced boxes lie at least `gap_m` apart along

@@ -1,5 +1,5 @@
-//! What is shown, as a binary glTF 2.0 file: the tree of parts, each in its place, with the colours
-//! of its vertices and the numbers of its material. Textures are left out.
+//! Binary glTF 2.0 files of all that is shown: the tree of parts, each in its place, with the
+//! colours of its vertices and the numbers of its material. Textures are left out.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

@@ -24,7 +24,7 @@ const MOST_MEASUREMENTS: usize = 20_000;
 
 /// The triangles of a part in the world, where its hinge has angle 0.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Solid {
+pub struct CollisionSolid {
     /// The number of the part, for reports.
     pub part: usize,
     /// Its corners, in metres.
@@ -94,7 +94,11 @@ impl LidCollision {
     ///
     /// # Errors
     /// A solid without triangles, or with indices that do not fit.
-    pub fn new(hinge: Hinge, moving: &[Solid], fixed: &[Solid]) -> Result<Self, BadSolid> {
+    pub fn new(
+        hinge: Hinge,
+        moving: &[CollisionSolid],
+        fixed: &[CollisionSolid],
+    ) -> Result<Self, BadSolid> {
         let moving_shapes = moving.iter().map(shape).collect::<Result<Vec<Shape>, BadSolid>>()?;
         let fixed_shapes = fixed.iter().map(shape).collect::<Result<Vec<Shape>, BadSolid>>()?;
         let mut collision =
@@ -178,7 +182,7 @@ fn radius_m(hinge: &Hinge, point: Vec3) -> f32 {
     (point - hinge.point).reject_from_normalized(hinge.axis).length()
 }
 
-fn shape(solid: &Solid) -> Result<Shape, BadSolid> {
+fn shape(solid: &CollisionSolid) -> Result<Shape, BadSolid> {
     let part = solid.part;
     let refuse = |reason: String| BadSolid { part, reason };
     let count = solid.corners.len() as u32;
@@ -207,7 +211,7 @@ mod tests {
     use super::*;
 
     /// Returns the twelve triangles of a box.
-    fn box_solid(part: usize, min: Vec3, max: Vec3) -> Solid {
+    fn box_solid(part: usize, min: Vec3, max: Vec3) -> CollisionSolid {
         let corner = |index: usize| {
             let side = |bit: usize| if index >> bit & 1 == 1 { max } else { min };
             Vec3::new(side(0).x, side(1).y, side(2).z)
@@ -226,29 +230,33 @@ mod tests {
             [1, 3, 5],
             [3, 7, 5],
         ];
-        Solid { part, corners: (0..8).map(corner).collect(), triangles: triangles.to_vec() }
+        CollisionSolid {
+            part,
+            corners: (0..8).map(corner).collect(),
+            triangles: triangles.to_vec(),
+        }
     }
 
-    /// A lid two metres long, a centimetre over a body.
+    /// Returns the hinge of a lid two metres long, a centimetre over a body.
     fn hinge() -> Hinge {
         let point = Vec3::new(0.0, 0.01, -1.0);
         Hinge { point, axis: Vec3::NEG_X, closed_rad: 0.0, open_rad: 2.0 }
     }
 
-    fn lid() -> Solid {
+    fn lid() -> CollisionSolid {
         box_solid(1, Vec3::new(-1.0, 0.01, -1.0), Vec3::new(1.0, 0.06, 1.0))
     }
 
-    fn body() -> Solid {
+    fn body() -> CollisionSolid {
         box_solid(2, Vec3::new(-1.0, -1.0, -1.0), Vec3::new(1.0, 0.0, 1.0))
     }
 
-    /// A ceiling, 0.8 m over the body.
-    fn ceiling() -> Solid {
+    /// Returns a ceiling, 0.8 m over the body.
+    fn ceiling() -> CollisionSolid {
         box_solid(3, Vec3::new(-1.0, 0.8, -1.0), Vec3::new(1.0, 0.9, 1.0))
     }
 
-    fn collision(fixed: &[Solid]) -> LidCollision {
+    fn collision(fixed: &[CollisionSolid]) -> LidCollision {
         LidCollision::new(hinge(), &[lid()], fixed).unwrap()
     }
 
@@ -318,7 +326,7 @@ mod tests {
         broken.triangles.push([0, 1, 99]);
         let refused = LidCollision::new(hinge(), &[broken], &[body()]).err().unwrap();
         assert!(refused.to_string().contains("part 1 cannot collide"), "{refused}");
-        let empty = Solid { part: 5, corners: Vec::new(), triangles: Vec::new() };
+        let empty = CollisionSolid { part: 5, corners: Vec::new(), triangles: Vec::new() };
         assert!(LidCollision::new(hinge(), &[empty], &[body()]).is_err());
     }
 }

@@ -5,11 +5,11 @@ use std::process::ExitCode;
 
 use bench::run_error::RunError;
 use bench::terminal::{self, Ending, ending};
-use workshop::args::Arguments;
+use workshop::args::WorkshopArguments;
 use workshop::run;
 
 fn main() -> ExitCode {
-    let arguments = match terminal::start::<Arguments>("warn") {
+    let arguments = match terminal::start::<WorkshopArguments>("warn") {
         Ok(arguments) => arguments,
         Err(code) => return code,
     };
@@ -20,7 +20,7 @@ fn main() -> ExitCode {
 }
 
 /// Carries out the script of the arguments.
-fn work(arguments: &Arguments) -> Result<Ending, RunError> {
+fn work(arguments: &WorkshopArguments) -> Result<Ending, RunError> {
     let mut ending = Ending::default();
     run::run(arguments, &mut ending)?;
     Ok(ending)

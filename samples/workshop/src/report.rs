@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// The report of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
+pub struct ScriptReport {
     /// The version of this format.
     pub version: u32,
     /// The name of the model.
@@ -16,25 +16,25 @@ pub struct Report {
     /// The number of its triangles.
     pub triangles: u64,
     /// The commands in their order.
-    pub steps: Vec<Step>,
+    pub steps: Vec<ScriptStep>,
     /// The messages of the validation layers.
     pub validation_messages: u64,
 }
 
 /// A command and its outcome.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Step {
+pub struct ScriptStep {
     /// The command, as the script has it.
     pub command: String,
     /// The outcome.
     #[serde(flatten)]
-    pub outcome: Outcome,
+    pub outcome: CommandOutcome,
 }
 
 /// The outcome of a command.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Outcome {
+pub enum CommandOutcome {
     /// It was done.
     Done,
     /// It could not be done, for this reason. Nothing has changed.

@@ -14,11 +14,11 @@ use bench::scene_file;
 use bench::terminal::Ending;
 use bench::terminal::output::say_wrote;
 
-use crate::args::Arguments;
+use crate::args::WorkshopArguments;
 use crate::document::{Document, Lid};
-use crate::report::{Outcome, Report, Step};
+use crate::report::{CommandOutcome, ScriptReport, ScriptStep};
 use crate::script::{self, ScriptLine};
-use crate::session::Session;
+use crate::session::WorkshopSession;
 
 /// The version of the report's format.
 const REPORT_VERSION: u32 = 1;
@@ -34,10 +34,12 @@ struct Model {
 ///
 /// # Errors
 /// A command line, a script or a file that is wrong; a failure of the device.
-pub fn run(arguments: &Arguments, ending: &mut Ending) -> Result<(), RunError> {
+pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), RunError> {
     let lines = script::read(&arguments.script)?;
     let report_file = OutputFile::of("--report", arguments.report.as_deref());
-    let _outputs = Outputs::prepare(None, report_file)?;
+    let written = lines.iter().filter_map(|line| line.command.written_file());
+    let written = written.filter_map(|file| OutputFile::of("--script", Some(file)));
+    let _outputs = Outputs::prepare(None, report_file.into_iter().chain(written))?;
     let instance = open_instance(arguments.validation, None)?;
     let adapter =
         pick_adapter(&instance, arguments.device.as_ref().unwrap_or(&DeviceChoice::Best))?;
@@ -45,7 +47,7 @@ pub fn run(arguments: &Arguments, ending: &mut Ending) -> Result<(), RunError> {
         DeviceOptions { pipeline_cache: pipeline_cache_file(), ..DeviceOptions::default() };
     let device = Device::new(&instance, &adapter, &device_options)?;
     let Model { document, path } = model(arguments)?;
-    let mut report = Report {
+    let mut report = ScriptReport {
         version: REPORT_VERSION,
         model: document.scene.name.clone(),
         device: adapter.name.clone(),
@@ -54,15 +56,16 @@ pub fn run(arguments: &Arguments, ending: &mut Ending) -> Result<(), RunError> {
         steps: Vec::with_capacity(lines.len()),
         validation_messages: 0,
     };
-    let mut session = Session::new(&device, document, path, arguments.size, arguments.msaa)?;
+    let mut session =
+        WorkshopSession::new(&device, document, path, arguments.size, arguments.msaa)?;
     let mut failed = Ok(());
     for ScriptLine { text, command } in &lines {
         match session.act(command) {
             Ok(outcome) => {
-                if let Outcome::Refused(reason) = &outcome {
+                if let CommandOutcome::Refused(reason) = &outcome {
                     ending.fail(format!("{text}: {reason}"));
                 }
-                report.steps.push(Step { command: text.clone(), outcome });
+                report.steps.push(ScriptStep { command: text.clone(), outcome });
             }
             Err(error) => {
                 failed = Err(error);
@@ -86,7 +89,7 @@ pub fn run(arguments: &Arguments, ending: &mut Ending) -> Result<(), RunError> {
 }
 
 /// Makes or reads the model.
-fn model(arguments: &Arguments) -> Result<Model, RunError> {
+fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
     match arguments.model.as_str() {
         "waffle" => {
             let made = scenes::waffle_maker();

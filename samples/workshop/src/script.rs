@@ -5,9 +5,11 @@
 
 use std::path::{Path, PathBuf};
 
+use antumbra::cull::{SectionMember, SectionMode, SectionPlanes};
 use antumbra::render::EdgeMode;
 use bench::input_file;
 use bench::options::UsageError;
+use bench::section_args::{PlaneList, parse_planes};
 use bench::terminal::shown;
 
 use crate::orbit::CubeView;
@@ -64,6 +66,15 @@ pub enum Command {
     Edge(Pixel),
     /// Draws edges.
     Edges(EdgeMode),
+    /// Cuts the model by planes, or by none.
+    Section(SectionPlanes),
+    /// Cuts a part or a group by its name, or what is selected, or leaves it whole.
+    Member {
+        /// The part that planes leave of it.
+        member: SectionMember,
+        /// The name.
+        name: Option<String>,
+    },
     /// Turns the camera to a view of the cube.
     View(CubeView),
     /// Changes the projection: 0 is perspective, 1 orthographic.
@@ -119,6 +130,9 @@ impl Command {
             "distance" => pixels::<2>(rest).map(|[from, to]| Self::Distance { from, to }),
             "edge" => pixels::<1>(rest).map(|[at]| Self::Edge(at)),
             "edges" => edge_mode(rest).map(Self::Edges),
+            "section" => section(rest).map(Self::Section),
+            "whole" => Ok(Self::Member { member: SectionMember::Whole, name: name() }),
+            "cut" => Ok(Self::Member { member: SectionMember::Cut, name: name() }),
             "view" => CubeView::named(rest).map(Self::View).ok_or_else(|| {
                 format!("'{rest}' is no view: front, top-left, back-bottom-right, ..., or iso")
             }),
@@ -141,8 +155,18 @@ impl Command {
             "image" => file(rest, "png").map(Self::Image),
             "export" => file(rest, "glb").map(Self::Export),
             _ => Err(format!(
-                "unknown command '{verb}'; there are pick, select, deselect, hide, show, isolate, ghost, lid, explode, assemble, distance, edge, edges, view, projection, fit, play, image, export"
+                "unknown command '{verb}'; there are pick, select, deselect, hide, show, isolate, ghost, lid, explode, assemble, distance, edge, edges, section, whole, cut, view, projection, fit, play, image, export"
             )),
+        }
+    }
+}
+
+impl Command {
+    /// Returns the file that it writes.
+    pub fn written_file(&self) -> Option<&Path> {
+        match self {
+            Self::Image(file) | Self::Export(file) => Some(file),
+            _ => None,
         }
     }
 }
@@ -152,7 +176,7 @@ impl Command {
 pub struct ScriptLine {
     /// The line as it stands there.
     pub text: String,
-    /// What it says.
+    /// The command that it names.
     pub command: Command,
 }
 
@@ -191,6 +215,19 @@ fn pixels<const COUNT: usize>(text: &str) -> Result<[Pixel; COUNT], String> {
         )
     })?;
     Ok(std::array::from_fn(|index| Pixel { x: numbers[2 * index], y: numbers[2 * index + 1] }))
+}
+
+/// Reads planes between semicolons, `union` before them, or `off`.
+fn section(text: &str) -> Result<SectionPlanes, String> {
+    if text == "off" {
+        return Ok(SectionPlanes::default());
+    }
+    let (mode, planes) = match text.strip_prefix("union ") {
+        Some(planes) => (SectionMode::Union, planes),
+        None => (SectionMode::Intersection, text),
+    };
+    let PlaneList(planes) = parse_planes(planes)?;
+    SectionPlanes::new(&planes, mode).map_err(|error| error.to_string())
 }
 
 fn edge_mode(text: &str) -> Result<EdgeMode, String> {
@@ -248,6 +285,8 @@ mod tests {
             ("isolate all", "takes nothing"),
             ("view up", "is no view"),
             ("projection flat", "perspective or orthographic"),
+            ("section 0,0,0,1", "normal"),
+            ("section 1,0", "four numbers"),
             ("edges thick", "visible, hidden"),
             ("play 0", "1 to 100000"),
             ("export part.stl", "ends in .glb"),

@@ -18,25 +18,25 @@ use crate::hinge::Turn;
 use crate::hit::{Ray, hit_mesh};
 use crate::measure::edge_length;
 use crate::orbit::OrbitCamera;
-use crate::report::{LidTurn, Outcome, PickedPoint};
+use crate::report::{CommandOutcome, LidTurn, PickedPoint};
 use crate::script::{Command, Pixel};
-use crate::viewport::{MOST_GHOSTED_OBJECTS, Viewport};
+use crate::viewport::{MOST_GHOSTED_OBJECTS, ModelViewport};
 
 /// Millimetres in a metre.
 const MM: f64 = 1000.0;
 
 /// A document that is shown.
-pub struct Session {
+pub struct WorkshopSession {
     /// The document.
     pub document: Document,
-    viewport: Viewport,
+    viewport: ModelViewport,
     camera: OrbitCamera,
     /// The cameras of the model's path.
     path: Vec<Camera>,
     size: FrameSize,
 }
 
-impl Session {
+impl WorkshopSession {
     /// Shows a document as it is at rest, from a corner.
     ///
     /// # Errors
@@ -49,7 +49,7 @@ impl Session {
         samples: SampleCount,
     ) -> Result<Self, RunError> {
         let pixels = [size.width, size.height];
-        let viewport = Viewport::new(device, &document, pixels, samples)?;
+        let viewport = ModelViewport::new(device, &document, pixels, samples)?;
         let mut session = Self { camera: fitted(&document), document, viewport, path, size };
         session.follow()?;
         Ok(session)
@@ -59,39 +59,45 @@ impl Session {
     ///
     /// # Errors
     /// A failure of the device, or of writing a file.
-    pub fn act(&mut self, command: &Command) -> Result<Outcome, RunError> {
+    pub fn act(&mut self, command: &Command) -> Result<CommandOutcome, RunError> {
         let outcome = match command {
             Command::Pick(at) => self.pick(*at)?,
             Command::Distance { from, to } => self.distance(*from, *to)?,
             Command::Edge(at) => self.edge(*at)?,
             Command::Edges(mode) => {
                 self.viewport.set_edges(*mode)?;
-                Outcome::Done
+                CommandOutcome::Done
+            }
+            Command::Section(planes) => {
+                self.viewport.set_section(*planes)?;
+                CommandOutcome::Done
             }
             Command::View(view) => {
                 self.camera = self.camera.turned_to(*view, 1.0);
-                Outcome::Done
+                CommandOutcome::Done
             }
             Command::Flatness(flatness) => {
                 self.camera.flatness = *flatness;
-                Outcome::Done
+                CommandOutcome::Done
             }
             Command::Fit => {
                 let OrbitCamera { target, height_m, .. } = fitted(&self.document);
                 self.camera = OrbitCamera { target, height_m, ..self.camera };
-                Outcome::Done
+                CommandOutcome::Done
             }
             Command::Play { frames } => self.play(*frames)?,
             Command::Image(file) => self.image(file)?,
             Command::Export(file) => self.export(file)?,
-            _ => self.change(command).unwrap_or_else(|error| Outcome::Refused(error.to_string())),
+            _ => self
+                .change(command)
+                .unwrap_or_else(|error| CommandOutcome::Refused(error.to_string())),
         };
         self.follow()?;
         Ok(outcome)
     }
 
     /// Carries out a command about the document alone.
-    fn change(&mut self, command: &Command) -> Result<Outcome, CommandError> {
+    fn change(&mut self, command: &Command) -> Result<CommandOutcome, CommandError> {
         let document = &mut self.document;
         match command {
             Command::Select(name) => {
@@ -113,20 +119,24 @@ impl Session {
             }
             Command::Show(name) => self.display(name.as_deref(), Display::Shown)?,
             Command::Isolate => document.isolate()?,
+            Command::Member { member, name } => {
+                let objects = document.named_or_selected(name.as_deref())?;
+                document.set_member(&objects, *member);
+            }
             Command::Lid { degrees } => return self.turn_lid(*degrees),
             Command::Explode { gap_mm } => {
                 document.explode(*gap_mm / MM as f32);
                 let is_shown = |object: &ObjectId| document.display(*object) != Display::Hidden;
                 let boxes = document.objects().filter(is_shown);
                 let boxes: Vec<_> = boxes.map(|object| document.bounds(object)).collect();
-                return Ok(Outcome::Exploded {
+                return Ok(CommandOutcome::Exploded {
                     least_gap_mm: least_gap(&boxes).map(|gap| gap * MM),
                 });
             }
             Command::Assemble => document.assemble(),
             _ => {}
         }
-        Ok(Outcome::Done)
+        Ok(CommandOutcome::Done)
     }
 
     fn display(&mut self, name: Option<&str>, display: Display) -> Result<(), CommandError> {
@@ -135,7 +145,7 @@ impl Session {
         Ok(())
     }
 
-    fn turn_lid(&mut self, degrees: f32) -> Result<Outcome, CommandError> {
+    fn turn_lid(&mut self, degrees: f32) -> Result<CommandOutcome, CommandError> {
         let lid = self.document.lid.ok_or(CommandError::NoLid)?;
         let closed_rad = lid.hinge.closed_rad;
         let Turn { angle_rad, contact } =
@@ -143,42 +153,42 @@ impl Session {
         let name = |part: usize| self.document.name(ObjectId(part as u32)).to_owned();
         let contact = contact.map(|contact| [name(contact.moving), name(contact.fixed)]);
         let degrees = (angle_rad - closed_rad).to_degrees();
-        Ok(Outcome::Lid(LidTurn { degrees, contact }))
+        Ok(CommandOutcome::Lid(LidTurn { degrees, contact }))
     }
 
-    fn selected(&self) -> Outcome {
+    fn selected(&self) -> CommandOutcome {
         let names = self.document.selected().map(|object| self.document.name(object).to_owned());
-        Outcome::Selected(names.collect())
+        CommandOutcome::Selected(names.collect())
     }
 
     /// Selects the part under a pixel.
-    fn pick(&mut self, at: Pixel) -> Result<Outcome, RunError> {
+    fn pick(&mut self, at: Pixel) -> Result<CommandOutcome, RunError> {
         let Some((object, point)) = self.hit(at)? else {
             self.document.select([]);
-            return Ok(Outcome::Picked(None));
+            return Ok(CommandOutcome::Picked(None));
         };
         self.document.select([object]);
         let part = self.document.name(object).to_owned();
         let point_mm = (point * MM).to_array();
-        Ok(Outcome::Picked(Some(PickedPoint { part, point_mm })))
+        Ok(CommandOutcome::Picked(Some(PickedPoint { part, point_mm })))
     }
 
-    fn distance(&mut self, from: Pixel, to: Pixel) -> Result<Outcome, RunError> {
+    fn distance(&mut self, from: Pixel, to: Pixel) -> Result<CommandOutcome, RunError> {
         let from = self.hit(from)?.map(|(_, point)| point);
         let to = self.hit(to)?.map(|(_, point)| point);
         let distance_mm = from.zip(to).map(|(from, to): (DVec3, DVec3)| from.distance(to) * MM);
-        Ok(Outcome::Distance { distance_mm })
+        Ok(CommandOutcome::Distance { distance_mm })
     }
 
-    fn edge(&mut self, at: Pixel) -> Result<Outcome, RunError> {
+    fn edge(&mut self, at: Pixel) -> Result<CommandOutcome, RunError> {
         let Some((object, point)) = self.hit(at)? else {
-            return Ok(Outcome::Edge { length_mm: None });
+            return Ok(CommandOutcome::Edge { length_mm: None });
         };
         let view = self.viewport.view_of(&self.camera());
         let transform = self.document.transform(object);
         let mesh = self.document.mesh(object);
         let length_m = mesh.and_then(|mesh| edge_length(mesh, &transform, &view, point));
-        Ok(Outcome::Edge { length_mm: length_m.map(|length_m| length_m * MM) })
+        Ok(CommandOutcome::Edge { length_mm: length_m.map(|length_m| length_m * MM) })
     }
 
     /// Returns the part that owns a pixel, as the GPU drew it, and the point of it there.
@@ -195,34 +205,34 @@ impl Session {
         Ok(Some((seen.object, exact.map_or(seen.point, |hit| hit.point))))
     }
 
-    fn play(&mut self, frames: u32) -> Result<Outcome, RunError> {
+    fn play(&mut self, frames: u32) -> Result<CommandOutcome, RunError> {
         if self.path.is_empty() {
-            return Ok(Outcome::Refused("this model has no path of the camera".to_owned()));
+            return Ok(CommandOutcome::Refused("this model has no path of the camera".to_owned()));
         }
         for frame in 0..frames {
             let share = frame as f32 / frames as f32;
             let camera = along(&self.path, share * self.path.len() as f32);
             self.viewport.draw(&camera)?;
         }
-        Ok(Outcome::Played { frames })
+        Ok(CommandOutcome::Played { frames })
     }
 
-    fn image(&mut self, file: &Path) -> Result<Outcome, RunError> {
+    fn image(&mut self, file: &Path) -> Result<CommandOutcome, RunError> {
         let camera = self.camera();
         let pixels = self.viewport.image(&camera)?;
         let visible = self.viewport.visible(&camera)?;
         let written = write_png(file, self.size, &pixels).map_err(RunError::machine)?;
         let visible = visible.into_iter().map(|object| self.document.name(object).to_owned());
-        Ok(Outcome::Image { file: shown(&written).to_string(), visible: visible.collect() })
+        Ok(CommandOutcome::Image { file: shown(&written).to_string(), visible: visible.collect() })
     }
 
-    fn export(&self, file: &Path) -> Result<Outcome, RunError> {
+    fn export(&self, file: &Path) -> Result<CommandOutcome, RunError> {
         let bytes = match glb(&self.document) {
             Ok(bytes) => bytes,
-            Err(error) => return Ok(Outcome::Refused(error.to_string())),
+            Err(error) => return Ok(CommandOutcome::Refused(error.to_string())),
         };
         write_file(file, &bytes).map_err(RunError::machine)?;
-        Ok(Outcome::Exported { file: shown(file).to_string(), bytes: bytes.len() as u64 })
+        Ok(CommandOutcome::Exported { file: shown(file).to_string(), bytes: bytes.len() as u64 })
     }
 
     /// Returns the camera of the image.

@@ -1,6 +1,6 @@
 //! The document on the GPU: follows its state, draws it, finds the part under a pixel.
 
-use antumbra::cull::{Strategy, View};
+use antumbra::cull::{SectionPlanes, Strategy, View};
 use antumbra::glam::{Affine3A, Mat3A};
 use antumbra::gpu::{Device, Readback, SampleCount};
 use antumbra::occlusion::Rect;
@@ -41,10 +41,10 @@ struct Placed {
 }
 
 /// A document on the GPU.
-pub struct Viewport {
+pub struct ModelViewport {
     renderer: Renderer,
     view: ViewState,
-    /// The view whose history serves [`Viewport::visible`].
+    /// The view whose history serves [`ModelViewport::visible`].
     counting: ViewState,
     image: Readback,
     /// The objects of the document, in their order.
@@ -52,7 +52,7 @@ pub struct Viewport {
     has_ghosts: bool,
 }
 
-impl Viewport {
+impl ModelViewport {
     /// Uploads a document as it is at rest.
     ///
     /// # Errors
@@ -133,6 +133,12 @@ impl Viewport {
         for (index, object) in added.into_iter().zip(report.added) {
             self.placed[index].object = Some(object);
         }
+        for (index, placed) in self.placed.iter().enumerate() {
+            // An id that is given again begins as cut.
+            if let Some(object) = placed.object {
+                self.renderer.set_section_member(object, document.member(ObjectId(index as u32)));
+            }
+        }
         Ok(())
     }
 
@@ -148,7 +154,7 @@ impl Viewport {
     /// Draws a frame and returns its image, rows of RGBA from the top. Waits for it.
     ///
     /// # Errors
-    /// Those of [`Viewport::draw`].
+    /// Those of [`ModelViewport::draw`].
     pub fn image(&mut self, camera: &Camera) -> Result<Vec<u8>, Error> {
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
         let request = FrameRequest { image: Some(&self.image), ..request };
@@ -161,7 +167,7 @@ impl Viewport {
     /// for it.
     ///
     /// # Errors
-    /// A device whose fragment shaders cannot write to buffers; those of [`Viewport::draw`].
+    /// A device whose fragment shaders cannot write to buffers; those of [`ModelViewport::draw`].
     pub fn pick(&mut self, camera: &Camera, at: Pixel) -> Result<Option<PointedSurface>, Error> {
         self.view.point_at(Some([at.x, at.y]))?;
         self.draw(camera)?;
@@ -200,6 +206,14 @@ impl Viewport {
             ObjectOutline { objects, colour: SELECTED_COLOUR, width_pixels: OUTLINE_PIXELS };
         let outlines = std::slice::from_ref(&outline);
         self.renderer.set_outlined(if outline.objects.is_empty() { &[] } else { outlines })
+    }
+
+    /// Cuts all objects by planes from the next frame on.
+    ///
+    /// # Errors
+    /// A device that cannot; no memory, a failed call.
+    pub fn set_section(&mut self, planes: SectionPlanes) -> Result<(), Error> {
+        self.renderer.set_section(planes)
     }
 
     /// Draws edges from the next frame on.

@@ -159,7 +159,7 @@ fn changed_shaders(name: &str) -> ShaderSet {
             continue;
         }
         let mut text = fs::read_to_string(&path).unwrap();
-        if name.ends_with(".frag") && text.contains("out vec4 colour") {
+        if text.contains("out vec4 colour") {
             let end = text.rfind('}').unwrap();
             text.insert_str(end, "    colour.rgb = colour.gbr;\n");
         }

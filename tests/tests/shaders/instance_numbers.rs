@@ -10,12 +10,17 @@ const BASE_INSTANCE: u32 = 4425;
 const DRAW_INDEX: u32 = 4426;
 
 /// The shaders that read the index of the vertex, which includes the base vertex. None of them is
-/// drawn by a list of indirect draws, but the last: those make their vertices up from the index,
-/// and are drawn by direct draws or by one indirect draw at a time. `volume.vert` names the
+/// drawn by a list of indirect draws, but those of edges and the last: those make their vertices up
+/// from the index, and are drawn by direct draws or by one indirect draw at a time. Edges find
+/// their segment by it. `volume.vert` names the
 /// vertices of a triangle by it, for the geometry stage.
-const WITH_VERTEX_INDEX: [&str; 9] = [
+const WITH_VERTEX_INDEX: [&str; 14] = [
     "box_volume.vert",
     "cap.vert",
+    "edge.vert",
+    "edge_quads.vert",
+    "edge_quads_section.vert",
+    "edge_section.vert",
     "flare.vert",
     "flare_block.vert",
     "leaf_box.vert",

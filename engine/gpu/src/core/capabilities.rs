@@ -36,6 +36,9 @@ pub enum Required {
 /// promises four.
 pub(crate) const STAGE_STORAGE_BUFFERS: u32 = 7;
 
+/// The most that a stage binds which section planes cut (`surface_shadowed_section.frag`).
+pub(crate) const SECTION_STORAGE_BUFFERS: u32 = 9;
+
 /// The fewest textures that are worth a table. Devices with descriptor indexing have half a million
 /// (specification, "Required Limits").
 pub(crate) const LEAST_INDEXED_TEXTURES: u32 = 1024;
@@ -154,6 +157,8 @@ pub enum Optional {
     GeometryShaders,
     /// Depths beyond the near and far plane that are clamped instead of cut off.
     DepthClamp,
+    /// The storage buffers of passes that section planes cut.
+    SectionBuffers,
     /// Reading the clocks of GPU and CPU at once.
     CalibratedTimestamps,
     /// Frames in windows. This one and those below are there only if the instance was made for
@@ -169,7 +174,7 @@ pub enum Optional {
 
 impl Optional {
     /// All optional capabilities.
-    pub const ALL: [Optional; 21] = [
+    pub const ALL: [Optional; 22] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
@@ -186,6 +191,7 @@ impl Optional {
         Optional::SampleDepths,
         Optional::GeometryShaders,
         Optional::DepthClamp,
+        Optional::SectionBuffers,
         Optional::CalibratedTimestamps,
         Optional::Swapchain,
         Optional::PresentFences,
@@ -212,6 +218,7 @@ impl Optional {
             Optional::SampleDepths => "depths of samples at their own places",
             Optional::GeometryShaders => "geometryShader",
             Optional::DepthClamp => "depthClamp",
+            Optional::SectionBuffers => "maxPerStageDescriptorStorageBuffers of at least 9",
             Optional::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
             Optional::Swapchain => "VK_KHR_swapchain",
             Optional::PresentFences => "VK_EXT_swapchain_maintenance1",
@@ -267,6 +274,7 @@ impl Optional {
             Optional::PresentWait => Features { present_id: true, present_wait: true, ..none },
             Optional::Timestamps
             | Optional::SampleDepths
+            | Optional::SectionBuffers
             | Optional::CalibratedTimestamps
             | Optional::Swapchain
             | Optional::DisplayTiming => none,
@@ -299,6 +307,7 @@ impl Optional {
             Optional::Multiview => offer.draws_views_wrong(),
             Optional::SampleDepths => offer.misplaces_sample_depths(),
             Optional::IndexedTextures => offer.indexed_textures < LEAST_INDEXED_TEXTURES,
+            Optional::SectionBuffers => offer.stage_storage_buffers < SECTION_STORAGE_BUFFERS,
             _ => false,
         };
         let has_any = |names: &&[&'static CStr]| names.iter().any(|name| offer.has(name));

@@ -84,7 +84,7 @@ fn damaged(error: &std::io::Error, object: &str) -> Fault {
     Reason::damaged(quoted(&error.to_string())).of(object)
 }
 
-/// A text of solids, one after the other, each from its first line to its last one.
+/// Reads a text of solids, one after the other, each from its first line to its last one.
 fn read_text(
     bytes: &[u8],
     mut welder: Welder,

@@ -1,4 +1,4 @@
-//! What is known of an object: why it is drawn or not, its triangles, the outline of its box.
+//! Facts about an object: why it is drawn or not, its triangles; and the outline of its box.
 
 use cull::{FrameId, LeafExplanation, LeafRange, ObjectId, Outcome, View};
 

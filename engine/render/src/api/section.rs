@@ -1,7 +1,7 @@
 //! Section planes: what lies on their removed side is cut away from objects.
 
 use cull::{ObjectId, SectionMember, SectionPlanes};
-use gpu::Target;
+use gpu::{Optional, Target};
 use occlusion::SectionShaders;
 
 use crate::error::Error;
@@ -17,8 +17,8 @@ impl Renderer {
     /// some and none, compile passes and wait for a copy of the meshes.
     ///
     /// # Errors
-    /// A device that cannot draw to a depth with a stencil, no memory, a failed call. Nothing has
-    /// changed then.
+    /// A device that cannot draw to a depth with a stencil, or binds too few buffers
+    /// ([`gpu::Optional::SectionBuffers`]); no memory, a failed call. Nothing has changed then.
     pub fn set_section(&mut self, planes: SectionPlanes) -> Result<(), Error> {
         if planes == self.passes.section.planes {
             return Ok(());
@@ -60,6 +60,13 @@ impl Renderer {
 
     /// Compiles the passes that are cut, for images with a stencil.
     fn prepare_cuts(&mut self) -> Result<(), Error> {
+        if !self.device.capabilities().has(Optional::SectionBuffers) {
+            let device = self.device.adapter().name.clone();
+            let missing = Optional::SectionBuffers.name();
+            return Err(
+                gpu::Error::Unsupported { device, missing, wanted: "section planes" }.into()
+            );
+        }
         let meshes = read_meshes(&self.device, &self.passes.geometry)?;
         let former = match self.passes.target.has_stencil() {
             true => None,

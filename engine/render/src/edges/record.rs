@@ -19,7 +19,7 @@ const EDGES: &str = "draw edges";
 /// The draws of the transparent objects of a view.
 struct TransparentEdges {
     instances: BufferSlice,
-    /// What section planes do to the instances: they cut all of them, pixel by pixel.
+    /// The states of the instances for section planes: all are cut, pixel by pixel.
     states: BufferSlice,
     draws: BufferSlice,
 }

@@ -32,8 +32,8 @@ pub(crate) struct PointerIo {
 }
 
 impl PointerPass {
-    /// Compiles the pass for renderings to `attachments`, on a device whose fragment shaders write to
-    /// buffers.
+    /// Compiles the pass for renderings to `attachments`, on a device whose fragment shaders write
+    /// to buffers.
     ///
     /// # Errors
     /// A failed call.

@@ -8,7 +8,7 @@ use scene::MeshId;
 use super::super::builder::Paint;
 use super::super::parts::PartId;
 use super::super::solid::Solid;
-use super::{MeshList, Placer};
+use super::placer::{MeshList, Placer};
 
 const LENGTH_M: f32 = 6.0;
 const HALF_WIDTH_M: f32 = 0.35;

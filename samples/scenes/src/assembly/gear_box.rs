@@ -8,7 +8,7 @@ use scene::MeshId;
 use super::super::builder::Paint;
 use super::super::parts::PartId;
 use super::super::solid::{Solid, circle, rectangle_and_hole};
-use super::{MeshList, Placer};
+use super::placer::{MeshList, Placer};
 
 /// The pitch diameter of a gear per tooth, in metres.
 const MODULE_M: f32 = 0.004;

@@ -8,7 +8,7 @@ use scene::MeshId;
 use super::super::builder::Paint;
 use super::super::parts::PartId;
 use super::super::solid::Solid;
-use super::{MeshList, Placer};
+use super::placer::{MeshList, Placer};
 
 /// The distance of the middles of halls, in metres.
 pub(super) const PITCH_M: f32 = 24.0;

@@ -8,7 +8,7 @@ use scene::MeshId;
 use super::super::builder::Paint;
 use super::super::parts::PartId;
 use super::super::solid::Solid;
-use super::{MeshList, Placer};
+use super::placer::{MeshList, Placer};
 
 /// Half the side of the fence, in metres, and the width of its panels.
 const FENCE_M: f32 = 3.0;

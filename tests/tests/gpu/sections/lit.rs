@@ -48,7 +48,7 @@ fn what_is_cut_away_casts_no_shadow_by_maps() {
     run_on_all(|device| {
         let [sun, ..] = yard::lights();
         let shown = |blocks: usize, section: SectionPlanes| {
-            let scene = yard::scene(&boxes(blocks), &[sun.clone()]);
+            let scene = yard::scene(&boxes(blocks), &[sun]);
             let mut shown = CutScene::new(device, &scene, options(ShadowMethod::Maps));
             shown.renderer.set_section_member(GROUND, SectionMember::Whole);
             // Before there are planes, so that a kept map must be drawn again.
@@ -62,7 +62,7 @@ fn what_is_cut_away_casts_no_shadow_by_maps() {
         assert!(apart(&one, &both) > 300, "the block and its shadow are small");
         assert!(apart(&one, &shown(2, left)) < 10);
         let lost = {
-            let scene = yard::scene(&boxes(2), &[sun.clone()]);
+            let scene = yard::scene(&boxes(2), &[sun]);
             let mut shown = CutScene::new(device, &scene, options(ShadowMethod::Volumes));
             shown.renderer.set_section(left).unwrap();
             shown.renderer.degradations()

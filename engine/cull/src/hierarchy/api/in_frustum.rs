@@ -35,8 +35,8 @@ impl Hierarchy {
     }
 
     /// Adds the leaves whose box meets a frustum and what the section planes of a view keep to
-    /// `found`, in ascending ranges that do not touch; free leaves may be among them. The cost grows
-    /// as in [`Hierarchy::objects_in_frustum`].
+    /// `found`, in ascending ranges that do not touch; free leaves may be among them. The cost
+    /// grows as in [`Hierarchy::objects_in_frustum`].
     pub fn leaves_in(&self, frustum: &Frustum, view: &View, found: &mut Vec<LeafRange>) {
         let first = found.len();
         self.visit_in(frustum, view, |_, leaves| {
