@@ -107,8 +107,8 @@ pub struct Arguments {
     #[arg(long, value_name = "off|visible|hidden|shaded", default_value = "off")]
     #[arg(help_heading = "Walk")]
     pub edges: EdgesChoice,
-    /// Share of the objects that move, come and go, 0 to 100, in scenes that are made. In a file its
-    /// clips play
+    /// Share of the objects that move, come and go, 0 to 100, in scenes that are made. In a file
+    /// its clips play
     #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
     #[arg(value_parser = value_parser!(u32).range(0..=100))]
     pub moving: u32,

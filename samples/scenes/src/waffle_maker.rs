@@ -21,8 +21,8 @@ const PARTING_M: f32 = 0.060;
 /// The z of the hinge's axis, in metres.
 const HINGE_Z_M: f32 = -0.142;
 
-/// The angle that the lid opens to, in radians.
-const OPEN_RAD: f32 = 105.0 / 180.0 * PI;
+/// The end of the hinge's range, in radians. The cable stops the lid some degrees before it.
+const OPEN_RAD: f32 = 170.0 / 180.0 * PI;
 
 /// The cameras of its path.
 const CAMERAS: u8 = 8;

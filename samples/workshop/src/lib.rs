@@ -1,7 +1,8 @@
 //! A CAD viewer on the engine: parts that are picked, hidden, taken apart, measured and exported.
 //!
 //! The state of the viewer is a pure value, a [`document::Document`]: commands of a [`script`]
-//! change it, and a [`viewport::ModelViewport`] on the GPU follows. A [`session::WorkshopSession`] holds both.
+//! change it, and a [`viewport::ModelViewport`] on the GPU follows. A [`session::WorkshopSession`]
+//! holds both.
 #![forbid(unsafe_code)]
 
 pub mod args;

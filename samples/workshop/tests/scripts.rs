@@ -32,9 +32,9 @@ fn a_script_picks_turns_the_lid_explodes_measures_and_exports() {
         let script = "\
             view front\n\
             projection orthographic\n\
-            pick 130 128\n\
+            pick 145 128\n\
             pick 190 128\n\
-            distance 130 128 190 128\n\
+            distance 145 128 190 128\n\
             image closed.png\n\
             lid 40\n\
             image open.png\n\
@@ -45,6 +45,7 @@ fn a_script_picks_turns_the_lid_explodes_measures_and_exports() {
             select lid\n\
             hide\n\
             export body.glb\n\
+            lid 200\n\
             show\n\
             play 3\n";
         let output = run(&scratch, script, &["--device", device]);
@@ -60,6 +61,12 @@ fn a_script_picks_turns_the_lid_explodes_measures_and_exports() {
         assert!(distance_mm > 50.0, "{distance_mm}");
         let lid = &steps[6]["lid"];
         assert!((lid["degrees"].as_f64().unwrap() - 40.0).abs() < 1e-3 && lid["contact"].is_null());
+        // Far beyond the vertical it comes to lie on its own cable.
+        let stopped = &steps[14]["lid"];
+        assert_eq!(stopped["contact"][0], "lid shell", "{steps:#?}");
+        assert_eq!(stopped["contact"][1], "cable");
+        let degrees = stopped["degrees"].as_f64().unwrap();
+        assert!((163.0..165.0).contains(&degrees), "{degrees}");
         let image = |name: &str| pixels(&scratch.0.join(name));
         assert!(image("open.png") != image("closed.png"));
         assert!(image("again.png") == image("closed.png"), "the lid comes back to the bit");

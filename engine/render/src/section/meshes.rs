@@ -67,7 +67,7 @@ impl SectionMeshes {
         self.shells.get(&draw.0).copied().unwrap_or_default()
     }
 
-    /// Returns the colour of a mesh without surfaces, as vertices have it.
+    /// Returns the colour of a mesh, as vertices have it.
     pub(crate) fn colour(&self, mesh: MeshId) -> u32 {
         self.meshes.get(&mesh).map_or(u32::MAX, |mesh| mesh.colour)
     }

@@ -1,3 +1,3 @@
-//! What a scene does as a whole; nothing below imports it.
+//! The calls of a scene that change all of it; nothing below imports them.
 
 mod cut_meshes;

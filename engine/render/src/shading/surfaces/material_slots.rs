@@ -54,11 +54,6 @@ impl MaterialSlots {
         self.slots.get(material.0 as usize)?.material.as_ref()
     }
 
-    /// Returns the factor of the base colour of a material, linear.
-    pub(crate) fn base_colour(&self, material: MaterialId) -> [f32; 3] {
-        self.table.entry(material.0).base_colour()
-    }
-
     /// Returns true if a material lets no light through; that of meshes that name none does not.
     pub(crate) fn is_opaque(&self, material: MaterialId) -> bool {
         self.material(material).is_none_or(|material| material.alpha == Alpha::Opaque)

@@ -64,14 +64,6 @@ pub(crate) struct Features {
     /// The same for the pictures that spots project.
     pub(crate) pictures: u32,
 }
-
-impl MaterialEntry {
-    /// Returns the factor of the base colour, linear.
-    pub(crate) fn base_colour(&self) -> [f32; 3] {
-        let part = |packed: u32, shift: u32| (packed >> shift & 0xFFFF) as f32 / 65535.0;
-        let [red_green, blue_alpha] = self.base_colour;
-        [part(red_green, 0), part(red_green, 16), part(blue_alpha, 0)]
-    }
 }
 
 impl MaterialTable {

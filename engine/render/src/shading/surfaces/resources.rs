@@ -163,11 +163,6 @@ impl SurfaceResources {
         self.mesh_sprites.get(mesh.0 as usize).is_some_and(|place| *place != 0)
     }
 
-    /// Returns the factor of the base colour of a material, linear.
-    pub(crate) fn base_colour(&self, material: u32) -> [f32; 3] {
-        self.material_slots.base_colour(MaterialId(material))
-    }
-
     /// Returns true if objects of a mesh cast shadow volumes: its material lets no light through,
     /// and it is not made of sprites.
     pub(crate) fn casts_volumes(&self, mesh: MeshId) -> bool {

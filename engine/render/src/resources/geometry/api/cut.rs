@@ -33,8 +33,8 @@ impl Geometry {
         Some(IndirectDraw { first_instance: leaf.0, instance_count: 1, ..mesh.draw })
     }
 
-    /// Returns the colour of an object where it is cut open, linear: of its material or of its
-    /// mesh, with its tint.
+    /// Returns the colour of an object where it is cut open, linear: that of its mesh without
+    /// textures, which has the colour of its first material, with its tint.
     pub(crate) fn section_colour(&self, object: ObjectId) -> [f32; 3] {
         const WHITE: [f32; 3] = [1.0; 3];
         let (Some(mesh), Some(instance)) = (self.mesh_of(object), self.instance(object)) else {
@@ -42,16 +42,12 @@ impl Geometry {
         };
         let vertex = self.section_meshes.as_ref().map_or(u32::MAX, |meshes| meshes.colour(mesh));
         let [red, green, blue, share] = unpack_unorm(vertex);
-        let (own, tint) = match &self.surfaces {
-            None => {
-                let [r, g, b, _] = instance.tail.map(f32::from_bits);
-                ([red, green, blue], [r, g, b])
-            }
-            Some(surfaces) => {
-                let [r, g, b, _] = unpack_unorm(instance.tail[2] >> 8);
-                (surfaces.base_colour(instance.tail[0]), [r, g, b])
-            }
+        let [r, g, b, _] = match &self.surfaces {
+            None => instance.tail.map(f32::from_bits),
+            Some(_) => unpack_unorm(instance.tail[2] >> 8),
         };
+        let tint = [r, g, b];
+        let own = [red, green, blue];
         std::array::from_fn(|part| own[part] * (1.0 + (tint[part] - 1.0) * share))
     }
 
