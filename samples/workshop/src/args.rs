@@ -58,10 +58,10 @@ pub struct WorkshopArguments {
     /// Size of the image in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub size: FrameSize,
-    /// Samples per pixel, 1 or 4: with 4, edges are smooth
-    #[arg(long, value_name = "1|4", default_value = "4")]
+    /// Samples per pixel, 1 or 4: with 4, edges are smooth [default: 4 where the device can]
+    #[arg(long, value_name = "1|4")]
     #[arg(value_parser = parse_samples)]
-    pub msaa: SampleCount,
+    pub msaa: Option<SampleCount>,
     /// Vulkan device: a part of its name, or its number
     #[arg(long, value_name = "DEVICE")]
     pub device: Option<DeviceChoice>,

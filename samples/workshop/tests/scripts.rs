@@ -45,8 +45,8 @@ fn a_script_picks_turns_the_lid_explodes_measures_and_exports() {
             select lid\n\
             hide\n\
             export body.glb\n\
-            lid 200\n\
             show\n\
+            lid 200\n\
             play 3\n";
         let output = run(&scratch, script, &["--device", device]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -62,7 +62,7 @@ fn a_script_picks_turns_the_lid_explodes_measures_and_exports() {
         let lid = &steps[6]["lid"];
         assert!((lid["degrees"].as_f64().unwrap() - 40.0).abs() < 1e-3 && lid["contact"].is_null());
         // Far beyond the vertical it comes to lie on its own cable.
-        let stopped = &steps[14]["lid"];
+        let stopped = &steps[16]["lid"];
         assert_eq!(stopped["contact"][0], "lid shell", "{steps:#?}");
         assert_eq!(stopped["contact"][1], "cable");
         let degrees = stopped["degrees"].as_f64().unwrap();

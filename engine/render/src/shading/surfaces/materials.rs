@@ -64,7 +64,6 @@ pub(crate) struct Features {
     /// The same for the pictures that spots project.
     pub(crate) pictures: u32,
 }
-}
 
 impl MaterialTable {
     /// Packs the materials, with room for `spare` more, and notes the places of their textures.
