@@ -125,8 +125,8 @@ fn what_is_large_and_seen_once_is_cut_and_what_is_shared_is_not() {
         load_bytes(scene.glb(), None, &options, progress_fn).expect("it is loaded").scene
     };
     let cut = with(&scene, Some(80));
-    assert_eq!((cut.objects.len(), cut.meshes.len(), cut.triangles()), (8, 8, 100));
-    assert!(cut.meshes.iter().all(|mesh| mesh.triangles() <= 20));
+    assert_eq!((cut.objects.len(), cut.meshes.len(), cut.triangles()), (16, 16, 100));
+    assert!(cut.meshes.iter().all(|mesh| mesh.triangles() <= 10));
     assert_eq!(cut.meshes[3].name, "mesh 0, piece 3");
     assert_eq!(with(&scene, Some(100)).meshes.len(), 1);
     assert_eq!(with(&scene, None).meshes.len(), 1);
