@@ -61,6 +61,8 @@ pub struct Session {
     /// The progress of another scene that is loading.
     pub(super) awaited: Option<LoadingStatus>,
     pub(super) frozen: Option<VisibilitySnapshot>,
+    /// The view that finds objects while the culling is frozen.
+    pub(super) search_view: Option<ViewState>,
     /// The camera of the newest frame.
     pub(super) seen_from: Camera,
     pub(super) debug_overlay: DebugOverlay,
@@ -140,6 +142,7 @@ impl Session {
             flares: options.flares,
             awaited: None,
             frozen: None,
+            search_view: None,
             seen_from: start,
             debug_overlay: DebugOverlay::default(),
             comparison: None,

@@ -195,8 +195,8 @@ fn a_scene_is_chosen_from_a_list_or_by_its_path() {
     let running = Running::city(&scratch, &server, &["--costs", "ignored"]);
     let window = Seen::wait_for(&server);
     window.await_title(|title| title.starts_with("city - "));
-    // The third row is the file in the working folder.
-    ['o', '3'].into_iter().for_each(|key| window.strike(key.into()));
+    // The fifth row is the file in the working folder.
+    ['o', '5'].into_iter().for_each(|key| window.strike(key.into()));
     running.await_text("broken.glb cannot be shown: ");
     window.press_with(CONTROL, 'o'.into());
     "missing.glb".chars().for_each(|letter| window.strike(letter.into()));

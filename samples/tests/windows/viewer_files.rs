@@ -164,7 +164,7 @@ fn of_little_that_shows_coarser_levels_are_drawn_and_a_key_says_so() {
         "5 identify\n9 detail_by_samples\n20 identify\n26 detail_by_samples\n31 identify\n";
     fs::write(scratch.0.join("script"), script).unwrap();
     let run = |more: &[&str]| {
-        let all = ["ball.glb", "--headless", "--frames=35", "--size=128x72", "--device=llvmpipe"];
+        let all = ["ball.glb", "--headless", "--frames=40", "--size=128x72", "--device=llvmpipe"];
         let rest = ["--script", "script", "--validation", "sync"];
         let mut command = program(VIEWER, &scratch.0, &[&all[..], &rest, more].concat());
         let output = command.env("RUST_LOG", "samples=info").output().unwrap();

@@ -303,8 +303,8 @@ fn a_folder_of_shaders_that_is_none_ends_with_2() {
 #[cfg(feature = "shader-compiler")]
 fn a_shader_that_does_not_compile_ends_with_2_and_its_line() {
     let (scratch, shaders) = (Scratch::new("broken-shader"), Scratch::new("broken-shader-glsl"));
-    harness::edited_shaders(&shaders, "opaque.frag", "normalize(", "normalise(");
-    let text = fs::read_to_string(shaders.0.join("opaque.frag")).expect("the shader");
+    harness::edited_shaders(&shaders, "opaque_main.glsl", "normalize(", "normalise(");
+    let text = fs::read_to_string(shaders.0.join("opaque_main.glsl")).expect("the shader");
     let line = 1 + text.lines().position(|line| line.contains("normalise(")).expect("a line");
 
     let folder = shaders.0.to_string_lossy();
@@ -314,7 +314,7 @@ fn a_shader_that_does_not_compile_ends_with_2_and_its_line() {
     // One error, and under it what the compiler said.
     assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
     assert_eq!(message.lines().filter(|line| line.starts_with("error: ")).count(), 1, "{message}");
-    assert!(message.contains(&format!("opaque.frag:{line}: ")), "{message}");
+    assert!(message.contains(&format!("opaque_main.glsl:{line}: ")), "{message}");
     assert!(message.contains("normalise"), "{message}");
     assert_empty(&scratch);
 }

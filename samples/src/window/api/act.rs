@@ -182,6 +182,7 @@ impl Session {
 
     fn freeze(&mut self) -> Result<(), RunError> {
         if self.frozen.take().is_some() {
+            self.search_again()?;
             self.tell("the culling goes on".to_owned());
             return Ok(());
         }
@@ -195,6 +196,7 @@ impl Session {
         }
         self.finish_comparison()?;
         let view = self.renderer.view_of(&self.seen_from);
+        self.search_again()?;
         self.frozen = Some(self.renderer.snapshot(&mut self.history, view)?);
         let boxes = match self.debug_overlay.has_boxes {
             true => "; the boxes are those that stayed hidden",

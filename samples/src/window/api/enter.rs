@@ -80,6 +80,7 @@ impl Session {
         self.waiting_for_lights = None;
         self.selection = Selection::default();
         self.frozen = None;
+        self.search_view = None;
         self.outcome = None;
         self.report = FrameReport::default();
         self.scene += 1;

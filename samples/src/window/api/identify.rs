@@ -1,11 +1,11 @@
 //! A session while an object is selected: it is outlined, and a card explains why it is drawn or
 //! not.
 
-use antumbra::cull::ObjectId;
+use antumbra::{FrameRequest, ObjectId, Strategy, ViewState};
 
 use crate::window::object_text::ObjectCard;
 use crate::window::page_text::Facts;
-use crate::window::selection::Selection;
+use crate::window::selection::{Search, Selection};
 use crate::window::session::Session;
 use bench::run_error::RunError;
 
@@ -20,16 +20,52 @@ impl Session {
     /// Handles the answer that is there by now, then points at the pixel that was clicked last;
     /// never waits.
     pub(crate) fn follow_selection(&mut self) -> Result<(), RunError> {
-        if let Some(before) = self.selection.asked_after {
+        if let Some(Search { after, .. }) = self.selection.search {
             // A newer click waits, so that many of them cannot keep all from being answered.
-            let newer = self.history.pointed().filter(|pointed| pointed.frame > before);
-            let Some(surface) = newer.map(|pointed| pointed.surface) else { return Ok(()) };
-            self.history.point_at(None)?;
+            let newer = self.searching()?.pointed().filter(|pointed| pointed.frame > after);
+            let surface = newer.map(|pointed| pointed.surface);
+            let Some(surface) = surface else { return self.draw_search() };
+            self.searching()?.point_at(None)?;
             self.select(surface.map(|surface| surface.object))?;
         }
         if let Some(pixel) = self.selection.pixel.take_if(|_| self.frame > 0) {
-            self.selection.asked_after = Some(self.history.plan().frame);
-            self.history.point_at(Some(pixel))?;
+            let view = self.searching()?;
+            let after = view.plan().frame;
+            view.point_at(Some(pixel))?;
+            self.selection.search = Some(Search { pixel, after });
+            self.draw_search()?;
+        }
+        Ok(())
+    }
+
+    /// Begins a search again that is on its way, before frames are drawn in another view.
+    pub(crate) fn search_again(&mut self) -> Result<(), RunError> {
+        self.history.point_at(None)?;
+        self.search_view = None;
+        if let Some(Search { pixel, .. }) = self.selection.search.take() {
+            self.selection.pixel.get_or_insert(pixel);
+        }
+        Ok(())
+    }
+
+    /// Returns the view whose frames find objects: the one that is shown, or while the culling is
+    /// frozen one of its own, since its frames lack what was left out.
+    fn searching(&mut self) -> Result<&mut ViewState, RunError> {
+        if self.frozen.is_none() {
+            return Ok(&mut self.history);
+        }
+        let view = match self.search_view.take() {
+            Some(view) => view,
+            None => self.renderer.new_view()?,
+        };
+        Ok(self.search_view.insert(view))
+    }
+
+    /// Draws a frame of the view that finds objects while the culling is frozen. It is not shown.
+    fn draw_search(&mut self) -> Result<(), RunError> {
+        if let Some(view) = &mut self.search_view {
+            let request = FrameRequest::new(Strategy::FRUSTUM, self.seen_from);
+            self.renderer.render(view, &request)?;
         }
         Ok(())
     }
@@ -37,7 +73,7 @@ impl Session {
     fn select(&mut self, object: Option<ObjectId>) -> Result<(), RunError> {
         self.renderer.outline(object)?;
         let pixel = self.selection.pixel;
-        self.selection = Selection { pixel, object, is_new: object.is_some(), asked_after: None };
+        self.selection = Selection { pixel, object, is_new: object.is_some(), search: None };
         self.is_page_stale = true;
         if object.is_none() {
             self.tell("there is no object".to_owned());
