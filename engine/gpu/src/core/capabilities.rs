@@ -238,6 +238,7 @@ impl Optional {
             | Optional::FragmentStores
             | Optional::RepresentativeFragments
             | Optional::SampleDepths
+            | Optional::SectionBuffers
             | Optional::Multiview => true,
             _ => purpose == Purpose::Renderer,
         }
