@@ -6,12 +6,14 @@
 #endif
 
 layout(location = 0) in float along;
+layout(location = 1) in float rise;
 
 layout(location = 0) out vec4 drawn;
 
 void main() {
 #ifdef SECTION_BINDING
-    if (planes_remove(section_state)) discard;
+    // The edge itself is cut, and not the line before it.
+    if (planes_remove_at(section_state, section_place(gl_FragCoord.z - rise))) discard;
 #endif
     if (dash > 0.0 && along - floor(along / period) * period >= dash) discard;
     drawn = vec4(colour, 1.0);

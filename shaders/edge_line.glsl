@@ -60,10 +60,10 @@ Line cut_line(vec4 from, vec4 to) {
         cut(reach[axis] * from.w - from[axis], reach[axis] * to.w - to[axis], part);
         cut(reach[axis] * from.w + from[axis], reach[axis] * to.w + to[axis], part);
     }
-    if (!(part.x < part.y)) return Line(vec3(0.0), vec3(0.0), vec2(0.0));
+    if (!(part.x < part.y)) return Line(vec3(0.0), vec3(0.0), vec2(0.0), vec2(0.0));
     precise vec4 start = part.x > 0.0 ? from + (to - from) * part.x : from;
     precise vec4 end = part.y < 1.0 ? from + (to - from) * part.y : to;
-    return Line(on_screen(start), on_screen(end), vec2(0.0));
+    return Line(on_screen(start), on_screen(end), vec2(0.0), vec2(0.0));
 }
 
 // The signed distance of a point from the plane of an edge and the eye, up to a factor.
@@ -140,7 +140,7 @@ float run_before(Instance instance, uint run, uint segment) {
 
 // Returns the line of a segment; none where it is smooth and no silhouette, or not in view.
 Line line_of(Instance instance, uint number) {
-    Line none = Line(vec3(0.0), vec3(0.0), vec2(0.0));
+    Line none = Line(vec3(0.0), vec3(0.0), vec2(0.0), vec2(0.0));
     Segment segment = segments[number];
     vec3 from = place_of(instance, segment.from);
     vec3 to = place_of(instance, segment.to);
@@ -170,7 +170,9 @@ Line line_of(Instance instance, uint number) {
         rise = max(rise, rise_of_round(line, face_rise, fold_sine(from, to, left, right)));
     }
     rise += 0.5 * vec2(step_at(line.from.z), step_at(line.to.z));
+    vec2 depths = vec2(line.from.z, line.to.z);
     line.from.z = min(line.from.z + rise.x, 1.0);
     line.to.z = min(line.to.z + rise.y, 1.0);
+    line.rise = vec2(line.from.z, line.to.z) - depths;
     return line;
 }

@@ -10,6 +10,7 @@
 #endif
 
 layout(location = 0) out float along;
+layout(location = 1) out float rise;
 
 void main() {
 #ifdef SECTION_BINDING
@@ -24,4 +25,5 @@ void main() {
     Line line = line_of(instances[instance_number], vertex / STRIP_VERTICES);
     gl_Position = strip_corner(line, corner);
     along = strip_along(line, corner);
+    rise = strip_rise(line, corner);
 }

@@ -7,6 +7,7 @@ struct Line {
     vec3 from;  // in pixels; z: depth
     vec3 to;
     vec2 along; // the place of its ends in the pattern of dashes
+    vec2 rise;  // the depth by which its ends are nearer than the edge
 };
 
 const uint STRIP_CORNERS = 8;
@@ -24,6 +25,11 @@ vec4 strip_corner(Line line, uint corner) {
     vec3 end = pair < 2u ? line.from : line.to;
     precise vec2 place = (end.xy + beyond + aside) / half_size;
     return length_px > 0.0 ? vec4(place, end.z, 1.0) : vec4(-2.0, -2.0, 0.0, 1.0);
+}
+
+// Returns the depth by which a corner is nearer than the edge.
+float strip_rise(Line line, uint corner) {
+    return corner / 2u < 2u ? line.rise.x : line.rise.y;
 }
 
 // Returns a corner's place in the pattern of dashes.

@@ -11,6 +11,7 @@
 layout(location = 0) out vec3 line_from;
 layout(location = 1) out vec3 line_to;
 layout(location = 2) out vec2 line_along;
+layout(location = 3) out vec2 line_rise;
 
 void main() {
 #ifdef SECTION_BINDING
@@ -20,6 +21,7 @@ void main() {
     line_from = line.from;
     line_to = line.to;
     line_along = line.along;
+    line_rise = line.rise;
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
     gl_PointSize = 1.0;
 }

@@ -47,15 +47,19 @@ bool plane_keeps_of(uint state, uint number, vec3 place) {
     return keeps_all || (!removes_all && plane_keeps(number, place));
 }
 
-// Whether section planes remove a fragment of an object, of either side of it.
-bool planes_remove(uint state) {
+// Whether section planes remove a place of an object.
+bool planes_remove_at(uint state, vec3 place) {
     uint count = sections[0].count;
     uint keeping = 0u;
-    vec3 place = section_place(gl_FragCoord.z);
     for (uint number = 0u; number < count; ++number) {
         keeping += plane_keeps_of(state, number, place) ? 1u : 0u;
     }
     return sections[0].mode == SECTION_UNION ? keeping == 0u && count > 0u : keeping < count;
+}
+
+// Whether section planes remove a fragment of an object, of either side of it.
+bool planes_remove(uint state) {
+    return planes_remove_at(state, section_place(gl_FragCoord.z));
 }
 
 // Whether a fragment of an object is not drawn: it is removed, or of a back that does not show.

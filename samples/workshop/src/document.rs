@@ -48,8 +48,8 @@ pub enum CommandError {
     /// A lid whose parts are apart.
     #[error("the parts are apart: move them back (assemble) before the lid turns")]
     Exploded,
-    /// A model of too many parts to show some of them transparent.
-    #[error("parts can be shown transparent in models of at most {0} parts")]
+    /// A model of too many parts to show some of them transparent, or with transparent parts.
+    #[error("parts are shown transparent in models of at most {0} parts, none of them transparent")]
     TooManyToGhost(usize),
     /// Parts that cannot collide.
     #[error(transparent)]

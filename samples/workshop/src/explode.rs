@@ -17,8 +17,8 @@ const GOLDEN_ANGLE_RAD: f64 = 2.399_963_229_728_653;
 /// The share of the assembly's size under which a box counts as central.
 const CENTRAL_SHARE: f64 = 1e-6;
 
-/// The share of the assembly's size by which gaps are larger than asked, for the rounding of what
-/// is added to single-precision transforms.
+/// The share of sizes and displacements by which gaps are larger than asked, for the rounding of
+/// displacements and of what they are added to, in single precision.
 const ROUNDING_SHARE: f64 = 1e-6;
 
 /// Returns a displacement for each box, in metres: displaced boxes lie at least `gap_m` apart along
@@ -27,7 +27,8 @@ pub fn explode(boxes: &[Aabb], gap_m: f32) -> Vec<Vec3> {
     let all = boxes.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
     let middle = centre(&all);
     let size = (all.max - all.min).as_dvec3().length();
-    let gap = f64::from(gap_m.max(0.0)) + size * ROUNDING_SHARE;
+    let gap = f64::from(gap_m.max(0.0));
+    let mut reach = size;
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     let distance = |index: &usize| centre(&boxes[*index]).distance_squared(middle);
     order.sort_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.cmp(b)));
@@ -42,7 +43,10 @@ pub fn explode(boxes: &[Aabb], gap_m: f32) -> Vec<Vec3> {
         } else {
             spiral_direction(rank, boxes.len())
         };
-        let distance = free_distance(&bounds, direction, &placed, gap);
+        let least = free_distance(&bounds, direction, &placed, gap);
+        reach = reach.max(size + least * (1.0 + ROUNDING_SHARE));
+        let roomy = gap + reach * ROUNDING_SHARE;
+        let distance = free_distance(&bounds, direction, &placed, roomy);
         let displacement = (direction * distance).as_vec3();
         placed.push(bounds.moved(displacement.as_dvec3()));
         displacements[index] = displacement;
@@ -175,7 +179,7 @@ mod tests {
         fn no_two_boxes_are_nearer_than_the_gap(
             places in prop::collection::vec(
                 (prop::array::uniform3(-3.0_f32..3.0), 0.0_f32..2.0), 1..24),
-            gap_m in 0.01_f32..1.0,
+            gap_m in prop_oneof![0.01_f32..1.0, 1.0_f32..1.0e3],
         ) {
             let boxes: Vec<Aabb> =
                 places.iter().map(|(middle, half)| cube((*middle).into(), *half)).collect();

@@ -19,6 +19,9 @@ pub const TOUCH_M: f32 = 2.0e-5;
 /// few thousandths of a unit for points: in metres they find contacts where there are none.
 const MM: f32 = 1000.0;
 
+/// The step by which parts are turned that interpenetrate, in radians.
+const ENTANGLED_STEP_RAD: f32 = 0.002;
+
 /// The most measurements of one turn. A turn that needs more ends where it is, before contact.
 const MOST_MEASUREMENTS: usize = 20_000;
 
@@ -117,7 +120,8 @@ impl LidCollision {
     }
 
     /// Turns from one angle towards another, within the limits of the hinge, until parts touch that
-    /// are both there. Parts that touch at the start and separate do not hinder it.
+    /// are both there. Parts that touch at the start and separate do not hinder it, nor do those
+    /// that interpenetrate there, since one of them was not there before, until they are apart.
     pub fn turn(&self, from_rad: f32, to_rad: f32, is_there: &dyn Fn(usize) -> bool) -> Turn {
         let Hinge { closed_rad, open_rad, .. } = self.hinge;
         let to_rad = to_rad.clamp(closed_rad, open_rad);
@@ -129,6 +133,7 @@ impl LidCollision {
         };
         let pairs: Vec<Pair> = self.pairs.iter().copied().filter(are_there).collect();
         let mut safe_rad = vec![0.0_f32; pairs.len()];
+        let mut were_apart = vec![false; pairs.len()];
         for _ in 0..MOST_MEASUREMENTS {
             let first = safe_rad.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
             let Some((index, &turned_rad)) = first.filter(|(_, safe)| **safe < whole_rad) else {
@@ -137,6 +142,11 @@ impl LidCollision {
             let pair = pairs[index];
             let step_rad = TOUCH_M / pair.radius_m;
             let distance_m = self.distance_m(pair, from_rad + sign * turned_rad);
+            if distance_m == 0.0 && !were_apart[index] {
+                safe_rad[index] += ENTANGLED_STEP_RAD;
+                continue;
+            }
+            were_apart[index] = true;
             if distance_m > TOUCH_M {
                 // Up to where half of the touching distance is left: then it counts as touching.
                 safe_rad[index] += (distance_m - 0.5 * TOUCH_M) / pair.radius_m;
@@ -279,6 +289,15 @@ mod tests {
         assert_eq!(back, Turn { angle_rad: 0.0, contact: None });
         let further = collision.turn(touching_rad, 1.5, &|_| true);
         assert!(further.contact.is_some() && (further.angle_rad - touching_rad).abs() < 1e-4);
+    }
+
+    #[test]
+    fn what_comes_back_amid_a_part_lets_it_out() {
+        let collision = collision(&[body(), ceiling()]);
+        let beyond = collision.turn(0.0, 1.0, &|part| part != 3);
+        assert_eq!(beyond, Turn { angle_rad: 1.0, contact: None });
+        let back = collision.turn(1.0, 0.0, &|_| true);
+        assert_eq!(back, Turn { angle_rad: 0.0, contact: None });
     }
 
     #[test]

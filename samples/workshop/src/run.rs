@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use antumbra::Camera;
-use antumbra::gpu::{Device, DeviceOptions, Optional, SampleCount};
+use antumbra::gpu::{Device, DeviceOptions};
 use antumbra::import::LoadOptions;
 use bench::choices::DeviceChoice;
 use bench::outputs::{OutputFile, Outputs, write_file};
@@ -56,8 +56,8 @@ pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), Run
         steps: Vec::with_capacity(lines.len()),
         validation_messages: 0,
     };
-    let samples = arguments.msaa.unwrap_or_else(|| samples_of(&device));
-    let mut session = WorkshopSession::new(&device, document, path, arguments.size, samples)?;
+    let mut session =
+        WorkshopSession::new(&device, document, path, arguments.size, arguments.msaa)?;
     let mut failed = Ok(());
     for ScriptLine { text, command } in &lines {
         match session.act(command) {
@@ -88,14 +88,6 @@ pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), Run
     failed
 }
 
-/// Returns the most samples per pixel that a device draws exactly.
-fn samples_of(device: &Device) -> SampleCount {
-    if device.capabilities().has(Optional::SampleDepths) {
-        return SampleCount::Four;
-    }
-    SampleCount::One
-}
-
 /// Makes or reads the model.
 fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
     match arguments.model.as_str() {
@@ -115,9 +107,10 @@ fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
             })
         }
         file if file.contains(['.', '/']) => {
-            let loaded = scene_file::load(Path::new(file), &LoadOptions::default(), &mut |_| {
-                ControlFlow::Continue(())
-            })?;
+            // Parts are whole: pieces would be picked, cut open and taken apart one by one.
+            let options = LoadOptions { cut_above_triangles: None, ..LoadOptions::default() };
+            let loaded =
+                scene_file::load(Path::new(file), &options, &mut |_| ControlFlow::Continue(()))?;
             for note in &loaded.notes {
                 tracing::warn!("{note}");
             }

@@ -14,6 +14,9 @@ use bench::terminal::shown;
 
 use crate::orbit::CubeView;
 
+/// The largest gap of an exploded view: a kilometre, beyond which places lose millimetres.
+const MOST_GAP_MM: f32 = 1.0e6;
+
 /// The largest script that is read.
 const MOST_BYTES: u64 = 4 << 20;
 
@@ -121,8 +124,8 @@ impl Command {
             "lid" => number(rest, "an angle in degrees").map(|degrees| Self::Lid { degrees }),
             "explode" => {
                 let gap_mm = number(rest, "a gap in millimetres")?;
-                if gap_mm < 0.0 {
-                    return Err(format!("a gap is 0 mm or more, not {gap_mm}"));
+                if !(0.0..=MOST_GAP_MM).contains(&gap_mm) {
+                    return Err(format!("a gap is 0 to {MOST_GAP_MM} mm, not {gap_mm}"));
                 }
                 Ok(Self::Explode { gap_mm })
             }
@@ -280,7 +283,8 @@ mod tests {
             ("pick -1 2", "2 whole numbers"),
             ("distance 1 2 3", "4 whole numbers"),
             ("lid NaN", "an angle in degrees is a number"),
-            ("explode -1", "0 mm or more"),
+            ("explode -1", "0 to 1000000 mm"),
+            ("explode 1e38", "0 to 1000000 mm"),
             ("explode", "a gap in millimetres is a number"),
             ("isolate all", "takes nothing"),
             ("view up", "is no view"),

@@ -50,7 +50,7 @@ impl WorkshopSession {
     ) -> Result<Self, RunError> {
         let pixels = [size.width, size.height];
         let viewport = ModelViewport::new(device, &document, pixels, samples)?;
-        let mut session = Self { camera: fitted(&document), document, viewport, path, size };
+        let mut session = Self { camera: fitted(&document, size), document, viewport, path, size };
         session.follow()?;
         Ok(session)
     }
@@ -81,7 +81,7 @@ impl WorkshopSession {
                 CommandOutcome::Done
             }
             Command::Fit => {
-                let OrbitCamera { target, height_m, .. } = fitted(&self.document);
+                let OrbitCamera { target, height_m, .. } = fitted(&self.document, self.size);
                 self.camera = OrbitCamera { target, height_m, ..self.camera };
                 CommandOutcome::Done
             }
@@ -163,6 +163,11 @@ impl WorkshopSession {
 
     /// Selects the part under a pixel.
     fn pick(&mut self, at: Pixel) -> Result<CommandOutcome, RunError> {
+        if at.x >= self.size.width || at.y >= self.size.height {
+            let reason =
+                format!("the image has {} pixels, and none at {}, {}", self.size, at.x, at.y);
+            return Ok(CommandOutcome::Refused(reason));
+        }
         let Some((object, point)) = self.hit(at)? else {
             self.document.select([]);
             return Ok(CommandOutcome::Picked(None));
@@ -253,10 +258,13 @@ impl WorkshopSession {
 }
 
 /// Returns a camera that sees all that is shown, from a corner.
-fn fitted(document: &Document) -> OrbitCamera {
+fn fitted(document: &Document, size: FrameSize) -> OrbitCamera {
     let bounds = document.shown_bounds();
     let middle = (bounds.min + bounds.max) * 0.5;
-    OrbitCamera::around(middle, (bounds.max - bounds.min).length() * 0.5)
+    let camera = OrbitCamera::around(middle, (bounds.max - bounds.min).length() * 0.5);
+    // In images that are higher than wide, the width decides.
+    let narrow = (size.height as f32 / size.width as f32).max(1.0);
+    OrbitCamera { height_m: camera.height_m * narrow, ..camera }
 }
 
 /// Returns the camera at a place of a closed path: between two of its cameras.

@@ -63,8 +63,8 @@ impl ModelViewport {
         size: [u32; 2],
         samples: SampleCount,
     ) -> Result<Self, Error> {
-        let scene = with_ghosts(document.scene.clone());
-        let has_ghosts = scene.surfaces.as_ref().is_some_and(|it| !it.transparent.is_empty());
+        let mut scene = document.scene.clone().with_surfaces();
+        let has_ghosts = add_ghosts(&mut scene);
         let options = RendererOptions { size, samples, ..RendererOptions::default() };
         let renderer = Renderer::new(device, &scene, &options)?;
         let placed = |object: ObjectId| Placed {
@@ -235,13 +235,12 @@ impl ModelViewport {
     }
 }
 
-/// Returns a scene with a transparent object for each of its objects, shown nowhere, if there are
-/// few enough.
-fn with_ghosts(scene: Scene) -> Scene {
-    let mut scene = scene.with_surfaces();
-    let Scene { meshes, objects, surfaces: Some(surfaces), .. } = &mut scene else { return scene };
+/// Adds a transparent object for each object of a scene, shown nowhere. Returns false, and changes
+/// nothing, where there are too many objects, or transparent ones of the scene's own.
+fn add_ghosts(scene: &mut Scene) -> bool {
+    let Scene { meshes, objects, surfaces: Some(surfaces), .. } = scene else { return false };
     if objects.len() > MOST_GHOSTED_OBJECTS || !surfaces.transparent.is_empty() {
-        return scene;
+        return false;
     }
     let first_mesh = meshes.len() as u32;
     let first_material = surfaces.materials.len() as u32;
@@ -267,5 +266,5 @@ fn with_ghosts(scene: Scene) -> Scene {
         transform: NOWHERE,
         ..*object
     }));
-    scene
+    true
 }

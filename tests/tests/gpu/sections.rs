@@ -2,6 +2,7 @@
 //! size, and every strategy draws the same.
 
 mod dragged;
+mod lines;
 mod lit;
 mod picked;
 

@@ -14,6 +14,9 @@ pub(crate) struct PartMaterial {
     pub(crate) colour: [f32; 3],
 }
 
+/// The most bytes of a name in OBJ and MTL files.
+pub(super) const MOST_NAME_BYTES: usize = 1024;
+
 /// The colour of what has no material.
 pub(crate) const GREY: [f32; 3] = [0.5, 0.5, 0.5];
 
@@ -39,6 +42,8 @@ pub(super) fn read(
         match words.next() {
             Some("newmtl") => {
                 let name = text.trim_start().strip_prefix("newmtl").unwrap_or_default().trim();
+                // Nothing can name a longer one.
+                let name = if name.len() > MOST_NAME_BYTES { "" } else { name };
                 found.push(PartMaterial { name: name.to_owned(), colour: GREY });
             }
             Some("Kd") => {

@@ -2,12 +2,12 @@
 //! it is read, with its number. The crate `tobj` was looked at: its 4.0.5 panics on a colour of one
 //! number, and its errors name no line.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use glam::Vec3;
 
-use super::materials::{self, PartMaterial};
+use super::materials::{self, MOST_NAME_BYTES, PartMaterial};
 use super::{Corner, MeshFile, MeshPart, Reading};
 use crate::error::{Fault, Reason, quoted};
 use crate::memory;
@@ -28,6 +28,8 @@ struct Reader {
     known: HashMap<(String, Option<usize>), usize>,
     part: Option<usize>,
     material_names: HashMap<String, usize>,
+    /// The names of the files of materials that were read, each once.
+    libraries: HashSet<String>,
     /// The corners of the current face.
     face: Vec<Corner>,
 }
@@ -40,7 +42,7 @@ pub(super) fn read(
 ) -> Result<MeshFile, Fault> {
     // A line of a face or a position takes less than twice its bytes per corner and some more for
     // what refers to it.
-    memory::ask(bytes.len() as u64 * 16).map_err(|reason| reason.of("the text"))?;
+    memory::ask(bytes.len() as u64 * 40).map_err(|reason| reason.of("the text"))?;
     let mut reader = Reader::default();
     let mut read = 0;
     let mut joined = Vec::new();
@@ -109,6 +111,9 @@ impl Reader {
         let mut words = text.split_whitespace();
         let first = words.next().unwrap_or_default();
         let rest = text.trim_start().strip_prefix(first).unwrap_or_default().trim();
+        if rest.len() > MOST_NAME_BYTES && matches!(first, "o" | "g" | "usemtl" | "mtllib") {
+            return Err(line.malformed(format!("a name has more than {MOST_NAME_BYTES} bytes")));
+        }
         match first {
             // A position that is no number is told by the face that uses it.
             "v" => {
@@ -132,7 +137,9 @@ impl Reader {
                     reading.notes.count(what, 1, || format!("material {}", quoted(rest)));
                 }
             }
-            "mtllib" => self.library(rest, line, reading)?,
+            "mtllib" if self.libraries.insert(rest.to_owned()) => {
+                self.library(rest, line, reading)?;
+            }
             "l" | "p" => {
                 reading.notes.count("points and lines are left out", 1, || line.place());
             }
