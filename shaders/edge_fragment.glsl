@@ -3,10 +3,11 @@
 
 #ifdef SECTION_BINDING
 #include "section_fragment.glsl"
+
+layout(location = 1) in float rise;
 #endif
 
 layout(location = 0) in float along;
-layout(location = 1) in float rise;
 
 layout(location = 0) out vec4 drawn;
 

@@ -10,7 +10,9 @@
 #endif
 
 layout(location = 0) out float along;
+#ifdef SECTION_BINDING
 layout(location = 1) out float rise;
+#endif
 
 void main() {
 #ifdef SECTION_BINDING
@@ -25,5 +27,7 @@ void main() {
     Line line = line_of(instances[instance_number], vertex / STRIP_VERTICES);
     gl_Position = strip_corner(line, corner);
     along = strip_along(line, corner);
+#ifdef SECTION_BINDING
     rise = strip_rise(line, corner);
+#endif
 }

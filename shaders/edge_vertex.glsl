@@ -11,7 +11,9 @@
 layout(location = 0) out vec3 line_from;
 layout(location = 1) out vec3 line_to;
 layout(location = 2) out vec2 line_along;
+#ifdef SECTION_BINDING
 layout(location = 3) out vec2 line_rise;
+#endif
 
 void main() {
 #ifdef SECTION_BINDING
@@ -21,7 +23,9 @@ void main() {
     line_from = line.from;
     line_to = line.to;
     line_along = line.along;
+#ifdef SECTION_BINDING
     line_rise = line.rise;
+#endif
     gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
     gl_PointSize = 1.0;
 }
