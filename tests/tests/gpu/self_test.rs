@@ -232,7 +232,12 @@ mod shaders {
                 moved("gl_Position.x += 0.02 * gl_Position.w;"),
                 ProxyCoverage,
             ),
-            ("surface.vert", shaded, format!("{shaded} gl_Position.z *= 1.00001;"), RepeatedDepth),
+            (
+                "surface_vertex.glsl",
+                shaded,
+                format!("{shaded} gl_Position.z *= 1.00001;"),
+                RepeatedDepth,
+            ),
         ];
         for (name, from, to, expected) in lies {
             let shaders = Some(changed(name, from, &to));
