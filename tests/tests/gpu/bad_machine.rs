@@ -187,6 +187,28 @@ fn any_call_that_makes_something_may_fail() {
 }
 
 #[test]
+fn a_full_descriptor_pool_is_followed_by_another() {
+    let (stage, options) = (Stage::new(), options(Predication::Instances));
+    let call = c"vkAllocateDescriptorSets";
+    let count = clean_calls(&stage, &options, &[call])[0];
+    let code = vk::Result::ERROR_OUT_OF_POOL_MEMORY;
+    let mut followed = 0;
+    for number in count - 24..count {
+        let fault = Fault { call, fails: number..number + 1, code };
+        match stage.walk_with(fault, &options, Goes::Home) {
+            None => followed += 1,
+            // A pool that has no room for its first set.
+            Some(sentence) => assert!(sentence.contains("vkAllocateDescriptorSets"), "{sentence}"),
+        }
+    }
+    assert!(followed > 12, "{followed} of 24");
+    let fault = Fault { call, fails: count - 2..count, code };
+    let sentence = stage.walk_with(fault, &options, Goes::Home);
+    assert!(sentence.is_some(), "a new pool without room is an error");
+    stage.finish();
+}
+
+#[test]
 fn a_lost_device_is_an_error_with_the_call_and_the_code() {
     let (stage, options) = (Stage::new(), options(Predication::Conditional));
     let counts = clean_calls(&stage, &options, CALLS_THAT_RUN);

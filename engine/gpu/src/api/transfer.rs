@@ -10,10 +10,8 @@ use crate::core::order::Order;
 use crate::memory::buffer::{Buffer, MemoryKind};
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;
-use crate::record::pools::{
-    allocate_commands, begin_commands, create_command_pool, create_descriptor_pool, end_commands,
-};
-use crate::record::resubmission::Resubmission;
+use crate::record::descriptor_pools::DescriptorPools;
+use crate::record::pools::{allocate_commands, begin_commands, create_command_pool, end_commands};
 
 /// The size of a staging buffer: an upload goes in pieces, so that a large scene needs no second
 /// copy of itself.
@@ -78,7 +76,7 @@ impl Device {
     /// A failure while recording, a failed call, or a timeout.
     pub fn run_once(&self, name: &str, record: impl FnOnce(&Commands)) -> Result<(), Error> {
         let pool = create_command_pool(self, name)?;
-        let descriptors = create_descriptor_pool(self, name)
+        let descriptors = DescriptorPools::new(self, name)
             .inspect_err(|_| self.retire(Retired::CommandPool(pool)))?;
         let recording = self.open_recording();
         let recorded = record_once(self, pool, name, recording.number, descriptors, record);
@@ -90,7 +88,6 @@ impl Device {
         drop(recording);
         // The commands go with their pool once the tick of the submit is over.
         self.retire(Retired::CommandPool(pool));
-        self.retire(Retired::DescriptorPool(descriptors));
         self.wait(submitted?, WaitFor::Transfer)?;
         self.free_retired()
     }
@@ -101,12 +98,12 @@ fn record_once(
     pool: vk::CommandPool,
     name: &str,
     recording: RecordingId,
-    descriptors: vk::DescriptorPool,
+    descriptors: DescriptorPools,
     record: impl FnOnce(&Commands),
 ) -> Result<Commands, Error> {
     let buffer = allocate_commands(device, pool, name)?;
     begin_commands(device, buffer)?;
-    let commands = Commands::new(device, buffer, recording, descriptors, None, Resubmission::Never);
+    let commands = Commands::new(device, buffer, recording, descriptors);
     record(&commands);
     commands.check()?;
     end_commands(device, buffer)?;

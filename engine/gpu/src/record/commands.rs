@@ -1,6 +1,6 @@
 //! Recording: the few commands the engine uses, each in one place.
 
-use std::cell::{Cell, OnceCell};
+use std::cell::{Cell, OnceCell, RefCell};
 use std::sync::Arc;
 
 use ash::vk;
@@ -15,6 +15,7 @@ use crate::core::tick::Tick;
 use crate::memory::buffer::BufferSlice;
 use crate::record::access::{Access, LayoutChange, MemoryBarrier};
 use crate::record::attachments::COLOURS_MAX;
+use crate::record::descriptor_pools::DescriptorPools;
 use crate::record::label::LabelName;
 use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 use crate::record::resubmission::Resubmission;
@@ -38,7 +39,7 @@ pub struct Commands {
     device: Device,
     raw: vk::CommandBuffer,
     recording: RecordingId,
-    descriptors: vk::DescriptorPool,
+    descriptors: RefCell<DescriptorPools>,
     timer: Option<Arc<PassTimer>>,
     resubmission: Resubmission,
     failed: Cell<Option<Failure>>,
@@ -51,23 +52,44 @@ impl Commands {
         device: &Device,
         raw: vk::CommandBuffer,
         recording: RecordingId,
-        descriptors: vk::DescriptorPool,
+        descriptors: DescriptorPools,
+    ) -> Self {
+        Self {
+            device: device.clone(),
+            raw,
+            recording,
+            descriptors: RefCell::new(descriptors),
+            timer: None,
+            resubmission: Resubmission::Never,
+            failed: Cell::new(None),
+            ticket: OnceCell::new(),
+        }
+    }
+
+    /// Starts another recording in `raw`; the tick of the one before is over.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) fn restart(
+        &mut self,
+        raw: vk::CommandBuffer,
+        recording: RecordingId,
         timer: Option<Arc<PassTimer>>,
         resubmission: Resubmission,
-    ) -> Self {
-        let device = device.clone();
-        let (failed, ticket) = (Cell::new(None), OnceCell::new());
-        Self { device, raw, recording, descriptors, timer, resubmission, failed, ticket }
+    ) -> Result<(), Error> {
+        self.descriptors.get_mut().reset()?;
+        self.recording = recording;
+        self.timer = timer;
+        self.resubmission = resubmission;
+        self.next_piece(raw);
+        Ok(())
     }
 
     /// Goes on with the same recording in another command buffer, once this one is submitted.
-    pub(crate) fn next_piece(
-        &self,
-        raw: vk::CommandBuffer,
-        descriptors: vk::DescriptorPool,
-    ) -> Self {
-        let (timer, resubmission) = (self.timer.clone(), self.resubmission);
-        Self::new(&self.device, raw, self.recording, descriptors, timer, resubmission)
+    pub(crate) fn next_piece(&mut self, raw: vk::CommandBuffer) {
+        self.raw = raw;
+        self.failed = Cell::new(None);
+        self.ticket = OnceCell::new();
     }
 
     /// Returns the submits that the commands get beyond the first.
@@ -81,9 +103,15 @@ impl Commands {
         self.raw
     }
 
-    /// Returns the pool of the descriptor sets that these commands bind.
-    pub(crate) fn descriptors(&self) -> vk::DescriptorPool {
-        self.descriptors
+    /// Allocates a descriptor set for these commands.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) fn allocate_set(
+        &self,
+        layout: vk::DescriptorSetLayout,
+    ) -> Result<vk::DescriptorSet, Error> {
+        self.descriptors.borrow_mut().allocate(layout)
     }
 
     /// Returns the identity of the recording: that of a frame with all its pieces.

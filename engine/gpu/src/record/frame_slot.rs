@@ -11,9 +11,8 @@ use crate::core::order::Order;
 use crate::core::tick::Tick;
 use crate::memory::upload::Uploads;
 use crate::record::commands::Commands;
-use crate::record::pools::{
-    allocate_commands, begin_commands, create_command_pool, create_descriptor_pool, end_commands,
-};
+use crate::record::descriptor_pools::DescriptorPools;
+use crate::record::pools::{allocate_commands, begin_commands, create_command_pool, end_commands};
 use crate::record::resubmission::Resubmission;
 use crate::record::timing::{FrameTimer, PassTime, PassTimer};
 
@@ -30,7 +29,6 @@ pub(super) struct Slot {
     pub(super) name: String,
     /// The command buffers; `None` where a host brings its own.
     pub(super) own: Option<OwnCommands>,
-    pub(super) descriptors: Vec<vk::DescriptorPool>,
     pub(super) commands: Commands,
     pub(super) uploads: Uploads,
     pub(super) timer: Option<Arc<PassTimer>>,
@@ -65,9 +63,6 @@ impl OwnCommands {
 /// The error of a frame in the command buffer of a host that is submitted or waited for.
 pub(super) const NO_QUEUE: Error = Error::NoQueue { what: "the submit of a frame" };
 
-/// The number of pieces of a frame that share a descriptor pool; the next ones get another.
-const PIECES_PER_DESCRIPTOR_POOL: usize = 32;
-
 impl Slot {
     pub(super) fn new(device: &Device, index: usize) -> Result<Self, Error> {
         let name = format!("frame {index}");
@@ -75,22 +70,14 @@ impl Slot {
             true => Some(OwnCommands::new(device, &name)?),
             false => None,
         };
-        let descriptors = create_descriptor_pool(device, &name).inspect_err(|_| {
+        let descriptors = DescriptorPools::new(device, &name).inspect_err(|_| {
             own.iter().for_each(|own| device.retire(Retired::CommandPool(own.pool)));
         })?;
         let buffer = vk::CommandBuffer::null();
         Ok(Self {
             device: device.clone(),
             own,
-            descriptors: vec![descriptors],
-            commands: Commands::new(
-                device,
-                buffer,
-                RecordingId::default(),
-                descriptors,
-                None,
-                Resubmission::Never,
-            ),
+            commands: Commands::new(device, buffer, RecordingId::default(), descriptors),
             uploads: Uploads::new(device, &name),
             name,
             timer: None,
@@ -114,14 +101,9 @@ impl Slot {
         let raw = self.device.raw();
         if let Some(own) = &mut self.own {
             own.piece = 0;
-            // SAFETY: the slot's tick is over, so nothing of it is in use, here and below.
+            // SAFETY: the slot's tick is over, so nothing of it is in use.
             unsafe { raw.reset_command_pool(own.pool, vk::CommandPoolResetFlags::empty()) }
                 .called("vkResetCommandPool")?;
-        }
-        for pool in &self.descriptors {
-            // SAFETY: as above.
-            unsafe { raw.reset_descriptor_pool(*pool, vk::DescriptorPoolResetFlags::empty()) }
-                .called("vkResetDescriptorPool")?;
         }
         if let Some(timer) = &self.timer
             && std::mem::take(&mut self.is_timed)
@@ -133,19 +115,12 @@ impl Slot {
         self.timing = timing;
         self.whole.read(self.tick);
         self.uploads.reset()?;
-        let (buffer, descriptors) = match (hosts, self.descriptors.first()) {
-            (Some(buffer), Some(descriptors)) => (buffer, *descriptors),
-            _ => self.begin_piece()?,
+        let buffer = match hosts {
+            Some(buffer) => buffer,
+            None => self.begin_piece()?,
         };
         let timer = self.timer.clone().filter(|_| self.timing == SlotTiming::Timed);
-        self.commands = Commands::new(
-            &self.device,
-            buffer,
-            recording,
-            descriptors,
-            timer.clone(),
-            resubmission,
-        );
+        self.commands.restart(buffer, recording, timer.clone(), resubmission)?;
         if let Some(timer) = &timer {
             timer.reset(&self.commands);
         }
@@ -153,20 +128,15 @@ impl Slot {
     }
 
     /// Begins the command buffer of the next piece, which is created when it is first needed.
-    fn begin_piece(&mut self) -> Result<(vk::CommandBuffer, vk::DescriptorPool), Error> {
+    fn begin_piece(&mut self) -> Result<vk::CommandBuffer, Error> {
         let Some(own) = &mut self.own else { return Err(NO_QUEUE) };
         if own.piece == own.pieces.len() {
             let name = format!("{}, piece {}", self.name, own.piece);
             own.pieces.push(allocate_commands(&self.device, own.pool, &name)?);
         }
-        let pool = own.piece / PIECES_PER_DESCRIPTOR_POOL;
-        if pool == self.descriptors.len() {
-            let name = format!("{}, descriptors {pool}", self.name);
-            self.descriptors.push(create_descriptor_pool(&self.device, &name)?);
-        }
-        let (buffer, descriptors) = (own.pieces[own.piece], self.descriptors[pool]);
+        let buffer = own.pieces[own.piece];
         begin_commands(&self.device, buffer)?;
-        Ok((buffer, descriptors))
+        Ok(buffer)
     }
 
     /// Goes on with the recording in another piece, after a submit.
@@ -174,8 +144,8 @@ impl Slot {
         if let Some(own) = &mut self.own {
             own.piece += 1;
         }
-        let (buffer, descriptors) = self.begin_piece()?;
-        self.commands = self.commands.next_piece(buffer, descriptors);
+        let buffer = self.begin_piece()?;
+        self.commands.next_piece(buffer);
         Ok(())
     }
 
@@ -194,9 +164,6 @@ impl Slot {
 
 impl Drop for Slot {
     fn drop(&mut self) {
-        for pool in &self.descriptors {
-            self.device.retire(Retired::DescriptorPool(*pool));
-        }
         if let Some(own) = &self.own {
             self.device.retire(Retired::CommandPool(own.pool));
         }

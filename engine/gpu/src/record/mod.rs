@@ -4,6 +4,7 @@ pub(crate) mod access;
 pub(crate) mod api;
 pub(crate) mod attachments;
 pub(crate) mod commands;
+pub(crate) mod descriptor_pools;
 pub(crate) mod finished_image;
 pub(crate) mod frame_slot;
 pub(crate) mod frame_stamps;

@@ -1,16 +1,9 @@
-//! Pools of command buffers and of descriptor sets, and the buffers that are recorded.
+//! Pools of command buffers, and the buffers that are recorded.
 
 use ash::vk;
 
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
-
-/// The number of storage-buffer sets that a frame may bind; a frame binds a few per pass.
-const DESCRIPTOR_SETS: u32 = 256;
-/// The number of storage buffers over all those sets.
-const DESCRIPTORS: u32 = 1024;
-/// The number of textures over all those sets.
-const TEXTURE_DESCRIPTORS: u32 = 1024;
 
 pub(crate) fn create_command_pool(device: &Device, name: &str) -> Result<vk::CommandPool, Error> {
     let info = vk::CommandPoolCreateInfo::default()
@@ -50,21 +43,4 @@ pub(crate) fn begin_commands(device: &Device, buffer: vk::CommandBuffer) -> Resu
 pub(crate) fn end_commands(device: &Device, buffer: vk::CommandBuffer) -> Result<(), Error> {
     // SAFETY: the buffer is being recorded.
     unsafe { device.raw().end_command_buffer(buffer) }.called("vkEndCommandBuffer")
-}
-
-pub(crate) fn create_descriptor_pool(
-    device: &Device,
-    name: &str,
-) -> Result<vk::DescriptorPool, Error> {
-    let size = |ty, descriptor_count| vk::DescriptorPoolSize { ty, descriptor_count };
-    let sizes = [
-        size(vk::DescriptorType::STORAGE_BUFFER, DESCRIPTORS),
-        size(vk::DescriptorType::COMBINED_IMAGE_SAMPLER, TEXTURE_DESCRIPTORS),
-    ];
-    let info = vk::DescriptorPoolCreateInfo::default().max_sets(DESCRIPTOR_SETS).pool_sizes(&sizes);
-    // SAFETY: a plain descriptor pool.
-    let pool = unsafe { device.raw().create_descriptor_pool(&info, device.callbacks()) }
-        .called("vkCreateDescriptorPool")?;
-    device.name(pool, name);
-    Ok(pool)
 }

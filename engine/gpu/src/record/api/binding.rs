@@ -136,25 +136,22 @@ impl Commands {
         if storage.is_empty() && textures.is_empty() && arrays.is_empty() {
             return;
         }
-        let layouts = [pipeline.storage];
-        let info = vk::DescriptorSetAllocateInfo::default()
-            .descriptor_pool(self.descriptors())
-            .set_layouts(&layouts);
-        let mut set = vk::DescriptorSet::null();
-        // The function itself: ash would put the set on the heap.
-        let allocate = raw.fp_v1_0().allocate_descriptor_sets;
-        // SAFETY: the pool belongs to these commands, and was reset after the tick of earlier ones;
-        // there is room for the one set asked for.
-        let code = unsafe { allocate(raw.handle(), &raw const info, &raw mut set) };
-        if code != vk::Result::SUCCESS {
-            self.fail(Failure::Call("vkAllocateDescriptorSets", code));
-            return;
-        }
+        let set = match self.allocate_set(pipeline.storage) {
+            Ok(set) => set,
+            Err(error) => return self.fail_call(&error),
+        };
         self.write_descriptors(set, storage, textures, arrays);
         // SAFETY: the set was made from this pipeline's layout.
         unsafe {
             raw.cmd_bind_descriptor_sets(self.raw(), point, pipeline.layout, 0, &[set], &[]);
         }
+    }
+
+    fn fail_call(&self, error: &Error) {
+        self.fail(match *error {
+            Error::Vulkan { call, code } => Failure::Call(call, code),
+            _ => Failure::Call("vkAllocateMemory", vk::Result::ERROR_OUT_OF_DEVICE_MEMORY),
+        });
     }
 
     /// Binds the numbers of the instances that the first of the buffers has room for.
@@ -163,11 +160,7 @@ impl Commands {
         let count = bytes / u64::from(pipeline.instance_bytes.max(1));
         let numbers = match instance_numbers(self.device(), count) {
             Ok(numbers) => numbers,
-            Err(Error::Vulkan { call, code }) => return self.fail(Failure::Call(call, code)),
-            Err(_) => {
-                let code = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
-                return self.fail(Failure::Call("vkAllocateMemory", code));
-            }
+            Err(error) => return self.fail_call(&error),
         };
         let raw = self.device().raw();
         // SAFETY: the buffer lives at least until this frame is over, also if a larger one takes
