@@ -63,11 +63,12 @@ float dither(uvec2 pixel) {
     return ((float(rank) + 0.5) / 64.0 - 0.5) / 255.0;
 }
 
-// Gradients would show the steps of 8-bit sRGB as bands.
+// Gradients would show the steps of 8-bit sRGB as bands. Black stays black: some devices (NVIDIA
+// 580) round what is a little less than half a step up.
 vec3 dithered(vec3 light, uvec2 pixel) {
     light = clamp(light, 0.0, 1.0);
     vec3 code = mix(1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055, 12.92 * light, lessThan(light, vec3(0.0031308)));
-    code = max(code + dither(pixel), vec3(0.0));
+    code = max(code + dither(pixel) * vec3(greaterThan(code, vec3(0.0))), vec3(0.0));
     return mix(pow((code + 0.055) / 1.055, vec3(2.4)), code / 12.92, lessThan(code, vec3(0.04045)));
 }
 

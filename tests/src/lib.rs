@@ -37,7 +37,7 @@ pub mod x11_window;
 pub mod xvfb;
 pub mod yard;
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
 use gpu::{Device, DeviceOptions, Instance, InstanceOptions, Message, Validation};
@@ -55,11 +55,15 @@ impl Driver {
     /// Both drivers, in the order in which tests run on them.
     pub const ALL: [Driver; 2] = [Driver::Lavapipe, Driver::SwiftShader];
 
-    /// Returns a part of its device's name.
+    /// Returns a part of its device's name; that of a GPU for lavapipe, if the environment variable
+    /// `ANTUMBRA_TEST_DEVICE` names one.
     pub fn device_name(self) -> &'static str {
-        match self {
-            Driver::Lavapipe => "llvmpipe",
-            Driver::SwiftShader => "SwiftShader",
+        static NAMED: OnceLock<Option<String>> = OnceLock::new();
+        let named = NAMED.get_or_init(|| std::env::var("ANTUMBRA_TEST_DEVICE").ok());
+        match (self, named) {
+            (Driver::Lavapipe, Some(name)) => name,
+            (Driver::Lavapipe, None) => "llvmpipe",
+            (Driver::SwiftShader, _) => "SwiftShader",
         }
     }
 }
