@@ -97,6 +97,8 @@ pub struct GltfScene {
     pub scene: Scene,
     /// The nodes of the shown scene, at rest.
     pub rig: Rig,
+    /// The node of each object of the scene; empty for files without nodes.
+    pub object_nodes: Vec<RigNodeId>,
     /// The clips that play on them.
     pub clips: Vec<Clip>,
     /// The joints of skinned meshes.

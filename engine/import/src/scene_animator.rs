@@ -55,7 +55,7 @@ impl SceneAnimator {
     /// Takes the animation out of a loaded file, and returns it with the scene, the cameras and the
     /// notes. Nothing plays at first.
     pub fn of(imported: GltfScene) -> (Scene, Self, Vec<SceneCamera>, Vec<Note>) {
-        let GltfScene { scene, rig, clips, skins, placements, cameras, notes } = imported;
+        let GltfScene { scene, rig, clips, skins, placements, cameras, notes, .. } = imported;
         let pose = Pose::new(&rig);
         let mut world = Vec::new();
         rig.world(&pose, &mut world);

@@ -58,8 +58,7 @@ pub struct WorkshopArguments {
     /// Size of the image in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub size: FrameSize,
-    /// Samples per pixel, 1 or 4: with 4, edges are smooth, and a pick at an outline may find a
-    /// point of the part behind it
+    /// Samples per pixel, 1 or 4: with 4, edges are smooth
     #[arg(long, value_name = "1|4", default_value = "1")]
     #[arg(value_parser = parse_samples)]
     pub msaa: SampleCount,

@@ -6,7 +6,7 @@ use antumbra::ObjectId;
 use antumbra::cull::{Aabb, SectionMember};
 use antumbra::glam::{Affine3A, Vec3};
 use antumbra::scene::{Mesh, Object, Scene};
-use scenes::{Hinge, PartId, PartNode, PartTree};
+use scenes::{Hinge, PartId, PartTree};
 use thiserror::Error;
 
 use crate::explode::explode;
@@ -105,19 +105,6 @@ impl Document {
             lid,
             part_of_object,
         }
-    }
-
-    /// Creates the state at rest of a scene without groups: each object is a part with the name of
-    /// its mesh.
-    pub fn of_scene(scene: Scene) -> Self {
-        let root = PartNode { name: scene.name.clone(), parent: None, object: None };
-        let part = |(number, object): (u32, &Object)| PartNode {
-            name: scene.mesh_of(object).map_or_else(String::new, |mesh| mesh.name.clone()),
-            parent: Some(PartId(0)),
-            object: Some(ObjectId(number)),
-        };
-        let nodes = std::iter::once(root).chain((0..).zip(&scene.objects).map(part)).collect();
-        Self::new(scene, PartTree { nodes }, None)
     }
 
     /// Returns the objects of the scene at rest.

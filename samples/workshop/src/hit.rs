@@ -1,7 +1,7 @@
 //! The point of a part under a ray, in double precision.
 
 use antumbra::cull::{Rays, View};
-use antumbra::glam::{Affine3A, DVec3, Vec2};
+use antumbra::glam::{Affine3A, DMat3, DVec3, Vec2, Vec3};
 use antumbra::scene::Mesh;
 
 /// A ray of a view, in metres.
@@ -19,13 +19,24 @@ impl Ray {
         let [width, height] = view.size.map(|side| side.max(1) as f32);
         let ndc = Vec2::new((x as f32 + 0.5) / width, (y as f32 + 0.5) / height) * 2.0 - 1.0;
         let rays: &Rays = &view.rays;
-        Self { origin: rays.point(ndc, rays.near).as_dvec3(), along: rays.along(ndc).as_dvec3() }
+        let origin = rays.point_f64(ndc, f64::from(rays.near));
+        Self { origin, along: rays.along(ndc).as_dvec3() }
     }
 
     /// Returns the point at a view depth behind the near plane.
     pub fn at(&self, depth_m: f64) -> DVec3 {
         self.origin + self.along * depth_m
     }
+}
+
+/// Returns where a point of a part lies in the world, in double precision.
+pub fn world_point(transform: &Affine3A, point: Vec3) -> DVec3 {
+    let axes = DMat3::from_cols(
+        transform.matrix3.x_axis.as_dvec3(),
+        transform.matrix3.y_axis.as_dvec3(),
+        transform.matrix3.z_axis.as_dvec3(),
+    );
+    axes * point.as_dvec3() + transform.translation.as_dvec3()
 }
 
 /// A point of a mesh on a ray.
@@ -48,7 +59,7 @@ const SEEN_SHARE: f64 = 2e-5;
 pub fn hit_mesh(mesh: &Mesh, transform: &Affine3A, ray: &Ray, seen: DVec3) -> Option<Hit> {
     let corner = |index: u32| {
         let position = mesh.vertices.get(index as usize)?.position;
-        Some(transform.transform_point3(position.into()).as_dvec3())
+        Some(world_point(transform, position.into()))
     };
     let (triangles, _) = mesh.indices.as_chunks::<3>();
     let hits = triangles.iter().enumerate().filter_map(|(triangle, [a, b, c])| {
@@ -84,7 +95,7 @@ fn hit_triangle(corners: [DVec3; 3], ray: &Ray) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use antumbra::glam::{Vec3, vec3};
+    use antumbra::glam::vec3;
 
     use super::*;
 
@@ -110,6 +121,21 @@ mod tests {
         assert!(hit_mesh(&mesh, &transform, &ray(0.0, -1.0), seen + DVec3::Z).is_none());
         let beside = Ray { origin: DVec3::new(0.9, 0.9, 0.0), along: DVec3::NEG_Z };
         assert!(hit_mesh(&mesh, &transform, &beside, seen).is_none());
+    }
+
+    #[test]
+    fn a_thousand_kilometres_away_points_are_as_exact() {
+        // 1e6 m and the places of the corners are numbers of single precision, their sums are not.
+        let mesh = triangle();
+        let transform = Affine3A::from_scale_rotation_translation(
+            Vec3::splat(0.01),
+            antumbra::glam::Quat::IDENTITY,
+            vec3(1.0e6, 0.0, 0.0),
+        );
+        let origin = DVec3::new(1.0e6 + 0.002_5, 0.002_5, 5.0);
+        let ray = Ray { origin, along: DVec3::NEG_Z };
+        let hit = hit_mesh(&mesh, &transform, &ray, DVec3::new(origin.x, origin.y, 0.0)).unwrap();
+        assert_eq!((hit.point.x, hit.point.z), (origin.x, 0.0));
     }
 
     #[test]

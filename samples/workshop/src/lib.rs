@@ -9,6 +9,7 @@ pub mod args;
 pub mod document;
 pub mod explode;
 pub mod export;
+pub mod file_parts;
 pub mod hinge;
 pub mod hit;
 pub mod measure;

@@ -4,6 +4,8 @@ use antumbra::cull::View;
 use antumbra::glam::{Affine3A, DVec2, DVec3, Vec3};
 use antumbra::scene::{EdgeRules, FeatureEdges, Mesh};
 
+use crate::hit::world_point;
+
 /// The distance in pixels within which an edge is meant.
 const REACH_PIXELS: f64 = 8.0;
 
@@ -15,7 +17,7 @@ pub fn edge_length(mesh: &Mesh, transform: &Affine3A, view: &View, seen: DVec3) 
     let edges = FeatureEdges::of_mesh(mesh, &EdgeRules::default());
     let place = |vertex: u32| {
         let position = positions.get(vertex as usize)?;
-        Some(transform.transform_point3(*position).as_dvec3())
+        Some(world_point(transform, *position))
     };
     let nearest_points = (0..).zip(edges.features()).filter_map(|(number, segment)| {
         let point = nearest_of_segment(place(segment.from)?, place(segment.to)?, seen);

@@ -1,21 +1,23 @@
 //! From the command line to the report.
 
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use antumbra::Camera;
 use antumbra::gpu::{Device, DeviceOptions};
 use antumbra::import::LoadOptions;
 use bench::choices::DeviceChoice;
+use bench::options::UsageError;
 use bench::outputs::{OutputFile, Outputs, write_file};
 use bench::run::{open_instance, pick_adapter, pipeline_cache_file};
 use bench::run_error::RunError;
 use bench::scene_file;
-use bench::terminal::Ending;
 use bench::terminal::output::say_wrote;
+use bench::terminal::{Ending, shown};
 
 use crate::args::WorkshopArguments;
 use crate::document::{Document, Lid};
+use crate::file_parts::file_parts;
 use crate::report::{CommandOutcome, ScriptReport, ScriptStep};
 use crate::script::{self, ScriptLine};
 use crate::session::WorkshopSession;
@@ -39,7 +41,9 @@ pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), Run
     let report_file = OutputFile::of("--report", arguments.report.as_deref());
     let written = lines.iter().filter_map(|line| line.command.written_file());
     let written = written.filter_map(|file| OutputFile::of("--script", Some(file)));
-    let _outputs = Outputs::prepare(None, report_file.into_iter().chain(written))?;
+    let files: Vec<OutputFile<'_>> = report_file.into_iter().chain(written).collect();
+    keep_inputs(&files, &[Path::new(&arguments.model), &arguments.script])?;
+    let _outputs = Outputs::prepare(None, files)?;
     let instance = open_instance(arguments.validation, None)?;
     let adapter =
         pick_adapter(&instance, arguments.device.as_ref().unwrap_or(&DeviceChoice::Best))?;
@@ -88,6 +92,24 @@ pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), Run
     failed
 }
 
+/// Refuses to write over what is read.
+///
+/// # Errors
+/// The option that names such a file.
+fn keep_inputs(outputs: &[OutputFile<'_>], inputs: &[&Path]) -> Result<(), UsageError> {
+    let inputs: Vec<PathBuf> =
+        inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
+    for OutputFile { option, path } in outputs {
+        if path.canonicalize().is_ok_and(|path| inputs.contains(&path)) {
+            let path = shown(path);
+            return Err(UsageError(format!(
+                "{option}: '{path}' is read by this run and would be lost; choose another name"
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// Makes or reads the model.
 fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
     match arguments.model.as_str() {
@@ -114,7 +136,8 @@ fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
             for note in &loaded.notes {
                 tracing::warn!("{note}");
             }
-            Ok(Model { document: Document::of_scene(loaded.scene), path: Vec::new() })
+            let parts = file_parts(&loaded);
+            Ok(Model { document: Document::new(loaded.scene, parts, None), path: Vec::new() })
         }
         other => Err(RunError::user(format!(
             "there is no model '{other}': waffle, assembly, or a file, whose name has a dot or a slash"

@@ -111,6 +111,7 @@ fn what_is_wrong_is_refused_before_anything_is_written() {
         ("image a.png\n", &["moon.glb"], "moon.glb"),
         ("image nowhere/a.png\n", &[], "nowhere/a.png"),
         ("export nowhere/a.glb\n", &[], "nowhere/a.glb"),
+        ("deselect\n", &["--report", "./script"], "would be lost"),
     ] {
         let output = run(&scratch, script, arguments);
         assert_ne!(output.status.code(), Some(0), "{script} {arguments:?}");

@@ -8,6 +8,10 @@ pub fn check(imported: &GltfScene) {
     check_surfaces(imported);
     check_placements(imported);
     let rig = &imported.rig;
+    if !rig.nodes().is_empty() {
+        assert_eq!(imported.object_nodes.len(), imported.scene.objects.len());
+    }
+    assert!(imported.object_nodes.iter().all(|node| (node.0 as usize) < rig.nodes().len()));
     for skin in &imported.skins {
         assert_eq!(skin.joints.len(), skin.inverse_bind.len());
         assert!(skin.joints.iter().all(|joint| (joint.0 as usize) < rig.nodes().len()));

@@ -3,7 +3,7 @@
 
 use cull::{Camera, Decision, ObjectId, Outcome, Projection, Strategy};
 use glam::{Affine3A, Vec2, Vec3};
-use gpu::Readback;
+use gpu::{Readback, SampleCount};
 use render::{
     Costs, DebugOverlay, FrameRequest, PointedSurface, Renderer, RendererOptions, ViewState,
 };
@@ -147,6 +147,36 @@ fn what_is_behind_thousands_of_boxes_is_found() {
             let found = pointed(&mut renderer, &mut view, camera, middle);
             assert_eq!(found.map(|surface| surface.object), expected);
         }
+    });
+}
+
+#[test]
+fn with_several_samples_object_and_depth_are_of_one_surface() {
+    run(Driver::Lavapipe, |device| {
+        // A wall, and before it a triangle with slanting sides.
+        let wall = [[-30.0, -30.0, -8.0], [90.0, -30.0, -8.0], [-30.0, 90.0, -8.0]];
+        let near = [[-1.0, -1.0, -2.0], [1.3, -0.7, -2.0], [-0.2, 1.1, -2.0]];
+        let mut scene = Scene::single(Mesh::of_triangles("wall", &wall.map(|at| (at, [1.0; 3]))));
+        scene.meshes.push(Mesh::of_triangles("near", &near.map(|at| (at, [1.0; 3]))));
+        scene.objects.push(Object { mesh: MeshId(1), ..scene.objects[0] });
+        let options = RendererOptions { samples: SampleCount::Four, ..options() };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let mut found = [0; 2];
+        // Along the left side, from (-1, -1) to (-0.2, 1.1) at a distance of 2 m.
+        for place in 0..66 {
+            let row = 44 + place / 3 * 4;
+            let side = 115.0 + (135.0 - row as f32) * 36.0 / 94.5;
+            let pixel = [side as u32 + place % 3 - 1, row];
+            let Some(surface) = pointed(&mut renderer, &mut view, square_camera(), pixel) else {
+                panic!("{pixel:?}: the wall is everywhere");
+            };
+            let number = surface.object.0 as usize;
+            let place = [-8.0, -2.0][number];
+            assert!((surface.point.z - place).abs() < 0.1, "{pixel:?}: {surface:?}");
+            found[number] += 1;
+        }
+        assert!(found.iter().all(|count| *count > 3), "{found:?}");
     });
 }
 

@@ -1,7 +1,7 @@
 //! The rays of a view: through which points of the world a place in the image looks, and which
 //! depth a point on them has.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::geom::bounds::Aabb;
 
@@ -104,6 +104,19 @@ impl Rays {
     pub fn point(&self, ndc: Vec2, depth_m: f32) -> Vec3 {
         let aside = self.right * ndc.x + self.down * ndc.y;
         self.origin + self.middle * depth_m + aside * self.kind.w(depth_m)
+    }
+
+    /// Returns the same in double precision, for what is measured: far from the world's origin the
+    /// numbers of single precision lie centimetres apart.
+    #[must_use]
+    pub fn point_f64(&self, ndc: Vec2, depth_m: f64) -> DVec3 {
+        let aside =
+            self.right.as_dvec3() * f64::from(ndc.x) + self.down.as_dvec3() * f64::from(ndc.y);
+        let w = match self.kind {
+            ProjectionKind::Perspective => depth_m,
+            ProjectionKind::Orthographic => 1.0,
+        };
+        self.origin.as_dvec3() + self.middle.as_dvec3() * depth_m + aside * w
     }
 
     /// Returns the way along the ray under a place in normalised device coordinates, over one metre

@@ -31,8 +31,14 @@ pub(super) fn create_graphics(
         vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
     let Attachments { colours, depth: depth_format, near_depth, .. } = info.attachments;
     let raster = rasterisation(info);
+    let first_sample: [vk::SampleMask; 1] = [1];
     let samples = vk::PipelineMultisampleStateCreateInfo::default()
         .rasterization_samples(info.attachments.samples);
+    let samples = if info.fragments == FragmentChoice::FirstSample {
+        samples.sample_mask(&first_sample)
+    } else {
+        samples
+    };
     let depth = depth_stencil(info, near_depth);
     let blends = [blend_state(info.blend); COLOURS_MAX];
     let blends = blends.get(..colours.as_slice().len()).unwrap_or(&blends);
@@ -64,7 +70,9 @@ pub(super) fn create_graphics(
     let has_one = device.capabilities().has(Optional::RepresentativeFragments);
     let create = match info.fragments {
         FragmentChoice::Representative if has_one => create.push_next(&mut one),
-        FragmentChoice::Representative | FragmentChoice::All => create,
+        FragmentChoice::Representative | FragmentChoice::FirstSample | FragmentChoice::All => {
+            create
+        }
     };
     let (cache, callbacks) = (device.pipeline_cache(), device.callbacks());
     // SAFETY: modules and layout are alive, all states are given.

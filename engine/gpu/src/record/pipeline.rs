@@ -94,6 +94,9 @@ pub enum FragmentChoice {
     /// [`Optional::RepresentativeFragments`](crate::Optional::RepresentativeFragments); else all.
     /// For early tests alone, and never within a query that counts.
     Representative,
+    /// Those that cover the first sample of their pixel. Fragments of objects that meet in a pixel
+    /// cover different samples, and one sample has one owner.
+    FirstSample,
 }
 
 /// The rasterisation of triangles.

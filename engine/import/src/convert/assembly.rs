@@ -21,6 +21,7 @@ use super::skinned::place_skinned;
 use super::skinned_extents::SkinnedExtents;
 use super::skins::Skins;
 use crate::gltf_scene::{NodeAttachment, PlacedNode};
+use crate::load_options::LoadOptions;
 use crate::losses::Losses;
 use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
@@ -39,6 +40,8 @@ pub(super) struct Assembly<'a> {
     pub(super) materials: Materials,
     pub(super) skins: Skins,
     pub(super) placements: Vec<NodeAttachment>,
+    /// The node of each object of the scene.
+    pub(super) object_nodes: Vec<RigNodeId>,
     pub(super) skinned_extents: SkinnedExtents,
     /// True for each node that mirrors at one time and not at another.
     pub(super) turns: Vec<bool>,
@@ -66,6 +69,40 @@ pub(super) type ShareFn<'a> = dyn FnMut(f32) -> Result<(), ImportError> + 'a;
 pub(super) const PARTS_PER_REPORT: usize = 256;
 
 impl<'a> Assembly<'a> {
+    /// Returns an assembly in which nothing is placed yet.
+    pub(super) fn new(
+        source: &'a Source,
+        tree: &'a Tree,
+        options: &LoadOptions,
+        skinned_extents: SkinnedExtents,
+        sight: InitialView<'a>,
+        scene: Scene,
+        progress_fn: &'a mut ShareFn<'a>,
+    ) -> Self {
+        Self {
+            source,
+            tree,
+            notes: Notes::default(),
+            losses: Losses::default(),
+            scene,
+            surfaces: Surfaces::default(),
+            materials: Materials::default(),
+            skins: Skins::default(),
+            placements: Vec::new(),
+            object_nodes: Vec::new(),
+            turns: skinned_extents.turning(&tree.rig),
+            turning_skins: HashMap::new(),
+            skinned_extents,
+            budget: Budget::new(&options.limits),
+            cut_above: options.cut_above_triangles,
+            done: 0.0,
+            progress_fn,
+            unreported: PARTS_PER_REPORT,
+            sight,
+            transparent_parts: 0,
+        }
+    }
+
     /// Reports progress now and then; to be called for each thing that is placed.
     ///
     /// # Errors
@@ -226,12 +263,13 @@ impl<'a> Assembly<'a> {
         self.notes.count(what, 1, || tree.name(node));
     }
 
-    /// Adds an object, transparent or not.
+    /// Adds an object of a node, transparent or not.
     ///
     /// # Errors
     /// More objects than can be counted.
     pub(super) fn add_object(
         &mut self,
+        node: RigNodeId,
         object: Object,
         material: &MaterialUse,
     ) -> Result<PlacedNode, ImportError> {
@@ -248,6 +286,7 @@ impl<'a> Assembly<'a> {
         Ok(if material.is_transparent {
             PlacedNode::Transparent(TransparentId(number))
         } else {
+            self.object_nodes.push(node);
             PlacedNode::Object(ObjectId(number))
         })
     }

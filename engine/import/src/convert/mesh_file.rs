@@ -86,6 +86,7 @@ pub(crate) fn convert_mesh_file(
     Ok(GltfScene {
         scene,
         rig,
+        object_nodes: Vec::new(),
         clips: Vec::new(),
         skins: Vec::new(),
         placements: Vec::new(),

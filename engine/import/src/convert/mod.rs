@@ -34,19 +34,14 @@ mod textures;
 mod topology;
 mod vertices;
 
-use std::collections::HashMap;
-
 use animation::RigNodeId;
 use glam::Affine3A;
-use scene::{LightId, PunctualLight, Scene, Surfaces};
+use scene::{LightId, PunctualLight, Scene};
 
 use self::assembly::{Assembly, rigid};
-use self::budget::Budget;
 use self::cameras::Place;
 use self::initial_view::InitialView;
-use self::materials::Materials;
 use self::nodes::Tree;
-use self::skins::Skins;
 use crate::gltf_scene::{GltfScene, PlacedNode, SceneCamera};
 use crate::load_options::LoadOptions;
 use crate::losses::Losses;
@@ -74,27 +69,11 @@ pub(crate) fn convert(
     let lights = lights::lights(&source, &tree, &mut notes);
     renderable::check_lights(&source, &tree, &lights, &options.limits)?;
     let skinned_extents = skinned_extents::SkinnedExtents::new(&tree.rig, &clips, &options.limits);
-    let mut assembly = Assembly {
-        source: &source,
-        tree: &tree,
-        notes,
-        losses,
-        scene: empty(name),
-        surfaces: Surfaces::default(),
-        materials: Materials::default(),
-        skins: Skins::default(),
-        placements: Vec::new(),
-        turns: skinned_extents.turning(&tree.rig),
-        turning_skins: HashMap::new(),
-        skinned_extents,
-        budget: Budget::new(&options.limits),
-        cut_above: options.cut_above_triangles,
-        done: 0.0,
-        progress_fn: &mut |done| progress_sender.report(Stage::Meshes, done),
-        unreported: assembly::PARTS_PER_REPORT,
-        sight,
-        transparent_parts: 0,
-    };
+    let mut share_fn = |done| progress_sender.report(Stage::Meshes, done);
+    let scene = empty(name);
+    let begun =
+        Assembly::new(&source, &tree, options, skinned_extents, sight, scene, &mut share_fn);
+    let mut assembly = Assembly { notes, losses, ..begun };
     place_lights(&mut assembly, lights);
     place_nodes(&mut assembly)?;
     let Assembly {
@@ -105,6 +84,7 @@ pub(crate) fn convert(
         materials,
         skins,
         placements,
+        object_nodes,
         skinned_extents,
         ..
     } = assembly;
@@ -121,8 +101,16 @@ pub(crate) fn convert(
     scene.surfaces = Some(surfaces);
     let places = places(&cameras, &tree, is_empty);
     let skins = skins.list;
-    let mut imported =
-        GltfScene { scene, rig: tree.rig, clips, skins, placements, cameras, notes: Vec::new() };
+    let mut imported = GltfScene {
+        scene,
+        rig: tree.rig,
+        object_nodes,
+        clips,
+        skins,
+        placements,
+        cameras,
+        notes: Vec::new(),
+    };
     cameras::check(&imported.cameras, &places, &imported.bounds(), &mut notes);
     imported.notes = notes.finish();
     Ok(imported)

@@ -165,7 +165,7 @@ pub(super) fn place_shared(
                 assembly.leave_out_huge(node);
                 continue;
             }
-            let placed = assembly.add_object(object, &kind.material)?;
+            let placed = assembly.add_object(node, object, &kind.material)?;
             if assembly.tree.moves(node) {
                 assembly.placements.push(rigid(node, placed, *local));
             }

@@ -118,7 +118,8 @@ fn add_skinned(
         skin: geometry.skin.take(),
         targets: std::mem::take(&mut geometry.targets),
     });
-    let placed = assembly.add_object(Object { mesh, transform, tint: NO_TINT }, material)?;
+    let object = Object { mesh, transform, tint: NO_TINT };
+    let placed = assembly.add_object(node, object, material)?;
     assembly.placements.push(NodeAttachment {
         node,
         placed,

@@ -117,6 +117,7 @@ fn imported() -> GltfScene {
     GltfScene {
         scene,
         rig: Rig::new(nodes).unwrap(),
+        object_nodes: Vec::new(),
         clips,
         skins: vec![Skin {
             joints: vec![RigNodeId(3), RigNodeId(4)],

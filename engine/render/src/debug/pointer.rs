@@ -117,8 +117,7 @@ impl Asked {
             let ndc = middle_of(self.pixel, self.view.size);
             let rays = &self.view.rays;
             let depth_m = f64::from(rays.depth_m_of(depth));
-            let near_m = rays.point(ndc, 0.0).as_dvec3();
-            let point = near_m + rays.along(ndc).as_dvec3() * depth_m;
+            let point = rays.point_f64(ndc, depth_m);
             PointedSurface { object, depth, point }
         });
         Pointed { frame: self.frame, pixel: self.pixel, surface }

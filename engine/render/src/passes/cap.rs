@@ -9,8 +9,8 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Attachments, Blend, BufferSlice, Commands, DepthMode, DepthRange, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, IndirectDraw, Optional, StencilMode, StorageLayout, vk,
+    Attachments, Blend, BufferSlice, Commands, DepthMode, DepthRange, Device, FragmentChoice,
+    GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, Optional, StencilMode, StorageLayout, vk,
 };
 use occlusion::{Error, ShaderSet};
 use scene::Shell;
@@ -130,8 +130,9 @@ impl CapPass {
             };
             Ok::<_, Error>(GraphicsPipeline::new(device, &info)?)
         };
-        let drawn = |name, fragment: &str, (depth, stencil, blend)| {
+        let drawn = |name, fragment: &str, fragments, (depth, stencil, blend)| {
             let info = GraphicsPipelineInfo {
+                fragments,
                 fragment: Some(shaders.find(fragment)?),
                 storage,
                 topology: vk::PrimitiveTopology::TRIANGLE_STRIP,
@@ -145,18 +146,20 @@ impl CapPass {
         };
         let (write, equal) = (DepthMode::TestAndWrite, DepthMode::Equal);
         let (odd, none) = (StencilMode::Odd, Blend::NoColour);
+        let all = FragmentChoice::All;
         let can_note = device.capabilities().has(Optional::FragmentStores);
         let seen = (DepthMode::Ignored, odd, none);
-        let pointed =
-            can_note.then(|| drawn("pointed caps", "cap_pointed.frag", seen)).transpose()?;
-        let seen = can_note.then(|| drawn("seen caps", "cap_seen.frag", seen)).transpose()?;
+        let pointed = can_note
+            .then(|| drawn("pointed caps", "cap_pointed.frag", FragmentChoice::FirstSample, seen))
+            .transpose()?;
+        let seen = can_note.then(|| drawn("seen caps", "cap_seen.frag", all, seen)).transpose()?;
         Ok(Self {
             count: count("cap count", vk::CullModeFlags::NONE)?,
             count_fronts: count("cap count of fronts", vk::CullModeFlags::BACK)?,
-            whole: drawn("caps", "cap.frag", (write, odd, Blend::Opaque))?,
-            depth: drawn("cap depth", "cap_depth.frag", (write, odd, none))?,
-            colour: drawn("cap colour", "cap.frag", (equal, odd, Blend::Max))?,
-            mark: drawn("cap mark", "cap_depth.frag", (equal, StencilMode::OddDrawn, none))?,
+            whole: drawn("caps", "cap.frag", all, (write, odd, Blend::Opaque))?,
+            depth: drawn("cap depth", "cap_depth.frag", all, (write, odd, none))?,
+            colour: drawn("cap colour", "cap.frag", all, (equal, odd, Blend::Max))?,
+            mark: drawn("cap mark", "cap_depth.frag", all, (equal, StencilMode::OddDrawn, none))?,
             seen,
             pointed,
         })

@@ -2,8 +2,8 @@
 
 use cull::View;
 use gpu::{
-    Attachments, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    StorageLayout, vk,
+    Attachments, BufferSlice, Commands, DepthMode, Device, FragmentChoice, GraphicsPipeline,
+    GraphicsPipelineInfo, StorageLayout, vk,
 };
 
 use crate::passes::OpaqueIo;
@@ -52,6 +52,8 @@ impl PointerPass {
                 storage: StorageLayout::new::<SeenConstants>(2 + section_buffers(section)),
                 cull: culled_faces(section, vk::CullModeFlags::BACK),
                 depth: DepthMode::Equal,
+                // Leaf and depth are noted apart, and must be of one object.
+                fragments: FragmentChoice::FirstSample,
                 attachments,
                 ..GraphicsPipelineInfo::of("pointer", vertex).numbered::<Instance>()
             },

@@ -1,0 +1,111 @@
+//! The tree of parts of a file: its nodes, as far as they hold something that is shown.
+
+use antumbra::ObjectId;
+use antumbra::animation::RigNode;
+use antumbra::import::GltfScene;
+use scenes::{PartId, PartNode, PartTree};
+
+/// Returns the parts of a file in the groups of its nodes. A node that holds one object and nothing
+/// else is a part, others are groups. What has no name has that of its mesh.
+pub fn file_parts(file: &GltfScene) -> PartTree {
+    let nodes = file.rig.nodes();
+    let mut objects: Vec<Vec<ObjectId>> = vec![Vec::new(); nodes.len()];
+    let mut homeless = Vec::new();
+    for object in (0..file.scene.objects.len() as u32).map(ObjectId) {
+        let node = file.object_nodes.get(object.0 as usize);
+        match node.and_then(|node| objects.get_mut(node.0 as usize)) {
+            Some(of_node) => of_node.push(object),
+            None => homeless.push(object),
+        }
+    }
+    let mut tree = vec![PartNode { name: file.scene.name.clone(), parent: None, object: None }];
+    let within = within(file, &objects);
+    let mut part_of_node: Vec<Option<PartId>> = vec![None; nodes.len()];
+    for id in file.rig.order() {
+        let place = id.0 as usize;
+        let Some(node) = nodes.get(place).filter(|_| within[place] > 0) else { continue };
+        let parent = node.parent.and_then(|parent| part_of_node[parent.0 as usize]);
+        let parent = parent.unwrap_or(PartId(0));
+        part_of_node[place] = Some(PartId(tree.len() as u32));
+        let own = &objects[place];
+        if let ([object], 1) = (own.as_slice(), within[place]) {
+            tree.push(PartNode { parent: Some(parent), ..part(file, *object, Some(node)) });
+            continue;
+        }
+        let name = if node.name.is_empty() { format!("node {place}") } else { node.name.clone() };
+        let group = PartId(tree.len() as u32);
+        tree.push(PartNode { name, parent: Some(parent), object: None });
+        let parts = own.iter().map(|object| part(file, *object, None));
+        tree.extend(parts.map(|part| PartNode { parent: Some(group), ..part }));
+    }
+    let parts = homeless.into_iter().map(|object| part(file, object, None));
+    tree.extend(parts.map(|part| PartNode { parent: Some(PartId(0)), ..part }));
+    PartTree { nodes: tree }
+}
+
+/// Returns the part of an object, with the name of its node or else of its mesh.
+fn part(file: &GltfScene, object: ObjectId, node: Option<&RigNode>) -> PartNode {
+    let of_node = node.map(|node| node.name.clone()).filter(|name| !name.is_empty());
+    let of_mesh = || {
+        let object = file.scene.objects.get(object.0 as usize);
+        let mesh = object.and_then(|object| file.scene.mesh_of(object));
+        mesh.map_or_else(String::new, |mesh| mesh.name.clone())
+    };
+    PartNode { name: of_node.unwrap_or_else(of_mesh), parent: None, object: Some(object) }
+}
+
+/// Returns how many objects each node holds, with all below it.
+fn within(file: &GltfScene, objects: &[Vec<ObjectId>]) -> Vec<usize> {
+    let mut within: Vec<usize> = objects.iter().map(Vec::len).collect();
+    for id in file.rig.order().iter().rev() {
+        let node = file.rig.nodes().get(id.0 as usize);
+        if let Some(parent) = node.and_then(|node| node.parent) {
+            within[parent.0 as usize] += within[id.0 as usize];
+        }
+    }
+    within
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use antumbra::import::{LoadOptions, load_bytes};
+
+    use super::*;
+    use crate::document::Document;
+    use crate::export::glb;
+
+    #[test]
+    fn a_model_that_was_exported_has_the_same_tree() {
+        let made = scenes::waffle_maker();
+        let document = Document::new(made.scene, made.parts, None);
+        let bytes = glb(&document).unwrap();
+        let mut progress = |_| ControlFlow::Continue(());
+        let file = load_bytes(bytes, None, &LoadOptions::default(), &mut progress).unwrap();
+        let tree = file_parts(&file);
+        let read = Document::new(file.scene, tree, None);
+        let paths = |document: &Document| {
+            let mut paths: Vec<Vec<String>> = Vec::new();
+            for node in document.parts.nodes.iter().filter(|node| node.object.is_some()) {
+                let mut path = vec![node.name.clone()];
+                let mut above = node.parent;
+                while let Some(node) = above.and_then(|part| document.parts.node(part)) {
+                    path.push(node.name.clone());
+                    above = node.parent;
+                }
+                paths.push(path);
+            }
+            paths.sort();
+            paths
+        };
+        // The file is a level of its own: its root is the model's.
+        let mut expected = paths(&document);
+        expected.iter_mut().for_each(|path| path.push(read.scene.name.clone()));
+        expected.sort();
+        assert_eq!(paths(&read), expected);
+        let find = |document: &Document| document.find("lid").unwrap().len();
+        assert_eq!(find(&read), find(&document));
+        assert!(find(&read) > 3);
+    }
+}
