@@ -24,6 +24,9 @@ pub struct Report {
     /// The lights on the scene, as on the command line; absent where none were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lights: Option<String>,
+    /// The section planes; absent where nothing is cut.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub section: Option<SectionReport>,
     /// The name of the camera's path.
     pub path: String,
     /// The number of eyes, side by side in one frame; counts are of all together.
@@ -90,6 +93,15 @@ pub struct DeviceReport {
     pub api: String,
     /// True if it has `VK_EXT_conditional_rendering`.
     pub conditional_rendering: bool,
+}
+
+/// The section planes of a walk.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SectionReport {
+    /// The part that the planes keep: "intersection" or "union".
+    pub mode: &'static str,
+    /// Unit normal and offset in metres of each plane: it keeps x*X + y*Y + z*Z + D >= 0.
+    pub planes: Vec<[f64; 4]>,
 }
 
 /// The scene as built.

@@ -23,6 +23,7 @@ use crate::report::{
     BuildReport, DeviceReport, MemoryReport, Report, SceneReport, paired_ratios, ratios,
 };
 use crate::run_error::RunError;
+use crate::section_args::section_report;
 use crate::shadow_choice::ShadowChoice;
 use crate::signals::Signals;
 use crate::statistics::kept;
@@ -186,6 +187,7 @@ pub fn walk_on(
         device: device_report(device.adapter()),
         scene: scene_report,
         lights: options.lights.map(|lights| lights.to_string()),
+        section: section_report(&options.section),
         path: path_name,
         views: options.views,
         projection: options.projection.to_string(),

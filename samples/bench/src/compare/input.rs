@@ -68,6 +68,8 @@ pub struct Measured {
     pub scene: MeasuredScene,
     /// The lights on the scene, if any were asked for.
     pub lights: Option<String>,
+    /// The section planes, if it was cut.
+    pub section: Option<MeasuredSection>,
     /// The percentage of objects that were asked to move.
     pub moving_percent: u32,
     /// The name of the camera's path.
@@ -98,6 +100,16 @@ pub struct Measured {
     pub paired_ratios: BTreeMap<String, Option<f64>>,
     /// The command line and the time.
     pub provenance: Provenance,
+}
+
+/// The section planes of a report.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct MeasuredSection {
+    /// The part that the planes keep.
+    pub mode: String,
+    /// Normal and offset in metres of each plane.
+    pub planes: Vec<[f64; 4]>,
 }
 
 /// The device of a report.

@@ -141,6 +141,9 @@ fn words(report: &Measured) -> String {
     if report.samples_per_pixel > 1 {
         words.push(format!("{} samples per pixel", report.samples_per_pixel));
     }
+    if let Some(section) = &report.section {
+        words.push(format!("cut by {} planes ({})", section.planes.len(), section.mode));
+    }
     words.extend(report.light_words());
     let mut ways: Vec<&str> = report.runs.iter().filter_map(|it| it.shadows.as_deref()).collect();
     ways.dedup();

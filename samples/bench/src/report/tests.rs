@@ -55,6 +55,7 @@ pub(crate) fn example() -> Report {
             file: None,
         },
         lights: None,
+        section: None,
         path: "street".into(),
         views: 1,
         projection: "perspective".into(),
