@@ -20,7 +20,7 @@ use crate::progress::WalkProgress;
 use crate::provenance::Provenance;
 use crate::recorded_path::RecordedPath;
 use crate::report::{
-    BuildReport, DeviceReport, MemoryReport, Report, SceneReport, paired_ratios, ratios,
+    BuildReport, DeviceReport, FileReport, MemoryReport, Report, SceneReport, paired_ratios, ratios,
 };
 use crate::run_error::RunError;
 use crate::section_args::section_report;
@@ -166,9 +166,7 @@ pub fn walk_on(
     if let Some(file) = &mut file {
         file.notes.extend(degradations(&mut renderer, &options.shadows)?);
     }
-    let (objects, triangles) = (scene.objects.len() as u64, scene.triangles());
-    let scene_report =
-        SceneReport { name: scene_name(&options.scene), objects, triangles, seed, file };
+    let scene_report = scene_report(&options.scene, &scene, seed, file);
     // The device has it all.
     drop(scene);
     let (strategies, left_out) = able(&renderer, options)?;
@@ -335,6 +333,21 @@ fn costs_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
 }
 
 /// Returns the expected time of skipping in a frame by the name of each way.
+fn scene_report(
+    choice: &SceneChoice,
+    scene: &Scene,
+    seed: u64,
+    file: Option<FileReport>,
+) -> SceneReport {
+    SceneReport {
+        name: scene_name(choice),
+        objects: scene.objects.len() as u64,
+        triangles: scene.triangles(),
+        seed,
+        file,
+    }
+}
+
 fn skip_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
     let skip_ns = &renderer.price_choice().skip_ns;
     let entry =

@@ -48,8 +48,10 @@ pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
         let Some(mesh) = document.mesh(object) else { continue };
         let id = document.scene.objects[object.0 as usize].mesh;
         let mesh = *meshes.entry(id).or_insert_with(|| writer.mesh(document, id, mesh));
-        let matrix = Mat4::from(document.transform(object)).to_cols_array();
-        let node = Node { matrix: Some(matrix), mesh: Some(mesh), ..named(part) };
+        let matrix = Mat4::from(document.transform(object));
+        // A node without a matrix stands at the origin.
+        let matrix = (matrix != Mat4::IDENTITY).then(|| matrix.to_cols_array());
+        let node = Node { matrix, mesh: Some(mesh), ..named(part) };
         nodes[place] = Some(writer.root.push(node));
     }
     let roots = writer.groups(&document.parts.nodes, nodes);
