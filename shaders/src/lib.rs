@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 89] = [
+pub const PASSES: [Shader; 94] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -59,6 +59,11 @@ pub const PASSES: [Shader; 89] = [
     shader!("seen.vert"),
     shader!("seen.frag"),
     shader!("pointer.frag"),
+    shader!("layers.vert"),
+    shader!("layers_section.vert"),
+    shader!("layers.frag"),
+    shader!("layers_section.frag"),
+    shader!("depth_complexity.frag"),
     shader!("flare.vert"),
     shader!("flare.frag"),
     shader!("flare_block.vert"),

@@ -12,6 +12,7 @@ use occlusion::{
 };
 use scene::{Light, Scene, TransparentId};
 
+use crate::debug::depth_complexity::LayerCounts;
 use crate::edges::state::Edges;
 use crate::passes::pipelines::{DepthFirst, PassNeeds, Pipelines};
 use crate::passes::{OpaqueIo, SurfaceIo};
@@ -40,6 +41,8 @@ pub(crate) struct FramePasses {
     pub(crate) transparent: Option<Transparent>,
     pub(crate) shadows: Shadows,
     pub(crate) edges: Edges,
+    /// The counts of the depth complexity, while it is shown.
+    pub(crate) layer_counts: LayerCounts,
     /// The section planes and what they cut.
     pub(crate) section: Section,
     /// The renderings of the view that is recorded, if they are known.
@@ -209,6 +212,7 @@ impl FramePasses {
             transparent,
             shadows,
             edges: Edges::default(),
+            layer_counts: LayerCounts::default(),
             section: Section::default(),
             scopes: None,
         })

@@ -17,6 +17,7 @@ use occlusion::{
 use scene::{LensFlare, Scene};
 
 use crate::debug::debug_overlay::DebugOverlay;
+use crate::debug::depth_complexity::LayerCounts;
 use crate::debug::visible_set::{SceneRevision, SeenLeaves};
 use crate::error::Error;
 use crate::executor_choice::decide;
@@ -405,11 +406,15 @@ impl Renderer {
     /// Draws a debug overlay over the images from now on; an empty one costs nothing.
     ///
     /// # Errors
-    /// Wires on a device that lacks [`gpu::Optional::Wireframe`]; an area that is not within the
+    /// Wires on a device that lacks [`gpu::Optional::Wireframe`], the depth complexity on one that
+    /// lacks [`gpu::Optional::FragmentStores`]; an area that is not within the
     /// image; a failed call. The former overlay then stays.
     pub fn set_debug_overlay(&mut self, debug_overlay: DebugOverlay) -> Result<(), Error> {
         debug_overlay.top_down.map_or(Ok(()), |area| self.check_area(area))?;
         debug_overlay.prepare(&mut self.passes.pipelines, &self.device, &self.shaders)?;
+        if !debug_overlay.has_depth_complexity {
+            self.passes.layer_counts = LayerCounts::default();
+        }
         self.debug_overlay = debug_overlay;
         Ok(())
     }

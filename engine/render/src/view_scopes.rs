@@ -33,6 +33,10 @@ pub(crate) enum ViewScope {
     EdgesOnPaper,
     /// The outlines of objects, by a stencil of their own.
     StencilOutlines,
+    /// The counts of the depth complexity.
+    Layers,
+    /// The depth complexity, over all that was there.
+    DepthComplexity,
     /// The lines and boxes of the debug overlay.
     DebugLines,
     /// The view from above, in a corner of the image.
@@ -81,7 +85,7 @@ pub(crate) struct ViewScopes {
 
 impl ViewScope {
     /// All of them, in their order.
-    pub(crate) const ALL: [Self; 16] = [
+    pub(crate) const ALL: [Self; 18] = [
         Self::LastRound,
         Self::ShadedRound,
         Self::CasterTests,
@@ -95,6 +99,8 @@ impl ViewScope {
         Self::Edges,
         Self::EdgesOnPaper,
         Self::StencilOutlines,
+        Self::Layers,
+        Self::DepthComplexity,
         Self::DebugLines,
         Self::ViewFromAbove,
         Self::Outline,
@@ -139,6 +145,8 @@ impl ViewScopes {
             ViewScope::LastRound | ViewScope::ViewFromAbove => [Writes, Writes],
             ViewScope::ShadedRound => [Replaces, Writes],
             ViewScope::Shade | ViewScope::EdgesOnPaper => [Replaces, Reads],
+            ViewScope::Layers => [Nothing, Nothing],
+            ViewScope::DepthComplexity => [Replaces, Nothing],
             ViewScope::CasterTests
             | ViewScope::SampleCounts
             | ViewScope::Pointer

@@ -184,6 +184,10 @@ pub struct Arguments {
     /// frustum; or off [default: the middle one]
     #[arg(long, value_name = "FRAME|off", requires = "out", help_heading = "Output")]
     pub top_down: Option<TopDown>,
+    /// Each image also as its depth complexity: how many surfaces are drawn at each pixel, those
+    /// behind others included
+    #[arg(long, requires = "out", help_heading = "Output")]
+    pub depth_complexity: bool,
     /// File for the report as JSON, in a folder that exists [default: none]
     #[arg(long, value_name = "FILE.json", help_heading = "Output")]
     pub report: Option<PathBuf>,
@@ -316,6 +320,7 @@ impl Arguments {
             report: self.report.clone(),
             images: self.images()?,
             top_down: self.top_down()?,
+            has_depth_complexity: self.depth_complexity,
         })
     }
 

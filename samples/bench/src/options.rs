@@ -209,6 +209,8 @@ pub struct Options {
     pub images: u32,
     /// The frame that is also drawn from above, with frontier and frustum; none without a folder.
     pub top_down: Option<u32>,
+    /// True if each of the images has a companion: how many surfaces are drawn at each pixel.
+    pub has_depth_complexity: bool,
 }
 
 /// Reads a number of samples per pixel.

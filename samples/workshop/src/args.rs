@@ -28,6 +28,7 @@ Commands of a script, one per line:
   section X,Y,Z,D[;...], section union ..., section off   what planes keep; in metres
   whole, cut              leaves what is selected, or a NAME, whole; cuts it again
   edges off|visible|hidden|shaded|shaded-hidden
+  depth-complexity on|off how many surfaces are drawn at each pixel
   view front, top-left, ..., iso; projection perspective|orthographic; fit
   play FRAMES             the model's camera path
   image FILE.png, export FILE.glb

@@ -5,6 +5,7 @@ use std::path::Path;
 use antumbra::glam::DVec3;
 use antumbra::gpu::{Device, SampleCount};
 use antumbra::{Camera, ObjectId};
+use bench::legend;
 use bench::options::FrameSize;
 use bench::outputs::write_file;
 use bench::png_file::write_png;
@@ -66,6 +67,10 @@ impl WorkshopSession {
             Command::Edge(at) => self.edge(*at)?,
             Command::Edges(mode) => {
                 self.viewport.set_edges(*mode)?;
+                CommandOutcome::Done
+            }
+            Command::Overlay(overlay) => {
+                self.viewport.set_overlay(*overlay)?;
                 CommandOutcome::Done
             }
             Command::Section(planes) => {
@@ -224,7 +229,11 @@ impl WorkshopSession {
 
     fn image(&mut self, file: &Path) -> Result<CommandOutcome, RunError> {
         let camera = self.camera();
-        let pixels = self.viewport.image(&camera)?;
+        let mut pixels = self.viewport.image(&camera)?;
+        if self.viewport.overlay().has_depth_complexity {
+            let width = self.size.width as usize;
+            legend::draw(&mut pixels, width, legend::TITLE_OF_LAYERS, &legend::layers());
+        }
         let visible = self.viewport.visible(&camera)?;
         let written = write_png(file, self.size, &pixels).map_err(RunError::machine)?;
         let visible = visible.into_iter().map(|object| self.document.name(object).to_owned());

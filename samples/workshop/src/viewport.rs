@@ -4,7 +4,7 @@ use antumbra::cull::{SectionPlanes, Strategy, View};
 use antumbra::glam::{Affine3A, Mat3A};
 use antumbra::gpu::{Device, Readback, SampleCount};
 use antumbra::occlusion::Rect;
-use antumbra::render::{EdgeMode, EdgeOptions, Error, ObjectOutline, PointedSurface};
+use antumbra::render::{DebugOverlay, EdgeMode, EdgeOptions, Error, ObjectOutline, PointedSurface};
 use antumbra::scene::{
     Alpha, MaterialId, MeshId, Object, ObjectChange, Scene, SceneUpdate, Surfaces, TransparentId,
     TransparentMove,
@@ -26,6 +26,9 @@ const SELECTED_COLOUR: [f32; 3] = [1.0, 0.35, 0.0];
 
 /// The width of that line, in pixels.
 const OUTLINE_PIXELS: f32 = 2.0;
+
+/// The frames of a view after which its results have been read.
+const FRAMES_BEFORE_OVERLAY: u32 = 4;
 
 /// The place of a transparent part that is not shown: a point.
 const NOWHERE: Affine3A =
@@ -156,6 +159,12 @@ impl ModelViewport {
     /// # Errors
     /// Those of [`ModelViewport::draw`].
     pub fn image(&mut self, camera: &Camera) -> Result<Vec<u8>, Error> {
+        if self.overlay().has_depth_complexity {
+            // It shows what is known to be visible, by the results of earlier frames.
+            for _ in 0..FRAMES_BEFORE_OVERLAY {
+                self.draw(camera)?;
+            }
+        }
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
         let request = FrameRequest { image: Some(&self.image), ..request };
         self.renderer.render(&mut self.view, &request)?;
@@ -222,6 +231,19 @@ impl ModelViewport {
     /// No memory, a failed call.
     pub fn set_edges(&mut self, mode: EdgeMode) -> Result<(), Error> {
         self.renderer.set_edges(EdgeOptions { mode, ..EdgeOptions::default() })
+    }
+
+    /// Draws a debug overlay from the next frame on.
+    ///
+    /// # Errors
+    /// A device that cannot; a failed call.
+    pub fn set_overlay(&mut self, overlay: DebugOverlay) -> Result<(), Error> {
+        self.renderer.set_debug_overlay(overlay)
+    }
+
+    /// Returns the debug overlay.
+    pub fn overlay(&self) -> DebugOverlay {
+        self.renderer.debug_overlay()
     }
 
     /// Returns the object of the document that the renderer knows by an id.

@@ -19,6 +19,7 @@ mod calibration;
 mod cold_starts;
 mod compute_test;
 mod counts;
+mod depth_complexity;
 mod detail;
 mod edge_on;
 mod edges;

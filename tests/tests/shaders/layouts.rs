@@ -107,7 +107,9 @@ fn proxies_are_two_corners() {
 
 #[test]
 fn the_seen_pass_reads_instances_and_writes_a_value_per_leaf() {
-    assert_eq!(interface("seen.vert"), (vec![(0, 64, vec![0, 48])], 88));
+    for name in ["seen.vert", "layers.vert"] {
+        assert_eq!(interface(name), (vec![(0, 64, vec![0, 48])], 88));
+    }
     assert_eq!(interface("seen.frag"), (vec![(1, 4, vec![0])], 0));
 }
 
@@ -282,6 +284,16 @@ fn push_constants_fit_every_device() {
     for name in crate::sources::stages(&folder).unwrap() {
         assert!(interface(&name).1 <= 128, "{name}");
     }
+}
+
+#[test]
+fn layers_are_counted_per_pixel_and_shown_in_the_colours_of_the_legend() {
+    let values = |binding| (binding, 4, vec![0]);
+    assert_eq!(interface("layers.frag"), (vec![values(1)], 100));
+    assert_eq!(interface("depth_complexity.frag"), (vec![values(0)], 12));
+    let source = std::fs::read_to_string(crate::folder().join("depth_complexity.frag")).unwrap();
+    let [red, green, blue] = render::palette::layer_colour(1);
+    assert!(source.contains(&format!("LAYER = uvec3({red}, {green}, {blue});")));
 }
 
 #[test]

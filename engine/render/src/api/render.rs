@@ -132,7 +132,10 @@ impl Renderer {
         scene_image: Option<&Readback>,
     ) -> ViewScopes {
         let has_debug = !self.debug_overlay.is_empty();
+        let has_layers = self.debug_overlay.has_depth_complexity;
         let overlays = [
+            (ViewScope::Layers, has_layers),
+            (ViewScope::DepthComplexity, has_layers),
             (ViewScope::DebugLines, has_debug),
             (ViewScope::ViewFromAbove, has_debug),
             (ViewScope::Outline, self.outlined_bounds().is_some()),

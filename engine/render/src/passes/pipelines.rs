@@ -5,9 +5,9 @@ use gpu::{Attachments, Device, Optional};
 use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
-    CapPass, CountPass, EdgePass, FlarePass, MapPasses, OpaquePass, OutlinePass, OverlayPass,
-    PointerPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass, SurfaceShadows, VolumePass,
-    VolumePath,
+    CapPass, CountPass, EdgePass, FlarePass, LayersPass, MapPasses, OpaquePass, OutlinePass,
+    OverlayPass, PointerPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass, SurfaceShadows,
+    VolumePass, VolumePath,
 };
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
@@ -39,6 +39,7 @@ pub(crate) struct Pipelines {
     pub(crate) pointer: OnDemand<PointerPass>,
     pub(crate) overlay: OnDemand<OverlayPass>,
     pub(crate) wireframe: OnDemand<OpaquePass>,
+    pub(crate) layers: OnDemand<LayersPass>,
     pub(crate) edges: OnDemand<EdgePass>,
     pub(crate) outlines: OnDemand<OutlinePass>,
 }
@@ -125,6 +126,7 @@ impl Pipelines {
             pointer: on_demand.again(|it| &it.pointer, PointerPass::new)?,
             overlay: on_demand.again(|it| &it.overlay, OverlayPass::new)?,
             wireframe: on_demand.again(|it| &it.wireframe, OpaquePass::wireframe)?,
+            layers: on_demand.again(|it| &it.layers, LayersPass::new)?,
             edges: on_demand.again(|it| &it.edges, EdgePass::new)?,
             outlines: on_demand.again(|it| &it.outlines, OutlinePass::new)?,
         })

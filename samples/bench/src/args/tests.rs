@@ -84,6 +84,7 @@ fn every_option_arrives() {
         "--images=7",
         "--msaa=4",
         "--top-down=6",
+        "--depth-complexity",
     ])
     .unwrap();
     assert_eq!(
@@ -123,6 +124,7 @@ fn every_option_arrives() {
             report: Some("r.json".into()),
             images: 7,
             top_down: Some(6),
+            has_depth_complexity: true,
         }
     );
     assert_eq!(parse(&["--device", "1"]).unwrap().device, DeviceChoice::Index(1));
