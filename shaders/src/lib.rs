@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 94] = [
+pub const PASSES: [Shader; 104] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -94,6 +94,16 @@ pub const PASSES: [Shader; 94] = [
     shader!("surface_shadowed_indexed.frag"),
     shader!("surface_volumes_indexed.frag"),
     shader!("surface_depth_indexed.frag"),
+    shader!("surface_sorted.frag"),
+    shader!("surface_sorted_section.frag"),
+    shader!("surface_sorted_indexed.frag"),
+    shader!("surface_sorted_indexed_section.frag"),
+    shader!("surface_shadowed_sorted.frag"),
+    shader!("surface_shadowed_sorted_section.frag"),
+    shader!("surface_shadowed_sorted_indexed.frag"),
+    shader!("surface_shadowed_sorted_indexed_section.frag"),
+    shader!("surface_sorted_section.vert"),
+    shader!("sorted_fragments.frag"),
     shader!("midpoint.frag"),
     shader!("volume.vert"),
     shader!("volume.geom"),

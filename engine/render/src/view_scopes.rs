@@ -15,6 +15,8 @@ pub(crate) enum ViewScope {
     CasterTests,
     /// The colours of surfaces, over what was there.
     Shade,
+    /// The fragments of transparent objects, which are stored.
+    Fragments,
     /// The transparent objects.
     Transparent,
     /// The counts of the samples of watched objects.
@@ -85,11 +87,12 @@ pub(crate) struct ViewScopes {
 
 impl ViewScope {
     /// All of them, in their order.
-    pub(crate) const ALL: [Self; 18] = [
+    pub(crate) const ALL: [Self; 19] = [
         Self::LastRound,
         Self::ShadedRound,
         Self::CasterTests,
         Self::Shade,
+        Self::Fragments,
         Self::Transparent,
         Self::SampleCounts,
         Self::Pointer,
@@ -148,6 +151,7 @@ impl ViewScopes {
             ViewScope::Layers => [Nothing, Nothing],
             ViewScope::DepthComplexity => [Replaces, Nothing],
             ViewScope::CasterTests
+            | ViewScope::Fragments
             | ViewScope::SampleCounts
             | ViewScope::Pointer
             | ViewScope::FlareVeil

@@ -25,6 +25,7 @@ use crate::options::{
 use crate::section_args::SectionArguments;
 use crate::strategy::{self, Strategy};
 use crate::terminal::shown;
+use crate::transparency::TransparencyChoice;
 
 /// The arguments of files that only a walk writes.
 const FILES: [&str; 2] = ["out", "report"];
@@ -107,6 +108,15 @@ pub struct Arguments {
     #[arg(long, value_name = "off|visible|hidden|shaded", default_value = "off")]
     #[arg(help_heading = "Walk")]
     pub edges: EdgesChoice,
+    /// Order of transparent objects: by objects, or by the fragments of each pixel, which is exact
+    /// where objects pass through each other
+    #[arg(
+        long,
+        value_name = "objects|fragments",
+        default_value = "objects",
+        help_heading = "Walk"
+    )]
+    pub transparency: TransparencyChoice,
     /// Share of the objects that move, come and go, 0 to 100, in scenes that are made. In a file
     /// its clips play
     #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
@@ -301,6 +311,7 @@ impl Arguments {
             views,
             projection: self.projection,
             edges: self.edges,
+            transparency: self.transparency,
             size,
             samples: self.msaa,
             strategies,

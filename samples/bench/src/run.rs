@@ -27,6 +27,7 @@ use crate::shadow_choice::ShadowChoice;
 use crate::signals::Signals;
 use crate::statistics::kept;
 use crate::stopwatch::Stopwatch;
+use crate::transparency::TransparencyReport;
 use crate::walk::Walk;
 use crate::walk_images::WalkImages;
 use crate::walk_scene::WalkScene;
@@ -168,8 +169,7 @@ pub fn walk_on(
     let (objects, triangles) = (scene.objects.len() as u64, scene.triangles());
     let scene_report =
         SceneReport { name: scene_name(&options.scene), objects, triangles, seed, file };
-    // The device has it all.
-    drop(scene);
+    drop(scene); // The device has it all.
     let (strategies, left_out) = able(&renderer, options)?;
     if options.time_passes {
         renderer.time_passes()?;
@@ -208,6 +208,7 @@ pub fn walk_on(
         ratios: ratios(&runs),
         paired_ratios: paired_ratios(&runs),
         distrust: renderer.distrust(),
+        transparency: TransparencyReport::of(&renderer),
         left_out: options.left_out.clone(),
         provenance: Provenance::of_this_process(),
         runs,
@@ -366,6 +367,7 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
         methods: all_methods(options),
         size: [options.size.width, options.size.height],
         samples: options.samples,
+        transparency: options.transparency.options(),
         frames_in_flight,
         predication: match options.predicates {
             PredicatesChoice::Auto => None,

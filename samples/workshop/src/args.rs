@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use antumbra::gpu::SampleCount;
 use bench::choices::{DeviceChoice, ValidationChoice};
 use bench::options::{FrameSize, parse_samples};
+use bench::transparency::TransparencyChoice;
 use clap::{Parser, value_parser};
 
 /// Shows a CAD model: its parts are picked, hidden, taken apart, measured and exported. The lid of
@@ -64,6 +65,10 @@ pub struct WorkshopArguments {
     #[arg(long, value_name = "1|4", default_value = "1")]
     #[arg(value_parser = parse_samples)]
     pub msaa: SampleCount,
+    /// Order of transparent parts: by parts, or by the fragments of each pixel, which is exact
+    /// where parts pass through each other
+    #[arg(long, value_name = "objects|fragments", default_value = "objects")]
+    pub transparency: TransparencyChoice,
     /// Vulkan device: a part of its name, or its number
     #[arg(long, value_name = "DEVICE")]
     pub device: Option<DeviceChoice>,

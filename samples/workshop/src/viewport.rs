@@ -4,12 +4,15 @@ use antumbra::cull::{SectionPlanes, Strategy, View};
 use antumbra::glam::{Affine3A, Mat3A};
 use antumbra::gpu::{Device, Readback, SampleCount};
 use antumbra::occlusion::Rect;
-use antumbra::render::{DebugOverlay, EdgeMode, EdgeOptions, Error, ObjectOutline, PointedSurface};
+use antumbra::render::{
+    DebugOverlay, EdgeMode, EdgeOptions, Error, ObjectOutline, PointedSurface, TransparencyOptions,
+};
 use antumbra::scene::{
     Alpha, MaterialId, MeshId, Object, ObjectChange, Scene, SceneUpdate, Surfaces, TransparentId,
     TransparentMove,
 };
 use antumbra::{Camera, FrameRequest, ObjectId, Renderer, RendererOptions, ViewState};
+use bench::transparency::{FragmentsReport, TransparencyReport};
 
 use crate::document::{Display, Document};
 use crate::script::Pixel;
@@ -65,10 +68,11 @@ impl ModelViewport {
         document: &Document,
         size: [u32; 2],
         samples: SampleCount,
+        transparency: TransparencyOptions,
     ) -> Result<Self, Error> {
         let mut scene = document.scene.clone().with_surfaces();
         let has_ghosts = add_ghosts(&mut scene);
-        let options = RendererOptions { size, samples, ..RendererOptions::default() };
+        let options = RendererOptions { size, samples, transparency, ..RendererOptions::default() };
         let renderer = Renderer::new(device, &scene, &options)?;
         let placed = |object: ObjectId| Placed {
             object: Some(object),
@@ -93,6 +97,16 @@ impl ModelViewport {
     /// Returns the view of a camera.
     pub fn view_of(&self, camera: &Camera) -> View {
         self.renderer.view_of(camera)
+    }
+
+    /// Returns the order of transparent parts, if fragments were asked for.
+    pub fn transparency(&self) -> Option<TransparencyReport> {
+        TransparencyReport::of(&self.renderer)
+    }
+
+    /// Returns the fragments of transparent parts in the newest image, if they are sorted.
+    pub fn fragments(&self) -> Option<FragmentsReport> {
+        FragmentsReport::most(std::iter::once(self.renderer.fragment_counts()))
     }
 
     /// Takes over what has changed in the document.

@@ -67,6 +67,7 @@ mod shadow_maps;
 mod shadow_volumes;
 mod skinning;
 mod slivers;
+mod sorted_fragments;
 mod strategies;
 mod streaming;
 mod testers;

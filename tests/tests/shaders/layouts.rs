@@ -38,6 +38,10 @@ fn interface(name: &str) -> (Buffers, usize) {
                         "surface_shadowed.frag" => 11,
                         "surface_volumes.frag" => 8,
                         "surface.frag" => 6,
+                        "surface_sorted.frag" => 7,
+                        "surface_sorted_section.frag" => 8,
+                        "surface_shadowed_sorted.frag" => 12,
+                        "surface_shadowed_sorted_section.frag" => 13,
                         _ => 0,
                     };
                     let is_surface = name.starts_with("surface") || name.starts_with("flare_veil");
@@ -230,6 +234,16 @@ fn surfaces_have_materials_transforms_lights_and_lists() {
     assert_eq!(by_volumes[..3], interface("surface.frag").0);
     assert_eq!(by_volumes[3..], [(5, 4, vec![0]), (6, 4, vec![0])]);
     assert_eq!(interface("surface_depth.frag").0, vec![transforms]);
+    for (sorted, drawn) in [
+        ("surface_sorted.frag", "surface.frag"),
+        ("surface_shadowed_sorted.frag", "surface_shadowed.frag"),
+    ] {
+        let mut buffers = interface(drawn).0;
+        let lists = buffers.last().unwrap().0 + 1;
+        buffers.push((lists, 4, vec![0]));
+        assert_eq!(interface(sorted), (buffers, 128), "one buffer more holds the fragments");
+    }
+    assert_eq!(interface("sorted_fragments.frag"), (vec![(0, 4, vec![0]), (1, 4, vec![0])], 0));
     let source = std::fs::read_to_string(crate::folder().join("lights.glsl")).unwrap();
     let list_values = scene::limits::MAX_LIGHTS_PER_OBJECT / 2;
     assert!(source.contains(&format!("LIST_VALUES = {list_values};")));
@@ -237,7 +251,15 @@ fn surfaces_have_materials_transforms_lights_and_lists() {
 
 #[test]
 fn textures_with_an_image_each_change_no_other_input() {
-    let passes = ["surface", "surface_shadowed", "surface_volumes", "surface_depth", "flare_veil"];
+    let passes = [
+        "surface",
+        "surface_shadowed",
+        "surface_volumes",
+        "surface_depth",
+        "surface_sorted",
+        "surface_shadowed_sorted",
+        "flare_veil",
+    ];
     for pass in passes {
         let [on_pages, indexed] =
             ["", "_indexed"].map(|end| interface(&format!("{pass}{end}.frag")));
@@ -312,7 +334,7 @@ fn the_required_storage_buffers_are_the_most_that_a_stage_binds() {
     // The layout of a pipeline has all buffers up to the last one in each of its stages.
     let bound = |name: &str| interface(name).0.last().map_or(0, |(binding, ..)| binding + 1);
     let names = || shaders::PASSES.into_iter().chain(OF_GPU).map(|shader| shader.name);
-    let is_cut = |name: &&str| name.contains("_section") || name.contains("cap_");
+    let is_cut = |name: &&str| ["_section", "cap_", "_sorted"].iter().any(|it| name.contains(it));
     let most = names().filter(|name| !is_cut(name)).map(bound).max().unwrap();
     let asked = include_str!("../../../engine/gpu/src/core/capabilities.rs");
     assert!(asked.contains(&format!("STAGE_STORAGE_BUFFERS: u32 = {most};")), "{most} are bound");
