@@ -1,6 +1,7 @@
 // The surface pass: metallic-roughness materials under punctual lights and a hemisphere of ambient
 // light; sRGB is encoded by the attachment. With SHADOWED defined, lights have shadow maps; with
-// VOLUMES, a mask of shadow volumes.
+// VOLUMES, a mask of shadow volumes. With FRAGMENTS_BINDING, colours are not drawn but stored, to
+// be sorted.
 #include "material.glsl"
 #include "surface_constants.glsl"
 #include "texels.glsl"
@@ -23,7 +24,14 @@ layout(location = 9) flat in uvec2 lights_of_object; // slot of the list, how ma
 
 layout(location = 11) in vec3 middle_position; // in the middle of the pixel
 
+#ifdef FRAGMENTS_BINDING
+#include "fragments.glsl"
+layout(early_fragment_tests) in;
+
+vec4 colour;
+#else
 layout(location = 0) out vec4 colour;
+#endif
 
 // The place that is shaded, relative to the anchor; at first that of the middle of the pixel, for
 // derivatives.
@@ -164,4 +172,7 @@ void main() {
     colour = vec4(tone_mapped(min(light * exposure, vec3(65504.0))), alpha);
     // An unlit surface is its base colour: neither lit nor exposed, so not mapped either.
     if (UNLIT && (material_factors.w & UNLIT_FLAG) != 0u) colour.rgb = base.rgb;
+#ifdef FRAGMENTS_BINDING
+    store_fragment(colour);
+#endif
 }

@@ -20,6 +20,9 @@ layout(std430, binding = 1) readonly buffer Materials { Material materials[]; };
 #ifdef SECTION_BINDING
 #include "section_vertex.glsl"
 #endif
+#ifdef SECTION_OF_ALL
+layout(location = 14) flat out uint section_state;
+#endif
 
 layout(location = 0) out vec4 uvs;
 layout(location = 1) out vec4 vertex_colour;
@@ -64,6 +67,9 @@ void main() {
 
 #ifdef SECTION_BINDING
     section_state = state_of(instance_number);
+#endif
+#ifdef SECTION_OF_ALL
+    section_state = 0u;
 #endif
 
     // Normals follow the cofactors of the matrix, which stay finite for flat objects; they turn

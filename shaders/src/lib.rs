@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 89] = [
+pub const PASSES: [Shader; 104] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -59,6 +59,11 @@ pub const PASSES: [Shader; 89] = [
     shader!("seen.vert"),
     shader!("seen.frag"),
     shader!("pointer.frag"),
+    shader!("layers.vert"),
+    shader!("layers_section.vert"),
+    shader!("layers.frag"),
+    shader!("layers_section.frag"),
+    shader!("depth_complexity.frag"),
     shader!("flare.vert"),
     shader!("flare.frag"),
     shader!("flare_block.vert"),
@@ -89,6 +94,16 @@ pub const PASSES: [Shader; 89] = [
     shader!("surface_shadowed_indexed.frag"),
     shader!("surface_volumes_indexed.frag"),
     shader!("surface_depth_indexed.frag"),
+    shader!("surface_sorted.frag"),
+    shader!("surface_sorted_section.frag"),
+    shader!("surface_sorted_indexed.frag"),
+    shader!("surface_sorted_indexed_section.frag"),
+    shader!("surface_shadowed_sorted.frag"),
+    shader!("surface_shadowed_sorted_section.frag"),
+    shader!("surface_shadowed_sorted_indexed.frag"),
+    shader!("surface_shadowed_sorted_indexed_section.frag"),
+    shader!("surface_sorted_section.vert"),
+    shader!("sorted_fragments.frag"),
     shader!("midpoint.frag"),
     shader!("volume.vert"),
     shader!("volume.geom"),

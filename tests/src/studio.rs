@@ -82,6 +82,7 @@ pub fn image(
     let view = View::new(camera, size, device.adapter().limits.sub_pixel_precision_bits);
     let io = SurfaceIo {
         section: None,
+        fragments: None,
         vertices: vertices.whole(),
         indices: indices.whole(),
         instances: instances.whole(),

@@ -12,6 +12,7 @@ use occlusion::{
 };
 use scene::{Light, Scene, TransparentId};
 
+use crate::debug::depth_complexity::LayerCounts;
 use crate::edges::state::Edges;
 use crate::passes::pipelines::{DepthFirst, PassNeeds, Pipelines};
 use crate::passes::{OpaqueIo, SurfaceIo};
@@ -21,6 +22,7 @@ use crate::resources::skinned_meshes::{PoseUploads, Skinned, SkinnedMeshes};
 use crate::resources::volume_meshes::VolumeMeshes;
 use crate::section::Section;
 use crate::shading::depth_first::{DARK, DepthPass};
+use crate::shading::fragments::Fragments;
 use crate::shading::surfaces::SurfaceOptions;
 use crate::shading::surfaces::SurfaceResources;
 use crate::shading::transparent::{Transparent, TransparentObject};
@@ -40,6 +42,8 @@ pub(crate) struct FramePasses {
     pub(crate) transparent: Option<Transparent>,
     pub(crate) shadows: Shadows,
     pub(crate) edges: Edges,
+    /// The counts of the depth complexity, while it is shown.
+    pub(crate) layer_counts: LayerCounts,
     /// The section planes and what they cut.
     pub(crate) section: Section,
     /// The renderings of the view that is recorded, if they are known.
@@ -57,6 +61,7 @@ fn needs<'a>(
         attachments: target.attachments(),
         surfaces: geometry.surfaces.as_ref(),
         has_transparent: transparent.is_some(),
+        sorts_fragments: transparent.is_some_and(|it| it.fragments.is_some()),
         has_skinned_meshes: skinned_meshes.is_some(),
         shadows: &shadows.options,
         size: target.size(),
@@ -188,7 +193,9 @@ impl FramePasses {
         let mut geometry = Geometry::upload(device, scene, hierarchy, room)?;
         let cancellation = &room.0.cancellation;
         cancellation.check()?;
-        let transparent = Transparent::new(device, scene)?;
+        let samples = target.attachments().samples;
+        let fragments = Fragments::new(device, room.0.transparency, samples, frames_in_flight);
+        let transparent = Transparent::new(device, scene, fragments)?;
         let first_vertex = |mesh| geometry.first_vertex(mesh);
         let skinned_meshes = SkinnedMeshes::new(device, scene, frames_in_flight, first_vertex)?;
         if shadows.options.method == ShadowMethod::Volumes {
@@ -209,6 +216,7 @@ impl FramePasses {
             transparent,
             shadows,
             edges: Edges::default(),
+            layer_counts: LayerCounts::default(),
             section: Section::default(),
             scopes: None,
         })
@@ -299,6 +307,7 @@ impl FramePasses {
             surfaces: self.geometry.surfaces.as_ref()?,
             shadows: self.shadows.io(),
             section: self.section.io(),
+            fragments: None,
         })
     }
 
@@ -349,6 +358,9 @@ impl FramePasses {
         (uploads, views, uses): (PoseUploads<'_>, &[View], MapUses),
     ) -> Result<(), crate::Error> {
         self.geometry.relight(hierarchy, &mut executor.leaves);
+        if let Some(fragments) = self.fragments_mut() {
+            fragments.begin_frame(frame)?;
+        }
         let opaque = hierarchy.root().map_or(Aabb::EMPTY, |root| hierarchy.bounds(root));
         let transparent = self.transparent.as_ref().filter(|_| self.shadows.culls_casters());
         let transparent = transparent.map_or(Aabb::EMPTY, Transparent::bounds);
@@ -439,6 +451,9 @@ impl FramePasses {
         if let Some(skinned_meshes) = &self.skinned_meshes {
             skinned_meshes.read_back(commands);
         }
+        if let Some(fragments) = self.fragments() {
+            fragments.read_back(commands);
+        }
     }
 
     /// Returns the work for skinned meshes in the frame that was recorded last.
@@ -452,6 +467,9 @@ impl FramePasses {
             skinned_meshes.set_frames_in_flight(&self.device, frames_in_flight);
         }
         self.shadows.set_frames_in_flight(frames_in_flight);
+        if let Some(fragments) = self.fragments_mut() {
+            fragments.set_frames_in_flight(frames_in_flight);
+        }
     }
 
     /// Notes that the frame of the last [`FramePasses::upload_changes`] was submitted.
@@ -460,6 +478,9 @@ impl FramePasses {
         self.geometry.submitted();
         self.edges.submitted();
         self.shadows.submitted(tick);
+        if let Some(fragments) = self.fragments_mut() {
+            fragments.submitted(tick);
+        }
         if let Some(skinned_meshes) = &mut self.skinned_meshes {
             skinned_meshes.submitted(tick);
         }

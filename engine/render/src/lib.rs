@@ -79,6 +79,9 @@ pub use resources::spare_room::{SpareRoom, TextureRoom};
 pub use self_test::{Finding, SelfTest, self_test};
 pub use shading::scene_degradations::SceneDegradations;
 pub use shading::surfaces;
+pub use shading::transparency::{
+    FragmentCounts, TransparencyFallback, TransparencyMethod, TransparencyOptions,
+};
 pub use shadows::{LightShadow, ShadowIo, ShadowMapIo, ShadowMaskIo};
 pub use update::UpdateReport;
 pub use view_state::ViewState;

@@ -17,6 +17,7 @@ use occlusion::{
 use scene::{LensFlare, Scene};
 
 use crate::debug::debug_overlay::DebugOverlay;
+use crate::debug::depth_complexity::LayerCounts;
 use crate::debug::visible_set::{SceneRevision, SeenLeaves};
 use crate::error::Error;
 use crate::executor_choice::decide;
@@ -27,6 +28,7 @@ use crate::resources::object_bounds::{check_hierarchy, object_bounds};
 use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites::has_sprites;
 use crate::shading::surfaces::{SurfaceOptions, TextureStorage};
+use crate::shading::transparency::{TransparencyOptions, trusted_transparency};
 use crate::shadows::{can_skip, trusted_shadows};
 use crate::update::UpdateScratch;
 use crate::view_state::{RendererId, ViewState};
@@ -83,6 +85,8 @@ pub struct RendererOptions {
     pub upload_bytes_per_frame: usize,
     /// The shadows of the lights of surfaces.
     pub shadows: ShadowOptions,
+    /// The order in which transparent objects are blended.
+    pub transparency: TransparencyOptions,
     /// The assumptions about the driver that a [self-test](crate::self_test) found broken: tests
     /// and executors that rest on them are replaced by the safest that is left, with a warning.
     pub distrusted: Vec<Assumption>,
@@ -110,6 +114,7 @@ impl Default for RendererOptions {
             textures: None,
             upload_bytes_per_frame: 1 << 20,
             shadows: ShadowOptions::default(),
+            transparency: TransparencyOptions::default(),
             distrusted: Vec::new(),
             cancellation: CancellationToken::default(),
         }
@@ -188,6 +193,7 @@ pub struct Renderer {
     /// The threshold of the cullers of all views.
     threshold_samples: u32,
     pub(crate) samples: SampleCount,
+    pub(crate) transparency: TransparencyOptions,
     pub(crate) query_budget: usize,
     pub(crate) query_shares: QueryShares,
     choice: PriceChoice,
@@ -234,10 +240,11 @@ impl Renderer {
         let (attachments, trust) = (target.attachments(), Trust::without(&options.distrusted));
         trust.texts().iter().for_each(|text| tracing::warn!("{text}"));
         let shadows = trusted_shadows(&trust, options.shadows, |it| can_skip(device, it));
+        let transparency = trusted_transparency(&trust, options.transparency);
         let occlusion_passes = OcclusionPasses::with_trust(device, &shaders, attachments, trust)?;
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
-        let surfaces = options.surfaces();
+        let surfaces = SurfaceOptions { transparency, ..options.surfaces() };
         let room = (&surfaces, options.upload_bytes_per_frame);
         let made_of = (slots, (room, shadows));
         let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, made_of)?;
@@ -279,6 +286,7 @@ impl Renderer {
             cull_config: options.cull_config,
             threshold_samples,
             samples: options.samples,
+            transparency: options.transparency,
             query_budget: options.query_budget,
             query_shares: QueryShares::default(),
             choice,
@@ -405,11 +413,15 @@ impl Renderer {
     /// Draws a debug overlay over the images from now on; an empty one costs nothing.
     ///
     /// # Errors
-    /// Wires on a device that lacks [`gpu::Optional::Wireframe`]; an area that is not within the
+    /// Wires on a device that lacks [`gpu::Optional::Wireframe`], the depth complexity on one that
+    /// lacks [`gpu::Optional::FragmentStores`]; an area that is not within the
     /// image; a failed call. The former overlay then stays.
     pub fn set_debug_overlay(&mut self, debug_overlay: DebugOverlay) -> Result<(), Error> {
         debug_overlay.top_down.map_or(Ok(()), |area| self.check_area(area))?;
         debug_overlay.prepare(&mut self.passes.pipelines, &self.device, &self.shaders)?;
+        if !debug_overlay.has_depth_complexity {
+            self.passes.layer_counts = LayerCounts::default();
+        }
         self.debug_overlay = debug_overlay;
         Ok(())
     }
@@ -452,7 +464,11 @@ impl Renderer {
     pub fn drain(&mut self, state: &mut ViewState) -> Result<(), Error> {
         self.check_view(state)?;
         self.device.drain()?;
-        state.collect(self.device.completed()?, &self.hierarchy, &self.executor.leaves);
+        let completed = self.device.completed()?;
+        state.collect(completed, &self.hierarchy, &self.executor.leaves);
+        if let Some(fragments) = self.passes.fragments_mut() {
+            fragments.collect(completed);
+        }
         Ok(())
     }
 }

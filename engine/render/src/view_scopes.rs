@@ -15,6 +15,8 @@ pub(crate) enum ViewScope {
     CasterTests,
     /// The colours of surfaces, over what was there.
     Shade,
+    /// The fragments of transparent objects, which are stored.
+    Fragments,
     /// The transparent objects.
     Transparent,
     /// The counts of the samples of watched objects.
@@ -33,6 +35,10 @@ pub(crate) enum ViewScope {
     EdgesOnPaper,
     /// The outlines of objects, by a stencil of their own.
     StencilOutlines,
+    /// The counts of the depth complexity.
+    Layers,
+    /// The depth complexity, over all that was there.
+    DepthComplexity,
     /// The lines and boxes of the debug overlay.
     DebugLines,
     /// The view from above, in a corner of the image.
@@ -81,11 +87,12 @@ pub(crate) struct ViewScopes {
 
 impl ViewScope {
     /// All of them, in their order.
-    pub(crate) const ALL: [Self; 16] = [
+    pub(crate) const ALL: [Self; 19] = [
         Self::LastRound,
         Self::ShadedRound,
         Self::CasterTests,
         Self::Shade,
+        Self::Fragments,
         Self::Transparent,
         Self::SampleCounts,
         Self::Pointer,
@@ -95,6 +102,8 @@ impl ViewScope {
         Self::Edges,
         Self::EdgesOnPaper,
         Self::StencilOutlines,
+        Self::Layers,
+        Self::DepthComplexity,
         Self::DebugLines,
         Self::ViewFromAbove,
         Self::Outline,
@@ -139,7 +148,10 @@ impl ViewScopes {
             ViewScope::LastRound | ViewScope::ViewFromAbove => [Writes, Writes],
             ViewScope::ShadedRound => [Replaces, Writes],
             ViewScope::Shade | ViewScope::EdgesOnPaper => [Replaces, Reads],
+            ViewScope::Layers => [Nothing, Nothing],
+            ViewScope::DepthComplexity => [Replaces, Nothing],
             ViewScope::CasterTests
+            | ViewScope::Fragments
             | ViewScope::SampleCounts
             | ViewScope::Pointer
             | ViewScope::FlareVeil

@@ -17,6 +17,7 @@ use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::host_overlay::{HOST_OVERLAY, HostOverlay};
 use crate::resources::skinned_meshes::Skinned;
+use crate::shading::transparency::FragmentCounts;
 use crate::view_state::ViewState;
 
 /// The place that a view is seen from, and its projection.
@@ -164,6 +165,9 @@ pub struct FrameReport {
     pub waits: u32,
     /// Transparent objects in the frustum.
     pub transparent: u32,
+    /// The fragments of transparent objects, where these are [sorted](crate::TransparencyMethod),
+    /// in the newest frame whose counts were read back for this one.
+    pub fragments: FragmentCounts,
     /// Poses that were uploaded: those that are not on the GPU yet and that one of the views may
     /// show.
     pub poses: u32,

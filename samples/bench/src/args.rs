@@ -25,6 +25,7 @@ use crate::options::{
 use crate::section_args::SectionArguments;
 use crate::strategy::{self, Strategy};
 use crate::terminal::shown;
+use crate::transparency::TransparencyChoice;
 
 /// The arguments of files that only a walk writes.
 const FILES: [&str; 2] = ["out", "report"];
@@ -107,6 +108,15 @@ pub struct Arguments {
     #[arg(long, value_name = "off|visible|hidden|shaded", default_value = "off")]
     #[arg(help_heading = "Walk")]
     pub edges: EdgesChoice,
+    /// Order of transparent objects: by objects, or by the fragments of each pixel, which is exact
+    /// where objects pass through each other
+    #[arg(
+        long,
+        value_name = "objects|fragments",
+        default_value = "objects",
+        help_heading = "Walk"
+    )]
+    pub transparency: TransparencyChoice,
     /// Share of the objects that move, come and go, 0 to 100, in scenes that are made. In a file
     /// its clips play
     #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
@@ -184,6 +194,10 @@ pub struct Arguments {
     /// frustum; or off [default: the middle one]
     #[arg(long, value_name = "FRAME|off", requires = "out", help_heading = "Output")]
     pub top_down: Option<TopDown>,
+    /// Each image also as its depth complexity: how many surfaces are drawn at each pixel, those
+    /// behind others included
+    #[arg(long, requires = "out", help_heading = "Output")]
+    pub depth_complexity: bool,
     /// File for the report as JSON, in a folder that exists [default: none]
     #[arg(long, value_name = "FILE.json", help_heading = "Output")]
     pub report: Option<PathBuf>,
@@ -297,6 +311,7 @@ impl Arguments {
             views,
             projection: self.projection,
             edges: self.edges,
+            transparency: self.transparency,
             size,
             samples: self.msaa,
             strategies,
@@ -316,6 +331,7 @@ impl Arguments {
             report: self.report.clone(),
             images: self.images()?,
             top_down: self.top_down()?,
+            has_depth_complexity: self.depth_complexity,
         })
     }
 

@@ -1,10 +1,12 @@
 //! A legend drawn into the pixels of an image: the programs that measure have no head-up display.
 
-use antumbra::render::palette::{FRUSTUM, Swatch, level_colour};
+use antumbra::render::palette::{FRUSTUM, LAYERS, Swatch, level_colour};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 /// The title of the legend of the view from above.
 pub const TITLE_FROM_ABOVE: &str = "Boxes and the camera";
+/// The title of the legend of the depth complexity.
+pub const TITLE_OF_LAYERS: &str = "Depth complexity";
 /// Levels that represent the colour scale of all.
 const LEVELS: [u32; 6] = [0, 3, 6, 9, 12, 15];
 
@@ -50,6 +52,11 @@ pub fn from_above() -> Vec<LegendEntry> {
     let levels = LEVELS.map(|level| level_colour(level).rgb).to_vec();
     let meaning = level_colour(0).meaning.to_owned();
     vec![LegendEntry { colours: levels, meaning }, FRUSTUM.into()]
+}
+
+/// Returns the entries of the depth complexity.
+pub fn layers() -> Vec<LegendEntry> {
+    LAYERS.map(Into::into).to_vec()
 }
 
 /// Draws a legend into the upper right of an image of RGBA pixels, `width` per row. Draws nothing

@@ -47,6 +47,7 @@ pub mod stopwatch;
 pub mod strategy;
 pub mod table;
 pub mod terminal;
+pub mod transparency;
 pub mod trust_table;
 pub mod walk;
 pub mod walk_images;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use antumbra::cull::Corrections;
+use antumbra::render::FragmentCounts;
 
 use crate::image_difference::{ImageDifference, pixels_that_differ};
 use crate::report::{AgeReport, CorrectionsReport, RunReport, kept_times};
@@ -10,6 +11,7 @@ use crate::schedule::WalkStep;
 use crate::shadow_choice::ShadowChoice;
 use crate::statistics::{TimeSummary, median_count};
 use crate::strategy::Strategy;
+use crate::transparency::FragmentsReport;
 
 /// The measurements of one timed frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,6 +55,8 @@ pub struct FrameMeasurement {
     pub blocking_waits: u64,
     /// Visible samples that were left out because of a threshold.
     pub samples_below_threshold: u64,
+    /// The fragments of transparent objects, where these are sorted: some frames old.
+    pub fragments: FragmentCounts,
     /// True if the frame is compared with plain frustum culling.
     pub is_compared: bool,
 }
@@ -218,6 +222,7 @@ impl RunMeasurement {
                 below_threshold(|frame| frame.is_compared) + self.warm_up.samples_below_threshold
             }),
             samples_below_threshold: below_threshold(|_| true),
+            fragments: FragmentsReport::most(self.frames.iter().map(|frame| frame.fragments)),
         }
     }
 }

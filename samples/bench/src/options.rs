@@ -18,6 +18,7 @@ use crate::choices::{
 use crate::shadow_choice::ShadowChoice;
 use crate::strategy::Strategy;
 use crate::terminal::shown;
+use crate::transparency::TransparencyChoice;
 
 /// A strategy that does not run, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -166,6 +167,8 @@ pub struct Options {
     pub projection: ProjectionChoice,
     /// The edges of objects.
     pub edges: EdgesChoice,
+    /// The order of transparent objects.
+    pub transparency: TransparencyChoice,
     /// The percentage of objects that move: 0 to 100, and 0 in a scene out of a file.
     pub moving_percent: u32,
     /// Timed frames of each strategy: 1 to [`MAX_FRAMES`].
@@ -209,6 +212,8 @@ pub struct Options {
     pub images: u32,
     /// The frame that is also drawn from above, with frontier and frustum; none without a folder.
     pub top_down: Option<u32>,
+    /// True if each of the images has a companion: how many surfaces are drawn at each pixel.
+    pub has_depth_complexity: bool,
 }
 
 /// Reads a number of samples per pixel.

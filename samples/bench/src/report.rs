@@ -13,6 +13,7 @@ use crate::options::LeftOut;
 use crate::outputs::{WriteError, write_file};
 use crate::provenance::Provenance;
 use crate::statistics::{TimeSummary, kept, paired_ratio, ratio};
+use crate::transparency::{FragmentsReport, TransparencyReport};
 
 /// The measurements of a walk.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -72,6 +73,9 @@ pub struct Report {
     /// The assumptions about the driver that do not hold, a sentence each; only `--trust tested`
     /// finds any.
     pub distrust: Vec<String>,
+    /// The order of transparent objects; absent where fragments were not asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transparency: Option<TransparencyReport>,
     /// The runs, in the order asked for: one per strategy, and per way to draw shadows.
     pub runs: Vec<RunReport>,
     /// "A/B": median frame time of A over that of B, for every ordered pair.
@@ -288,6 +292,9 @@ pub struct RunReport {
     pub pixels_wrong_at_most: Option<u64>,
     /// Visible samples that were left out because of the threshold, in all timed frames.
     pub samples_below_threshold: u64,
+    /// The most fragments of transparent objects in a frame; absent where none were sorted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fragments: Option<FragmentsReport>,
 }
 
 /// Returns the names of runs: their strategies, and the shadows where these differ.

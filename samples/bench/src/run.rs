@@ -28,6 +28,7 @@ use crate::shadow_choice::ShadowChoice;
 use crate::signals::Signals;
 use crate::statistics::kept;
 use crate::stopwatch::Stopwatch;
+use crate::transparency::TransparencyReport;
 use crate::walk::Walk;
 use crate::walk_images::WalkImages;
 use crate::walk_scene::WalkScene;
@@ -208,6 +209,7 @@ pub fn walk_on(
         ratios: ratios(&runs),
         paired_ratios: paired_ratios(&runs),
         distrust: renderer.distrust(),
+        transparency: TransparencyReport::of(&renderer),
         left_out: options.left_out.clone(),
         provenance: Provenance::of_this_process(),
         runs,
@@ -381,6 +383,7 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
         methods: all_methods(options),
         size: [options.size.width, options.size.height],
         samples: options.samples,
+        transparency: options.transparency.options(),
         frames_in_flight,
         predication: match options.predicates {
             PredicatesChoice::Auto => None,

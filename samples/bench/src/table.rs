@@ -163,6 +163,9 @@ fn more_lines(report: &Report) -> String {
             "\nnot exact: objects that show at most {most} pixels count as hidden in antumbra, antumbra_queries, coherent"
         );
     }
+    if let Some(transparency) = &report.transparency {
+        lines += &format!("\ntransparent objects: {}", transparency.text());
+    }
     for distrust in &report.distrust {
         lines += &format!("\n{distrust}");
     }
@@ -287,7 +290,16 @@ fn foot(report: &Report) -> String {
         // Writing to a String cannot fail.
         let _ok = write!(text, "\nWRONG: {wrong} pixels differ from plain frustum culling");
     }
-    text + &threshold_lines(report)
+    text + &threshold_lines(report) + &fragment_lines(report)
+}
+
+/// Returns a line for each run some of whose fragments were not blended.
+fn fragment_lines(report: &Report) -> String {
+    let line = |run: &RunReport| {
+        let lost = run.fragments?.lost()?;
+        Some(format!("\n{}: fragments that were not blended in a frame: {lost}", run.strategy))
+    };
+    report.runs.iter().filter_map(line).collect()
 }
 
 /// Returns a line for each run whose threshold left visible samples out.

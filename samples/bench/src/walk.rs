@@ -270,6 +270,7 @@ fn measurement_of(report: &FrameReport, strategy: Strategy) -> FrameMeasurement 
         expected_saving_ns: report.plan.expected_saving_ns,
         corrections: report.corrections.filter(|_| strategy.uses_cost_model()),
         result_age_frames: report.oldest_answer_frames,
+        fragments: report.fragments,
         ..FrameMeasurement::default()
     }
 }

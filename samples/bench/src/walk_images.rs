@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use antumbra::cull::Strategy;
 use antumbra::gpu::Readback;
 use antumbra::methods;
-use antumbra::render::Renderer;
+use antumbra::render::{DebugOverlay, Renderer};
 
 use crate::Options;
 use crate::camera_path::CameraTrack;
 use crate::eyes::Eyes;
-use crate::legend;
+use crate::legend::{self, LegendEntry};
 use crate::memory::copy_of;
 use crate::moving::Moving;
 use crate::png_file::write_png;
@@ -63,17 +63,11 @@ impl WalkImages {
             renderer.set_shadows(shadows.options())?;
         }
         let image = Readback::new(renderer.device(), renderer.size())?;
-        let mut save = |name: String, is_explained: bool| {
+        let mut save = |name: String, title: &str, entries: &[LegendEntry]| {
             let written = image.rgba8().map_err(RunError::from).and_then(|pixels| {
                 let mut pixels = copy_of(&pixels)?;
-                if is_explained {
-                    let width = options.size.width as usize;
-                    legend::draw(
-                        &mut pixels,
-                        width,
-                        legend::TITLE_FROM_ABOVE,
-                        &legend::from_above(),
-                    );
+                if !entries.is_empty() {
+                    legend::draw(&mut pixels, options.size.width as usize, title, entries);
                 }
                 let written = write_png(&folder.join(name), options.size, &pixels);
                 written.map_err(RunError::machine)
@@ -88,16 +82,25 @@ impl WalkImages {
                 return Ok(());
             }
             walk_to(renderer, path, moving, options, frame, WARM_UP_FRAMES, &image)?;
-            save(format!("frame_{frame:05}.png"), false);
+            save(format!("frame_{frame:05}.png"), "", &[]);
+            if options.has_depth_complexity {
+                let layers = DebugOverlay { has_depth_complexity: true, ..DebugOverlay::default() };
+                renderer.set_debug_overlay(layers)?;
+                walk_to(renderer, path, moving, options, frame, WARM_UP_FRAMES, &image)?;
+                renderer.set_debug_overlay(DebugOverlay::default())?;
+                let name = format!("depth_complexity_{frame:05}.png");
+                save(name, legend::TITLE_OF_LAYERS, &legend::layers());
+            }
         }
         if let Some(frame) = options.top_down.filter(|_| signals.received().is_none()) {
             let eyes = walk_to(renderer, path, moving, options, frame, SETTLING_FRAMES, &image);
             let mut eyes = eyes?;
-            save(format!("top_down_{frame:05}_seen.png"), false);
+            save(format!("top_down_{frame:05}_seen.png"), "", &[]);
             if let Some((history, view)) = eyes.first(renderer, &path.frame_camera(frame))? {
                 let snapshot = renderer.snapshot(history, view)?;
                 renderer.top_down(&snapshot, &image)?;
-                save(format!("top_down_{frame:05}.png"), true);
+                let name = format!("top_down_{frame:05}.png");
+                save(name, legend::TITLE_FROM_ABOVE, &legend::from_above());
             }
         }
         Ok(())

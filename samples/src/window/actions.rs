@@ -54,6 +54,8 @@ pub enum Action {
     Boxes,
     /// The edges of all triangles.
     Wireframe,
+    /// The number of surfaces that are drawn at each pixel.
+    DepthComplexity,
     /// The GPU time of every pass.
     TimePasses,
     /// An image of the screen.
@@ -91,7 +93,7 @@ pub enum Action {
 }
 
 /// The keys: their names, their actions as text, and their actions; in the order of [`GROUPS`].
-pub const KEYS: [(&str, &str, Action); 26] = [
+pub const KEYS: [(&str, &str, Action); 27] = [
     ("O", "list of scenes", Action::ListScenes),
     ("Ctrl+O", "open a file by its path", Action::OpenPath),
     ("F11", "full screen", Action::FullScreen),
@@ -107,6 +109,7 @@ pub const KEYS: [(&str, &str, Action); 26] = [
     ("B", "view from above", Action::TopDown),
     ("X", "boxes that are tested", Action::Boxes),
     ("G", "wireframe", Action::Wireframe),
+    ("F5", "depth complexity", Action::DepthComplexity),
     ("T", "GPU time of passes", Action::TimePasses),
     ("J", "an hour later", Action::NextHour),
     ("Y", "shadows: maps, volumes, off", Action::NextShadows),
@@ -124,7 +127,7 @@ pub const KEYS: [(&str, &str, Action); 26] = [
 pub const GROUPS: [(&str, usize); 5] = [
     ("Scene and window", 7),
     ("Culling", 4),
-    ("Explanations", 5),
+    ("Explanations", 6),
     ("Light", 3),
     ("Pictures and frames", 7),
 ];
@@ -202,6 +205,7 @@ impl Action {
                 ("top_down", None) => Self::TopDown,
                 ("boxes", None) => Self::Boxes,
                 ("wireframe", None) => Self::Wireframe,
+                ("depth_complexity", None) => Self::DepthComplexity,
                 ("time_passes", None) => Self::TimePasses,
                 ("screenshot", None) => Self::Screenshot,
                 ("record", None) => Self::Record,
@@ -233,7 +237,7 @@ impl Action {
     }
 }
 
-const NAMES: [&str; 32] = [
+const NAMES: [&str; 33] = [
     "strategy",
     "frames_in_flight",
     "present_mode",
@@ -249,6 +253,7 @@ const NAMES: [&str; 32] = [
     "top_down",
     "boxes",
     "wireframe",
+    "depth_complexity",
     "time_passes",
     "screenshot",
     "record",

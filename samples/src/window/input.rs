@@ -21,7 +21,7 @@ const HELD: [KeyCode; 8] = [
 
 /// The keys with actions, by their place on a US keyboard, and their names in the key table. The
 /// place counts, not the character: in a Cyrillic or Greek layout no letter has a Latin character.
-const NAMED: [(KeyCode, &str); 46] = [
+const NAMED: [(KeyCode, &str); 47] = [
     (KeyCode::Tab, "Tab"),
     (KeyCode::Escape, "Esc"),
     (KeyCode::Space, "Space"),
@@ -30,6 +30,7 @@ const NAMED: [(KeyCode, &str); 46] = [
     (KeyCode::F2, "F2"),
     (KeyCode::F3, "F3"),
     (KeyCode::F4, "F4"),
+    (KeyCode::F5, "F5"),
     (KeyCode::F11, "F11"),
     (KeyCode::Enter, "Enter"),
     (KeyCode::NumpadEnter, "Enter"),

@@ -19,6 +19,10 @@ pub fn of(debug_overlay: DebugOverlay, is_frozen: bool) -> Vec<Legend> {
     if is_frozen {
         legends.push(from_above(None));
     }
+    if debug_overlay.has_depth_complexity {
+        let entries = legend::layers();
+        legends.push(Legend { title: legend::TITLE_OF_LAYERS, entries, area: None });
+    }
     if debug_overlay.has_boxes && !is_frozen {
         let entries = [BOX_HIDDEN, BOX_BEHIND, BOX_UNKNOWN, BOX_SHOWED].map(Into::into).to_vec();
         legends.push(Legend { title: "Boxes that are tested", entries, area: None });
@@ -43,16 +47,24 @@ mod tests {
     fn every_colour_that_is_shown_has_a_meaning() {
         let area = Rect { origin: [1, 2], size: [3, 4] };
         let nothing = DebugOverlay::default();
-        let all = DebugOverlay { has_wireframe: true, has_boxes: true, top_down: Some(area) };
+        let all = DebugOverlay {
+            has_wireframe: true,
+            has_boxes: true,
+            has_depth_complexity: true,
+            top_down: Some(area),
+        };
         let titles = |debug_overlay, is_frozen| -> Vec<&str> {
             of(debug_overlay, is_frozen).iter().map(|legend| legend.title).collect()
         };
         assert!(titles(nothing, false).is_empty());
         let above = "Boxes and the camera";
-        assert_eq!(titles(all, false), ["Boxes that are tested", "Wireframe", above]);
+        assert_eq!(
+            titles(all, false),
+            ["Depth complexity", "Boxes that are tested", "Wireframe", above]
+        );
         // A frozen view shows the boxes by their level, with any debug overlay.
         assert_eq!(titles(nothing, true), [above]);
-        assert_eq!(titles(all, true), [above, "Wireframe", above]);
+        assert_eq!(titles(all, true), [above, "Depth complexity", "Wireframe", above]);
         for legend in of(all, false) {
             let mut colours: Vec<[u8; 3]> =
                 legend.entries.iter().flat_map(|entry| entry.colours.clone()).collect();

@@ -276,6 +276,7 @@ fn untested_options(options: &ShowOptions, size: [u32; 2]) -> Result<RendererOpt
         methods: methods::all(),
         size,
         samples: options.samples,
+        transparency: options.transparency.options(),
         frames_in_flight: options.frames_in_flight as usize,
         shaders: shaders.transpose().map_err(render::Error::from)?,
         costs: options.costs.into(),

@@ -10,6 +10,7 @@ use super::frame_times::{FrameTimeSeries, is_overlay};
 use super::screen::ScreenFacts;
 use crate::hud::{ExactnessVerdict, HudFigure, Overview, Split, grouped};
 use bench::strategy::Strategy;
+use bench::transparency::FragmentsReport;
 
 const UNKNOWN: &str = "-";
 /// The rows of passes; those beyond this many are summed up.
@@ -60,6 +61,8 @@ pub struct Known<'a> {
     pub claim: &'a ExactnessVerdict,
     /// The facts about the window, if there is one.
     pub screen: Option<&'a ScreenFacts>,
+    /// The order of transparent objects, if fragments were asked for.
+    pub transparency: Option<&'a str>,
 }
 
 impl Known<'_> {
@@ -123,14 +126,20 @@ impl Known<'_> {
 
     fn what_draws(&self) -> Facts {
         let [width, height] = self.size;
-        vec![
+        let mut facts = vec![
             fact("device", self.device),
             fact("size", format!("{width} x {height}")),
             fact("predicates", self.predicates),
             fact("cheapest tester", self.tester),
             fact("frames in flight", self.frames_in_flight.to_string()),
             fact("GPU memory", format!("{} MiB", self.used_bytes >> 20)),
-        ]
+        ];
+        facts.extend(self.transparency.map(|order| fact("transparent objects", order)));
+        let fragments = FragmentsReport::most(std::iter::once(self.report.fragments));
+        facts.extend(fragments.map(|it| fact("their fragments", grouped(it.visible.into()))));
+        let lost = fragments.and_then(|it| it.lost());
+        facts.extend(lost.map(|lost| fact("fragments not blended", lost)));
+        facts
     }
 
     fn what_is_drawn(&self) -> Facts {

@@ -14,6 +14,7 @@ use bench::file_args::FileArguments;
 use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, parse_samples};
 use bench::shadow_choice::{ShadowChoice, ShadowWay, parse_bias, parse_filter};
 use bench::strategy::Strategy;
+use bench::transparency::TransparencyChoice;
 use clap::{Args, ValueEnum, value_parser};
 
 use super::actions::present_mode;
@@ -32,6 +33,11 @@ pub struct ShowArguments {
     #[arg(long, value_name = "1|4", default_value = "1", help_heading = "Frames")]
     #[arg(value_parser = parse_samples)]
     pub msaa: SampleCount,
+    /// Order of transparent objects: by objects, or by the fragments of each pixel, which is exact
+    /// where objects pass through each other
+    #[arg(long, value_name = "objects|fragments", default_value = "objects")]
+    #[arg(help_heading = "Frames")]
+    pub transparency: TransparencyChoice,
     /// Strategy that decides about draws; `walkthrough --list-strategies` has the names
     #[arg(long, value_name = "NAME", default_value = "antumbra", help_heading = "Frames")]
     #[arg(value_parser = parse_product)]
@@ -127,6 +133,8 @@ pub struct ShowOptions {
     pub size: FrameSize,
     /// Samples per pixel.
     pub samples: SampleCount,
+    /// The order of transparent objects.
+    pub transparency: TransparencyChoice,
     /// The strategy at the start.
     pub strategy: Strategy,
     /// The costs of the cost model.
@@ -181,6 +189,7 @@ impl ShowArguments {
             script: self.script.clone(),
             size: self.size,
             samples: self.msaa,
+            transparency: self.transparency,
             strategy: self.strategy,
             costs: self.costs,
             frames_in_flight: self.frames_in_flight,

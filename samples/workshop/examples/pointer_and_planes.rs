@@ -1,6 +1,6 @@
-//! Measures what hovering and dragging a section plane cost: an assembly that a plane cuts is walked
-//! through, and each frame is drawn four times, with the pointer and the plane at rest, with each of
-//! them moving, and with both.
+//! Measures what hovering and dragging a section plane cost. An assembly that a plane cuts is
+//! walked through, and each frame is drawn four times: with the pointer and the plane at rest, with
+//! each of them moving, and with both.
 //!
 //! ```sh
 //! cargo run --release -p workshop --example pointer_and_planes -- 10000 96 640x360

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use antumbra::gpu::SampleCount;
 use bench::choices::{DeviceChoice, ValidationChoice};
 use bench::options::{FrameSize, parse_samples};
+use bench::transparency::TransparencyChoice;
 use clap::{Parser, value_parser};
 
 /// Shows a CAD model: its parts are picked, hidden, taken apart, measured and exported. The lid of
@@ -28,6 +29,7 @@ Commands of a script, one per line:
   section X,Y,Z,D[;...], section union ..., section off   what planes keep; in metres
   whole, cut              leaves what is selected, or a NAME, whole; cuts it again
   edges off|visible|hidden|shaded|shaded-hidden
+  depth-complexity on|off how many surfaces are drawn at each pixel
   view front, top-left, ..., iso; projection perspective|orthographic; fit
   play FRAMES             the model's camera path
   image FILE.png, export FILE.glb
@@ -62,6 +64,10 @@ pub struct WorkshopArguments {
     #[arg(long, value_name = "1|4", default_value = "1")]
     #[arg(value_parser = parse_samples)]
     pub msaa: SampleCount,
+    /// Order of transparent parts: by parts, or by the fragments of each pixel, which is exact
+    /// where parts pass through each other
+    #[arg(long, value_name = "objects|fragments", default_value = "objects")]
+    pub transparency: TransparencyChoice,
     /// Vulkan device: a part of its name, or its number
     #[arg(long, value_name = "DEVICE")]
     pub device: Option<DeviceChoice>,

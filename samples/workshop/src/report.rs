@@ -1,5 +1,6 @@
 //! The report of a script: what each command did, in JSON.
 
+use bench::transparency::{FragmentsReport, TransparencyReport};
 use serde::Serialize;
 
 /// The report of a run.
@@ -17,6 +18,9 @@ pub struct ScriptReport {
     pub triangles: u64,
     /// The commands in their order.
     pub steps: Vec<ScriptStep>,
+    /// The order of transparent parts; absent where fragments were not asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transparency: Option<TransparencyReport>,
     /// The messages of the validation layers.
     pub validation_messages: u64,
 }
@@ -72,6 +76,9 @@ pub enum CommandOutcome {
         file: String,
         /// The parts that own a pixel of it.
         visible: Vec<String>,
+        /// The fragments of its transparent parts; absent where none are sorted.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        fragments: Option<FragmentsReport>,
     },
     /// A model was written.
     Exported {

@@ -58,10 +58,12 @@ pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), Run
         parts: document.scene.objects.len() as u64,
         triangles: document.scene.triangles(),
         steps: Vec::with_capacity(lines.len()),
+        transparency: None,
         validation_messages: 0,
     };
-    let mut session =
-        WorkshopSession::new(&device, document, path, arguments.size, arguments.msaa)?;
+    let WorkshopArguments { size, msaa, transparency, .. } = *arguments;
+    let mut session = WorkshopSession::new(&device, document, path, size, msaa, transparency)?;
+    report.transparency = session.transparency();
     let mut failed = Ok(());
     for ScriptLine { text, command } in &lines {
         match session.act(command) {

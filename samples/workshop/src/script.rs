@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use antumbra::cull::{SectionMember, SectionMode, SectionPlanes};
-use antumbra::render::EdgeMode;
+use antumbra::render::{DebugOverlay, EdgeMode};
 use bench::input_file;
 use bench::options::UsageError;
 use bench::section_args::{PlaneList, parse_planes};
@@ -69,6 +69,8 @@ pub enum Command {
     Edge(Pixel),
     /// Draws edges.
     Edges(EdgeMode),
+    /// Explains the images by an overlay, or by none.
+    Overlay(DebugOverlay),
     /// Cuts the model by planes, or by none.
     Section(SectionPlanes),
     /// Cuts a part or a group by its name, or what is selected, or leaves it whole.
@@ -133,6 +135,7 @@ impl Command {
             "distance" => pixels::<2>(rest).map(|[from, to]| Self::Distance { from, to }),
             "edge" => pixels::<1>(rest).map(|[at]| Self::Edge(at)),
             "edges" => edge_mode(rest).map(Self::Edges),
+            "depth-complexity" => depth_complexity(rest).map(Self::Overlay),
             "section" => section(rest).map(Self::Section),
             "whole" => Ok(Self::Member { member: SectionMember::Whole, name: name() }),
             "cut" => Ok(Self::Member { member: SectionMember::Cut, name: name() }),
@@ -158,7 +161,7 @@ impl Command {
             "image" => file(rest, "png").map(Self::Image),
             "export" => file(rest, "glb").map(Self::Export),
             _ => Err(format!(
-                "unknown command '{verb}'; there are pick, select, deselect, hide, show, isolate, ghost, lid, explode, assemble, distance, edge, edges, section, whole, cut, view, projection, fit, play, image, export"
+                "unknown command '{verb}'; there are pick, select, deselect, hide, show, isolate, ghost, lid, explode, assemble, distance, edge, edges, depth-complexity, section, whole, cut, view, projection, fit, play, image, export"
             )),
         }
     }
@@ -244,6 +247,15 @@ fn edge_mode(text: &str) -> Result<EdgeMode, String> {
     }
 }
 
+fn depth_complexity(text: &str) -> Result<DebugOverlay, String> {
+    let has_depth_complexity = match text {
+        "on" => true,
+        "off" => false,
+        _ => return Err(format!("depth-complexity is on or off, not '{text}'")),
+    };
+    Ok(DebugOverlay { has_depth_complexity, ..DebugOverlay::default() })
+}
+
 /// Reads the path of a file that is to be written.
 fn file(text: &str, extension: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
@@ -292,6 +304,7 @@ mod tests {
             ("section 0,0,0,1", "normal"),
             ("section 1,0", "four numbers"),
             ("edges thick", "visible, hidden"),
+            ("depth-complexity 3", "is on or off"),
             ("play 0", "1 to 100000"),
             ("export part.stl", "ends in .glb"),
             ("select", "takes the name"),

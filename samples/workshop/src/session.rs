@@ -5,11 +5,13 @@ use std::path::Path;
 use antumbra::glam::DVec3;
 use antumbra::gpu::{Device, SampleCount};
 use antumbra::{Camera, ObjectId};
+use bench::legend;
 use bench::options::FrameSize;
 use bench::outputs::write_file;
 use bench::png_file::write_png;
 use bench::run_error::RunError;
 use bench::terminal::shown;
+use bench::transparency::{TransparencyChoice, TransparencyReport};
 
 use crate::document::{CommandError, Display, Document};
 use crate::explode::least_gap;
@@ -47,9 +49,11 @@ impl WorkshopSession {
         path: Vec<Camera>,
         size: FrameSize,
         samples: SampleCount,
+        transparency: TransparencyChoice,
     ) -> Result<Self, RunError> {
         let pixels = [size.width, size.height];
-        let viewport = ModelViewport::new(device, &document, pixels, samples)?;
+        let transparency = transparency.options();
+        let viewport = ModelViewport::new(device, &document, pixels, samples, transparency)?;
         let mut session = Self { camera: fitted(&document, size), document, viewport, path, size };
         session.follow()?;
         Ok(session)
@@ -66,6 +70,10 @@ impl WorkshopSession {
             Command::Edge(at) => self.edge(*at)?,
             Command::Edges(mode) => {
                 self.viewport.set_edges(*mode)?;
+                CommandOutcome::Done
+            }
+            Command::Overlay(overlay) => {
+                self.viewport.set_overlay(*overlay)?;
                 CommandOutcome::Done
             }
             Command::Section(planes) => {
@@ -224,11 +232,25 @@ impl WorkshopSession {
 
     fn image(&mut self, file: &Path) -> Result<CommandOutcome, RunError> {
         let camera = self.camera();
-        let pixels = self.viewport.image(&camera)?;
+        let mut pixels = self.viewport.image(&camera)?;
+        if self.viewport.overlay().has_depth_complexity {
+            let width = self.size.width as usize;
+            legend::draw(&mut pixels, width, legend::TITLE_OF_LAYERS, &legend::layers());
+        }
+        let fragments = self.viewport.fragments();
         let visible = self.viewport.visible(&camera)?;
         let written = write_png(file, self.size, &pixels).map_err(RunError::machine)?;
         let visible = visible.into_iter().map(|object| self.document.name(object).to_owned());
-        Ok(CommandOutcome::Image { file: shown(&written).to_string(), visible: visible.collect() })
+        Ok(CommandOutcome::Image {
+            file: shown(&written).to_string(),
+            visible: visible.collect(),
+            fragments,
+        })
+    }
+
+    /// Returns the order of transparent parts, if fragments were asked for.
+    pub fn transparency(&self) -> Option<TransparencyReport> {
+        self.viewport.transparency()
     }
 
     fn export(&self, file: &Path) -> Result<CommandOutcome, RunError> {

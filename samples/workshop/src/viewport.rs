@@ -4,12 +4,15 @@ use antumbra::cull::{SectionPlanes, Strategy, View};
 use antumbra::glam::{Affine3A, Mat3A};
 use antumbra::gpu::{Device, Readback, SampleCount};
 use antumbra::occlusion::Rect;
-use antumbra::render::{EdgeMode, EdgeOptions, Error, ObjectOutline, PointedSurface};
+use antumbra::render::{
+    DebugOverlay, EdgeMode, EdgeOptions, Error, ObjectOutline, PointedSurface, TransparencyOptions,
+};
 use antumbra::scene::{
     Alpha, MaterialId, MeshId, Object, ObjectChange, Scene, SceneUpdate, Surfaces, TransparentId,
     TransparentMove,
 };
 use antumbra::{Camera, FrameRequest, ObjectId, Renderer, RendererOptions, ViewState};
+use bench::transparency::{FragmentsReport, TransparencyReport};
 
 use crate::document::{Display, Document};
 use crate::script::Pixel;
@@ -26,6 +29,9 @@ const SELECTED_COLOUR: [f32; 3] = [1.0, 0.35, 0.0];
 
 /// The width of that line, in pixels.
 const OUTLINE_PIXELS: f32 = 2.0;
+
+/// The frames of a view after which its results have been read.
+const FRAMES_BEFORE_OVERLAY: u32 = 4;
 
 /// The place of a transparent part that is not shown: a point.
 const NOWHERE: Affine3A =
@@ -62,10 +68,11 @@ impl ModelViewport {
         document: &Document,
         size: [u32; 2],
         samples: SampleCount,
+        transparency: TransparencyOptions,
     ) -> Result<Self, Error> {
         let mut scene = document.scene.clone().with_surfaces();
         let has_ghosts = add_ghosts(&mut scene);
-        let options = RendererOptions { size, samples, ..RendererOptions::default() };
+        let options = RendererOptions { size, samples, transparency, ..RendererOptions::default() };
         let renderer = Renderer::new(device, &scene, &options)?;
         let placed = |object: ObjectId| Placed {
             object: Some(object),
@@ -90,6 +97,16 @@ impl ModelViewport {
     /// Returns the view of a camera.
     pub fn view_of(&self, camera: &Camera) -> View {
         self.renderer.view_of(camera)
+    }
+
+    /// Returns the order of transparent parts, if fragments were asked for.
+    pub fn transparency(&self) -> Option<TransparencyReport> {
+        TransparencyReport::of(&self.renderer)
+    }
+
+    /// Returns the fragments of transparent parts in the newest image, if they are sorted.
+    pub fn fragments(&self) -> Option<FragmentsReport> {
+        FragmentsReport::most(std::iter::once(self.renderer.fragment_counts()))
     }
 
     /// Takes over what has changed in the document.
@@ -156,6 +173,12 @@ impl ModelViewport {
     /// # Errors
     /// Those of [`ModelViewport::draw`].
     pub fn image(&mut self, camera: &Camera) -> Result<Vec<u8>, Error> {
+        if self.overlay().has_depth_complexity {
+            // It shows what is known to be visible, by the results of earlier frames.
+            for _ in 0..FRAMES_BEFORE_OVERLAY {
+                self.draw(camera)?;
+            }
+        }
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
         let request = FrameRequest { image: Some(&self.image), ..request };
         self.renderer.render(&mut self.view, &request)?;
@@ -222,6 +245,19 @@ impl ModelViewport {
     /// No memory, a failed call.
     pub fn set_edges(&mut self, mode: EdgeMode) -> Result<(), Error> {
         self.renderer.set_edges(EdgeOptions { mode, ..EdgeOptions::default() })
+    }
+
+    /// Draws a debug overlay from the next frame on.
+    ///
+    /// # Errors
+    /// A device that cannot; a failed call.
+    pub fn set_overlay(&mut self, overlay: DebugOverlay) -> Result<(), Error> {
+        self.renderer.set_debug_overlay(overlay)
+    }
+
+    /// Returns the debug overlay.
+    pub fn overlay(&self) -> DebugOverlay {
+        self.renderer.debug_overlay()
     }
 
     /// Returns the object of the document that the renderer knows by an id.

@@ -106,7 +106,12 @@ fn debug_overlays_are_drawn_where_they_belong_and_go() {
 fn a_debug_overlay_decides_nothing() {
     run_on_all(|device| {
         let [mut plain, mut explained] = [Studio::new(device), Studio::new(device)];
-        let all = DebugOverlay { has_wireframe: true, has_boxes: true, top_down: Some(CORNER) };
+        let all = DebugOverlay {
+            has_wireframe: true,
+            has_boxes: true,
+            has_depth_complexity: true,
+            top_down: Some(CORNER),
+        };
         explained.renderer.set_debug_overlay(all).unwrap();
         assert_eq!(explained.renderer.debug_overlay(), all);
         for frame in 0..12 {
@@ -127,7 +132,12 @@ fn a_debug_overlay_decides_nothing() {
 #[test]
 fn a_debug_overlay_is_the_same_however_draws_are_skipped() {
     run(Driver::Lavapipe, |device| {
-        let all = DebugOverlay { has_wireframe: true, has_boxes: true, top_down: Some(CORNER) };
+        let all = DebugOverlay {
+            has_wireframe: true,
+            has_boxes: true,
+            has_depth_complexity: true,
+            top_down: Some(CORNER),
+        };
         let kinds = Predication::ALL;
         let mut studios = kinds.map(|kind| Studio::with(device, Some(kind)));
         for frame in 0..8 {

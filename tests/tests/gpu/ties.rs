@@ -276,10 +276,13 @@ fn all_else_goes_on_with_surfaces() {
         left.watch(&[ObjectId(3), ObjectId(30)]).unwrap();
         for (frame, camera) in cameras.iter().enumerate() {
             if frame == 4 {
-                let (has_boxes, top_down) = (true, Some(corner));
-                renderer
-                    .set_debug_overlay(DebugOverlay { has_wireframe, has_boxes, top_down })
-                    .unwrap();
+                let overlay = DebugOverlay {
+                    has_wireframe,
+                    has_boxes: true,
+                    has_depth_complexity: true,
+                    top_down: Some(corner),
+                };
+                renderer.set_debug_overlay(overlay).unwrap();
             }
             if frame == 8 {
                 renderer.set_debug_overlay(DebugOverlay::default()).unwrap();

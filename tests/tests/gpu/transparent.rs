@@ -72,7 +72,7 @@ pub(crate) fn camera(frame: u32) -> Camera {
     }
 }
 
-fn options(frames_in_flight: usize) -> RendererOptions {
+pub(crate) fn options(frames_in_flight: usize) -> RendererOptions {
     RendererOptions {
         methods: methods::all(),
         size: SIZE,
@@ -95,7 +95,11 @@ fn draw_into(
 }
 
 /// Returns all frames in one go while a door opens and panes fly about.
-fn film(device: &Device, strategy: Strategy, options: &RendererOptions) -> Vec<Readback> {
+pub(crate) fn film(
+    device: &Device,
+    strategy: Strategy,
+    options: &RendererOptions,
+) -> Vec<Readback> {
     let scene = scene();
     let mut renderer = Renderer::new(device, &scene, options).unwrap();
     let mut view = renderer.new_view().unwrap();
@@ -116,7 +120,12 @@ fn film(device: &Device, strategy: Strategy, options: &RendererOptions) -> Vec<R
     images
 }
 
-fn compare(device: &Device, expected: &[Readback], strategy: Strategy, options: &RendererOptions) {
+pub(crate) fn compare(
+    device: &Device,
+    expected: &[Readback],
+    strategy: Strategy,
+    options: &RendererOptions,
+) {
     let found = film(device, strategy, options);
     for (frame, (expected, found)) in expected.iter().zip(&found).enumerate() {
         let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());

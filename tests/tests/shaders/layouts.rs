@@ -38,6 +38,10 @@ fn interface(name: &str) -> (Buffers, usize) {
                         "surface_shadowed.frag" => 11,
                         "surface_volumes.frag" => 8,
                         "surface.frag" => 6,
+                        "surface_sorted.frag" => 7,
+                        "surface_sorted_section.frag" => 8,
+                        "surface_shadowed_sorted.frag" => 12,
+                        "surface_shadowed_sorted_section.frag" => 13,
                         _ => 0,
                     };
                     let is_surface = name.starts_with("surface") || name.starts_with("flare_veil");
@@ -107,7 +111,9 @@ fn proxies_are_two_corners() {
 
 #[test]
 fn the_seen_pass_reads_instances_and_writes_a_value_per_leaf() {
-    assert_eq!(interface("seen.vert"), (vec![(0, 64, vec![0, 48])], 88));
+    for name in ["seen.vert", "layers.vert"] {
+        assert_eq!(interface(name), (vec![(0, 64, vec![0, 48])], 88));
+    }
     assert_eq!(interface("seen.frag"), (vec![(1, 4, vec![0])], 0));
 }
 
@@ -228,6 +234,16 @@ fn surfaces_have_materials_transforms_lights_and_lists() {
     assert_eq!(by_volumes[..3], interface("surface.frag").0);
     assert_eq!(by_volumes[3..], [(5, 4, vec![0]), (6, 4, vec![0])]);
     assert_eq!(interface("surface_depth.frag").0, vec![transforms]);
+    for (sorted, drawn) in [
+        ("surface_sorted.frag", "surface.frag"),
+        ("surface_shadowed_sorted.frag", "surface_shadowed.frag"),
+    ] {
+        let mut buffers = interface(drawn).0;
+        let lists = buffers.last().unwrap().0 + 1;
+        buffers.push((lists, 4, vec![0]));
+        assert_eq!(interface(sorted), (buffers, 128), "one buffer more holds the fragments");
+    }
+    assert_eq!(interface("sorted_fragments.frag"), (vec![(0, 4, vec![0]), (1, 4, vec![0])], 0));
     let source = std::fs::read_to_string(crate::folder().join("lights.glsl")).unwrap();
     let list_values = scene::limits::MAX_LIGHTS_PER_OBJECT / 2;
     assert!(source.contains(&format!("LIST_VALUES = {list_values};")));
@@ -235,7 +251,15 @@ fn surfaces_have_materials_transforms_lights_and_lists() {
 
 #[test]
 fn textures_with_an_image_each_change_no_other_input() {
-    let passes = ["surface", "surface_shadowed", "surface_volumes", "surface_depth", "flare_veil"];
+    let passes = [
+        "surface",
+        "surface_shadowed",
+        "surface_volumes",
+        "surface_depth",
+        "surface_sorted",
+        "surface_shadowed_sorted",
+        "flare_veil",
+    ];
     for pass in passes {
         let [on_pages, indexed] =
             ["", "_indexed"].map(|end| interface(&format!("{pass}{end}.frag")));
@@ -285,6 +309,16 @@ fn push_constants_fit_every_device() {
 }
 
 #[test]
+fn layers_are_counted_per_pixel_and_shown_in_the_colours_of_the_legend() {
+    let values = |binding| (binding, 4, vec![0]);
+    assert_eq!(interface("layers.frag"), (vec![values(1)], 100));
+    assert_eq!(interface("depth_complexity.frag"), (vec![values(0)], 12));
+    let source = std::fs::read_to_string(crate::folder().join("depth_complexity.frag")).unwrap();
+    let [red, green, blue] = render::palette::layer_colour(1);
+    assert!(source.contains(&format!("LAYER = uvec3({red}, {green}, {blue});")));
+}
+
+#[test]
 fn the_skinning_pass_reads_and_writes_values() {
     let values = |binding| (binding, 4, vec![0]);
     assert_eq!(interface("skinning.comp"), ([0, 1, 2, 3, 4, 5].map(values).to_vec(), 44));
@@ -300,7 +334,7 @@ fn the_required_storage_buffers_are_the_most_that_a_stage_binds() {
     // The layout of a pipeline has all buffers up to the last one in each of its stages.
     let bound = |name: &str| interface(name).0.last().map_or(0, |(binding, ..)| binding + 1);
     let names = || shaders::PASSES.into_iter().chain(OF_GPU).map(|shader| shader.name);
-    let is_cut = |name: &&str| name.contains("_section") || name.contains("cap_");
+    let is_cut = |name: &&str| ["_section", "cap_", "_sorted"].iter().any(|it| name.contains(it));
     let most = names().filter(|name| !is_cut(name)).map(bound).max().unwrap();
     let asked = include_str!("../../../engine/gpu/src/core/capabilities.rs");
     assert!(asked.contains(&format!("STAGE_STORAGE_BUFFERS: u32 = {most};")), "{most} are bound");

@@ -36,7 +36,8 @@ pub enum Required {
 /// promises four.
 pub(crate) const STAGE_STORAGE_BUFFERS: u32 = 7;
 
-/// The most that a stage binds which section planes cut (`surface_shadowed_section.frag`).
+/// The most that a stage binds which section planes cut (`surface_shadowed_section.frag`), or which
+/// stores fragments (`surface_shadowed_sorted_section.frag`).
 pub(crate) const SECTION_STORAGE_BUFFERS: u32 = 9;
 
 /// The fewest textures that are worth a table. Devices with descriptor indexing have half a million
@@ -157,7 +158,7 @@ pub enum Optional {
     GeometryShaders,
     /// Depths beyond the near and far plane that are clamped instead of cut off.
     DepthClamp,
-    /// The storage buffers of passes that section planes cut.
+    /// The storage buffers of passes that section planes cut, or that store fragments to be sorted.
     SectionBuffers,
     /// Reading the clocks of GPU and CPU at once.
     CalibratedTimestamps,

@@ -20,5 +20,6 @@ mod section;
 mod shadows;
 mod snapshot;
 mod textures;
+mod transparency;
 mod update;
 mod visible_set;

@@ -18,6 +18,7 @@ use crate::flares::record_flares;
 use crate::frame_passes::FramePasses;
 use crate::renderer::Renderer;
 use crate::resources::skinned_meshes::PoseUploads;
+use crate::shading::fragments::Fragments;
 use crate::shadows::MapUses;
 use crate::view_scopes::{ColourEnd, ViewScope, ViewScopes};
 use crate::view_state::{RendererId, ViewState};
@@ -132,7 +133,10 @@ impl Renderer {
         scene_image: Option<&Readback>,
     ) -> ViewScopes {
         let has_debug = !self.debug_overlay.is_empty();
+        let has_layers = self.debug_overlay.has_depth_complexity;
         let overlays = [
+            (ViewScope::Layers, has_layers),
+            (ViewScope::DepthComplexity, has_layers),
             (ViewScope::DebugLines, has_debug),
             (ViewScope::ViewFromAbove, has_debug),
             (ViewScope::Outline, self.outlined_bounds().is_some()),
@@ -200,6 +204,7 @@ impl Renderer {
     ) {
         report.add_skinned(self.passes.skinned());
         report.shadows = self.passes.shadows.stats();
+        report.fragments = self.fragment_counts();
         let timed_views = is_timed.then_some(targets.len());
         for ViewTarget { state, .. } in targets.iter_mut() {
             state.submitted(report.tick, &self.executor.leaves, timed_views);
@@ -334,12 +339,14 @@ fn begin_scopes(
 ) {
     let (has_flares, shades) = (!flares.is_empty(), passes.pipelines.shading.is_some());
     let has_transparent = passes.transparent.as_ref().is_some_and(|it| !it.list().is_empty());
+    let has_fragments = passes.fragments().and_then(Fragments::io).is_some();
     let mode = passes.edges.options.mode;
     let later = if number == 0 { after_views } else { ViewScopes::default() };
     passes.scopes = Some(later.and([
         (ViewScope::LastRound, true),
         (ViewScope::CasterTests, shades),
         (ViewScope::Shade, shades),
+        (ViewScope::Fragments, shades && has_transparent && has_fragments),
         (ViewScope::Transparent, shades && has_transparent),
         (ViewScope::SampleCounts, state.counts.is_watching()),
         (ViewScope::Pointer, state.pointer.is_pointing()),

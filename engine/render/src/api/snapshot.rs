@@ -154,7 +154,12 @@ impl Renderer {
             let from = passes.image_target(&view, clear);
             commands.rendering(from, |commands| {
                 passes.draw_all(executor, commands, &view, draws, before);
-                passes.draw_transparent(executor, commands, &view);
+            });
+        });
+        passes.record_transparent(executor, commands, &view);
+        passes.target.prepare(commands);
+        commands.pass(VIEW_FROM_ABOVE, |commands| {
+            commands.rendering(passes.target_of(&view, None), |commands| {
                 if let Some(overlay) = passes.pipelines.overlay.get() {
                     overlay.record(commands, &io, &view);
                 }

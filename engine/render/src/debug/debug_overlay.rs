@@ -1,10 +1,11 @@
-//! The debug overlay of running frames: wires, the boxes of the frontier, a view from above in a
-//! corner.
+//! The debug overlay of running frames: the depth complexity, wires, the boxes of the frontier, a
+//! view from above in a corner.
 
 use cull::{Hierarchy, NodeState, Tester, View};
 use gpu::{BufferSlice, Device, Frame};
 use occlusion::{PlanExecutor, Rect, ShaderSet};
 
+use crate::debug::depth_complexity::{DEPTH_COMPLEXITY, record_depth_complexity};
 use crate::debug::outline::OUTLINE;
 use crate::debug::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN};
 use crate::debug::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
@@ -28,13 +29,20 @@ pub struct DebugOverlay {
     /// ([`BOX_HIDDEN`], [`BOX_BEHIND`],
     /// [`BOX_UNKNOWN`], [`BOX_SHOWED`]).
     pub has_boxes: bool,
+    /// True to show how many surfaces the draws that are taken as visible have at each pixel,
+    /// hidden ones included, in place of the image ([`LAYERS`](crate::palette::LAYERS)).
+    /// Transparent objects, caps and edges do not count; with several samples per pixel, each
+    /// triangle counts that covers one of them. What this very frame finds visible counts
+    /// from the next one on.
+    pub has_depth_complexity: bool,
     /// The part of the image for the view from above.
     pub top_down: Option<Rect>,
 }
 
 const BOXES_AND_WIREFRAME: &str = "boxes and wireframe";
 /// The labels of the passes that explain images or lie over them: their time is not the engine's.
-pub const OVERLAY_PASSES: [&str; 4] = [BOXES_AND_WIREFRAME, VIEW_FROM_ABOVE, OUTLINE, HOST_OVERLAY];
+pub const OVERLAY_PASSES: [&str; 5] =
+    [DEPTH_COMPLEXITY, BOXES_AND_WIREFRAME, VIEW_FROM_ABOVE, OUTLINE, HOST_OVERLAY];
 
 impl DebugOverlay {
     /// Returns true if it explains nothing.
@@ -51,6 +59,9 @@ impl DebugOverlay {
     ) -> Result<(), Error> {
         if self.has_wireframe {
             pipelines.wireframe.prepare(device, shaders)?;
+        }
+        if self.has_depth_complexity {
+            pipelines.layers.prepare(device, shaders)?;
         }
         if !self.is_empty() {
             pipelines.overlay.prepare(device, shaders)?;
@@ -80,12 +91,16 @@ impl DebugOverlay {
             (hierarchy.bounds(test.tag.node), colour)
         });
         let boxes = self.has_boxes.then(|| Sketch::through(boxes).upload(frame)).transpose()?;
+        if self.has_depth_complexity {
+            let drawn = (draws.1 > 0).then_some(draws.0);
+            record_depth_complexity(passes, frame, executor, view, drawn)?;
+        }
         self.record_lines(frame, (passes, executor), view, (draws, boxes));
         self.record_corner(frame, (passes, executor, hierarchy), (&snapshot, draws))
     }
 
-    /// Draws the overlay of a frozen moment over its image from another eye: its wires, and
-    /// the view from above. That image has its hidden boxes already.
+    /// Draws the overlay of a frozen moment over its image from another eye: its depth complexity,
+    /// its wires, and the view from above. That image has its hidden boxes already.
     pub(crate) fn record_snapshot(
         &self,
         frame: &mut Frame<'_>,
@@ -93,6 +108,10 @@ impl DebugOverlay {
         view: &View,
         (snapshot, draws): (&VisibilitySnapshot, (BufferSlice, u32)),
     ) -> Result<(), Error> {
+        if self.has_depth_complexity {
+            let drawn = (draws.1 > 0).then_some(draws.0);
+            record_depth_complexity(passes, frame, executor, view, drawn)?;
+        }
         self.record_lines(frame, (passes, executor), view, (draws, None));
         self.record_corner(frame, (passes, executor, hierarchy), (snapshot, draws))
     }

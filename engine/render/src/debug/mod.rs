@@ -1,6 +1,7 @@
 //! Views into the renderer: overlays, snapshots, and answers about what is visible.
 
 pub(crate) mod debug_overlay;
+pub(crate) mod depth_complexity;
 pub(crate) mod outline;
 pub mod palette;
 pub(crate) mod pointer;

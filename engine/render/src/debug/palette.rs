@@ -35,6 +35,24 @@ pub const WIREFRAME: Swatch =
 pub const SELECTED: Swatch =
     Swatch { meaning: "the selected object", rgb: [150, 255, 30], alpha: 1.0 };
 
+/// The colours of depth complexity, as `depth_complexity.frag` adds them up.
+pub const LAYERS: [Swatch; 4] = [
+    Swatch { meaning: "1 surface", rgb: layer_colour(1), alpha: 1.0 },
+    Swatch { meaning: "8", rgb: layer_colour(8), alpha: 1.0 },
+    Swatch { meaning: "32", rgb: layer_colour(32), alpha: 1.0 },
+    Swatch { meaning: "128 or more", rgb: layer_colour(128), alpha: 1.0 },
+];
+
+/// Returns the colour of a pixel at which so many surfaces are drawn, sRGB-encoded: blue, two steps
+/// per surface, tells each number up to 127.
+pub const fn layer_colour(surfaces: u32) -> [u8; 3] {
+    const fn part(surfaces: u32, step: u32) -> u8 {
+        let sum = surfaces.saturating_mul(step);
+        if sum > 255 { 255 } else { sum as u8 }
+    }
+    [part(surfaces, 32), part(surfaces, 8), part(surfaces, 2)]
+}
+
 /// The deepest level with a colour of its own: those below have the same.
 const DEEPEST_LEVEL: u32 = 15;
 const COARSE: [f32; 3] = [98.0, 52.0, 196.0];

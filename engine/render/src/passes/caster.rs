@@ -65,7 +65,15 @@ impl WholeCasters {
 impl CasterIo<'_> {
     fn surface(&self) -> SurfaceIo<'_> {
         let Self { vertices, indices, instances, surfaces, section } = *self;
-        SurfaceIo { vertices, indices, instances, surfaces, shadows: None, section }
+        SurfaceIo {
+            vertices,
+            indices,
+            instances,
+            surfaces,
+            shadows: None,
+            section,
+            fragments: None,
+        }
     }
 }
 

@@ -5,9 +5,9 @@ use gpu::{Attachments, Device, Optional};
 use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
-    CapPass, CountPass, EdgePass, FlarePass, MapPasses, OpaquePass, OutlinePass, OverlayPass,
-    PointerPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass, SurfaceShadows, VolumePass,
-    VolumePath,
+    CapPass, CountPass, EdgePass, FlarePass, FragmentPasses, LayersPass, MapPasses, OpaquePass,
+    OutlinePass, OverlayPass, PointerPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass,
+    SurfaceShadows, VolumePass, VolumePath,
 };
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
@@ -20,6 +20,8 @@ pub(crate) struct Pipelines {
     pub(crate) shading: Option<Shading>,
     /// The pass of transparent objects, if there are any.
     pub(crate) transparent: Option<SurfacePass>,
+    /// The passes of transparent objects whose fragments are sorted, if any are.
+    pub(crate) fragments: Option<FragmentPasses>,
     /// The pass of skinned meshes, if there are any.
     pub(crate) skinning: Option<SkinningPass>,
     /// The passes of shadow maps, if there are any.
@@ -39,6 +41,7 @@ pub(crate) struct Pipelines {
     pub(crate) pointer: OnDemand<PointerPass>,
     pub(crate) overlay: OnDemand<OverlayPass>,
     pub(crate) wireframe: OnDemand<OpaquePass>,
+    pub(crate) layers: OnDemand<LayersPass>,
     pub(crate) edges: OnDemand<EdgePass>,
     pub(crate) outlines: OnDemand<OutlinePass>,
 }
@@ -50,6 +53,8 @@ pub(crate) struct PassNeeds<'a> {
     pub(crate) attachments: Attachments,
     pub(crate) surfaces: Option<&'a SurfaceResources>,
     pub(crate) has_transparent: bool,
+    /// True if fragments of transparent objects are sorted.
+    pub(crate) sorts_fragments: bool,
     pub(crate) has_skinned_meshes: bool,
     /// The options of shadows.
     pub(crate) shadows: &'a ShadowOptions,
@@ -86,6 +91,10 @@ impl Pipelines {
         let transparent = transparent
             .map(|it| SurfacePass::new(device, drawn, SurfaceKind::Transparent, it, shadows))
             .transpose()?;
+        let fragments = veiled.filter(|_| needs.sorts_fragments);
+        let fragments = fragments
+            .map(|it| FragmentPasses::new(device, shaders, attachments, it, shadows))
+            .transpose()?;
         let skinning =
             has_skinned_meshes.then(|| SkinningPass::new(device, shaders)).transpose()?;
         let has_maps = options.method == ShadowMethod::Maps;
@@ -112,6 +121,7 @@ impl Pipelines {
             opaque: OpaquePass::new(device, shaders, attachments)?,
             shading: surfaces.map(|it| Shading::new(device, drawn, it, shadows)).transpose()?,
             transparent,
+            fragments,
             skinning,
             maps,
             shadow_tests,
@@ -125,6 +135,7 @@ impl Pipelines {
             pointer: on_demand.again(|it| &it.pointer, PointerPass::new)?,
             overlay: on_demand.again(|it| &it.overlay, OverlayPass::new)?,
             wireframe: on_demand.again(|it| &it.wireframe, OpaquePass::wireframe)?,
+            layers: on_demand.again(|it| &it.layers, LayersPass::new)?,
             edges: on_demand.again(|it| &it.edges, EdgePass::new)?,
             outlines: on_demand.again(|it| &it.outlines, OutlinePass::new)?,
         })

@@ -32,6 +32,9 @@ pub enum SurfaceKind {
     /// Transparent objects over the finished image, hidden by nearer surfaces; draw them back to
     /// front.
     Transparent,
+    /// Transparent objects in any order: their fragments are not drawn but stored, to be sorted.
+    /// For devices with [`gpu::Optional::FragmentStores`] and [`gpu::Optional::SectionBuffers`].
+    Fragments,
     /// The depth of casters of shadows, with the holes of masked materials, to
     /// [`DepthLayers`](gpu::DepthLayers).
     Casters(CasterSide),
@@ -52,8 +55,8 @@ pub struct SurfacePass {
 pub enum SurfaceShadows {
     /// Those of maps, with a filter.
     Maps(ShadowFilter),
-    /// Those of volumes. They are of the surfaces that own a pixel: [`SurfaceKind::Transparent`]
-    /// has none of them.
+    /// Those of volumes. They are of the surfaces that own a pixel: transparent ones have none of
+    /// them.
     Volumes,
 }
 
@@ -74,7 +77,10 @@ impl Inputs {
     fn of(kind: SurfaceKind, shadows: Option<SurfaceShadows>) -> Self {
         match (kind, shadows) {
             (SurfaceKind::Depth | SurfaceKind::Casters(_) | SurfaceKind::Veil, _) => Self::Holes,
-            (_, None) | (SurfaceKind::Transparent, Some(SurfaceShadows::Volumes)) => Self::Lights,
+            (_, None)
+            | (SurfaceKind::Transparent | SurfaceKind::Fragments, Some(SurfaceShadows::Volumes)) => {
+                Self::Lights
+            }
             (_, Some(SurfaceShadows::Maps(_))) => Self::Maps,
             (_, Some(SurfaceShadows::Volumes)) => Self::Mask,
         }
@@ -116,6 +122,8 @@ pub struct SurfaceIo<'a> {
     pub shadows: Option<ShadowIo<'a>>,
     /// Section planes, for passes that were compiled to be cut.
     pub section: Option<SectionIo>,
+    /// The lists of fragments, for [`SurfaceKind::Fragments`].
+    pub fragments: Option<BufferSlice>,
 }
 
 #[repr(C)]
@@ -178,18 +186,14 @@ impl SurfacePass {
         let (name, shader, depth, blend) = look_of(kind);
         let inputs = Inputs::of(kind, shadows);
         let is_depth = inputs == Inputs::Holes;
-        let fragment = match (kind, inputs) {
-            (SurfaceKind::Veil, _) => "flare_veil",
-            (_, Inputs::Maps) => "surface_shadowed",
-            (_, Inputs::Mask) => "surface_volumes",
-            (_, Inputs::Holes | Inputs::Lights) => shader,
-        };
+        let fragment = fragment_shader(kind, inputs, shader);
         let cull = match kind {
             SurfaceKind::Casters(side) => side.culled_faces(),
             _ => vk::CullModeFlags::BACK,
         };
         let section = shaders.section();
-        let is_transparent = matches!(kind, SurfaceKind::Transparent | SurfaceKind::Veil);
+        let is_transparent =
+            matches!(kind, SurfaceKind::Transparent | SurfaceKind::Fragments | SurfaceKind::Veil);
         let mut constants = surfaces.features(is_transparent).constants(is_transparent).to_vec();
         constants.push((PICTURE_PAGES, surfaces.features(is_transparent).pictures));
         constants.push((ENVIRONMENT, u32::from(surfaces.environment.is_there())));
@@ -209,12 +213,12 @@ impl SurfacePass {
             attributes,
             beside: None,
         };
-        let vertex = match (section, inputs) {
-            (SectionShaders::Cut, Inputs::Maps | Inputs::Mask) => {
-                stage("surface_shadowed", "vert")?
-            }
-            _ => stage(shader, "vert")?,
+        let vertex = match (section, kind, inputs) {
+            (SectionShaders::Cut, SurfaceKind::Fragments, _) => "surface_sorted",
+            (SectionShaders::Cut, _, Inputs::Maps | Inputs::Mask) => "surface_shadowed",
+            _ => shader,
         };
+        let vertex = stage(vertex, "vert")?;
         let (fragment, texture_arrays, table) = match &surfaces.textures {
             SurfaceTextures::Pages { .. } => (fragment.to_owned(), MAX_PAGES as u32, None),
             SurfaceTextures::Images(images) => {
@@ -227,7 +231,7 @@ impl SurfacePass {
             storage: StorageLayout {
                 textures: inputs.textures(),
                 texture_arrays,
-                ..StorageLayout::new::<Constants>(inputs.buffers() + section_buffers(section))
+                ..StorageLayout::new::<Constants>(inputs.buffers() + other_buffers(kind, section))
             },
             table,
             cull: culled_faces(section, cull),
@@ -283,25 +287,25 @@ impl SurfacePass {
         let around = io.surfaces.environment.sampled();
         let [instances, materials, transforms, lights, lists] = own;
         match (self.inputs, &io.shadows) {
-            (Inputs::Holes, _) => with_section(&own, io.section, |all| {
+            (Inputs::Holes, _) => with_others(&own, io, |all| {
                 commands.bind_sampled(&self.pipeline, all, &[], pages);
             }),
             (Inputs::Maps, Some(ShadowIo::Maps(shadows))) => {
                 let [of_lights, of_faces] = [shadows.lights, shadows.faces];
                 let all = [instances, materials, transforms, lights, lists, of_lights, of_faces];
                 let textures = [shadows.maps, shadows.depths, shadows.disks, around];
-                with_section(&all, io.section, |all| {
+                with_others(&all, io, |all| {
                     commands.bind_sampled(&self.pipeline, all, &textures, pages);
                 });
             }
             (Inputs::Mask, Some(ShadowIo::Mask(mask))) => {
                 let all = [instances, materials, transforms, lights, lists, mask.lights, mask.mask];
-                with_section(&all, io.section, |all| {
+                with_others(&all, io, |all| {
                     commands.bind_sampled(&self.pipeline, all, &[around], pages);
                 });
             }
             (Inputs::Lights | Inputs::Maps | Inputs::Mask, _) => {
-                with_section(&own, io.section, |all| {
+                with_others(&own, io, |all| {
                     commands.bind_sampled(&self.pipeline, all, &[around], pages);
                 });
             }
@@ -349,12 +353,46 @@ fn look_of(kind: SurfaceKind) -> (&'static str, &'static str, DepthMode, Blend) 
         SurfaceKind::Transparent => {
             ("transparent surface", "surface", DepthMode::TestOnly, Blend::Alpha)
         }
+        SurfaceKind::Fragments => {
+            ("stored surface", "surface", DepthMode::TestOnly, Blend::NoColour)
+        }
         SurfaceKind::Casters(side) => {
             (side.name_masked(), "surface_depth", DepthMode::TestAndWrite, Blend::NoColour)
         }
         SurfaceKind::Veil => {
             ("veil of flares", "surface_depth", DepthMode::TestOnly, Blend::NoColour)
         }
+    }
+}
+
+/// Calls `bind` with the buffers of a pass and those behind them, of section planes and of
+/// fragments. All transparent objects are cut: none has a state.
+fn with_others(own: &[BufferSlice], io: &SurfaceIo<'_>, bind: impl FnOnce(&[BufferSlice])) {
+    let Some(fragments) = io.fragments else { return with_section(own, io.section, bind) };
+    let planes = io.section.map(|section| section.planes);
+    bind(&own.iter().copied().chain(planes).chain([fragments]).collect::<Vec<_>>());
+}
+
+/// Returns the name of the fragment shader of a pass with these inputs, whose other shaders have
+/// the name `shader`.
+fn fragment_shader(kind: SurfaceKind, inputs: Inputs, shader: &'static str) -> &'static str {
+    match (kind, inputs) {
+        (SurfaceKind::Veil, _) => "flare_veil",
+        (SurfaceKind::Fragments, Inputs::Maps) => "surface_shadowed_sorted",
+        (SurfaceKind::Fragments, _) => "surface_sorted",
+        (_, Inputs::Maps) => "surface_shadowed",
+        (_, Inputs::Mask) => "surface_volumes",
+        (_, Inputs::Holes | Inputs::Lights) => shader,
+    }
+}
+
+/// Returns the number of buffers behind those of the inputs.
+fn other_buffers(kind: SurfaceKind, section: SectionShaders) -> u32 {
+    match (kind, section) {
+        // The lists, and planes without states.
+        (SurfaceKind::Fragments, SectionShaders::Whole) => 1,
+        (SurfaceKind::Fragments, SectionShaders::Cut) => 2,
+        _ => section_buffers(section),
     }
 }
 

@@ -3,6 +3,8 @@
 
 pub(crate) mod depth_first;
 pub(crate) mod environment_texture;
+pub(crate) mod fragments;
 pub(crate) mod scene_degradations;
 pub mod surfaces;
+pub(crate) mod transparency;
 pub(crate) mod transparent;

@@ -1,5 +1,5 @@
 //! Transparent objects: drawn back to front over the finished image, where they can be hidden but
-//! hide nothing ([`TransparentList`]).
+//! hide nothing ([`TransparentList`]); or in any order, and their fragments are sorted.
 
 use std::collections::HashMap;
 
@@ -12,6 +12,7 @@ use scene::{ENCLOSING, Light, Mesh, Object, Scene, TransparentId, outwardness};
 use crate::error::Error;
 use crate::passes::{SurfaceIo, SurfacePass};
 use crate::resources::geometry::{Geometry, bounds_in_world};
+use crate::shading::fragments::Fragments;
 
 /// The transparent objects of a scene.
 pub(crate) struct Transparent {
@@ -24,6 +25,8 @@ pub(crate) struct Transparent {
     instances: Option<BufferSlice>,
     /// The effects of section planes on each of them: all are cut.
     states: Option<BufferSlice>,
+    /// Their fragments, where these are sorted.
+    pub(crate) fragments: Option<Fragments>,
 }
 
 pub(crate) struct TransparentObject {
@@ -94,7 +97,11 @@ impl Transparent {
     ///
     /// # Errors
     /// No memory, a failed call.
-    pub(crate) fn new(device: &Device, scene: &Scene) -> Result<Option<Self>, Error> {
+    pub(crate) fn new(
+        device: &Device,
+        scene: &Scene,
+        fragments: Option<Fragments>,
+    ) -> Result<Option<Self>, Error> {
         let transparent = scene.surfaces.iter().flat_map(|surfaces| &surfaces.transparent);
         let mut known = HashMap::new();
         let object = |object: &Object| {
@@ -114,6 +121,7 @@ impl Transparent {
             sorted: Vec::new(),
             instances: None,
             states: None,
+            fragments,
         }))
     }
 
@@ -190,6 +198,9 @@ impl Transparent {
     ) -> Result<u32, Error> {
         self.sort(view);
         self.write(frame, scene, (view, tests))?;
+        if let Some(fragments) = self.fragments.as_mut().filter(|_| !self.list.is_empty()) {
+            fragments.begin_view(frame, view)?;
+        }
         Ok(self.sorted.len() as u32)
     }
 

@@ -68,6 +68,7 @@ fn every_option_arrives() {
         "--views=2",
         "--projection=jittered",
         "--edges=hidden",
+        "--transparency=fragments",
         "--moving=30",
         "--frames=7",
         "--size=64X32",
@@ -84,6 +85,7 @@ fn every_option_arrives() {
         "--images=7",
         "--msaa=4",
         "--top-down=6",
+        "--depth-complexity",
     ])
     .unwrap();
     assert_eq!(
@@ -104,6 +106,7 @@ fn every_option_arrives() {
             views: 2,
             projection: ProjectionChoice::Jittered,
             edges: EdgesChoice::Hidden,
+            transparency: TransparencyChoice::Fragments,
             moving_percent: 30,
             frames: 7,
             size: FrameSize { width: 64, height: 32 },
@@ -123,6 +126,7 @@ fn every_option_arrives() {
             report: Some("r.json".into()),
             images: 7,
             top_down: Some(6),
+            has_depth_complexity: true,
         }
     );
     assert_eq!(parse(&["--device", "1"]).unwrap().device, DeviceChoice::Index(1));

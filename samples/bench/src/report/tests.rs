@@ -5,6 +5,7 @@ use crate::measurement::{FrameMeasurement, RunMeasurement};
 use crate::shadow_choice::{ShadowChoice, ShadowWay};
 use crate::strategy::Strategy;
 use antumbra::cull;
+use antumbra::render::FragmentCounts;
 use antumbra::shadows::ShadowFilter;
 use serde_json::{Value, json};
 
@@ -31,6 +32,7 @@ fn run(strategy: Strategy, frame_ms: &[f64]) -> RunReport {
             result_age_frames: Some(2),
             blocking_waits: 0,
             samples_below_threshold: 0,
+            fragments: FragmentCounts::default(),
             is_compared: false,
         });
     }
@@ -78,6 +80,7 @@ pub(crate) fn example() -> Report {
         ratios: ratios(&runs),
         paired_ratios: paired_ratios(&runs),
         distrust: vec![],
+        transparency: None,
         left_out: vec![LeftOut { strategy: "ideal".into(), reason: "things move".into() }],
         provenance: Provenance { command: vec!["walkthrough".into()], unix_s: 1_795_230_000 },
         runs,

@@ -1,5 +1,7 @@
 //! The effect of actions on a session. Actions about a window do nothing here.
 
+use antumbra::render::DebugOverlay;
+
 use crate::hud::HudLevel;
 use crate::window::actions::Action;
 use crate::window::menu;
@@ -62,7 +64,17 @@ impl Session {
                 self.update_debug_overlay()?;
                 self.tell_if_overlay_is_empty();
             }
-            Action::Wireframe => self.toggle_wireframe(),
+            Action::Wireframe => self.explain(DebugOverlay {
+                has_wireframe: !self.debug_overlay.has_wireframe,
+                ..self.debug_overlay
+            }),
+            Action::DepthComplexity => {
+                self.explain(DebugOverlay {
+                    has_depth_complexity: !self.debug_overlay.has_depth_complexity,
+                    ..self.debug_overlay
+                });
+                self.tell_if_overlay_is_empty();
+            }
             Action::TimePasses => self.toggle_times(),
             Action::Screenshot => self.wants_screenshot = true,
             Action::Record => self.toggle_recording(),
@@ -165,7 +177,8 @@ impl Session {
 
     /// Shows why a debug overlay that is on shows nothing.
     fn tell_if_overlay_is_empty(&mut self) {
-        let is_on = self.has_top_down || self.debug_overlay.has_boxes;
+        let DebugOverlay { has_boxes, has_depth_complexity, .. } = self.debug_overlay;
+        let is_on = self.has_top_down || has_boxes || has_depth_complexity;
         if is_on && self.strategy.is_gpu_driven() {
             self.refuse(GPU_KNOWS.to_owned());
         }
@@ -206,10 +219,11 @@ impl Session {
         Ok(())
     }
 
-    fn toggle_wireframe(&mut self) {
-        self.debug_overlay.has_wireframe = !self.debug_overlay.has_wireframe;
+    /// Shows another debug overlay, or, where the device cannot, the reason.
+    fn explain(&mut self, debug_overlay: DebugOverlay) {
+        let before = std::mem::replace(&mut self.debug_overlay, debug_overlay);
         if let Err(error) = self.update_debug_overlay() {
-            self.debug_overlay.has_wireframe = !self.debug_overlay.has_wireframe;
+            self.debug_overlay = before;
             self.refuse(error.to_string());
         }
     }

@@ -16,6 +16,7 @@ use crate::window::page_text::Known;
 use crate::window::screen::ScreenFacts;
 use crate::window::session::Session;
 use bench::run_error::RunError;
+use bench::transparency::TransparencyReport;
 
 /// The interval of frames whose passes are timed while the HUD is shown.
 const TIMED_INTERVAL_FRAMES: u64 = 8;
@@ -102,11 +103,9 @@ impl Session {
         let marks = self.comparison.as_ref().map(|comparison| comparison.marks(now).to_vec());
         let marks = marks.unwrap_or_default();
         if self.hud_level == HudLevel::Off {
-            let refused = screen.and_then(|_| self.toast.refused_at(now));
-            let asked = screen.and_then(|_| self.asked_for());
             return HudPage {
-                asked,
-                toast: refused,
+                asked: screen.and_then(|_| self.asked_for()),
+                toast: screen.and_then(|_| self.toast.refused_at(now)),
                 progress,
                 signs,
                 help,
@@ -115,6 +114,7 @@ impl Session {
             };
         }
         let device = self.renderer.device();
+        let transparency = TransparencyReport::of(&self.renderer).map(|order| order.text());
         let known = Known {
             frame: self.frame,
             scene: &self.scene_view.name,
@@ -136,6 +136,7 @@ impl Session {
             is_comparing: self.comparison.is_some(),
             claim: &self.claim_basis().claim(),
             screen,
+            transparency: transparency.as_deref(),
         };
         let (hint, details) = match self.hud_level {
             HudLevel::Detailed => ("F1 help, H no text", known.details()),

@@ -125,6 +125,7 @@ fn known<'a>(
         is_comparing: false,
         claim: &CLAIM,
         screen: Some(screen),
+        transparency: None,
     }
 }
 
@@ -281,4 +282,20 @@ fn numbers_fit_their_columns() {
     assert_eq!(in_ms(Some(9_999.0)), "9999 ms");
     assert_eq!(in_ms(Some(18_858.0)), "18.9 s");
     assert_eq!((ms(None), ms(Some(1.234))), ("-".to_owned(), "1.23 ms".to_owned()));
+}
+
+#[test]
+fn fragments_that_were_not_blended_are_counted() {
+    let (mut report, screen) = (report(), screen());
+    let times = times(&report, &[]);
+    let of = |report: &FrameReport| {
+        let known =
+            Known { transparency: Some("sorted fragments"), ..known(report, &screen, &times) };
+        known.details().concat()
+    };
+    assert!(of(&report).contains(&fact("transparent objects", "sorted fragments")));
+    report.fragments.visible = 7_000;
+    assert!(of(&report).contains(&fact("their fragments", "7,000")));
+    report.fragments.left_out = 3;
+    assert!(of(&report).contains(&fact("fragments not blended", "0 without room, 3 left out")));
 }

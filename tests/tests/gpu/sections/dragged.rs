@@ -63,7 +63,8 @@ fn drag(device: &Device, generated: &GeneratedScene, options: RendererOptions, f
 fn explain(shown: &mut CutScene, camera: cull::Camera) {
     let has_wireframe = shown.renderer.device().capabilities().has(Optional::Wireframe);
     let top_down = Some(Rect { origin: [80, 45], size: [80, 45] });
-    let overlay = DebugOverlay { has_wireframe, has_boxes: true, top_down };
+    let overlay =
+        DebugOverlay { has_wireframe, has_boxes: true, has_depth_complexity: true, top_down };
     shown.renderer.set_debug_overlay(overlay).unwrap();
     let explained = shown.pixels(camera, Strategy::FRUSTUM);
     shown.renderer.set_debug_overlay(DebugOverlay::default()).unwrap();

@@ -1,4 +1,5 @@
 //! The draws of frames by concern.
 
 mod caps;
+mod fragments;
 mod shading;

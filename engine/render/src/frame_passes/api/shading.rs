@@ -6,6 +6,7 @@ use occlusion::PlanExecutor;
 
 use crate::frame_passes::FramePasses;
 use crate::shading::depth_first::{DARK, Shading};
+use crate::shading::fragments::Fragments;
 use crate::view_scopes::ViewScope;
 
 impl FramePasses {
@@ -127,6 +128,9 @@ impl FramePasses {
             return;
         };
         transparent.list().decide(commands);
+        if let Some(io) = self.fragments().and_then(Fragments::io) {
+            return self.record_fragments(executor, commands, view, &io);
+        }
         self.target.prepare(commands);
         let target = self.target_of(view, None);
         let target = self.scope_target(commands, ViewScope::Transparent, target);
@@ -136,12 +140,7 @@ impl FramePasses {
     }
 
     /// Draws the transparent objects of a view to the current attachments.
-    pub(crate) fn draw_transparent(
-        &self,
-        executor: &PlanExecutor,
-        commands: &Commands,
-        view: &View,
-    ) {
+    fn draw_transparent(&self, executor: &PlanExecutor, commands: &Commands, view: &View) {
         let (Some(transparent), Some(pass)) = (&self.transparent, &self.pipelines.transparent)
         else {
             return;

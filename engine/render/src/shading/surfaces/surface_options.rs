@@ -4,6 +4,7 @@ use gpu::{CancellationToken, MipMaking};
 
 use crate::resources::spare_room::SpareRoom;
 use crate::shading::surfaces::texture_storage::TextureStorage;
+use crate::shading::transparency::TransparencyOptions;
 
 /// The options of the upload of surfaces.
 #[derive(Clone, Debug)]
@@ -19,6 +20,8 @@ pub struct SurfaceOptions {
     pub spare: SpareRoom,
     /// The request to give the upload up, which is checked between its pieces.
     pub cancellation: CancellationToken,
+    /// The order in which transparent objects are blended.
+    pub transparency: TransparencyOptions,
 }
 
 impl Default for SurfaceOptions {
@@ -29,6 +32,7 @@ impl Default for SurfaceOptions {
             textures: None,
             spare: SpareRoom::default(),
             cancellation: CancellationToken::default(),
+            transparency: TransparencyOptions::default(),
         }
     }
 }

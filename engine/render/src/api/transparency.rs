@@ -1,0 +1,47 @@
+//! The order in which transparent objects are blended.
+
+use cull::Tester;
+
+use crate::renderer::Renderer;
+use crate::shading::fragments::Fragments;
+use crate::shading::transparency::{
+    FragmentCounts, TransparencyFallback, TransparencyMethod, TransparencyOptions, fallback_of,
+};
+
+impl Renderer {
+    /// Returns the options of transparent objects.
+    pub fn transparency(&self) -> &TransparencyOptions {
+        &self.transparency
+    }
+
+    /// Returns the order in which transparent objects are blended: the one that is wanted, or
+    /// [`TransparencyMethod::SortedObjects`] where there is a
+    /// [reason](Renderer::transparency_fallback) against it.
+    pub fn transparency_method(&self) -> TransparencyMethod {
+        match self.transparency_fallback() {
+            Some(_) => TransparencyMethod::SortedObjects,
+            None => self.transparency.method,
+        }
+    }
+
+    /// Returns the counts of the fragments that are sorted, of the newest frame whose counts have
+    /// been read; zeros without any.
+    pub fn fragment_counts(&self) -> FragmentCounts {
+        self.passes.fragments().map(Fragments::newest).unwrap_or_default()
+    }
+
+    /// Returns the reason why objects are sorted though
+    /// [`TransparencyMethod::SortedFragments`] was wanted, if there is one.
+    pub fn transparency_fallback(&self) -> Option<TransparencyFallback> {
+        if self.transparency.method == TransparencyMethod::SortedObjects {
+            return None;
+        }
+        if !self.executor.passes.trust().allows(Tester::Flag) {
+            return Some(TransparencyFallback::Distrusted);
+        }
+        let samples = self.passes.target.attachments().samples;
+        let has_room = |size| self.passes.fragments().is_none_or(|it| it.has_room_for(size));
+        let too_many = (!has_room(self.size())).then_some(TransparencyFallback::TooManyPixels);
+        fallback_of(&self.device, samples).or(too_many)
+    }
+}

@@ -1,0 +1,72 @@
+//! Transparent objects whose fragments are sorted.
+
+use cull::View;
+use gpu::{Access, BufferSlice, Commands, MemoryBarrier};
+use occlusion::PlanExecutor;
+
+use crate::frame_passes::FramePasses;
+use crate::passes::{FragmentIo, SurfaceIo};
+use crate::shading::fragments::Fragments;
+use crate::view_scopes::ViewScope;
+
+impl FramePasses {
+    /// Returns the fragments of transparent objects, if any are sorted.
+    pub(crate) fn fragments(&self) -> Option<&Fragments> {
+        self.transparent.as_ref()?.fragments.as_ref()
+    }
+
+    /// Returns the same, to be changed.
+    pub(crate) fn fragments_mut(&mut self) -> Option<&mut Fragments> {
+        self.transparent.as_mut()?.fragments.as_mut()
+    }
+
+    /// Stores the fragments of the transparent objects of a view, and blends them over its image,
+    /// in two renderings.
+    pub(super) fn record_fragments(
+        &mut self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        view: &View,
+        io: &FragmentIo,
+    ) {
+        if let Some(fragments) = self.fragments() {
+            fragments.clear(commands);
+        }
+        self.target.prepare_tests(commands);
+        let target = self.target_of(view, None);
+        let storing = self.scope_target(commands, ViewScope::Fragments, target);
+        commands.pass("store fragments", |commands| {
+            commands.rendering(storing, |commands| {
+                self.store_fragments(executor, commands, view, io.fragments);
+            });
+            let accesses = [Access::FragmentWrite];
+            commands.barrier(MemoryBarrier::between(&accesses, &accesses));
+        });
+        self.target.prepare(commands);
+        let target = self.target_of(view, None);
+        let sorting = self.scope_target(commands, ViewScope::Transparent, target);
+        commands.pass("draw transparent", |commands| {
+            commands.rendering(sorting, |commands| {
+                if let Some(passes) = &self.pipelines.fragments {
+                    passes.sort(commands, io);
+                }
+            });
+        });
+    }
+
+    fn store_fragments(
+        &self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        view: &View,
+        fragments: BufferSlice,
+    ) {
+        let (Some(transparent), Some(passes), Some(surfaces)) =
+            (&self.transparent, &self.pipelines.fragments, self.surface_io())
+        else {
+            return;
+        };
+        let surfaces = SurfaceIo { fragments: Some(fragments), ..surfaces };
+        transparent.draw((&passes.storing, executor), commands, surfaces, (view, &self.light));
+    }
+}

@@ -1,0 +1,61 @@
+//! The passes of transparent objects whose fragments are sorted.
+
+use gpu::{
+    Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
+    GraphicsPipelineInfo, StorageLayout,
+};
+use occlusion::{Error, ShaderSet};
+
+use crate::passes::{SurfaceKind, SurfacePass, SurfaceShadows};
+use crate::shading::surfaces::SurfaceResources;
+
+/// The buffers of the passes: the lists of a view, the counts of a frame.
+#[derive(Clone, Copy)]
+pub(crate) struct FragmentIo {
+    /// The lists and their fragments.
+    pub(crate) fragments: BufferSlice,
+    /// The counts.
+    pub(crate) counts: BufferSlice,
+}
+
+/// The pass that stores the fragments of objects in a list per pixel, and the one that blends each
+/// list over the image, in the order of its depths.
+pub(crate) struct FragmentPasses {
+    pub(crate) storing: SurfacePass,
+    sorting: GraphicsPipeline,
+}
+
+impl FragmentPasses {
+    /// Compiles the passes for a scene and its shadows, and for renderings to `attachments`, on a
+    /// device whose fragment shaders write to buffers.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+        surfaces: &SurfaceResources,
+        shadows: Option<SurfaceShadows>,
+    ) -> Result<Self, Error> {
+        let drawn = (shaders, attachments);
+        let sorting = GraphicsPipelineInfo {
+            fragment: Some(shaders.find("sorted_fragments.frag")?),
+            storage: StorageLayout { buffers: 2, ..StorageLayout::default() },
+            depth: DepthMode::Ignored,
+            blend: Blend::Premultiplied,
+            attachments,
+            ..GraphicsPipelineInfo::of("sorted fragments", shaders.find("sky.vert")?)
+        };
+        Ok(Self {
+            storing: SurfacePass::new(device, drawn, SurfaceKind::Fragments, surfaces, shadows)?,
+            sorting: GraphicsPipeline::new(device, &sorting)?,
+        })
+    }
+
+    /// Blends the fragments of the view that is being rendered to.
+    pub(crate) fn sort(&self, commands: &Commands, io: &FragmentIo) {
+        commands.bind(&self.sorting, &[io.fragments, io.counts]);
+        commands.draw(3, 0);
+    }
+}

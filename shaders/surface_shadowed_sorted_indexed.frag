@@ -1,0 +1,11 @@
+// The surface pass of transparent objects whose fragments are sorted, with the shadows of its
+// lights. Textures have an image each.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_nonuniform_qualifier : require
+#define INDEXED_TEXTURES
+#define SHADOWED
+#define FRAGMENTS_BINDING 7
+#define SHADOW_TEXTURES_BINDING 8
+#define ENVIRONMENT_BINDING 11
+#include "surface_main.glsl"

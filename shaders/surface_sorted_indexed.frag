@@ -1,0 +1,9 @@
+// The surface pass of transparent objects whose fragments are sorted, without shadows. Textures
+// have an image each.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_nonuniform_qualifier : require
+#define INDEXED_TEXTURES
+#define FRAGMENTS_BINDING 5
+#define ENVIRONMENT_BINDING 6
+#include "surface_main.glsl"
