@@ -10,7 +10,7 @@ use super::frame_times::{FrameTimeSeries, is_overlay};
 use super::screen::ScreenFacts;
 use crate::hud::{ExactnessVerdict, HudFigure, Overview, Split, grouped};
 use bench::strategy::Strategy;
-use bench::transparency::FragmentsReport;
+use bench::transparency::{FragmentsReport, TransparencyReport};
 
 const UNKNOWN: &str = "-";
 /// The rows of passes; those beyond this many are summed up.
@@ -62,7 +62,7 @@ pub struct Known<'a> {
     /// The facts about the window, if there is one.
     pub screen: Option<&'a ScreenFacts>,
     /// The order of transparent objects, if fragments were asked for.
-    pub transparency: Option<&'a str>,
+    pub transparency: Option<&'a TransparencyReport>,
 }
 
 impl Known<'_> {
@@ -134,7 +134,10 @@ impl Known<'_> {
             fact("frames in flight", self.frames_in_flight.to_string()),
             fact("GPU memory", format!("{} MiB", self.used_bytes >> 20)),
         ];
-        facts.extend(self.transparency.map(|order| fact("transparent objects", order)));
+        let order = self.transparency;
+        facts.extend(order.map(|order| fact("transparent objects", order.method.as_str())));
+        let reason = order.and_then(|order| order.fallback.as_deref());
+        facts.extend(reason.map(|reason| fact("since", reason)));
         let fragments = FragmentsReport::most(std::iter::once(self.report.fragments));
         facts.extend(fragments.map(|it| fact("their fragments", grouped(it.visible.into()))));
         let lost = fragments.and_then(|it| it.lost());

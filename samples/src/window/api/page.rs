@@ -114,7 +114,7 @@ impl Session {
             };
         }
         let device = self.renderer.device();
-        let transparency = TransparencyReport::of(&self.renderer).map(|order| order.text());
+        let transparency = TransparencyReport::of(&self.renderer);
         let known = Known {
             frame: self.frame,
             scene: &self.scene_view.name,
@@ -136,7 +136,7 @@ impl Session {
             is_comparing: self.comparison.is_some(),
             claim: &self.claim_basis().claim(),
             screen,
-            transparency: transparency.as_deref(),
+            transparency: transparency.as_ref(),
         };
         let (hint, details) = match self.hud_level {
             HudLevel::Detailed => ("F1 help, H no text", known.details()),

@@ -288,12 +288,16 @@ fn numbers_fit_their_columns() {
 fn fragments_that_were_not_blended_are_counted() {
     let (mut report, screen) = (report(), screen());
     let times = times(&report, &[]);
+    let order = TransparencyReport {
+        method: "sorted fragments".to_owned(),
+        fallback: Some("no reason".to_owned()),
+    };
     let of = |report: &FrameReport| {
-        let known =
-            Known { transparency: Some("sorted fragments"), ..known(report, &screen, &times) };
+        let known = Known { transparency: Some(&order), ..known(report, &screen, &times) };
         known.details().concat()
     };
     assert!(of(&report).contains(&fact("transparent objects", "sorted fragments")));
+    assert!(of(&report).contains(&fact("since", "no reason")));
     report.fragments.visible = 7_000;
     assert!(of(&report).contains(&fact("their fragments", "7,000")));
     report.fragments.left_out = 3;
