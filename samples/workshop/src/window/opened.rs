@@ -1,5 +1,6 @@
 //! An open window: hands on a session, and its frames.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -8,6 +9,7 @@ use antumbra::gpu::{DisplayLink, Instance, PresentMode, PresentResult, PresentSk
 use antumbra::pacing::{PacedFrameId, Step, Time};
 use bench::choices::DeviceChoice;
 use bench::options::FrameSize;
+use bench::outputs::OutputFile;
 use bench::run_error::RunError;
 use egui::{Context, Rect, ViewportId};
 use samples::hud::{HudFrame, HudOverlay, Measures};
@@ -29,7 +31,7 @@ use super::tools::Tools;
 use crate::args::WorkshopArguments;
 use crate::orbit::OrbitCamera;
 use crate::report::{CommandOutcome, ScriptReport, ScriptStep};
-use crate::run::{Model, begin_report};
+use crate::run::{Model, begin_report, keep_inputs};
 use crate::script::Command;
 use crate::session::{FrameQuestions, LateResults, WorkshopSession};
 
@@ -67,6 +69,8 @@ pub(super) struct Opened {
     window: Arc<Window>,
     instance: Instance,
     display: DisplayLink,
+    /// The file of the model, if it is one.
+    model_file: PathBuf,
     report: ScriptReport,
     size: [u32; 2],
     frames_due: u32,
@@ -139,6 +143,7 @@ impl Opened {
             window,
             instance,
             display,
+            model_file: PathBuf::from(&arguments.model),
             report,
             size,
             frames_due: SETTLING_FRAMES,
@@ -223,8 +228,10 @@ impl Opened {
     /// lost, the next frame fails.
     fn act(&mut self, commands: Vec<Command>) -> Result<(), RunError> {
         for command in commands {
-            let acted = self.session.act(&command);
-            let outcome = acted.unwrap_or_else(|error| CommandOutcome::Refused(error.to_string()));
+            let outcome = self
+                .keep_model(&command)
+                .and_then(|()| self.session.act(&command))
+                .unwrap_or_else(|error| CommandOutcome::Refused(error.to_string()));
             self.hands.learn_outcome(&command, &outcome);
             self.frames_due = SETTLING_FRAMES;
             if matches!(command, Command::Camera(_)) {
@@ -248,6 +255,12 @@ impl Opened {
             }
         }
         Ok(())
+    }
+
+    /// Refuses to write over the model.
+    fn keep_model(&self, command: &Command) -> Result<(), RunError> {
+        let output = OutputFile::of(command.verb(), command.written_file());
+        Ok(keep_inputs(output.as_slice(), &[&self.model_file])?)
     }
 
     /// Runs one turn of the loop, and returns its next step.
