@@ -225,6 +225,18 @@ impl Command {
         }
     }
 
+    /// Returns true if it may change which parts are shown, and how.
+    pub fn changes_displays(&self) -> bool {
+        matches!(
+            self,
+            Self::Hide(_)
+                | Self::Show(_)
+                | Self::Ghost(_)
+                | Self::Isolate
+                | Self::DisplayObjects { .. }
+        )
+    }
+
     /// Returns the file that it writes.
     pub fn written_file(&self) -> Option<&Path> {
         match self {

@@ -136,7 +136,12 @@ impl WorkshopSession {
             Command::Export(file) => self.export(file)?,
             _ => {
                 let changed = self.change(command);
-                self.follow()?;
+                match command {
+                    Command::Select(_) | Command::SelectObjects(_) | Command::Deselect => {
+                        self.outline()?;
+                    }
+                    _ => self.follow()?,
+                }
                 changed.unwrap_or_else(|error| CommandOutcome::Refused(error.to_string()))
             }
         };

@@ -25,7 +25,7 @@ const HOVERED: [u8; 3] = [63, 180, 255];
 const SELECTED: [u8; 3] = [255, 160, 0];
 /// Places of the lid, of the body, and of a screen without the window.
 const LID: [i16; 2] = [445, 322];
-const BODY: [i16; 2] = [557, 420];
+const BODY: [i16; 2] = [520, 412];
 const BESIDE: [i16; 2] = [1270, 1020];
 
 /// The program in a window. It is killed if a test fails before it ends.

@@ -305,7 +305,8 @@ impl Interaction {
             return self.clicked(&surface, seen);
         }
         if self.held.is_none() {
-            self.hovered = surface.filter(|_| self.cursor.is_some());
+            let is_on_model = self.cursor.is_some_and(|cursor| !self.is_on_sign(cursor, seen));
+            self.hovered = surface.filter(|_| is_on_model);
         }
         Vec::new()
     }

@@ -237,7 +237,9 @@ impl Opened {
             if matches!(command, Command::Camera(_)) {
                 continue;
             }
-            self.panel.rows.count(&self.session.document);
+            if command.changes_displays() {
+                self.panel.rows.count(&self.session.document);
+            }
             let selected = self.session.document.selected().next();
             if let (Command::SelectObjects(objects), Some(object)) = (&command, selected)
                 && objects.len() == 1

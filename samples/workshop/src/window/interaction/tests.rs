@@ -197,9 +197,14 @@ fn a_plane_is_dragged_by_its_handle() {
     let view = antumbra::cull::View::new(&bench.camera.camera(0.5), SIZE, 8);
     let handle = place_of(&view, handle_of(&bounds, 0, &bench.hands.tools().planes[0])).unwrap();
     bench.input(Input::Moved(handle));
+    let body = bench.part("body");
     assert_eq!(
         bench.with(|hands, seen| {
             assert_eq!(hands.pointer(seen), None, "a handle hides the model");
+            let surface = Some(body);
+            let old = PointedPixel { frame: seen.frame, pixel: Pixel { x: 1, y: 1 }, surface };
+            hands.learn_pointed(&old, seen);
+            assert_eq!(hands.hovered(), None);
             Vec::new()
         }),
         []
