@@ -1,13 +1,15 @@
 //! The panel of tools: the tree of parts, sections, edges, and what else hands set without a key.
 
+use std::ops::RangeInclusive;
+
 use antumbra::ObjectId;
 use antumbra::cull::Aabb;
 use antumbra::render::EdgeMode;
 use egui::{
-    Checkbox, ComboBox, Context, Frame, Grid, Label, Margin, Panel, RichText, ScrollArea, Sense,
-    Slider, Ui, vec2,
+    Checkbox, Color32, ComboBox, Context, Frame, Grid, Label, Margin, Panel, RichText, ScrollArea,
+    Sense, Slider, Ui, vec2,
 };
-use samples::hud::style::{DIM, GOOD, MARGIN, MARK, NAME, PANEL, VALUE};
+use samples::hud::style::{DIM, GOOD, MARGIN, MARK, NAME, VALUE};
 
 use super::input::KEY_LINES;
 use super::part_rows::{PartRow, PartRows};
@@ -15,6 +17,9 @@ use super::tools::{EDGE_MODES, MM, Measuring, Tools};
 use crate::document::{Display, Document};
 use crate::script::Command;
 use crate::viewport::SeenObject;
+
+/// The background of the panel, which white paper does not shine through.
+const GROUND: Color32 = Color32::from_rgb(26, 31, 39);
 
 /// The width of the panel, in points.
 const WIDTH: f32 = 236.0;
@@ -33,6 +38,9 @@ const INDENT: f32 = 10.0;
 
 /// The largest gap of the slider of exploded views, in millimetres.
 const MOST_GAP_MM: f32 = 100.0;
+
+/// The largest change of a value by its slider alone, which shows one decimal.
+const ROUNDING: f32 = 0.051;
 
 /// The most parts that move apart by hand: all pairs are compared.
 const MOST_EXPLODED: u32 = 3000;
@@ -97,7 +105,7 @@ impl ToolPanel {
             return answer;
         }
         let width = WIDTH.min(ui.max_rect().width() * MOST_SHARE);
-        let frame = Frame::new().fill(PANEL).inner_margin(Margin::same(MARGIN as i8));
+        let frame = Frame::new().fill(GROUND).inner_margin(Margin::same(MARGIN as i8));
         let panel = Panel::left("tools").exact_size(width).resizable(false).frame(frame);
         panel.show(ui, |ui| {
             let height = ui.available_height();
@@ -225,7 +233,7 @@ fn tools(
     let shown = root.map_or(0, |root| rows.count_of(root.part).shown);
     if shown <= MOST_EXPLODED {
         named(ui, "apart", |ui| {
-            ui.add(Slider::new(&mut tools.gap_mm, 0.0..=MOST_GAP_MM).suffix(" mm").max_decimals(1));
+            slider(ui, &mut tools.gap_mm, 0.0..=MOST_GAP_MM, " mm");
         });
     } else {
         ui.label(
@@ -236,7 +244,7 @@ fn tools(
         let whole_rad = lid.hinge.open_rad - lid.hinge.closed_rad;
         let range = 0.0..=whole_rad.to_degrees();
         named(ui, "lid", |ui| {
-            ui.add(Slider::new(&mut tools.lid_degrees, range).suffix("\u{b0}").max_decimals(1));
+            slider(ui, &mut tools.lid_degrees, range, "\u{b0}");
         });
     }
     named(ui, "edges", |ui| {
@@ -266,12 +274,20 @@ fn section(ui: &mut Ui, page: &PanelPage<'_>, tools: &mut Tools) {
             ui.checkbox(&mut plane.is_on, "");
             ui.spacing_mut().slider_width -= 44.0;
             let range = least[axis]..=most[axis].max(least[axis]);
-            let slider = Slider::new(&mut plane.place_mm, range).max_decimals(1);
-            ui.add_enabled(plane.is_on, slider);
             ui.add_enabled_ui(plane.is_on, |ui| {
+                slider(ui, &mut plane.place_mm, range, "");
                 ui.toggle_value(&mut plane.is_flipped, "\u{2194}").on_hover_text("the other side");
             });
         });
+    }
+}
+
+/// Shows a slider. Its own rounding changes nothing.
+fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, suffix: &str) {
+    let mut shown = *value;
+    ui.add(Slider::new(&mut shown, range).suffix(suffix).max_decimals(1));
+    if (shown - *value).abs() > ROUNDING {
+        *value = shown;
     }
 }
 
@@ -299,9 +315,10 @@ fn edges_name(mode: EdgeMode) -> &'static str {
 
 /// Shows the page of keys.
 fn show_keys(context: &Context) {
-    let frame = Frame::new().fill(PANEL).inner_margin(Margin::same(MARGIN as i8));
+    let frame = Frame::new().fill(GROUND).inner_margin(Margin::same(MARGIN as i8));
     let page = egui::Window::new("keys").title_bar(false).resizable(false).frame(frame);
     let height = context.content_rect().height() - 4.0 * MARGIN;
+    let page = page.default_height(height).max_height(height);
     page.anchor(egui::Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(context, |ui| {
         ScrollArea::vertical().max_height(height).show(ui, |ui| {
             Grid::new("keys").num_columns(2).spacing(vec2(12.0, 2.0)).show(ui, |ui| {
