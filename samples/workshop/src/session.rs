@@ -43,10 +43,10 @@ pub struct WorkshopSession {
     hovered: Option<ObjectId>,
 }
 
-/// What is known of the frames that are over.
+/// The results of frames that are over.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LateResults {
-    /// What a frame showed at the pixel of the pointer.
+    /// The answer for the pixel of the pointer.
     pub pointed: Option<PointedPixel>,
     /// The visibility of the objects that were asked for.
     pub seen: Vec<SeenObject>,
@@ -54,7 +54,7 @@ pub struct LateResults {
     pub drawn: Option<u64>,
 }
 
-/// What a frame of a window shows and asks for.
+/// The questions that a frame of a window is to answer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameQuestions {
     /// The pixel of the pointer.
@@ -343,7 +343,7 @@ impl WorkshopSession {
     }
 }
 
-/// What a window does with it.
+/// The part of it that windows use.
 impl WorkshopSession {
     /// Returns the camera, as hands move it.
     pub fn orbit(&self) -> OrbitCamera {

@@ -7,13 +7,8 @@ use std::time::{Duration, Instant};
 
 use harness::{Scratch, pixels, program, stderr};
 use serde_json::Value;
+use tests::x11_screen::{BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, Seen};
 use tests::xvfb::Xvfb;
-
-#[path = "../../tests/windows/x11.rs"]
-#[allow(dead_code, reason = "the windows of other programs need more of it")]
-mod x11;
-
-use x11::{BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, Seen};
 
 const WORKSHOP: &str = env!("CARGO_BIN_EXE_workshop");
 const ESCAPE: u32 = 0xff1b;

@@ -13,7 +13,7 @@ const ROUND_S: f32 = 12.0;
 
 /// The camera's path.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct CameraPath {
+pub struct OrbitPath {
     /// The model's own cameras, on a closed way.
     own: Vec<OrbitCamera>,
     /// The cameras that were recorded.
@@ -24,7 +24,7 @@ pub struct CameraPath {
     playing_s: Option<f32>,
 }
 
-impl CameraPath {
+impl OrbitPath {
     /// Creates the path of a model with its own cameras, or none.
     pub fn new(own: Vec<OrbitCamera>) -> Self {
         Self { own, ..Self::default() }
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn what_was_recorded_is_played_once() {
-        let mut path = CameraPath::default();
+        let mut path = OrbitPath::default();
         assert!(!path.toggle_playing() && !path.is_playing(), "nothing to play");
         path.toggle_recording();
         for step in 0..=20 {
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn the_models_own_path_is_closed() {
-        let mut path = CameraPath::new(vec![camera(0.0), camera(1.0)]);
+        let mut path = OrbitPath::new(vec![camera(0.0), camera(1.0)]);
         assert!(path.toggle_playing());
         let back = path.advance(ROUND_S * 2.75, &camera(9.0)).unwrap();
         assert!((back.yaw_rad - 0.5).abs() < 1e-4 && path.is_playing(), "{back:?}");

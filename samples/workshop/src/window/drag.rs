@@ -22,7 +22,7 @@ const REFINEMENTS: u32 = 4;
 /// length seen from the side: less is seen end on.
 const LEAST_SHARE: f32 = 0.05;
 
-/// What the pointer holds while a button is pressed.
+/// The thing that the pointer holds while a button is pressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Drag {
     /// The model turns about the point that was pressed.

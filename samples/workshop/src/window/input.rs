@@ -6,7 +6,7 @@ use winit::keyboard::KeyCode;
 
 /// An event of a hand. Places are in pixels from the upper left.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Input {
+pub enum HandEvent {
     /// The pointer moved over the model.
     Moved(Vec2),
     /// The pointer left the model, for a panel or another window.

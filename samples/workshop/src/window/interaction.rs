@@ -1,4 +1,4 @@
-//! What hands do to the viewer: events and late results go in, commands come out. A pure value.
+//! The hands of the viewer: events and late results go in, commands come out. A pure value.
 
 use std::f32::consts::PI;
 
@@ -9,9 +9,9 @@ use antumbra::render::PointedSurface;
 use winit::event::MouseButton;
 use winit::keyboard::KeyCode;
 
-use super::camera_path::CameraPath;
+use super::camera_path::OrbitPath;
 use super::drag::{Drag, PlaneGrab, place_of};
-use super::input::Input;
+use super::input::HandEvent;
 use super::keys::{KeyEffect, effect_of};
 use super::seen::Seen;
 use super::tools::{MeasuredLine, Measuring, Tools, handle_of};
@@ -77,7 +77,7 @@ pub struct Interaction {
     /// The settings before the newest change.
     before: Tools,
     cube: ViewCube,
-    path: CameraPath,
+    path: OrbitPath,
     cursor: Option<Vec2>,
     hovered: Option<PointedSurface>,
     held: Option<Held>,
@@ -90,7 +90,7 @@ pub struct Interaction {
 
 impl Interaction {
     /// Creates the state at rest, for a model with this box and path.
-    pub fn new(bounds: &Aabb, path: CameraPath) -> Self {
+    pub fn new(bounds: &Aabb, path: OrbitPath) -> Self {
         Self {
             tools: Tools::at_rest(bounds),
             before: Tools::at_rest(bounds),
@@ -118,7 +118,7 @@ impl Interaction {
     }
 
     /// Returns the camera's path.
-    pub fn path(&self) -> &CameraPath {
+    pub fn path(&self) -> &OrbitPath {
         &self.path
     }
 
@@ -156,10 +156,7 @@ impl Interaction {
     pub fn is_moving(&self, camera: &OrbitCamera) -> bool {
         let is_awaiting = self.click.is_some() || self.held.is_some_and(|held| held.is_dragging);
         let is_on_path = self.path.is_playing() || self.path.is_recording();
-        self.turn.is_some()
-            || is_on_path
-            || is_awaiting
-            || camera.flatness != flatness_of(&self.tools)
+        self.turn.is_some() || is_on_path || is_awaiting || camera.flatness != self.tools.flatness()
     }
 
     /// Returns the pixel that frames are asked about.
@@ -189,30 +186,30 @@ impl Interaction {
     }
 
     /// Takes an event.
-    pub fn handle(&mut self, input: Input, seen: &Seen<'_>) -> Vec<Command> {
+    pub fn handle(&mut self, input: HandEvent, seen: &Seen<'_>) -> Vec<Command> {
         match input {
-            Input::Moved(place) => {
+            HandEvent::Moved(place) => {
                 self.cursor = Some(place);
                 if let Some(held) = &mut self.held {
                     held.is_dragging |= held.pressed_at.distance(place) >= DRAG_PIXELS;
                 }
                 Vec::new()
             }
-            Input::Left => {
+            HandEvent::Left => {
                 if self.held.is_none() {
                     self.cursor = None;
                     self.hovered = None;
                 }
                 Vec::new()
             }
-            Input::Pressed(button) => {
+            HandEvent::Pressed(button) => {
                 self.press(button, seen);
                 Vec::new()
             }
-            Input::Released(button) => self.release(button, seen),
-            Input::Wheel(notches) => self.wheel(notches, seen),
-            Input::Key(key) => self.key(key, seen),
-            Input::Adding(is_adding) => {
+            HandEvent::Released(button) => self.release(button, seen),
+            HandEvent::Wheel(notches) => self.wheel(notches, seen),
+            HandEvent::Key(key) => self.key(key, seen),
+            HandEvent::Adding(is_adding) => {
                 self.is_adding = is_adding;
                 Vec::new()
             }
@@ -314,8 +311,8 @@ impl Interaction {
     /// Selects or measures what was clicked.
     fn clicked(&mut self, surface: &Option<PointedSurface>, seen: &Seen<'_>) -> Vec<Command> {
         match (self.tools.measuring, surface) {
-            (Measuring::Off, None) if self.is_adding => Vec::new(),
-            (Measuring::Off, None) => vec![Command::Deselect],
+            (Measuring::Off, None) if !self.is_adding => vec![Command::Deselect],
+            (_, None) => Vec::new(),
             (Measuring::Off, Some(surface)) => {
                 let mut objects: Vec<ObjectId> = Vec::new();
                 if self.is_adding {
@@ -327,7 +324,6 @@ impl Interaction {
                 }
                 vec![Command::SelectObjects(objects)]
             }
-            (_, None) => Vec::new(),
             (Measuring::Edge, Some(PointedSurface { object, point, .. })) => {
                 vec![Command::EdgeOfObject { object: *object, point: *point }]
             }
@@ -396,7 +392,7 @@ impl Interaction {
             camera = OrbitCamera { flatness: camera.flatness, ..turned };
         }
         self.turn = self.turn.filter(|turn| turn.seconds < TURN_S);
-        let flatness = flatness_of(&self.tools);
+        let flatness = self.tools.flatness();
         let step = seconds / TURN_S;
         camera.flatness += (flatness - camera.flatness).clamp(-step, step);
         if let Some(played) = self.path.advance(seconds, &camera) {
@@ -492,10 +488,6 @@ impl Interaction {
         }
         Vec::new()
     }
-}
-
-fn flatness_of(tools: &Tools) -> f32 {
-    if tools.is_orthographic { 1.0 } else { 0.0 }
 }
 
 #[cfg(test)]

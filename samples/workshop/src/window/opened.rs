@@ -21,8 +21,8 @@ use winit::event::{ElementState, MouseScrollDelta, WindowEvent};
 use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::{Fullscreen, Window};
 
-use super::camera_path::CameraPath;
-use super::input::Input;
+use super::camera_path::OrbitPath;
+use super::input::HandEvent;
 use super::interaction::Interaction;
 use super::panel::{PanelPage, ToolPanel};
 use super::seen::Seen;
@@ -46,6 +46,9 @@ const LONGEST_STEP_S: f32 = 0.1;
 
 /// The interval of looks at a window that shows nothing new.
 const IDLE_INTERVAL: Duration = Duration::from_millis(250);
+
+/// The delay from which a wish of the panel to be drawn again means never.
+const LONGEST_DELAY: Duration = Duration::from_secs(5);
 
 /// The distance of a wheel without notches that counts as one notch, in pixels.
 const PIXELS_A_NOTCH: f32 = 40.0;
@@ -118,7 +121,7 @@ impl Opened {
         let bounds = session.bounds();
         let middle = (bounds.min + bounds.max) * 0.5;
         let own = session.path().iter().map(|camera| OrbitCamera::of_camera(camera, middle));
-        let mut hands = Interaction::new(&bounds, CameraPath::new(own.collect()));
+        let mut hands = Interaction::new(&bounds, OrbitPath::new(own.collect()));
         let measures = Measures::of(size, window.scale_factor() as f32);
         let has_panel = size[0] as f32 / measures.scale >= ROOMY_POINTS;
         hands.use_tools(Tools { has_panel, ..*hands.tools() });
@@ -176,28 +179,32 @@ impl Opened {
     }
 
     /// Returns an event for the hands, unless it is meant for the panel.
-    fn input_of(&mut self, event: &WindowEvent) -> Option<Input> {
+    fn input_of(&mut self, event: &WindowEvent) -> Option<HandEvent> {
         match event {
             WindowEvent::CursorMoved { position, .. } => {
                 self.cursor = Vec2::new(position.x as f32, position.y as f32);
-                Some(if self.is_on_panel() { Input::Left } else { Input::Moved(self.cursor) })
+                Some(if self.is_on_panel() {
+                    HandEvent::Left
+                } else {
+                    HandEvent::Moved(self.cursor)
+                })
             }
-            WindowEvent::CursorLeft { .. } | WindowEvent::Focused(false) => Some(Input::Left),
+            WindowEvent::CursorLeft { .. } | WindowEvent::Focused(false) => Some(HandEvent::Left),
             WindowEvent::MouseInput { state: ElementState::Pressed, button, .. } => {
-                (!self.is_on_panel()).then_some(Input::Pressed(*button))
+                (!self.is_on_panel()).then_some(HandEvent::Pressed(*button))
             }
             WindowEvent::MouseInput { state: ElementState::Released, button, .. } => {
-                Some(Input::Released(*button))
+                Some(HandEvent::Released(*button))
             }
             WindowEvent::MouseWheel { delta, .. } => {
                 let notches = match delta {
                     MouseScrollDelta::LineDelta(_, notches) => *notches,
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / PIXELS_A_NOTCH,
                 };
-                (!self.is_on_panel()).then_some(Input::Wheel(notches))
+                (!self.is_on_panel()).then_some(HandEvent::Wheel(notches))
             }
             WindowEvent::ModifiersChanged(modifiers) => {
-                Some(Input::Adding(modifiers.state().control_key()))
+                Some(HandEvent::Adding(modifiers.state().control_key()))
             }
             WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => {
                 let PhysicalKey::Code(key) = event.physical_key else { return None };
@@ -209,7 +216,7 @@ impl Opened {
                     let wanted = (!is_full).then_some(Fullscreen::Borderless(None));
                     self.window.set_fullscreen(wanted);
                 }
-                Some(Input::Key(key))
+                Some(HandEvent::Key(key))
             }
             _ => None,
         }
@@ -352,8 +359,8 @@ impl Opened {
         let platform = std::mem::take(&mut output.platform_output);
         self.egui.handle_platform_output(&self.window, platform);
         let viewport = output.viewport_output.get(&ViewportId::ROOT);
-        let delay = viewport.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        if delay < Duration::from_secs(5) {
+        let delay = viewport.map(|viewport| viewport.repaint_delay);
+        if let Some(delay) = delay.filter(|delay| *delay < LONGEST_DELAY) {
             self.repaint_at = Some(now.after(delay));
         }
         self.overlay.show(HudFrame::of(&self.context, output))?;

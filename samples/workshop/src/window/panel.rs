@@ -45,7 +45,7 @@ const ROUNDING: f32 = 0.051;
 /// The most parts that move apart by hand: all pairs are compared.
 const MOST_EXPLODED: u32 = 3000;
 
-/// What the panel shows.
+/// The contents of the panel.
 pub struct PanelPage<'a> {
     /// The document.
     pub document: &'a Document,
@@ -53,13 +53,13 @@ pub struct PanelPage<'a> {
     pub bounds: Aabb,
     /// The settings of the tools.
     pub tools: Tools,
-    /// What is known of the visibility of the parts in the tree.
+    /// The visibility of the parts in the tree, as far as it is known.
     pub seen: &'a [SeenObject],
     /// The number of objects that were drawn, if it is known.
     pub drawn: Option<u64>,
 }
 
-/// What a hand did in the panel.
+/// The effect of a hand in the panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelAnswer {
     /// The settings of the tools.

@@ -1,4 +1,4 @@
-//! What hands see of a session.
+//! The sight of hands: a session as it is now.
 
 use antumbra::cull::{Aabb, FrameId, View};
 use antumbra::glam::Vec2;
@@ -7,7 +7,7 @@ use crate::document::Document;
 use crate::orbit::OrbitCamera;
 use crate::script::Pixel;
 
-/// What hands see.
+/// The sight of hands.
 #[derive(Clone, Copy)]
 pub struct Seen<'a> {
     /// The document.

@@ -1,4 +1,4 @@
-//! What is painted over the model: the cube, handles of planes, measured lines, names, messages.
+//! The signs over the model: the cube, handles of planes, measured lines, names, messages.
 
 use antumbra::glam::Vec2;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};

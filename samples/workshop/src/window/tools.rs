@@ -29,7 +29,7 @@ pub struct AxisPlane {
     pub place_mm: f32,
 }
 
-/// What a click measures.
+/// The measure that a click takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Measuring {
     /// Nothing: it selects.
@@ -63,7 +63,7 @@ pub struct Tools {
     pub lid_degrees: f32,
     /// True if the projection is orthographic, or becomes so.
     pub is_orthographic: bool,
-    /// What a click measures.
+    /// The measure that a click takes.
     pub measuring: Measuring,
     /// True if the panel is shown.
     pub has_panel: bool,
@@ -86,6 +86,11 @@ impl Tools {
             has_panel: true,
             has_help: false,
         }
+    }
+
+    /// Returns the share of the way from perspective to orthographic that is wanted.
+    pub fn flatness(&self) -> f32 {
+        if self.is_orthographic { 1.0 } else { 0.0 }
     }
 
     /// Returns the section planes.
