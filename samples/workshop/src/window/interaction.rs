@@ -13,7 +13,7 @@ use super::camera_path::OrbitPath;
 use super::drag::{Drag, PlaneGrab, place_of};
 use super::input::HandEvent;
 use super::keys::{KeyEffect, effect_of};
-use super::seen::Seen;
+use super::seen::Sight;
 use super::tools::{MeasuredLine, Measuring, Tools, handle_of};
 use super::view_cube::ViewCube;
 use crate::orbit::{CubeView, OrbitCamera};
@@ -160,7 +160,7 @@ impl Interaction {
     }
 
     /// Returns the pixel that frames are asked about.
-    pub fn pointer(&self, seen: &Seen<'_>) -> Option<Pixel> {
+    pub fn pointer(&self, seen: &Sight<'_>) -> Option<Pixel> {
         if let Some(click) = &self.click {
             return Some(click.pixel);
         }
@@ -172,12 +172,12 @@ impl Interaction {
     }
 
     /// Returns true if a place belongs to the cube or a handle, and not to the model.
-    fn is_on_sign(&self, place: Vec2, seen: &Seen<'_>) -> bool {
+    fn is_on_sign(&self, place: Vec2, seen: &Sight<'_>) -> bool {
         self.cube.view_at(&seen.camera, place).is_some() || self.handle_at(place, seen).is_some()
     }
 
     /// Returns the number of the section plane whose handle is at a place.
-    pub fn handle_at(&self, place: Vec2, seen: &Seen<'_>) -> Option<usize> {
+    pub fn handle_at(&self, place: Vec2, seen: &Sight<'_>) -> Option<usize> {
         let radius = self.cube.half_edge * HANDLE_SHARE;
         self.tools.planes.iter().enumerate().position(|(axis, plane)| {
             let handle = place_of(&seen.view, handle_of(&seen.bounds, axis, plane));
@@ -186,7 +186,7 @@ impl Interaction {
     }
 
     /// Takes an event.
-    pub fn handle(&mut self, input: HandEvent, seen: &Seen<'_>) -> Vec<Command> {
+    pub fn handle(&mut self, input: HandEvent, seen: &Sight<'_>) -> Vec<Command> {
         match input {
             HandEvent::Moved(place) => {
                 self.cursor = Some(place);
@@ -216,7 +216,7 @@ impl Interaction {
         }
     }
 
-    fn press(&mut self, button: MouseButton, seen: &Seen<'_>) {
+    fn press(&mut self, button: MouseButton, seen: &Sight<'_>) {
         let Some(place) = self.cursor.filter(|_| self.held.is_none()) else { return };
         self.turn = None;
         self.click = None;
@@ -244,7 +244,7 @@ impl Interaction {
         });
     }
 
-    fn release(&mut self, button: MouseButton, seen: &Seen<'_>) -> Vec<Command> {
+    fn release(&mut self, button: MouseButton, seen: &Sight<'_>) -> Vec<Command> {
         let Some(held) = self.held.filter(|held| held.button == button) else { return Vec::new() };
         let commands = self.follow(seen);
         self.held = None;
@@ -260,12 +260,12 @@ impl Interaction {
         commands
     }
 
-    fn turn_to(&mut self, view: CubeView, seen: &Seen<'_>) {
+    fn turn_to(&mut self, view: CubeView, seen: &Sight<'_>) {
         self.path.stop_playing();
         self.turn = Some(CubeTurn { view, from: seen.camera, seconds: 0.0 });
     }
 
-    fn wheel(&mut self, notches: f32, seen: &Seen<'_>) -> Vec<Command> {
+    fn wheel(&mut self, notches: f32, seen: &Sight<'_>) -> Vec<Command> {
         let Some(cursor) = self.cursor.filter(|_| notches.is_finite()) else { return Vec::new() };
         self.turn = None;
         self.path.stop_playing();
@@ -283,7 +283,7 @@ impl Interaction {
     }
 
     /// Takes what a frame showed at the pixel that was asked for.
-    pub fn learn_pointed(&mut self, pointed: &PointedPixel, seen: &Seen<'_>) -> Vec<Command> {
+    pub fn learn_pointed(&mut self, pointed: &PointedPixel, seen: &Sight<'_>) -> Vec<Command> {
         let surface = pointed.surface;
         if let Some(held) = &mut self.held
             && held.drag.is_none()
@@ -309,7 +309,7 @@ impl Interaction {
     }
 
     /// Selects or measures what was clicked.
-    fn clicked(&mut self, surface: &Option<PointedSurface>, seen: &Seen<'_>) -> Vec<Command> {
+    fn clicked(&mut self, surface: &Option<PointedSurface>, seen: &Sight<'_>) -> Vec<Command> {
         match (self.tools.measuring, surface) {
             (Measuring::Off, None) if !self.is_adding => vec![Command::Deselect],
             (_, None) => Vec::new(),
@@ -379,7 +379,7 @@ impl Interaction {
     }
 
     /// Lets time pass before the next frame: animations go on, and what is dragged follows.
-    pub fn advance(&mut self, seconds: f32, seen: &Seen<'_>) -> Vec<Command> {
+    pub fn advance(&mut self, seconds: f32, seen: &Sight<'_>) -> Vec<Command> {
         let mut commands = self.follow(seen);
         let before = match commands[..] {
             [Command::Camera(camera)] => camera,
@@ -423,7 +423,7 @@ impl Interaction {
     }
 
     /// Lets what is dragged follow the pointer.
-    fn follow(&mut self, seen: &Seen<'_>) -> Vec<Command> {
+    fn follow(&mut self, seen: &Sight<'_>) -> Vec<Command> {
         let hovered = self.hovered;
         let (Some(held), Some(cursor)) = (&mut self.held, self.cursor) else { return Vec::new() };
         let Some(drag) = held.drag.filter(|_| held.is_dragging) else { return Vec::new() };
@@ -457,7 +457,7 @@ impl Interaction {
     }
 
     /// Carries out a key.
-    fn key(&mut self, key: KeyCode, seen: &Seen<'_>) -> Vec<Command> {
+    fn key(&mut self, key: KeyCode, seen: &Sight<'_>) -> Vec<Command> {
         match effect_of(key, &self.tools, seen) {
             KeyEffect::Nothing => {}
             KeyEffect::Escape => return self.escape(),

@@ -25,7 +25,7 @@ use super::camera_path::OrbitPath;
 use super::input::HandEvent;
 use super::interaction::Interaction;
 use super::panel::{PanelPage, ToolPanel};
-use super::seen::Seen;
+use super::seen::Sight;
 use super::signs;
 use super::tools::Tools;
 use crate::args::WorkshopArguments;
@@ -389,8 +389,8 @@ impl Opened {
 }
 
 /// Returns what hands see of a session.
-fn seen_of(session: &WorkshopSession) -> Seen<'_> {
-    Seen {
+fn seen_of(session: &WorkshopSession) -> Sight<'_> {
+    Sight {
         document: &session.document,
         camera: session.orbit(),
         view: session.view(),

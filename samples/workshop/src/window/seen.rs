@@ -9,7 +9,7 @@ use crate::script::Pixel;
 
 /// The sight of hands.
 #[derive(Clone, Copy)]
-pub struct Seen<'a> {
+pub struct Sight<'a> {
     /// The document.
     pub document: &'a Document,
     /// The camera.
@@ -22,7 +22,7 @@ pub struct Seen<'a> {
     pub frame: FrameId,
 }
 
-impl Seen<'_> {
+impl Sight<'_> {
     /// Returns the pixel of a place of the image; `None` beside it.
     pub fn pixel_at(&self, place: Vec2) -> Option<Pixel> {
         let size = Vec2::from(self.view.size.map(|side| side as f32));

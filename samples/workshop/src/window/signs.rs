@@ -6,7 +6,7 @@ use samples::hud::style::{DIM, MARGIN, MARK, NAME, PANEL, SELECTED, VALUE};
 
 use super::drag::place_of;
 use super::interaction::{HANDLE_SHARE, Interaction};
-use super::seen::Seen;
+use super::seen::Sight;
 use super::tools::{MM, handle_of};
 
 /// The colours of the axes x, y and z.
@@ -23,7 +23,7 @@ const TEXT: f32 = 12.0;
 const LEAST_FACING: f32 = 0.42;
 
 /// Paints all signs in the part of the image that no panel covers.
-pub fn paint(painter: &Painter, room: Rect, hands: &Interaction, seen: &Seen<'_>) {
+pub fn paint(painter: &Painter, room: Rect, hands: &Interaction, seen: &Sight<'_>) {
     let scale = painter.ctx().pixels_per_point();
     cube(painter, hands, seen, scale);
     handles(painter, hands, seen, scale);
@@ -47,7 +47,7 @@ fn points(place: Vec2, scale: f32) -> Pos2 {
     pos2(place.x / scale, place.y / scale)
 }
 
-fn cube(painter: &Painter, hands: &Interaction, seen: &Seen<'_>, scale: f32) {
+fn cube(painter: &Painter, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
     let cube = hands.cube();
     let meant = hands.cursor().and_then(|cursor| cube.view_at(&seen.camera, cursor));
     for cell in cube.cells(&seen.camera) {
@@ -70,7 +70,7 @@ fn cube(painter: &Painter, hands: &Interaction, seen: &Seen<'_>, scale: f32) {
     }
 }
 
-fn handles(painter: &Painter, hands: &Interaction, seen: &Seen<'_>, scale: f32) {
+fn handles(painter: &Painter, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
     let radius = hands.cube().half_edge * HANDLE_SHARE / scale;
     let under = hands.cursor().and_then(|cursor| hands.handle_at(cursor, seen));
     for (axis, plane) in hands.tools().planes.iter().enumerate() {
@@ -84,7 +84,7 @@ fn handles(painter: &Painter, hands: &Interaction, seen: &Seen<'_>, scale: f32) 
     }
 }
 
-fn measured(painter: &Painter, hands: &Interaction, seen: &Seen<'_>, scale: f32) {
+fn measured(painter: &Painter, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
     let Some(line) = hands.measured() else { return };
     let place = |point: antumbra::glam::DVec3| {
         place_of(&seen.view, point.as_vec3()).map(|place| points(place, scale))
@@ -104,7 +104,7 @@ fn measured(painter: &Painter, hands: &Interaction, seen: &Seen<'_>, scale: f32)
 }
 
 /// Writes the name of what is below the pointer beside it.
-fn hovered(painter: &Painter, room: Rect, hands: &Interaction, seen: &Seen<'_>, scale: f32) {
+fn hovered(painter: &Painter, room: Rect, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
     let (Some(surface), Some(cursor)) = (hands.hovered(), hands.cursor()) else { return };
     let name = seen.document.name(surface.object);
     if !name.is_empty() {

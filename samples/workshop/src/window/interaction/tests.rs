@@ -33,10 +33,10 @@ impl Bench {
     /// Gives something to the hands, and carries its commands out as far as they are the camera's.
     fn with(
         &mut self,
-        give: impl FnOnce(&mut Interaction, &Seen<'_>) -> Vec<Command>,
+        give: impl FnOnce(&mut Interaction, &Sight<'_>) -> Vec<Command>,
     ) -> Vec<Command> {
         let camera = self.camera.camera(0.5);
-        let seen = Seen {
+        let seen = Sight {
             document: &self.document,
             camera: self.camera,
             view: antumbra::cull::View::new(&camera, SIZE, 8),
