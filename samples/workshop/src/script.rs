@@ -212,6 +212,7 @@ impl Command {
             Self::Distance { .. } | Self::DistanceOfPoints { .. } => "distance",
             Self::Edge(_) | Self::EdgeOfObject { .. } => "edge",
             Self::Edges(_) => "edges",
+            Self::Overlay(_) => "depth-complexity",
             Self::Section(_) => "section",
             Self::Member { member: SectionMember::Whole, .. } => "whole",
             Self::Member { .. } => "cut",

@@ -115,8 +115,7 @@ impl Opened {
         let mut report = begin_report(&document, &device.adapter().name);
         let drawn = frame_size(size);
         let WorkshopArguments { msaa, transparency, .. } = *arguments;
-        let mut session =
-            WorkshopSession::new(&device, document, path, drawn, msaa, transparency)?;
+        let mut session = WorkshopSession::new(&device, document, path, drawn, msaa, transparency)?;
         report.transparency = session.transparency();
         let bounds = session.bounds();
         let middle = (bounds.min + bounds.max) * 0.5;
