@@ -33,6 +33,7 @@ pub mod walk;
 pub mod wayland_window;
 pub mod ways;
 pub mod weston;
+pub mod x11_screen;
 pub mod x11_window;
 pub mod xvfb;
 pub mod yard;

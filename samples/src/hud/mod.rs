@@ -17,7 +17,7 @@ mod page;
 mod panel;
 mod scale;
 mod signs;
-mod style;
+pub mod style;
 #[cfg(test)]
 mod tests;
 
@@ -95,11 +95,8 @@ impl Hud {
             return Some(HudFrame::default());
         }
         let (output, notices) = self.run(page, size, scale);
-        let FullOutput { shapes, textures_delta, pixels_per_point, .. } = output;
-        self.list = notices.list.map(|area| area * pixels_per_point);
-        let primitives = self.context.tessellate(shapes, pixels_per_point);
-        let clicked = notices.clicked;
-        Some(HudFrame { primitives, textures: textures_delta, scale: pixels_per_point, clicked })
+        self.list = notices.list.map(|area| area * output.pixels_per_point);
+        Some(HudFrame { clicked: notices.clicked, ..HudFrame::of(&self.context, output) })
     }
 
     /// Returns egui's context, for the events of a window.
@@ -144,6 +141,13 @@ impl Hud {
 }
 
 impl HudFrame {
+    /// Returns the frame of a layout that a host ran in its own context.
+    pub fn of(context: &Context, output: FullOutput) -> Self {
+        let FullOutput { shapes, textures_delta, pixels_per_point: scale, .. } = output;
+        let primitives = context.tessellate(shapes, scale);
+        Self { primitives, textures: textures_delta, scale, clicked: None }
+    }
+
     /// Returns the index of the row of a list that was clicked.
     pub fn clicked(&self) -> Option<usize> {
         self.clicked

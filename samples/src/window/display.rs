@@ -20,7 +20,7 @@ pub fn event_loop() -> Result<EventLoop<()>, EventLoopError> {
 }
 
 /// Returns the error of a missing display.
-pub(super) fn no_display(error: impl std::fmt::Display) -> RunError {
+pub fn no_display(error: impl std::fmt::Display) -> RunError {
     // winit says first where in its own text that was found out.
     let text = error.to_string();
     let reason = text.rsplit_once(".rs:").map_or(text.as_str(), |(_, found)| {

@@ -4,7 +4,10 @@ use antumbra::gpu::ValidationLog;
 use bench::run_error::RunError;
 
 /// Keeps the first error, which is the cause; the others are logged.
-pub(super) fn first_error<const COUNT: usize>(
+///
+/// # Errors
+/// The first one.
+pub fn first_error<const COUNT: usize>(
     results: [Result<(), RunError>; COUNT],
 ) -> Result<(), RunError> {
     let mut errors = results.into_iter().filter_map(Result::err);
@@ -13,8 +16,11 @@ pub(super) fn first_error<const COUNT: usize>(
     first.map_or(Ok(()), Err)
 }
 
-/// Returns an error if the validation layer found one.
-pub(super) fn check_log(log: &ValidationLog) -> Result<(), RunError> {
+/// Checks what the validation layer found.
+///
+/// # Errors
+/// The first message, if there is one.
+pub fn check_log(log: &ValidationLog) -> Result<(), RunError> {
     let messages = log.drain();
     match messages.first() {
         None => Ok(()),

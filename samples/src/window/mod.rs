@@ -20,7 +20,7 @@ mod detail;
 pub mod differences;
 pub mod display;
 mod exactness_claim;
-mod failures;
+pub mod failures;
 pub mod flares;
 pub mod fly_camera;
 pub mod frame_pacing_stats;
@@ -55,6 +55,7 @@ pub mod title;
 pub mod toast;
 pub mod trace;
 pub mod viewer_args;
+pub mod window_device;
 
 use std::process::ExitCode;
 

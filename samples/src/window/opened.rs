@@ -4,20 +4,16 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use antumbra::gpu;
 use antumbra::gpu::{
-    CancellationToken, Device, DeviceOptions, DisplayLink, Fallback, Instance, PresentMode,
-    PresentResult, PresentSkipped, Surface, WindowSystem,
+    CancellationToken, DisplayLink, Fallback, Instance, PresentMode, PresentResult, PresentSkipped,
 };
 use antumbra::pacing::{PacedFrameId, Step, Time};
 use egui::ViewportId;
-use winit::dpi::PhysicalSize;
 use winit::event::WindowEvent;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
 
 use super::actions::Action;
-use super::display::no_display;
 use super::failures::{check_log, first_error};
 use super::gamepad::Gamepad;
 use super::input::Input;
@@ -31,7 +27,7 @@ use super::session::{Files, Session};
 use super::show::ShowOptions;
 use super::source::SceneSource;
 use super::title::Title;
-use bench::run;
+use super::window_device::{WindowDevice, WindowOptions};
 use bench::run_error::RunError;
 
 /// The interval of changes to the text over the image.
@@ -85,25 +81,16 @@ impl Opened {
         files: Files,
         cancellation: CancellationToken,
     ) -> Result<Self, RunError> {
-        let size = PhysicalSize::new(options.size.width, options.size.height);
-        let attributes = Window::default_attributes().with_title("Antumbra").with_inner_size(size);
-        let window = Arc::new(event_loop.create_window(attributes).map_err(no_display)?);
-        let display = DisplayLink::watch(&window);
-        let system = WindowSystem::of(&window)?;
-        let instance = run::open_instance(options.validation, Some(system))?;
-        let surface = Surface::new(&instance, Arc::clone(&window) as Arc<dyn gpu::Window>)?;
-        let wanted = run::wanted(&options.device);
-        let adapter = instance.pick_adapter_for(&surface, wanted.as_deref())?;
-        let device_options =
-            DeviceOptions { pipeline_cache: run::pipeline_cache_file(), ..Default::default() };
-        let device = Device::new(&instance, &adapter, &device_options)?;
+        let wanted = WindowOptions {
+            title: "Antumbra",
+            size: options.size,
+            validation: options.validation,
+            device: &options.device,
+        };
+        let opened = WindowDevice::open(event_loop, &wanted)?;
+        let WindowDevice { window, display, instance, surface, device, refresh } = opened;
         let size: [u32; 2] = window.inner_size().into();
-        let monitor = window.current_monitor();
-        let rate = monitor.and_then(|monitor| monitor.refresh_rate_millihertz());
-        let refresh = rate
-            .filter(|rate| *rate > 0)
-            .map(|rate| Duration::from_secs_f64(1e3 / f64::from(rate)));
-        let screen = Screen::new(&device, &surface, options, refresh)?;
+        let screen = Screen::new(&device, &surface, options.screen(), refresh)?;
         let drawn = size.map(|side| side.max(1));
         check_options(&device, options, drawn)?;
         let (arrivals, loaded) =

@@ -18,7 +18,6 @@ use antumbra::render::Renderer;
 use super::clock::Clock;
 use super::conditions::Conditions;
 use super::frame_pacing_stats::FramePacingStats;
-use super::show::ShowOptions;
 use bench::run_error::RunError;
 
 /// The most frames whose end is still of interest.
@@ -27,6 +26,17 @@ const MOST_QUEUED: usize = 64;
 const USUAL_IMAGES: u32 = 3;
 /// The longest time that the loop blocks to learn when an image shows: keys wait meanwhile.
 const LONGEST_LOOK: Duration = Duration::from_millis(20);
+
+/// The options of showing images.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScreenOptions {
+    /// The present mode at the start.
+    pub present_mode: PresentMode,
+    /// The number of frames in flight at the start.
+    pub frames_in_flight: u32,
+    /// The most frames per second.
+    pub frame_limit_hz: Option<f64>,
+}
 
 /// The facts about a window's swapchain.
 #[derive(Clone, Copy, Debug)]
@@ -78,7 +88,7 @@ impl Screen {
     pub fn new(
         device: &Device,
         surface: &Surface,
-        options: &ShowOptions,
+        options: ScreenOptions,
         refresh: Option<Duration>,
     ) -> Result<Self, RunError> {
         let swapchain = Swapchain::new(

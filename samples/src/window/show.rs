@@ -18,6 +18,7 @@ use bench::transparency::TransparencyChoice;
 use clap::{Args, ValueEnum, value_parser};
 
 use super::actions::present_mode;
+use super::screen::ScreenOptions;
 use crate::hud::HudLevel;
 
 /// The options of showing a scene, as the command line has them.
@@ -177,6 +178,17 @@ pub struct ShowOptions {
     pub trace: Option<PathBuf>,
     /// The frame that RenderDoc captures.
     pub capture: Option<u32>,
+}
+
+impl ShowOptions {
+    /// Returns the options of showing images.
+    pub fn screen(&self) -> ScreenOptions {
+        ScreenOptions {
+            present_mode: self.present_mode,
+            frames_in_flight: self.frames_in_flight,
+            frame_limit_hz: self.frame_limit_hz,
+        }
+    }
 }
 
 const HEADLESS_FRAMES: u32 = 120;

@@ -4,9 +4,9 @@ use std::process::Command;
 use std::time::Duration;
 
 use crate::running::{ESCAPE, Running, SIZE, TAB, headless, of_colour};
-use crate::x11::{BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, Seen};
 use harness::{Scratch, pixels, program};
 use tests::weston::Weston;
+use tests::x11_screen::{BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, Seen};
 use tests::xvfb::Xvfb;
 
 const F1: u32 = 0xffbe;

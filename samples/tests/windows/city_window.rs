@@ -6,9 +6,9 @@ use std::process::Command;
 use std::time::Duration;
 
 use crate::running::{ESCAPE, Running, SIZE, TAB, headless, of_colour};
-use crate::x11::Seen;
 use harness::{Scratch, pixels, program};
 use tests::weston::Weston;
+use tests::x11_screen::Seen;
 use tests::xvfb::Xvfb;
 
 /// The colour of the sign over an image while the path is recorded.

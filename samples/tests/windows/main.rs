@@ -19,7 +19,6 @@ mod scene_images;
 mod terminal;
 mod viewer_files;
 mod viewer_window;
-mod x11;
 
 const CITY: &str = env!("CARGO_BIN_EXE_city");
 const TRIANGLE: &str = env!("CARGO_BIN_EXE_triangle");

@@ -5,8 +5,8 @@ use std::process::{Child, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::running::of_colour;
-use crate::x11::Seen;
 use harness::{Scratch, pixels, program, scene, stderr};
+use tests::x11_screen::Seen;
 use tests::xvfb::Xvfb;
 
 const COMMON: [&str; 6] = ["--size", "320x180", "--device", "llvmpipe", "--validation", "sync"];

@@ -11,7 +11,8 @@ use clap::{Parser, value_parser};
 /// Shows a CAD model: its parts are picked, hidden, taken apart, measured and exported. The lid of
 /// the waffle maker is dragged until it touches something.
 ///
-/// Without a window, by a script: a command per line, whose outcomes are in the report.
+/// In a window by hand, with a page of its keys (F1); without one by a script, a command per line.
+/// The report has the outcomes.
 #[derive(Clone, Debug, Parser)]
 #[command(
     name = "workshop",
@@ -48,14 +49,14 @@ pub struct WorkshopArguments {
     /// The number that the assembly is made from
     #[arg(long, value_name = "SEED", default_value = "1")]
     pub seed: u64,
-    /// The script to carry out
+    /// The script to carry out, without a window
     #[arg(long, value_name = "FILE")]
-    pub script: PathBuf,
+    pub script: Option<PathBuf>,
     /// Write what each command did, as JSON
     #[arg(long, value_name = "FILE.json")]
     pub report: Option<PathBuf>,
-    /// Without a window: the only way today
-    #[arg(long, required = true)]
+    /// Open no window: a script is carried out
+    #[arg(long, requires = "script")]
     pub headless: bool,
     /// Size of the image in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720")]

@@ -181,6 +181,11 @@ impl Document {
         self.selected.iter().copied()
     }
 
+    /// Returns true if an object is selected.
+    pub fn is_selected(&self, object: ObjectId) -> bool {
+        self.selected.contains(&object)
+    }
+
     /// Returns the objects of a part or a group, by its name: the first one in the tree.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 //!
 //! The state of the viewer is a pure value, a [`document::Document`]: commands of a [`script`]
 //! change it, and a [`viewport::ModelViewport`] on the GPU follows. A [`session::WorkshopSession`]
-//! holds both.
+//! holds both. In a [`window`] the commands come from hands.
 #![forbid(unsafe_code)]
 
 pub mod args;
@@ -19,3 +19,4 @@ pub mod run;
 pub mod script;
 pub mod session;
 pub mod viewport;
+pub mod window;

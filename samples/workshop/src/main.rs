@@ -1,4 +1,5 @@
-//! A CAD viewer: carries out a script on a model, without a window, and reports what it did.
+//! A CAD viewer: shows a model in a window, or carries out a script on it without one, and reports
+//! what it did.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;
@@ -9,7 +10,7 @@ use workshop::args::WorkshopArguments;
 use workshop::run;
 
 fn main() -> ExitCode {
-    let arguments = match terminal::start::<WorkshopArguments>("warn") {
+    let arguments = match terminal::start::<WorkshopArguments>("warn,winit=error") {
         Ok(arguments) => arguments,
         Err(code) => return code,
     };
@@ -19,7 +20,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Carries out the script of the arguments.
+/// Carries out the script of the arguments, or opens a window.
 fn work(arguments: &WorkshopArguments) -> Result<Ending, RunError> {
     let mut ending = Ending::default();
     run::run(arguments, &mut ending)?;

@@ -16,6 +16,12 @@ const LEAST_TANGENT: f32 = 1.0e-3;
 /// The largest share of the distance at which the near plane lies.
 const NEAR_SHARE: f32 = 1.0e-3;
 
+/// The least height of an image at its target, in metres.
+const LEAST_HEIGHT_M: f32 = 1.0e-5;
+
+/// The largest height, in metres.
+const MOST_HEIGHT_M: f32 = 1.0e6;
+
 /// A camera that looks at a target from around it.
 ///
 /// From perspective to orthographic the image keeps its height at the target, while the eye moves
@@ -51,13 +57,27 @@ impl OrbitCamera {
         Vec3::new(-sine * level, rise, -cosine * level)
     }
 
+    /// Returns the direction to the right in the image.
+    pub fn right(&self) -> Vec3 {
+        Vec3::new(self.yaw_rad.cos(), 0.0, -self.yaw_rad.sin())
+    }
+
+    /// Returns the direction upwards in the image.
+    pub fn up(&self) -> Vec3 {
+        self.right().cross(self.forward())
+    }
+
+    /// Returns half the height of the image over the distance of the target.
+    fn tangent(&self) -> f32 {
+        (FOV_Y_RAD * 0.5).tan() * (1.0 - self.flatness.clamp(0.0, 1.0))
+    }
+
     /// Returns the camera. It sees everything within `radius_m` of the target that is before the
     /// eye.
     pub fn camera(&self, radius_m: f32) -> Camera {
         let forward = self.forward();
-        let right = Vec3::new(self.yaw_rad.cos(), 0.0, -self.yaw_rad.sin());
-        let up = right.cross(forward);
-        let tangent = (FOV_Y_RAD * 0.5).tan() * (1.0 - self.flatness.clamp(0.0, 1.0));
+        let up = self.up();
+        let tangent = self.tangent();
         if tangent < LEAST_TANGENT {
             let eye = self.target - forward * radius_m;
             let projection =
@@ -71,18 +91,85 @@ impl OrbitCamera {
         Camera { eye, forward, up, projection, near }
     }
 
+    /// Returns the orbit of a camera in full perspective: the same eye and direction, around the
+    /// point of its line of sight that is nearest to another one.
+    pub fn of_camera(camera: &Camera, near: Vec3) -> Self {
+        let forward = camera.forward.normalize_or(Vec3::NEG_Z);
+        let distance_m = (near - camera.eye).dot(forward).max(1.0e-3);
+        Self {
+            target: camera.eye + forward * distance_m,
+            yaw_rad: (-forward.x).atan2(-forward.z),
+            pitch_rad: forward.y.clamp(-1.0, 1.0).asin(),
+            height_m: 2.0 * distance_m * (FOV_Y_RAD * 0.5).tan(),
+            flatness: 0.0,
+        }
+    }
+
+    /// Returns the camera turned about its target, by angles in radians: the model follows the hand
+    /// to the right and down.
+    #[must_use]
+    pub fn turned_by(&self, right_rad: f32, down_rad: f32) -> Self {
+        let pitch_rad = (self.pitch_rad - down_rad).clamp(-FRAC_PI_2, FRAC_PI_2);
+        let yaw_rad = (self.yaw_rad - right_rad).rem_euclid(2.0 * PI);
+        Self { yaw_rad, pitch_rad, ..*self }
+    }
+
+    /// Returns the camera moved so that the target's plane follows the hand, in shares of the
+    /// image's height.
+    #[must_use]
+    pub fn panned(&self, right: f32, down: f32) -> Self {
+        let by = (self.up() * down - self.right() * right) * self.height_m;
+        Self { target: self.target + by, ..*self }
+    }
+
+    /// Returns the camera with an image of `factor` the height, in metres, that keeps a place of
+    /// the target's plane where it is. The place is given from the middle, in shares of the image's
+    /// height.
+    #[must_use]
+    pub fn zoomed(&self, factor: f32, right: f32, down: f32) -> Self {
+        let height_m = (self.height_m * factor).clamp(LEAST_HEIGHT_M, MOST_HEIGHT_M);
+        let kept = 1.0 - height_m / self.height_m;
+        Self { height_m, ..self.panned(-right * kept, -down * kept) }
+    }
+
+    /// Returns the camera with the same image whose target is as far away as a point, as long as
+    /// that is before the eye.
+    #[must_use]
+    pub fn at_depth_of(&self, point: Vec3) -> Self {
+        let forward = self.forward();
+        let behind_m = (point - self.target).dot(forward);
+        let tangent = self.tangent();
+        if tangent < LEAST_TANGENT {
+            return Self { target: self.target + forward * behind_m, ..*self };
+        }
+        let height_m = self.height_m + 2.0 * tangent * behind_m;
+        if height_m < LEAST_HEIGHT_M {
+            return *self;
+        }
+        Self { target: self.target + forward * behind_m, height_m, ..*self }
+    }
+
+    /// Returns the camera at a share of 0 to 1 of the way to another one.
+    #[must_use]
+    pub fn between(&self, to: &Self, share: f32) -> Self {
+        let mix = |from: f32, to: f32| from + (to - from) * share;
+        let turn_rad = (to.yaw_rad - self.yaw_rad + PI).rem_euclid(2.0 * PI) - PI;
+        Self {
+            target: self.target.lerp(to.target, share),
+            yaw_rad: self.yaw_rad + turn_rad * share,
+            pitch_rad: mix(self.pitch_rad, to.pitch_rad),
+            height_m: mix(self.height_m, to.height_m),
+            flatness: mix(self.flatness, to.flatness),
+        }
+    }
+
     /// Returns the camera on the way from this one to a view of the cube, at a share of 0 to 1:
     /// the shorter way around, slow at both ends.
     pub fn turned_to(&self, view: CubeView, share: f32) -> Self {
         let share = share.clamp(0.0, 1.0);
         let eased = share * share * (3.0 - 2.0 * share);
         let (yaw_rad, pitch_rad) = view.angles();
-        let turn_rad = (yaw_rad - self.yaw_rad + PI).rem_euclid(2.0 * PI) - PI;
-        Self {
-            yaw_rad: self.yaw_rad + turn_rad * eased,
-            pitch_rad: self.pitch_rad + (pitch_rad - self.pitch_rad) * eased,
-            ..*self
-        }
+        self.between(&Self { yaw_rad, pitch_rad, ..*self }, eased)
     }
 }
 
@@ -94,6 +181,9 @@ pub struct CubeView {
 }
 
 impl CubeView {
+    /// The distance from the middle of a face beyond which a click means the edge, in half edges.
+    pub const EDGE: f32 = 0.7;
+
     /// The view onto the corner of top, front and right.
     pub const ISOMETRIC: Self = Self { side: [1, 1, 1] };
 
@@ -124,8 +214,6 @@ impl CubeView {
     /// Returns the view under a ray that meets the cube from -1 to 1: the middle of a face shows
     /// that face, a band along an edge the edge, and a corner the corner.
     pub fn under(origin: Vec3, direction: Vec3) -> Option<Self> {
-        /// The distance from the middle beyond which a click means the edge.
-        const EDGE: f32 = 0.7;
         let to_low = (Vec3::NEG_ONE - origin) / direction;
         let to_high = (Vec3::ONE - origin) / direction;
         let entry = to_low.min(to_high).max_element();
@@ -134,9 +222,15 @@ impl CubeView {
             return None;
         }
         let point = origin + direction * entry;
-        let side =
-            point.to_array().map(|place| if place.abs() < EDGE { 0 } else { place.signum() as i8 });
+        let side = point
+            .to_array()
+            .map(|place| if place.abs() < Self::EDGE { 0 } else { place.signum() as i8 });
         (side != [0; 3]).then_some(Self { side })
+    }
+
+    /// Returns the view onto a side, given along each axis as -1, 0 or 1; `None` for the middle.
+    pub fn of_side(side: [i8; 3]) -> Option<Self> {
+        (side != [0; 3]).then_some(Self { side: side.map(i8::signum) })
     }
 
     /// Returns yaw and pitch of an [`OrbitCamera`] on this side, in radians.
@@ -185,6 +279,31 @@ mod tests {
         let from = OrbitCamera { yaw_rad: 3.0, ..OrbitCamera::around(Vec3::ZERO, 1.0) };
         let half = from.turned_to(CubeView::named("left").unwrap(), 0.5);
         assert!(half.yaw_rad > 3.0 && half.yaw_rad < 3.0 + PI / 2.0, "{half:?}");
+    }
+
+    #[test]
+    fn hands_keep_what_they_hold() {
+        let flat = OrbitCamera { flatness: 1.0, ..OrbitCamera::around(Vec3::ZERO, 1.0) };
+        for camera in [OrbitCamera::around(Vec3::ZERO, 1.0), flat] {
+            let held = camera.right() * 0.3 + camera.up() * 0.2 + camera.forward() * 0.4;
+            let before = place(&camera, held);
+            let deeper = camera.at_depth_of(held);
+            let offset = |camera: &OrbitCamera| (place(camera, held) - before).truncate().length();
+            assert!(offset(&deeper) < 1e-5, "another target, the same image");
+            // The image of a height of 1 spans 2 of normalised device coordinates.
+            let right = before.x * 0.5;
+            let down = before.y * 0.5;
+            assert!(offset(&deeper.zoomed(0.1, right, down)) < 1e-4);
+            let moved = place(&deeper.panned(0.1, 0.05), held) - before;
+            assert!((moved.x - 0.2).abs() < 1e-4 && (moved.y - 0.1).abs() < 1e-4, "{moved}");
+            let turned = deeper.turned_by(0.1, 0.1);
+            assert!(turned.camera(2.0).eye.y > deeper.camera(2.0).eye.y, "the top comes down");
+        }
+        assert_eq!(flat.zoomed(0.0, 0.0, 0.0).height_m, LEAST_HEIGHT_M);
+        let camera = flat.turned_to(CubeView::ISOMETRIC, 1.0).camera(2.0);
+        let orbit = OrbitCamera::of_camera(&camera, Vec3::ZERO);
+        assert!((orbit.camera(0.5).eye - camera.eye).length() < 1e-5);
+        assert!((orbit.forward() - camera.forward).length() < 1e-6);
     }
 
     /// Returns where a point lies in the image, in normalised device coordinates.

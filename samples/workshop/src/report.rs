@@ -89,6 +89,39 @@ pub enum CommandOutcome {
     },
 }
 
+impl CommandOutcome {
+    /// Returns it as a sentence for the user, unless the image tells it.
+    pub fn sentence(&self) -> Option<String> {
+        let millimetres = |length: &Option<f64>| match length {
+            Some(length_mm) => format!("{length_mm:.3} mm"),
+            None => "nothing is there to measure".to_owned(),
+        };
+        match self {
+            Self::Done | Self::Played { .. } | Self::Picked(_) => None,
+            Self::Refused(reason) => Some(reason.clone()),
+            Self::Selected(names) => match &names[..] {
+                [] => None,
+                [name] => Some(name.clone()),
+                names => Some(format!("{} parts are selected", names.len())),
+            },
+            Self::Lid(LidTurn { degrees, contact: None }) => {
+                Some(format!("lid at {degrees:.1}\u{b0}"))
+            }
+            Self::Lid(LidTurn { degrees, contact: Some([moving, fixed]) }) => {
+                Some(format!("lid at {degrees:.1}\u{b0}: the {moving} touches the {fixed}"))
+            }
+            Self::Exploded { least_gap_mm } => {
+                least_gap_mm.map(|gap_mm| format!("least gap {gap_mm:.3} mm"))
+            }
+            Self::Distance { distance_mm } => {
+                Some(format!("distance {}", millimetres(distance_mm)))
+            }
+            Self::Edge { length_mm } => Some(format!("edge {}", millimetres(length_mm))),
+            Self::Image { file, .. } | Self::Exported { file, .. } => Some(format!("wrote {file}")),
+        }
+    }
+}
+
 /// A point of a part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PickedPoint {

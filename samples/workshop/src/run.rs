@@ -21,28 +21,41 @@ use crate::file_parts::file_parts;
 use crate::report::{CommandOutcome, ScriptReport, ScriptStep};
 use crate::script::{self, ScriptLine};
 use crate::session::WorkshopSession;
+use crate::window;
 
 /// The version of the report's format.
 const REPORT_VERSION: u32 = 1;
 
 /// A model and the path of its camera.
-struct Model {
-    document: Document,
-    path: Vec<Camera>,
+pub(crate) struct Model {
+    pub(crate) document: Document,
+    pub(crate) path: Vec<Camera>,
+}
+
+/// Carries out the script of the arguments, or opens a window where there is none.
+///
+/// # Errors
+/// A command line, a script or a file that is wrong; no display; a failure of the device.
+pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), RunError> {
+    match &arguments.script {
+        Some(script) => carry_out(arguments, script, ending),
+        None => window::app::run(arguments, ending),
+    }
 }
 
 /// Carries out a script, and writes its report. What is refused is a failure of the ending, and the
 /// commands after it are carried out.
-///
-/// # Errors
-/// A command line, a script or a file that is wrong; a failure of the device.
-pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), RunError> {
-    let lines = script::read(&arguments.script)?;
+fn carry_out(
+    arguments: &WorkshopArguments,
+    script: &Path,
+    ending: &mut Ending,
+) -> Result<(), RunError> {
+    let lines = script::read(script)?;
     let report_file = OutputFile::of("--report", arguments.report.as_deref());
     let written = lines.iter().filter_map(|line| line.command.written_file());
     let written = written.filter_map(|file| OutputFile::of("--script", Some(file)));
     let files: Vec<OutputFile<'_>> = report_file.into_iter().chain(written).collect();
-    keep_inputs(&files, &[Path::new(&arguments.model), &arguments.script])?;
+    keep_inputs(&files, &[Path::new(&arguments.model), script])?;
     let _outputs = Outputs::prepare(None, files)?;
     let instance = open_instance(arguments.validation, None)?;
     let adapter =
@@ -51,16 +64,7 @@ pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), Run
         DeviceOptions { pipeline_cache: pipeline_cache_file(), ..DeviceOptions::default() };
     let device = Device::new(&instance, &adapter, &device_options)?;
     let Model { document, path } = model(arguments)?;
-    let mut report = ScriptReport {
-        version: REPORT_VERSION,
-        model: document.scene.name.clone(),
-        device: adapter.name.clone(),
-        parts: document.scene.objects.len() as u64,
-        triangles: document.scene.triangles(),
-        steps: Vec::with_capacity(lines.len()),
-        transparency: None,
-        validation_messages: 0,
-    };
+    let mut report = begin_report(&document, &adapter.name);
     let WorkshopArguments { size, msaa, transparency, .. } = *arguments;
     let mut session = WorkshopSession::new(&device, document, path, size, msaa, transparency)?;
     report.transparency = session.transparency();
@@ -85,12 +89,7 @@ pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), Run
     if report.validation_messages > 0 {
         ending.fail(format!("{} messages of the validation layers", report.validation_messages));
     }
-    if let Some(file) = &arguments.report {
-        let text = serde_json::to_vec_pretty(&report).map_err(RunError::machine)?;
-        if ending.attempt(write_file(file, &text)).is_some() {
-            say_wrote(file);
-        }
-    }
+    write_report(arguments, &report, ending);
     failed
 }
 
@@ -98,7 +97,7 @@ pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), Run
 ///
 /// # Errors
 /// The option that names such a file.
-fn keep_inputs(outputs: &[OutputFile<'_>], inputs: &[&Path]) -> Result<(), UsageError> {
+pub(crate) fn keep_inputs(outputs: &[OutputFile<'_>], inputs: &[&Path]) -> Result<(), UsageError> {
     let inputs: Vec<PathBuf> =
         inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
     for OutputFile { option, path } in outputs {
@@ -112,8 +111,35 @@ fn keep_inputs(outputs: &[OutputFile<'_>], inputs: &[&Path]) -> Result<(), Usage
     Ok(())
 }
 
-/// Makes or reads the model.
-fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
+/// Returns the report of a model before the first command.
+pub(crate) fn begin_report(document: &Document, device: &str) -> ScriptReport {
+    ScriptReport {
+        version: REPORT_VERSION,
+        model: document.scene.name.clone(),
+        device: device.to_owned(),
+        parts: document.scene.objects.len() as u64,
+        triangles: document.scene.triangles(),
+        steps: Vec::new(),
+        transparency: None,
+        validation_messages: 0,
+    }
+}
+
+/// Writes a report to the file of the arguments, if there is one.
+pub(crate) fn write_report(
+    arguments: &WorkshopArguments,
+    report: &ScriptReport,
+    ending: &mut Ending,
+) {
+    let Some(file) = &arguments.report else { return };
+    let Some(text) = ending.attempt(serde_json::to_vec_pretty(report)) else { return };
+    if ending.attempt(write_file(file, &text)).is_some() {
+        say_wrote(file);
+    }
+}
+
+/// Makes or reads the model of the arguments.
+pub(crate) fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
     match arguments.model.as_str() {
         "waffle" => {
             let made = scenes::waffle_maker();

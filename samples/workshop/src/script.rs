@@ -5,14 +5,17 @@
 
 use std::path::{Path, PathBuf};
 
+use antumbra::ObjectId;
 use antumbra::cull::{SectionMember, SectionMode, SectionPlanes};
+use antumbra::glam::DVec3;
 use antumbra::render::{DebugOverlay, EdgeMode};
 use bench::input_file;
 use bench::options::UsageError;
 use bench::section_args::{PlaneList, parse_planes};
 use bench::terminal::shown;
 
-use crate::orbit::CubeView;
+use crate::document::Display;
+use crate::orbit::{CubeView, OrbitCamera};
 
 /// The largest gap of an exploded view: a kilometre, beyond which places lose millimetres.
 const MOST_GAP_MM: f32 = 1.0e6;
@@ -82,6 +85,31 @@ pub enum Command {
     },
     /// Turns the camera to a view of the cube.
     View(CubeView),
+    /// Moves the camera. Hands and animations do so, no script.
+    Camera(OrbitCamera),
+    /// Selects objects, as hands do.
+    SelectObjects(Vec<ObjectId>),
+    /// Changes the way in which objects are shown, as hands do.
+    DisplayObjects {
+        /// The objects.
+        objects: Vec<ObjectId>,
+        /// The way.
+        display: Display,
+    },
+    /// Measures the distance of two points that were seen, in metres.
+    DistanceOfPoints {
+        /// One point.
+        from: DVec3,
+        /// The other.
+        to: DVec3,
+    },
+    /// Measures the edge of an object near a point of it that was seen.
+    EdgeOfObject {
+        /// The object.
+        object: ObjectId,
+        /// The point, in metres.
+        point: DVec3,
+    },
     /// Changes the projection: 0 is perspective, 1 orthographic.
     Flatness(f32),
     /// Sees everything that is shown.
@@ -168,6 +196,48 @@ impl Command {
 }
 
 impl Command {
+    /// Returns its first word in a script, or one of its kind that a hand gave.
+    pub fn verb(&self) -> &'static str {
+        match self {
+            Self::Pick(_) => "pick",
+            Self::Select(_) | Self::SelectObjects(_) => "select",
+            Self::Deselect => "deselect",
+            Self::Hide(_) | Self::DisplayObjects { display: Display::Hidden, .. } => "hide",
+            Self::Show(_) | Self::DisplayObjects { display: Display::Shown, .. } => "show",
+            Self::Ghost(_) | Self::DisplayObjects { display: Display::Ghosted, .. } => "ghost",
+            Self::Isolate => "isolate",
+            Self::Lid { .. } => "lid",
+            Self::Explode { .. } => "explode",
+            Self::Assemble => "assemble",
+            Self::Distance { .. } | Self::DistanceOfPoints { .. } => "distance",
+            Self::Edge(_) | Self::EdgeOfObject { .. } => "edge",
+            Self::Edges(_) => "edges",
+            Self::Overlay(_) => "depth-complexity",
+            Self::Section(_) => "section",
+            Self::Member { member: SectionMember::Whole, .. } => "whole",
+            Self::Member { .. } => "cut",
+            Self::View(_) => "view",
+            Self::Camera(_) => "camera",
+            Self::Flatness(_) => "projection",
+            Self::Fit => "fit",
+            Self::Play { .. } => "play",
+            Self::Image(_) => "image",
+            Self::Export(_) => "export",
+        }
+    }
+
+    /// Returns true if it may change which parts are shown, and how.
+    pub fn changes_displays(&self) -> bool {
+        matches!(
+            self,
+            Self::Hide(_)
+                | Self::Show(_)
+                | Self::Ghost(_)
+                | Self::Isolate
+                | Self::DisplayObjects { .. }
+        )
+    }
+
     /// Returns the file that it writes.
     pub fn written_file(&self) -> Option<&Path> {
         match self {

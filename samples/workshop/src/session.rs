@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use antumbra::cull::{Aabb, FrameId, View};
 use antumbra::glam::DVec3;
 use antumbra::gpu::{Device, SampleCount};
-use antumbra::{Camera, ObjectId};
+use antumbra::render::HostOverlay;
+use antumbra::{Camera, ObjectId, Renderer};
 use bench::legend;
 use bench::options::FrameSize;
 use bench::outputs::write_file;
@@ -22,7 +24,7 @@ use crate::measure::edge_length;
 use crate::orbit::OrbitCamera;
 use crate::report::{CommandOutcome, LidTurn, PickedPoint};
 use crate::script::{Command, Pixel};
-use crate::viewport::{MOST_GHOSTED_OBJECTS, ModelViewport};
+use crate::viewport::{MOST_GHOSTED_OBJECTS, ModelViewport, PointedPixel, SeenObject};
 
 /// Millimetres in a metre.
 const MM: f64 = 1000.0;
@@ -36,6 +38,31 @@ pub struct WorkshopSession {
     /// The cameras of the model's path.
     path: Vec<Camera>,
     size: FrameSize,
+    /// The box around all that is shown.
+    bounds: Aabb,
+    hovered: Option<ObjectId>,
+}
+
+/// The results of frames that are over.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LateResults {
+    /// The answer for the pixel of the pointer.
+    pub pointed: Option<PointedPixel>,
+    /// The visibility of the objects that were asked for.
+    pub seen: Vec<SeenObject>,
+    /// The number of objects that were drawn, if it is news.
+    pub drawn: Option<u64>,
+}
+
+/// The questions that a frame of a window is to answer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameQuestions {
+    /// The pixel of the pointer.
+    pub pointer: Option<Pixel>,
+    /// The object that has the outline of the hovered one.
+    pub hovered: Option<ObjectId>,
+    /// The objects whose visibility is wanted.
+    pub watched: Vec<ObjectId>,
 }
 
 impl WorkshopSession {
@@ -54,7 +81,10 @@ impl WorkshopSession {
         let pixels = [size.width, size.height];
         let transparency = transparency.options();
         let viewport = ModelViewport::new(device, &document, pixels, samples, transparency)?;
-        let mut session = Self { camera: fitted(&document, size), document, viewport, path, size };
+        let bounds = document.shown_bounds();
+        let camera = fitted(&bounds, size);
+        let hovered = None;
+        let mut session = Self { camera, document, viewport, path, size, bounds, hovered };
         session.follow()?;
         Ok(session)
     }
@@ -84,23 +114,37 @@ impl WorkshopSession {
                 self.camera = self.camera.turned_to(*view, 1.0);
                 CommandOutcome::Done
             }
+            Command::Camera(camera) => {
+                self.camera = *camera;
+                CommandOutcome::Done
+            }
+            Command::DistanceOfPoints { from, to } => {
+                CommandOutcome::Distance { distance_mm: Some(from.distance(*to) * MM) }
+            }
+            Command::EdgeOfObject { object, point } => self.edge_of(*object, *point),
             Command::Flatness(flatness) => {
                 self.camera.flatness = *flatness;
                 CommandOutcome::Done
             }
             Command::Fit => {
-                let OrbitCamera { target, height_m, .. } = fitted(&self.document, self.size);
+                let OrbitCamera { target, height_m, .. } = fitted(&self.bounds, self.size);
                 self.camera = OrbitCamera { target, height_m, ..self.camera };
                 CommandOutcome::Done
             }
             Command::Play { frames } => self.play(*frames)?,
             Command::Image(file) => self.image(file)?,
             Command::Export(file) => self.export(file)?,
-            _ => self
-                .change(command)
-                .unwrap_or_else(|error| CommandOutcome::Refused(error.to_string())),
+            _ => {
+                let changed = self.change(command);
+                match command {
+                    Command::Select(_) | Command::SelectObjects(_) | Command::Deselect => {
+                        self.outline()?;
+                    }
+                    _ => self.follow()?,
+                }
+                changed.unwrap_or_else(|error| CommandOutcome::Refused(error.to_string()))
+            }
         };
-        self.follow()?;
         Ok(outcome)
     }
 
@@ -112,6 +156,16 @@ impl WorkshopSession {
                 let found = document.find(name)?;
                 document.select(found);
                 return Ok(self.selected());
+            }
+            Command::SelectObjects(objects) => {
+                document.select(objects.iter().copied());
+                return Ok(self.selected());
+            }
+            Command::DisplayObjects { objects, display } => {
+                if *display == Display::Ghosted && !self.viewport.has_ghosts() {
+                    return Err(CommandError::TooManyToGhost(MOST_GHOSTED_OBJECTS));
+                }
+                document.set_display(objects, *display);
             }
             Command::Deselect => document.select([]),
             Command::Hide(name) => self.display(name.as_deref(), Display::Hidden)?,
@@ -176,11 +230,10 @@ impl WorkshopSession {
                 format!("the image has {} pixels, and none at {}, {}", self.size, at.x, at.y);
             return Ok(CommandOutcome::Refused(reason));
         }
-        let Some((object, point)) = self.hit(at)? else {
-            self.document.select([]);
-            return Ok(CommandOutcome::Picked(None));
-        };
-        self.document.select([object]);
+        let hit = self.hit(at)?;
+        self.document.select(hit.map(|(object, _)| object));
+        self.outline()?;
+        let Some((object, point)) = hit else { return Ok(CommandOutcome::Picked(None)) };
         let part = self.document.name(object).to_owned();
         let point_mm = (point * MM).to_array();
         Ok(CommandOutcome::Picked(Some(PickedPoint { part, point_mm })))
@@ -197,11 +250,16 @@ impl WorkshopSession {
         let Some((object, point)) = self.hit(at)? else {
             return Ok(CommandOutcome::Edge { length_mm: None });
         };
-        let view = self.viewport.view_of(&self.camera());
+        Ok(self.edge_of(object, point))
+    }
+
+    /// Measures the edge of an object near a point of it.
+    fn edge_of(&self, object: ObjectId, point: DVec3) -> CommandOutcome {
+        let view = self.view();
         let transform = self.document.transform(object);
         let mesh = self.document.mesh(object);
         let length_m = mesh.and_then(|mesh| edge_length(mesh, &transform, &view, point));
-        Ok(CommandOutcome::Edge { length_mm: length_m.map(|length_m| length_m * MM) })
+        CommandOutcome::Edge { length_mm: length_m.map(|length_m| length_m * MM) }
     }
 
     /// Returns the part that owns a pixel, as the GPU drew it, and the point of it there.
@@ -225,7 +283,7 @@ impl WorkshopSession {
         for frame in 0..frames {
             let share = frame as f32 / frames as f32;
             let camera = along(&self.path, share * self.path.len() as f32);
-            self.viewport.draw(&camera)?;
+            self.viewport.draw(&camera, None)?;
         }
         Ok(CommandOutcome::Played { frames })
     }
@@ -264,7 +322,7 @@ impl WorkshopSession {
 
     /// Returns the camera of the image.
     fn camera(&self) -> Camera {
-        let bounds = self.document.shown_bounds();
+        let bounds = &self.bounds;
         let reach =
             (bounds.max - self.camera.target).abs().max((bounds.min - self.camera.target).abs());
         // A little more, so that nothing lies on a plane of the frustum.
@@ -273,15 +331,101 @@ impl WorkshopSession {
 
     /// Brings the viewport up to the document.
     fn follow(&mut self) -> Result<(), RunError> {
+        self.bounds = self.document.shown_bounds();
         self.viewport.follow(&self.document)?;
-        self.viewport.outline(self.document.selected())?;
+        self.outline()
+    }
+
+    fn outline(&mut self) -> Result<(), RunError> {
+        let is_selected = |hovered: &ObjectId| self.document.is_selected(*hovered);
+        let hovered = self.hovered.filter(|hovered| !is_selected(hovered));
+        Ok(self.viewport.outline(self.document.selected(), hovered)?)
+    }
+}
+
+/// The part of it that windows use.
+impl WorkshopSession {
+    /// Returns the camera, as hands move it.
+    pub fn orbit(&self) -> OrbitCamera {
+        self.camera
+    }
+
+    /// Returns the view of the next frame.
+    pub fn view(&self) -> View {
+        self.viewport.view_of(&self.camera())
+    }
+
+    /// Returns the box around all that is shown.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Returns the newest frame.
+    pub fn frame(&self) -> FrameId {
+        self.viewport.frame()
+    }
+
+    /// Checks that frames tell what is below the pointer.
+    ///
+    /// # Errors
+    /// A device that cannot.
+    pub fn check_pointer(&mut self) -> Result<(), RunError> {
+        self.viewport.point_at(Some(Pixel { x: 0, y: 0 }))?;
+        Ok(self.viewport.point_at(None)?)
+    }
+
+    /// Returns the cameras of the model's path.
+    pub fn path(&self) -> &[Camera] {
+        &self.path
+    }
+
+    /// Returns the renderer, to present its image.
+    pub fn renderer(&self) -> &Renderer {
+        self.viewport.renderer()
+    }
+
+    /// Draws images of another size from now on.
+    ///
+    /// # Errors
+    /// A size that the device does not support; no memory.
+    pub fn resize(&mut self, size: FrameSize) -> Result<(), RunError> {
+        self.viewport.resize([size.width, size.height])?;
+        self.size = size;
         Ok(())
+    }
+
+    /// Draws a frame, and over it what a host draws.
+    ///
+    /// # Errors
+    /// No memory, a lost device, a frame that takes too long.
+    pub fn draw(
+        &mut self,
+        questions: &FrameQuestions,
+        overlay: Option<&dyn HostOverlay>,
+    ) -> Result<(), RunError> {
+        // Where the device cannot, there is no answer.
+        let _is_asked = self.viewport.point_at(questions.pointer).is_ok();
+        self.viewport.watch(&questions.watched);
+        if self.hovered != questions.hovered {
+            self.hovered = questions.hovered;
+            self.outline()?;
+        }
+        let camera = self.camera();
+        Ok(self.viewport.draw(&camera, overlay)?)
+    }
+
+    /// Returns what is known of the frames that are over. Waits for nothing.
+    pub fn late_results(&mut self) -> LateResults {
+        LateResults {
+            pointed: self.viewport.pointed(),
+            drawn: self.viewport.take_drawn(),
+            seen: self.viewport.seen().collect(),
+        }
     }
 }
 
 /// Returns a camera that sees all that is shown, from a corner.
-fn fitted(document: &Document, size: FrameSize) -> OrbitCamera {
-    let bounds = document.shown_bounds();
+fn fitted(bounds: &Aabb, size: FrameSize) -> OrbitCamera {
     let middle = (bounds.min + bounds.max) * 0.5;
     let camera = OrbitCamera::around(middle, (bounds.max - bounds.min).length() * 0.5);
     // In images that are higher than wide, the width decides.

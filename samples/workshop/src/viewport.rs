@@ -1,11 +1,12 @@
 //! The document on the GPU: follows its state, draws it, finds the part under a pixel.
 
-use antumbra::cull::{SectionPlanes, Strategy, View};
+use antumbra::cull::{FrameId, SectionPlanes, Strategy, View};
 use antumbra::glam::{Affine3A, Mat3A};
 use antumbra::gpu::{Device, Readback, SampleCount};
 use antumbra::occlusion::Rect;
 use antumbra::render::{
-    DebugOverlay, EdgeMode, EdgeOptions, Error, ObjectOutline, PointedSurface, TransparencyOptions,
+    DebugOverlay, EdgeMode, EdgeOptions, Error, HostOverlay, ObjectOutline, PointedSurface,
+    TransparencyOptions,
 };
 use antumbra::scene::{
     Alpha, MaterialId, MeshId, Object, ObjectChange, Scene, SceneUpdate, Surfaces, TransparentId,
@@ -27,7 +28,10 @@ const GHOST_ALPHA: f32 = 0.25;
 /// The colour of the line around what is selected.
 const SELECTED_COLOUR: [f32; 3] = [1.0, 0.35, 0.0];
 
-/// The width of that line, in pixels.
+/// The colour of the line around what is below the pointer.
+const HOVERED_COLOUR: [f32; 3] = [0.05, 0.45, 1.0];
+
+/// The width of both lines, in pixels.
 const OUTLINE_PIXELS: f32 = 2.0;
 
 /// The frames of a view after which its results have been read.
@@ -52,10 +56,31 @@ pub struct ModelViewport {
     view: ViewState,
     /// The view whose history serves [`ModelViewport::visible`].
     counting: ViewState,
-    image: Readback,
     /// The objects of the document, in their order.
     placed: Vec<Placed>,
     has_ghosts: bool,
+    /// The objects whose visible samples are counted, by their ids in the document.
+    watched: Vec<ObjectId>,
+}
+
+/// A pixel, and the object of the document that a frame showed there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointedPixel {
+    /// The frame of the view.
+    pub frame: FrameId,
+    /// The pixel.
+    pub pixel: Pixel,
+    /// The object and its point; `None` where there is none.
+    pub surface: Option<PointedSurface>,
+}
+
+/// An object of the document, and whether the newest frame that is known showed a sample of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SeenObject {
+    /// The object.
+    pub object: ObjectId,
+    /// True if it was visible.
+    pub is_visible: bool,
 }
 
 impl ModelViewport {
@@ -82,10 +107,10 @@ impl ModelViewport {
         Ok(Self {
             view: renderer.new_view()?,
             counting: renderer.new_view()?,
-            image: Readback::new(device, size)?,
             placed: document.objects().map(placed).collect(),
             renderer,
             has_ghosts,
+            watched: Vec::new(),
         })
     }
 
@@ -145,6 +170,8 @@ impl ModelViewport {
             }
             placed.display = display;
             placed.transform = transform;
+            // Its id may be another one now.
+            self.watched.clear();
         }
         let report = self.renderer.apply(&update)?;
         for (index, object) in added.into_iter().zip(report.added) {
@@ -159,13 +186,81 @@ impl ModelViewport {
         Ok(())
     }
 
-    /// Draws a frame.
+    /// Returns the renderer, to present its image.
+    pub fn renderer(&self) -> &Renderer {
+        &self.renderer
+    }
+
+    /// Draws images of another size from now on.
+    ///
+    /// # Errors
+    /// A size that the device does not support; no memory.
+    pub fn resize(&mut self, size: [u32; 2]) -> Result<(), Error> {
+        self.renderer.resize(size)
+    }
+
+    /// Draws a frame, and over it what a host draws.
     ///
     /// # Errors
     /// No memory, a lost device, a frame that takes too long.
-    pub fn draw(&mut self, camera: &Camera) -> Result<(), Error> {
+    pub fn draw(
+        &mut self,
+        camera: &Camera,
+        overlay: Option<&dyn HostOverlay>,
+    ) -> Result<(), Error> {
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-        self.renderer.render(&mut self.view, &request).map(|_| ())
+        self.renderer.render(&mut self.view, &FrameRequest { overlay, ..request }).map(|_| ())
+    }
+
+    /// Finds what is at a pixel in each frame from now on, or nothing.
+    ///
+    /// # Errors
+    /// A device whose fragment shaders cannot write to buffers.
+    pub fn point_at(&mut self, pixel: Option<Pixel>) -> Result<(), Error> {
+        self.view.point_at(pixel.map(|Pixel { x, y }| [x, y]))
+    }
+
+    /// Returns the newest frame.
+    pub fn frame(&self) -> FrameId {
+        self.view.plan().frame
+    }
+
+    /// Returns the answer of the newest frame that is over. Waits for nothing.
+    pub fn pointed(&self) -> Option<PointedPixel> {
+        let pointed = self.view.pointed()?;
+        let [x, y] = pointed.pixel;
+        let surface = pointed.surface.and_then(|surface| {
+            let object = self.document_object(surface.object)?;
+            Some(PointedSurface { object, ..surface })
+        });
+        Some(PointedPixel { frame: pointed.frame, pixel: Pixel { x, y }, surface })
+    }
+
+    /// Counts the visible samples of these objects and no others from now on, where the device
+    /// can.
+    pub fn watch(&mut self, objects: &[ObjectId]) {
+        if self.watched == objects {
+            return;
+        }
+        self.watched = objects.to_vec();
+        let placed = objects.iter().filter_map(|object| self.placed.get(object.0 as usize));
+        let known: Vec<ObjectId> = placed.filter_map(|placed| placed.object).collect();
+        // Where it cannot, nothing is known of them.
+        let _is_counting = self.view.watch(&known).is_ok();
+    }
+
+    /// Returns what is known of each watched object: of an older frame, as nothing is waited for.
+    pub fn seen(&self) -> impl Iterator<Item = SeenObject> {
+        self.view.visible_samples().iter().filter_map(|count| {
+            let object = self.document_object(count.object)?;
+            Some(SeenObject { object, is_visible: count.samples > 0 })
+        })
+    }
+
+    /// Returns the number of objects that the newest frame drew whose results are known, if any
+    /// became known since the last call.
+    pub fn take_drawn(&mut self) -> Option<u64> {
+        self.view.take_outcomes().next_back().map(|outcome| outcome.draws)
     }
 
     /// Draws a frame and returns its image, rows of RGBA from the top. Waits for it.
@@ -176,14 +271,15 @@ impl ModelViewport {
         if self.overlay().has_depth_complexity {
             // It shows what is known to be visible, by the results of earlier frames.
             for _ in 0..FRAMES_BEFORE_OVERLAY {
-                self.draw(camera)?;
+                self.draw(camera, None)?;
             }
         }
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-        let request = FrameRequest { image: Some(&self.image), ..request };
+        let image = Readback::new(self.renderer.device(), self.renderer.size())?;
+        let request = FrameRequest { image: Some(&image), ..request };
         self.renderer.render(&mut self.view, &request)?;
         self.renderer.drain(&mut self.view)?;
-        Ok(self.image.rgba8()?.to_vec())
+        Ok(image.rgba8()?.to_vec())
     }
 
     /// Draws a frame and returns what it shows at a pixel, with the object of the document. Waits
@@ -193,14 +289,10 @@ impl ModelViewport {
     /// A device whose fragment shaders cannot write to buffers; those of [`ModelViewport::draw`].
     pub fn pick(&mut self, camera: &Camera, at: Pixel) -> Result<Option<PointedSurface>, Error> {
         self.view.point_at(Some([at.x, at.y]))?;
-        self.draw(camera)?;
+        self.draw(camera, None)?;
         self.view.point_at(None)?;
         self.renderer.drain(&mut self.view)?;
-        let surface = self.view.pointed().and_then(|pointed| pointed.surface);
-        Ok(surface.and_then(|surface| {
-            let object = self.document_object(surface.object)?;
-            Some(PointedSurface { object, ..surface })
-        }))
+        Ok(self.pointed().and_then(|pointed| pointed.surface))
     }
 
     /// Returns the opaque objects that own a pixel, in ascending order. Waits for the GPU.
@@ -218,17 +310,30 @@ impl ModelViewport {
         Ok(seen)
     }
 
-    /// Outlines objects, or none.
+    /// Outlines what is selected, and the object below the pointer.
     ///
     /// # Errors
     /// A failed call.
-    pub fn outline(&mut self, objects: impl Iterator<Item = ObjectId>) -> Result<(), Error> {
-        let placed = objects.filter_map(|object| self.placed.get(object.0 as usize)?.object);
-        let objects: Vec<ObjectId> = placed.collect();
-        let outline =
-            ObjectOutline { objects, colour: SELECTED_COLOUR, width_pixels: OUTLINE_PIXELS };
-        let outlines = std::slice::from_ref(&outline);
-        self.renderer.set_outlined(if outline.objects.is_empty() { &[] } else { outlines })
+    pub fn outline(
+        &mut self,
+        selected: impl Iterator<Item = ObjectId>,
+        hovered: Option<ObjectId>,
+    ) -> Result<(), Error> {
+        let known = |object: ObjectId| self.placed.get(object.0 as usize)?.object;
+        let outline = |objects: Vec<ObjectId>, colour| ObjectOutline {
+            objects,
+            colour,
+            width_pixels: OUTLINE_PIXELS,
+        };
+        let mut outlines = vec![
+            outline(selected.filter_map(known).collect(), SELECTED_COLOUR),
+            outline(hovered.and_then(known).into_iter().collect(), HOVERED_COLOUR),
+        ];
+        outlines.retain(|outline| !outline.objects.is_empty());
+        if self.renderer.outlined() == outlines {
+            return Ok(());
+        }
+        self.renderer.set_outlined(&outlines)
     }
 
     /// Cuts all objects by planes from the next frame on.

@@ -35,7 +35,10 @@ const ARROWS: [(&str, &[&str]); 17] = [
     ("samples/Cargo.toml", &["antumbra", "bench", "harness", "scenes", "tests"]),
     ("samples/bench/Cargo.toml", &["antumbra", "harness", "scenes"]),
     ("samples/scenes/Cargo.toml", &["cull", "scene"]),
-    ("samples/workshop/Cargo.toml", &["antumbra", "bench", "harness", "scenes"]),
+    (
+        "samples/workshop/Cargo.toml",
+        &["antumbra", "bench", "harness", "samples", "scenes", "tests"],
+    ),
     ("shaders/Cargo.toml", &[]),
 ];
 

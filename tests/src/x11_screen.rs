@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use tests::xvfb::Xvfb;
+use crate::xvfb::Xvfb;
 use x11rb::connection::Connection;
 use x11rb::protocol::Event;
 pub use x11rb::protocol::xproto::{BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT};
@@ -21,6 +21,7 @@ use x11rb::{CURRENT_TIME, NONE};
 pub struct Seen {
     connection: RustConnection,
     root: u32,
+    /// The id of the window.
     pub window: u32,
 }
 
@@ -219,22 +220,26 @@ impl Seen {
         }
     }
 
+    /// Changes its size, in pixels.
     pub fn resize(&self, size: [u32; 2]) {
         let aux = ConfigureWindowAux::new().width(size[0]).height(size[1]);
         self.connection.configure_window(self.window, &aux).unwrap();
         self.settle();
     }
 
+    /// Hides it.
     pub fn hide(&self) {
         self.connection.unmap_window(self.window).unwrap();
         self.settle();
     }
 
+    /// Shows it again.
     pub fn show(&self) {
         self.connection.map_window(self.window).unwrap();
         self.settle();
     }
 
+    /// Destroys it, as no window system would.
     pub fn destroy(&self) {
         self.connection.destroy_window(self.window).unwrap();
         self.settle();

@@ -1,0 +1,294 @@
+//! Hands on a session without a GPU.
+
+use antumbra::cull::FrameId;
+use antumbra::glam::{DVec3, Vec2};
+use antumbra::render::EdgeMode;
+
+use super::*;
+use crate::document::{Document, Lid};
+use crate::report::LidTurn;
+
+const SIZE: [u32; 2] = [800, 600];
+
+/// A session without a GPU: the camera follows, and the test answers for the frames.
+struct Bench {
+    document: Document,
+    camera: OrbitCamera,
+    frame: u64,
+    hands: Interaction,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let made = scenes::waffle_maker();
+        let lid = Lid { group: made.lid, hinge: made.hinge };
+        let document = Document::new(made.scene, made.parts, Some(lid));
+        let bounds = document.shown_bounds();
+        let mut hands = Interaction::new(&bounds, OrbitPath::default());
+        hands.lay_out(Vec2::new(800.0, 600.0), 1.0);
+        let camera = OrbitCamera::around((bounds.min + bounds.max) * 0.5, 0.3);
+        Self { document, camera, frame: 10, hands }
+    }
+
+    /// Gives something to the hands, and carries its commands out as far as they are the camera's.
+    fn with(
+        &mut self,
+        give: impl FnOnce(&mut Interaction, &Sight<'_>) -> Vec<Command>,
+    ) -> Vec<Command> {
+        let camera = self.camera.camera(0.5);
+        let seen = Sight {
+            document: &self.document,
+            camera: self.camera,
+            view: antumbra::cull::View::new(&camera, SIZE, 8),
+            bounds: self.document.shown_bounds(),
+            frame: FrameId(self.frame),
+        };
+        let commands = give(&mut self.hands, &seen);
+        for command in &commands {
+            if let Command::Camera(camera) = command {
+                self.camera = *camera;
+            }
+        }
+        commands
+    }
+
+    fn input(&mut self, input: HandEvent) -> Vec<Command> {
+        self.with(|hands, seen| hands.handle(input, seen))
+    }
+
+    fn advance(&mut self, seconds: f32) -> Vec<Command> {
+        self.frame += 1;
+        self.with(|hands, seen| hands.advance(seconds, seen))
+    }
+
+    /// Answers for the frame of the pixel that is asked for.
+    fn answer(&mut self, surface: Option<PointedSurface>) -> Vec<Command> {
+        let frame = FrameId(self.frame);
+        self.with(|hands, seen| {
+            let Some(pixel) = hands.pointer(seen) else { return Vec::new() };
+            hands.learn_pointed(&PointedPixel { frame, pixel, surface }, seen)
+        })
+    }
+
+    fn click_at(&mut self, x: f32, y: f32) {
+        self.input(HandEvent::Moved(Vec2::new(x, y)));
+        self.input(HandEvent::Pressed(MouseButton::Left));
+        assert_eq!(self.input(HandEvent::Released(MouseButton::Left)), []);
+    }
+
+    /// Returns the middle of a part, as a frame would have seen it.
+    fn part(&self, name: &str) -> PointedSurface {
+        let object = self.document.find(name).unwrap()[0];
+        let bounds = self.document.bounds(object);
+        let point = ((bounds.min + bounds.max) * 0.5).as_dvec3();
+        PointedSurface { object, depth: 0.5, point }
+    }
+}
+
+#[test]
+fn a_click_selects_what_its_own_pixel_showed() {
+    let mut bench = Bench::new();
+    let body = bench.part("body");
+    bench.click_at(300.0, 300.0);
+    // An answer of another pixel, and one of long ago, are not taken.
+    let old = |frame, x| PointedPixel {
+        frame: FrameId(frame),
+        pixel: Pixel { x, y: 300 },
+        surface: Some(body),
+    };
+    assert_eq!(bench.with(|hands, seen| hands.learn_pointed(&old(11, 299), seen)), []);
+    assert_eq!(bench.with(|hands, seen| hands.learn_pointed(&old(2, 300), seen)), []);
+    // The pointer may be elsewhere by now: the click is still asked for.
+    bench.input(HandEvent::Moved(Vec2::new(10.0, 10.0)));
+    assert_eq!(bench.advance(0.01), []);
+    assert_eq!(bench.answer(Some(body)), [Command::SelectObjects(vec![body.object])]);
+    assert_eq!(bench.answer(Some(body)), [], "once");
+    // A slow click, which was answered while the button was held.
+    bench.input(HandEvent::Pressed(MouseButton::Left));
+    bench.answer(Some(body));
+    bench.input(HandEvent::Released(MouseButton::Left));
+    assert_eq!(bench.answer(None), [Command::Deselect]);
+    assert_eq!(bench.input(HandEvent::Key(KeyCode::Escape)), [Command::Deselect]);
+}
+
+#[test]
+fn with_control_a_click_adds_or_takes_away() {
+    let mut bench = Bench::new();
+    let body = bench.part("body");
+    let plate = bench.part("lower plate");
+    bench.document.select([body.object]);
+    bench.input(HandEvent::Adding(true));
+    for (clicked, selected) in [(plate, vec![body.object, plate.object]), (body, vec![])] {
+        bench.click_at(300.0, 300.0);
+        assert_eq!(bench.answer(Some(clicked)), [Command::SelectObjects(selected)]);
+    }
+    bench.click_at(300.0, 300.0);
+    assert_eq!(bench.answer(None), [], "a miss takes nothing away");
+}
+
+#[test]
+fn a_drag_turns_the_model_and_selects_nothing() {
+    let mut bench = Bench::new();
+    let before = bench.camera;
+    bench.input(HandEvent::Moved(Vec2::new(300.0, 300.0)));
+    bench.input(HandEvent::Pressed(MouseButton::Left));
+    bench.input(HandEvent::Moved(Vec2::new(360.0, 300.0)));
+    assert_eq!(bench.advance(0.01), [], "not before it is known what is held");
+    let body = bench.part("body");
+    bench.answer(Some(body));
+    assert_eq!(bench.advance(0.01).len(), 1);
+    // The whole way counts, the wait included.
+    let turned_rad = before.yaw_rad - bench.camera.yaw_rad;
+    assert!((turned_rad - 60.0 / 600.0 * PI).abs() < 1e-5, "{turned_rad}");
+    assert_eq!(bench.advance(0.01), [], "a hand that rests");
+    assert_eq!(bench.input(HandEvent::Released(MouseButton::Left)), []);
+    assert_eq!(bench.answer(Some(body)), []);
+    // The other button moves it in the image's plane, at once.
+    let before = bench.camera;
+    bench.input(HandEvent::Pressed(MouseButton::Right));
+    bench.input(HandEvent::Moved(Vec2::new(360.0, 360.0)));
+    bench.advance(0.01);
+    assert!(bench.camera.target.y > before.target.y && bench.camera.yaw_rad == before.yaw_rad);
+}
+
+#[test]
+fn devices_that_cannot_tell_still_turn() {
+    let mut bench = Bench::new();
+    bench.input(HandEvent::Moved(Vec2::new(300.0, 300.0)));
+    bench.input(HandEvent::Pressed(MouseButton::Left));
+    bench.input(HandEvent::Moved(Vec2::new(360.0, 300.0)));
+    bench.advance(LONGEST_WAIT_S * 1.1);
+    assert!(matches!(bench.advance(0.01)[..], [Command::Camera(_)]));
+    bench.input(HandEvent::Released(MouseButton::Left));
+    bench.click_at(300.0, 300.0);
+    bench.advance(9.0);
+    assert!(!bench.hands.is_moving(&bench.camera), "nothing is awaited for ever");
+}
+
+#[test]
+fn the_lid_is_dragged_where_it_is_held_and_stays_where_it_stopped() {
+    let mut bench = Bench::new();
+    let shell = bench.part("lid shell");
+    bench.input(HandEvent::Moved(Vec2::new(300.0, 300.0)));
+    bench.input(HandEvent::Pressed(MouseButton::Left));
+    bench.answer(Some(shell));
+    bench.input(HandEvent::Moved(Vec2::new(300.0, 200.0)));
+    let commands = bench.advance(0.01);
+    let [Command::Lid { degrees }] = commands[..] else { panic!("{commands:?}") };
+    assert!(degrees > 5.0, "upwards it opens: {degrees}");
+    let contact = Some(["lid shell".to_owned(), "cable".to_owned()]);
+    let stopped = CommandOutcome::Lid(LidTurn { degrees: 3.0, contact });
+    bench.hands.learn_outcome(&commands[0], &stopped);
+    assert_eq!(bench.hands.tools().lid_degrees, 3.0);
+    assert_eq!(bench.hands.message(), Some("lid at 3.0\u{b0}: the lid shell touches the cable"));
+    bench.input(HandEvent::Released(MouseButton::Left));
+    // Parts that are apart do not turn.
+    let apart = Tools { gap_mm: 5.0, ..*bench.hands.tools() };
+    bench.hands.use_tools(apart);
+    bench.input(HandEvent::Pressed(MouseButton::Left));
+    bench.answer(Some(shell));
+    bench.input(HandEvent::Moved(Vec2::new(300.0, 300.0)));
+    assert!(matches!(bench.advance(0.01)[..], [Command::Camera(_)]));
+}
+
+#[test]
+fn a_plane_is_dragged_by_its_handle() {
+    let mut bench = Bench::new();
+    let [Command::Section(_)] = bench.input(HandEvent::Key(KeyCode::KeyX))[..] else { panic!() };
+    let bounds = bench.document.shown_bounds();
+    let view = antumbra::cull::View::new(&bench.camera.camera(0.5), SIZE, 8);
+    let handle = place_of(&view, handle_of(&bounds, 0, &bench.hands.tools().planes[0])).unwrap();
+    bench.input(HandEvent::Moved(handle));
+    let body = bench.part("body");
+    assert_eq!(
+        bench.with(|hands, seen| {
+            assert_eq!(hands.pointer(seen), None, "a handle hides the model");
+            let surface = Some(body);
+            let old = PointedPixel { frame: seen.frame, pixel: Pixel { x: 1, y: 1 }, surface };
+            hands.learn_pointed(&old, seen);
+            assert_eq!(hands.hovered(), None);
+            Vec::new()
+        }),
+        []
+    );
+    bench.input(HandEvent::Pressed(MouseButton::Left));
+    bench.input(HandEvent::Moved(handle + Vec2::new(60.0, 0.0)));
+    assert!(matches!(bench.advance(0.01)[..], [Command::Section(_)]));
+    assert!(bench.hands.tools().planes[0].place_mm > 5.0);
+}
+
+#[test]
+fn the_cube_and_the_projection_change_smoothly() {
+    let mut bench = Bench::new();
+    let cube = *bench.hands.cube();
+    bench.click_at(cube.middle.x, cube.middle.y);
+    // The middle of the image of the cube is its nearest corner: turn away first.
+    bench.input(HandEvent::Key(KeyCode::Digit1));
+    let mut frames = 0;
+    while bench.hands.is_moving(&bench.camera) {
+        assert!(bench.advance(0.05).len() <= 1);
+        frames += 1;
+    }
+    assert!((7..12).contains(&frames), "{frames}");
+    assert!(bench.camera.forward().distance(antumbra::glam::Vec3::NEG_Z) < 1e-6);
+    bench.input(HandEvent::Key(KeyCode::KeyO));
+    let mut last = 0.0;
+    while bench.hands.is_moving(&bench.camera) {
+        bench.advance(0.05);
+        assert!(bench.camera.flatness - last < 0.2, "{last}");
+        last = bench.camera.flatness;
+    }
+    assert_eq!(last, 1.0);
+    assert_eq!(bench.advance(1.0), [], "at rest nothing is done");
+}
+
+#[test]
+fn two_clicks_measure_a_distance_and_escape_ends_it() {
+    let mut bench = Bench::new();
+    bench.input(HandEvent::Key(KeyCode::KeyD));
+    let from = PointedSurface { point: DVec3::ZERO, ..bench.part("body") };
+    let to = PointedSurface { point: DVec3::X * 0.03, ..from };
+    bench.click_at(300.0, 300.0);
+    assert_eq!(bench.answer(Some(from)), []);
+    bench.click_at(310.0, 300.0);
+    let measured = Command::DistanceOfPoints { from: from.point, to: to.point };
+    assert_eq!(bench.answer(Some(to)), [measured]);
+    bench.input(HandEvent::Key(KeyCode::KeyL));
+    bench.click_at(310.0, 300.0);
+    let edge = Command::EdgeOfObject { object: to.object, point: to.point };
+    assert_eq!(bench.answer(Some(to)), [edge]);
+    assert_eq!(bench.input(HandEvent::Key(KeyCode::Escape)), []);
+    assert_eq!(bench.hands.tools().measuring, Measuring::Off);
+}
+
+#[test]
+fn the_wheel_keeps_the_point_below_the_pointer() {
+    let mut bench = Bench::new();
+    let body = bench.part("body");
+    bench.input(HandEvent::Moved(Vec2::new(300.0, 300.0)));
+    bench.answer(Some(body));
+    let place = |bench: &Bench| {
+        let view = antumbra::cull::View::new(&bench.camera.camera(0.5), SIZE, 8);
+        place_of(&view, body.point.as_vec3()).unwrap()
+    };
+    let at = place(&bench);
+    bench.input(HandEvent::Moved(at));
+    for _ in 0..20 {
+        bench.input(HandEvent::Wheel(1.0));
+        assert!(place(&bench).distance(at) < 0.1, "{}", place(&bench));
+    }
+    assert!(bench.camera.height_m < 0.05);
+}
+
+#[test]
+fn what_is_refused_is_said_and_not_set() {
+    let mut bench = Bench::new();
+    let edges = Tools { edges: EdgeMode::Visible, ..*bench.hands.tools() };
+    let commands = bench.hands.use_tools(edges);
+    bench.hands.learn_outcome(&commands[0], &CommandOutcome::Refused("no memory".to_owned()));
+    assert_eq!(bench.hands.tools().edges, EdgeMode::Off);
+    assert_eq!(bench.hands.message(), Some("no memory"));
+    assert!(matches!(bench.input(HandEvent::Key(KeyCode::KeyH))[..], [Command::Hide(None)]));
+    assert_eq!(bench.input(HandEvent::Key(KeyCode::KeyP)), []);
+    assert!(bench.hands.message().unwrap().contains("no path"));
+}

@@ -1,0 +1,405 @@
+//! An open window: hands on a session, and its frames.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use antumbra::glam::Vec2;
+use antumbra::gpu::{DisplayLink, Instance, PresentMode, PresentResult, PresentSkipped};
+use antumbra::pacing::{PacedFrameId, Step, Time};
+use bench::choices::DeviceChoice;
+use bench::options::FrameSize;
+use bench::outputs::OutputFile;
+use bench::run_error::RunError;
+use egui::{Context, Rect, ViewportId};
+use samples::hud::{HudFrame, HudOverlay, Measures};
+use samples::window::clock::Clock;
+use samples::window::failures::check_log;
+use samples::window::screen::{Screen, ScreenOptions};
+use samples::window::window_device::{WindowDevice, WindowOptions};
+use winit::event::{ElementState, MouseScrollDelta, WindowEvent};
+use winit::keyboard::{KeyCode, PhysicalKey};
+use winit::window::{Fullscreen, Window};
+
+use super::camera_path::OrbitPath;
+use super::input::HandEvent;
+use super::interaction::Interaction;
+use super::panel::{PanelPage, ToolPanel};
+use super::seen::Sight;
+use super::signs;
+use super::tools::Tools;
+use crate::args::WorkshopArguments;
+use crate::orbit::OrbitCamera;
+use crate::report::{CommandOutcome, ScriptReport, ScriptStep};
+use crate::run::{Model, begin_report, keep_inputs};
+use crate::script::Command;
+use crate::session::{FrameQuestions, LateResults, WorkshopSession};
+
+/// The frames in flight.
+const FRAMES_IN_FLIGHT: u32 = 2;
+
+/// The frames that are drawn after the last change, in which late results come.
+const SETTLING_FRAMES: u32 = 8;
+
+/// The longest time that an animation advances in one frame, in seconds.
+const LONGEST_STEP_S: f32 = 0.1;
+
+/// The interval of looks at a window that shows nothing new.
+const IDLE_INTERVAL: Duration = Duration::from_millis(250);
+
+/// The delay from which a wish of the panel to be drawn again means never.
+const LONGEST_DELAY: Duration = Duration::from_secs(5);
+
+/// The distance of a wheel without notches that counts as one notch, in pixels.
+const PIXELS_A_NOTCH: f32 = 40.0;
+
+/// The side of windows below which the panel is closed at first, in points.
+const ROOMY_POINTS: f32 = 600.0;
+
+/// The window and the objects that draw in it. Later ones are dropped first by [`Opened::close`].
+pub(super) struct Opened {
+    session: WorkshopSession,
+    hands: Interaction,
+    panel: ToolPanel,
+    late: LateResults,
+    /// The part of the image that no panel covers, in points.
+    room: Rect,
+    cursor: Vec2,
+    context: Context,
+    egui: egui_winit::State,
+    overlay: HudOverlay,
+    screen: Screen,
+    window: Arc<Window>,
+    instance: Instance,
+    display: DisplayLink,
+    /// The file of the model, if it is one.
+    model_file: PathBuf,
+    report: ScriptReport,
+    size: [u32; 2],
+    frames_due: u32,
+    repaint_at: Option<Time>,
+    last_frame: Option<Time>,
+    is_occluded: bool,
+    is_gone: bool,
+}
+
+/// The next step of the loop.
+pub(super) enum Next {
+    At(Time),
+    Now,
+    End,
+}
+
+impl Opened {
+    pub(super) fn open(
+        event_loop: &winit::event_loop::ActiveEventLoop,
+        arguments: &WorkshopArguments,
+        model: Model,
+    ) -> Result<Self, RunError> {
+        let wanted = WindowOptions {
+            title: "Antumbra workshop",
+            size: arguments.size,
+            validation: arguments.validation,
+            device: arguments.device.as_ref().unwrap_or(&DeviceChoice::Best),
+        };
+        let opened = WindowDevice::open(event_loop, &wanted)?;
+        let WindowDevice { window, display, instance, surface, device, refresh } = opened;
+        let size: [u32; 2] = window.inner_size().into();
+        let screen_options = ScreenOptions {
+            present_mode: PresentMode::Fifo,
+            frames_in_flight: FRAMES_IN_FLIGHT,
+            frame_limit_hz: None,
+        };
+        let screen = Screen::new(&device, &surface, screen_options, refresh)?;
+        let Model { document, path } = model;
+        let mut report = begin_report(&document, &device.adapter().name);
+        let drawn = frame_size(size);
+        let WorkshopArguments { msaa, transparency, .. } = *arguments;
+        let mut session = WorkshopSession::new(&device, document, path, drawn, msaa, transparency)?;
+        report.transparency = session.transparency();
+        let bounds = session.bounds();
+        let middle = (bounds.min + bounds.max) * 0.5;
+        let own = session.path().iter().map(|camera| OrbitCamera::of_camera(camera, middle));
+        let mut hands = Interaction::new(&bounds, OrbitPath::new(own.collect()));
+        let measures = Measures::of(size, window.scale_factor() as f32);
+        let has_panel = size[0] as f32 / measures.scale >= ROOMY_POINTS;
+        hands.use_tools(Tools { has_panel, ..*hands.tools() });
+        if let Err(error) = session.check_pointer() {
+            hands.tell(&format!("nothing is found below the pointer: {error}"));
+        }
+        let context = Context::default();
+        context.options_mut(|options| options.zoom_with_keyboard = false);
+        let viewport = ViewportId::ROOT;
+        let egui = egui_winit::State::new(context.clone(), viewport, &window, None, None, None);
+        Ok(Self {
+            panel: ToolPanel::new(&session.document),
+            overlay: HudOverlay::new(&device),
+            session,
+            hands,
+            late: LateResults::default(),
+            room: Rect::NOTHING,
+            cursor: Vec2::ZERO,
+            context,
+            egui,
+            screen,
+            window,
+            instance,
+            display,
+            model_file: PathBuf::from(&arguments.model),
+            report,
+            size,
+            frames_due: SETTLING_FRAMES,
+            repaint_at: None,
+            last_frame: None,
+            is_occluded: false,
+            is_gone: false,
+        })
+    }
+
+    /// Takes an event of the window.
+    pub(super) fn take(&mut self, event: &WindowEvent) -> Result<(), RunError> {
+        let response = self.egui.on_window_event(&self.window, event);
+        if response.repaint || !matches!(event, WindowEvent::RedrawRequested) {
+            self.frames_due = SETTLING_FRAMES;
+        }
+        match event {
+            WindowEvent::Destroyed => self.is_gone = true,
+            WindowEvent::Resized(size) => self.size = (*size).into(),
+            WindowEvent::Occluded(is_occluded) => self.is_occluded = *is_occluded,
+            WindowEvent::RedrawRequested => self.frames_due = self.frames_due.max(1),
+            _ => {
+                if let Some(input) = self.input_of(event) {
+                    let commands = self.hands.handle(input, &seen_of(&self.session));
+                    self.act(commands)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns an event for the hands, unless it is meant for the panel.
+    fn input_of(&mut self, event: &WindowEvent) -> Option<HandEvent> {
+        match event {
+            WindowEvent::CursorMoved { position, .. } => {
+                self.cursor = Vec2::new(position.x as f32, position.y as f32);
+                Some(if self.is_on_panel() {
+                    HandEvent::Left
+                } else {
+                    HandEvent::Moved(self.cursor)
+                })
+            }
+            WindowEvent::CursorLeft { .. } | WindowEvent::Focused(false) => Some(HandEvent::Left),
+            WindowEvent::MouseInput { state: ElementState::Pressed, button, .. } => {
+                (!self.is_on_panel()).then_some(HandEvent::Pressed(*button))
+            }
+            WindowEvent::MouseInput { state: ElementState::Released, button, .. } => {
+                Some(HandEvent::Released(*button))
+            }
+            WindowEvent::MouseWheel { delta, .. } => {
+                let notches = match delta {
+                    MouseScrollDelta::LineDelta(_, notches) => *notches,
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / PIXELS_A_NOTCH,
+                };
+                (!self.is_on_panel()).then_some(HandEvent::Wheel(notches))
+            }
+            WindowEvent::ModifiersChanged(modifiers) => {
+                Some(HandEvent::Adding(modifiers.state().control_key()))
+            }
+            WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => {
+                let PhysicalKey::Code(key) = event.physical_key else { return None };
+                if !event.state.is_pressed() || event.repeat || self.context.text_edit_focused() {
+                    return None;
+                }
+                if key == KeyCode::F11 {
+                    let is_full = self.window.fullscreen().is_some();
+                    let wanted = (!is_full).then_some(Fullscreen::Borderless(None));
+                    self.window.set_fullscreen(wanted);
+                }
+                Some(HandEvent::Key(key))
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns true if the pointer is on the panel, or drags something of it.
+    fn is_on_panel(&self) -> bool {
+        let scale = self.context.pixels_per_point();
+        let at = egui::pos2(self.cursor.x / scale, self.cursor.y / scale);
+        let layer = self.context.layer_id_at(at);
+        let is_on_window = layer.is_some_and(|layer| layer.order != egui::Order::Background);
+        is_on_window || !self.room.contains(at) || self.context.egui_is_using_pointer()
+    }
+
+    /// Carries out commands. One that fails is said, as one that is refused: where the device is
+    /// lost, the next frame fails.
+    fn act(&mut self, commands: Vec<Command>) -> Result<(), RunError> {
+        for command in commands {
+            let outcome = self
+                .keep_model(&command)
+                .and_then(|()| self.session.act(&command))
+                .unwrap_or_else(|error| CommandOutcome::Refused(error.to_string()));
+            self.hands.learn_outcome(&command, &outcome);
+            self.frames_due = SETTLING_FRAMES;
+            if matches!(command, Command::Camera(_)) {
+                continue;
+            }
+            if command.changes_displays() {
+                self.panel.rows.count(&self.session.document);
+            }
+            let selected = self.session.document.selected().next();
+            if let (Command::SelectObjects(objects), Some(object)) = (&command, selected)
+                && objects.len() == 1
+            {
+                self.panel.reveal(&self.session.document, object);
+            }
+            tracing::info!("{}: {outcome:?}", command.verb());
+            let step = ScriptStep { command: command.verb().to_owned(), outcome };
+            // What is dragged is one command.
+            let is_dragged = matches!(command, Command::Section(_) | Command::Lid { .. });
+            let newest = self.report.steps.last_mut().filter(|_| is_dragged);
+            match newest.filter(|newest| newest.command == step.command) {
+                Some(newest) => *newest = step,
+                None => self.report.steps.push(step),
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses to write over the model.
+    fn keep_model(&self, command: &Command) -> Result<(), RunError> {
+        let output = OutputFile::of(command.verb(), command.written_file());
+        Ok(keep_inputs(output.as_slice(), &[&self.model_file])?)
+    }
+
+    /// Runs one turn of the loop, and returns its next step.
+    pub(super) fn turn(&mut self) -> Result<Next, RunError> {
+        if self.is_gone || self.display.is_lost() {
+            return Ok(Next::End);
+        }
+        let now = Clock.now();
+        if self.repaint_at.take_if(|at| *at <= now).is_some() {
+            self.frames_due = self.frames_due.max(1);
+        }
+        let is_moving = self.hands.is_moving(&self.session.orbit());
+        if self.size.contains(&0) || self.is_occluded || (self.frames_due == 0 && !is_moving) {
+            let idle = now.after(IDLE_INTERVAL);
+            return Ok(Next::At(self.repaint_at.map_or(idle, |at| at.min(idle))));
+        }
+        match self.screen.next_step()? {
+            Step::Wait(wait) => Ok(Next::At(wait.until)),
+            Step::Start(plan) => self.frame(plan.frame),
+        }
+    }
+
+    /// Draws a frame and shows it.
+    fn frame(&mut self, frame: PacedFrameId) -> Result<Next, RunError> {
+        if !self.screen.is_ready()? {
+            self.screen.drop_frame(frame);
+            return Ok(Next::At(Clock.now().after(Duration::from_millis(2))));
+        }
+        let now = Clock.now();
+        let since = self.last_frame.replace(now).map(|last| now.since(last).as_secs_f32());
+        let seconds = since.unwrap_or_default().min(LONGEST_STEP_S);
+        self.frames_due = self.frames_due.saturating_sub(1);
+        if self.session.renderer().size() != self.size {
+            self.session.resize(frame_size(self.size))?;
+        }
+        let drawn = self.late.drawn;
+        self.late = self.session.late_results();
+        self.late.drawn = self.late.drawn.or(drawn);
+        if let Some(pointed) = self.late.pointed {
+            let commands = self.hands.learn_pointed(&pointed, &seen_of(&self.session));
+            self.act(commands)?;
+        }
+        let commands = self.hands.advance(seconds, &seen_of(&self.session));
+        self.act(commands)?;
+        self.lay_out(now)?;
+        let questions = FrameQuestions {
+            pointer: self.hands.pointer(&seen_of(&self.session)),
+            hovered: self.hands.hovered().map(|hovered| hovered.object),
+            watched: self.panel.listed().to_vec(),
+        };
+        self.session.draw(&questions, self.overlay.shown())?;
+        match self.screen.show(self.session.renderer(), frame, self.size)? {
+            PresentResult::Not(PresentSkipped::WindowGone) => Ok(Next::End),
+            PresentResult::Not(reason @ PresentSkipped::DeviceLost) => {
+                Err(RunError::machine(reason))
+            }
+            PresentResult::Not(_) => {
+                self.frames_due = self.frames_due.max(1);
+                Ok(Next::At(now.after(Duration::from_millis(10))))
+            }
+            PresentResult::Presented(_) => Ok(Next::Now),
+        }
+    }
+
+    /// Lays the panel and the signs out, and carries out what was done in the panel.
+    fn lay_out(&mut self, now: Time) -> Result<(), RunError> {
+        let window_scale = self.window.scale_factor() as f32;
+        let scale = Measures::of(self.size, window_scale).scale;
+        self.context.set_zoom_factor(scale / window_scale);
+        let [width, height] = self.size.map(|side| side as f32);
+        self.hands.lay_out(Vec2::new(width, height), scale);
+        let input = self.egui.take_egui_input(&self.window);
+        let page = PanelPage {
+            document: &self.session.document,
+            bounds: self.session.bounds(),
+            tools: *self.hands.tools(),
+            seen: &self.late.seen,
+            drawn: self.late.drawn,
+        };
+        let seen = seen_of(&self.session);
+        let mut answer = None;
+        let mut output = self.context.run_ui(input, |ui| {
+            answer = Some(self.panel.show(ui, &page));
+            self.room = ui.available_rect_before_wrap();
+            signs::paint(ui.painter(), self.room, &self.hands, &seen);
+        });
+        let platform = std::mem::take(&mut output.platform_output);
+        self.egui.handle_platform_output(&self.window, platform);
+        let viewport = output.viewport_output.get(&ViewportId::ROOT);
+        let delay = viewport.map(|viewport| viewport.repaint_delay);
+        if let Some(delay) = delay.filter(|delay| *delay < LONGEST_DELAY) {
+            self.repaint_at = Some(now.after(delay));
+        }
+        self.overlay.show(HudFrame::of(&self.context, output))?;
+        if let Some(answer) = answer {
+            let mut commands = answer.commands;
+            commands.extend(self.hands.use_tools(answer.tools));
+            self.act(commands)?;
+        }
+        Ok(())
+    }
+
+    /// Destroys the window and its objects. Returns the report, and what the validation layer
+    /// found.
+    pub(super) fn close(self) -> (ScriptReport, Result<(), RunError>) {
+        let Self { session, overlay, screen, window, instance, egui, mut report, .. } = self;
+        drop(session);
+        drop(overlay);
+        drop(egui);
+        drop(screen);
+        drop(window);
+        let log = instance.validation_log().clone();
+        drop(instance);
+        report.validation_messages = log.len() as u64;
+        (report, check_log(&log))
+    }
+}
+
+/// Returns what hands see of a session.
+fn seen_of(session: &WorkshopSession) -> Sight<'_> {
+    Sight {
+        document: &session.document,
+        camera: session.orbit(),
+        view: session.view(),
+        bounds: session.bounds(),
+        frame: session.frame(),
+    }
+}
+
+/// Returns the size of the images of a window, which have a pixel at least.
+fn frame_size(size: [u32; 2]) -> FrameSize {
+    let [width, height] = size.map(|side| side.max(1));
+    FrameSize { width, height }
+}

@@ -1,0 +1,32 @@
+//! The sight of hands: a session as it is now.
+
+use antumbra::cull::{Aabb, FrameId, View};
+use antumbra::glam::Vec2;
+
+use crate::document::Document;
+use crate::orbit::OrbitCamera;
+use crate::script::Pixel;
+
+/// The sight of hands.
+#[derive(Clone, Copy)]
+pub struct Sight<'a> {
+    /// The document.
+    pub document: &'a Document,
+    /// The camera.
+    pub camera: OrbitCamera,
+    /// The view of the next frame.
+    pub view: View,
+    /// The box around all that is shown.
+    pub bounds: Aabb,
+    /// The newest frame.
+    pub frame: FrameId,
+}
+
+impl Sight<'_> {
+    /// Returns the pixel of a place of the image; `None` beside it.
+    pub fn pixel_at(&self, place: Vec2) -> Option<Pixel> {
+        let size = Vec2::from(self.view.size.map(|side| side as f32));
+        let is_within = place.cmpge(Vec2::ZERO).all() && place.cmplt(size).all();
+        is_within.then_some(Pixel { x: place.x as u32, y: place.y as u32 })
+    }
+}

@@ -1,0 +1,130 @@
+//! The signs over the model: the cube, handles of planes, measured lines, names, messages.
+
+use antumbra::glam::Vec2;
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
+use samples::hud::style::{DIM, MARGIN, MARK, NAME, PANEL, SELECTED, VALUE};
+
+use super::drag::place_of;
+use super::interaction::{HANDLE_SHARE, Interaction};
+use super::seen::Sight;
+use super::tools::{MM, handle_of};
+
+/// The colours of the axes x, y and z.
+const AXIS_COLOURS: [Color32; 3] = [
+    Color32::from_rgb(255, 110, 100),
+    Color32::from_rgb(120, 210, 110),
+    Color32::from_rgb(110, 165, 255),
+];
+
+/// The height of text, in points.
+const TEXT: f32 = 12.0;
+
+/// The least cosine under which the name of a face is written on it.
+const LEAST_FACING: f32 = 0.42;
+
+/// Paints all signs in the part of the image that no panel covers.
+pub fn paint(painter: &Painter, room: Rect, hands: &Interaction, seen: &Sight<'_>) {
+    let scale = painter.ctx().pixels_per_point();
+    cube(painter, hands, seen, scale);
+    handles(painter, hands, seen, scale);
+    measured(painter, hands, seen, scale);
+    hovered(painter, room, hands, seen, scale);
+    let state = match hands.path() {
+        path if path.is_recording() => Some("recording the path"),
+        path if path.is_playing() => Some("playing the path"),
+        _ => None,
+    };
+    if let Some(state) = state {
+        text(painter, room, pos2(room.center().x, room.min.y + MARGIN), Align2::CENTER_TOP, state);
+    }
+    if let Some(message) = hands.message() {
+        let at = pos2(room.center().x, room.max.y - MARGIN);
+        text(painter, room, at, Align2::CENTER_BOTTOM, message);
+    }
+}
+
+fn points(place: Vec2, scale: f32) -> Pos2 {
+    pos2(place.x / scale, place.y / scale)
+}
+
+fn cube(painter: &Painter, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
+    let cube = hands.cube();
+    let meant = hands.cursor().and_then(|cursor| cube.view_at(&seen.camera, cursor));
+    for cell in cube.cells(&seen.camera) {
+        let corners = cell.corners.map(|corner| points(corner, scale)).to_vec();
+        let light = (70.0 + 60.0 * cell.facing) as u8;
+        let fill = match meant {
+            Some(view) if view == cell.view => MARK,
+            _ => Color32::from_rgb(light, light + 8, light + 18),
+        };
+        let line = Stroke::new(0.5, SELECTED);
+        painter.add(Shape::convex_polygon(corners, fill, line));
+    }
+    let height = cube.half_edge / scale * 0.44;
+    for label in cube.labels(&seen.camera) {
+        if label.facing >= LEAST_FACING {
+            let at = points(label.at, scale);
+            let font = FontId::proportional(height);
+            painter.text(at, Align2::CENTER_CENTER, label.name, font, Color32::WHITE);
+        }
+    }
+}
+
+fn handles(painter: &Painter, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
+    let radius = hands.cube().half_edge * HANDLE_SHARE / scale;
+    let under = hands.cursor().and_then(|cursor| hands.handle_at(cursor, seen));
+    for (axis, plane) in hands.tools().planes.iter().enumerate() {
+        let handle = place_of(&seen.view, handle_of(&seen.bounds, axis, plane));
+        let Some(at) = handle.filter(|_| plane.is_on) else { continue };
+        let at = points(at, scale);
+        let colour = if under == Some(axis) { MARK } else { AXIS_COLOURS[axis] };
+        painter.circle(at, radius, PANEL, Stroke::new(2.0, colour));
+        let font = FontId::proportional(radius * 1.3);
+        painter.text(at, Align2::CENTER_CENTER, ["x", "y", "z"][axis], font, colour);
+    }
+}
+
+fn measured(painter: &Painter, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
+    let Some(line) = hands.measured() else { return };
+    let place = |point: antumbra::glam::DVec3| {
+        place_of(&seen.view, point.as_vec3()).map(|place| points(place, scale))
+    };
+    let from = place(line.from);
+    let to = line.to.and_then(place);
+    if let (Some(from), Some(to), Some(end)) = (from, to, line.to) {
+        painter.line_segment([from, to], Stroke::new(3.5, PANEL));
+        painter.line_segment([from, to], Stroke::new(1.5, MARK));
+        let length = format!("{:.2} mm", line.from.distance(end) * f64::from(MM));
+        let middle = pos2((from.x + to.x) * 0.5, (from.y + to.y) * 0.5 - 4.0);
+        text(painter, painter.clip_rect(), middle, Align2::CENTER_BOTTOM, &length);
+    }
+    for end in [from, to].into_iter().flatten() {
+        painter.circle(end, 3.5, MARK, Stroke::new(1.0, PANEL));
+    }
+}
+
+/// Writes the name of what is below the pointer beside it.
+fn hovered(painter: &Painter, room: Rect, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
+    let (Some(surface), Some(cursor)) = (hands.hovered(), hands.cursor()) else { return };
+    let name = seen.document.name(surface.object);
+    if !name.is_empty() {
+        let at = points(cursor, scale) + vec2(14.0, 12.0);
+        text(painter, room, at, Align2::LEFT_TOP, name);
+    }
+}
+
+/// Writes a text on a ground, as far as it fits within a room.
+fn text(painter: &Painter, room: Rect, at: Pos2, align: Align2, text: &str) {
+    let font = FontId::proportional(TEXT);
+    let width = (room.width() - 4.0 * MARGIN).max(1.0);
+    let galley = painter.layout(text.to_owned(), font, VALUE, width);
+    let size = galley.size() + vec2(2.0 * MARGIN, MARGIN * 0.75);
+    let mut area = align.anchor_size(at, size);
+    let over = (area.max - room.max).max(vec2(0.0, 0.0));
+    area = area.translate(-over);
+    let under = (room.min - area.min).max(vec2(0.0, 0.0));
+    area = area.translate(under);
+    painter.rect(area, 3.0, PANEL, Stroke::new(1.0, DIM), egui::StrokeKind::Inside);
+    let inside = area.center() - galley.size() * 0.5;
+    painter.galley(inside, galley, NAME);
+}
