@@ -60,7 +60,8 @@ pub use mesh::{
 pub use outwardness::{ENCLOSING, outwardness};
 pub use patches::{
     EvaluatedPoint, MAX_LEVEL, MAX_PATCHES, Patch, PatchEdge, PatchError, PatchSurface,
-    SurfaceGrid, SurfacePoint, TessellationLevels, TessellationView, evaluated, tessellated,
+    SurfaceGrid, SurfacePoint, TessellationLevels, TessellationView, ellipsoid, evaluated,
+    tessellated,
 };
 pub use pieces::{PieceLimits, PieceMap, spatial_pieces};
 pub use pose_bounds::PoseBounds;

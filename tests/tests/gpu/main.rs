@@ -68,6 +68,7 @@ mod skinning;
 mod slivers;
 mod strategies;
 mod streaming;
+mod tessellation;
 mod testers;
 mod textures;
 mod threshold;

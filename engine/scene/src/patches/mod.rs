@@ -1,5 +1,6 @@
 //! Curved surfaces: bicubic Bezier patches, cut into triangles without cracks.
 
+mod ellipsoid;
 mod evaluate;
 mod grid;
 mod levels;
@@ -7,6 +8,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
+pub use ellipsoid::ellipsoid;
 pub use evaluate::{evaluated, tessellated};
 pub use grid::{EvaluatedPoint, SurfaceGrid, SurfacePoint};
 pub use levels::{MAX_LEVEL, TessellationLevels, TessellationView};

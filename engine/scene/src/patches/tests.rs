@@ -8,39 +8,9 @@ use glam::{Affine3A, Mat4, Vec3, vec3};
 use super::*;
 use crate::{Mesh, Scene};
 
-/// Control points of a circle's quarter: their share of the tangents.
-const KAPPA: f32 = 0.552_284_8;
-
-/// Returns a ball of eight patches: its poles are edges of four equal control points each, and each
-/// patch has control points of its own.
+/// Returns a ball. Each of its patches has control points of its own.
 fn ball() -> PatchSurface {
-    let mut points = Vec::new();
-    let mut patches = Vec::new();
-    let arc = [[1.0, 0.0], [1.0, KAPPA], [KAPPA, 1.0], [0.0, 1.0]];
-    for quarter in 0..4 {
-        // Whole quarter turns, so that equal points are equal to the bit.
-        let turned = |x: f32, y: f32, z: f32| match quarter {
-            0 => vec3(x, y, z),
-            1 => vec3(z, y, -x),
-            2 => vec3(-x, y, -z),
-            _ => vec3(-z, y, x),
-        };
-        for is_upper in [true, false] {
-            let first = points.len() as u32;
-            for row in 0..4 {
-                // From the equator to the pole above, or from the pole below to the equator.
-                let [out, up] = if is_upper { arc[row] } else { arc[3 - row] };
-                let up = if is_upper { up } else { -up };
-                points.extend(arc.map(|[x, z]| turned(out * x, up, -out * z)));
-            }
-            patches.push(Patch { control_points: [0; 16].map(|_| 0) });
-            let control_points = &mut patches.last_mut().unwrap().control_points;
-            for (place, point) in control_points.iter_mut().zip(first..) {
-                *place = point;
-            }
-        }
-    }
-    PatchSurface::new(points, patches).unwrap()
+    ellipsoid(Vec3::ONE).unwrap()
 }
 
 fn random(state: &mut u64) -> u64 {
