@@ -61,6 +61,13 @@ pub enum CommandOutcome {
         /// Its length from corner to corner, in millimetres; `None` where no edge is near.
         length_mm: Option<f64>,
     },
+    /// Curved parts were made anew.
+    Tessellated {
+        /// Their triangles.
+        triangles: u64,
+        /// The way in which the device computed them.
+        path: String,
+    },
     /// Frames were drawn.
     Played {
         /// The number of frames.

@@ -82,6 +82,11 @@ pub enum Command {
     View(CubeView),
     /// Changes the projection: 0 is perspective, 1 orthographic.
     Flatness(f32),
+    /// Makes curved parts anew for the image.
+    Tessellate {
+        /// The wanted length of the sides of their triangles, in pixels.
+        piece_px: f32,
+    },
     /// Sees everything that is shown.
     Fit,
     /// Plays the camera's path once, in a number of frames.
@@ -144,6 +149,13 @@ impl Command {
                 "orthographic" => Ok(Self::Flatness(1.0)),
                 _ => Err(format!("a projection is perspective or orthographic, not '{rest}'")),
             },
+            "tessellate" => {
+                let piece_px = number(rest, "a length in pixels")?;
+                if !(0.25..=10_000.0).contains(&piece_px) {
+                    return Err(format!("a length is 0.25 to 10000 pixels, not {piece_px}"));
+                }
+                Ok(Self::Tessellate { piece_px })
+            }
             "fit" => nothing(Self::Fit),
             "play" => {
                 rest.parse().ok().filter(|frames| (1..=100_000).contains(frames)).map_or_else(
@@ -158,7 +170,7 @@ impl Command {
             "image" => file(rest, "png").map(Self::Image),
             "export" => file(rest, "glb").map(Self::Export),
             _ => Err(format!(
-                "unknown command '{verb}'; there are pick, select, deselect, hide, show, isolate, ghost, lid, explode, assemble, distance, edge, edges, section, whole, cut, view, projection, fit, play, image, export"
+                "unknown command '{verb}'; there are pick, select, deselect, hide, show, isolate, ghost, lid, explode, assemble, distance, edge, edges, section, whole, cut, view, projection, tessellate, fit, play, image, export"
             )),
         }
     }
@@ -268,6 +280,7 @@ mod tests {
             ("explode 12", Command::Explode { gap_mm: 12.0 }),
             ("view iso", Command::View(CubeView::ISOMETRIC)),
             ("projection orthographic", Command::Flatness(1.0)),
+            ("tessellate 4", Command::Tessellate { piece_px: 4.0 }),
             ("play 30", Command::Play { frames: 30 }),
             ("image out/a b.png", Command::Image(PathBuf::from("out/a b.png"))),
         ] {
@@ -292,6 +305,7 @@ mod tests {
             ("section 0,0,0,1", "normal"),
             ("section 1,0", "four numbers"),
             ("edges thick", "visible, hidden"),
+            ("tessellate 0", "0.25 to 10000 pixels"),
             ("play 0", "1 to 100000"),
             ("export part.stl", "ends in .glb"),
             ("select", "takes the name"),

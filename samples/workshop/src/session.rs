@@ -19,6 +19,7 @@ use crate::hit::{Ray, hit_mesh};
 use crate::measure::edge_length;
 use crate::orbit::OrbitCamera;
 use crate::report::{CommandOutcome, LidTurn, PickedPoint};
+use crate::retessellate::{CurvedParts, Tessellated};
 use crate::script::{Command, Pixel};
 use crate::viewport::{MOST_GHOSTED_OBJECTS, ModelViewport};
 
@@ -30,6 +31,7 @@ pub struct WorkshopSession {
     /// The document.
     pub document: Document,
     viewport: ModelViewport,
+    curved: CurvedParts,
     camera: OrbitCamera,
     /// The cameras of the model's path.
     path: Vec<Camera>,
@@ -50,7 +52,14 @@ impl WorkshopSession {
     ) -> Result<Self, RunError> {
         let pixels = [size.width, size.height];
         let viewport = ModelViewport::new(device, &document, pixels, samples)?;
-        let mut session = Self { camera: fitted(&document, size), document, viewport, path, size };
+        let mut session = Self {
+            camera: fitted(&document, size),
+            document,
+            viewport,
+            curved: CurvedParts::default(),
+            path,
+            size,
+        };
         session.follow()?;
         Ok(session)
     }
@@ -85,6 +94,7 @@ impl WorkshopSession {
                 self.camera = OrbitCamera { target, height_m, ..self.camera };
                 CommandOutcome::Done
             }
+            Command::Tessellate { piece_px } => self.tessellate(*piece_px)?,
             Command::Play { frames } => self.play(*frames)?,
             Command::Image(file) => self.image(file)?,
             Command::Export(file) => self.export(file)?,
@@ -220,6 +230,21 @@ impl WorkshopSession {
             self.viewport.draw(&camera)?;
         }
         Ok(CommandOutcome::Played { frames })
+    }
+
+    /// Makes the curved parts anew for the image.
+    fn tessellate(&mut self, piece_px: f32) -> Result<CommandOutcome, RunError> {
+        let camera = self.camera();
+        let made =
+            self.curved.tessellate(&mut self.viewport, &mut self.document, &camera, piece_px)?;
+        self.follow()?;
+        self.viewport.await_uploads(&camera)?;
+        let outcome = made.map(|Tessellated { triangles, path }| CommandOutcome::Tessellated {
+            triangles,
+            path: path.name().to_owned(),
+        });
+        let refused = || CommandOutcome::Refused("this model has no curved part".to_owned());
+        Ok(outcome.unwrap_or_else(refused))
     }
 
     fn image(&mut self, file: &Path) -> Result<CommandOutcome, RunError> {

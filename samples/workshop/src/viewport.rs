@@ -4,10 +4,10 @@ use antumbra::cull::{SectionPlanes, Strategy, View};
 use antumbra::glam::{Affine3A, Mat3A};
 use antumbra::gpu::{Device, Readback, SampleCount};
 use antumbra::occlusion::Rect;
-use antumbra::render::{EdgeMode, EdgeOptions, Error, ObjectOutline, PointedSurface};
+use antumbra::render::{EdgeMode, EdgeOptions, Error, ObjectOutline, PointedSurface, SpareRoom};
 use antumbra::scene::{
-    Alpha, MaterialId, MeshId, Object, ObjectChange, Scene, SceneUpdate, Surfaces, TransparentId,
-    TransparentMove,
+    Alpha, MaterialId, MeshId, Object, ObjectChange, PreparedMesh, Scene, SceneUpdate, Surfaces,
+    TransparentId, TransparentMove,
 };
 use antumbra::{Camera, FrameRequest, ObjectId, Renderer, RendererOptions, ViewState};
 
@@ -26,6 +26,18 @@ const SELECTED_COLOUR: [f32; 3] = [1.0, 0.35, 0.0];
 
 /// The width of that line, in pixels.
 const OUTLINE_PIXELS: f32 = 2.0;
+
+/// Room for curved parts that are made anew.
+const CURVED_ROOM: SpareRoom = SpareRoom {
+    meshes: 2,
+    vertices: 1 << 17,
+    indices: 1 << 19,
+    lights: 0,
+    directional_lights: 0,
+    levels: 0,
+    materials: 0,
+    textures: Vec::new(),
+};
 
 /// The place of a transparent part that is not shown: a point.
 const NOWHERE: Affine3A =
@@ -49,6 +61,8 @@ pub struct ModelViewport {
     image: Readback,
     /// The objects of the document, in their order.
     placed: Vec<Placed>,
+    /// The renderer's mesh for each one of the document.
+    meshes: Vec<MeshId>,
     has_ghosts: bool,
 }
 
@@ -65,7 +79,8 @@ impl ModelViewport {
     ) -> Result<Self, Error> {
         let mut scene = document.scene.clone().with_surfaces();
         let has_ghosts = add_ghosts(&mut scene);
-        let options = RendererOptions { size, samples, ..RendererOptions::default() };
+        let spare = if document.curved.is_empty() { SpareRoom::default() } else { CURVED_ROOM };
+        let options = RendererOptions { size, samples, spare, ..RendererOptions::default() };
         let renderer = Renderer::new(device, &scene, &options)?;
         let placed = |object: ObjectId| Placed {
             object: Some(object),
@@ -77,6 +92,7 @@ impl ModelViewport {
             counting: renderer.new_view()?,
             image: Readback::new(device, size)?,
             placed: document.objects().map(placed).collect(),
+            meshes: (0..document.scene.meshes.len() as u32).map(MeshId).collect(),
             renderer,
             has_ghosts,
         })
@@ -85,6 +101,11 @@ impl ModelViewport {
     /// Returns true if parts can be shown transparent.
     pub fn has_ghosts(&self) -> bool {
         self.has_ghosts
+    }
+
+    /// Returns the device.
+    pub fn device(&self) -> &Device {
+        self.renderer.device()
     }
 
     /// Returns the view of a camera.
@@ -114,7 +135,9 @@ impl ModelViewport {
                     placed.object = None;
                 }
                 (None, Display::Shown) => {
-                    let object = Object { transform, ..document.scene.objects[index] };
+                    let object = document.scene.objects[index];
+                    let mesh = self.meshes[object.mesh.0 as usize];
+                    let object = Object { mesh, transform, ..object };
                     update.objects.push(ObjectChange::Add { object });
                     added.push(index);
                 }
@@ -206,6 +229,47 @@ impl ModelViewport {
             ObjectOutline { objects, colour: SELECTED_COLOUR, width_pixels: OUTLINE_PIXELS };
         let outlines = std::slice::from_ref(&outline);
         self.renderer.set_outlined(if outline.objects.is_empty() { &[] } else { outlines })
+    }
+
+    /// Exchanges a mesh of the document. Its objects are shown again with the next
+    /// [`ModelViewport::follow`], as soon as it is uploaded.
+    ///
+    /// # Errors
+    /// No room.
+    pub(crate) fn set_mesh(
+        &mut self,
+        document: &Document,
+        id: MeshId,
+        mesh: PreparedMesh,
+    ) -> Result<(), Error> {
+        let added = self.renderer.add_meshes(vec![mesh])?;
+        let mut update = SceneUpdate::default();
+        for (placed, object) in self.placed.iter_mut().zip(&document.scene.objects) {
+            if object.mesh == id
+                && let Some(object) = placed.object.take()
+            {
+                update.objects.push(ObjectChange::Remove { object });
+                placed.display = Display::Hidden;
+            }
+        }
+        self.renderer.apply(&update)?;
+        for (old, new) in self.meshes.get_mut(id.0 as usize).into_iter().zip(added) {
+            let removed = std::mem::replace(old, new);
+            self.renderer.remove_meshes(&[removed])?;
+        }
+        Ok(())
+    }
+
+    /// Draws until all meshes are there.
+    ///
+    /// # Errors
+    /// Those of [`ModelViewport::draw`].
+    pub fn await_uploads(&mut self, camera: &Camera) -> Result<(), Error> {
+        while self.renderer.is_uploading() {
+            self.draw(camera)?;
+        }
+        // What arrived last is drawn from the next frame on.
+        self.draw(camera)
     }
 
     /// Cuts all objects by planes from the next frame on.
