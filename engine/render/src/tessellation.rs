@@ -112,8 +112,7 @@ impl Tessellator {
         if self.is_busy() {
             return Ok(false);
         }
-        let grid = SurfaceGrid::new(surface, levels);
-        let wanted = grid.points().len() as u64;
+        let wanted = SurfaceGrid::point_count(surface, levels);
         if wanted > MAX_POINTS {
             return Err(Error::SceneTooLarge {
                 what: "points of a curved surface",
@@ -122,6 +121,7 @@ impl Tessellator {
                 instead: "use lower levels, or several surfaces",
             });
         }
+        let grid = SurfaceGrid::new(surface, levels);
         let tick = self.submit(surface, &grid)?;
         self.asked = Some(Asked { grid, name: name.to_owned(), colour, tick });
         Ok(true)

@@ -11,7 +11,7 @@ use render::{
     ViewState,
 };
 use scene::{
-    Mesh, MeshId, Object, ObjectChange, PatchSurface, PreparedMesh, TessellationLevels,
+    Mesh, MeshId, Object, ObjectChange, Patch, PatchSurface, PreparedMesh, TessellationLevels,
     TessellationView, ellipsoid, tessellated, unpack_normal,
 };
 use tests::run_on_all;
@@ -83,6 +83,24 @@ fn the_gpu_agrees_with_the_oracle_and_leaves_no_crack() {
                 assert!(normal.distance(unpack_normal(expected.normal)) < 0.03, "{place}");
             }
         }
+    });
+}
+
+#[test]
+fn a_surface_of_too_many_points_is_refused_before_it_takes_memory() {
+    run_on_all(|device| {
+        let patch =
+            Patch { control_points: [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] };
+        let points = (0..16).map(|point: u8| Vec3::splat(f32::from(point))).collect();
+        let surface = PatchSurface::new(points, vec![patch; 4000]).unwrap();
+        let mut tessellator = tessellator(device);
+        let finest = TessellationLevels::uniform(&surface, 64);
+        let refused = tessellator.request(&surface, &finest, "many", COLOUR).unwrap_err();
+        assert!(refused.to_string().contains("points of a curved surface"), "{refused}");
+        let coarse = TessellationLevels::uniform(&surface, 1);
+        assert!(tessellator.request(&surface, &coarse, "many", COLOUR).unwrap());
+        device.drain().unwrap();
+        assert_eq!(tessellator.finished().unwrap().unwrap().triangles(), 8000);
     });
 }
 

@@ -73,6 +73,17 @@ impl SurfaceGrid {
         grid
     }
 
+    /// Returns the number of points that the grid of a surface at these levels has, before it is
+    /// made: of large surfaces it takes gigabytes.
+    pub fn point_count(surface: &PatchSurface, levels: &TessellationLevels) -> u64 {
+        let of_patch = |(patch, sides): (usize, &[u32; 4])| {
+            let inside = u64::from(levels.of_patch(surface, patch) - 1).pow(2);
+            let on_sides = sides.iter().map(|edge| u64::from(levels.of_edge(*edge) - 1));
+            inside + 4 + on_sides.sum::<u64>()
+        };
+        surface.sides().iter().enumerate().map(of_patch).sum()
+    }
+
     /// Returns the points. One that lies on an edge is there once for each patch.
     pub fn points(&self) -> &[SurfacePoint] {
         &self.points

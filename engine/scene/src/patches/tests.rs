@@ -6,7 +6,7 @@ use cull::{Camera, Projection, View};
 use glam::{Affine3A, Mat4, Vec3, vec3};
 
 use super::*;
-use crate::{Mesh, Scene};
+use crate::{EdgeKind, EdgeRules, FeatureEdges, Mesh, Scene};
 
 /// Returns a ball. Each of its patches has control points of its own.
 fn ball() -> PatchSurface {
@@ -52,7 +52,10 @@ fn seams_are_closed_whatever_the_levels() {
     assert_eq!(surface.edges().len(), 12 + 2, "eight meridians, four arcs of equator, two poles");
     let colour = u32::MAX;
     for seed in 0..12 {
-        let mesh = tessellated(&surface, &random_levels(&surface, seed), "ball", colour);
+        let levels = random_levels(&surface, seed);
+        let points = SurfaceGrid::new(&surface, &levels).points().len() as u64;
+        assert_eq!(SurfaceGrid::point_count(&surface, &levels), points);
+        let mesh = tessellated(&surface, &levels, "ball", colour);
         walk_seams(&mesh);
         assert_eq!(Scene::single(mesh).validate(), Ok(()));
     }
@@ -85,6 +88,19 @@ fn points_are_in_bounds_and_on_the_ball_and_its_vertices_are_welded() {
         places.sort_unstable();
         places.dedup();
         assert_eq!(places.len(), mesh.vertices.len(), "a smooth surface has one vertex per place");
+    }
+}
+
+#[test]
+fn a_smooth_surface_has_neither_creases_nor_borders() {
+    let surface = ellipsoid(vec3(0.011, 0.008, 0.011)).unwrap();
+    for level in [8, 32, 64] {
+        let levels = TessellationLevels::uniform(&surface, level);
+        let mesh = tessellated(&surface, &levels, "knob", 0);
+        let edges = FeatureEdges::of_mesh(&mesh, &EdgeRules::default());
+        let features = edges.segments().iter().filter(|edge| edge.kind != EdgeKind::Smooth);
+        let features: Vec<_> = features.collect();
+        assert!(features.is_empty(), "{level}: {features:?}");
     }
 }
 
