@@ -92,11 +92,21 @@ fn points_are_in_bounds_and_on_the_ball_and_its_vertices_are_welded() {
 }
 
 #[test]
-fn a_smooth_surface_has_neither_creases_nor_borders() {
-    let surface = ellipsoid(vec3(0.011, 0.008, 0.011)).unwrap();
+fn a_smooth_surface_faces_outside_and_has_no_features() {
+    let half_axes = vec3(0.011, 0.008, 0.011);
+    let surface = ellipsoid(half_axes).unwrap();
     for level in [8, 32, 64] {
         let levels = TessellationLevels::uniform(&surface, level);
         let mesh = tessellated(&surface, &levels, "knob", 0);
+        for corners in mesh.indices.as_chunks::<3>().0 {
+            let [a, b, c] =
+                corners.map(|corner| Vec3::from_array(mesh.vertices[corner as usize].position));
+            let across = (b - a).cross(c - a).normalize_or_zero();
+            assert!(
+                across.dot(((a + b + c) / half_axes).normalize()) > 0.8,
+                "{a} {b} {c} does not face outside"
+            );
+        }
         let edges = FeatureEdges::of_mesh(&mesh, &EdgeRules::default());
         let features = edges.segments().iter().filter(|edge| edge.kind != EdgeKind::Smooth);
         let features: Vec<_> = features.collect();
