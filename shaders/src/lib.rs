@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 104] = [
+pub const PASSES: [Shader; 105] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -84,6 +84,7 @@ pub const PASSES: [Shader; 104] = [
     shader!("list_draws.comp"),
     shader!("list_places.comp"),
     shader!("skinning.comp"),
+    shader!("patch_points.comp"),
     shader!("surface.vert"),
     shader!("surface.frag"),
     shader!("surface_shadowed.frag"),

@@ -53,6 +53,7 @@ mod section;
 mod self_test;
 mod shading;
 mod shadows;
+mod tessellation;
 mod update;
 mod view_scopes;
 mod view_state;
@@ -83,6 +84,7 @@ pub use shading::transparency::{
     FragmentCounts, TransparencyFallback, TransparencyMethod, TransparencyOptions,
 };
 pub use shadows::{LightShadow, ShadowIo, ShadowMapIo, ShadowMaskIo};
+pub use tessellation::{TessellationPath, Tessellator};
 pub use update::UpdateReport;
 pub use view_state::ViewState;
 pub use views::{FrameReport, FrameRequest, ViewTarget, Viewpoint, ViewsRequest};

@@ -26,6 +26,7 @@ mod image;
 pub mod limits;
 mod mesh;
 mod outwardness;
+mod patches;
 mod pieces;
 mod pose_bounds;
 mod prepared_mesh;
@@ -57,6 +58,11 @@ pub use mesh::{
     pack_unorm, unpack_normal, unpack_unorm,
 };
 pub use outwardness::{ENCLOSING, outwardness};
+pub use patches::{
+    EvaluatedPoint, MAX_LEVEL, MAX_PATCHES, Patch, PatchEdge, PatchError, PatchSurface,
+    SurfaceGrid, SurfacePoint, TessellationLevels, TessellationView, ellipsoid, evaluated,
+    tessellated,
+};
 pub use pieces::{PieceLimits, PieceMap, spatial_pieces};
 pub use pose_bounds::PoseBounds;
 pub use prepared_mesh::PreparedMesh;

@@ -47,4 +47,4 @@ pub use motion::{Cast, Motion};
 pub use parts::{PartId, PartNode, PartTree};
 pub use path::{CameraPath, PathKind};
 pub use routes::{Flight, Routes, Streets};
-pub use waffle_maker::{Hinge, WaffleMaker, waffle_maker};
+pub use waffle_maker::{CurvedMesh, Hinge, WaffleMaker, waffle_maker};

@@ -9,7 +9,8 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use cull::{Camera, ObjectId, Projection};
 use glam::{Affine3A, Quat, Vec2, Vec3, vec2, vec3};
 use scene::{
-    FOV_Y_RAD, Light, Material, MaterialId, Mesh, MeshId, Object, ObjectChange, Scene, SceneUpdate,
+    FOV_Y_RAD, Light, Material, MaterialId, Mesh, MeshId, Object, ObjectChange, PatchSurface,
+    Scene, SceneUpdate,
 };
 
 use super::parts::{PartId, PartNode, PartTree};
@@ -54,6 +55,15 @@ impl Hinge {
     }
 }
 
+/// A mesh that comes from a curved surface, and can be made anew at other levels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CurvedMesh {
+    /// The mesh.
+    pub mesh: MeshId,
+    /// The surface.
+    pub surface: PatchSurface,
+}
+
 /// The waffle maker, closed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaffleMaker {
@@ -65,6 +75,8 @@ pub struct WaffleMaker {
     pub lid: PartId,
     /// The logo, a picture 0.3 mm over the lid.
     pub logo: ObjectId,
+    /// The knob on the lid, of Bezier patches. None if it had no surface.
+    pub knob: Option<CurvedMesh>,
     /// The hinge of the lid.
     pub hinge: Hinge,
     /// The cameras of a way around it, which is closed.
@@ -138,6 +150,7 @@ pub fn waffle_maker() -> WaffleMaker {
     add_base(&mut maker, base);
     let lid = maker.parts.group("lid", root);
     let logo = add_lid(&mut maker, lid);
+    let knob = add_knob(&mut maker, lid);
     let Maker { meshes, finishes, objects, parts } = maker;
     let name = "waffle maker".to_owned();
     let light = Light::afternoon();
@@ -160,7 +173,7 @@ pub fn waffle_maker() -> WaffleMaker {
         inwards_rad: FRAC_PI_2,
     };
     let routes = Routes { seed: 0, streets: Streets::default(), flight };
-    WaffleMaker { scene, parts, lid, logo, hinge, cameras: cameras(), routes }
+    WaffleMaker { scene, parts, lid, logo, knob, hinge, cameras: cameras(), routes }
 }
 
 /// Returns cameras around it, the first before its front, which look at its middle.
@@ -236,6 +249,15 @@ fn add_lid(maker: &mut Maker, lid: PartId) -> ObjectId {
     let logo = ObjectId(maker.objects.len() as u32);
     maker.fixed(lid, Finish::Plastic, logo::decal(0.1108));
     logo
+}
+
+/// Adds the knob on the lid, at a level for a view of the whole.
+fn add_knob(maker: &mut Maker, lid: PartId) -> Option<CurvedMesh> {
+    let surface = shapes::knob()?;
+    let mesh = MeshId(maker.meshes.len() as u32);
+    let place = [at(0.0, 0.1187, 0.055)];
+    maker.add(lid, Finish::Metal, shapes::tessellated_knob(&surface), &place);
+    Some(CurvedMesh { mesh, surface })
 }
 
 /// Gives each mesh the material of its finish.

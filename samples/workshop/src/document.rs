@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use antumbra::ObjectId;
 use antumbra::cull::{Aabb, SectionMember};
 use antumbra::glam::{Affine3A, Vec3};
-use antumbra::scene::{Mesh, Object, Scene};
-use scenes::{Hinge, PartId, PartTree};
+use antumbra::scene::{Mesh, MeshId, Object, PreparedMesh, Scene, TessellationLevels};
+use scenes::{CurvedMesh, Hinge, PartId, PartTree};
 use thiserror::Error;
 
 use crate::explode::explode;
@@ -56,6 +56,15 @@ pub enum CommandError {
     BadSolid(#[from] BadSolid),
 }
 
+/// A curved mesh of a document.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CurvedPart {
+    /// The mesh and its surface.
+    pub curved: CurvedMesh,
+    /// The levels that the mesh was made at; none as the model came.
+    pub levels: Option<TessellationLevels>,
+}
+
 /// A model and the state in which it is shown.
 pub struct Document {
     /// The scene at rest. Its objects are the parts.
@@ -64,6 +73,8 @@ pub struct Document {
     pub parts: PartTree,
     /// The lid, if the model has one.
     pub lid: Option<Lid>,
+    /// The curved meshes; none as created.
+    pub curved: Vec<CurvedPart>,
     /// The part of each object.
     part_of_object: Vec<Option<PartId>>,
     displays: Vec<Display>,
@@ -100,6 +111,7 @@ impl Document {
             lid_rad: lid.map_or(0.0, |lid| lid.hinge.closed_rad),
             selected: BTreeSet::new(),
             collision: None,
+            curved: Vec::new(),
             scene,
             parts,
             lid,
@@ -163,6 +175,20 @@ impl Document {
     /// Returns the mesh of an object.
     pub fn mesh(&self, object: ObjectId) -> Option<&Mesh> {
         self.scene.mesh_of(self.scene.objects.get(object.0 as usize)?)
+    }
+
+    /// Exchanges a mesh of the scene, with its surface.
+    pub fn set_mesh(&mut self, id: MeshId, mesh: PreparedMesh) {
+        let index = id.0 as usize;
+        let Scene { meshes, surfaces, .. } = &mut self.scene;
+        let surface = surfaces.as_mut().and_then(|surfaces| surfaces.meshes.get_mut(index));
+        if let (Some(old), Some(new)) = (surface, mesh.surface()) {
+            *old = new.clone();
+        }
+        if let Some(old) = meshes.get_mut(index) {
+            *old = mesh.mesh().clone();
+        }
+        self.collision = None;
     }
 
     /// Returns the name of an object's part.

@@ -15,6 +15,7 @@ pub mod hit;
 pub mod measure;
 pub mod orbit;
 pub mod report;
+pub mod retessellate;
 pub mod run;
 pub mod script;
 pub mod session;

@@ -65,6 +65,13 @@ pub enum CommandOutcome {
         /// Its length from corner to corner, in millimetres; `None` where no edge is near.
         length_mm: Option<f64>,
     },
+    /// Curved parts were made anew.
+    Tessellated {
+        /// Their triangles.
+        triangles: u64,
+        /// The way in which the device computed them.
+        path: String,
+    },
     /// Frames were drawn.
     Played {
         /// The number of frames.
@@ -117,6 +124,9 @@ impl CommandOutcome {
                 Some(format!("distance {}", millimetres(distance_mm)))
             }
             Self::Edge { length_mm } => Some(format!("edge {}", millimetres(length_mm))),
+            Self::Tessellated { triangles, path } => {
+                Some(format!("{triangles} triangles by {path}"))
+            }
             Self::Image { file, .. } | Self::Exported { file, .. } => Some(format!("wrote {file}")),
         }
     }

@@ -16,7 +16,7 @@ use bench::terminal::output::say_wrote;
 use bench::terminal::{Ending, shown};
 
 use crate::args::WorkshopArguments;
-use crate::document::{Document, Lid};
+use crate::document::{CurvedPart, Document, Lid};
 use crate::file_parts::file_parts;
 use crate::report::{CommandOutcome, ScriptReport, ScriptStep};
 use crate::script::{self, ScriptLine};
@@ -144,10 +144,10 @@ pub(crate) fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
         "waffle" => {
             let made = scenes::waffle_maker();
             let lid = Lid { group: made.lid, hinge: made.hinge };
-            Ok(Model {
-                document: Document::new(made.scene, made.parts, Some(lid)),
-                path: made.cameras,
-            })
+            let mut document = Document::new(made.scene, made.parts, Some(lid));
+            let curved = made.knob.into_iter().map(|curved| CurvedPart { curved, levels: None });
+            document.curved.extend(curved);
+            Ok(Model { document, path: made.cameras })
         }
         "assembly" => {
             let made = scenes::assembly(arguments.parts, arguments.seed)?;

@@ -112,6 +112,11 @@ pub enum Command {
     },
     /// Changes the projection: 0 is perspective, 1 orthographic.
     Flatness(f32),
+    /// Makes curved parts anew for the image.
+    Tessellate {
+        /// The wanted length of the sides of their triangles, in pixels.
+        piece_px: f32,
+    },
     /// Sees everything that is shown.
     Fit,
     /// Plays the camera's path once, in a number of frames.
@@ -175,6 +180,13 @@ impl Command {
                 "orthographic" => Ok(Self::Flatness(1.0)),
                 _ => Err(format!("a projection is perspective or orthographic, not '{rest}'")),
             },
+            "tessellate" => {
+                let piece_px = number(rest, "a length in pixels")?;
+                if !(0.25..=10_000.0).contains(&piece_px) {
+                    return Err(format!("a length is 0.25 to 10000 pixels, not {piece_px}"));
+                }
+                Ok(Self::Tessellate { piece_px })
+            }
             "fit" => nothing(Self::Fit),
             "play" => {
                 rest.parse().ok().filter(|frames| (1..=100_000).contains(frames)).map_or_else(
@@ -189,7 +201,7 @@ impl Command {
             "image" => file(rest, "png").map(Self::Image),
             "export" => file(rest, "glb").map(Self::Export),
             _ => Err(format!(
-                "unknown command '{verb}'; there are pick, select, deselect, hide, show, isolate, ghost, lid, explode, assemble, distance, edge, edges, depth-complexity, section, whole, cut, view, projection, fit, play, image, export"
+                "unknown command '{verb}'; there are pick, select, deselect, hide, show, isolate, ghost, lid, explode, assemble, distance, edge, edges, depth-complexity, section, whole, cut, view, projection, tessellate, fit, play, image, export"
             )),
         }
     }
@@ -219,6 +231,7 @@ impl Command {
             Self::View(_) => "view",
             Self::Camera(_) => "camera",
             Self::Flatness(_) => "projection",
+            Self::Tessellate { .. } => "tessellate",
             Self::Fit => "fit",
             Self::Play { .. } => "play",
             Self::Image(_) => "image",
@@ -350,6 +363,7 @@ mod tests {
             ("explode 12", Command::Explode { gap_mm: 12.0 }),
             ("view iso", Command::View(CubeView::ISOMETRIC)),
             ("projection orthographic", Command::Flatness(1.0)),
+            ("tessellate 4", Command::Tessellate { piece_px: 4.0 }),
             ("play 30", Command::Play { frames: 30 }),
             ("image out/a b.png", Command::Image(PathBuf::from("out/a b.png"))),
         ] {
@@ -375,6 +389,7 @@ mod tests {
             ("section 1,0", "four numbers"),
             ("edges thick", "visible, hidden"),
             ("depth-complexity 3", "is on or off"),
+            ("tessellate 0", "0.25 to 10000 pixels"),
             ("play 0", "1 to 100000"),
             ("export part.stl", "ends in .glb"),
             ("select", "takes the name"),

@@ -23,6 +23,7 @@ use crate::hit::{Ray, hit_mesh};
 use crate::measure::edge_length;
 use crate::orbit::OrbitCamera;
 use crate::report::{CommandOutcome, LidTurn, PickedPoint};
+use crate::retessellate::{CurvedParts, Tessellated};
 use crate::script::{Command, Pixel};
 use crate::viewport::{MOST_GHOSTED_OBJECTS, ModelViewport, PointedPixel, SeenObject};
 
@@ -34,6 +35,7 @@ pub struct WorkshopSession {
     /// The document.
     pub document: Document,
     viewport: ModelViewport,
+    curved: CurvedParts,
     camera: OrbitCamera,
     /// The cameras of the model's path.
     path: Vec<Camera>,
@@ -84,7 +86,8 @@ impl WorkshopSession {
         let bounds = document.shown_bounds();
         let camera = fitted(&bounds, size);
         let hovered = None;
-        let mut session = Self { camera, document, viewport, path, size, bounds, hovered };
+        let curved = CurvedParts::default();
+        let mut session = Self { camera, document, viewport, curved, path, size, bounds, hovered };
         session.follow()?;
         Ok(session)
     }
@@ -131,6 +134,7 @@ impl WorkshopSession {
                 self.camera = OrbitCamera { target, height_m, ..self.camera };
                 CommandOutcome::Done
             }
+            Command::Tessellate { piece_px } => self.tessellate(*piece_px)?,
             Command::Play { frames } => self.play(*frames)?,
             Command::Image(file) => self.image(file)?,
             Command::Export(file) => self.export(file)?,
@@ -286,6 +290,21 @@ impl WorkshopSession {
             self.viewport.draw(&camera, None)?;
         }
         Ok(CommandOutcome::Played { frames })
+    }
+
+    /// Makes the curved parts anew for the image.
+    fn tessellate(&mut self, piece_px: f32) -> Result<CommandOutcome, RunError> {
+        let camera = self.camera();
+        let made =
+            self.curved.tessellate(&mut self.viewport, &mut self.document, &camera, piece_px)?;
+        self.follow()?;
+        self.viewport.await_uploads(&camera)?;
+        let outcome = made.map(|Tessellated { triangles, path }| CommandOutcome::Tessellated {
+            triangles,
+            path: path.name().to_owned(),
+        });
+        let refused = || CommandOutcome::Refused("this model has no curved part".to_owned());
+        Ok(outcome.unwrap_or_else(refused))
     }
 
     fn image(&mut self, file: &Path) -> Result<CommandOutcome, RunError> {

@@ -6,11 +6,11 @@ use antumbra::gpu::{Device, Readback, SampleCount};
 use antumbra::occlusion::Rect;
 use antumbra::render::{
     DebugOverlay, EdgeMode, EdgeOptions, Error, HostOverlay, ObjectOutline, PointedSurface,
-    TransparencyOptions,
+    SpareRoom, TransparencyOptions,
 };
 use antumbra::scene::{
-    Alpha, MaterialId, MeshId, Object, ObjectChange, Scene, SceneUpdate, Surfaces, TransparentId,
-    TransparentMove,
+    Alpha, MaterialId, MeshId, Object, ObjectChange, PreparedMesh, Scene, SceneUpdate, Surfaces,
+    TransparentId, TransparentMove,
 };
 use antumbra::{Camera, FrameRequest, ObjectId, Renderer, RendererOptions, ViewState};
 use bench::transparency::{FragmentsReport, TransparencyReport};
@@ -37,6 +37,18 @@ const OUTLINE_PIXELS: f32 = 2.0;
 /// The frames of a view after which its results have been read.
 const FRAMES_BEFORE_OVERLAY: u32 = 4;
 
+/// Room for curved parts that are made anew.
+const CURVED_ROOM: SpareRoom = SpareRoom {
+    meshes: 2,
+    vertices: 1 << 17,
+    indices: 1 << 19,
+    lights: 0,
+    directional_lights: 0,
+    levels: 0,
+    materials: 0,
+    textures: Vec::new(),
+};
+
 /// The place of a transparent part that is not shown: a point.
 const NOWHERE: Affine3A =
     Affine3A { matrix3: Mat3A::ZERO, translation: antumbra::glam::Vec3A::ZERO };
@@ -58,6 +70,8 @@ pub struct ModelViewport {
     counting: ViewState,
     /// The objects of the document, in their order.
     placed: Vec<Placed>,
+    /// The renderer's mesh for each one of the document.
+    meshes: Vec<MeshId>,
     has_ghosts: bool,
     /// The objects whose visible samples are counted, by their ids in the document.
     watched: Vec<ObjectId>,
@@ -97,7 +111,9 @@ impl ModelViewport {
     ) -> Result<Self, Error> {
         let mut scene = document.scene.clone().with_surfaces();
         let has_ghosts = add_ghosts(&mut scene);
-        let options = RendererOptions { size, samples, transparency, ..RendererOptions::default() };
+        let spare = if document.curved.is_empty() { SpareRoom::default() } else { CURVED_ROOM };
+        let options =
+            RendererOptions { size, samples, transparency, spare, ..RendererOptions::default() };
         let renderer = Renderer::new(device, &scene, &options)?;
         let placed = |object: ObjectId| Placed {
             object: Some(object),
@@ -108,6 +124,7 @@ impl ModelViewport {
             view: renderer.new_view()?,
             counting: renderer.new_view()?,
             placed: document.objects().map(placed).collect(),
+            meshes: (0..document.scene.meshes.len() as u32).map(MeshId).collect(),
             renderer,
             has_ghosts,
             watched: Vec::new(),
@@ -117,6 +134,11 @@ impl ModelViewport {
     /// Returns true if parts can be shown transparent.
     pub fn has_ghosts(&self) -> bool {
         self.has_ghosts
+    }
+
+    /// Returns the device.
+    pub fn device(&self) -> &Device {
+        self.renderer.device()
     }
 
     /// Returns the view of a camera.
@@ -156,7 +178,9 @@ impl ModelViewport {
                     placed.object = None;
                 }
                 (None, Display::Shown) => {
-                    let object = Object { transform, ..document.scene.objects[index] };
+                    let object = document.scene.objects[index];
+                    let mesh = self.meshes[object.mesh.0 as usize];
+                    let object = Object { mesh, transform, ..object };
                     update.objects.push(ObjectChange::Add { object });
                     added.push(index);
                 }
@@ -334,6 +358,47 @@ impl ModelViewport {
             return Ok(());
         }
         self.renderer.set_outlined(&outlines)
+    }
+
+    /// Exchanges a mesh of the document. Its objects are shown again with the next
+    /// [`ModelViewport::follow`], as soon as it is uploaded.
+    ///
+    /// # Errors
+    /// No room.
+    pub(crate) fn set_mesh(
+        &mut self,
+        document: &Document,
+        id: MeshId,
+        mesh: PreparedMesh,
+    ) -> Result<(), Error> {
+        let added = self.renderer.add_meshes(vec![mesh])?;
+        let mut update = SceneUpdate::default();
+        for (placed, object) in self.placed.iter_mut().zip(&document.scene.objects) {
+            if object.mesh == id
+                && let Some(object) = placed.object.take()
+            {
+                update.objects.push(ObjectChange::Remove { object });
+                placed.display = Display::Hidden;
+            }
+        }
+        self.renderer.apply(&update)?;
+        for (old, new) in self.meshes.get_mut(id.0 as usize).into_iter().zip(added) {
+            let removed = std::mem::replace(old, new);
+            self.renderer.remove_meshes(&[removed])?;
+        }
+        Ok(())
+    }
+
+    /// Draws until all meshes are there.
+    ///
+    /// # Errors
+    /// Those of [`ModelViewport::draw`].
+    pub fn await_uploads(&mut self, camera: &Camera) -> Result<(), Error> {
+        while self.renderer.is_uploading() {
+            self.draw(camera, None)?;
+        }
+        // What arrived last is drawn from the next frame on.
+        self.draw(camera, None)
     }
 
     /// Cuts all objects by planes from the next frame on.

@@ -80,6 +80,41 @@ fn a_script_picks_turns_the_lid_explodes_measures_and_exports() {
 }
 
 #[test]
+fn the_knob_is_made_anew_for_the_image_and_exported() {
+    for device in ["llvmpipe", "SwiftShader"] {
+        let scratch = Scratch::new(&format!("workshop-tessellate-{device}"));
+        let script = "\
+            export before.glb\n\
+            tessellate 64\n\
+            image coarse.png\n\
+            tessellate 0.5\n\
+            image fine.png\n\
+            hide lid knob\n\
+            image without.png\n\
+            show\n\
+            image again.png\n\
+            export after.glb\n";
+        let output = run(&scratch, script, &["--device", device]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let steps = steps(&scratch);
+        let made = [1, 3].map(|step| &steps[step]["tessellated"]);
+        assert!(made.iter().all(|made| made["path"] == "compute"), "{steps:#?}");
+        let [coarse, fine] = made.map(|made| made["triangles"].as_u64().unwrap());
+        assert!(coarse >= 8 && coarse * 16 < fine, "{coarse} {fine}");
+        let image = |name: &str| pixels(&scratch.0.join(name));
+        assert!(
+            image("coarse.png") != image("fine.png") && image("fine.png") == image("again.png")
+        );
+        assert!(image("without.png") != image("fine.png"));
+        let bytes = |step: usize| steps[step]["exported"]["bytes"].as_u64().unwrap();
+        assert!(bytes(9) > bytes(0) + fine * 6, "{steps:#?}");
+    }
+    let scratch = Scratch::new("workshop-tessellate-none");
+    let output = run(&scratch, "tessellate 4\n", &["assembly", "--parts", "20"]);
+    assert!(stderr(&output).contains("no curved part"), "{}", stderr(&output));
+}
+
+#[test]
 fn an_empty_selection_and_what_is_not_there_change_nothing() {
     let scratch = Scratch::new("workshop-refused");
     let script = "\

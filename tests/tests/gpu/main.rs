@@ -70,6 +70,7 @@ mod slivers;
 mod sorted_fragments;
 mod strategies;
 mod streaming;
+mod tessellation;
 mod testers;
 mod textures;
 mod threshold;

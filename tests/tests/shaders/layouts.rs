@@ -218,6 +218,15 @@ fn scattering_knows_only_values() {
 }
 
 #[test]
+fn points_of_patches_are_four_words_each() {
+    assert_eq!((size_of::<scene::SurfacePoint>(), size_of::<scene::EvaluatedPoint>()), (16, 16));
+    let words = |binding| (binding, 4, vec![0]);
+    let points = |binding| (binding, 16, vec![0]);
+    let buffers = vec![points(0), words(1), words(2), points(3)];
+    assert_eq!(interface("patch_points.comp"), (buffers, 4));
+}
+
+#[test]
 fn surfaces_have_materials_transforms_lights_and_lists() {
     // Rows and tail; then four vectors of a material.
     let objects = vec![(0, 64, vec![0, 48]), (1, 64, vec![0, 16, 32, 48])];

@@ -3,7 +3,7 @@
 use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3, vec2, vec3};
-use scene::Mesh;
+use scene::{Mesh, PatchSurface, TessellationLevels, ellipsoid, tessellated};
 
 use super::super::builder::Paint;
 use super::super::solid::{Solid, circle, rounded};
@@ -194,6 +194,17 @@ pub(super) fn grip() -> Mesh {
         (if step == 0 || step == STEPS { 0.0 } else { radius * round }, 0.080 * along)
     });
     turned("grip", BLACK, &profile.collect::<Vec<_>>(), 40)
+}
+
+/// Returns the surface of the knob, about its middle.
+pub(super) fn knob() -> Option<PatchSurface> {
+    ellipsoid(vec3(0.011, 0.008, 0.011)).ok()
+}
+
+/// Returns the mesh of the knob.
+pub(super) fn tessellated_knob(surface: &PatchSurface) -> Mesh {
+    let levels = TessellationLevels::uniform(surface, 4);
+    tessellated(surface, &levels, "lid knob", Paint::srgb(STEEL).packed())
 }
 
 /// Returns a screw along y, its head with a hexagonal socket.

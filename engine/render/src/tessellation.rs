@@ -1,0 +1,175 @@
+//! Curved surfaces computed on the GPU, and read back as meshes some frames later without a wait.
+
+use std::iter::repeat_n;
+
+use bytemuck::{Pod, Zeroable};
+use gpu::{
+    Access, ComputePipeline, Device, FlagRing, FrameRing, MemoryBarrier, ResultSource,
+    StorageLayout, Tick,
+};
+use occlusion::ShaderSet;
+use scene::limits::STORAGE_BYTES_ANYWHERE;
+use scene::{EvaluatedPoint, Mesh, PatchSurface, SurfaceGrid, TessellationLevels};
+
+use crate::error::Error;
+
+/// The words of a point that is computed.
+const POINT_WORDS: usize = size_of::<EvaluatedPoint>() / size_of::<u32>();
+
+/// The most points of a request: each device takes a buffer of them.
+const MAX_POINTS: u64 = STORAGE_BYTES_ANYWHERE / size_of::<EvaluatedPoint>() as u64;
+
+const GROUP_THREADS: u32 = 64;
+
+/// The most workgroups: more do not make it faster, and every device allows 65535.
+const GROUPS_MAX: u32 = 4096;
+
+/// The way in which a device computes the points of surfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum TessellationPath {
+    /// A compute pass, on every device.
+    Compute,
+}
+
+impl TessellationPath {
+    /// Returns its name, for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            TessellationPath::Compute => "compute",
+        }
+    }
+}
+
+/// Mirrors `patch_points.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    point_count: u32,
+}
+
+/// A request on its way.
+struct Asked {
+    grid: SurfaceGrid,
+    name: String,
+    colour: u32,
+    tick: Tick,
+}
+
+/// The pass that computes surfaces on the GPU, one at a time, by commands of its own beside those
+/// of renderers of the same device. Its meshes are ordinary ones: hand them to
+/// [`Renderer::add_meshes`](crate::Renderer::add_meshes) and remove those that they replace.
+pub struct Tessellator {
+    device: Device,
+    pipeline: ComputePipeline,
+    frames: FrameRing,
+    results: FlagRing<()>,
+    asked: Option<Asked>,
+}
+
+impl Tessellator {
+    /// Compiles the pass.
+    ///
+    /// # Errors
+    /// No memory, or a failed call.
+    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        let name = "patch_points.comp";
+        let storage = StorageLayout::new::<Constants>(4);
+        Ok(Self {
+            pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)?,
+            frames: FrameRing::new(device, 1)?,
+            results: FlagRing::new(device, 1, ResultSource::Compute, "surface points"),
+            device: device.clone(),
+            asked: None,
+        })
+    }
+
+    /// Returns the way in which points are computed.
+    pub fn path(&self) -> TessellationPath {
+        TessellationPath::Compute
+    }
+
+    /// Returns true while a request is on its way, or its mesh is not taken.
+    pub fn is_busy(&self) -> bool {
+        self.asked.is_some()
+    }
+
+    /// Asks for a surface at these levels as a mesh with a name and one colour; see
+    /// [`Vertex::colour`](scene::Vertex::colour). Nothing waits. While another request
+    /// [is on its way](Tessellator::is_busy) this one is not begun: ask again, with the newest
+    /// levels, in the next frame. Returns true if it was begun.
+    ///
+    /// # Errors
+    /// [`Error::SceneTooLarge`] for more points than a buffer of every device holds; no memory, or
+    /// a failed call.
+    pub fn request(
+        &mut self,
+        surface: &PatchSurface,
+        levels: &TessellationLevels,
+        name: &str,
+        colour: u32,
+    ) -> Result<bool, Error> {
+        if self.is_busy() {
+            return Ok(false);
+        }
+        let wanted = SurfaceGrid::point_count(surface, levels);
+        if wanted > MAX_POINTS {
+            return Err(Error::SceneTooLarge {
+                what: "points of a curved surface",
+                wanted,
+                limit: MAX_POINTS,
+                instead: "use lower levels, or several surfaces",
+            });
+        }
+        let grid = SurfaceGrid::new(surface, levels);
+        let tick = self.submit(surface, &grid)?;
+        self.asked = Some(Asked { grid, name: name.to_owned(), colour, tick });
+        Ok(true)
+    }
+
+    /// Returns the mesh that was asked for, once, as soon as it is there; `None` before that, and
+    /// for a request that never ran since the device was lost. Never waits.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn finished(&mut self) -> Result<Option<Mesh>, Error> {
+        let completed = self.device.completed()?;
+        let Some(asked) = self.asked.take_if(|asked| asked.tick <= completed) else {
+            return Ok(None);
+        };
+        let mut mesh = None;
+        self.results.collect(completed, |_, words| {
+            // The words are aligned for whole numbers, as points are.
+            let points: &[EvaluatedPoint] = bytemuck::cast_slice(words);
+            mesh = Some(asked.grid.mesh(points, &asked.name, asked.colour));
+        });
+        Ok(mesh)
+    }
+
+    /// Submits the pass for these points, and the copy of its results.
+    fn submit(&mut self, surface: &PatchSurface, grid: &SurfaceGrid) -> Result<Tick, Error> {
+        let mut frame = self.frames.begin()?;
+        let point_count = grid.points().len() as u32;
+        let places = surface.control_points().iter().map(|point| point.to_array());
+        let patches = surface.patches().iter().map(|patch| patch.control_points);
+        let points = frame.uploads().push(grid.points())?;
+        let patches = frame.uploads().push_iter(patches)?;
+        let places = frame.uploads().push_iter(places)?;
+        self.results.begin(&frame, repeat_n((), grid.points().len() * POINT_WORDS))?;
+        if let Some(results) = self.results.results() {
+            let commands = frame.commands();
+            commands.pass("compute surface", |commands| {
+                let cleared = MemoryBarrier::between(&[Access::CopyWrite], &[Access::ComputeWrite]);
+                commands.barrier(cleared);
+                commands.bind_compute(&self.pipeline, &[points, patches, places, results]);
+                commands.push_compute_constants(&self.pipeline, &Constants { point_count });
+                let groups = point_count.div_ceil(GROUP_THREADS);
+                commands.dispatch([groups.clamp(1, GROUPS_MAX), 1, 1]);
+                self.results.read_back(commands);
+            });
+        }
+        let tick = frame.submit(None)?;
+        self.results.submitted(tick);
+        Ok(tick)
+    }
+}
