@@ -242,6 +242,37 @@ fn bind_and_view(
     }
 }
 
+/// A view of the depths of an image that has a stencil beside them, for shaders that read it.
+pub(crate) struct DepthView {
+    device: Device,
+    pub(crate) raw: vk::ImageView,
+}
+
+impl DepthView {
+    /// Creates a view of an image of `format`.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) fn new(
+        device: &Device,
+        image: vk::Image,
+        format: vk::Format,
+    ) -> Result<Self, Error> {
+        let view = plain_view(format, vk::ImageAspectFlags::DEPTH, [1, 1]).image(image);
+        // SAFETY: a live image of this format, with depths.
+        let raw = unsafe { device.raw().create_image_view(&view, device.callbacks()) }
+            .called("vkCreateImageView")?;
+        device.name(raw, "depths beside a stencil");
+        Ok(Self { device: device.clone(), raw })
+    }
+}
+
+impl Drop for DepthView {
+    fn drop(&mut self) {
+        self.device.retire(Retired::ImageView(self.raw));
+    }
+}
+
 impl Drop for Image {
     fn drop(&mut self) {
         if let Some(allocation) = self.allocation.take() {

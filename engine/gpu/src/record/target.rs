@@ -156,7 +156,8 @@ impl Target {
         let target = Self::multisampled(device, size, samples, name)?;
         let attachments = Attachments { depth: DEPTH_AND_STENCIL_FORMAT, ..target.attachments };
         attachments.check(device)?;
-        let (name, aspect) = (format!("{name} depth and stencil"), vk::ImageAspectFlags::DEPTH);
+        let name = format!("{name} depth and stencil");
+        let aspect = vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL;
         let attached = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         let depth = match samples {
             SampleCount::One => {
@@ -168,9 +169,10 @@ impl Target {
                 let usage = attached | vk::ImageUsageFlags::SAMPLED;
                 let format = DEPTH_AND_STENCIL_FORMAT;
                 TargetImage::multisampled(device, &name, (size, samples), format, usage, aspect)?
+                    .with_depth_view(device, format)?
             }
         };
-        Ok(Self { depth: depth.with_stencil(), attachments, ..target })
+        Ok(Self { depth, attachments, ..target })
     }
 
     /// Returns true if there is a stencil beside the depth.

@@ -4,7 +4,7 @@ use ash::vk;
 
 use crate::core::device::Device;
 use crate::core::error::Error;
-use crate::memory::image::Image;
+use crate::memory::image::{DepthView, Image};
 use crate::record::access::{Access, LayoutChange, MemoryBarrier};
 use crate::record::attachments::has_stencil;
 use crate::record::host_image::{HostImage, ImageState};
@@ -14,6 +14,8 @@ use crate::record::sample_count::SampleCount;
 pub(super) struct TargetImage {
     pub(super) raw: vk::Image,
     pub(super) view: vk::ImageView,
+    /// The view by which shaders read the depths; [`TargetImage::view`] where there is none.
+    depth_view: Option<DepthView>,
     aspect: vk::ImageAspectFlags,
     /// The layers that are drawn to, from the first on.
     layers: u32,
@@ -60,12 +62,25 @@ impl TargetImage {
 
     fn of_ours(image: Image, layers: u32, aspect: vk::ImageAspectFlags) -> Self {
         let (raw, view, access) = (image.raw, image.view, Access::Nothing);
-        Self { raw, view, aspect, layers, origin: Origin::Ours { _image: image }, access }
+        let origin = Origin::Ours { _image: image };
+        Self { raw, view, depth_view: None, aspect, layers, origin, access }
     }
 
-    /// Returns a depth image of a format with stencil, of which only the depth is read.
-    pub(super) fn with_stencil(self) -> Self {
-        Self { aspect: self.aspect | vk::ImageAspectFlags::STENCIL, ..self }
+    /// Adds a view of the depths alone: one that shaders read by has one aspect.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(super) fn with_depth_view(
+        self,
+        device: &Device,
+        format: vk::Format,
+    ) -> Result<Self, Error> {
+        Ok(Self { depth_view: Some(DepthView::new(device, self.raw, format)?), ..self })
+    }
+
+    /// Returns the view by which shaders read the depths.
+    pub(super) fn depth_view(&self) -> vk::ImageView {
+        self.depth_view.as_ref().map_or(self.view, |depths| depths.raw)
     }
 
     /// Takes so many layers of a host's image as an attachment for `attachment`.
@@ -79,7 +94,7 @@ impl TargetImage {
         };
         let origin = Origin::Host { entry: image.entry, exit: image.exit };
         let (raw, view, access) = (image.image, image.view, Access::Nothing);
-        Self { raw, view, aspect, layers, origin, access }
+        Self { raw, view, depth_view: None, aspect, layers, origin, access }
     }
 
     /// Returns the change to `to` by the first command of a recording that uses the image. Ours

@@ -163,10 +163,13 @@ impl OpaquePass {
         };
         let stencil = if kind == Kind::Mark { StencilMode::Mark } else { StencilMode::Ignored };
         let polygon = if kind == Kind::Wireframe { Polygon::Wireframe } else { Polygon::Filled };
-        let is_cut_depth = kind == Kind::Depth && section == SectionShaders::Cut;
-        let vertex = match is_cut_depth {
-            true => shaders.find("opaque_depth_section.vert")?,
-            false => shaders.find_of_objects("opaque", "vert")?,
+        // A vertex shader writes no more than its fragment shader reads.
+        let has_positions_alone =
+            section == SectionShaders::Cut && matches!(kind, Kind::Depth | Kind::Mark);
+        let vertex = if has_positions_alone {
+            shaders.find("opaque_depth_section.vert")?
+        } else {
+            shaders.find_of_objects("opaque", "vert")?
         };
         let all = VertexLayout {
             attributes: &[
@@ -180,7 +183,7 @@ impl OpaquePass {
             device,
             &GraphicsPipelineInfo {
                 fragment,
-                vertices: if is_cut_depth { POSITIONS } else { all },
+                vertices: if has_positions_alone { POSITIONS } else { all },
                 storage: StorageLayout::new::<Constants>(1 + section_buffers(section)),
                 polygon,
                 cull: culled_faces(section, vk::CullModeFlags::BACK),
