@@ -86,7 +86,7 @@ fn triangles_of_three_points_each_become_the_same_mesh() {
         walk_seams(&mesh);
         let expected = tessellated(&surface, &levels, "ball", 7);
         assert_eq!(mesh.triangles(), expected.triangles());
-        assert_eq!((mesh.vertices.len(), mesh.bounds), (expected.vertices.len(), expected.bounds));
+        assert_eq!(mesh.bounds, expected.bounds);
     }
     // Of a surface without poles nothing is left out.
     let points = (0..16).map(|point: u8| vec3(f32::from(point % 4), f32::from(point / 4), 0.0));
