@@ -43,7 +43,7 @@ pub const SUM_QUERIES: Shader = shader!("sum_queries.comp");
 pub const FARTHEST_DEPTHS: Shader = shader!("farthest_depths.comp");
 
 /// Every shader of the renderer's passes.
-pub const PASSES: [Shader; 105] = [
+pub const PASSES: [Shader; 108] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -85,6 +85,9 @@ pub const PASSES: [Shader; 105] = [
     shader!("list_places.comp"),
     shader!("skinning.comp"),
     shader!("patch_points.comp"),
+    shader!("patch_capture.vert"),
+    shader!("patch_capture.tesc"),
+    shader!("patch_capture.tese"),
     shader!("surface.vert"),
     shader!("surface.frag"),
     shader!("surface_shadowed.frag"),

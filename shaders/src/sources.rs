@@ -5,10 +5,12 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
+/// The endings of the names of stages.
+const STAGES: [&str; 6] = [".vert", ".tesc", ".tese", ".geom", ".frag", ".comp"];
+
 /// Returns the names of all stages in `folder`, sorted.
 pub fn stages(folder: &Path) -> Result<Vec<String>> {
-    let ends = [".vert", ".geom", ".frag", ".comp"];
-    let stage = |name: &String| ends.iter().any(|end| name.ends_with(end));
+    let stage = |name: &String| STAGES.iter().any(|end| name.ends_with(end));
     Ok(names(folder)?.into_iter().filter(stage).collect())
 }
 
@@ -18,8 +20,7 @@ pub fn stages(folder: &Path) -> Result<Vec<String>> {
 pub fn hashes(folder: &Path) -> Result<String> {
     let mut lines = String::new();
     for name in names(folder)? {
-        let shader = [".vert", ".geom", ".frag", ".comp", ".glsl", ".spv"];
-        if shader.iter().any(|end| name.ends_with(end)) {
+        if STAGES.iter().chain(&[".glsl", ".spv"]).any(|end| name.ends_with(end)) {
             let hash = Sha256::digest(std::fs::read(folder.join(&name))?);
             let hash: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();
             lines.push_str(&format!("{hash}  {name}\n"));

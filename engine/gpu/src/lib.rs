@@ -121,6 +121,7 @@ pub use crate::record::api::textures::TextureRows;
 pub use crate::record::attachments::{
     Attachments, COLOURS_MAX, ColourFormats, HostPass, NearDepth,
 };
+pub use crate::record::capture_pipeline::{CapturePipeline, CapturePipelineInfo};
 pub use crate::record::commands::Commands;
 pub use crate::record::finished_image::FinishedImage;
 pub use crate::record::frames::{Frame, FrameNumbers, FrameRing, SlotIndex};

@@ -4,12 +4,15 @@ use std::iter::repeat_n;
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{
-    Access, ComputePipeline, Device, FlagRing, FrameRing, MemoryBarrier, ResultSource,
-    StorageLayout, Tick,
+    Access, CapturePipeline, CapturePipelineInfo, Commands, ComputePipeline, Device, FlagRing,
+    FrameRing, MemoryBarrier, Optional, ResultSource, StorageLayout, Tick,
 };
 use occlusion::ShaderSet;
 use scene::limits::STORAGE_BYTES_ANYWHERE;
-use scene::{EvaluatedPoint, Mesh, PatchSurface, SurfaceGrid, TessellationLevels};
+use scene::{
+    EvaluatedPoint, Mesh, PatchSides, PatchSurface, SurfaceGrid, TessellationLevels, captured_mesh,
+    captured_triangle_count,
+};
 
 use crate::error::Error;
 
@@ -28,14 +31,27 @@ const GROUPS_MAX: u32 = 4096;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TessellationPath {
+    /// Tessellation shaders, whose triangles transform feedback captures. For devices with
+    /// [`Optional::TessellationCapture`].
+    Hardware,
     /// A compute pass, on every device.
     Compute,
 }
 
 impl TessellationPath {
+    /// Returns the path for a device.
+    pub fn of(device: &Device) -> Self {
+        if device.capabilities().has(Optional::TessellationCapture) {
+            Self::Hardware
+        } else {
+            Self::Compute
+        }
+    }
+
     /// Returns its name, for people.
     pub fn name(self) -> &'static str {
         match self {
+            TessellationPath::Hardware => "tessellation shaders",
             TessellationPath::Compute => "compute",
         }
     }
@@ -48,9 +64,23 @@ struct Constants {
     point_count: u32,
 }
 
+/// The pass of a path.
+enum TessellationPass {
+    Hardware(CapturePipeline),
+    Compute(ComputePipeline),
+}
+
+/// The order of the points of a request.
+enum AskedPoints {
+    /// Those of a grid.
+    OfGrid(SurfaceGrid),
+    /// Triangles, three points each.
+    OfTriangles,
+}
+
 /// A request on its way.
 struct Asked {
-    grid: SurfaceGrid,
+    points: AskedPoints,
     name: String,
     colour: u32,
     tick: Tick,
@@ -61,22 +91,50 @@ struct Asked {
 /// [`Renderer::add_meshes`](crate::Renderer::add_meshes) and remove those that they replace.
 pub struct Tessellator {
     device: Device,
-    pipeline: ComputePipeline,
+    pass: TessellationPass,
     frames: FrameRing,
     results: FlagRing<()>,
     asked: Option<Asked>,
 }
 
 impl Tessellator {
-    /// Compiles the pass.
+    /// Compiles the pass of the device's [path](TessellationPath::of).
     ///
     /// # Errors
     /// No memory, or a failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        let name = "patch_points.comp";
-        let storage = StorageLayout::new::<Constants>(4);
+        Self::by_path(device, shaders, TessellationPath::of(device))
+    }
+
+    /// Compiles the pass of a path.
+    ///
+    /// # Errors
+    /// A path that the device lacks; no memory, or a failed call.
+    pub fn by_path(
+        device: &Device,
+        shaders: &ShaderSet,
+        path: TessellationPath,
+    ) -> Result<Self, Error> {
+        let pass = match path {
+            TessellationPath::Hardware => {
+                let info = CapturePipelineInfo {
+                    name: "patch_capture",
+                    vertex: shaders.find("patch_capture.vert")?,
+                    control: shaders.find("patch_capture.tesc")?,
+                    evaluation: shaders.find("patch_capture.tese")?,
+                    storage: StorageLayout { buffers: 3, ..StorageLayout::default() },
+                };
+                TessellationPass::Hardware(CapturePipeline::new(device, &info)?)
+            }
+            TessellationPath::Compute => {
+                let name = "patch_points.comp";
+                let storage = StorageLayout::new::<Constants>(4);
+                let pipeline = ComputePipeline::new(device, name, shaders.find(name)?, storage)?;
+                TessellationPass::Compute(pipeline)
+            }
+        };
         Ok(Self {
-            pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)?,
+            pass,
             frames: FrameRing::new(device, 1)?,
             results: FlagRing::new(device, 1, ResultSource::Compute, "surface points"),
             device: device.clone(),
@@ -86,7 +144,10 @@ impl Tessellator {
 
     /// Returns the way in which points are computed.
     pub fn path(&self) -> TessellationPath {
-        TessellationPath::Compute
+        match self.pass {
+            TessellationPass::Hardware(_) => TessellationPath::Hardware,
+            TessellationPass::Compute(_) => TessellationPath::Compute,
+        }
     }
 
     /// Returns true while a request is on its way, or its mesh is not taken.
@@ -112,7 +173,10 @@ impl Tessellator {
         if self.is_busy() {
             return Ok(false);
         }
-        let wanted = SurfaceGrid::point_count(surface, levels);
+        let wanted = match self.pass {
+            TessellationPass::Hardware(_) => 3 * captured_triangle_count(surface, levels),
+            TessellationPass::Compute(_) => SurfaceGrid::point_count(surface, levels),
+        };
         if wanted > MAX_POINTS {
             return Err(Error::SceneTooLarge {
                 what: "points of a curved surface",
@@ -121,9 +185,12 @@ impl Tessellator {
                 instead: "use lower levels, or several surfaces",
             });
         }
-        let grid = SurfaceGrid::new(surface, levels);
-        let tick = self.submit(surface, &grid)?;
-        self.asked = Some(Asked { grid, name: name.to_owned(), colour, tick });
+        let points = match self.pass {
+            TessellationPass::Hardware(_) => AskedPoints::OfTriangles,
+            TessellationPass::Compute(_) => AskedPoints::OfGrid(SurfaceGrid::new(surface, levels)),
+        };
+        let tick = self.submit(surface, levels, &points, wanted as u32)?;
+        self.asked = Some(Asked { points, name: name.to_owned(), colour, tick });
         Ok(true)
     }
 
@@ -141,30 +208,54 @@ impl Tessellator {
         self.results.collect(completed, |_, words| {
             // The words are aligned for whole numbers, as points are.
             let points: &[EvaluatedPoint] = bytemuck::cast_slice(words);
-            mesh = Some(asked.grid.mesh(points, &asked.name, asked.colour));
+            mesh = Some(match &asked.points {
+                AskedPoints::OfGrid(grid) => grid.mesh(points, &asked.name, asked.colour),
+                AskedPoints::OfTriangles => captured_mesh(points, &asked.name, asked.colour),
+            });
         });
         Ok(mesh)
     }
 
-    /// Submits the pass for these points, and the copy of its results.
-    fn submit(&mut self, surface: &PatchSurface, grid: &SurfaceGrid) -> Result<Tick, Error> {
+    /// Submits the pass for so many points, and the copy of its results.
+    fn submit(
+        &mut self,
+        surface: &PatchSurface,
+        levels: &TessellationLevels,
+        points: &AskedPoints,
+        point_count: u32,
+    ) -> Result<Tick, Error> {
         let mut frame = self.frames.begin()?;
-        let point_count = grid.points().len() as u32;
         let places = surface.control_points().iter().map(|point| point.to_array());
         let patches = surface.patches().iter().map(|patch| patch.control_points);
-        let points = frame.uploads().push(grid.points())?;
+        let patch_count = surface.patches().len() as u32;
+        let of_points = match points {
+            AskedPoints::OfGrid(grid) => frame.uploads().push(grid.points())?,
+            AskedPoints::OfTriangles => {
+                frame.uploads().push_iter(PatchSides::of_surface(surface, levels))?
+            }
+        };
         let patches = frame.uploads().push_iter(patches)?;
         let places = frame.uploads().push_iter(places)?;
-        self.results.begin(&frame, repeat_n((), grid.points().len() * POINT_WORDS))?;
+        self.results.begin(&frame, repeat_n((), point_count as usize * POINT_WORDS))?;
         if let Some(results) = self.results.results() {
-            let commands = frame.commands();
-            commands.pass("compute surface", |commands| {
-                let cleared = MemoryBarrier::between(&[Access::CopyWrite], &[Access::ComputeWrite]);
-                commands.barrier(cleared);
-                commands.bind_compute(&self.pipeline, &[points, patches, places, results]);
-                commands.push_compute_constants(&self.pipeline, &Constants { point_count });
-                let groups = point_count.div_ceil(GROUP_THREADS);
-                commands.dispatch([groups.clamp(1, GROUPS_MAX), 1, 1]);
+            frame.commands().pass("compute surface", |commands| {
+                match &self.pass {
+                    TessellationPass::Hardware(pipeline) => {
+                        cleared_before(commands, Access::CaptureWrite);
+                        let buffers = [patches, places, of_points];
+                        commands.capture(pipeline, &buffers, patch_count, results);
+                        let captured = [Access::CaptureWrite];
+                        commands.barrier(MemoryBarrier::between(&captured, &[Access::CopyRead]));
+                    }
+                    TessellationPass::Compute(pipeline) => {
+                        cleared_before(commands, Access::ComputeWrite);
+                        let buffers = [of_points, patches, places, results];
+                        commands.bind_compute(pipeline, &buffers);
+                        commands.push_compute_constants(pipeline, &Constants { point_count });
+                        let groups = point_count.div_ceil(GROUP_THREADS);
+                        commands.dispatch([groups.clamp(1, GROUPS_MAX), 1, 1]);
+                    }
+                }
                 self.results.read_back(commands);
             });
         }
@@ -172,4 +263,9 @@ impl Tessellator {
         self.results.submitted(tick);
         Ok(tick)
     }
+}
+
+/// Lets results be cleared before they are written.
+fn cleared_before(commands: &Commands, written: Access) {
+    commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[written]));
 }

@@ -59,9 +59,9 @@ pub use mesh::{
 };
 pub use outwardness::{ENCLOSING, outwardness};
 pub use patches::{
-    EvaluatedPoint, MAX_LEVEL, MAX_PATCHES, Patch, PatchEdge, PatchError, PatchSurface,
-    SurfaceGrid, SurfacePoint, TessellationLevels, TessellationView, ellipsoid, evaluated,
-    tessellated,
+    EvaluatedPoint, MAX_LEVEL, MAX_PATCHES, Patch, PatchEdge, PatchError, PatchSides, PatchSurface,
+    SurfaceGrid, SurfacePoint, TessellationLevels, TessellationView, captured_mesh,
+    captured_triangle_count, ellipsoid, evaluated, tessellated,
 };
 pub use pieces::{PieceLimits, PieceMap, spatial_pieces};
 pub use pose_bounds::PoseBounds;

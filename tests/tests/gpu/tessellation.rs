@@ -1,11 +1,11 @@
 //! Curved surfaces that the GPU computes: like the oracle, without cracks, streamed into a renderer
 //! that draws and culls them like any other mesh.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use cull::{Camera, ObjectId, Projection, Strategy, View};
 use glam::{Affine3A, Vec3, vec3};
-use gpu::{Device, Readback};
+use gpu::{Device, DeviceOptions, Optional, Readback, vk};
 use render::{
     FrameRequest, Renderer, RendererOptions, ShaderSet, SpareRoom, TessellationPath, Tessellator,
     ViewState,
@@ -14,10 +14,11 @@ use scene::{
     Mesh, MeshId, Object, ObjectChange, Patch, PatchSurface, PreparedMesh, TessellationLevels,
     TessellationView, ellipsoid, tessellated, unpack_normal,
 };
-use tests::run_on_all;
+use tests::machine::Machine;
 use tests::shapes::{box_at, box_scene};
 use tests::stage::Random;
 use tests::walk::pixels_that_differ;
+use tests::{Driver, instance_with, run, run_on_all};
 
 const SIZE: [u32; 2] = [320, 240];
 const COLOUR: u32 = 0x00_40_80_C0;
@@ -30,6 +31,16 @@ fn random_levels(surface: &PatchSurface, seed: u64) -> TessellationLevels {
 
 fn tessellator(device: &Device) -> Tessellator {
     Tessellator::new(device, &ShaderSet::embedded().unwrap()).unwrap()
+}
+
+/// Returns a tessellator for each path of a device.
+fn tessellators(device: &Device) -> Vec<Tessellator> {
+    let mut paths = vec![TessellationPath::Compute];
+    if device.capabilities().has(Optional::TessellationCapture) {
+        paths.push(TessellationPath::Hardware);
+    }
+    let shaders = ShaderSet::embedded().unwrap();
+    paths.iter().map(|path| Tessellator::by_path(device, &shaders, *path).unwrap()).collect()
 }
 
 /// Returns what the GPU makes of a surface.
@@ -65,8 +76,10 @@ fn walk_seams(mesh: &Mesh) {
 fn the_gpu_agrees_with_the_oracle_and_leaves_no_crack() {
     run_on_all(|device| {
         let surface = ellipsoid(vec3(0.7, 1.3, 1.0)).unwrap();
-        let mut tessellator = tessellator(device);
-        assert_eq!(tessellator.path(), TessellationPath::Compute);
+        let shaders = ShaderSet::embedded().unwrap();
+        let path = TessellationPath::Compute;
+        let mut tessellator = Tessellator::by_path(device, &shaders, path).unwrap();
+        assert_eq!(tessellator.path(), path);
         for seed in 0..6 {
             let levels = random_levels(&surface, seed);
             let mesh = captured(device, &mut tessellator, &surface, &levels);
@@ -86,6 +99,76 @@ fn the_gpu_agrees_with_the_oracle_and_leaves_no_crack() {
     });
 }
 
+/// Returns the places of the vertices, as bits.
+fn places(mesh: &Mesh) -> BTreeSet<[u32; 3]> {
+    mesh.vertices.iter().map(|vertex| vertex.position.map(f32::to_bits)).collect()
+}
+
+/// Returns the volume of a closed mesh, below 0 if its triangles face inside.
+fn volume(mesh: &Mesh) -> f32 {
+    let of_triangle = |corners: &[u32; 3]| {
+        let [a, b, c] =
+            corners.map(|corner| Vec3::from_array(mesh.vertices[corner as usize].position));
+        a.dot(b.cross(c)) / 6.0
+    };
+    mesh.indices.as_chunks::<3>().0.iter().map(of_triangle).sum()
+}
+
+#[test]
+fn tessellation_shaders_make_the_points_of_the_compute_pass_and_leave_no_crack() {
+    run(Driver::Lavapipe, |device| {
+        let half_axes = vec3(0.7, 1.3, 1.0);
+        let surface = ellipsoid(half_axes).unwrap();
+        assert_eq!(tessellator(device).path(), TessellationPath::Hardware);
+        let [mut compute, mut hardware] = tessellators(device).try_into().ok().unwrap();
+        let random = (0..6).map(|seed| random_levels(&surface, seed));
+        let uniform = [1, 2, 64].map(|level| TessellationLevels::uniform(&surface, level));
+        for levels in random.chain(uniform) {
+            let expected = captured(device, &mut compute, &surface, &levels);
+            let mesh = captured(device, &mut hardware, &surface, &levels);
+            walk_seams(&mesh);
+            assert!(surface.bounds().contains(&mesh.bounds));
+            assert_eq!(mesh.triangles(), expected.triangles(), "{levels:?}");
+            let differ = places(&mesh).symmetric_difference(&places(&expected)).count();
+            assert_eq!(differ, 0, "{levels:?}");
+            let [volume, of_expected] = [&mesh, &expected].map(volume);
+            assert!(of_expected > 0.0, "it faces outside");
+            for vertex in &mesh.vertices {
+                let place = Vec3::from_array(vertex.position);
+                let exact = (place / (half_axes * half_axes)).normalize();
+                assert!(unpack_normal(vertex.normal).dot(exact) > 0.95, "{place}");
+            }
+            let share = volume / of_expected;
+            // A quad is divided along the one diagonal or the other.
+            assert!((0.8..1.25).contains(&share), "{volume}, {of_expected}, {levels:?}");
+        }
+    });
+}
+
+#[test]
+fn a_device_without_tessellation_shaders_computes_and_refuses_the_other_path() {
+    let hides: fn(&mut vk::PhysicalDeviceFeatures) =
+        |features| features.tessellation_shader = vk::FALSE;
+    let machine = Machine { hides: Some(hides), ..Machine::default() };
+    let instance = instance_with(machine.entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+    let missing = Optional::TessellationCapture;
+    assert!(!device.capabilities().has(missing));
+    let mut tessellator = tessellator(&device);
+    assert_eq!(tessellator.path(), TessellationPath::Compute);
+    let surface = ellipsoid(Vec3::ONE).unwrap();
+    let levels = random_levels(&surface, 7);
+    walk_seams(&captured(&device, &mut tessellator, &surface, &levels));
+    let shaders = ShaderSet::embedded().unwrap();
+    let refused = Tessellator::by_path(&device, &shaders, TessellationPath::Hardware);
+    let refused = refused.err().unwrap().to_string();
+    assert!(refused.contains(missing.name()), "{refused}");
+    drop(tessellator);
+    drop(device);
+    assert_eq!(instance.validation_log().drain(), []);
+}
+
 #[test]
 fn a_surface_of_too_many_points_is_refused_before_it_takes_memory() {
     run_on_all(|device| {
@@ -93,14 +176,15 @@ fn a_surface_of_too_many_points_is_refused_before_it_takes_memory() {
             Patch { control_points: [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] };
         let points = (0..16).map(|point: u8| Vec3::splat(f32::from(point))).collect();
         let surface = PatchSurface::new(points, vec![patch; 4000]).unwrap();
-        let mut tessellator = tessellator(device);
         let finest = TessellationLevels::uniform(&surface, 64);
-        let refused = tessellator.request(&surface, &finest, "many", COLOUR).unwrap_err();
-        assert!(refused.to_string().contains("points of a curved surface"), "{refused}");
         let coarse = TessellationLevels::uniform(&surface, 1);
-        assert!(tessellator.request(&surface, &coarse, "many", COLOUR).unwrap());
-        device.drain().unwrap();
-        assert_eq!(tessellator.finished().unwrap().unwrap().triangles(), 8000);
+        for mut tessellator in tessellators(device) {
+            let refused = tessellator.request(&surface, &finest, "many", COLOUR).unwrap_err();
+            assert!(refused.to_string().contains("points of a curved surface"), "{refused}");
+            assert!(tessellator.request(&surface, &coarse, "many", COLOUR).unwrap());
+            device.drain().unwrap();
+            assert_eq!(tessellator.finished().unwrap().unwrap().triangles(), 8000);
+        }
     });
 }
 
@@ -162,30 +246,36 @@ impl Stage {
 #[test]
 fn captured_surfaces_stream_into_a_renderer_and_cull_exactly() {
     run_on_all(|device| {
-        let surface = ellipsoid(Vec3::splat(0.8)).unwrap();
-        let transform = Affine3A::from_translation(vec3(0.9, 0.2, -1.5));
-        let mut tessellator = tessellator(device);
-        let mut stage = Stage::new(device);
-        let mut levels: Option<TessellationLevels> = None;
-        let mut triangles = Vec::new();
-        let mut images = Vec::new();
-        for z in [30.0, 8.0, 3.0] {
-            let projection = Projection::perspective(0.9);
-            let eye = vec3(0.0, 0.3, z);
-            let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 };
-            let view = View::new(&camera, SIZE, 8);
-            let wanted = TessellationView::new(&view, &transform, 4.0);
-            let now = TessellationLevels::new(&surface, &wanted, levels.as_ref());
-            let mesh = captured(device, &mut tessellator, &surface, &now);
-            triangles.push(mesh.triangles());
-            levels = Some(now);
-            let empty = stage.image(camera);
-            stage.show(mesh, transform);
-            let full = stage.image(camera);
-            assert!(pixels_that_differ(&empty, &full) > 0, "the surface shows at {z} m");
-            images.push(full);
+        for tessellator in tessellators(device) {
+            stream(device, tessellator);
         }
-        assert!(triangles.is_sorted() && triangles[0] * 4 < triangles[2], "{triangles:?}");
-        assert_ne!(images[0], images[2]);
     });
+}
+
+/// Streams a surface into a renderer as the camera comes nearer.
+fn stream(device: &Device, mut tessellator: Tessellator) {
+    let surface = ellipsoid(Vec3::splat(0.8)).unwrap();
+    let transform = Affine3A::from_translation(vec3(0.9, 0.2, -1.5));
+    let mut stage = Stage::new(device);
+    let mut levels: Option<TessellationLevels> = None;
+    let mut triangles = Vec::new();
+    let mut images = Vec::new();
+    for z in [30.0, 8.0, 3.0] {
+        let projection = Projection::perspective(0.9);
+        let eye = vec3(0.0, 0.3, z);
+        let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 };
+        let view = View::new(&camera, SIZE, 8);
+        let wanted = TessellationView::new(&view, &transform, 4.0);
+        let now = TessellationLevels::new(&surface, &wanted, levels.as_ref());
+        let mesh = captured(device, &mut tessellator, &surface, &now);
+        triangles.push(mesh.triangles());
+        levels = Some(now);
+        let empty = stage.image(camera);
+        stage.show(mesh, transform);
+        let full = stage.image(camera);
+        assert!(pixels_that_differ(&empty, &full) > 0, "the surface shows at {z} m");
+        images.push(full);
+    }
+    assert!(triangles.is_sorted() && triangles[0] * 4 < triangles[2], "{triangles:?}");
+    assert_ne!(images[0], images[2]);
 }

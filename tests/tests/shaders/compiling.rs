@@ -107,7 +107,8 @@ fn stages_are_told_by_their_extension() {
     for name in ["proxy.vertex", "proxy", "instance.glsl"] {
         std::fs::copy(copy.0.join("proxy.vert"), copy.0.join(name)).unwrap();
         let error = copy.error_of(name);
-        assert!(error.contains(name) && error.contains(".vert, .geom, .frag or .comp"), "{error}");
+        let endings = ".vert, .tesc, .tese, .geom, .frag or .comp";
+        assert!(error.contains(name) && error.contains(endings), "{error}");
     }
 }
 

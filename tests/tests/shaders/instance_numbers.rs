@@ -14,7 +14,7 @@ const DRAW_INDEX: u32 = 4426;
 /// from the index, and are drawn by direct draws or by one indirect draw at a time. Edges find
 /// their segment by it. `volume.vert` names the
 /// vertices of a triangle by it, for the geometry stage.
-const WITH_VERTEX_INDEX: [&str; 14] = [
+const WITH_VERTEX_INDEX: [&str; 15] = [
     "box_volume.vert",
     "cap.vert",
     "edge.vert",
@@ -25,6 +25,7 @@ const WITH_VERTEX_INDEX: [&str; 14] = [
     "flare_block.vert",
     "leaf_box.vert",
     "leaf_box_multiview.vert",
+    "patch_capture.vert",
     "proxy.vert",
     "proxy_multiview.vert",
     "sky.vert",

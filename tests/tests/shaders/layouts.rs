@@ -224,6 +224,10 @@ fn points_of_patches_are_four_words_each() {
     let points = |binding| (binding, 16, vec![0]);
     let buffers = vec![points(0), words(1), words(2), points(3)];
     assert_eq!(interface("patch_points.comp"), (buffers, 4));
+    assert_eq!(interface("patch_capture.vert"), (vec![words(0), words(1)], 0));
+    assert_eq!(size_of::<scene::PatchSides>(), 16);
+    assert_eq!(interface("patch_capture.tesc"), (vec![points(2)], 0));
+    assert_eq!(interface("patch_capture.tese"), (vec![], 0));
 }
 
 #[test]

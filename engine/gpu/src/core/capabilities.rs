@@ -6,7 +6,7 @@ use std::ffi::CStr;
 use ash::{ext, google, khr, nv, vk};
 
 use crate::core::features::{Features, KHR_SWAPCHAIN_MAINTENANCE1};
-use crate::core::offer::Offer;
+use crate::core::offer::{CaptureLimits, Offer};
 
 /// A capability that a device must have. A device that lacks one is refused, and the refusal names
 /// it.
@@ -39,6 +39,12 @@ pub(crate) const STAGE_STORAGE_BUFFERS: u32 = 7;
 /// The most that a stage binds which section planes cut (`surface_shadowed_section.frag`), or which
 /// stores fragments (`surface_shadowed_sorted_section.frag`).
 pub(crate) const SECTION_STORAGE_BUFFERS: u32 = 9;
+
+/// The limits that a capture of tessellated triangles needs: patches of 16 control points, levels
+/// up to 64, and a buffer as large as storage buffers are everywhere. Vulkan promises as much where
+/// there are tessellation and transform feedback.
+pub(crate) const LEAST_CAPTURE: CaptureLimits =
+    CaptureLimits { patch_points: 16, level: 64, buffer_bytes: 1 << 27 };
 
 /// The fewest textures that are worth a table. Devices with descriptor indexing have half a million
 /// (specification, "Required Limits").
@@ -156,6 +162,8 @@ pub enum Optional {
     SampleDepths,
     /// Shaders that make triangles of triangles.
     GeometryShaders,
+    /// Tessellation shaders whose triangles `VK_EXT_transform_feedback` captures in a buffer.
+    TessellationCapture,
     /// Depths beyond the near and far plane that are clamped instead of cut off.
     DepthClamp,
     /// The storage buffers of passes that section planes cut, or that store fragments to be sorted.
@@ -175,7 +183,7 @@ pub enum Optional {
 
 impl Optional {
     /// All optional capabilities.
-    pub const ALL: [Optional; 22] = [
+    pub const ALL: [Optional; 23] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
@@ -191,6 +199,7 @@ impl Optional {
         Optional::AstcTextures,
         Optional::SampleDepths,
         Optional::GeometryShaders,
+        Optional::TessellationCapture,
         Optional::DepthClamp,
         Optional::SectionBuffers,
         Optional::CalibratedTimestamps,
@@ -218,6 +227,7 @@ impl Optional {
             Optional::AstcTextures => "textureCompressionASTC_LDR",
             Optional::SampleDepths => "depths of samples at their own places",
             Optional::GeometryShaders => "geometryShader",
+            Optional::TessellationCapture => "tessellationShader and VK_EXT_transform_feedback",
             Optional::DepthClamp => "depthClamp",
             Optional::SectionBuffers => "maxPerStageDescriptorStorageBuffers of at least 9",
             Optional::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
@@ -271,6 +281,9 @@ impl Optional {
             Optional::BcTextures => Features { texture_compression_bc: true, ..none },
             Optional::AstcTextures => Features { texture_compression_astc_ldr: true, ..none },
             Optional::GeometryShaders => Features { geometry_shader: true, ..none },
+            Optional::TessellationCapture => {
+                Features { tessellation_shader: true, transform_feedback: true, ..none }
+            }
             Optional::DepthClamp => Features { depth_clamp: true, ..none },
             Optional::PresentFences => Features { swapchain_maintenance1: true, ..none },
             Optional::PresentWait => Features { present_id: true, present_wait: true, ..none },
@@ -292,6 +305,7 @@ impl Optional {
         match self {
             Optional::ConditionalRendering => &[&[ext::conditional_rendering::NAME]],
             Optional::RepresentativeFragments => &[&[nv::representative_fragment_test::NAME]],
+            Optional::TessellationCapture => &[&[ext::transform_feedback::NAME]],
             Optional::CalibratedTimestamps => &[&[ext::calibrated_timestamps::NAME]],
             Optional::Swapchain => &[SWAPCHAIN],
             Optional::PresentFences => &[SWAPCHAIN, MAINTENANCE],
@@ -309,6 +323,7 @@ impl Optional {
             Optional::Multiview => offer.draws_views_wrong(),
             Optional::SampleDepths => offer.misplaces_sample_depths(),
             Optional::IndexedTextures => offer.indexed_textures < LEAST_INDEXED_TEXTURES,
+            Optional::TessellationCapture => !offer.capture.holds(LEAST_CAPTURE),
             Optional::SectionBuffers => offer.stage_storage_buffers < SECTION_STORAGE_BUFFERS,
             _ => false,
         };

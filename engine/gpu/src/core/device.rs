@@ -363,6 +363,10 @@ impl Device {
         self.shared.extensions.conditional.as_ref()
     }
 
+    pub(crate) fn capture(&self) -> Option<&ext::transform_feedback::Device> {
+        self.shared.extensions.capture.as_ref()
+    }
+
     /// Returns the allocation callbacks, for all that is made from the device.
     pub(crate) fn callbacks(&self) -> Option<&vk::AllocationCallbacks<'static>> {
         self.shared.callbacks.get()

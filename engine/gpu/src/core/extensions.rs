@@ -9,6 +9,7 @@ use crate::core::instance::InstanceShared;
 pub(crate) struct Extensions {
     pub(crate) debug: Option<ext::debug_utils::Device>,
     pub(crate) conditional: Option<ext::conditional_rendering::Device>,
+    pub(crate) capture: Option<ext::transform_feedback::Device>,
     pub(crate) calibrated: Option<ext::calibrated_timestamps::Device>,
     pub(crate) swapchain: Option<khr::swapchain::Device>,
     pub(crate) present_wait: Option<khr::present_wait::Device>,
@@ -26,6 +27,8 @@ impl Extensions {
             debug: instance.has_debug_utils.then(|| ext::debug_utils::Device::new(from, device)),
             conditional: has(Optional::ConditionalRendering)
                 .then(|| ext::conditional_rendering::Device::new(from, device)),
+            capture: has(Optional::TessellationCapture)
+                .then(|| ext::transform_feedback::Device::new(from, device)),
             calibrated: has(Optional::CalibratedTimestamps)
                 .then(|| ext::calibrated_timestamps::Device::new(from, device)),
             swapchain: has(Optional::Swapchain).then(|| khr::swapchain::Device::new(from, device)),

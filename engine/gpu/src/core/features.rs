@@ -60,6 +60,7 @@ features! {
         texture_compression_astc_ldr "textureCompressionASTC_LDR"
         geometry_shader "geometryShader"
         depth_clamp "depthClamp"
+        tessellation_shader "tessellationShader"
     }
     vulkan_11 {
         multiview "multiview"
@@ -80,6 +81,9 @@ features! {
     }
     conditional {
         conditional_rendering "conditionalRendering"
+    }
+    capture {
+        transform_feedback "transformFeedback"
     }
     representative {
         representative_fragment_test "representativeFragmentTest"
@@ -115,6 +119,7 @@ pub struct FeatureStructures {
     pub vulkan_13: vk::PhysicalDeviceVulkan13Features<'static>,
     /// That of `VK_EXT_conditional_rendering`.
     pub conditional: vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'static>,
+    capture: vk::PhysicalDeviceTransformFeedbackFeaturesEXT<'static>,
     representative: vk::PhysicalDeviceRepresentativeFragmentTestFeaturesNV<'static>,
     present_fences: vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT<'static>,
     ids: vk::PhysicalDevicePresentIdFeaturesKHR<'static>,
@@ -136,6 +141,9 @@ impl FeatureStructures {
             .push_next(&mut self.vulkan_13);
         if has(ext::conditional_rendering::NAME) {
             chain = chain.push_next(&mut self.conditional);
+        }
+        if has(ext::transform_feedback::NAME) {
+            chain = chain.push_next(&mut self.capture);
         }
         if has(nv::representative_fragment_test::NAME) {
             chain = chain.push_next(&mut self.representative);

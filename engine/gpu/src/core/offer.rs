@@ -22,8 +22,30 @@ pub(crate) struct Offer {
     pub(crate) stage_storage_buffers: u32,
     /// The most textures of a [`TextureTable`](crate::TextureTable), by the device's limits.
     pub(crate) indexed_textures: u32,
+    /// The most that a capture of tessellated triangles may take.
+    pub(crate) capture: CaptureLimits,
     /// The driver, if it says so.
     pub(crate) driver: vk::DriverId,
+}
+
+/// The limits of tessellation and transform feedback; 0 where there is none.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct CaptureLimits {
+    /// The most control points of a patch.
+    pub(crate) patch_points: u32,
+    /// The highest level of an edge.
+    pub(crate) level: u32,
+    /// The most bytes that one buffer captures.
+    pub(crate) buffer_bytes: u64,
+}
+
+impl CaptureLimits {
+    /// Returns true if none of the limits is below that of `least`.
+    pub(crate) fn holds(self, least: Self) -> bool {
+        self.patch_points >= least.patch_points
+            && self.level >= least.level
+            && self.buffer_bytes >= least.buffer_bytes
+    }
 }
 
 /// The flags of a queue family that the engine can use.
@@ -98,6 +120,8 @@ impl Offer {
             has_depth_32: depth.optimal_tiling_features.contains(needed),
             // SAFETY: as above.
             indexed_textures: unsafe { indexed_textures(instance, physical, &properties) },
+            // SAFETY: as above.
+            capture: unsafe { capture_limits(instance, physical, &properties) },
             // SAFETY: as above.
             driver: unsafe { driver_of(instance, physical, &properties) },
             ..Self::default()
@@ -181,6 +205,34 @@ unsafe fn indexed_textures(
         limits.max_update_after_bind_descriptors_in_all_pools,
     ];
     all.into_iter().min().unwrap_or(0).saturating_sub(OTHER_DESCRIPTORS)
+}
+
+/// Returns the limits of captures; none where there is no transform feedback.
+///
+/// # Safety
+/// `physical` is of `instance`, with these properties.
+unsafe fn capture_limits(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    properties: &vk::PhysicalDeviceProperties,
+) -> CaptureLimits {
+    // SAFETY: the caller's promise.
+    let there = unsafe { instance.enumerate_device_extension_properties(physical) };
+    let there = there.unwrap_or_default();
+    let wanted = Ok(ext::transform_feedback::NAME);
+    let has_extension = there.iter().any(|there| there.extension_name_as_c_str() == wanted);
+    if properties.api_version < vk::API_VERSION_1_2 || !has_extension {
+        return CaptureLimits::default();
+    }
+    let mut feedback = vk::PhysicalDeviceTransformFeedbackPropertiesEXT::default();
+    let mut chain = vk::PhysicalDeviceProperties2::default().push_next(&mut feedback);
+    // SAFETY: the device knows the structure, as the extension is there.
+    unsafe { instance.get_physical_device_properties2(physical, &mut chain) };
+    CaptureLimits {
+        patch_points: properties.limits.max_tessellation_patch_size,
+        level: properties.limits.max_tessellation_generation_level,
+        buffer_bytes: feedback.max_transform_feedback_buffer_size,
+    }
 }
 
 /// Returns true if the instance has its half of a device extension.

@@ -29,6 +29,9 @@ impl ResultBuffer {
         if device.conditional().is_some() {
             usage |= vk::BufferUsageFlags::CONDITIONAL_RENDERING_EXT;
         }
+        if device.capture().is_some() {
+            usage |= vk::BufferUsageFlags::TRANSFORM_FEEDBACK_BUFFER_EXT;
+        }
         let (size_bytes, to_host) =
             (count as u64 * RESULT_BYTES, vk::BufferUsageFlags::TRANSFER_DST);
         let mapped = format!("{name} read back");

@@ -27,6 +27,9 @@ pub enum Access {
     ComputeWrite,
     /// Storage buffer written by a fragment shader.
     FragmentWrite,
+    /// Buffer that captures tessellated triangles
+    /// ([`Commands::capture`](crate::Commands::capture)).
+    CaptureWrite,
     /// Image sampled by a fragment shader.
     FragmentSample,
     /// Image sampled by a compute shader.
@@ -45,7 +48,7 @@ pub enum Access {
 
 impl Access {
     /// All accesses, for tests.
-    pub const ALL: [Access; 18] = [
+    pub const ALL: [Access; 19] = [
         Access::Nothing,
         Access::CopyRead,
         Access::CopyWrite,
@@ -57,6 +60,7 @@ impl Access {
         Access::ComputeRead,
         Access::ComputeWrite,
         Access::FragmentWrite,
+        Access::CaptureWrite,
         Access::FragmentSample,
         Access::ComputeSample,
         Access::Colour,
@@ -99,6 +103,9 @@ impl Access {
             }
             Access::FragmentWrite => {
                 (S::FRAGMENT_SHADER, A::SHADER_STORAGE_READ, A::SHADER_STORAGE_WRITE, L::GENERAL)
+            }
+            Access::CaptureWrite => {
+                (S::TRANSFORM_FEEDBACK_EXT, none, A::TRANSFORM_FEEDBACK_WRITE_EXT, L::UNDEFINED)
             }
             Access::FragmentSample => {
                 (S::FRAGMENT_SHADER, A::SHADER_SAMPLED_READ, none, L::SHADER_READ_ONLY_OPTIMAL)

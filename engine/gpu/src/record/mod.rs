@@ -3,6 +3,7 @@
 pub(crate) mod access;
 pub(crate) mod api;
 pub(crate) mod attachments;
+pub(crate) mod capture_pipeline;
 pub(crate) mod commands;
 pub(crate) mod descriptor_pools;
 pub(crate) mod finished_image;

@@ -332,7 +332,7 @@ fn with_optional<R>(
 }
 
 impl PipelineKind {
-    fn new(
+    pub(super) fn new(
         device: &Device,
         name: &str,
         (layout, table): (StorageLayout, Option<&TextureTable>),

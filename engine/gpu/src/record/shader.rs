@@ -82,8 +82,8 @@ impl Spirv {
     }
 }
 
-/// Compiles the GLSL file `path`; its extension (`.vert`, `.geom`, `.frag`, `.comp`) names its
-/// stage, and `#include "name"` is looked for beside it.
+/// Compiles the GLSL file `path`; its extension (`.vert`, `.tesc`, `.tese`, `.geom`, `.frag`,
+/// `.comp`) names its stage, and `#include "name"` is looked for beside it.
 ///
 /// # Errors
 /// [`Error::ShaderCompile`] with file and line of every mistake.
@@ -93,11 +93,14 @@ pub fn compile(path: &std::path::Path) -> Result<Spirv, Error> {
     let refuse = |log: String| Error::ShaderCompile { name: name.clone(), log };
     let stage = match path.extension().and_then(|extension| extension.to_str()) {
         Some("vert") => shaderc::ShaderKind::Vertex,
+        Some("tesc") => shaderc::ShaderKind::TessControl,
+        Some("tese") => shaderc::ShaderKind::TessEvaluation,
         Some("geom") => shaderc::ShaderKind::Geometry,
         Some("frag") => shaderc::ShaderKind::Fragment,
         Some("comp") => shaderc::ShaderKind::Compute,
         _ => {
-            return Err(refuse("its name must end in .vert, .geom, .frag or .comp".to_owned()));
+            let endings = ".vert, .tesc, .tese, .geom, .frag or .comp";
+            return Err(refuse(format!("its name must end in {endings}")));
         }
     };
     let source = std::fs::read_to_string(path).map_err(|error| refuse(error.to_string()))?;

@@ -6,10 +6,8 @@
 
 use super::levels::TessellationLevels;
 use super::surface::{Patch, PatchSurface};
-use crate::{Mesh, Vertex, bounds_of_vertices, unpack_normal};
-
-/// The cosine of the angle between normals of one place up to which they share a vertex: 8 degrees.
-const SAME_NORMAL: f32 = 0.99;
+use super::welder::Welder;
+use crate::Mesh;
 
 /// A point of a surface to be computed, as shaders read it.
 #[repr(C)]
@@ -102,38 +100,18 @@ impl SurfaceGrid {
     /// Returns the mesh of the points, computed. Points at one place become one vertex if they are
     /// equal to the bit and their normals nearly so; points that are missing lie at the origin.
     pub fn mesh(&self, points: &[EvaluatedPoint], name: &str, colour: u32) -> Mesh {
-        let mut vertices: Vec<Vertex> = Vec::new();
-        // The newest vertex at each place, and before each vertex the one at the same place.
-        let mut newest =
-            vec![u32::MAX; self.places.iter().max().map_or(0, |last| *last as usize + 1)];
-        let mut before: Vec<u32> = Vec::new();
+        let mut welder = Welder::new(colour);
+        // The newest vertex at each place.
+        let mut newest = vec![None; self.places.iter().max().map_or(0, |last| *last as usize + 1)];
         let mut of_point = Vec::with_capacity(self.points.len());
         let missing = EvaluatedPoint { position: [0.0; 3], normal: 0 };
         let points = points.iter().chain(std::iter::repeat(&missing));
         for (place, point) in self.places.iter().zip(points) {
-            let newest = &mut newest[*place as usize];
-            let mut at = *newest;
-            while let Some(vertex) = vertices.get(at as usize)
-                && !is_same(vertex, point)
-            {
-                at = before[at as usize];
-            }
-            if at == u32::MAX {
-                at = vertices.len() as u32;
-                vertices.push(Vertex { position: point.position, normal: point.normal, colour });
-                before.push(*newest);
-                *newest = at;
-            }
-            of_point.push(at);
+            of_point.push(welder.vertex_of(point, &mut newest[*place as usize]));
         }
         let corners = self.triangles.as_flattened().iter();
-        Mesh {
-            name: name.to_owned(),
-            indices: corners.map(|point| of_point[*point as usize]).collect(),
-            bounds: bounds_of_vertices(&vertices),
-            vertices,
-            has_backs: false,
-        }
+        let indices = corners.map(|point| of_point[*point as usize]).collect();
+        welder.into_mesh(indices, name)
     }
 
     fn add_point(&mut self, point: SurfacePoint, place: u32) -> u32 {
@@ -309,10 +287,4 @@ impl InnerRows {
 /// Returns what [`SurfacePoint::side`] holds for points of a side.
 fn side_word(surface: &PatchSurface, patch: usize, side: usize) -> u32 {
     1 + 2 * side as u32 + u32::from(surface.is_reversed(patch, side))
-}
-
-/// Returns true if a vertex can stand for a point.
-fn is_same(vertex: &Vertex, point: &EvaluatedPoint) -> bool {
-    vertex.position.map(f32::to_bits) == point.position.map(f32::to_bits)
-        && unpack_normal(vertex.normal).dot(unpack_normal(point.normal)) > SAME_NORMAL
 }

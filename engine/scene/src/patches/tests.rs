@@ -71,6 +71,36 @@ fn seams_are_closed_whatever_the_levels() {
 }
 
 #[test]
+fn triangles_of_three_points_each_become_the_same_mesh() {
+    let surface = ball();
+    for seed in 0..6 {
+        let levels = random_levels(&surface, seed);
+        let grid = SurfaceGrid::new(&surface, &levels);
+        let corners = grid.triangles().as_flattened().iter();
+        let corner = |point: &u32| evaluated(&surface, &grid.points()[*point as usize]);
+        let mut points: Vec<EvaluatedPoint> = corners.map(corner).collect();
+        // One without area, and one that was not captured.
+        points.extend([points[0], points[1], points[0]]);
+        points.extend([EvaluatedPoint { position: [0.0; 3], normal: 0 }; 3]);
+        let mesh = captured_mesh(&points, "ball", 7);
+        walk_seams(&mesh);
+        let expected = tessellated(&surface, &levels, "ball", 7);
+        assert_eq!(mesh.triangles(), expected.triangles());
+        assert_eq!(mesh.bounds, expected.bounds);
+    }
+    // Of a surface without poles nothing is left out.
+    let points = (0..16).map(|point: u8| vec3(f32::from(point % 4), f32::from(point / 4), 0.0));
+    let patch = Patch { control_points: std::array::from_fn(|point| point as u32) };
+    let flat = PatchSurface::new(points.collect(), vec![patch]).unwrap();
+    for seed in 0..12 {
+        let levels = random_levels(&flat, seed);
+        let triangles = SurfaceGrid::new(&flat, &levels).triangles().len() as u64;
+        assert_eq!(captured_triangle_count(&flat, &levels), triangles, "{levels:?}");
+    }
+    assert_eq!(captured_triangle_count(&flat, &TessellationLevels::uniform(&flat, 1)), 2);
+}
+
+#[test]
 fn points_are_in_bounds_and_on_the_ball_and_its_vertices_are_welded() {
     let surface = ball();
     let bounds = surface.bounds();

@@ -101,7 +101,7 @@ impl Commands {
         );
     }
 
-    fn bind_kind(
+    pub(super) fn bind_kind(
         &self,
         pipeline: &PipelineKind,
         point: vk::PipelineBindPoint,
