@@ -86,6 +86,7 @@ fn triangles_of_three_points_each_become_the_same_mesh() {
         walk_seams(&mesh);
         let expected = tessellated(&surface, &levels, "ball", 7);
         assert_eq!(mesh.triangles(), expected.triangles());
+        assert_eq!(mesh.vertices.len(), expected.vertices.len());
         assert_eq!(mesh.bounds, expected.bounds);
     }
     // Of a surface without poles nothing is left out.

@@ -52,6 +52,9 @@ impl Welder {
 
 /// Returns true if a vertex can stand for a point.
 fn is_same(vertex: &Vertex, point: &EvaluatedPoint) -> bool {
+    // Of 8 bits per axis, normals are a little shorter or longer than 1.
+    let normal = unpack_normal(vertex.normal);
+    let other = unpack_normal(point.normal);
     vertex.position.map(f32::to_bits) == point.position.map(f32::to_bits)
-        && unpack_normal(vertex.normal).dot(unpack_normal(point.normal)) > SAME_NORMAL
+        && normal.dot(other) > SAME_NORMAL * normal.length() * other.length()
 }
