@@ -117,7 +117,7 @@ fn with_control_a_click_adds_or_takes_away() {
     let body = bench.part("body");
     let plate = bench.part("lower plate");
     bench.document.select([body.object]);
-    bench.input(HandEvent::Adding(true));
+    bench.input(HandEvent::Modifiers(ModifiersState::CONTROL));
     for (clicked, selected) in [(plate, vec![body.object, plate.object]), (body, vec![])] {
         bench.click_at(300.0, 300.0);
         assert_eq!(bench.answer(Some(clicked)), [Command::SelectObjects(selected)]);
@@ -291,4 +291,37 @@ fn what_is_refused_is_said_and_not_set() {
     assert!(matches!(bench.input(HandEvent::Key(KeyCode::KeyH))[..], [Command::Hide(None)]));
     assert_eq!(bench.input(HandEvent::Key(KeyCode::KeyP)), []);
     assert!(bench.hands.message().unwrap().contains("no path"));
+}
+
+#[test]
+fn with_other_modifiers_keys_do_nothing() {
+    let mut bench = Bench::new();
+    for held in [ModifiersState::CONTROL, ModifiersState::ALT, ModifiersState::SUPER] {
+        bench.input(HandEvent::Modifiers(held | ModifiersState::SHIFT));
+        for key in [KeyCode::KeyS, KeyCode::KeyH, KeyCode::KeyX, KeyCode::ArrowLeft] {
+            assert_eq!(bench.input(HandEvent::Key(key)), [], "{held:?} {key:?}");
+        }
+    }
+    bench.input(HandEvent::Modifiers(ModifiersState::SHIFT));
+    assert_eq!(bench.input(HandEvent::Key(KeyCode::KeyS)), [Command::Show(None)]);
+}
+
+#[test]
+fn what_moves_the_camera_ends_a_turn_and_the_path() {
+    let mut bench = Bench::new();
+    for key in [KeyCode::ArrowLeft, KeyCode::Equal, KeyCode::KeyF] {
+        bench.input(HandEvent::Key(KeyCode::KeyR));
+        for _ in 0..3 {
+            bench.input(HandEvent::Key(KeyCode::ArrowUp));
+            bench.advance(0.2);
+        }
+        for motion in [KeyCode::Digit1, KeyCode::KeyP] {
+            bench.input(HandEvent::Key(motion));
+            bench.advance(0.01);
+            assert!(bench.hands.is_moving(&bench.camera), "{motion:?}");
+            let commands = bench.input(HandEvent::Key(key));
+            bench.hands.learn_outcome(&commands[0], &CommandOutcome::Done);
+            assert_eq!(bench.advance(0.1), [], "{key:?} is undone by {motion:?}");
+        }
+    }
 }
