@@ -48,9 +48,12 @@ pub enum CommandError {
     /// A lid whose parts are apart.
     #[error("the parts are apart: move them back (assemble) before the lid turns")]
     Exploded,
-    /// A model of too many parts to show some of them transparent, or with transparent parts.
-    #[error("parts are shown transparent in models of at most {0} parts, none of them transparent")]
+    /// A model of too many parts to show some of them transparent.
+    #[error("parts are shown transparent in models of at most {0} parts, and this one has more")]
     TooManyToGhost(usize),
+    /// A model with transparent objects of its own, which ghosts are not sorted with.
+    #[error("this model has transparent objects of its own: its parts cannot be shown transparent")]
+    TransparentItself,
     /// Parts that cannot collide.
     #[error(transparent)]
     BadSolid(#[from] BadSolid),

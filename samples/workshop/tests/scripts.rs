@@ -124,13 +124,19 @@ fn an_empty_selection_and_what_is_not_there_change_nothing() {
         ghost the moon\n\
         pick 0 0\n\
         pick 99999 0\n\
+        distance 99999 1 2 3\n\
+        distance 2 3 1 240\n\
+        edge 320 1\n\
         image after.png\n";
     let output = run(&scratch, script, &[]);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     let said = stderr(&output);
     assert!(said.contains("hide: nothing is selected") && said.contains("'the moon'"), "{said}");
     let steps = steps(&scratch);
-    assert!(steps[1]["refused"].is_string() && steps[5]["refused"].is_string(), "{steps:#?}");
+    assert!(steps[1]["refused"].is_string(), "{steps:#?}");
+    for step in &steps[5..9] {
+        assert!(step["refused"].as_str().unwrap().contains("320x240"), "{step}");
+    }
     assert_eq!(steps[4].get("picked"), Some(&Value::Null), "{steps:#?}");
     let image = |name: &str| pixels(&scratch.0.join(name));
     assert!(image("before.png") == image("after.png"));
@@ -142,6 +148,8 @@ fn what_is_wrong_is_refused_before_anything_is_written() {
     for (script, arguments, reason) in [
         ("image a.png\nfly\n", &[][..], "script:2: unknown command 'fly'"),
         ("image a.png\n", &["--report", "nowhere/report.json"], "there is no folder"),
+        ("image a.png\n", &["waffle", "--parts", "5"], "--parts is about the model assembly"),
+        ("image a.png\n", &["--fragments-per-pixel", "5"], "--transparency fragments"),
         ("image a.png\n", &["moon"], "there is no model 'moon'"),
         ("image a.png\n", &["moon.glb"], "moon.glb"),
         ("image nowhere/a.png\n", &[], "nowhere/a.png"),
@@ -169,4 +177,62 @@ fn an_assembly_is_taken_apart_by_its_names() {
     assert_eq!(steps[0]["selected"].as_array().unwrap().len(), 1000, "{}", steps[0]);
     let visible = steps[4]["image"]["visible"].as_array().unwrap().len();
     assert!((10..1000).contains(&visible), "{visible}");
+}
+
+#[test]
+fn fragments_without_room_are_said_and_fail() {
+    let script = "ghost waffle maker\nimage ghosts.png\n";
+    for (room, code) in [("1", Some(1)), ("64", Some(0))] {
+        let scratch = Scratch::new(&format!("workshop-fragments-{room}"));
+        let arguments = ["--transparency", "fragments", "--fragments-per-pixel", room];
+        let output = run(&scratch, script, &arguments);
+        assert_eq!(output.status.code(), code, "{}", stderr(&output));
+        let inexact = &steps(&scratch)[1]["image"]["inexact"];
+        assert_eq!(inexact.is_string(), room == "1", "{inexact}");
+        assert_eq!(stderr(&output).contains("found no room"), room == "1", "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn transparent_objects_of_a_file_are_seen_and_left_out_of_exports() {
+    let corners: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let nodes = [
+        r#"{"name": "pane", "mesh": 0}"#,
+        r#"{"name": "pin", "mesh": 1, "scale": [0.01, 0.01, 0.01]}"#,
+    ];
+    for (shown, refused) in [("0", "nothing is shown"), ("0, 1", "transparent objects of its own")]
+    {
+        let scratch = Scratch::new(&format!("workshop-transparent-{}", shown.len()));
+        fs::write(scratch.0.join("corners.bin"), corners.map(f32::to_le_bytes).concat()).unwrap();
+        let mesh = |material: u32| {
+            format!(
+                r#"{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": {material}}}]}}"#
+            )
+        };
+        let file = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [{shown}]}}],
+            "nodes": [{}], "meshes": [{}, {}],
+            "materials": [{{"alphaMode": "BLEND", "doubleSided": true,
+                "pbrMetallicRoughness": {{"baseColorFactor": [1, 0, 0, 0.9]}}}}, {{}}],
+            "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                "min": [0, 0, 0], "max": [1, 1, 0]}}],
+            "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+            "buffers": [{{"uri": "corners.bin", "byteLength": 36}}]}}"#,
+            nodes.join(", "),
+            mesh(0),
+            mesh(1),
+        );
+        fs::write(scratch.0.join("pane.gltf"), file).unwrap();
+        let script = "view front\nfit\nimage pane.png\nghost pin\nexport pane.glb\n";
+        let output = run(&scratch, script, &["pane.gltf"]);
+        let said = stderr(&output);
+        assert!(said.contains(refused), "{said}");
+        let image = pixels(&scratch.0.join("pane.png"));
+        let red = image.iter().filter(|pixel| pixel[0] > 2 * pixel[2]).count();
+        // The whole pane is within the image.
+        let share = red as f32 / image.len() as f32;
+        assert!((0.05..0.6).contains(&share), "{share}");
+        let is_exported = shown == "0, 1";
+        assert_eq!(said.contains("a transparent object is left out"), is_exported, "{said}");
+    }
 }

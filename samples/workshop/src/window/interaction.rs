@@ -336,6 +336,10 @@ impl Interaction {
         if matches!(command, Command::Fit) {
             self.end_motion();
         }
+        if command.changes_surfaces() && !matches!(outcome, CommandOutcome::Refused(_)) {
+            // What was measured may be elsewhere.
+            self.measured = None;
+        }
         if !matches!(command, Command::Camera(_)) {
             self.message = outcome.sentence();
         }

@@ -115,11 +115,11 @@ impl Opened {
         };
         let screen = Screen::new(&device, &surface, screen_options, refresh)?;
         let Model { document, path } = model;
-        let mut report = begin_report(&document, &device.adapter().name);
+        let report = begin_report(&document, &device.adapter().name);
         let drawn = frame_size(size);
-        let WorkshopArguments { msaa, transparency, .. } = *arguments;
+        let WorkshopArguments { msaa, .. } = *arguments;
+        let transparency = arguments.transparency_options();
         let mut session = WorkshopSession::new(&device, document, path, drawn, msaa, transparency)?;
-        report.transparency = session.transparency();
         let bounds = session.bounds();
         let middle = (bounds.min + bounds.max) * 0.5;
         let own = session.path().iter().map(|camera| OrbitCamera::of_camera(camera, middle));
@@ -356,11 +356,12 @@ impl Opened {
             drawn: self.late.drawn,
         };
         let seen = seen_of(&self.session);
+        let notice = self.session.transparency_notice();
         let mut answer = None;
         let mut output = self.context.run_ui(input, |ui| {
             answer = Some(self.panel.show(ui, &page));
             self.room = ui.available_rect_before_wrap();
-            signs::paint(ui.painter(), self.room, &self.hands, &seen);
+            signs::paint(ui.painter(), self.room, &self.hands, &seen, notice.as_deref());
         });
         let platform = std::mem::take(&mut output.platform_output);
         self.egui.handle_platform_output(&self.window, platform);
@@ -382,6 +383,8 @@ impl Opened {
     /// found.
     pub(super) fn close(self) -> (ScriptReport, Result<(), RunError>) {
         let Self { session, overlay, screen, window, instance, egui, mut report, .. } = self;
+        // As it is in the end: another size may have changed it.
+        report.transparency = session.transparency();
         drop(session);
         drop(overlay);
         drop(egui);

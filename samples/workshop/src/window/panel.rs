@@ -356,7 +356,8 @@ mod tests {
                 let mut answer = None;
                 let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, vec2(800.0, 900.0));
                 let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
-                let _drawn = context.run_ui(input, |ui| answer = Some(panel.show(ui, &page)));
+                let mut drawn = context.run_ui(input, |ui| answer = Some(panel.show(ui, &page)));
+                drawn.textures_delta.clear();
                 assert_eq!(answer, Some(PanelAnswer { tools, commands: Vec::new() }));
             }
         }

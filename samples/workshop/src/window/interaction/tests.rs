@@ -325,3 +325,31 @@ fn what_moves_the_camera_ends_a_turn_and_the_path() {
         }
     }
 }
+
+#[test]
+fn a_measured_line_ends_where_the_model_changes() {
+    let mut bench = Bench::new();
+    let body = bench.part("body");
+    for (command, is_kept) in [
+        (Command::Lid { degrees: 9.0 }, false),
+        (Command::Explode { gap_mm: 5.0 }, false),
+        (Command::Hide(None), false),
+        (Command::Section(bench.hands.tools().section()), false),
+        (Command::Deselect, true),
+        (Command::Edges(EdgeMode::Visible), true),
+    ] {
+        let measuring = Tools { measuring: Measuring::Distance, ..*bench.hands.tools() };
+        bench.hands.use_tools(measuring);
+        for _ in 0..2 {
+            bench.click_at(300.0, 300.0);
+            bench.answer(Some(body));
+        }
+        let refused = CommandOutcome::Refused(String::new());
+        bench.hands.learn_outcome(&command, &refused);
+        assert!(bench.hands.measured().is_some(), "{command:?} was refused");
+        bench.hands.learn_outcome(&command, &CommandOutcome::Done);
+        assert_eq!(bench.hands.measured().is_some(), is_kept, "{command:?}");
+        let off = Tools { measuring: Measuring::Off, ..*bench.hands.tools() };
+        bench.hands.use_tools(off);
+    }
+}
