@@ -179,15 +179,51 @@ fn an_assembly_is_taken_apart_by_its_names() {
     assert!((10..1000).contains(&visible), "{visible}");
 }
 
+/// Writes `panes.gltf`: transparent triangles, and if wanted a small opaque part.
+fn write_panes(scratch: &Scratch, panes: usize, parts: usize) {
+    let corners: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    fs::write(scratch.0.join("corners.bin"), corners.map(f32::to_le_bytes).concat()).unwrap();
+    let triangle = |material: u32| {
+        serde_json::json!({
+            "primitives": [{ "attributes": { "POSITION": 0 }, "material": material }]
+        })
+    };
+    let pin = serde_json::json!({ "name": "pin", "mesh": 1, "scale": [0.01, 0.01, 0.01] });
+    let mut nodes = vec![pin; parts];
+    nodes.extend(vec![serde_json::json!({ "name": "pane", "mesh": 0 }); panes]);
+    let shown: Vec<usize> = (0..nodes.len()).collect();
+    let accessor = serde_json::json!({
+        "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+        "min": [0, 0, 0], "max": [1, 1, 0]
+    });
+    let red = serde_json::json!({ "baseColorFactor": [1, 0, 0, 0.5] });
+    let file = serde_json::json!({
+        "asset": { "version": "2.0" },
+        "scenes": [{ "nodes": shown }],
+        "scene": 0,
+        "nodes": nodes,
+        "meshes": [triangle(0), triangle(1)],
+        "materials": [
+            { "alphaMode": "BLEND", "doubleSided": true, "pbrMetallicRoughness": red },
+            {}
+        ],
+        "accessors": [accessor],
+        "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+        "buffers": [{ "uri": "corners.bin", "byteLength": 36 }]
+    });
+    fs::write(scratch.0.join("panes.gltf"), file.to_string()).unwrap();
+}
+
 #[test]
 fn fragments_without_room_are_said_and_fail() {
-    let script = "ghost waffle maker\nimage ghosts.png\n";
-    for (room, code) in [("1", Some(1)), ("64", Some(0))] {
+    for (room, code) in [("1", Some(1)), ("32", Some(0))] {
         let scratch = Scratch::new(&format!("workshop-fragments-{room}"));
-        let arguments = ["--transparency", "fragments", "--fragments-per-pixel", room];
-        let output = run(&scratch, script, &arguments);
+        write_panes(&scratch, 20, 0);
+        let arguments = ["panes.gltf", "--transparency", "fragments"];
+        let arguments = [&arguments[..], &["--fragments-per-pixel", room]].concat();
+        let output = run(&scratch, "view front\nfit\nimage panes.png\n", &arguments);
         assert_eq!(output.status.code(), code, "{}", stderr(&output));
-        let inexact = &steps(&scratch)[1]["image"]["inexact"];
+        let inexact = &steps(&scratch)[2]["image"]["inexact"];
         assert_eq!(inexact.is_string(), room == "1", "{inexact}");
         assert_eq!(stderr(&output).contains("found no room"), room == "1", "{}", stderr(&output));
     }
@@ -195,44 +231,18 @@ fn fragments_without_room_are_said_and_fail() {
 
 #[test]
 fn transparent_objects_of_a_file_are_seen_and_left_out_of_exports() {
-    let corners: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-    let nodes = [
-        r#"{"name": "pane", "mesh": 0}"#,
-        r#"{"name": "pin", "mesh": 1, "scale": [0.01, 0.01, 0.01]}"#,
-    ];
-    for (shown, refused) in [("0", "nothing is shown"), ("0, 1", "transparent objects of its own")]
-    {
-        let scratch = Scratch::new(&format!("workshop-transparent-{}", shown.len()));
-        fs::write(scratch.0.join("corners.bin"), corners.map(f32::to_le_bytes).concat()).unwrap();
-        let mesh = |material: u32| {
-            format!(
-                r#"{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": {material}}}]}}"#
-            )
-        };
-        let file = format!(
-            r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [{shown}]}}],
-            "nodes": [{}], "meshes": [{}, {}],
-            "materials": [{{"alphaMode": "BLEND", "doubleSided": true,
-                "pbrMetallicRoughness": {{"baseColorFactor": [1, 0, 0, 0.9]}}}}, {{}}],
-            "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
-                "min": [0, 0, 0], "max": [1, 1, 0]}}],
-            "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
-            "buffers": [{{"uri": "corners.bin", "byteLength": 36}}]}}"#,
-            nodes.join(", "),
-            mesh(0),
-            mesh(1),
-        );
-        fs::write(scratch.0.join("pane.gltf"), file).unwrap();
-        let script = "view front\nfit\nimage pane.png\nghost pin\nexport pane.glb\n";
-        let output = run(&scratch, script, &["pane.gltf"]);
+    for (parts, refused) in [(0, "nothing is shown"), (1, "transparent objects of its own")] {
+        let scratch = Scratch::new(&format!("workshop-transparent-{parts}"));
+        write_panes(&scratch, 3, parts);
+        let script = "view front\nfit\nimage panes.png\nghost pin\nexport panes.glb\n";
+        let output = run(&scratch, script, &["panes.gltf"]);
         let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(said.contains(refused), "{said}");
-        let image = pixels(&scratch.0.join("pane.png"));
-        let red = image.iter().filter(|pixel| pixel[0] > 2 * pixel[2]).count();
-        // The whole pane is within the image.
-        let share = red as f32 / image.len() as f32;
-        assert!((0.05..0.6).contains(&share), "{share}");
-        let is_exported = shown == "0, 1";
-        assert_eq!(said.contains("a transparent object is left out"), is_exported, "{said}");
+        let image = pixels(&scratch.0.join("panes.png"));
+        let is_red = |pixel: &&[u8; 3]| pixel[0] > pixel[2];
+        let share = image.iter().filter(is_red).count() as f32 / image.len() as f32;
+        assert!((0.05..0.6).contains(&share), "the panes are within the image: {share}");
+        assert_eq!(said.contains("3 transparent objects are left out"), parts == 1, "{said}");
     }
 }

@@ -98,6 +98,10 @@ fn hands_hover_select_open_the_lid_and_cut() {
     window.await_that("the image of a script", |found| left(found) == expected);
     window.point_at(BODY);
     window.await_that("what is below the pointer", |found| has_colour(found, HOVERED));
+    window.strike('k'.into());
+    workshop.await_text("image: Image");
+    let image = pixels(&scratch.0.join("workshop.png"));
+    assert!(left(&image) == expected, "images have no outline of what is hovered");
     window.click(LEFT);
     workshop.await_text("select: Selected([\"body\"])");
     window.point_at(BESIDE);
@@ -116,8 +120,8 @@ fn hands_hover_select_open_the_lid_and_cut() {
     window.close();
     let steps = workshop.end(&scratch);
     let verbs: Vec<&str> = steps.iter().map(|step| step["command"].as_str().unwrap()).collect();
-    assert_eq!(verbs, ["select", "deselect", "lid", "section"], "{steps:#?}");
-    let degrees = steps[2]["lid"]["degrees"].as_f64().unwrap();
+    assert_eq!(verbs, ["image", "select", "deselect", "lid", "section"], "{steps:#?}");
+    let degrees = steps[3]["lid"]["degrees"].as_f64().unwrap();
     assert!(degrees > 5.0, "a hand's way of 120 pixels upwards: {degrees}");
 }
 
