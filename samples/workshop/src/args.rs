@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use antumbra::gpu::SampleCount;
+use antumbra::render::TransparencyOptions;
 use bench::choices::{DeviceChoice, ValidationChoice};
-use bench::options::{FrameSize, parse_samples};
+use bench::options::{FrameSize, UsageError, parse_samples};
 use bench::transparency::TransparencyChoice;
 use clap::{Parser, value_parser};
 
@@ -42,13 +43,13 @@ pub struct WorkshopArguments {
     /// The model: waffle, assembly, or a file, whose name has a dot or a slash
     #[arg(value_name = "waffle|assembly|FILE", default_value = "waffle")]
     pub model: String,
-    /// Number of parts of the assembly
-    #[arg(long, value_name = "N", default_value = "1000")]
+    /// Number of parts of the assembly [default: 1000]
+    #[arg(long, value_name = "N")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(scenes::MAX_OBJECTS)))]
-    pub parts: u32,
-    /// The number that the assembly is made from
-    #[arg(long, value_name = "SEED", default_value = "1")]
-    pub seed: u64,
+    pub parts: Option<u32>,
+    /// The number that the assembly is made from [default: 1]
+    #[arg(long, value_name = "SEED")]
+    pub seed: Option<u64>,
     /// The script to carry out, without a window
     #[arg(long, value_name = "FILE")]
     pub script: Option<PathBuf>,
@@ -69,10 +70,47 @@ pub struct WorkshopArguments {
     /// where parts pass through each other
     #[arg(long, value_name = "objects|fragments", default_value = "objects")]
     pub transparency: TransparencyChoice,
+    /// Room for the fragments of transparent parts, as many per pixel of the image on average, 1
+    /// to 64 [default: 4]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=64))]
+    pub fragments_per_pixel: Option<u32>,
     /// Vulkan device: a part of its name, or its number
     #[arg(long, value_name = "DEVICE")]
     pub device: Option<DeviceChoice>,
     /// Validation layers: off, on (core checks), or sync (synchronization, too)
     #[arg(long, value_name = "off|on|sync", default_value = "off")]
     pub validation: ValidationChoice,
+}
+
+impl WorkshopArguments {
+    /// Checks that no option is about something that is not shown.
+    ///
+    /// # Errors
+    /// The option, and what it is about.
+    pub fn check(&self) -> Result<(), UsageError> {
+        let is_assembly = self.model == "assembly";
+        let is_sorted = self.transparency == TransparencyChoice::Fragments;
+        let idle = [
+            ("--parts", self.parts.is_some() && !is_assembly, "the model assembly"),
+            ("--seed", self.seed.is_some() && !is_assembly, "the model assembly"),
+            (
+                "--fragments-per-pixel",
+                self.fragments_per_pixel.is_some() && !is_sorted,
+                "--transparency fragments",
+            ),
+        ];
+        match idle.iter().find(|(_, is_idle, _)| *is_idle) {
+            Some((option, _, about)) => Err(UsageError(format!(
+                "{option} is about {about} alone: leave the option out, or ask for that"
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the options of transparent parts.
+    pub fn transparency_options(&self) -> TransparencyOptions {
+        let options = self.transparency.options();
+        let fragments_per_pixel = self.fragments_per_pixel.unwrap_or(options.fragments_per_pixel);
+        TransparencyOptions { fragments_per_pixel, ..options }
+    }
 }

@@ -48,9 +48,12 @@ pub enum CommandError {
     /// A lid whose parts are apart.
     #[error("the parts are apart: move them back (assemble) before the lid turns")]
     Exploded,
-    /// A model of too many parts to show some of them transparent, or with transparent parts.
-    #[error("parts are shown transparent in models of at most {0} parts, none of them transparent")]
+    /// A model of too many parts to show some of them transparent.
+    #[error("parts are shown transparent in models of at most {0} parts, and this one has more")]
     TooManyToGhost(usize),
+    /// A model with transparent objects of its own, which ghosts are not sorted with.
+    #[error("this model has transparent objects of its own: its parts cannot be shown transparent")]
+    TransparentItself,
     /// Parts that cannot collide.
     #[error(transparent)]
     BadSolid(#[from] BadSolid),
@@ -162,10 +165,19 @@ impl Document {
         placed.and_then(|placed| self.scene.bounds_of(&placed)).unwrap_or(Aabb::EMPTY)
     }
 
+    /// Returns the transparent objects of the scene. They are no parts: all of them are shown,
+    /// always and in their places.
+    pub fn transparent(&self) -> &[Object] {
+        self.scene.surfaces.as_ref().map_or(&[], |surfaces| &surfaces.transparent)
+    }
+
     /// Returns the box around all that is shown; around the origin alone if that is nothing.
     pub fn shown_bounds(&self) -> Aabb {
         let shown = self.objects().filter(|object| self.display(*object) != Display::Hidden);
-        let all = shown.fold(Aabb::EMPTY, |all, object| all.union(&self.bounds(object)));
+        let parts = shown.map(|object| self.bounds(object));
+        let transparent = self.transparent().iter();
+        let transparent = transparent.filter_map(|object| self.scene.bounds_of(object));
+        let all = parts.chain(transparent).fold(Aabb::EMPTY, |all, of| all.union(&of));
         if all.min.is_finite() && all.max.is_finite() {
             return all;
         }
@@ -318,5 +330,25 @@ impl Document {
         let moving: Vec<CollisionSolid> = moving.into_iter().filter_map(solid).collect();
         let fixed: Vec<CollisionSolid> = fixed.into_iter().filter_map(solid).collect();
         LidCollision::new(lid.hinge, &moving, &fixed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transparent_objects_are_within_the_bounds() {
+        let made = scenes::waffle_maker();
+        let mut scene = made.scene.with_surfaces();
+        let all = Document::new(scene.clone(), made.parts.clone(), None).shown_bounds();
+        let surfaces = scene.surfaces.as_mut().unwrap();
+        surfaces.transparent = std::mem::take(&mut scene.objects);
+        let mut document = Document::new(scene, PartTree { nodes: Vec::new() }, None);
+        assert_eq!(document.shown_bounds(), all, "a scene of nothing else");
+        let by = Vec3::X * 9.0;
+        let beside = &mut document.scene.surfaces.as_mut().unwrap().transparent[0].transform;
+        beside.translation += antumbra::glam::Vec3A::from(by);
+        assert!(document.shown_bounds().max.x > all.max.x + 8.0);
     }
 }

@@ -86,6 +86,9 @@ pub enum CommandOutcome {
         /// The fragments of its transparent parts; absent where none are sorted.
         #[serde(skip_serializing_if = "Option::is_none")]
         fragments: Option<FragmentsReport>,
+        /// A sentence about fragments that are not in it, and the remedy; absent where all are.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        inexact: Option<String>,
     },
     /// A model was written.
     Exported {
@@ -93,16 +96,38 @@ pub enum CommandOutcome {
         file: String,
         /// Its size in bytes.
         bytes: u64,
+        /// A sentence about what is shown and not in it; absent where all is.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        left_out: Option<String>,
     },
 }
 
+/// Returns a sentence about fragments of transparent parts that were not blended, and the remedy,
+/// if there are any.
+pub fn not_blended(fragments: &FragmentsReport) -> Option<String> {
+    let FragmentsReport { without_room, left_out, .. } = *fragments;
+    let without_room = (without_room > 0).then(|| {
+        format!("{without_room} fragments of ghosts found no room: more --fragments-per-pixel help")
+    });
+    let left_out = (left_out > 0).then(|| {
+        format!("{left_out} fragments of ghosts lie behind too many others: ghost fewer parts")
+    });
+    let sentences: Vec<String> = without_room.into_iter().chain(left_out).collect();
+    (!sentences.is_empty()).then(|| sentences.join("; "))
+}
+
 impl CommandOutcome {
+    /// Returns the reason why it was not done, or not as it should be, if there is one.
+    pub fn failure(&self) -> Option<&str> {
+        match self {
+            Self::Refused(reason) => Some(reason),
+            Self::Image { inexact, .. } => inexact.as_deref(),
+            _ => None,
+        }
+    }
+
     /// Returns it as a sentence for the user, unless the image tells it.
     pub fn sentence(&self) -> Option<String> {
-        let millimetres = |length: &Option<f64>| match length {
-            Some(length_mm) => format!("{length_mm:.3} mm"),
-            None => "nothing is there to measure".to_owned(),
-        };
         match self {
             Self::Done | Self::Played { .. } | Self::Picked(_) => None,
             Self::Refused(reason) => Some(reason.clone()),
@@ -120,14 +145,19 @@ impl CommandOutcome {
             Self::Exploded { least_gap_mm } => {
                 least_gap_mm.map(|gap_mm| format!("least gap {gap_mm:.3} mm"))
             }
-            Self::Distance { distance_mm } => {
-                Some(format!("distance {}", millimetres(distance_mm)))
+            Self::Distance { distance_mm: Some(distance_mm) } => {
+                Some(format!("distance {distance_mm:.3} mm"))
             }
-            Self::Edge { length_mm } => Some(format!("edge {}", millimetres(length_mm))),
+            Self::Distance { distance_mm: None } => Some("no part is there".to_owned()),
+            Self::Edge { length_mm: Some(length_mm) } => Some(format!("edge {length_mm:.3} mm")),
+            Self::Edge { length_mm: None } => Some("no edge is there".to_owned()),
             Self::Tessellated { triangles, path } => {
                 Some(format!("{triangles} triangles by {path}"))
             }
-            Self::Image { file, .. } | Self::Exported { file, .. } => Some(format!("wrote {file}")),
+            Self::Image { file, inexact: but, .. } | Self::Exported { file, left_out: but, .. } => {
+                let but = but.iter().map(|but| format!("; {but}"));
+                Some(format!("wrote {file}{}", but.collect::<String>()))
+            }
         }
     }
 }

@@ -26,6 +26,9 @@ use crate::window;
 /// The version of the report's format.
 const REPORT_VERSION: u32 = 1;
 
+/// The number of parts of the assembly, unless another one is asked for.
+const ASSEMBLY_PARTS: u32 = 1000;
+
 /// A model and the path of its camera.
 pub(crate) struct Model {
     pub(crate) document: Document,
@@ -37,6 +40,7 @@ pub(crate) struct Model {
 /// # Errors
 /// A command line, a script or a file that is wrong; no display; a failure of the device.
 pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), RunError> {
+    arguments.check()?;
     match &arguments.script {
         Some(script) => carry_out(arguments, script, ending),
         None => window::app::run(arguments, ending),
@@ -65,15 +69,19 @@ fn carry_out(
     let device = Device::new(&instance, &adapter, &device_options)?;
     let Model { document, path } = model(arguments)?;
     let mut report = begin_report(&document, &adapter.name);
-    let WorkshopArguments { size, msaa, transparency, .. } = *arguments;
+    let WorkshopArguments { size, msaa, .. } = *arguments;
+    let transparency = arguments.transparency_options();
     let mut session = WorkshopSession::new(&device, document, path, size, msaa, transparency)?;
     report.transparency = session.transparency();
     let mut failed = Ok(());
     for ScriptLine { text, command } in &lines {
         match session.act(command) {
             Ok(outcome) => {
-                if let CommandOutcome::Refused(reason) = &outcome {
-                    ending.fail(format!("{text}: {reason}"));
+                if let Some(failure) = outcome.failure() {
+                    ending.fail(format!("{text}: {failure}"));
+                }
+                if let CommandOutcome::Exported { left_out: Some(left_out), .. } = &outcome {
+                    tracing::warn!("{text}: {left_out}");
                 }
                 report.steps.push(ScriptStep { command: text.clone(), outcome });
             }
@@ -150,7 +158,8 @@ pub(crate) fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
             Ok(Model { document, path: made.cameras })
         }
         "assembly" => {
-            let made = scenes::assembly(arguments.parts, arguments.seed)?;
+            let parts = arguments.parts.unwrap_or(ASSEMBLY_PARTS);
+            let made = scenes::assembly(parts, arguments.seed.unwrap_or(1))?;
             Ok(Model {
                 document: Document::new(made.generated.scene, made.parts, None),
                 path: Vec::new(),

@@ -251,6 +251,29 @@ impl Command {
         )
     }
 
+    /// Returns true if it may change where surfaces are, or which of them are shown.
+    pub fn changes_surfaces(&self) -> bool {
+        let moves = matches!(
+            self,
+            Self::Lid { .. }
+                | Self::Explode { .. }
+                | Self::Assemble
+                | Self::Section(_)
+                | Self::Member { .. }
+                | Self::Tessellate { .. }
+        );
+        moves || self.changes_displays()
+    }
+
+    /// Returns the pixels that it asks about.
+    pub fn pixels(&self) -> Vec<Pixel> {
+        match self {
+            Self::Pick(at) | Self::Edge(at) => vec![*at],
+            Self::Distance { from, to } => vec![*from, *to],
+            _ => Vec::new(),
+        }
+    }
+
     /// Returns the file that it writes.
     pub fn written_file(&self) -> Option<&Path> {
         match self {

@@ -5,7 +5,7 @@ use std::path::Path;
 use antumbra::cull::{Aabb, FrameId, View};
 use antumbra::glam::DVec3;
 use antumbra::gpu::{Device, SampleCount};
-use antumbra::render::HostOverlay;
+use antumbra::render::{HostOverlay, TransparencyOptions};
 use antumbra::{Camera, ObjectId, Renderer};
 use bench::legend;
 use bench::options::FrameSize;
@@ -13,7 +13,7 @@ use bench::outputs::write_file;
 use bench::png_file::write_png;
 use bench::run_error::RunError;
 use bench::terminal::shown;
-use bench::transparency::{TransparencyChoice, TransparencyReport};
+use bench::transparency::TransparencyReport;
 
 use crate::document::{CommandError, Display, Document};
 use crate::explode::least_gap;
@@ -22,10 +22,10 @@ use crate::hinge::Turn;
 use crate::hit::{Ray, hit_mesh};
 use crate::measure::edge_length;
 use crate::orbit::OrbitCamera;
-use crate::report::{CommandOutcome, LidTurn, PickedPoint};
+use crate::report::{CommandOutcome, LidTurn, PickedPoint, not_blended};
 use crate::retessellate::{CurvedParts, Tessellated};
 use crate::script::{Command, Pixel};
-use crate::viewport::{MOST_GHOSTED_OBJECTS, ModelViewport, PointedPixel, SeenObject};
+use crate::viewport::{ModelViewport, PointedPixel, SeenObject};
 
 /// Millimetres in a metre.
 const MM: f64 = 1000.0;
@@ -78,10 +78,9 @@ impl WorkshopSession {
         path: Vec<Camera>,
         size: FrameSize,
         samples: SampleCount,
-        transparency: TransparencyChoice,
+        transparency: TransparencyOptions,
     ) -> Result<Self, RunError> {
         let pixels = [size.width, size.height];
-        let transparency = transparency.options();
         let viewport = ModelViewport::new(device, &document, pixels, samples, transparency)?;
         let bounds = document.shown_bounds();
         let camera = fitted(&bounds, size);
@@ -97,6 +96,11 @@ impl WorkshopSession {
     /// # Errors
     /// A failure of the device, or of writing a file.
     pub fn act(&mut self, command: &Command) -> Result<CommandOutcome, RunError> {
+        let is_outside = |at: &Pixel| at.x >= self.size.width || at.y >= self.size.height;
+        if let Some(Pixel { x, y }) = command.pixels().into_iter().find(is_outside) {
+            let reason = format!("the image has {} pixels, and none at {x}, {y}", self.size);
+            return Ok(CommandOutcome::Refused(reason));
+        }
         let outcome = match command {
             Command::Pick(at) => self.pick(*at)?,
             Command::Distance { from, to } => self.distance(*from, *to)?,
@@ -166,17 +170,15 @@ impl WorkshopSession {
                 return Ok(self.selected());
             }
             Command::DisplayObjects { objects, display } => {
-                if *display == Display::Ghosted && !self.viewport.has_ghosts() {
-                    return Err(CommandError::TooManyToGhost(MOST_GHOSTED_OBJECTS));
+                if *display == Display::Ghosted {
+                    self.viewport.check_ghosts()?;
                 }
                 document.set_display(objects, *display);
             }
             Command::Deselect => document.select([]),
             Command::Hide(name) => self.display(name.as_deref(), Display::Hidden)?,
             Command::Ghost(name) => {
-                if !self.viewport.has_ghosts() {
-                    return Err(CommandError::TooManyToGhost(MOST_GHOSTED_OBJECTS));
-                }
+                self.viewport.check_ghosts()?;
                 self.display(name.as_deref(), Display::Ghosted)?;
             }
             Command::Show(None) => {
@@ -229,11 +231,6 @@ impl WorkshopSession {
 
     /// Selects the part under a pixel.
     fn pick(&mut self, at: Pixel) -> Result<CommandOutcome, RunError> {
-        if at.x >= self.size.width || at.y >= self.size.height {
-            let reason =
-                format!("the image has {} pixels, and none at {}, {}", self.size, at.x, at.y);
-            return Ok(CommandOutcome::Refused(reason));
-        }
         let hit = self.hit(at)?;
         self.document.select(hit.map(|(object, _)| object));
         self.outline()?;
@@ -268,9 +265,6 @@ impl WorkshopSession {
 
     /// Returns the part that owns a pixel, as the GPU drew it, and the point of it there.
     fn hit(&mut self, at: Pixel) -> Result<Option<(ObjectId, DVec3)>, RunError> {
-        if at.x >= self.size.width || at.y >= self.size.height {
-            return Ok(None);
-        }
         let camera = self.camera();
         let Some(seen) = self.viewport.pick(&camera, at)? else { return Ok(None) };
         let ray = Ray::of_pixel(&self.viewport.view_of(&camera), at.x, at.y);
@@ -308,6 +302,9 @@ impl WorkshopSession {
     }
 
     fn image(&mut self, file: &Path) -> Result<CommandOutcome, RunError> {
+        // The pointer is no part of an image. The next frame of a window has its outline again.
+        self.hovered = None;
+        self.outline()?;
         let camera = self.camera();
         let mut pixels = self.viewport.image(&camera)?;
         if self.viewport.overlay().has_depth_complexity {
@@ -321,8 +318,16 @@ impl WorkshopSession {
         Ok(CommandOutcome::Image {
             file: shown(&written).to_string(),
             visible: visible.collect(),
+            inexact: fragments.as_ref().and_then(not_blended),
             fragments,
         })
+    }
+
+    /// Returns a sentence about transparent parts that are not shown as was asked for.
+    pub fn transparency_notice(&self) -> Option<String> {
+        let fallback = self.transparency().and_then(|report| report.fallback);
+        let fallback = fallback.map(|reason| format!("ghosts are sorted part by part: {reason}"));
+        fallback.or_else(|| not_blended(&self.viewport.fragments()?))
     }
 
     /// Returns the order of transparent parts, if fragments were asked for.
@@ -336,7 +341,13 @@ impl WorkshopSession {
             Err(error) => return Ok(CommandOutcome::Refused(error.to_string())),
         };
         write_file(file, &bytes).map_err(RunError::machine)?;
-        Ok(CommandOutcome::Exported { file: shown(file).to_string(), bytes: bytes.len() as u64 })
+        let left_out = match self.document.transparent().len() {
+            0 => None,
+            1 => Some("a transparent object is left out: it is no part".to_owned()),
+            count => Some(format!("{count} transparent objects are left out: they are no parts")),
+        };
+        let bytes = bytes.len() as u64;
+        Ok(CommandOutcome::Exported { file: shown(file).to_string(), bytes, left_out })
     }
 
     /// Returns the camera of the image.

@@ -15,7 +15,7 @@ use antumbra::scene::{
 use antumbra::{Camera, FrameRequest, ObjectId, Renderer, RendererOptions, ViewState};
 use bench::transparency::{FragmentsReport, TransparencyReport};
 
-use crate::document::{Display, Document};
+use crate::document::{CommandError, Display, Document};
 use crate::script::Pixel;
 
 /// The most objects of a model whose parts can be shown transparent: each has a second object for
@@ -72,7 +72,8 @@ pub struct ModelViewport {
     placed: Vec<Placed>,
     /// The renderer's mesh for each one of the document.
     meshes: Vec<MeshId>,
-    has_ghosts: bool,
+    /// The reason why parts cannot be shown transparent, if there is one.
+    no_ghosts: Option<CommandError>,
     /// The objects whose visible samples are counted, by their ids in the document.
     watched: Vec<ObjectId>,
 }
@@ -110,7 +111,7 @@ impl ModelViewport {
         transparency: TransparencyOptions,
     ) -> Result<Self, Error> {
         let mut scene = document.scene.clone().with_surfaces();
-        let has_ghosts = add_ghosts(&mut scene);
+        let no_ghosts = add_ghosts(&mut scene).err();
         let spare = if document.curved.is_empty() { SpareRoom::default() } else { CURVED_ROOM };
         let options =
             RendererOptions { size, samples, transparency, spare, ..RendererOptions::default() };
@@ -126,14 +127,17 @@ impl ModelViewport {
             placed: document.objects().map(placed).collect(),
             meshes: (0..document.scene.meshes.len() as u32).map(MeshId).collect(),
             renderer,
-            has_ghosts,
+            no_ghosts,
             watched: Vec::new(),
         })
     }
 
-    /// Returns true if parts can be shown transparent.
-    pub fn has_ghosts(&self) -> bool {
-        self.has_ghosts
+    /// Checks that parts can be shown transparent.
+    ///
+    /// # Errors
+    /// [`CommandError::TooManyToGhost`], [`CommandError::TransparentItself`].
+    pub fn check_ghosts(&self) -> Result<(), CommandError> {
+        self.no_ghosts.clone().map_or(Ok(()), Err)
     }
 
     /// Returns the device.
@@ -186,7 +190,9 @@ impl ModelViewport {
                 }
                 (None, _) => {}
             }
-            if self.has_ghosts && (display, placed.display) != (Display::Shown, Display::Shown) {
+            if self.no_ghosts.is_none()
+                && (display, placed.display) != (Display::Shown, Display::Shown)
+            {
                 let is_ghosted = display == Display::Ghosted;
                 let transform = if is_ghosted { transform } else { NOWHERE };
                 let transparent = TransparentId(index as u32);
@@ -441,12 +447,15 @@ impl ModelViewport {
     }
 }
 
-/// Adds a transparent object for each object of a scene, shown nowhere. Returns false, and changes
-/// nothing, where there are too many objects, or transparent ones of the scene's own.
-fn add_ghosts(scene: &mut Scene) -> bool {
-    let Scene { meshes, objects, surfaces: Some(surfaces), .. } = scene else { return false };
-    if objects.len() > MOST_GHOSTED_OBJECTS || !surfaces.transparent.is_empty() {
-        return false;
+/// Adds a transparent object for each object of a scene with surfaces, shown nowhere. Changes
+/// nothing where there are too many objects, or transparent ones of the scene's own.
+fn add_ghosts(scene: &mut Scene) -> Result<(), CommandError> {
+    let Scene { meshes, objects, surfaces: Some(surfaces), .. } = scene else { return Ok(()) };
+    if !surfaces.transparent.is_empty() {
+        return Err(CommandError::TransparentItself);
+    }
+    if objects.len() > MOST_GHOSTED_OBJECTS {
+        return Err(CommandError::TooManyToGhost(MOST_GHOSTED_OBJECTS));
     }
     let first_mesh = meshes.len() as u32;
     let first_material = surfaces.materials.len() as u32;
@@ -472,5 +481,5 @@ fn add_ghosts(scene: &mut Scene) -> bool {
         transform: NOWHERE,
         ..*object
     }));
-    true
+    Ok(())
 }

@@ -124,13 +124,19 @@ fn an_empty_selection_and_what_is_not_there_change_nothing() {
         ghost the moon\n\
         pick 0 0\n\
         pick 99999 0\n\
+        distance 99999 1 2 3\n\
+        distance 2 3 1 240\n\
+        edge 320 1\n\
         image after.png\n";
     let output = run(&scratch, script, &[]);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     let said = stderr(&output);
     assert!(said.contains("hide: nothing is selected") && said.contains("'the moon'"), "{said}");
     let steps = steps(&scratch);
-    assert!(steps[1]["refused"].is_string() && steps[5]["refused"].is_string(), "{steps:#?}");
+    assert!(steps[1]["refused"].is_string(), "{steps:#?}");
+    for step in &steps[5..9] {
+        assert!(step["refused"].as_str().unwrap().contains("320x240"), "{step}");
+    }
     assert_eq!(steps[4].get("picked"), Some(&Value::Null), "{steps:#?}");
     let image = |name: &str| pixels(&scratch.0.join(name));
     assert!(image("before.png") == image("after.png"));
@@ -142,6 +148,8 @@ fn what_is_wrong_is_refused_before_anything_is_written() {
     for (script, arguments, reason) in [
         ("image a.png\nfly\n", &[][..], "script:2: unknown command 'fly'"),
         ("image a.png\n", &["--report", "nowhere/report.json"], "there is no folder"),
+        ("image a.png\n", &["waffle", "--parts", "5"], "--parts is about the model assembly"),
+        ("image a.png\n", &["--fragments-per-pixel", "5"], "--transparency fragments"),
         ("image a.png\n", &["moon"], "there is no model 'moon'"),
         ("image a.png\n", &["moon.glb"], "moon.glb"),
         ("image nowhere/a.png\n", &[], "nowhere/a.png"),
@@ -169,4 +177,72 @@ fn an_assembly_is_taken_apart_by_its_names() {
     assert_eq!(steps[0]["selected"].as_array().unwrap().len(), 1000, "{}", steps[0]);
     let visible = steps[4]["image"]["visible"].as_array().unwrap().len();
     assert!((10..1000).contains(&visible), "{visible}");
+}
+
+/// Writes `panes.gltf`: transparent triangles, and if wanted a small opaque part.
+fn write_panes(scratch: &Scratch, panes: usize, parts: usize) {
+    let corners: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    fs::write(scratch.0.join("corners.bin"), corners.map(f32::to_le_bytes).concat()).unwrap();
+    let triangle = |material: u32| {
+        serde_json::json!({
+            "primitives": [{ "attributes": { "POSITION": 0 }, "material": material }]
+        })
+    };
+    let pin = serde_json::json!({ "name": "pin", "mesh": 1, "scale": [0.01, 0.01, 0.01] });
+    let mut nodes = vec![pin; parts];
+    nodes.extend(vec![serde_json::json!({ "name": "pane", "mesh": 0 }); panes]);
+    let shown: Vec<usize> = (0..nodes.len()).collect();
+    let accessor = serde_json::json!({
+        "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+        "min": [0, 0, 0], "max": [1, 1, 0]
+    });
+    let red = serde_json::json!({ "baseColorFactor": [1, 0, 0, 0.5] });
+    let file = serde_json::json!({
+        "asset": { "version": "2.0" },
+        "scenes": [{ "nodes": shown }],
+        "scene": 0,
+        "nodes": nodes,
+        "meshes": [triangle(0), triangle(1)],
+        "materials": [
+            { "alphaMode": "BLEND", "doubleSided": true, "pbrMetallicRoughness": red },
+            {}
+        ],
+        "accessors": [accessor],
+        "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+        "buffers": [{ "uri": "corners.bin", "byteLength": 36 }]
+    });
+    fs::write(scratch.0.join("panes.gltf"), file.to_string()).unwrap();
+}
+
+#[test]
+fn fragments_without_room_are_said_and_fail() {
+    for (room, code) in [("1", Some(1)), ("32", Some(0))] {
+        let scratch = Scratch::new(&format!("workshop-fragments-{room}"));
+        write_panes(&scratch, 20, 0);
+        let arguments = ["panes.gltf", "--transparency", "fragments"];
+        let arguments = [&arguments[..], &["--fragments-per-pixel", room]].concat();
+        let output = run(&scratch, "view front\nfit\nimage panes.png\n", &arguments);
+        assert_eq!(output.status.code(), code, "{}", stderr(&output));
+        let inexact = &steps(&scratch)[2]["image"]["inexact"];
+        assert_eq!(inexact.is_string(), room == "1", "{inexact}");
+        assert_eq!(stderr(&output).contains("found no room"), room == "1", "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn transparent_objects_of_a_file_are_seen_and_left_out_of_exports() {
+    for (parts, refused) in [(0, "nothing is shown"), (1, "transparent objects of its own")] {
+        let scratch = Scratch::new(&format!("workshop-transparent-{parts}"));
+        write_panes(&scratch, 3, parts);
+        let script = "view front\nfit\nimage panes.png\nghost pin\nexport panes.glb\n";
+        let output = run(&scratch, script, &["panes.gltf"]);
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains(refused), "{said}");
+        let image = pixels(&scratch.0.join("panes.png"));
+        let is_red = |pixel: &&[u8; 3]| pixel[0] > pixel[2];
+        let share = image.iter().filter(is_red).count() as f32 / image.len() as f32;
+        assert!((0.05..0.6).contains(&share), "the panes are within the image: {share}");
+        assert_eq!(said.contains("3 transparent objects are left out"), parts == 1, "{said}");
+    }
 }

@@ -13,6 +13,7 @@ use tests::xvfb::Xvfb;
 const WORKSHOP: &str = env!("CARGO_BIN_EXE_workshop");
 const ESCAPE: u32 = 0xff1b;
 const F1: u32 = 0xffbe;
+const CONTROL: u32 = 0xffe3;
 const LEFT: u8 = 1;
 const SIZE: [usize; 2] = [800, 600];
 /// The lines around what is below the pointer, and around what is selected.
@@ -89,6 +90,8 @@ fn hands_hover_select_open_the_lid_and_cut() {
     let window = Seen::wait_for(&server);
     window.point_at(BESIDE);
     window.await_that("a panel", |found| found[..200] != expected[..200]);
+    // No step of the report: it is a shortcut of others.
+    window.press_with(CONTROL, 's'.into());
     window.strike('t'.into());
     // The cube stays, in the upper right.
     let left = |image: &[[u8; 3]]| -> Vec<[u8; 3]> {
@@ -98,6 +101,10 @@ fn hands_hover_select_open_the_lid_and_cut() {
     window.await_that("the image of a script", |found| left(found) == expected);
     window.point_at(BODY);
     window.await_that("what is below the pointer", |found| has_colour(found, HOVERED));
+    window.strike('k'.into());
+    workshop.await_text("image: Image");
+    let image = pixels(&scratch.0.join("workshop.png"));
+    assert!(left(&image) == expected, "images have no outline of what is hovered");
     window.click(LEFT);
     workshop.await_text("select: Selected([\"body\"])");
     window.point_at(BESIDE);
@@ -116,8 +123,8 @@ fn hands_hover_select_open_the_lid_and_cut() {
     window.close();
     let steps = workshop.end(&scratch);
     let verbs: Vec<&str> = steps.iter().map(|step| step["command"].as_str().unwrap()).collect();
-    assert_eq!(verbs, ["select", "deselect", "lid", "section"], "{steps:#?}");
-    let degrees = steps[2]["lid"]["degrees"].as_f64().unwrap();
+    assert_eq!(verbs, ["image", "select", "deselect", "lid", "section"], "{steps:#?}");
+    let degrees = steps[3]["lid"]["degrees"].as_f64().unwrap();
     assert!(degrees > 5.0, "a hand's way of 120 pixels upwards: {degrees}");
 }
 

@@ -2,7 +2,7 @@
 
 use antumbra::glam::Vec2;
 use winit::event::MouseButton;
-use winit::keyboard::KeyCode;
+use winit::keyboard::{KeyCode, ModifiersState};
 
 /// An event of a hand. Places are in pixels from the upper left.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,8 +19,8 @@ pub enum HandEvent {
     Wheel(f32),
     /// A key was struck.
     Key(KeyCode),
-    /// The key that adds to the selection is held, or no more.
-    Adding(bool),
+    /// Other modifier keys are held than before.
+    Modifiers(ModifiersState),
 }
 
 /// A key of the page of keys.

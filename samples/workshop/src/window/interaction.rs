@@ -3,14 +3,15 @@
 use std::f32::consts::PI;
 
 use antumbra::ObjectId;
-use antumbra::cull::{Aabb, FrameId};
+use antumbra::cull::Aabb;
 use antumbra::glam::Vec2;
 use antumbra::render::PointedSurface;
 use winit::event::MouseButton;
-use winit::keyboard::KeyCode;
+use winit::keyboard::{KeyCode, ModifiersState};
 
 use super::camera_path::OrbitPath;
 use super::drag::{Drag, PlaneGrab, place_of};
+use super::gesture::{Click, CubeTurn, Held};
 use super::input::HandEvent;
 use super::keys::{KeyEffect, effect_of};
 use super::seen::Sight;
@@ -40,36 +41,6 @@ const SHOWN_FRAMES: u64 = 3;
 /// The factor of the image's height per notch of the wheel.
 const NOTCH: f32 = 0.85;
 
-/// A button that is pressed over the model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Held {
-    button: MouseButton,
-    pressed_at: Vec2,
-    /// The place up to which the model followed.
-    followed_to: Vec2,
-    is_dragging: bool,
-    /// `None` until it is known what is below the pointer.
-    drag: Option<Drag>,
-    on_cube: Option<CubeView>,
-    waited_s: f32,
-}
-
-/// A click whose answer is awaited.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Click {
-    pixel: Pixel,
-    frame: FrameId,
-    waited_s: f32,
-}
-
-/// A turn to a view of the cube.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct CubeTurn {
-    view: CubeView,
-    from: OrbitCamera,
-    seconds: f32,
-}
-
 /// The state of hands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interaction {
@@ -84,7 +55,7 @@ pub struct Interaction {
     click: Option<Click>,
     turn: Option<CubeTurn>,
     measured: Option<MeasuredLine>,
-    is_adding: bool,
+    modifiers: ModifiersState,
     message: Option<String>,
 }
 
@@ -102,7 +73,7 @@ impl Interaction {
             click: None,
             turn: None,
             measured: None,
-            is_adding: false,
+            modifiers: ModifiersState::empty(),
             message: None,
         }
     }
@@ -209,8 +180,8 @@ impl Interaction {
             HandEvent::Released(button) => self.release(button, seen),
             HandEvent::Wheel(notches) => self.wheel(notches, seen),
             HandEvent::Key(key) => self.key(key, seen),
-            HandEvent::Adding(is_adding) => {
-                self.is_adding = is_adding;
+            HandEvent::Modifiers(modifiers) => {
+                self.modifiers = modifiers;
                 Vec::new()
             }
         }
@@ -218,9 +189,8 @@ impl Interaction {
 
     fn press(&mut self, button: MouseButton, seen: &Sight<'_>) {
         let Some(place) = self.cursor.filter(|_| self.held.is_none()) else { return };
-        self.turn = None;
+        self.end_motion();
         self.click = None;
-        self.path.stop_playing();
         let is_left = button == MouseButton::Left;
         let on_cube = self.cube.view_at(&seen.camera, place).filter(|_| is_left);
         let plane = self.handle_at(place, seen).filter(|_| is_left);
@@ -260,15 +230,20 @@ impl Interaction {
         commands
     }
 
-    fn turn_to(&mut self, view: CubeView, seen: &Sight<'_>) {
+    /// Ends what moves the camera by itself.
+    fn end_motion(&mut self) {
+        self.turn = None;
         self.path.stop_playing();
+    }
+
+    fn turn_to(&mut self, view: CubeView, seen: &Sight<'_>) {
+        self.end_motion();
         self.turn = Some(CubeTurn { view, from: seen.camera, seconds: 0.0 });
     }
 
     fn wheel(&mut self, notches: f32, seen: &Sight<'_>) -> Vec<Command> {
         let Some(cursor) = self.cursor.filter(|_| notches.is_finite()) else { return Vec::new() };
-        self.turn = None;
-        self.path.stop_playing();
+        self.end_motion();
         let camera = self.at_hovered(&seen.camera);
         let [width, height] = seen.view.size.map(|side| side.max(1) as f32);
         let offset = (cursor - Vec2::new(width, height) * 0.5) / height;
@@ -311,11 +286,11 @@ impl Interaction {
     /// Selects or measures what was clicked.
     fn clicked(&mut self, surface: &Option<PointedSurface>, seen: &Sight<'_>) -> Vec<Command> {
         match (self.tools.measuring, surface) {
-            (Measuring::Off, None) if !self.is_adding => vec![Command::Deselect],
+            (Measuring::Off, None) if !self.modifiers.control_key() => vec![Command::Deselect],
             (_, None) => Vec::new(),
             (Measuring::Off, Some(surface)) => {
                 let mut objects: Vec<ObjectId> = Vec::new();
-                if self.is_adding {
+                if self.modifiers.control_key() {
                     objects.extend(seen.document.selected());
                 }
                 match objects.iter().position(|object| *object == surface.object) {
@@ -357,6 +332,13 @@ impl Interaction {
                 tools.planes = self.before.planes;
             }
             _ => {}
+        }
+        if matches!(command, Command::Fit) {
+            self.end_motion();
+        }
+        if command.changes_surfaces() && !matches!(outcome, CommandOutcome::Refused(_)) {
+            // What was measured may be elsewhere.
+            self.measured = None;
         }
         if !matches!(command, Command::Camera(_)) {
             self.message = outcome.sentence();
@@ -456,12 +438,27 @@ impl Interaction {
         }
     }
 
+    /// Returns true if keys mean what the page of keys says: with other modifiers than Shift they
+    /// are the shortcuts of other programs.
+    pub fn takes_keys(&self) -> bool {
+        let others = ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER;
+        !self.modifiers.intersects(others)
+    }
+
     /// Carries out a key.
     fn key(&mut self, key: KeyCode, seen: &Sight<'_>) -> Vec<Command> {
+        if !self.takes_keys() {
+            return Vec::new();
+        }
         match effect_of(key, &self.tools, seen) {
             KeyEffect::Nothing => {}
             KeyEffect::Escape => return self.escape(),
-            KeyEffect::Command(command) => return vec![command],
+            KeyEffect::Command(command) => {
+                if matches!(command, Command::Camera(_)) {
+                    self.end_motion();
+                }
+                return vec![command];
+            }
             KeyEffect::Tools(tools) => return self.use_tools(tools),
             KeyEffect::View(view) => self.turn_to(view, seen),
             KeyEffect::Record => self.path.toggle_recording(),

@@ -3,13 +3,14 @@
 //! An [`interaction`] is the pure heart of it: events of hands ([`input`]) and late results of
 //! frames go in, commands of a [session](crate::session) come out. It moves the camera, drags
 //! ([`drag`]) the lid and [section planes](tools), turns with the [cube](view_cube), and records
-//! a [path](camera_path). An [`opened`] window shows the [`panel`] of tools with its
+//! a [path](camera_path). An open window shows the [`panel`] of tools with its
 //! [tree of parts](part_rows) and the [`signs`] over the image, and draws frames while something
 //! changes.
 
 pub mod app;
 pub mod camera_path;
 pub mod drag;
+mod gesture;
 pub mod input;
 pub mod interaction;
 pub mod keys;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use antumbra::cull::Aabb;
 use antumbra::glam::Vec2;
 use antumbra::gpu::{DisplayLink, Instance, PresentMode, PresentResult, PresentSkipped};
 use antumbra::pacing::{PacedFrameId, Step, Time};
@@ -11,7 +12,7 @@ use bench::choices::DeviceChoice;
 use bench::options::FrameSize;
 use bench::outputs::OutputFile;
 use bench::run_error::RunError;
-use egui::{Context, Rect, ViewportId};
+use egui::{Context, Popup, Rect, ViewportId};
 use samples::hud::{HudFrame, HudOverlay, Measures};
 use samples::window::clock::Clock;
 use samples::window::failures::check_log;
@@ -62,6 +63,8 @@ pub(super) struct Opened {
     hands: Interaction,
     panel: ToolPanel,
     late: LateResults,
+    /// The box around the whole model at rest.
+    rest: Aabb,
     /// The part of the image that no panel covers, in points.
     room: Rect,
     cursor: Vec2,
@@ -112,11 +115,11 @@ impl Opened {
         };
         let screen = Screen::new(&device, &surface, screen_options, refresh)?;
         let Model { document, path } = model;
-        let mut report = begin_report(&document, &device.adapter().name);
+        let report = begin_report(&document, &device.adapter().name);
         let drawn = frame_size(size);
-        let WorkshopArguments { msaa, transparency, .. } = *arguments;
+        let WorkshopArguments { msaa, .. } = *arguments;
+        let transparency = arguments.transparency_options();
         let mut session = WorkshopSession::new(&device, document, path, drawn, msaa, transparency)?;
-        report.transparency = session.transparency();
         let bounds = session.bounds();
         let middle = (bounds.min + bounds.max) * 0.5;
         let own = session.path().iter().map(|camera| OrbitCamera::of_camera(camera, middle));
@@ -137,6 +140,7 @@ impl Opened {
             session,
             hands,
             late: LateResults::default(),
+            rest: bounds,
             room: Rect::NOTHING,
             cursor: Vec2::ZERO,
             context,
@@ -167,6 +171,9 @@ impl Opened {
             WindowEvent::Resized(size) => self.size = (*size).into(),
             WindowEvent::Occluded(is_occluded) => self.is_occluded = *is_occluded,
             WindowEvent::RedrawRequested => self.frames_due = self.frames_due.max(1),
+            // A list that is open has all keys: Esc closes it, and nothing else.
+            WindowEvent::KeyboardInput { .. }
+                if response.consumed || Popup::is_any_open(&self.context) => {}
             _ => {
                 if let Some(input) = self.input_of(event) {
                     let commands = self.hands.handle(input, &seen_of(&self.session));
@@ -203,14 +210,14 @@ impl Opened {
                 (!self.is_on_panel()).then_some(HandEvent::Wheel(notches))
             }
             WindowEvent::ModifiersChanged(modifiers) => {
-                Some(HandEvent::Adding(modifiers.state().control_key()))
+                Some(HandEvent::Modifiers(modifiers.state()))
             }
             WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => {
                 let PhysicalKey::Code(key) = event.physical_key else { return None };
-                if !event.state.is_pressed() || event.repeat || self.context.text_edit_focused() {
+                if !event.state.is_pressed() || event.repeat {
                     return None;
                 }
-                if key == KeyCode::F11 {
+                if key == KeyCode::F11 && self.hands.takes_keys() {
                     let is_full = self.window.fullscreen().is_some();
                     let wanted = (!is_full).then_some(Fullscreen::Borderless(None));
                     self.window.set_fullscreen(wanted);
@@ -343,17 +350,18 @@ impl Opened {
         let input = self.egui.take_egui_input(&self.window);
         let page = PanelPage {
             document: &self.session.document,
-            bounds: self.session.bounds(),
+            rest: self.rest,
             tools: *self.hands.tools(),
             seen: &self.late.seen,
             drawn: self.late.drawn,
         };
         let seen = seen_of(&self.session);
+        let notice = self.session.transparency_notice();
         let mut answer = None;
         let mut output = self.context.run_ui(input, |ui| {
             answer = Some(self.panel.show(ui, &page));
             self.room = ui.available_rect_before_wrap();
-            signs::paint(ui.painter(), self.room, &self.hands, &seen);
+            signs::paint(ui.painter(), self.room, &self.hands, &seen, notice.as_deref());
         });
         let platform = std::mem::take(&mut output.platform_output);
         self.egui.handle_platform_output(&self.window, platform);
@@ -375,6 +383,8 @@ impl Opened {
     /// found.
     pub(super) fn close(self) -> (ScriptReport, Result<(), RunError>) {
         let Self { session, overlay, screen, window, instance, egui, mut report, .. } = self;
+        // As it is in the end: another size may have changed it.
+        report.transparency = session.transparency();
         drop(session);
         drop(overlay);
         drop(egui);

@@ -7,7 +7,7 @@ use antumbra::cull::Aabb;
 use antumbra::render::EdgeMode;
 use egui::{
     Checkbox, Color32, ComboBox, Context, Frame, Grid, Label, Margin, Panel, RichText, ScrollArea,
-    Sense, Slider, Ui, vec2,
+    Sense, Slider, SliderClamping, Ui, vec2,
 };
 use samples::hud::style::{DIM, GOOD, MARGIN, MARK, NAME, VALUE};
 
@@ -39,9 +39,6 @@ const INDENT: f32 = 10.0;
 /// The largest gap of the slider of exploded views, in millimetres.
 const MOST_GAP_MM: f32 = 100.0;
 
-/// The largest change of a value by its slider alone, which shows one decimal.
-const ROUNDING: f32 = 0.051;
-
 /// The most parts that move apart by hand: all pairs are compared.
 const MOST_EXPLODED: u32 = 3000;
 
@@ -49,8 +46,8 @@ const MOST_EXPLODED: u32 = 3000;
 pub struct PanelPage<'a> {
     /// The document.
     pub document: &'a Document,
-    /// The box around all that is shown.
-    pub bounds: Aabb,
+    /// The box around the whole model at rest, which planes are moved in.
+    pub rest: Aabb,
     /// The settings of the tools.
     pub tools: Tools,
     /// The visibility of the parts in the tree, as far as it is known.
@@ -266,8 +263,8 @@ fn tools(
 
 /// Shows the section planes.
 fn section(ui: &mut Ui, page: &PanelPage<'_>, tools: &mut Tools) {
-    let least = page.bounds.min * MM;
-    let most = page.bounds.max * MM;
+    let least = page.rest.min * MM;
+    let most = page.rest.max * MM;
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let plane = &mut tools.planes[axis];
         named(ui, &format!("cut {name}"), |ui| {
@@ -282,11 +279,11 @@ fn section(ui: &mut Ui, page: &PanelPage<'_>, tools: &mut Tools) {
     }
 }
 
-/// Shows a slider. Its own rounding changes nothing.
+/// Shows a slider. It changes a value where a hand does, and does not round or clamp by itself.
 fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, suffix: &str) {
     let mut shown = *value;
-    ui.add(Slider::new(&mut shown, range).suffix(suffix).max_decimals(1));
-    if (shown - *value).abs() > ROUNDING {
+    let slider = Slider::new(&mut shown, range).clamping(SliderClamping::Edits);
+    if ui.add(slider.suffix(suffix).max_decimals(1)).changed() {
         *value = shown;
     }
 }
@@ -330,4 +327,39 @@ fn show_keys(context: &Context) {
             });
         });
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_panel_changes_nothing_by_itself() {
+        let made = scenes::waffle_maker();
+        let mut document = Document::new(made.scene, made.parts, None);
+        let rest = document.shown_bounds();
+        let mut tools = Tools::at_rest(&rest);
+        // A plane beside the box, and places that no slider shows to their last decimal.
+        tools.planes[0].place_mm = rest.max.x * MM + 77.123;
+        tools.planes[1].place_mm = rest.min.y * MM + 1.234_5;
+        tools.planes[0].is_on = true;
+        tools.planes[1].is_on = true;
+        tools.gap_mm = 3.217;
+        let context = Context::default();
+        let mut panel = ToolPanel::new(&document);
+        for name in ["body", "lid shell"] {
+            let part = document.find(name).unwrap();
+            document.select(part);
+            document.isolate().unwrap();
+            let page = PanelPage { document: &document, rest, tools, seen: &[], drawn: None };
+            for _ in 0..3 {
+                let mut answer = None;
+                let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, vec2(800.0, 900.0));
+                let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
+                let mut drawn = context.run_ui(input, |ui| answer = Some(panel.show(ui, &page)));
+                drawn.textures_delta.clear();
+                assert_eq!(answer, Some(PanelAnswer { tools, commands: Vec::new() }));
+            }
+        }
+    }
 }

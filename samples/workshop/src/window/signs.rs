@@ -23,7 +23,15 @@ const TEXT: f32 = 12.0;
 const LEAST_FACING: f32 = 0.42;
 
 /// Paints all signs in the part of the image that no panel covers.
-pub fn paint(painter: &Painter, room: Rect, hands: &Interaction, seen: &Sight<'_>) {
+///
+/// A notice is about the image as it is now.
+pub fn paint(
+    painter: &Painter,
+    room: Rect,
+    hands: &Interaction,
+    seen: &Sight<'_>,
+    notice: Option<&str>,
+) {
     let scale = painter.ctx().pixels_per_point();
     cube(painter, hands, seen, scale);
     handles(painter, hands, seen, scale);
@@ -34,8 +42,10 @@ pub fn paint(painter: &Painter, room: Rect, hands: &Interaction, seen: &Sight<'_
         path if path.is_playing() => Some("playing the path"),
         _ => None,
     };
-    if let Some(state) = state {
-        text(painter, room, pos2(room.center().x, room.min.y + MARGIN), Align2::CENTER_TOP, state);
+    let above: Vec<&str> = state.into_iter().chain(notice).collect();
+    if !above.is_empty() {
+        let at = pos2(room.center().x, room.min.y + MARGIN);
+        text(painter, room, at, Align2::CENTER_TOP, &above.join("\n"));
     }
     if let Some(message) = hands.message() {
         let at = pos2(room.center().x, room.max.y - MARGIN);

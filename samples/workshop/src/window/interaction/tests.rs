@@ -117,7 +117,7 @@ fn with_control_a_click_adds_or_takes_away() {
     let body = bench.part("body");
     let plate = bench.part("lower plate");
     bench.document.select([body.object]);
-    bench.input(HandEvent::Adding(true));
+    bench.input(HandEvent::Modifiers(ModifiersState::CONTROL));
     for (clicked, selected) in [(plate, vec![body.object, plate.object]), (body, vec![])] {
         bench.click_at(300.0, 300.0);
         assert_eq!(bench.answer(Some(clicked)), [Command::SelectObjects(selected)]);
@@ -291,4 +291,65 @@ fn what_is_refused_is_said_and_not_set() {
     assert!(matches!(bench.input(HandEvent::Key(KeyCode::KeyH))[..], [Command::Hide(None)]));
     assert_eq!(bench.input(HandEvent::Key(KeyCode::KeyP)), []);
     assert!(bench.hands.message().unwrap().contains("no path"));
+}
+
+#[test]
+fn with_other_modifiers_keys_do_nothing() {
+    let mut bench = Bench::new();
+    for held in [ModifiersState::CONTROL, ModifiersState::ALT, ModifiersState::SUPER] {
+        bench.input(HandEvent::Modifiers(held | ModifiersState::SHIFT));
+        for key in [KeyCode::KeyS, KeyCode::KeyH, KeyCode::KeyX, KeyCode::ArrowLeft] {
+            assert_eq!(bench.input(HandEvent::Key(key)), [], "{held:?} {key:?}");
+        }
+    }
+    bench.input(HandEvent::Modifiers(ModifiersState::SHIFT));
+    assert_eq!(bench.input(HandEvent::Key(KeyCode::KeyS)), [Command::Show(None)]);
+}
+
+#[test]
+fn what_moves_the_camera_ends_a_turn_and_the_path() {
+    let mut bench = Bench::new();
+    for key in [KeyCode::ArrowLeft, KeyCode::Equal, KeyCode::KeyF] {
+        bench.input(HandEvent::Key(KeyCode::KeyR));
+        for _ in 0..3 {
+            bench.input(HandEvent::Key(KeyCode::ArrowUp));
+            bench.advance(0.2);
+        }
+        for motion in [KeyCode::Digit1, KeyCode::KeyP] {
+            bench.input(HandEvent::Key(motion));
+            bench.advance(0.01);
+            assert!(bench.hands.is_moving(&bench.camera), "{motion:?}");
+            let commands = bench.input(HandEvent::Key(key));
+            bench.hands.learn_outcome(&commands[0], &CommandOutcome::Done);
+            assert_eq!(bench.advance(0.1), [], "{key:?} is undone by {motion:?}");
+        }
+    }
+}
+
+#[test]
+fn a_measured_line_ends_where_the_model_changes() {
+    let mut bench = Bench::new();
+    let body = bench.part("body");
+    for (command, is_kept) in [
+        (Command::Lid { degrees: 9.0 }, false),
+        (Command::Explode { gap_mm: 5.0 }, false),
+        (Command::Hide(None), false),
+        (Command::Section(bench.hands.tools().section()), false),
+        (Command::Deselect, true),
+        (Command::Edges(EdgeMode::Visible), true),
+    ] {
+        let measuring = Tools { measuring: Measuring::Distance, ..*bench.hands.tools() };
+        bench.hands.use_tools(measuring);
+        for _ in 0..2 {
+            bench.click_at(300.0, 300.0);
+            bench.answer(Some(body));
+        }
+        let refused = CommandOutcome::Refused(String::new());
+        bench.hands.learn_outcome(&command, &refused);
+        assert!(bench.hands.measured().is_some(), "{command:?} was refused");
+        bench.hands.learn_outcome(&command, &CommandOutcome::Done);
+        assert_eq!(bench.hands.measured().is_some(), is_kept, "{command:?}");
+        let off = Tools { measuring: Measuring::Off, ..*bench.hands.tools() };
+        bench.hands.use_tools(off);
+    }
 }
