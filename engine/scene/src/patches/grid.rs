@@ -30,7 +30,7 @@ pub struct SurfacePoint {
 pub struct EvaluatedPoint {
     /// The position in metres, in the space of the surface.
     pub position: [f32; 3],
-    /// The unit normal as snorm8x4: see [`Vertex::normal`].
+    /// The unit normal as snorm8x4: see [`Vertex::normal`](crate::Vertex::normal).
     pub normal: u32,
 }
 
