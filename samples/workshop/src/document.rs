@@ -305,7 +305,7 @@ impl Document {
         if self.displacements.iter().any(|by| *by != Vec3::ZERO) {
             return Err(CommandError::Exploded);
         }
-        let collision = match self.collision.take() {
+        let mut collision = match self.collision.take() {
             Some(collision) => collision,
             None => self.lid_collision(&lid)?,
         };

@@ -3,7 +3,8 @@
 //! By conservative advancement: a point that lies `r` from the axis moves at most `r` times the
 //! angle, so a part that is `d` away from another cannot touch it within an angle of `d / r`. Each
 //! pair of parts has its own safe angle, and only the pair whose safe angle ends first is measured
-//! again. Nothing between two measurements is missed, however thin it is.
+//! again. Nothing between two measurements is missed, however thin it is. The angles at which a
+//! pair was found to be free are kept, so a drag to and fro measures little twice.
 
 use antumbra::glam::{Affine3A, Quat, Vec3};
 use parry3d::math::{Pose, Real, Rot3, Vector};
@@ -78,6 +79,57 @@ struct Pair {
     fixed: usize,
     /// The largest distance of the moving part from the axis.
     radius_m: f32,
+    /// The angles at which they are known to be apart.
+    free: FreeAngles,
+}
+
+/// A range of angles of the hinge at which two parts do not touch, in radians. Empty if `low_rad`
+/// is not below `high_rad`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct FreeAngles {
+    low_rad: f32,
+    high_rad: f32,
+}
+
+impl FreeAngles {
+    const NONE: Self = Self { low_rad: 0.0, high_rad: 0.0 };
+
+    /// Returns the range about an angle at which a pair is `distance_m` apart, up to where half of
+    /// the touching distance is left: then it counts as touching.
+    fn around(angle_rad: f32, distance_m: f32, radius_m: f32) -> Self {
+        let reach_rad = ((distance_m - 0.5 * TOUCH_M) / radius_m).max(0.0);
+        Self { low_rad: angle_rad - reach_rad, high_rad: angle_rad + reach_rad }
+    }
+
+    /// Returns this range together with a known one where they meet, else this one.
+    fn joined(self, known: Self) -> Self {
+        if known.high_rad < self.low_rad || self.high_rad < known.low_rad {
+            return self;
+        }
+        Self {
+            low_rad: self.low_rad.min(known.low_rad),
+            high_rad: self.high_rad.max(known.high_rad),
+        }
+    }
+
+    /// Returns the angle by which a pair can turn from one angle until the range ends, in the
+    /// direction of `sign`. `None` outside of the range.
+    fn ahead_rad(&self, from_rad: f32, sign: f32) -> Option<f32> {
+        let end_rad = if sign < 0.0 { self.low_rad } else { self.high_rad };
+        let is_inside = self.low_rad < from_rad && from_rad < self.high_rad;
+        is_inside.then_some((end_rad - from_rad).abs())
+    }
+}
+
+/// The way of a pair in a turn.
+#[derive(Clone, Copy)]
+struct PairTurn {
+    /// The place of the pair in the list.
+    pair: usize,
+    /// The angle turned up to which it cannot touch, in radians.
+    safe_rad: f32,
+    /// True once it was seen apart.
+    was_apart: bool,
 }
 
 /// The parts on both sides of a hinge.
@@ -110,8 +162,11 @@ impl LidCollision {
             let radii = solid.corners.iter().map(|corner| radius_m(&hinge, *corner));
             let radius_m = radii.fold(f32::MIN_POSITIVE, f32::max);
             for fixed_index in 0..fixed.len() {
-                let pair = Pair { moving: moving_index, fixed: fixed_index, radius_m };
-                if collision.distance_m(pair, hinge.closed_rad) > 0.0 {
+                let free = FreeAngles::NONE;
+                let mut pair = Pair { moving: moving_index, fixed: fixed_index, radius_m, free };
+                let distance_m = collision.distance_m(pair, hinge.closed_rad);
+                if distance_m > 0.0 {
+                    pair.free = FreeAngles::around(hinge.closed_rad, distance_m, radius_m);
                     collision.pairs.push(pair);
                 }
             }
@@ -122,47 +177,65 @@ impl LidCollision {
     /// Turns from one angle towards another, within the limits of the hinge, until parts touch that
     /// are both there. Parts that touch at the start and separate do not hinder it, nor do those
     /// that interpenetrate there, since one of them was not there before, until they are apart.
-    pub fn turn(&self, from_rad: f32, to_rad: f32, is_there: &dyn Fn(usize) -> bool) -> Turn {
+    pub fn turn(&mut self, from_rad: f32, to_rad: f32, is_there: &dyn Fn(usize) -> bool) -> Turn {
         let Hinge { closed_rad, open_rad, .. } = self.hinge;
         let to_rad = to_rad.clamp(closed_rad, open_rad);
         let sign = if to_rad < from_rad { -1.0 } else { 1.0 };
         let whole_rad = (to_rad - from_rad).abs();
-        // The turned angle up to which a pair cannot touch.
-        let are_there = |pair: &Pair| {
-            is_there(self.moving[pair.moving].part) && is_there(self.fixed[pair.fixed].part)
-        };
-        let pairs: Vec<Pair> = self.pairs.iter().copied().filter(are_there).collect();
-        let mut safe_rad = vec![0.0_f32; pairs.len()];
-        let mut were_apart = vec![false; pairs.len()];
+        let mut turns = self.pair_turns(from_rad, sign, is_there);
         for _ in 0..MOST_MEASUREMENTS {
-            let first = safe_rad.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-            let Some((index, &turned_rad)) = first.filter(|(_, safe)| **safe < whole_rad) else {
+            let first = turns.iter_mut().min_by(|a, b| a.safe_rad.total_cmp(&b.safe_rad));
+            let Some(turn) = first.filter(|turn| turn.safe_rad < whole_rad) else {
                 return Turn { angle_rad: to_rad, contact: None };
             };
-            let pair = pairs[index];
+            let angle_rad = from_rad + sign * turn.safe_rad;
+            let pair = self.pairs[turn.pair];
             let step_rad = TOUCH_M / pair.radius_m;
-            let distance_m = self.distance_m(pair, from_rad + sign * turned_rad);
-            if distance_m == 0.0 && !were_apart[index] {
-                safe_rad[index] += ENTANGLED_STEP_RAD;
+            let distance_m = self.distance_m(pair, angle_rad);
+            if distance_m == 0.0 && !turn.was_apart {
+                turn.safe_rad += ENTANGLED_STEP_RAD;
                 continue;
             }
-            were_apart[index] = true;
+            turn.was_apart = true;
             if distance_m > TOUCH_M {
-                // Up to where half of the touching distance is left: then it counts as touching.
-                safe_rad[index] += (distance_m - 0.5 * TOUCH_M) / pair.radius_m;
-            } else if self.separates(pair, from_rad + sign * turned_rad, sign * step_rad) {
-                safe_rad[index] += step_rad;
+                let free = FreeAngles::around(angle_rad, distance_m, pair.radius_m);
+                let free = free.joined(pair.free);
+                self.pairs[turn.pair].free = free;
+                turn.safe_rad += free.ahead_rad(angle_rad, sign).unwrap_or(step_rad);
+            } else if self.separates(pair, angle_rad, sign * step_rad) {
+                turn.safe_rad += step_rad;
             } else {
                 let contact = Contact {
                     moving: self.moving[pair.moving].part,
                     fixed: self.fixed[pair.fixed].part,
                 };
-                let angle_rad = from_rad + sign * turned_rad;
                 return Turn { angle_rad, contact: Some(contact) };
             }
         }
-        let reached_rad = safe_rad.into_iter().fold(whole_rad, f32::min);
+        let reached_rad = turns.iter().fold(whole_rad, |least, turn| least.min(turn.safe_rad));
         Turn { angle_rad: from_rad + sign * reached_rad, contact: None }
+    }
+
+    /// Returns the ways of the pairs that are both there, as far as they are known to be free.
+    fn pair_turns(
+        &self,
+        from_rad: f32,
+        sign: f32,
+        is_there: &dyn Fn(usize) -> bool,
+    ) -> Vec<PairTurn> {
+        let are_there = |pair: &Pair| {
+            is_there(self.moving[pair.moving].part) && is_there(self.fixed[pair.fixed].part)
+        };
+        let known = self.pairs.iter().enumerate().filter(|(_, pair)| are_there(pair));
+        let turn_of = |(index, pair): (usize, &Pair)| {
+            let ahead_rad = pair.free.ahead_rad(from_rad, sign);
+            PairTurn {
+                pair: index,
+                safe_rad: ahead_rad.unwrap_or(0.0),
+                was_apart: ahead_rad.is_some(),
+            }
+        };
+        known.map(turn_of).collect()
     }
 
     /// Returns true if a touching pair is farther apart a small step later.
@@ -283,7 +356,7 @@ mod tests {
 
     #[test]
     fn what_touches_at_the_start_may_separate_but_not_go_on() {
-        let collision = collision(&[body(), ceiling()]);
+        let mut collision = collision(&[body(), ceiling()]);
         let touching_rad = collision.turn(0.0, 1.5, &|_| true).angle_rad;
         let back = collision.turn(touching_rad, 0.0, &|_| true);
         assert_eq!(back, Turn { angle_rad: 0.0, contact: None });
@@ -293,7 +366,7 @@ mod tests {
 
     #[test]
     fn what_comes_back_amid_a_part_lets_it_out() {
-        let collision = collision(&[body(), ceiling()]);
+        let mut collision = collision(&[body(), ceiling()]);
         let beyond = collision.turn(0.0, 1.0, &|part| part != 3);
         assert_eq!(beyond, Turn { angle_rad: 1.0, contact: None });
         let back = collision.turn(1.0, 0.0, &|_| true);
@@ -304,6 +377,23 @@ mod tests {
     fn what_is_not_there_is_no_contact() {
         let turn = collision(&[body(), ceiling()]).turn(0.0, 1.5, &|part| part != 3);
         assert_eq!(turn, Turn { angle_rad: 1.5, contact: None });
+    }
+
+    #[test]
+    fn what_is_known_to_be_free_is_not_measured_again() {
+        let mut collision = collision(&[body(), ceiling()]);
+        let first = collision.turn(0.0, 1.5, &|_| true);
+        let known: Vec<FreeAngles> = collision.pairs.iter().map(|pair| pair.free).collect();
+        // Each pair is known all the way from the closed lid to the contact.
+        for free in &known {
+            let ahead_rad = free.ahead_rad(1e-4, 1.0).unwrap();
+            assert!(ahead_rad > first.angle_rad - 2e-4, "{free:?}, {first:?}");
+        }
+        let back = collision.turn(first.angle_rad, 0.0, &|_| true);
+        assert_eq!(back, Turn { angle_rad: 0.0, contact: None });
+        let again = collision.turn(0.0, 1.5, &|_| true);
+        assert!((again.angle_rad - first.angle_rad).abs() < TOUCH_M, "{first:?}, {again:?}");
+        assert_eq!(again.contact, first.contact);
     }
 
     #[test]

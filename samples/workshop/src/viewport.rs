@@ -76,6 +76,9 @@ pub struct ModelViewport {
     no_ghosts: Option<CommandError>,
     /// The objects whose visible samples are counted, by their ids in the document.
     watched: Vec<ObjectId>,
+    /// The newest frame whose objects may have had other ids: answers about it and those before it
+    /// could name another object.
+    renumbered: Option<FrameId>,
 }
 
 /// A pixel, and the object of the document that a frame showed there.
@@ -129,6 +132,7 @@ impl ModelViewport {
             renderer,
             no_ghosts,
             watched: Vec::new(),
+            renumbered: None,
         })
     }
 
@@ -200,8 +204,10 @@ impl ModelViewport {
             }
             placed.display = display;
             placed.transform = transform;
-            // Its id may be another one now.
-            self.watched.clear();
+        }
+        let is_renumbering = |change: &ObjectChange| !matches!(change, ObjectChange::Move { .. });
+        if update.objects.iter().any(is_renumbering) {
+            self.renumber();
         }
         let report = self.renderer.apply(&update)?;
         for (index, object) in added.into_iter().zip(report.added) {
@@ -257,7 +263,8 @@ impl ModelViewport {
 
     /// Returns the answer of the newest frame that is over. Waits for nothing.
     pub fn pointed(&self) -> Option<PointedPixel> {
-        let pointed = self.view.pointed()?;
+        let is_known = |frame: FrameId| self.renumbered.is_none_or(|last| frame > last);
+        let pointed = self.view.pointed().filter(|pointed| is_known(pointed.frame))?;
         let [x, y] = pointed.pixel;
         let surface = pointed.surface.and_then(|surface| {
             let object = self.document_object(surface.object)?;
@@ -387,6 +394,7 @@ impl ModelViewport {
                 placed.display = Display::Hidden;
             }
         }
+        self.renumber();
         self.renderer.apply(&update)?;
         for (old, new) in self.meshes.get_mut(id.0 as usize).into_iter().zip(added) {
             let removed = std::mem::replace(old, new);
@@ -434,6 +442,12 @@ impl ModelViewport {
     /// Returns the debug overlay.
     pub fn overlay(&self) -> DebugOverlay {
         self.renderer.debug_overlay()
+    }
+
+    /// Forgets what frames so far tell of objects, whose ids may be other objects' from now on.
+    fn renumber(&mut self) {
+        self.watched.clear();
+        self.renumbered = Some(self.frame());
     }
 
     /// Returns the object of the document that the renderer knows by an id.

@@ -78,7 +78,8 @@ fn has_colour(found: &[[u8; 3]], colour: [u8; 3]) -> bool {
 
 #[test]
 fn hands_hover_select_open_the_lid_and_cut() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("workshop-window"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("workshop-window");
     fs::write(scratch.0.join("script"), "image expected.png\n").unwrap();
     let size = format!("{}x{}", SIZE[0], SIZE[1]);
     let line = ["--headless", "--script", "script", "--size", &size, "--device", "llvmpipe"];
@@ -130,7 +131,8 @@ fn hands_hover_select_open_the_lid_and_cut() {
 
 #[test]
 fn small_windows_and_large_models_are_shown_and_closed() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("workshop-small"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("workshop-small");
     let arguments = ["assembly", "--parts", "2000", "--size", "300x200"];
     let workshop = Workshop::start(&scratch, &server, &arguments);
     let window = Seen::wait_for(&server);

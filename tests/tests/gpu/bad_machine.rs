@@ -147,7 +147,8 @@ fn clean_calls(
 
 #[test]
 fn out_of_memory_is_an_error_wherever_it_happens() {
-    let (stage, options) = (Stage::new(), options(Predication::Conditional));
+    let stage = Stage::new();
+    let options = options(Predication::Conditional);
     let code = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
     let memory = [c"vkAllocateMemory", c"vkBindBufferMemory", c"vkBindImageMemory"];
     let counts = clean_calls(&stage, &options, &memory);
@@ -170,7 +171,8 @@ fn out_of_memory_is_an_error_wherever_it_happens() {
 
 #[test]
 fn any_call_that_makes_something_may_fail() {
-    let (stage, options) = (Stage::new(), options(Predication::Instances));
+    let stage = Stage::new();
+    let options = options(Predication::Instances);
     let counts = clean_calls(&stage, &options, CALLS_THAT_MAKE);
     let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
     for (&call, &count) in CALLS_THAT_MAKE.iter().zip(&counts) {
@@ -188,7 +190,8 @@ fn any_call_that_makes_something_may_fail() {
 
 #[test]
 fn a_full_descriptor_pool_is_followed_by_another() {
-    let (stage, options) = (Stage::new(), options(Predication::Instances));
+    let stage = Stage::new();
+    let options = options(Predication::Instances);
     let call = c"vkAllocateDescriptorSets";
     let count = clean_calls(&stage, &options, &[call])[0];
     let code = vk::Result::ERROR_OUT_OF_POOL_MEMORY;
@@ -210,7 +213,8 @@ fn a_full_descriptor_pool_is_followed_by_another() {
 
 #[test]
 fn a_lost_device_is_an_error_with_the_call_and_the_code() {
-    let (stage, options) = (Stage::new(), options(Predication::Conditional));
+    let stage = Stage::new();
+    let options = options(Predication::Conditional);
     let counts = clean_calls(&stage, &options, CALLS_THAT_RUN);
     let code = vk::Result::ERROR_DEVICE_LOST;
     for (&call, &count) in CALLS_THAT_RUN.iter().zip(&counts) {
@@ -234,7 +238,8 @@ fn a_lost_device_is_an_error_with_the_call_and_the_code() {
 
 #[test]
 fn a_frame_that_is_never_over_is_an_error_and_closing_does_not_hang() {
-    let (stage, options) = (Stage::new(), options(Predication::Conditional));
+    let stage = Stage::new();
+    let options = options(Predication::Conditional);
     let call = c"vkWaitSemaphores";
     let [waits] = clean_calls(&stage, &options, &[call])[..] else { unreachable!() };
     // The last wait is that of closing the device, which cannot report an error.
@@ -250,7 +255,8 @@ fn a_frame_that_is_never_over_is_an_error_and_closing_does_not_hang() {
 
 #[test]
 fn after_a_frame_that_failed_the_next_ones_are_drawn() {
-    let (stage, options) = (Stage::new(), options(Predication::Conditional));
+    let stage = Stage::new();
+    let options = options(Predication::Conditional);
     let counts = clean_calls(&stage, &options, &[c"vkQueueSubmit2", c"vkEndCommandBuffer"]);
     let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
     for (call, count) in [c"vkQueueSubmit2", c"vkEndCommandBuffer"].into_iter().zip(counts) {

@@ -286,7 +286,8 @@ fn numbers_fit_their_columns() {
 
 #[test]
 fn fragments_that_were_not_blended_are_counted() {
-    let (mut report, screen) = (report(), screen());
+    let mut report = report();
+    let screen = screen();
     let times = times(&report, &[]);
     let order = TransparencyReport {
         method: "sorted fragments".to_owned(),

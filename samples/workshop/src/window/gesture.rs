@@ -19,6 +19,8 @@ pub(super) struct Held {
     /// `None` until it is known what is below the pointer.
     pub(super) drag: Option<Drag>,
     pub(super) on_cube: Option<CubeView>,
+    /// The newest frame when it was pressed.
+    pub(super) frame: FrameId,
     pub(super) waited_s: f32,
 }
 
@@ -26,6 +28,7 @@ pub(super) struct Held {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Click {
     pub(super) pixel: Pixel,
+    /// The newest frame when it was released.
     pub(super) frame: FrameId,
     pub(super) waited_s: f32,
 }

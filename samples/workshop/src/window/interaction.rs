@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 
 use antumbra::ObjectId;
-use antumbra::cull::Aabb;
+use antumbra::cull::{Aabb, FrameId};
 use antumbra::glam::Vec2;
 use antumbra::render::PointedSurface;
 use winit::event::MouseButton;
@@ -34,8 +34,8 @@ const LONGEST_WAIT_S: f32 = 0.5;
 /// The time that a turn to a view takes, and a change of the projection, in seconds.
 const TURN_S: f32 = 0.4;
 
-/// The frames by which an answer may be older than the click that takes it: those that are on
-/// their way to the screen, whose image is what was clicked.
+/// The frames by which an answer may be older than the press or click that takes it: those that are
+/// on their way to the screen, whose image is what was clicked.
 const SHOWN_FRAMES: u64 = 3;
 
 /// The factor of the image's height per notch of the wheel.
@@ -210,6 +210,7 @@ impl Interaction {
             is_dragging: false,
             drag,
             on_cube,
+            frame: seen.frame,
             waited_s: 0.0,
         });
     }
@@ -263,15 +264,14 @@ impl Interaction {
         if let Some(held) = &mut self.held
             && held.drag.is_none()
             && seen.pixel_at(held.pressed_at) == Some(pointed.pixel)
+            && is_shown_at(pointed, held.frame)
         {
             self.hovered = surface;
             held.drag = Some(Drag::on(&surface, &self.tools, seen));
             return Vec::new();
         }
-        let is_answer = |click: &mut Click| {
-            let is_shown = pointed.frame.0 + SHOWN_FRAMES > click.frame.0;
-            click.pixel == pointed.pixel && is_shown
-        };
+        let is_answer =
+            |click: &mut Click| click.pixel == pointed.pixel && is_shown_at(pointed, click.frame);
         if self.click.take_if(is_answer).is_some() {
             self.hovered = surface;
             return self.clicked(&surface, seen);
@@ -485,6 +485,12 @@ impl Interaction {
         }
         Vec::new()
     }
+}
+
+/// Returns true if an answer is about an image that was on the screen, or on its way there, when
+/// this frame was the newest.
+fn is_shown_at(pointed: &PointedPixel, newest: FrameId) -> bool {
+    pointed.frame.0 + SHOWN_FRAMES > newest.0
 }
 
 #[cfg(test)]

@@ -89,8 +89,10 @@ impl ViewCube {
                         let point = face.outward + face.along * along + face.across * across;
                         self.place(camera, point)
                     };
-                    let [left, right] = [LIMITS[column], LIMITS[column + 1]];
-                    let [low, high] = [LIMITS[row], LIMITS[row + 1]];
+                    let left = LIMITS[column];
+                    let right = LIMITS[column + 1];
+                    let low = LIMITS[row];
+                    let high = LIMITS[row + 1];
                     let corners = [
                         corner(left, low),
                         corner(right, low),

@@ -86,6 +86,22 @@ fn binds() -> Vec<Row> {
                 commands.push_compute_constants(&theirs.compute, &[0; 3]);
             })
         }),
+        row("Commands::capture", PIPELINE, |ours, theirs| {
+            let slice = ours.slice();
+            recorded(&ours.device(), |commands| {
+                commands.capture(&theirs.capture, &[slice; 3], 1, slice);
+            })
+        }),
+        row("Commands::capture", BUFFER, |ours, theirs| {
+            let slice = ours.slice();
+            let foreign = theirs.slice();
+            recorded(&ours.device(), |commands| {
+                commands.capture(&ours.capture, &[slice; 3], 1, foreign);
+            });
+            recorded(&ours.device(), |commands| {
+                commands.capture(&ours.capture, &[foreign; 3], 1, slice);
+            })
+        }),
         row("Commands::rendering", "a target (`RenderTarget`)", |ours, theirs| {
             let target = theirs.target.render_target(Some([0.0; 4]));
             recorded(&ours.device(), |commands| {

@@ -3,11 +3,12 @@
 
 use cull::Camera;
 use gpu::{
-    BlockingQueryPool, Buffer, BufferSlice, Commands, ComputePipeline, Counting, Device, DrawRange,
-    DynamicTexture, FlagRing, Frame, FrameRing, GraphicsPipeline, GraphicsPipelineInfo,
-    IndirectDraw, LeafDrawRing, LeafDraws, MemoryKind, MipMaking, PredicatedRange, Predicates,
-    QueryIndex, QueryRing, Readback, ResultSource, Reveal, Spirv, StorageLayout, Swapchain, Target,
-    TextureArray, TextureArrayInfo, TextureUploads, Timeline, vk,
+    BlockingQueryPool, Buffer, BufferSlice, CapturePipeline, CapturePipelineInfo, Commands,
+    ComputePipeline, Counting, Device, DrawRange, DynamicTexture, FlagRing, Frame, FrameRing,
+    GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, LeafDrawRing, LeafDraws, MemoryKind,
+    MipMaking, PredicatedRange, Predicates, QueryIndex, QueryRing, Readback, ResultSource, Reveal,
+    Spirv, StorageLayout, Swapchain, Target, TextureArray, TextureArrayInfo, TextureUploads,
+    Timeline, vk,
 };
 use render::{
     FrameRequest, Rect, Renderer, RendererOptions, ViewState, VisibilitySnapshot, VisibleSet,
@@ -39,6 +40,7 @@ pub struct Side {
     pub uploads: TextureUploads,
     pub graphics: GraphicsPipeline,
     pub compute: ComputePipeline,
+    pub capture: CapturePipeline,
     pub queries: QueryRing<u32>,
     pub pages: BlockingQueryPool,
     pub flags: FlagRing<u32>,
@@ -85,6 +87,18 @@ fn graphics(device: &Device) -> GraphicsPipeline {
 fn compute(device: &Device) -> ComputePipeline {
     let storage = StorageLayout { buffers: 3, push_bytes: 12, ..StorageLayout::default() };
     ComputePipeline::new(device, "counts", &spirv(shaders::PREDICATE_COUNTS), storage).unwrap()
+}
+
+fn capture(device: &Device) -> CapturePipeline {
+    let shader = |name| spirv(shaders::find(name).unwrap());
+    let info = CapturePipelineInfo {
+        name: "patch_capture",
+        vertex: &shader("patch_capture.vert"),
+        control: &shader("patch_capture.tesc"),
+        evaluation: &shader("patch_capture.tese"),
+        storage: StorageLayout { buffers: 3, ..StorageLayout::default() },
+    };
+    CapturePipeline::new(device, &info).unwrap()
 }
 
 const ARRAY: TextureArrayInfo<'_> = TextureArrayInfo {
@@ -142,6 +156,7 @@ impl Side {
             uploads: TextureUploads::new(device).unwrap(),
             graphics: graphics(device),
             compute: compute(device),
+            capture: capture(device),
             queries: QueryRing::new(device, 1, "queries").unwrap(),
             pages: BlockingQueryPool::new(device, 1, "pages"),
             flags: FlagRing::new(device, 1, ResultSource::Fragments, "flags"),

@@ -97,10 +97,7 @@ fn shaders_with(fault: &Fault) -> ShaderSet {
     fs::create_dir_all(&folder).unwrap();
     for entry in fs::read_dir(from).unwrap() {
         let path = entry.unwrap().path();
-        if path
-            .extension()
-            .is_some_and(|it| ["glsl", "vert", "geom", "frag", "comp"].iter().any(|e| it == *e))
-        {
+        if path.is_file() {
             fs::copy(&path, folder.join(path.file_name().unwrap())).unwrap();
         }
     }

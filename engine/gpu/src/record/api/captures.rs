@@ -26,6 +26,7 @@ impl Commands {
         };
         if results.size_bytes > LEAST_CAPTURE.buffer_bytes {
             self.fail(Failure::Wrong("a captured buffer larger than every device takes"));
+            return;
         }
         if self.admit(&results).is_err() {
             return;

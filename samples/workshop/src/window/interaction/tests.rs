@@ -134,6 +134,13 @@ fn a_drag_turns_the_model_and_selects_nothing() {
     bench.input(HandEvent::Pressed(MouseButton::Left));
     bench.input(HandEvent::Moved(Vec2::new(360.0, 300.0)));
     assert_eq!(bench.advance(0.01), [], "not before it is known what is held");
+    let old = PointedPixel {
+        frame: FrameId(2),
+        pixel: Pixel { x: 300, y: 300 },
+        surface: Some(bench.part("lid shell")),
+    };
+    assert_eq!(bench.with(|hands, seen| hands.learn_pointed(&old, seen)), []);
+    assert_eq!(bench.advance(0.01), [], "not by what was there long ago");
     let body = bench.part("body");
     bench.answer(Some(body));
     assert_eq!(bench.advance(0.01).len(), 1);
