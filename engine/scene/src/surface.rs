@@ -121,12 +121,8 @@ pub struct Material {
 }
 
 impl Material {
-    /// Checks that a scene with so many textures can have the material.
-    ///
-    /// # Errors
-    /// The first fault, as the end of a sentence: a texture or a set of texture coordinates that is
-    /// not there, a number that is not finite.
-    pub fn check(&self, texture_count: usize) -> Result<(), &'static str> {
+    /// Returns its textures.
+    pub fn textures(&self) -> impl Iterator<Item = &TextureUse> {
         let uses: [&Option<TextureUse>; 5] = [
             &self.base_colour_texture,
             &self.metallic_roughness_texture,
@@ -134,7 +130,16 @@ impl Material {
             &self.occlusion_texture,
             &self.emission_texture,
         ];
-        for texture in uses.into_iter().flatten() {
+        uses.into_iter().flatten()
+    }
+
+    /// Checks that a scene with so many textures can have the material.
+    ///
+    /// # Errors
+    /// The first fault, as the end of a sentence: a texture or a set of texture coordinates that is
+    /// not there, a number that is not finite.
+    pub fn check(&self, texture_count: usize) -> Result<(), &'static str> {
+        for texture in self.textures() {
             if texture.texture.0 as usize >= texture_count {
                 return Err("the scene does not have one of its textures");
             }

@@ -51,9 +51,6 @@ pub enum CommandError {
     /// A model of too many parts to show some of them transparent.
     #[error("parts are shown transparent in models of at most {0} parts, and this one has more")]
     TooManyToGhost(usize),
-    /// A model with transparent objects of its own, which ghosts are not sorted with.
-    #[error("this model has transparent objects of its own: its parts cannot be shown transparent")]
-    TransparentItself,
     /// Parts that cannot collide.
     #[error(transparent)]
     BadSolid(#[from] BadSolid),

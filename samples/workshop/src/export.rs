@@ -22,8 +22,8 @@ use crate::document::{Display, Document};
 /// A model that cannot be exported.
 #[derive(Debug, Error)]
 pub enum ExportError {
-    /// Nothing is shown.
-    #[error("nothing is shown, so there is nothing to export: show a part first")]
+    /// No opaque part is shown.
+    #[error("no opaque part is shown, so there is nothing to export: show one first")]
     Nothing,
     /// A failure of the writer, such as a file of more than 4 GiB.
     #[error("cannot write the model as glTF: {0}")]
@@ -58,6 +58,27 @@ pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
     let scene = json::Scene { name: None, nodes: roots, extensions: None, extras: None };
     writer.root.scene = Some(writer.root.push(scene));
     writer.finish()
+}
+
+/// Returns a sentence about what is shown and not in the [file](glb), if there is anything.
+pub fn left_out(document: &Document) -> Option<String> {
+    let objects = match document.transparent().len() {
+        0 => None,
+        1 => Some("a transparent object is left out: it is no part".to_owned()),
+        count => Some(format!("{count} transparent objects are left out: they are no parts")),
+    };
+    let is_textured = |object: ObjectId| {
+        let surfaces = document.scene.surfaces.as_ref()?;
+        let mesh = document.scene.objects[object.0 as usize].mesh;
+        let surface = surfaces.meshes.get(mesh.0 as usize)?;
+        let material = surfaces.materials.get(surface.material.0 as usize)?;
+        Some(material.textures().next().is_some())
+    };
+    let shown = document.objects().filter(|object| document.display(*object) != Display::Hidden);
+    let textured = shown.filter(|object| is_textured(*object) == Some(true)).count();
+    let textures = (textured > 0).then(|| format!("the textures of {textured} parts are left out"));
+    let sentences: Vec<String> = objects.into_iter().chain(textures).collect();
+    (!sentences.is_empty()).then(|| sentences.join("; "))
 }
 
 /// Returns a node with the name of a part.

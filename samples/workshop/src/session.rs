@@ -17,7 +17,7 @@ use bench::transparency::TransparencyReport;
 
 use crate::document::{CommandError, Display, Document};
 use crate::explode::least_gap;
-use crate::export::glb;
+use crate::export::{glb, left_out};
 use crate::hinge::Turn;
 use crate::hit::{Ray, hit_mesh};
 use crate::measure::edge_length;
@@ -341,11 +341,7 @@ impl WorkshopSession {
             Err(error) => return Ok(CommandOutcome::Refused(error.to_string())),
         };
         write_file(file, &bytes).map_err(RunError::machine)?;
-        let left_out = match self.document.transparent().len() {
-            0 => None,
-            1 => Some("a transparent object is left out: it is no part".to_owned()),
-            count => Some(format!("{count} transparent objects are left out: they are no parts")),
-        };
+        let left_out = left_out(&self.document);
         let bytes = bytes.len() as u64;
         Ok(CommandOutcome::Exported { file: shown(file).to_string(), bytes, left_out })
     }

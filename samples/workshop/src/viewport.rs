@@ -72,8 +72,9 @@ pub struct ModelViewport {
     placed: Vec<Placed>,
     /// The renderer's mesh for each one of the document.
     meshes: Vec<MeshId>,
-    /// The reason why parts cannot be shown transparent, if there is one.
-    no_ghosts: Option<CommandError>,
+    /// The transparent object for the first part, which those for the others follow; or the reason
+    /// why parts cannot be shown transparent.
+    first_ghost: Result<TransparentId, CommandError>,
     /// The objects whose visible samples are counted, by their ids in the document.
     watched: Vec<ObjectId>,
     /// The newest frame whose objects may have had other ids: answers about it and those before it
@@ -114,7 +115,7 @@ impl ModelViewport {
         transparency: TransparencyOptions,
     ) -> Result<Self, Error> {
         let mut scene = document.scene.clone().with_surfaces();
-        let no_ghosts = add_ghosts(&mut scene).err();
+        let first_ghost = add_ghosts(&mut scene);
         let spare = if document.curved.is_empty() { SpareRoom::default() } else { CURVED_ROOM };
         let options =
             RendererOptions { size, samples, transparency, spare, ..RendererOptions::default() };
@@ -130,7 +131,7 @@ impl ModelViewport {
             placed: document.objects().map(placed).collect(),
             meshes: (0..document.scene.meshes.len() as u32).map(MeshId).collect(),
             renderer,
-            no_ghosts,
+            first_ghost,
             watched: Vec::new(),
             renumbered: None,
         })
@@ -139,9 +140,9 @@ impl ModelViewport {
     /// Checks that parts can be shown transparent.
     ///
     /// # Errors
-    /// [`CommandError::TooManyToGhost`], [`CommandError::TransparentItself`].
+    /// [`CommandError::TooManyToGhost`].
     pub fn check_ghosts(&self) -> Result<(), CommandError> {
-        self.no_ghosts.clone().map_or(Ok(()), Err)
+        self.first_ghost.clone().map(|_| ())
     }
 
     /// Returns the device.
@@ -194,12 +195,12 @@ impl ModelViewport {
                 }
                 (None, _) => {}
             }
-            if self.no_ghosts.is_none()
+            if let Ok(first_ghost) = &self.first_ghost
                 && (display, placed.display) != (Display::Shown, Display::Shown)
             {
                 let is_ghosted = display == Display::Ghosted;
                 let transform = if is_ghosted { transform } else { NOWHERE };
-                let transparent = TransparentId(index as u32);
+                let transparent = TransparentId(first_ghost.0 + index as u32);
                 update.transparent.push(TransparentMove { transparent, transform });
             }
             placed.display = display;
@@ -461,13 +462,12 @@ impl ModelViewport {
     }
 }
 
-/// Adds a transparent object for each object of a scene with surfaces, shown nowhere. Changes
-/// nothing where there are too many objects, or transparent ones of the scene's own.
-fn add_ghosts(scene: &mut Scene) -> Result<(), CommandError> {
-    let Scene { meshes, objects, surfaces: Some(surfaces), .. } = scene else { return Ok(()) };
-    if !surfaces.transparent.is_empty() {
-        return Err(CommandError::TransparentItself);
-    }
+/// Adds a transparent object for each object of a scene, shown nowhere, and returns the first.
+/// Changes nothing where there are too many objects.
+fn add_ghosts(scene: &mut Scene) -> Result<TransparentId, CommandError> {
+    let Scene { meshes, objects, surfaces, .. } = scene;
+    let surfaces = surfaces.get_or_insert_default();
+    let first_ghost = TransparentId(surfaces.transparent.len() as u32);
     if objects.len() > MOST_GHOSTED_OBJECTS {
         return Err(CommandError::TooManyToGhost(MOST_GHOSTED_OBJECTS));
     }
@@ -495,5 +495,5 @@ fn add_ghosts(scene: &mut Scene) -> Result<(), CommandError> {
         transform: NOWHERE,
         ..*object
     }));
-    Ok(())
+    Ok(first_ghost)
 }
