@@ -6,8 +6,10 @@ use scene::{LightKind, PunctualLight};
 
 /// Returns where a ray enters a box, if it does: the distance in lengths of `along`.
 pub fn hit(bounds: &Aabb, from: Vec3, along: Vec3) -> Option<f32> {
-    let (low, high) = ((bounds.min - from) / along, (bounds.max - from) / along);
-    let (near, far) = (low.min(high).max_element(), low.max(high).min_element());
+    let low = (bounds.min - from) / along;
+    let high = (bounds.max - from) / along;
+    let near = low.min(high).max_element();
+    let far = low.max(high).min_element();
     (near <= far && far > 0.0).then_some(near.max(0.0))
 }
 
@@ -35,7 +37,8 @@ pub fn shown_at(
         .filter_map(|bounds| Some((hit(bounds, camera.eye, along)?, bounds)))
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
     let place = camera.eye + along * nearest.0;
-    let (centre, half) = (nearest.1.centre(), nearest.1.half_extent());
+    let centre = nearest.1.centre();
+    let half = nearest.1.half_extent();
     let out = (place - centre) / half;
     let axis = (0..3).max_by(|a, b| out[*a].abs().total_cmp(&out[*b].abs()))?;
     let mut normal = Vec3::ZERO;

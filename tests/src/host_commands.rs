@@ -31,7 +31,7 @@ impl<'a> HostCommands<'a> {
                 .command_pool(pool)
                 .command_buffer_count(frames_in_flight as u32);
             let buffers = host.device.allocate_command_buffers(&info).unwrap();
-            let fence = |it| (it, host.device.create_fence(&signaled, None).unwrap());
+            let fence = |commands| (commands, host.device.create_fence(&signaled, None).unwrap());
             Self { host, pool, slots: buffers.into_iter().map(fence).collect(), next: 1 }
         }
     }

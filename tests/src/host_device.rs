@@ -263,10 +263,8 @@ fn create_instance(entry: &ash::Entry, messages: &Messages) -> ash::Instance {
     let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
     let mut checks = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
     let mut messenger = messenger_info(messages);
-    let (layers, extensions) = (
-        [LAYER.as_ptr()],
-        [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()],
-    );
+    let layers = [LAYER.as_ptr()];
+    let extensions = [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
     let info = vk::InstanceCreateInfo::default()
         .application_info(&application)
         .enabled_layer_names(&layers)

@@ -91,8 +91,8 @@ impl OwnImage {
         };
         let [width, height] = self.size;
         let extent = vk::Extent3D { width, height, depth: 1 };
-        let (read, written) =
-            (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageLayout::TRANSFER_DST_OPTIMAL);
+        let read = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+        let written = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
         let transfer = vk::PipelineStageFlags::TRANSFER;
         let none = vk::DependencyFlags::empty();
         use vk::AccessFlags as A;
@@ -102,7 +102,8 @@ impl OwnImage {
             if let Some(resolved) = resolved {
                 let change = |layouts: [vk::ImageLayout; 2], accesses: [A; 2]| {
                     let barrier = change(resolved.image, layouts, accesses);
-                    let (device, all) = (&host.device, [barrier]);
+                    let device = &host.device;
+                    let all = [barrier];
                     device.cmd_pipeline_barrier(commands, transfer, transfer, none, &[], &[], &all);
                 };
                 let undefined = vk::ImageLayout::UNDEFINED;
@@ -111,7 +112,8 @@ impl OwnImage {
                     .src_subresource(layers)
                     .dst_subresource(layers)
                     .extent(extent);
-                let (from, to) = (image, resolved.image);
+                let from = image;
+                let to = resolved.image;
                 host.device.cmd_resolve_image(commands, from, read, to, written, &[region]);
                 change([written, read], [A::TRANSFER_WRITE, A::TRANSFER_READ]);
                 image = resolved.image;

@@ -120,7 +120,8 @@ impl<'a> ComparedScene<'a> {
         let shaders = ShaderSet::embedded().unwrap();
         let mut images = Vec::new();
         images.resize_with(options.views, || [(); 2].map(|()| images_of(host, device, options)));
-        let (target, passes) = (&images[0][0].0, images[0][0].3.as_ref());
+        let target = &images[0][0].0;
+        let passes = images[0][0].3.as_ref();
         let attachments = attachments_of(target, passes);
         let trust = Trust::without(options.distrusted);
         let passes = OcclusionPasses::with_trust(device, &shaders, attachments, trust).unwrap();
@@ -136,8 +137,9 @@ impl<'a> ComparedScene<'a> {
         };
         let scene = scene.unwrap();
         let view = |images: [_; 2]| {
-            let [culled, all] = images.map(|it| BoxImages::new(device, &scene, it));
-            let (target, config) = (&culled.target, CullConfig::default());
+            let [culled, all] = images.map(|image| BoxImages::new(device, &scene, image));
+            let target = &culled.target;
+            let config = CullConfig::default();
             let state = scene.new_view(target, config, options.draw_phases);
             let bytes = u64::from(SIZE[0] * SIZE[1] * 4);
             let copies = [(); IN_FLIGHT].map(|()| [(); 2].map(|()| OwnBuffer::new(host, bytes)));
@@ -185,7 +187,8 @@ impl<'a> ComparedScene<'a> {
             },
             triangles: BOX_INDICES / 3,
         };
-        let draws: Vec<[BucketDraw; 1]> = instances.iter().map(|it| [draw(it)]).collect();
+        let draws: Vec<[BucketDraw; 1]> =
+            instances.iter().map(|instance| [draw(instance)]).collect();
         let objects = boxes.iter().zip(&draws);
         let objects: Vec<HostObject<'_>> =
             objects.map(|(bounds, draws)| HostObject { bounds: *bounds, draws }).collect();
@@ -262,7 +265,8 @@ impl<'a> ComparedScene<'a> {
     /// Records the same views again, by brute force, and the copies of all images. The frame runs
     /// later, or never.
     pub fn record_all(&mut self, frame: &Frame<'_>, cameras: &[Camera]) {
-        let (commands, SlotIndex(slot)) = (frame.commands(), frame.slot());
+        let commands = frame.commands();
+        let SlotIndex(slot) = frame.slot();
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
         let every_box = IndirectDraw {
             index_count: BOX_INDICES,
@@ -330,7 +334,7 @@ impl<'a> ComparedScene<'a> {
             copies.into_iter().flatten().for_each(|copy| copy.destroy(host));
             for BoxImages { colour, depth, resolved, passes, .. } in [culled, all] {
                 passes.into_iter().for_each(OwnPasses::destroy);
-                [colour, depth].into_iter().chain(resolved).for_each(|it| it.destroy(host));
+                [colour, depth].into_iter().chain(resolved).for_each(|image| image.destroy(host));
             }
         }
     }
@@ -342,14 +346,16 @@ type HostTarget = (Target, OwnImage, OwnImage, Option<OwnPasses>, Option<OwnImag
 /// Creates images, and the target over them.
 fn images_of(host: &Host, device: &Device, options: &BoxOptions<'_>) -> HostTarget {
     use vk::{AccessFlags2 as A, ImageUsageFlags as U, PipelineStageFlags2 as S};
-    let (format, one) = (vk::Format::R8G8B8A8_UNORM, vk::SampleCountFlags::TYPE_1);
+    let format = vk::Format::R8G8B8A8_UNORM;
+    let one = vk::SampleCountFlags::TYPE_1;
     let samples = options.samples;
     let usage = U::COLOR_ATTACHMENT | U::TRANSFER_SRC | U::TRANSFER_DST;
     let colour = OwnImage::new(host, SIZE, format, samples, usage);
     let resolved = (samples != one).then(|| OwnImage::new(host, SIZE, format, one, usage));
-    let usage = match samples == one {
-        true => U::DEPTH_STENCIL_ATTACHMENT | U::TRANSFER_SRC,
-        false => U::DEPTH_STENCIL_ATTACHMENT,
+    let usage = if samples == one {
+        U::DEPTH_STENCIL_ATTACHMENT | U::TRANSFER_SRC
+    } else {
+        U::DEPTH_STENCIL_ATTACHMENT
     };
     let depth = OwnImage::new(host, SIZE, vk::Format::D32_SFLOAT, samples, usage);
     let fresh = |own: &OwnImage, ImageState { stages, access, .. }, exit| HostImage {

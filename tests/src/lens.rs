@@ -33,7 +33,10 @@ impl Lens {
         let plain = View::new(camera, size, 8);
         let size = Vec2::new(size[0] as f32, size[1] as f32);
         let jitter = Vec2::from_angle(frame as f32 * 2.4) * self.jitter_pixels * 2.0 / size;
-        let [x, mut y, mut z, w] = [Vec4::X, Vec4::Y, Vec4::Z, Vec4::W];
+        let x = Vec4::X;
+        let mut y = Vec4::Y;
+        let mut z = Vec4::Z;
+        let w = Vec4::W;
         let aside = self.off_centre + jitter;
         let x = x + w * aside.x;
         y += w * aside.y;

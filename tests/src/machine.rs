@@ -153,7 +153,9 @@ fn due(call: &'static CStr) -> Option<vk::Result> {
         let number = *count;
         *count += 1;
         let impatience = state.machine.impatience.as_ref();
-        if let Some(user) = impatience.filter(|it| it.call == call && it.number == number) {
+        if let Some(user) =
+            impatience.filter(|impatience| impatience.call == call && impatience.number == number)
+        {
             user.cancellation.cancel();
         }
         let mut faults = state.machine.faults.iter();

@@ -78,8 +78,11 @@ fn brdf(point: &ReferencePoint, v: DVec3, l: DVec3) -> DVec3 {
     // The engine's own floor: a mirror would not show a light without size.
     let alpha = (point.roughness * point.roughness).max(0.001);
     let a2 = alpha * alpha;
-    let (n_h, n_l, n_v) = (n.dot(h), n.dot(l), n.dot(v));
-    let (h_l, h_v) = (h.dot(l), h.dot(v));
+    let n_h = n.dot(h);
+    let n_l = n.dot(l);
+    let n_v = n.dot(v);
+    let h_l = h.dot(l);
+    let h_v = h.dot(v);
     let d = a2 * step(n_h) / (PI * (n_h * n_h * (a2 - 1.0) + 1.0).powi(2));
     let side = |cosine: f64, along_h: f64| {
         2.0 * cosine.abs() * step(along_h)

@@ -141,7 +141,7 @@ impl Blocks {
         let step = (high - low) / vec3(columns as f32, rows as f32, layers as f32);
         for number in 0..columns * rows * layers {
             let place = [number % columns, number / columns % rows, number / columns / rows];
-            let centre = low + step * (Vec3::from(place.map(|it| it as f32)) + 0.5);
+            let centre = low + step * (Vec3::from(place.map(|place| place as f32)) + 0.5);
             let half = Vec3::splat(step.min_element() * 0.25);
             let mesh = if number % 2 == 0 { BALL } else { BLOCK };
             self.place(mesh, centre - half, centre + half, BLUE);
@@ -195,7 +195,8 @@ fn ball(colour: u32) -> Mesh {
 
 /// Returns one mesh of several meshes, each placed so that its unit cube fills a box.
 fn joined(name: &str, parts: &[(&Mesh, Vec3, Vec3)]) -> Mesh {
-    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
+    let mut vertices = Vec::new();
+    let mut indices = Vec::new();
     for (part, low, high) in parts {
         let first = vertices.len() as u32;
         indices.extend(part.indices.iter().map(|index| first + index));
@@ -215,7 +216,8 @@ fn camera(eye: Vec3, forward: Vec3) -> Camera {
 
 /// Returns the direction that is turned to the left of -z and up by angles in degrees.
 fn turned(left_deg: f32, up_deg: f32) -> Vec3 {
-    let (left, up) = (left_deg.to_radians(), up_deg.to_radians());
+    let left = left_deg.to_radians();
+    let up = up_deg.to_radians();
     vec3(-left.sin() * up.cos(), up.sin(), -left.cos() * up.cos())
 }
 
@@ -253,7 +255,8 @@ fn gap() -> Provocation {
             camera(eye, vec3(0.0, 1.6, 0.0) - eye)
         }));
     }
-    let (low, high) = (vec3(-3.0, 0.3, 0.5), vec3(3.0, 4.0, 15.0));
+    let low = vec3(-3.0, 0.3, 0.5);
+    let high = vec3(3.0, 4.0, 15.0);
     let jumps = jumps(53_288, low, high, vec3(0.0, 1.7, 0.0));
     Provocation { scene: blocks.scene("gap"), subject, walk, jumps, portrait: 6 }
 }
@@ -282,7 +285,8 @@ fn opening() -> Provocation {
     let mut walk = steps(32, |part| look(39.8 - 2.0 * part, 0.0));
     walk.extend(steps(8, |part| look(37.0 - 15.0 * part, 0.0)));
     walk.extend(steps(24, |part| look(34.0 - 4.0 * part, 39.0 - 10.0 * part)));
-    let (low, high) = (vec3(-4.0, 0.5, 0.4), vec3(4.0, 5.0, 7.0));
+    let low = vec3(-4.0, 0.5, 0.4);
+    let high = vec3(4.0, 5.0, 7.0);
     let jumps = jumps(94_210, low, high, vec3(0.0, 2.0, 0.0));
     Provocation { scene: blocks.scene("opening"), subject, walk, jumps, portrait: 16 }
 }
@@ -299,7 +303,8 @@ fn edge() -> Provocation {
         let eye = eye + vec3(-0.7 * part, 0.0, 0.3 * part);
         camera(eye, turned(50.0, 0.0))
     }));
-    let (low, high) = (vec3(-1.5, 0.5, 0.1), vec3(1.5, 4.0, 3.0));
+    let low = vec3(-1.5, 0.5, 0.1);
+    let high = vec3(1.5, 4.0, 3.0);
     let jumps = jumps(70_516, low, high, vec3(-3.0, 2.0, -4.0));
     Provocation { scene: blocks.scene("edge"), subject, walk, jumps, portrait: 30 }
 }
@@ -314,11 +319,11 @@ fn tiles() -> Provocation {
     };
     for y in [0.0, -6.0] {
         for tile in 0..49 {
-            let [x, z] = [tile % 7, tile / 7].map(|it| it as f32 * 3.0 - 10.5);
+            let [x, z] = [tile % 7, tile / 7].map(|place| place as f32 * 3.0 - 10.5);
             place(tile + 3 * (tile / 7), vec3(x, y - 0.2, z), vec3(3.0, 0.2, 3.0));
         }
         for number in 0..9 {
-            let [x, z] = [number % 3, number / 3].map(|it| it as f32 * 6.0 - 6.5);
+            let [x, z] = [number % 3, number / 3].map(|place| place as f32 * 6.0 - 6.5);
             place(number, vec3(x, y, z), vec3(1.0, 1.5, 1.0));
         }
     }
@@ -365,7 +370,8 @@ fn inside() -> Provocation {
     let walk = steps(72, |part| {
         camera(vec3(25.0 * part - 8.0, 1.5, 0.4), turned(part * 1080.0 - 90.0, 0.0))
     });
-    let (low, high) = (vec3(-5.0, 0.02, -3.0), vec3(15.0, 3.2, 3.0));
+    let low = vec3(-5.0, 0.02, -3.0);
+    let high = vec3(15.0, 3.2, 3.0);
     let jumps = jumps(106_184, low, high, vec3(1.0, 1.5, 0.0));
     Provocation { scene: blocks.scene("inside"), subject, walk, jumps, portrait: 32 }
 }
@@ -376,7 +382,8 @@ fn sky() -> Provocation {
     let subject = blocks.place(SHELL, Vec3::splat(-250.0), Vec3::splat(250.0), [0.35, 0.6, 0.9]);
     blocks.ball(vec3(0.0, 2.0, -10.0), 4.0, GREY);
     for number in 0..9 {
-        let (x, z) = (number as f32 * 1.5 - 6.0, -17.0 - (number % 3) as f32 * 2.0);
+        let x = number as f32 * 1.5 - 6.0;
+        let z = -17.0 - (number % 3) as f32 * 2.0;
         blocks.ball(vec3(x, 1.0 + (number % 4) as f32, z), 0.5, RED);
     }
     blocks.ball(vec3(3.0, 1.0, 2.0), 0.5, RED);
@@ -384,7 +391,8 @@ fn sky() -> Provocation {
         let eye = vec3(4.0 * part - 2.0, 2.0, 6.0 - part);
         camera(eye, turned(part * 540.0 - 40.0, 20.0 * (part * 9.0).sin()))
     });
-    let (low, high) = (vec3(-200.0, -50.0, -200.0), vec3(200.0, 200.0, 200.0));
+    let low = vec3(-200.0, -50.0, -200.0);
+    let high = vec3(200.0, 200.0, 200.0);
     let mut jumps = jumps(19_544, low, high, vec3(0.0, 2.0, -12.0));
     for camera in jumps.iter_mut().step_by(2) {
         camera.eye *= 0.05;

@@ -39,7 +39,10 @@ impl SceneRays {
         let meshes = scene.meshes.iter().map(|mesh| {
             let place =
                 |index: &u32| Vec3::from(mesh.vertices[*index as usize].position).as_dvec3();
-            mesh.indices.chunks_exact(3).map(|at| [0, 1, 2].map(|it| place(&at[it]))).collect()
+            mesh.indices
+                .chunks_exact(3)
+                .map(|at| [0, 1, 2].map(|corner| place(&at[corner])))
+                .collect()
         });
         let objects = scene.objects.iter().map(|object| {
             let [x, y, z] =
@@ -85,14 +88,14 @@ impl SceneRays {
                 continue;
             }
             // A transform changes no distance in lengths of the ray.
-            let [start, way] =
-                [placed.to_mesh.transform_point3(from), placed.to_mesh.transform_vector3(along)];
+            let start = placed.to_mesh.transform_point3(from);
+            let way = placed.to_mesh.transform_vector3(along);
             let is_mirrored = placed.to_world.matrix3.determinant() < 0.0;
             for corners in &self.meshes[placed.mesh] {
                 let Some((at, is_front)) = hit(corners, start, way) else { continue };
                 let is_met = sides == Sides::Both || is_front != is_mirrored;
                 if is_met && nearest.is_none_or(|(before, _)| at < before) {
-                    let [a, b, c] = corners.map(|it| placed.to_world.transform_point3(it));
+                    let [a, b, c] = corners.map(|corner| placed.to_world.transform_point3(corner));
                     let normal = (b - a).cross(c - a).normalize();
                     let normal = normal * -normal.dot(along).signum();
                     nearest = Some((at, Met { place: from + along * at, normal }));
@@ -107,13 +110,15 @@ impl SceneRays {
 fn enters(bounds: &Aabb, from: DVec3, along: DVec3) -> Option<f64> {
     let low = (bounds.min.as_dvec3() - from) / along;
     let high = (bounds.max.as_dvec3() - from) / along;
-    let (near, far) = (low.min(high).max_element(), low.max(high).min_element());
+    let near = low.min(high).max_element();
+    let far = low.max(high).min_element();
     (near <= far && far > 0.0).then_some(near.max(0.0))
 }
 
 /// Returns where a ray meets a triangle, in lengths of `along`, and true for its front.
 fn hit([a, b, c]: &[DVec3; 3], from: DVec3, along: DVec3) -> Option<(f64, bool)> {
-    let (ab, ac) = (b - a, c - a);
+    let ab = b - a;
+    let ac = c - a;
     let across = along.cross(ac);
     let determinant = ab.dot(across);
     let to_start = from - a;
@@ -140,8 +145,11 @@ mod tests {
         let mut met = 0;
         for pixel in 0..size[0] * size[1] {
             let at = [pixel % size[0], pixel / size[0]].map(|side| f64::from(side) + 0.5);
-            let of_boxes =
-                crate::box_rays::shown_at(&boxes, (&yard::camera(), size), at.map(|it| it as f32));
+            let of_boxes = crate::box_rays::shown_at(
+                &boxes,
+                (&yard::camera(), size),
+                at.map(|side| side as f32),
+            );
             let found = rays.shown_at((&yard::camera(), size), at);
             assert_eq!(found.is_some(), of_boxes.is_some(), "{at:?}");
             let (Some(found), Some((place, normal))) = (found, of_boxes) else { continue };

@@ -47,7 +47,8 @@ impl DepthBoxes {
 
     /// Draws box `index` of `boxes`.
     pub fn draw(&self, commands: &Commands, boxes: BufferSlice, view: &View, index: u32) {
-        let (view_proj, eye) = (view.view_proj.to_cols_array(), view.rays.eye().to_array());
+        let view_proj = view.view_proj.to_cols_array();
+        let eye = view.rays.eye().to_array();
         commands.bind(&self.pipeline, &[boxes]);
         commands.push_constants(&self.pipeline, &Constants { view_proj, eye });
         commands.draw(18, index);
@@ -107,13 +108,18 @@ pub fn box_scene(boxes: &[Aabb]) -> Scene {
 pub fn coloured_cubes(colours: u32, objects: Vec<Object>) -> Scene {
     let channel =
         |number: u32, by: u32| 0.1 + 0.9 * (number * by % colours) as f32 / colours as f32;
-    let colours = (0..colours).map(|it| [channel(it, 1), channel(it, 2), channel(it, 3), 1.0]);
+    let colours =
+        (0..colours).map(|index| [channel(index, 1), channel(index, 2), channel(index, 3), 1.0]);
     let colours: Vec<[f32; 4]> = colours.collect();
     let meshes: Vec<Mesh> = colours.iter().map(|colour| cube(pack_unorm(*colour), 1)).collect();
     let material =
         |colour: &[f32; 4]| Material { base_colour: *colour, is_unlit: true, ..Default::default() };
     let surfaces = Surfaces {
-        meshes: (0..).map(MaterialId).zip(&meshes).map(|(it, mesh)| surface_of(mesh, it)).collect(),
+        meshes: (0..)
+            .map(MaterialId)
+            .zip(&meshes)
+            .map(|(material, mesh)| surface_of(mesh, material))
+            .collect(),
         materials: colours.iter().map(material).collect(),
         ..Default::default()
     };

@@ -79,7 +79,8 @@ impl Painter {
         let [width, height] = self.target.size();
         for tile in 0..TILES * TILES {
             self.target.prepare(commands);
-            let [x, y] = [tile % TILES, tile / TILES];
+            let x = tile % TILES;
+            let y = tile / TILES;
             let origin = [x * width / TILES, y * height / TILES];
             let size = [(x + 1) * width / TILES - origin[0], (y + 1) * height / TILES - origin[1]];
             if size.contains(&0) {

@@ -42,7 +42,9 @@ pub fn image(
     };
     let instances: Vec<Instance> =
         slots.zip(scene.objects.iter().chain(transparent)).map(instance).collect();
-    let (mut vertices, mut indices, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
+    let mut vertices = Vec::new();
+    let mut indices = Vec::new();
+    let mut meshes = Vec::new();
     for mesh in &scene.meshes {
         meshes.push((indices.len() as u32, mesh.indices.len() as u32, vertices.len() as i32));
         vertices.extend_from_slice(&mesh.vertices);
@@ -177,7 +179,8 @@ pub fn quad(
     let corners = [[0, 0], [0, 1], [1, 0], [1, 1]];
     let place = |[x, y]: [usize; 2]| {
         let part = |pixel: u32| pixel as f32 / middle - 1.0;
-        let (x, y) = (part([from, to][x][0]), -part([from, to][y][1]));
+        let x = part([from, to][x][0]);
+        let y = -part([from, to][y][1]);
         Vec3::new(x, y, -1.0) * distance_m
     };
     let vertex = |[x, y]: [usize; 2]| {

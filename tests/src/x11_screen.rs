@@ -53,7 +53,8 @@ impl Seen {
     /// is not all on the screen.
     pub fn pixels(&self) -> Option<Vec<[u8; 3]>> {
         let geometry = self.connection.get_geometry(self.window).unwrap().reply().ok()?;
-        let (width, height) = (geometry.width, geometry.height);
+        let width = geometry.width;
+        let height = geometry.height;
         let format = ImageFormat::Z_PIXMAP;
         let image = self.connection.get_image(format, self.window, 0, 0, width, height, u32::MAX);
         let image = image.unwrap().reply().ok()?;
@@ -87,7 +88,8 @@ impl Seen {
     /// Returns the key code that has a symbol in the server's layout.
     pub fn code_of(&self, symbol: u32) -> u8 {
         let setup = self.connection.setup();
-        let (least, most) = (setup.min_keycode, setup.max_keycode);
+        let least = setup.min_keycode;
+        let most = setup.max_keycode;
         let mapping = self.connection.get_keyboard_mapping(least, most - least + 1);
         let mapping = mapping.unwrap().reply().unwrap();
         let per_code = usize::from(mapping.keysyms_per_keycode);
@@ -156,7 +158,8 @@ impl Seen {
 
     /// Returns true if another client may grab the pointer.
     pub fn is_pointer_free(&self) -> bool {
-        let (root, mode) = (self.root, GrabMode::ASYNC);
+        let root = self.root;
+        let mode = GrabMode::ASYNC;
         let grab = self.connection.grab_pointer(
             false,
             root,
@@ -253,7 +256,8 @@ impl Seen {
     fn own(&self, selection: &[u8]) -> u32 {
         let connection = &self.connection;
         let source = connection.generate_id().unwrap();
-        let (class, aux) = (WindowClass::INPUT_ONLY, CreateWindowAux::new());
+        let class = WindowClass::INPUT_ONLY;
+        let aux = CreateWindowAux::new();
         connection.create_window(0, source, self.root, 0, 0, 1, 1, 0, class, 0, &aux).unwrap();
         connection.set_selection_owner(source, self.atom(selection), CURRENT_TIME).unwrap();
         self.settle();
@@ -262,7 +266,8 @@ impl Seen {
 
     /// Hands the selection over when it is requested as `kind`; other requests do not come.
     fn hand_over(&self, kind: &[u8], bytes: &[u8]) {
-        let (connection, kind) = (&self.connection, self.atom(kind));
+        let connection = &self.connection;
+        let kind = self.atom(kind);
         let began = Instant::now();
         loop {
             assert!(
@@ -273,7 +278,8 @@ impl Seen {
                 std::thread::sleep(Duration::from_millis(5));
                 continue;
             };
-            let (replace, window) = (PropMode::REPLACE, asked.requestor);
+            let replace = PropMode::REPLACE;
+            let window = asked.requestor;
             let is_it = asked.target == kind;
             if is_it {
                 let property = asked.property;

@@ -64,7 +64,8 @@ impl X11Window {
         let root = connection.setup().roots[screen].root;
         let id = connection.generate_id().unwrap();
         let [width, height] = size.map(|side| side as u16);
-        let (class, aux) = (WindowClass::INPUT_OUTPUT, CreateWindowAux::new());
+        let class = WindowClass::INPUT_OUTPUT;
+        let aux = CreateWindowAux::new();
         connection
             .create_window(
                 COPY_DEPTH_FROM_PARENT,

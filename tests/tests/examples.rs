@@ -196,10 +196,11 @@ fn every_example_is_run_and_named_in_its_page() {
             // They are programs in C and C++, which `ci/capi` builds and runs.
             continue;
         }
-        let names = match folder.ends_with("methods") {
+        let names = if folder.ends_with("methods") {
             // They run in a renderer, which only a crate above theirs knows.
-            true => vec!["compare_methods".to_owned()],
-            false => example_names(&folder),
+            vec!["compare_methods".to_owned()]
+        } else {
+            example_names(&folder)
         };
         assert!(!names.is_empty(), "{} has no example", folder.display());
         for name in names {

@@ -194,7 +194,8 @@ fn a_call_that_fails_is_named_and_the_next_frames_are_shown() {
             for number in 0..3 {
                 let mut liar = Liar::new(&server, driver, Machine::default());
                 failing(call, number..number + 1, Code::ERROR_OUT_OF_HOST_MEMORY).install();
-                let (mut errors, mut shown) = (Vec::new(), 0);
+                let mut errors = Vec::new();
+                let mut shown = 0;
                 for frame in 0..6 {
                     // Each time the window is recreated.
                     let size = [SIZE[0] + frame, SIZE[1]];

@@ -16,7 +16,8 @@ fn bone(name: &str, parent: Option<RigNodeId>) -> RigNode {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let [upper, lower] = [RigNodeId(0), RigNodeId(1)];
+    let upper = RigNodeId(0);
+    let lower = RigNodeId(1);
     let rig = Rig::new(vec![bone("upper", None), bone("lower", Some(upper))])?;
     let skin = Skin {
         joints: vec![upper, lower],
@@ -33,8 +34,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut player = Player::new();
     player.play(Playback::looped(ClipId(0), 0.0));
-    let (mut workspace, mut pose) = (Workspace::new(&rig), Pose::new(&rig));
-    let (mut world, mut matrices) = (Vec::new(), Vec::new());
+    let mut workspace = Workspace::new(&rig);
+    let mut pose = Pose::new(&rig);
+    let mut world = Vec::new();
+    let mut matrices = Vec::new();
     rig.world(&pose, &mut world);
     for quarter in 0..=8_u8 {
         let seconds = f64::from(quarter) * 0.25;

@@ -71,7 +71,7 @@ impl Track {
         }
         let first = |is_so: fn(f32) -> bool| match &values {
             Values::Translation(values) | Values::Scale(values) => {
-                values.iter().position(|it| it.to_array().into_iter().any(is_so))
+                values.iter().position(|value| value.to_array().into_iter().any(is_so))
             }
             Values::Rotation(values) => {
                 values.iter().position(|q| q.to_array().into_iter().any(is_so))
@@ -128,12 +128,14 @@ impl Track {
             Place::Key(key) => return at(key, 1),
             Place::Between { key, fraction, interval_s } => (key, fraction, interval_s),
         };
-        let (from, to) = (at(key, 1)?, at(key + 1, 1)?);
+        let from = at(key, 1)?;
+        let to = at(key + 1, 1)?;
         Some(match self.interpolation {
             Interpolation::Step => from,
             Interpolation::Linear => from * (1.0 - t) + to * t,
             Interpolation::Cubic => {
-                let (leaving, arriving) = (at(key, 2)?, at(key + 1, 0)?);
+                let leaving = at(key, 2)?;
+                let arriving = at(key + 1, 0)?;
                 hermite(from, leaving * interval_s, arriving * interval_s, to, t)
             }
         })

@@ -111,7 +111,8 @@ impl Extents {
     /// from the node's origin.
     fn lifted(&self, node: RigNodeId, distance: f32) -> f32 {
         let extent = self.nodes.get(node.0 as usize);
-        let lifted = extent.map_or(distance, |it| it.farthest + it.lengthens * distance);
+        let lifted =
+            extent.map_or(distance, |extent| extent.farthest + extent.lengthens * distance);
         // A value that is not a number would be lost in a maximum.
         if lifted.is_nan() { f32::INFINITY } else { lifted }
     }
@@ -158,7 +159,8 @@ impl Extents {
             let joint = skeleton.joints.get(usize::from(joint)).copied().flatten();
             let Some(joint) = joint else { continue };
             let bind = joint.inverse_bind;
-            let (lengthens, offset) = (lengthens(&bind), bind.translation.length());
+            let lengthens = lengthens(&bind);
+            let offset = bind.translation.length();
             let entry = joint.bone.and_then(|bone| hanging.get_mut(bone));
             let entry = entry.unwrap_or(&mut farthest);
             for corner in bounds.corners() {

@@ -30,7 +30,8 @@ impl Mix for Vec4 {}
 
 /// Returns a cubic Hermite spline with its tangents scaled by the length of its interval.
 pub(crate) fn hermite<T: Mix>(from: T, leaving: T, arriving: T, to: T, t: f32) -> T {
-    let (t2, t3) = (t * t, t * t * t);
+    let t2 = t * t;
+    let t3 = t * t * t;
     from * (2.0 * t3 - 3.0 * t2 + 1.0)
         + leaving * (t3 - 2.0 * t2 + t)
         + to * (3.0 * t2 - 2.0 * t3)

@@ -204,7 +204,8 @@ fn check(rig: &Rig, skin: &Skin) -> Result<(), SkinError> {
         return Err(SkinError::Empty);
     }
     if skin.joints.len() != skin.inverse_bind.len() {
-        let (joints, matrices) = (skin.joints.len(), skin.inverse_bind.len());
+        let joints = skin.joints.len();
+        let matrices = skin.inverse_bind.len();
         return Err(SkinError::Count { joints, matrices });
     }
     for (joint, node) in skin.joints.iter().enumerate() {

@@ -57,7 +57,8 @@ fn steps_stay_lines_are_straight_and_ends_are_clamped() {
 #[test]
 fn cubics_scale_their_tangents_by_the_interval() {
     // Keys of (3 t - 2)^3 at 0 and 2 with its slopes: a cubic comes back as it was.
-    let (value, slope) = (|t: f32| (3.0 * t - 2.0).powi(3), |t: f32| 9.0 * (3.0 * t - 2.0).powi(2));
+    let value = |t: f32| (3.0 * t - 2.0).powi(3);
+    let slope = |t: f32| 9.0 * (3.0 * t - 2.0).powi(2);
     let key = |t| [slope(t), value(t), slope(t)].map(Vec3::splat);
     let keys = [key(0.0), key(2.0)].concat();
     let clip = clip(0, track(Interpolation::Cubic, &[0.0, 2.0], Values::Scale(keys)));
@@ -142,7 +143,8 @@ fn still(node: u32, place: Vec3) -> Clip {
 fn players_fade_and_later_layers_win() {
     let rig = rig();
     let clips = [still(0, Vec3::X), still(1, Vec3::Y), still(0, Vec3::Z * 8.0)];
-    let (mut workspace, mut pose) = (Workspace::new(&rig), Pose::new(&rig));
+    let mut workspace = Workspace::new(&rig);
+    let mut pose = Pose::new(&rig);
     let mut player = Player::new();
     let layer = player.play(Playback::looped(ClipId(0), 5.0));
     player.cross_fade(layer, Playback::looped(ClipId(1), 6.0), 6.0, 2.0);
@@ -196,7 +198,8 @@ proptest! {
     /// Checks that a blend meets both ends, has unit length between them, and is symmetric in them.
     #[test]
     fn blends_meet_both_ends(a in rotation(), b in rotation(), weight in 0.0_f32..1.0) {
-        let (rig, turn) = (rig(), |q| track(Interpolation::Step, &[0.0], Values::Rotation(vec![q])));
+        let rig = rig();
+        let turn = |q| track(Interpolation::Step, &[0.0], Values::Rotation(vec![q]));
         let pose = |q| {
             let mut pose = Pose::new(&rig);
             pose.sample(&clip(0, turn(q)), 0.0);

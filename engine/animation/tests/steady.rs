@@ -56,8 +56,10 @@ fn frames_allocate_nothing_and_touch_what_moves() {
     player.play(Playback::looped(ClipId(0), 0.0));
     let layer = player.play(Playback::looped(ClipId(1), 0.0));
     player.cross_fade(layer, Playback::looped(ClipId(0), 1.0), 1.0, 1.0);
-    let (mut workspace, mut pose) = (Workspace::new(&rig), Pose::new(&rig));
-    let (mut world, mut matrices) = (Vec::new(), Vec::new());
+    let mut workspace = Workspace::new(&rig);
+    let mut pose = Pose::new(&rig);
+    let mut world = Vec::new();
+    let mut matrices = Vec::new();
     rig.world(&pose, &mut world);
     let mut frame = |now_s: f64| {
         player.pose_at(&rig, &clips, now_s, &mut workspace, &mut pose);

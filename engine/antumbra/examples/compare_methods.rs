@@ -12,8 +12,10 @@ const SIZE: [u32; 2] = [640, 360];
 
 /// Returns a square of 2 m that faces +z.
 fn square(name: &str) -> Mesh {
-    let [a, b] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0]];
-    let [c, d] = [[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    let a = [-1.0, -1.0, 0.0];
+    let b = [1.0, -1.0, 0.0];
+    let c = [1.0, 1.0, 0.0];
+    let d = [-1.0, 1.0, 0.0];
     Mesh::of_triangles(name, &[a, b, c, a, c, d].map(|corner| (corner, [0.6; 3])))
 }
 
@@ -27,7 +29,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }));
     let device = antumbra::open()?;
     // Tests are made whether they pay or not: with so few triangles, hardly any does.
-    let (methods, costs) = (antumbra::methods::all(), Costs::Ignored);
+    let methods = antumbra::methods::all();
+    let costs = Costs::Ignored;
     let options = RendererOptions { size: SIZE, methods, costs, ..Default::default() };
     let mut renderer = Renderer::new(&device, &scene, &options)?;
     println!("{:18} {:>6} {:>6} {:>6}", "", "draws", "tests", "waits");
@@ -36,8 +39,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             println!("{strategy}: {error}");
             continue;
         }
-        let [mut view, mut beforehand] = [renderer.new_view()?, renderer.new_view()?];
-        let (mut tests, mut waits) = (0, 0);
+        let mut view = renderer.new_view()?;
+        let mut beforehand = renderer.new_view()?;
+        let mut tests = 0;
+        let mut waits = 0;
         for step in 0..20_u8 {
             let eye = vec3(f32::from(step) * 0.02, 0.0, 3.0);
             let camera = Camera {

@@ -84,7 +84,8 @@ impl AntumbraContext {
             let message = format_args!("there is no ANTUMBRA_LOG_.. {}", desc.log_level);
             return Err(Failure::argument(message));
         }
-        let (user, max_level) = (desc.log_user, desc.log_level);
+        let user = desc.log_user;
+        let max_level = desc.log_level;
         let log = desc.log.map(|callback| CallbackLog { callback, user, max_level });
         let mut context = Box::<Self>::new_uninit();
         // Contexts that live at the same time have different addresses.

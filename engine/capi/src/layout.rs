@@ -145,7 +145,7 @@ macro_rules! layout {
                 $crate::layout::field_layout(
                     stringify!($field),
                     std::mem::offset_of!($type, $field),
-                    |it: &$type| &it.$field,
+                    |value: &$type| &value.$field,
                 ),
             )+];
         }
@@ -153,7 +153,7 @@ macro_rules! layout {
             const NAME: &'static str = stringify!($type);
         }
         const _: () = {
-            let _exhaustive = |it: $type| { let $type { $($field: _),+ } = it; };
+            let _exhaustive = |value: $type| { let $type { $($field: _),+ } = value; };
             let fields = <$type as $crate::layout::CValue>::FIELDS;
             let mut sum = 0;
             let mut place = 0;

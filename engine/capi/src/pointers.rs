@@ -133,12 +133,13 @@ pub(crate) unsafe fn read<T: Versioned>(name: &str, pointer: *const T) -> Result
     check_reserved(name, &value)?;
     for field in T::FIELDS.iter().filter(|field| T::REQUIRED.contains(&field.name)) {
         if is_zero(field, &|at| byte_of(&value, at)) {
-            return Err(match field.is_pointer {
-                true => Failure::null(&format!("{name}.{}", field.name)),
-                false => Failure::argument(format_args!(
+            return Err(if field.is_pointer {
+                Failure::null(&format!("{name}.{}", field.name))
+            } else {
+                Failure::argument(format_args!(
                     "{name}.{} is 0, and has no default: it must be set",
                     field.name
-                )),
+                ))
             });
         }
     }
@@ -188,7 +189,8 @@ unsafe fn struct_size<T: Versioned>(name: &str, pointer: *const T) -> Result<usi
     if is_newer || ends.into_iter().any(|end| end == size) {
         return Ok(size);
     }
-    let (ours, struct_name) = (size_of::<T>(), T::NAME);
+    let ours = size_of::<T>();
+    let struct_name = T::NAME;
     let message = format!(
         "{name} has a struct_size of {size}, which no version of {struct_name} has: set it to \
          sizeof({struct_name}), which is {ours} in this version of the library"
@@ -221,7 +223,8 @@ impl<T: Versioned> Output<T> {
         let known = size.min(size_of::<T>());
         // SAFETY: the promise of `new`; the first four bytes remain as they are.
         unsafe {
-            let (from, to) = ((&raw const *value).cast::<u8>(), pointer.cast::<u8>());
+            let from = (&raw const *value).cast::<u8>();
+            let to = pointer.cast::<u8>();
             to.add(SKIPPED).copy_from_nonoverlapping(from.add(SKIPPED), known - SKIPPED);
             to.add(known).write_bytes(0, size - known);
         }

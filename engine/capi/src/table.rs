@@ -130,7 +130,8 @@ fn index_of<T, H: Handle>(slots: &[Slot<T>], handle: H) -> Option<usize> {
 }
 
 fn unknown<H: Handle>(handle: H) -> Failure {
-    let (kind, id) = (H::KIND, handle.id());
+    let kind = H::KIND;
+    let id = handle.id();
     let reason = match id {
         0 => format!("the handle of a {kind} is 0: create one first"),
         _ => format!(

@@ -23,7 +23,8 @@ fn fields() -> BTreeMap<String, Vec<Field>> {
     let mut structs = BTreeMap::new();
     let mut lines = HEADER.lines().map(str::trim);
     while let Some(line) = lines.next() {
-        let Some(name) = line.strip_prefix("typedef struct ").and_then(|it| it.strip_suffix(" {"))
+        let Some(name) =
+            line.strip_prefix("typedef struct ").and_then(|rest| rest.strip_suffix(" {"))
         else {
             continue;
         };
@@ -34,9 +35,11 @@ fn fields() -> BTreeMap<String, Vec<Field>> {
                 Some(text) => doc.push(text.trim_matches(['*', '/', ' '])),
                 None => {
                     let declared = line.trim_end_matches(';').split('[').next().unwrap();
-                    let at = declared.rfind(|it: char| !it.is_alphanumeric() && it != '_');
+                    let at =
+                        declared.rfind(|letter: char| !letter.is_alphanumeric() && letter != '_');
                     let (declared, name) = declared.split_at(at.unwrap() + 1);
-                    let (name, declared) = (name.to_owned(), declared.trim().to_owned());
+                    let name = name.to_owned();
+                    let declared = declared.trim().to_owned();
                     fields.push(Field { name, declared, doc: doc.join(" ").trim().to_owned() });
                     doc.clear();
                 }
@@ -64,9 +67,10 @@ fn constant(name: &str) -> u64 {
 fn default(field: &Field, size: usize) -> Option<Vec<u8>> {
     let (_, said) = field.doc.split_once("Default: ")?;
     let said = said.trim_start_matches('`');
-    let end = match said.starts_with('(') {
-        true => said.find(')').unwrap() + 1,
-        false => said.find(['`', ',', '.', ' ']).unwrap(),
+    let end = if said.starts_with('(') {
+        said.find(')').unwrap() + 1
+    } else {
+        said.find(['`', ',', '.', ' ']).unwrap()
     };
     let numbers = said[..end].trim_matches(['(', ')']).split(", ");
     let is_float = field.declared == "float";

@@ -68,7 +68,8 @@ impl Interface {
 
     fn ingest(&self, answers: &[AntumbraAnswer]) {
         let Self { context, hierarchy, culler } = *self;
-        let (first, count) = (answers.as_ptr(), answers.len());
+        let first = answers.as_ptr();
+        let count = answers.len();
         // SAFETY: a slice.
         let result =
             unsafe { antumbra_culler_ingest(context, culler, hierarchy, first, count, null_mut()) };

@@ -103,7 +103,8 @@ impl Walk {
 
     /// Answers the newest plan in place of the GPU, and takes a step.
     fn answer(&mut self) {
-        let (hierarchy, eye) = (&self.hierarchy, self.camera.eye);
+        let hierarchy = &self.hierarchy;
+        let eye = self.camera.eye;
         let tests = self.plan.tests.iter().map(|test| test.tag);
         let draws = self.plan.queried_draws.iter().map(|(_, tag)| *tag);
         self.answers.extend(tests.chain(draws).map(|tag| {

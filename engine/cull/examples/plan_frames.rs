@@ -39,7 +39,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let view = View::new(&camera, [1280, 720], 8);
         culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, 4096, &mut plan);
 
-        let (drawn, tests) = (plan.draws.len() + plan.queried_draws.len(), plan.tests.len());
+        let drawn = plan.draws.len() + plan.queried_draws.len();
+        let tests = plan.tests.len();
         let behind: u32 = plan.tests.iter().map(|test| test.leaves.count).sum();
         if frame % 10 == 0 {
             println!("frame {frame}: {drawn} drawn, {tests} tests decide about {behind} more");

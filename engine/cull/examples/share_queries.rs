@@ -31,10 +31,12 @@ impl Face {
     fn answer(&mut self, hierarchy: &Hierarchy, view: &View) {
         let Self { plan, answers, .. } = self;
         let tested = plan.tests.iter().map(|test| test.tag);
-        answers.extend(tested.chain(plan.queried_draws.iter().map(|it| it.1)).map(|tag| {
-            let distance_squared = view.rays.distance_squared(&hierarchy.bounds(tag.node));
-            Answer { tag, samples: u32::from(distance_squared < 3600.0) }
-        }));
+        answers.extend(
+            tested.chain(plan.queried_draws.iter().map(|queried_draw| queried_draw.1)).map(|tag| {
+                let distance_squared = view.rays.distance_squared(&hierarchy.bounds(tag.node));
+                Answer { tag, samples: u32::from(distance_squared < 3600.0) }
+            }),
+        );
     }
 }
 
@@ -50,7 +52,8 @@ fn houses(count: usize) -> Vec<Aabb> {
 
 /// Returns the faces around a place on a walk through the houses.
 fn views(count: usize, frame: usize) -> [View; 6] {
-    let (middle, step) = (count.isqrt() as f32 * 2.0, frame as f32 * 0.1);
+    let middle = count.isqrt() as f32 * 2.0;
+    let step = frame as f32 * 0.1;
     FACES.map(|forward| {
         let up = if forward.y == 0.0 { Vec3::Y } else { Vec3::X };
         let projection = Projection::perspective(std::f32::consts::FRAC_PI_2);
@@ -61,7 +64,8 @@ fn views(count: usize, frame: usize) -> [View; 6] {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let number = |place| std::env::args().nth(place).and_then(|text| text.parse::<usize>().ok());
-    let (count, frames) = (number(1).unwrap_or(100_000), number(2).unwrap_or(400));
+    let count = number(1).unwrap_or(100_000);
+    let frames = number(2).unwrap_or(400);
     let query_budget = number(3).unwrap_or(600);
     let hierarchy = Hierarchy::build(&houses(count))?;
     let new = || Face {

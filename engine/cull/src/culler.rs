@@ -229,7 +229,8 @@ impl Culler {
         let mut tester = tester(strategy, testers);
         let config = self.tune(strategy, &mut plan.stats);
         let mut costs = CostFilter::new(self.cost_model.as_ref(), strategy, tester, testers);
-        let (scratch, has_leaf_tests) = (&mut self.scratch, testers.leaf_tests);
+        let scratch = &mut self.scratch;
+        let has_leaf_tests = testers.leaf_tests;
         let mut walk = Walk {
             hierarchy,
             views,
@@ -258,7 +259,8 @@ impl Culler {
         if testers.draw_phases == DrawPhases::Two || !testers.queries {
             phases::test_boxes_of_retests(scratch, &walk, &mut plan.stats);
         }
-        let (history, rng) = (&mut self.history, &mut self.rng);
+        let history = &mut self.history;
+        let rng = &mut self.rng;
         let costs = costs.as_ref();
         PlanWriter {
             hierarchy,
@@ -275,7 +277,7 @@ impl Culler {
         if has_leaf_tests {
             shared_proxies::share_proxies(plan, &scratch.tests, views, &mut self.fronts);
         }
-        let prices = costs.map(|it| it.round_prices(tester, scratch.revealed_ns));
+        let prices = costs.map(|cost| cost.round_prices(tester, scratch.revealed_ns));
         rounds::schedule(plan, (tester, testers.draw_phases), (slabs, prices), &config);
         if let Some(costs) = costs {
             plan.stats.rounds_by_compute = costs.hand_to_compute(views, plan);

@@ -21,7 +21,8 @@ fn growing_by_one_asks_for_a_fraction_of_what_building_takes() {
     let mut hierarchy = Hierarchy::build(&boxes).unwrap();
     let before = ALLOCATOR.current_usage();
     ALLOCATOR.reset_peak_usage();
-    let (mut added, mut reordered) = (Vec::new(), Vec::new());
+    let mut added = Vec::new();
+    let mut reordered = Vec::new();
     hierarchy.insert_all(&boxes[..1], &mut added, &mut reordered).unwrap();
     let most_bytes = ALLOCATOR.peak_usage() - before;
     assert_eq!(added.len(), 1);

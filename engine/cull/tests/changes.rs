@@ -126,7 +126,8 @@ proptest! {
                     }
                 }
                 NextAction::InsertAll(new) => {
-                    let (mut added, mut reordered) = (Vec::new(), Vec::new());
+                    let mut added = Vec::new();
+let mut reordered = Vec::new();
                     let before = hierarchy.leaf_objects().to_vec();
                     let generation = hierarchy.generation();
                     hierarchy.insert_all(&new, &mut added, &mut reordered).unwrap();
@@ -305,7 +306,8 @@ fn a_free_leaf_is_found_however_many_there_are() {
 fn an_id_is_told_from_the_same_id_of_another_object() {
     let boxes = grid(60);
     let mut hierarchy = Hierarchy::build(&boxes).unwrap();
-    let [stays, goes] = [ObjectId(5), ObjectId(30)];
+    let stays = ObjectId(5);
+    let goes = ObjectId(30);
     let before = hierarchy.generation();
     assert!(hierarchy.is_same_object_since(goes, before));
     hierarchy.remove(goes).unwrap();
@@ -342,7 +344,8 @@ fn growing_rebuilds_a_bounded_part_and_stays_shallow() {
             (0..hierarchy.node_count() as u32).map(|node| hierarchy.level(NodeId(node))).max()
         };
         let before = (hierarchy.generation(), deepest(&hierarchy).unwrap());
-        let (mut added, mut reordered) = (Vec::new(), Vec::new());
+        let mut added = Vec::new();
+        let mut reordered = Vec::new();
         hierarchy.insert_all(&[lifted(&boxes[0], 3.0)], &mut added, &mut reordered).unwrap();
         assert_eq!(added, [ObjectId(count as u32)]);
         assert_eq!(hierarchy.free_leaves(), count / 16);
@@ -377,7 +380,8 @@ fn free_leaves_are_used_before_the_hierarchy_grows() {
         boxes[object as usize * 4] = Aabb::EMPTY;
     }
     let new: Vec<Aabb> = grid(901).iter().map(|bounds| lifted(bounds, 3.0)).collect();
-    let (mut added, mut reordered) = (Vec::new(), Vec::new());
+    let mut added = Vec::new();
+    let mut reordered = Vec::new();
     hierarchy.insert_all(&new, &mut added, &mut reordered).unwrap();
     assert_eq!(hierarchy.leaf_objects().len(), 4_000 + 1 + 4_000 / 16);
     assert_eq!((added.len(), reordered.len()), (901, 1));

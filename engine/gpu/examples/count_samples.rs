@@ -18,7 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         Ok::<_, Box<dyn Error>>(Spirv::from_bytes(name, found.spirv)?)
     };
     // One triangle over everything, in the colour of its constants.
-    let [vertex, fragment] = [shader("sky.vert")?, shader("sky.frag")?];
+    let vertex = shader("sky.vert")?;
+    let fragment = shader("sky.frag")?;
     let pipeline = GraphicsPipelineInfo {
         fragment: Some(&fragment),
         storage: StorageLayout { push_bytes: 16, ..Default::default() },

@@ -32,14 +32,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         Some(file) => load(Path::new(&file), &options, progress)?,
         None => load_bytes(TRIANGLE.to_vec(), None, &options, progress)?,
     };
-    let (bounds, scene) = (loaded.bounds(), &loaded.scene);
-    let [meshes, objects, triangles] =
-        [scene.meshes.len() as u64, scene.objects.len() as u64, scene.triangles()];
+    let bounds = loaded.bounds();
+    let scene = &loaded.scene;
+    let meshes = scene.meshes.len() as u64;
+    let objects = scene.objects.len() as u64;
+    let triangles = scene.triangles();
     println!("{}: {meshes} meshes, {objects} objects, {triangles} triangles", scene.name);
     println!("from {} to {} m", bounds.min, bounds.max);
-    if let Some(it) = &scene.surfaces {
-        let [textures, lights] = [it.textures.len(), it.lights.len()];
-        println!("{} materials, {textures} textures, {lights} lights", it.materials.len());
+    if let Some(surfaces) = &scene.surfaces {
+        let textures = surfaces.textures.len();
+        let lights = surfaces.lights.len();
+        println!("{} materials, {textures} textures, {lights} lights", surfaces.materials.len());
     }
 
     let (_, mut animator, cameras, notes) = SceneAnimator::of(loaded);

@@ -48,6 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn report(began: Instant, before: f64) {
     let ms = began.elapsed().as_secs_f64() * 1e3;
-    let (now, peak) = (memory_mib("VmRSS") - before, memory_mib("VmHWM") - before);
+    let now = memory_mib("VmRSS") - before;
+    let peak = memory_mib("VmHWM") - before;
     println!("{ms:.1} ms; memory {now:.1} MiB afterwards, {peak:.1} MiB at most");
 }

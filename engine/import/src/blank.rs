@@ -43,7 +43,8 @@ impl Blank for Accessor {
 
 impl Blank for Animation {
     fn blank() -> Self {
-        let (channels, samplers) = (Vec::new(), Vec::new());
+        let channels = Vec::new();
+        let samplers = Vec::new();
         Self { extensions: None, extras: None, channels, name: None, samplers }
     }
 }

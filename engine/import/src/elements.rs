@@ -214,7 +214,7 @@ impl<'a> Elements<'a> {
     ) {
         let offsets: [usize; N] = std::array::from_fn(|component| self.layout.offset(component));
         let base = self.base();
-        let mut replaced = self.accessor.sparse.as_ref().map(|it| Replaced::of(self, it));
+        let mut replaced = self.accessor.sparse.as_ref().map(|sparse| Replaced::of(self, sparse));
         let mut element = |index: usize| {
             #[cfg(test)]
             tests::READ.with(|read| read.set(read.get() + 1));
@@ -279,7 +279,8 @@ impl<'a> Replaced<'a> {
     fn at(&mut self, index: usize) -> Option<&'a [u8]> {
         // Where elements are asked for one after the other, it is the next or none.
         if self.next < self.count && self.index(self.next) < index {
-            let (mut low, mut high) = (self.next, self.count);
+            let mut low = self.next;
+            let mut high = self.count;
             while low < high {
                 let middle = low.midpoint(high);
                 if self.index(middle) < index { low = middle + 1 } else { high = middle }

@@ -46,8 +46,9 @@ pub(crate) fn uses(root: &Root, extension: &str) -> bool {
 pub(crate) fn index(value: &Value) -> Option<usize> {
     let whole =
         |float: f64| float.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&float);
-    let number =
-        value.as_u64().or_else(|| value.as_f64().filter(|it| whole(*it)).map(|it| it as u64));
+    let number = value
+        .as_u64()
+        .or_else(|| value.as_f64().filter(|value| whole(*value)).map(|value| value as u64));
     number.and_then(|number| usize::try_from(number).ok())
 }
 
@@ -60,8 +61,10 @@ pub(crate) fn lights(root: &Root) -> &[Light] {
 
 /// Returns the indices of the accessors that place the instances of a node.
 pub(crate) fn instance_accessors(node: &Node) -> impl Iterator<Item = usize> {
-    let extension = node.extensions.as_ref().and_then(|it| it.others.get(INSTANCING));
-    let attributes = extension.and_then(|it| it.get("attributes")).and_then(Value::as_object);
+    let extension =
+        node.extensions.as_ref().and_then(|extensions| extensions.others.get(INSTANCING));
+    let attributes =
+        extension.and_then(|extension| extension.get("attributes")).and_then(Value::as_object);
     let indices = attributes.into_iter().flat_map(|attributes| attributes.values());
     indices.filter_map(index)
 }
@@ -73,7 +76,7 @@ pub(crate) fn compression_of(view: &View) -> Option<(&'static str, &Value)> {
 
 /// Returns the buffer that a view is compressed in.
 pub(crate) fn source_buffer(view: &View) -> Option<usize> {
-    compression_of(view).and_then(|(_, it)| it.get("buffer")).and_then(index)
+    compression_of(view).and_then(|(_, values)| values.get("buffer")).and_then(index)
 }
 
 /// Returns the image of a texture by glTF itself, without extensions.

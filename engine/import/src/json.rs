@@ -66,7 +66,8 @@ fn needs_elements(json: &[u8]) -> bool {
 
 /// Returns the reason why JSON cannot be read, with the place.
 fn syntax(error: &serde_json::Error) -> Reason {
-    let (line, column) = (error.line(), error.column());
+    let line = error.line();
+    let column = error.column();
     if error.is_eof() {
         return Reason::malformed(format!("it ends too early, in line {line}, column {column}"));
     }

@@ -209,7 +209,7 @@ mod tests {
         let middle = Vertex { position: [0.0; 3], normal: 0, colour: 0 };
         mesh.vertices = std::iter::once(middle).chain(rim).collect();
         mesh.indices =
-            (0..triangles).flat_map(|it| [0, it + 1, (it + 1) % triangles + 1]).collect();
+            (0..triangles).flat_map(|index| [0, index + 1, (index + 1) % triangles + 1]).collect();
         mesh.bounds = bounds_of_vertices(&mesh.vertices);
         surface.vertices = vec![surface.vertices[0]; mesh.vertices.len()];
         (mesh, surface)
@@ -221,7 +221,8 @@ mod tests {
         assert!(!is_crowded_disc(6_000) && is_crowded_disc(6_200) && is_crowded_disc(400_000));
         assert!(!is_crowded(&ball(200).0));
 
-        let ((fan, on_fan), (fine, on_fine)) = (disc(400_000), ball(48));
+        let (fan, on_fan) = disc(400_000);
+        let (fine, on_fine) = ball(48);
         let mut scene = Scene::single(fan.clone());
         scene.meshes = vec![fan.clone(), fine, fan];
         let meshes = vec![on_fan.clone(), on_fine, on_fan];

@@ -9,10 +9,7 @@ use crate::error::Reason;
 pub(crate) fn ask(size_bytes: u64) -> Result<(), Reason> {
     let asked = usize::try_from(size_bytes)
         .is_ok_and(|size_bytes| Vec::<u8>::new().try_reserve_exact(size_bytes).is_ok());
-    match asked {
-        true => Ok(()),
-        false => Err(Reason::no_memory(size_bytes)),
-    }
+    if asked { Ok(()) } else { Err(Reason::no_memory(size_bytes)) }
 }
 
 #[cfg(test)]

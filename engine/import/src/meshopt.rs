@@ -97,7 +97,7 @@ pub(crate) fn placeholders(root: &Root, has_binary: bool) -> Vec<bool> {
     let buffers = root.buffers.iter().zip(is_compressed_into).enumerate();
     let is_placeholder = buffers.map(|(index, (buffer, is_compressed_into))| {
         let extension = buffer.extensions.as_ref().and_then(|all| compression(&all.others));
-        let fallback = extension.and_then(|(_, it)| it.get("fallback"));
+        let fallback = extension.and_then(|(_, values)| values.get("fallback"));
         let is_marked = fallback == Some(&Value::Bool(true));
         let is_binary_chunk = index == 0 && has_binary;
         // A buffer without bytes is a fault unless a view is decompressed into it.
@@ -210,9 +210,10 @@ pub(crate) fn decompress(
         let encoded = store.buffer(compressed.from_buffer).get(compressed.from_byte..);
         let encoded = encoded.and_then(|bytes| bytes.get(..compressed.bytes)).unwrap_or_default();
         let element = Kind::View.at(compressed.view);
-        let decoded = match verdict.is_kept(root, element) {
-            true => decode::decode(compressed, encoded).at(at),
-            false => continue,
+        let decoded = if verdict.is_kept(root, element) {
+            decode::decode(compressed, encoded).at(at)
+        } else {
+            continue;
         };
         let Some(bytes) = verdict.judge(element, decoded)? else { continue };
         let Some(view) = root.buffer_views.get(compressed.view) else { continue };

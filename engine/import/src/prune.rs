@@ -99,8 +99,9 @@ pub(crate) fn elements(root: &mut Root, verdict: &Verdict) {
     empty(&mut root.scenes, Kind::Scene, is_kept);
     empty(&mut root.skins, Kind::Skin, is_kept);
     empty(&mut root.textures, Kind::Texture, is_kept);
-    let lights = root.extensions.as_mut().and_then(|it| it.khr_lights_punctual.as_mut());
-    lights.into_iter().for_each(|it| empty(&mut it.lights, Kind::Light, is_kept));
+    let lights =
+        root.extensions.as_mut().and_then(|extensions| extensions.khr_lights_punctual.as_mut());
+    lights.into_iter().for_each(|light| empty(&mut light.lights, Kind::Light, is_kept));
     // Every view refers to a buffer.
     if root.buffers.is_empty() {
         root.buffer_views.clear();

@@ -89,7 +89,7 @@ pub(crate) fn references(root: &Root, element: Element, visit: &mut dyn FnMut(El
         Kind::Skin => {
             let skin = root.skins.get(index);
             let accessor = skin.and_then(|skin| skin.inverse_bind_matrices);
-            accessor.into_iter().for_each(|it| visit(Kind::Accessor.at(it.value())));
+            accessor.into_iter().for_each(|accessor| visit(Kind::Accessor.at(accessor.value())));
         }
         Kind::Material => {
             let slots = root.materials.get(index).into_iter().flat_map(texture_slots);
@@ -109,7 +109,8 @@ pub(crate) fn references(root: &Root, element: Element, visit: &mut dyn FnMut(El
         Kind::Accessor => {
             let Some(accessor) = root.accessors.get(index) else { return };
             let sparse = accessor.sparse.iter();
-            let parts = sparse.flat_map(|it| [it.indices.buffer_view, it.values.buffer_view]);
+            let parts =
+                sparse.flat_map(|sparse| [sparse.indices.buffer_view, sparse.values.buffer_view]);
             let views = accessor.buffer_view.into_iter().chain(parts);
             views.for_each(|view| visit(Kind::View.at(view.value())));
         }
@@ -137,7 +138,7 @@ fn of_node(node: &Node, visit: &mut dyn FnMut(Element)) {
     children.for_each(|child| visit(Kind::Node.at(child.value())));
     node.camera.into_iter().for_each(|camera| visit(Kind::Camera.at(camera.value())));
     let extensions = node.extensions.as_ref();
-    let light = extensions.and_then(|it| it.khr_lights_punctual.as_ref());
+    let light = extensions.and_then(|extensions| extensions.khr_lights_punctual.as_ref());
     light.into_iter().for_each(|light| visit(Kind::Light.at(light.light.value())));
     let Some(mesh) = node.mesh else { return };
     visit(Kind::Mesh.at(mesh.value()));
@@ -159,7 +160,8 @@ pub(crate) fn accessors_of(primitive: &Primitive) -> impl Iterator<Item = Elemen
     let is_shown = |name: &Checked<Semantic>| matches!(name, Checked::Valid(name) if !matches!(name, Semantic::Extras(_)));
     let attributes = primitive.attributes.iter().filter(move |(name, _)| is_shown(name));
     let targets = primitive.targets.iter().flatten();
-    let targets = targets.flat_map(|it| [it.positions, it.normals, it.tangents]).flatten();
+    let targets =
+        targets.flat_map(|target| [target.positions, target.normals, target.tangents]).flatten();
     let accessors = attributes.map(|(_, accessor)| *accessor).chain(targets);
     accessors.chain(primitive.indices).map(|accessor| Kind::Accessor.at(accessor.value()))
 }

@@ -191,7 +191,8 @@ impl SceneAnimator {
         self.changes.clear();
         self.parts.begin();
         for mover in self.movers.moved.iter().chain(&self.movers.behind) {
-            let (posed, changes) = ((&self.rig, &self.pose), &mut self.changes);
+            let posed = (&self.rig, &self.pose);
+            let changes = &mut self.changes;
             self.parts.change_place(*mover, &self.world, &mut self.lights, changes);
             self.parts.change(*mover, posed, views, changes);
         }

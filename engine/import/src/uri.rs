@@ -190,9 +190,10 @@ pub(crate) fn read_file(
                 .take(most)
                 .read_to_end(&mut start)
                 .map_err(unreadable)?;
-            return Err(match start == LFS_POINTER {
-                true => lfs_pointer(shown),
-                false => shorter(about.len(), count),
+            return Err(if start == LFS_POINTER {
+                lfs_pointer(shown)
+            } else {
+                shorter(about.len(), count)
             });
         }
         Wanted::First(count) => count,

@@ -115,7 +115,8 @@ impl Verdict {
     pub(crate) fn refuse_empty(&mut self, root: &Root) -> Result<(), Fault> {
         let meshes = root.meshes.iter().enumerate();
         let mut shown = meshes.filter(|(index, _)| self.is_used(Kind::Mesh.at(*index)));
-        let is_empty = |mesh: &Mesh| mesh.primitives.iter().all(|it| it.attributes.is_empty());
+        let is_empty =
+            |mesh: &Mesh| mesh.primitives.iter().all(|primitive| primitive.attributes.is_empty());
         if shown.any(|(_, mesh)| !is_empty(mesh)) {
             return Ok(());
         }

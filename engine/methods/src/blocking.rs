@@ -98,7 +98,8 @@ impl Method for BlockingMethod {
         state.check(&scene.executor.leaves)?;
         state.begin_unplanned(frame, scene.hierarchy, &scene.executor.leaves)?;
         let mut kept = state.take_method_state::<BlockingState>().unwrap_or_else(|| {
-            let (slots, name) = (state.frames_in_flight(), "blocking queries");
+            let slots = state.frames_in_flight();
+            let name = "blocking queries";
             let queries = BlockingQueryPool::new(scene.device, slots, name);
             Box::new(BlockingState { cullers: Vec::new(), queries })
         });
@@ -140,8 +141,9 @@ impl BlockingMethod {
         queries.begin(frame.slot());
         scene.objects.prepare_draws(frame.commands(), UpcomingDraws::All);
         let plan = state.plan_mut();
-        let (mut batch, mut answers, mut under_way) =
-            (Batch::default(), Vec::new(), VecDeque::new());
+        let mut batch = Batch::default();
+        let mut answers = Vec::new();
+        let mut under_way = VecDeque::new();
         let mut is_first = true;
         loop {
             let step = decisions.next(&answers, &mut batch);
@@ -185,7 +187,8 @@ impl BlockingMethod {
         scene: &mut MethodScene<'_>,
         (request, rendering): (&MethodRequest<'_>, Rendering),
     ) {
-        let (counting, view) = (self.counting(), request.view);
+        let counting = self.counting();
+        let view = request.view;
         let is_depth_first = self.is_depth_first(scene);
         let pass = if is_depth_first { ObjectPass::Depth } else { ObjectPass::Visibility };
         let MethodScene { executor, objects, .. } = scene;
@@ -225,7 +228,8 @@ impl BlockingMethod {
         }
         let draws = drawn.iter().map(|leaf| executor.leaves.draw(*leaf));
         let draws = frame.uploads().push_iter(draws)?.part(0, drawn.len() as u64 * DRAW_BYTES);
-        let (commands, view) = (frame.commands(), request.view);
+        let commands = frame.commands();
+        let view = request.view;
         objects.shade(executor, commands, view, &|commands, bind| {
             bind(commands, BucketId(0));
             commands.draw_indirect(draws);
@@ -280,7 +284,7 @@ fn draw(
     };
     let mut drawn = 0;
     for (place, token) in
-        leaves.iter().enumerate().filter_map(|(place, it)| Some((place, it.token?)))
+        leaves.iter().enumerate().filter_map(|(place, leaf)| Some((place, leaf.token?)))
     {
         if drawn < place {
             commands.draw_indirect(part(drawn..place));

@@ -140,9 +140,10 @@ impl PyramidFrame {
         let leaf_count = hierarchy.leaf_objects().len() as u32;
         let has_counts = device.capabilities().has(Optional::DrawIndirectCount)
             && leaf_count <= limits.max_draw_indirect_count;
-        let (storage, indirect) =
-            (vk::BufferUsageFlags::STORAGE_BUFFER, vk::BufferUsageFlags::INDIRECT_BUFFER);
-        let (from, to) = (vk::BufferUsageFlags::TRANSFER_SRC, vk::BufferUsageFlags::TRANSFER_DST);
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let indirect = vk::BufferUsageFlags::INDIRECT_BUFFER;
+        let from = vk::BufferUsageFlags::TRANSFER_SRC;
+        let to = vk::BufferUsageFlags::TRANSFER_DST;
         let buffer = |name, size_bytes, usage| {
             Buffer::new(device, name, size_bytes, storage | usage, MemoryKind::Device)
         };

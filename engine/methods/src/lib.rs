@@ -51,7 +51,7 @@ pub fn all() -> Vec<MethodConstructor> {
 /// Returns every strategy of a renderer that is given [`all`] methods: the baseline first, then
 /// those of the literature, ours, and the bound.
 pub fn strategies() -> Vec<Strategy> {
-    let theirs = all().into_iter().flat_map(|it| it.construct().strategies().to_vec());
+    let theirs = all().into_iter().flat_map(|method| method.construct().strategies().to_vec());
     let mut all: Vec<Strategy> = theirs.chain(Strategy::PLANNED).collect();
     all.sort_by_key(|strategy| (*strategy != Strategy::FRUSTUM, strategy.needs_still_scene()));
     all
@@ -66,7 +66,7 @@ mod tests {
         let all = strategies();
         assert_eq!((all[0], all[all.len() - 1]), (Strategy::FRUSTUM, IDEAL));
         for strategy in &all {
-            let same = all.iter().filter(|it| it.name() == strategy.name());
+            let same = all.iter().filter(|known| known.name() == strategy.name());
             assert_eq!(same.count(), 1, "{strategy}");
         }
     }

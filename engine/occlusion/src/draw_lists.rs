@@ -38,9 +38,10 @@ impl CountLimit {
     /// Returns that of a device; 0 where draw counts are missing or not trusted.
     fn of(device: &Device, trust: &Trust) -> Self {
         let has_counts = device.capabilities().has(Optional::DrawIndirectCount);
-        match has_counts && trust.allows_executor(Predication::Counts) {
-            true => Self(device.adapter().limits.max_draw_indirect_count),
-            false => Self(0),
+        if has_counts && trust.allows_executor(Predication::Counts) {
+            Self(device.adapter().limits.max_draw_indirect_count)
+        } else {
+            Self(0)
         }
     }
 
@@ -121,11 +122,17 @@ impl DrawLists {
         self.visible.clear();
         // Lavapipe (Mesa 22.3) lets a draw without a count take that of the counted one before it.
         let buckets = layout.visible.buckets();
-        let counts = frame.uploads().push_iter(buckets.iter().map(|it| it.draws.len() as u32))?;
-        self.visible.extend((0..).zip(buckets).map(|(list, it)| {
-            let most = it.draws.len() as u32;
+        let counts =
+            frame.uploads().push_iter(buckets.iter().map(|bucket| bucket.draws.len() as u32))?;
+        self.visible.extend((0..).zip(buckets).map(|(list, bucket)| {
+            let most = bucket.draws.len() as u32;
             let count = limit.counts(most).then(|| counts.part(list * 4, 4));
-            DrawList { bucket: it.bucket, commands: commands(visible, &it.draws), most, count }
+            DrawList {
+                bucket: bucket.bucket,
+                commands: commands(visible, &bucket.draws),
+                most,
+                count,
+            }
         }));
         self.clear_revealed();
         let round = layout.rounds.first();
@@ -208,18 +215,22 @@ impl DrawLists {
     fn lay_out(&mut self, layout: &TestLayout, [before, known]: [Option<&RoundLayout>; 2]) {
         let mut enabled = layout.revealed(before, Reveal::EnabledDraws);
         let mut whole = layout.revealed(known, Reveal::Draws);
-        let first = |list: &[RevealedRange]| list.first().map(|it| it.bucket);
+        let first = |list: &[RevealedRange]| list.first().map(|first| first.bucket);
         let mut end = self.places.last().map_or(0, |(_, place)| place.end);
-        let (first_range, first_place) = (self.ranges.len() as u32, self.places.len());
+        let first_range = self.ranges.len() as u32;
+        let first_place = self.places.len();
         while let Some(bucket) = [enabled, whole].into_iter().filter_map(first).min() {
-            let (list, first_of_list) = (self.places.len() as u32, self.ranges.len() as u32);
+            let list = self.places.len() as u32;
+            let first_of_list = self.ranges.len() as u32;
             let first_command = end;
             for (is_enabled, revealed) in [(1, &mut enabled), (0, &mut whole)] {
-                for it in take_bucket(revealed, bucket) {
-                    let Some(decided) = layout.decided(it.source).get(it.predicate as usize) else {
+                for range in take_bucket(revealed, bucket) {
+                    let Some(decided) = layout.decided(range.source).get(range.predicate as usize)
+                    else {
                         continue;
                     };
-                    let (DrawRange { first, count }, source) = (decided.range, it.source as u32);
+                    let DrawRange { first, count } = decided.range;
+                    let source = range.source as u32;
                     self.ranges.push(ListedRange {
                         first,
                         count,

@@ -50,13 +50,16 @@ fn check_target(
     state: &VisibilityState,
     (target, views): (&Target, MultiView<'_>),
 ) -> Result<(), Error> {
-    let (passes, attachments) = (executor.passes.attachments(), target.attachments());
+    let passes = executor.passes.attachments();
+    let attachments = target.attachments();
     if !passes.fit(&attachments) {
-        let (passes, target) = (Box::new(passes), Box::new(attachments));
+        let passes = Box::new(passes);
+        let target = Box::new(attachments);
         return Err(WrongAttachments { passes, target }.into());
     }
     if views.as_slice().len() as u64 != u64::from(attachments.views) {
-        let (views, target) = (views.as_slice().len(), attachments.views);
+        let views = views.as_slice().len();
+        let target = attachments.views;
         return Err(TargetError::Views { views, target }.into());
     }
     let is_inside = |view: &&View| {
@@ -64,7 +67,9 @@ fn check_target(
         (0..2).all(|side| end(side) <= u64::from(target.size()[side]))
     };
     if let Some(view) = views.as_slice().iter().find(|view| !is_inside(view)) {
-        let (size, origin, target) = (view.size, view.origin, target.size());
+        let size = view.size;
+        let origin = view.origin;
+        let target = target.size();
         return Err(TargetError::ViewSize { size, origin, target }.into());
     }
     if state.layout.tests_by_compute() && !target.can_copy_depth() {

@@ -169,7 +169,8 @@ impl HostScene {
         self.hierarchy.insert_all(&boxes, added, &mut self.reordered)?;
         self.executor.leaves.reorder(&self.hierarchy, &self.reordered)?;
         let placed = added[first..].iter().zip(objects);
-        let draws = placed.filter_map(|(id, it)| Some((self.hierarchy.leaf_of(*id)?, it.draws)));
+        let draws =
+            placed.filter_map(|(id, placed)| Some((self.hierarchy.leaf_of(*id)?, placed.draws)));
         self.executor.leaves.set_draws(&draws.collect::<Vec<_>>())
     }
 

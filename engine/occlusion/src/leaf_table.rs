@@ -115,7 +115,7 @@ impl LeafTable {
         let boxes: Vec<ProxyBox> = objects
             .iter()
             .zip(counts())
-            .map(|(it, count)| leaf_box(hierarchy, *it, count))
+            .map(|(leaf, count)| leaf_box(hierarchy, *leaf, count))
             .collect();
         let commands: Vec<IndirectDraw> =
             (0..count).map(|leaf| draws.draw(LeafIndex(leaf))).collect();
@@ -282,9 +282,10 @@ impl LeafTable {
     /// [`Error::NotUploaded`].
     pub(crate) fn check_uploaded(&self, frame: &Frame<'_>) -> Result<(), Error> {
         let is_changed = !self.dirty().is_empty() || !self.dirty_cells.items().is_empty();
-        match is_changed && self.uploaded_in != Some(frame.commands().recording()) {
-            true => Err(NotUploaded.into()),
-            false => Ok(()),
+        if is_changed && self.uploaded_in != Some(frame.commands().recording()) {
+            Err(NotUploaded.into())
+        } else {
+            Ok(())
         }
     }
 
@@ -307,7 +308,7 @@ impl LeafTable {
         let leaves = uploads.push_iter(self.dirty().iter().map(|leaf| leaf.0))?;
         let boxes = uploads.push_iter(self.dirty().iter().map(bounds))?;
         let io = |elements, array| ScatterIo { leaves, elements, array };
-        let beside = beside.map(|it| (io(it.elements, it.array), it.element_bytes));
+        let beside = beside.map(|beside| (io(beside.elements, beside.array), beside.element_bytes));
         let boxes = (io(boxes, self.boxes()), size_of::<ProxyBox>());
         let first_draws = match (&self.layout, self.links()) {
             (DrawLayout::Bucketed(cells), Some(to)) => {

@@ -111,9 +111,10 @@ impl MethodSupport<'_> {
     /// # Errors
     /// [`BucketError::HasBuckets`].
     pub fn needs_one_draw_per_leaf(&self, strategy: Strategy) -> Result<(), Error> {
-        match self.executor.leaves.has_one_draw_per_leaf() {
-            true => Ok(()),
-            false => Err(BucketError::HasBuckets(strategy).into()),
+        if self.executor.leaves.has_one_draw_per_leaf() {
+            Ok(())
+        } else {
+            Err(BucketError::HasBuckets(strategy).into())
         }
     }
 

@@ -77,8 +77,8 @@ impl Outcomes {
 
     /// Takes the next known outcome: the results of all frames up to `newest` have been read.
     pub(crate) fn settle(&mut self, newest: Option<FrameId>) -> Option<FrameOutcome> {
-        let is_over = |it: &mut Pending| {
-            it.is_known || newest.is_some_and(|newest| it.outcome.frame <= newest)
+        let is_over = |pending: &mut Pending| {
+            pending.is_known || newest.is_some_and(|newest| pending.outcome.frame <= newest)
         };
         let Pending { outcome, .. } = self.pending.pop_front_if(is_over)?;
         self.keep(outcome);

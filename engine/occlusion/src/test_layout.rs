@@ -126,7 +126,8 @@ impl TestLayout {
             self.reveal(plan, (tests.clone(), first_query), reveal, leaves);
             *revealed = first..self.revealed.len();
             // Draws of one pipeline follow each other, front to back.
-            self.revealed[revealed.clone()].sort_unstable_by_key(|it| (it.bucket, it.test));
+            self.revealed[revealed.clone()]
+                .sort_unstable_by_key(|range| (range.bucket, range.test));
         }
         let lists = first_predicates.into_iter().zip(&self.decided);
         for (to, (first, decided)) in round.predicates.iter_mut().zip(lists) {
@@ -188,7 +189,9 @@ impl TestLayout {
     pub(crate) fn refined(&self) -> impl Iterator<Item = DrawRange> {
         let enabled =
             self.rounds.iter().flat_map(|round| &self.revealed[round.enabled_draws.clone()]);
-        enabled.filter_map(|it| Some(self.decided(it.source).get(it.predicate as usize)?.range))
+        enabled.filter_map(|enabled| {
+            Some(self.decided(enabled.source).get(enabled.predicate as usize)?.range)
+        })
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -256,7 +259,7 @@ pub(crate) fn take_bucket<'a>(
     list: &mut &'a [RevealedRange],
     bucket: BucketId,
 ) -> &'a [RevealedRange] {
-    let (taken, left) = list.split_at(list.partition_point(|it| it.bucket == bucket));
+    let (taken, left) = list.split_at(list.partition_point(|entry| entry.bucket == bucket));
     *list = left;
     taken
 }

@@ -94,7 +94,9 @@ impl TransparentList {
     pub fn push(&mut self, view: &View, bounds: Option<Aabb>, draws: &[BucketDraw]) {
         let bounds = bounds.filter(|bounds| view.margin.proxy(bounds).is_some());
         let first = self.commands.len() as u32;
-        let drawn = |it: &&BucketDraw| it.draw.index_count > 0 && it.draw.instance_count > 0;
+        let drawn = |bucket_draw: &&BucketDraw| {
+            bucket_draw.draw.index_count > 0 && bucket_draw.draw.instance_count > 0
+        };
         for BucketDraw { bucket, draw, .. } in draws.iter().filter(drawn) {
             let number = self.commands.len() as u32;
             self.links.push(DrawLink { next: number + 2, instance_count: draw.instance_count });
@@ -138,7 +140,8 @@ impl TransparentList {
         let uploads = frame.uploads();
         let is_tested = self.commands.iter().any(|draw| draw.instance_count == 0);
         let tested = is_tested.then(|| -> Result<TestedIo, Error> {
-            let (firsts, links) = (uploads.push(&self.firsts)?, uploads.push(&self.links)?);
+            let firsts = uploads.push(&self.firsts)?;
+            let links = uploads.push(&self.links)?;
             Ok(TestedIo {
                 boxes: uploads.push(&self.boxes)?,
                 links: LeafLinks { firsts, links },
@@ -148,11 +151,14 @@ impl TransparentList {
         let tested = tested.transpose()?;
         self.io = Some(ListIo { draws: uploads.push(&self.commands)?, tested });
         let bytes = self.commands.len() as u64 * DRAW_BYTES;
-        if tested.is_some() && self.enabled.as_ref().is_none_or(|it| it.size_bytes() < bytes) {
+        if tested.is_some()
+            && self.enabled.as_ref().is_none_or(|enabled| enabled.size_bytes() < bytes)
+        {
             let usage = vk::BufferUsageFlags::STORAGE_BUFFER
                 | vk::BufferUsageFlags::TRANSFER_DST
                 | vk::BufferUsageFlags::INDIRECT_BUFFER;
-            let (name, bytes) = ("transparent draws", bytes.next_power_of_two());
+            let name = "transparent draws";
+            let bytes = bytes.next_power_of_two();
             self.enabled = Some(Buffer::new(&self.device, name, bytes, usage, MemoryKind::Device)?);
         }
         Ok(())

@@ -220,7 +220,8 @@ impl VisibilityState {
         rings.queries.begin(frame, &layout.query_tags)?;
         rings.flags.begin(frame, layout.flag_tags.iter().copied())?;
         rings.computed.begin(frame, layout.compute_tags.iter().copied())?;
-        let (tested, draws) = (layout.refined(), leaves.copied_draws());
+        let tested = layout.refined();
+        let draws = leaves.copied_draws();
         rings.leaf_draws.begin(frame, (plan.frame, *generation), tested, &draws)?;
         Ok(())
     }
@@ -280,7 +281,7 @@ impl VisibilityState {
     pub fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
         self.read(completed, hierarchy, leaves);
         let Self { culler, method_states, reader, newest: kept, outcomes, sent, .. } = self;
-        for result in reader.results().iter().filter(|it| it.answer.samples > 0) {
+        for result in reader.results().iter().filter(|result| result.answer.samples > 0) {
             outcomes.add(result);
         }
         let answers = reader.results().iter().map(|result| result.answer);

@@ -47,7 +47,8 @@ impl VisibleDraws {
     ) {
         self.next.clear();
         self.next.resize(layout.bucket_count() as usize, [0, 0]);
-        let [mut draws, mut queries] = [0, 0];
+        let mut draws = 0;
+        let mut queries = 0;
         for (leaf, tag) in front_to_back(plan) {
             let mut before = None;
             layout.cells_of(leaf, |bucket, _| {

@@ -12,7 +12,8 @@ use antumbra_pacing::{
 const PERIOD_NS: u64 = 10_000_000;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (mode, reports) = (PresentationMode::Fifo, PresentReports::Times);
+    let mode = PresentationMode::Fifo;
+    let reports = PresentReports::Times;
     let presentation = Presentation { mode, images: 3, refresh: Refresh::Unknown, reports };
     let mut pacer = Pacer::new(PacerOptions::default(), presentation)?;
     let mut statistics = FrameStatistics::new(100, HitchRule::default())?;
@@ -44,7 +45,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let ready = finished.max(newest.after(Duration::from_millis(1))).as_nanos();
                 newest = Time::from_nanos(ready.next_multiple_of(PERIOD_NS));
                 underway.push((plan.frame, newest));
-                let [number, lead] = [plan.frame.0, newest.as_nanos() - start.as_nanos()];
+                let number = plan.frame.0;
+                let lead = newest.as_nanos() - start.as_nanos();
                 if number % 100 == 0 {
                     println!("frame {number} starts {} us before it is shown", lead / 1000);
                 }

@@ -215,7 +215,8 @@ impl Lock {
         if error.abs() > gate {
             return false;
         }
-        let [phase_gain, period_gain] = [phase / variance, covariance / variance];
+        let phase_gain = phase / variance;
+        let period_gain = covariance / variance;
         self.anchor = expected + phase_gain * error;
         self.period += period_gain * error;
         self.phase_variance = (1.0 - phase_gain) * phase;

@@ -250,7 +250,8 @@ fn choices_that_make_no_sense_are_refused_and_change_nothing() {
     let refresh = Refresh::About(Duration::ZERO);
     let refused = pacer.present_through(Presentation { refresh, ..presentation() });
     assert_eq!(refused, Err(PacingError::RefreshPeriod(Duration::ZERO)));
-    let (min_period, max_period) = (Duration::from_millis(20), Duration::from_millis(7));
+    let min_period = Duration::from_millis(20);
+    let max_period = Duration::from_millis(7);
     let refresh = Refresh::Variable { min_period, max_period };
     let refused = pacer.present_through(Presentation { refresh, ..presentation() });
     assert_eq!(refused, Err(PacingError::RefreshRange { min_period, max_period }));

@@ -10,8 +10,10 @@ use scene::{Mesh, MeshId, Object, ObjectChange, Scene, SceneUpdate};
 
 /// Returns a square of 2 m that faces +z.
 fn square(name: &str, colour: [f32; 3]) -> Mesh {
-    let [a, b] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0]];
-    let [c, d] = [[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    let a = [-1.0, -1.0, 0.0];
+    let b = [1.0, -1.0, 0.0];
+    let c = [1.0, 1.0, 0.0];
+    let d = [-1.0, 1.0, 0.0];
     Mesh::of_triangles(name, &[a, b, c, a, c, d].map(|corner| (corner, colour)))
 }
 
@@ -25,7 +27,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }));
     let device = gpu::open()?;
     // Tests are made whether they pay or not: on some devices 2 triangles are drawn faster.
-    let (size, costs) = ([640, 360], Costs::Ignored);
+    let size = [640, 360];
+    let costs = Costs::Ignored;
     let options = RendererOptions { size, costs, ..Default::default() };
     let mut renderer = Renderer::new(&device, &scene, &options)?;
     let mut view = renderer.new_view()?;

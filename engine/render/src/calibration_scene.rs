@@ -128,7 +128,8 @@ fn scene() -> Scene {
 }
 
 fn mesh(name: &str, points: impl Iterator<Item = [f32; 2]>, indices: Vec<u32>) -> Mesh {
-    let (normal, colour) = (pack_normal(Vec3::Z), pack_unorm([1.0; 4]));
+    let normal = pack_normal(Vec3::Z);
+    let colour = pack_unorm([1.0; 4]);
     let vertex = |[x, y]: [f32; 2]| Vertex { position: [x, y, 0.0], normal, colour };
     let vertices: Vec<Vertex> = points.map(vertex).collect();
     let bounds = bounds_of_vertices(&vertices);
@@ -146,7 +147,10 @@ fn patch() -> Mesh {
     let points = (0..side * side).map(|point| [at(point % side), at(point / side)]);
     let indices = (0..QUADS * QUADS).flat_map(|quad| {
         let first = quad / QUADS * side + quad % QUADS;
-        let [a, b, c, d] = [first, first + 1, first + side + 1, first + side];
+        let a = first;
+        let b = first + 1;
+        let c = first + side + 1;
+        let d = first + side;
         if quad % 2 == 0 { [a, b, c, a, c, d] } else { [a, c, b, a, d, c] }
     });
     mesh("patch", points, indices.collect())

@@ -17,7 +17,8 @@ pub(crate) fn decide(
     (occlusion_passes, shaders): (&OcclusionPasses, &ShaderSet),
     (draws, options): (u64, &RendererOptions),
 ) -> Result<PriceChoice, Error> {
-    let (device, trust) = (passes.device.clone(), occlusion_passes.trust());
+    let device = passes.device.clone();
+    let trust = occlusion_passes.trust();
     let of = (draws, options.threshold_samples);
     let executors = trust.usable_executors(&device, options.predication, of)?;
     let work = SkippedWork::of_leaves(draws as u32);
@@ -26,13 +27,10 @@ pub(crate) fn decide(
         let of = (occlusion_passes, &executors[..]);
         let measured = calibration_scene::measure(passes, of, shaders, &options.cancellation);
         // What is given up is no failure of the device to warn of: the renderer is refused below.
-        match options.cancellation.is_cancelled() {
-            true => Ok(DevicePrices::default()),
-            false => measured,
-        }
+        if options.cancellation.is_cancelled() { Ok(DevicePrices::default()) } else { measured }
     });
     options.cancellation.check()?;
-    let can = |it| can_skip(&device, it);
+    let can = |predication| can_skip(&device, predication);
     if let Some(executor) = caster_executor(trust, choice.predication, can) {
         passes.shadows.skip_by(executor, options.frames_in_flight.max(1))?;
     }

@@ -61,7 +61,7 @@ fn needs<'a>(
         attachments: target.attachments(),
         surfaces: geometry.surfaces.as_ref(),
         has_transparent: transparent.is_some(),
-        sorts_fragments: transparent.is_some_and(|it| it.fragments.is_some()),
+        sorts_fragments: transparent.is_some_and(|transparent| transparent.fragments.is_some()),
         has_skinned_meshes: skinned_meshes.is_some(),
         shadows: &shadows.options,
         size: target.size(),
@@ -89,10 +89,12 @@ impl ObjectRenderer for FramePasses {
         view: &View,
         rendering: Rendering,
     ) -> bool {
-        let (target, within) = (self.rendering(view, rendering), ViewScope::ShadedRound);
-        let target = match self.scopes.is_some_and(|scopes| scopes.has(within)) {
-            true => self.scope_target(commands, within, target.cleared_to(DARK)),
-            false => self.scope_target(commands, ViewScope::LastRound, target),
+        let target = self.rendering(view, rendering);
+        let within = ViewScope::ShadedRound;
+        let target = if self.scopes.is_some_and(|scopes| scopes.has(within)) {
+            self.scope_target(commands, within, target.cleared_to(DARK))
+        } else {
+            self.scope_target(commands, ViewScope::LastRound, target)
         };
         commands.begin_rendering(target)
     }
@@ -205,7 +207,8 @@ impl FramePasses {
         let needs =
             needs(&target, &geometry, transparent.as_ref(), skinned_meshes.as_ref(), &shadows);
         let pipelines = Pipelines::compile(device, shaders, needs, None)?;
-        let (device, light) = (device.clone(), scene.light);
+        let device = device.clone();
+        let light = scene.light;
         Ok(Self {
             device,
             target,
@@ -256,10 +259,7 @@ impl FramePasses {
     ) -> RenderTarget {
         let Some(scopes) = self.scopes else { return target };
         let target = scopes.limit(scope, target);
-        match scopes.averages(scope) {
-            true => self.target.resolved_by(commands, target),
-            false => target,
-        }
+        if scopes.averages(scope) { self.target.resolved_by(commands, target) } else { target }
     }
 
     pub(crate) fn opaque_io(&self) -> OpaqueIo {
@@ -407,9 +407,9 @@ impl FramePasses {
             (None, _) => false,
             (Some(_), PoseUploads::All) => true,
             _ if casts(state) => true,
-            (Some(transform), PoseUploads::Seen(views)) => {
-                [state.bounds, state.shown_bounds].iter().any(|it| is_in(views, it, &transform))
-            }
+            (Some(transform), PoseUploads::Seen(views)) => [state.bounds, state.shown_bounds]
+                .iter()
+                .any(|bounds| is_in(views, bounds, &transform)),
         };
         let leaf_of = |state: &SkinnedMeshState| {
             let PoseUploads::Seen(views) = uploads else { return None };

@@ -237,9 +237,11 @@ impl Renderer {
         let shaders = if has_sprites(scene) { shaders.with_sprites() } else { shaders };
         // First what fails on bad input, then what takes long.
         let target = Target::multisampled(device, options.size, options.samples, "target")?;
-        let (attachments, trust) = (target.attachments(), Trust::without(&options.distrusted));
+        let attachments = target.attachments();
+        let trust = Trust::without(&options.distrusted);
         trust.texts().iter().for_each(|text| tracing::warn!("{text}"));
-        let shadows = trusted_shadows(&trust, options.shadows, |it| can_skip(device, it));
+        let shadows =
+            trusted_shadows(&trust, options.shadows, |predication| can_skip(device, predication));
         let transparency = trusted_transparency(&trust, options.transparency);
         let occlusion_passes = OcclusionPasses::with_trust(device, &shaders, attachments, trust)?;
         check_hierarchy(scene, &hierarchy)?;

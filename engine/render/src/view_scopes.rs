@@ -167,13 +167,14 @@ impl ViewScopes {
     /// Returns the uses of an image by a rendering and by all that comes after it.
     fn uses_from(self, scope: ViewScope, image: Image) -> impl Iterator<Item = AttachmentUse> {
         let here = std::iter::once(scope);
-        let later = ViewScope::ALL.into_iter().filter(move |it| *it > scope && self.has(*it));
+        let later =
+            ViewScope::ALL.into_iter().filter(move |other| *other > scope && self.has(*other));
         let end = match (image, self.colour) {
             (Image::Colour, ColourEnd::Read) => Some(AttachmentUse::Reads),
             _ => None,
         };
-        let uses = here.chain(later).map(move |it| {
-            let [colour, depth] = self.uses(it);
+        let uses = here.chain(later).map(move |scope| {
+            let [colour, depth] = self.uses(scope);
             if image == Image::Colour { colour } else { depth }
         });
         uses.chain(end)
@@ -182,11 +183,12 @@ impl ViewScopes {
     /// Returns true if the colours of a rendering are to be averaged where it ends: no later one
     /// writes any.
     pub(crate) fn averages(self, scope: ViewScope) -> bool {
-        let writes =
-            |it: &AttachmentUse| matches!(it, AttachmentUse::Writes | AttachmentUse::Replaces);
+        let writes = |attachment_use: &AttachmentUse| {
+            matches!(attachment_use, AttachmentUse::Writes | AttachmentUse::Replaces)
+        };
         let mut uses = self.uses_from(scope, Image::Colour);
-        let is_writer = uses.next().is_some_and(|it| writes(&it));
-        self.colour == ColourEnd::Averaged && is_writer && !uses.any(|it| writes(&it))
+        let is_writer = uses.next().is_some_and(|usage| writes(&usage));
+        self.colour == ColourEnd::Averaged && is_writer && !uses.any(|usage| writes(&usage))
     }
 
     /// Returns the target of a rendering with the least to load and to store.
@@ -205,7 +207,7 @@ fn limited<T>(
     load: Load<T>,
 ) -> (Load<T>, AttachmentStore) {
     let here = uses.next().unwrap_or(AttachmentUse::Nothing);
-    let is_needed = match uses.find(|it| *it != AttachmentUse::Nothing) {
+    let is_needed = match uses.find(|usage| *usage != AttachmentUse::Nothing) {
         Some(AttachmentUse::Replaces) | None => false,
         Some(_) => true,
     };
@@ -301,7 +303,7 @@ mod tests {
     fn samples_are_averaged_by_the_last_that_draws_colours() {
         let averaged = |scopes: &[ViewScope]| -> Vec<ViewScope> {
             let frame = frame(scopes, ColourEnd::Averaged);
-            scopes.iter().copied().filter(|it| frame.averages(*it)).collect()
+            scopes.iter().copied().filter(|scope| frame.averages(*scope)).collect()
         };
         assert_eq!(averaged(&[LastRound]), [LastRound]);
         assert_eq!(averaged(&[LastRound, Shade]), [Shade]);
@@ -330,7 +332,7 @@ mod tests {
             let within = frame.has(ShadedRound) && frame == frame.shaded_within();
             if apart || within {
                 let scopes: Vec<ViewScope> =
-                    ViewScope::ALL.into_iter().filter(|it| frame.has(*it)).collect();
+                    ViewScope::ALL.into_iter().filter(|scope| frame.has(*scope)).collect();
                 check(&scopes, ColourEnd::Read);
                 check(&scopes, ColourEnd::Averaged);
             }
@@ -342,9 +344,11 @@ mod tests {
         let ends = ends(scopes, colour);
         for image in [0, 1] {
             // The first rendering finds what earlier rounds kept.
-            let (mut is_there, mut is_due) = (true, false);
+            let mut is_there = true;
+            let mut is_due = false;
             for (scope, end) in scopes.iter().zip(&ends) {
-                let (uses, (loads, store)) = (frame.uses(*scope)[image], end[image]);
+                let uses = frame.uses(*scope)[image];
+                let (loads, store) = end[image];
                 let reads = matches!(uses, AttachmentUse::Reads | AttachmentUse::Writes);
                 assert!(!reads || (is_there && loads), "{scopes:?}: {scope:?} of {image}");
                 is_due &= !(reads || uses == AttachmentUse::Nothing && store == Unchanged);

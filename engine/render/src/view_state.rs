@@ -138,7 +138,8 @@ impl ViewState {
     /// Notes that the newest frame was submitted.
     pub(crate) fn submitted(&mut self, tick: Tick, leaves: &LeafTable, timed_views: Option<usize>) {
         self.visibility.submitted(tick, leaves, timed_views);
-        let (now, slots) = (self.visibility.plan().frame, self.visibility.frames_in_flight());
+        let now = self.visibility.plan().frame;
+        let slots = self.visibility.frames_in_flight();
         self.counts.submitted(tick, now, slots);
         self.pointer.submitted(tick);
         self.flares.submitted(tick);

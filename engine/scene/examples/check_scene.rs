@@ -29,7 +29,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         surfaces: None,
     };
     scene.validate()?;
-    let (objects, most) = (scene.objects.len(), limits::OBJECTS_ANYWHERE);
+    let objects = scene.objects.len();
+    let most = limits::OBJECTS_ANYWHERE;
     println!("{}: {} triangles, {objects} of {most} objects", scene.name, scene.triangles());
     for object in &scene.objects {
         println!("  {} in {:?}", object.mesh.0, scene.bounds_of(object).ok_or("no such mesh")?);

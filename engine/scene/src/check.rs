@@ -94,7 +94,9 @@ fn check_sprites(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     if let Some(index) = surfaces.transparent.iter().position(|object| is_sprites(object.mesh)) {
         return broken(("transparent object", index), "its mesh is one of sprites");
     }
-    if let Some(index) = surfaces.skinned_meshes.iter().position(|it| is_sprites(it.mesh)) {
+    if let Some(index) =
+        surfaces.skinned_meshes.iter().position(|skinned_mesh| is_sprites(skinned_mesh.mesh))
+    {
         return broken(("skinned mesh", index), "its mesh is one of sprites");
     }
     Ok(())
@@ -148,7 +150,8 @@ fn check_skinned_meshes(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneE
     }
     let mut is_skinned = vec![false; scene.meshes.len()];
     for (index, skinned_mesh) in surfaces.skinned_meshes.iter().enumerate() {
-        let (part, mesh) = (("skinned mesh", index), skinned_mesh.mesh.0 as usize);
+        let part = ("skinned mesh", index);
+        let mesh = skinned_mesh.mesh.0 as usize;
         let (Some(users), Some(is_skinned)) = (users.get(mesh), is_skinned.get_mut(mesh)) else {
             return broken(part, "the scene does not have its mesh");
         };
@@ -160,7 +163,7 @@ fn check_skinned_meshes(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneE
         }
         check_skinned_mesh(
             skinned_mesh,
-            scene.meshes.get(mesh).map_or(0, |it| it.vertices.len()),
+            scene.meshes.get(mesh).map_or(0, |mesh| mesh.vertices.len()),
             part,
         )?;
     }
@@ -195,7 +198,8 @@ fn check_skin(skin: &SkinWeights, vertices: usize, part: Part) -> Result<(), Sce
         return broken(part, "it has not as many joints and weights as its vertices need");
     }
     for (joints, weights) in skin.joints.chunks(sets).zip(skin.weights.chunks(sets)) {
-        let (joints, weights) = (joints.as_flattened(), weights.as_flattened());
+        let joints = joints.as_flattened();
+        let weights = weights.as_flattened();
         if weights.iter().any(|weight| !weight.is_finite() || *weight < 0.0) {
             return broken(part, "a weight is not a positive finite number");
         }

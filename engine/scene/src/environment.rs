@@ -196,12 +196,14 @@ fn signs(place: Vec2) -> Vec2 {
 fn sampled(direction: Vec3, texel: impl Fn(usize) -> Vec3) -> Vec3 {
     let side = ENVIRONMENT_SIDE as i64;
     let place = (place_of(direction) + 1.0) * (0.5 * ENVIRONMENT_SIDE as f32) - 0.5;
-    let (low, share) = (place.floor(), place - place.floor());
+    let low = place.floor();
+    let share = place - place.floor();
     let at = |x: i64, y: i64| {
         let [x, y] = wrapped([x, y], side);
         texel((y * side + x) as usize)
     };
-    let [x, y] = [low.x as i64, low.y as i64];
+    let x = low.x as i64;
+    let y = low.y as i64;
     let row = |y: i64| at(x, y).lerp(at(x + 1, y), share.x);
     row(y).lerp(row(y + 1), share.y)
 }
@@ -209,7 +211,8 @@ fn sampled(direction: Vec3, texel: impl Fn(usize) -> Vec3) -> Vec3 {
 /// Returns the texel that lies where one beyond an edge would.
 fn wrapped([x, y]: [i64; 2], side: i64) -> [i64; 2] {
     let last = side - 1;
-    let (mut x, mut y) = (x, y);
+    let mut x = x;
+    let mut y = y;
     if !(0..side).contains(&x) {
         (x, y) = (x.clamp(0, last), last - y);
     }
@@ -225,7 +228,8 @@ type Lobe = Vec<(Vec3, f32)>;
 /// Returns even directions of the upper half, and their heights as numbers of 0 to 1.
 fn spiral() -> impl Iterator<Item = (f32, f32)> {
     const GOLDEN: f32 = 2.399_963_2;
-    (0..LOBE_SAMPLES).map(|it| ((it as f32 + 0.5) / LOBE_SAMPLES as f32, it as f32 * GOLDEN))
+    (0..LOBE_SAMPLES)
+        .map(|index| ((index as f32 + 0.5) / LOBE_SAMPLES as f32, index as f32 * GOLDEN))
 }
 
 /// Returns the lobe of a surface seen from straight above (GGX, as alpha is roughness squared):
@@ -244,7 +248,8 @@ fn glossy_lobe(roughness: f32) -> Lobe {
 
 fn matt_lobe() -> Lobe {
     let sample = |(height, turn): (f32, f32)| {
-        let (sine, cosine) = (height.sqrt(), (1.0 - height).sqrt());
+        let sine = height.sqrt();
+        let cosine = (1.0 - height).sqrt();
         (vec3(sine * turn.cos(), cosine, sine * turn.sin()), 1.0)
     };
     spiral().map(sample).collect()
@@ -253,10 +258,11 @@ fn matt_lobe() -> Lobe {
 /// Returns the mean radiance of a lobe around a direction.
 fn mean(sharp: &[Vec3], direction: Vec3, lobe: &Lobe) -> Vec3 {
     let (across, along) = direction.any_orthonormal_pair();
-    let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+    let mut sum = Vec3::ZERO;
+    let mut weights = 0.0;
     for (sample, weight) in lobe {
         let towards = across * sample.x + direction * sample.y + along * sample.z;
-        sum += sampled(towards, |it| sharp.get(it).copied().unwrap_or_default()) * *weight;
+        sum += sampled(towards, |index| sharp.get(index).copied().unwrap_or_default()) * *weight;
         weights += weight;
     }
     sum / f32::max(weights, 1e-20)
@@ -267,8 +273,9 @@ mod tests {
     use super::*;
 
     fn directions() -> impl Iterator<Item = Vec3> {
-        (0..500).map(|it| {
-            let (height, turn) = (1.0 - (it as f32 + 0.5) / 250.0, it as f32 * 2.4);
+        (0..500).map(|index| {
+            let height = 1.0 - (index as f32 + 0.5) / 250.0;
+            let turn = index as f32 * 2.4;
             let across = (1.0 - height * height).sqrt();
             vec3(across * turn.cos(), height, across * turn.sin())
         })
@@ -330,7 +337,7 @@ mod tests {
     #[test]
     fn a_picture_lies_around_as_it_is_told() {
         // Four columns and three rows, each in its own brightness.
-        let pixels: Vec<[f32; 3]> = (0..12).map(|it| [it as f32, 0.0, 0.0]).collect();
+        let pixels: Vec<[f32; 3]> = (0..12).map(|index| [index as f32, 0.0, 0.0]).collect();
         let environment = Environment::of_equirectangular([4, 3], &pixels).expect("numbers");
         let seen = |direction: Vec3| environment.glossy(direction.normalize(), 0.0).x;
         // Between the second and the third column of the middle row.

@@ -304,10 +304,12 @@ impl Finder<'_> {
             Some(second) if label(first) != label(second) => EdgeKind::FaceBorder,
             Some(second) => {
                 let fold = self.fold(from, to, first.opposite, second.opposite);
-                match fold > f64::from(rules.crease_degrees).to_radians() {
-                    true => EdgeKind::Crease,
-                    false if fold <= FLAT_RAD && !rules.keeps_flat => return None,
-                    false => EdgeKind::Smooth,
+                if fold > f64::from(rules.crease_degrees).to_radians() {
+                    EdgeKind::Crease
+                } else if fold <= FLAT_RAD && !rules.keeps_flat {
+                    return None;
+                } else {
+                    EdgeKind::Smooth
                 }
             }
         };

@@ -145,7 +145,8 @@ pub struct Scene {
 impl Scene {
     /// Returns a scene of one object, at the place of its mesh.
     pub fn single(mesh: Mesh) -> Self {
-        let (transform, tint) = (Affine3A::IDENTITY, u32::MAX);
+        let transform = Affine3A::IDENTITY;
+        let tint = u32::MAX;
         Self {
             name: mesh.name.clone(),
             meshes: vec![mesh],

@@ -103,7 +103,8 @@ pub fn bounds_of_vertices(vertices: &[Vertex]) -> Aabb {
 /// its precision.
 pub fn bounds_of_transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
     let extremes = |column: Vec3A, low: f32, high: f32| {
-        let (a, b) = (column * low, column * high);
+        let a = column * low;
+        let b = column * high;
         (a.min(b), a.max(b))
     };
     let x = extremes(transform.matrix3.x_axis, bounds.min.x, bounds.max.x);

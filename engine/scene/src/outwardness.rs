@@ -17,8 +17,10 @@ const OPEN: f64 = 0.55;
 /// numbers do not count.
 pub fn outwardness(bounds: &Aabb, triangles: impl IntoIterator<Item = [Vec3; 3]>) -> f32 {
     let middle = bounds.centre().as_dvec3();
-    let (mut outwards, mut all) = (0.0, 0.0);
-    let (mut open, mut whole) = (DVec3::ZERO, 0.0);
+    let mut outwards = 0.0;
+    let mut all = 0.0;
+    let mut open = DVec3::ZERO;
+    let mut whole = 0.0;
     for corners in triangles {
         let [a, b, c] = corners.map(|corner| corner.as_dvec3() - middle);
         let area: DVec3 = (b - a).cross(c - a);
@@ -46,7 +48,9 @@ mod tests {
         for y in [1.0, -1.0] {
             for x in [1.0, -1.0] {
                 for z in [1.0, -1.0] {
-                    let [a, b, c] = [corner(x, 0.0, 0.0), corner(0.0, y, 0.0), corner(0.0, 0.0, z)];
+                    let a = corner(x, 0.0, 0.0);
+                    let b = corner(0.0, y, 0.0);
+                    let c = corner(0.0, 0.0, z);
                     triangles.push(if x * y * z > 0.0 { [a, b, c] } else { [a, c, b] });
                 }
             }

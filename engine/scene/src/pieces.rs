@@ -118,12 +118,15 @@ mod tests {
     /// `side` by `side` squares between them.
     fn sheet(side: u16) -> Scene {
         let corner = |x: u16, z: u16| {
-            let [x, z] = [f32::from(x), f32::from(z)];
+            let x = f32::from(x);
+            let z = f32::from(z);
             ([x, (x * 0.3).sin() + (z * 0.2).cos(), z], [0.5, 0.5, 0.5])
         };
         let square = |x: u16, z: u16| {
-            let [a, b, c, d] =
-                [corner(x, z), corner(x, z + 1), corner(x + 1, z + 1), corner(x + 1, z)];
+            let a = corner(x, z);
+            let b = corner(x, z + 1);
+            let c = corner(x + 1, z + 1);
+            let d = corner(x + 1, z);
             [a, b, c, a, c, d]
         };
         let corners: Vec<_> =

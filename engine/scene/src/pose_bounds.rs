@@ -123,9 +123,11 @@ impl PoseBounds {
     /// Returns the box of the summed displacements of all targets, and the sum of the magnitudes of
     /// each.
     fn added(&self, weights: impl Iterator<Item = [f32; 2]>) -> (Aabb, Vec3) {
-        let (mut all, mut size) = (NOTHING, Vec3::ZERO);
+        let mut all = NOTHING;
+        let mut size = Vec3::ZERO;
         // The largest weights that are positive, and negative.
-        let (mut plus, mut minus) = (0.0_f32, 0.0_f32);
+        let mut plus = 0.0_f32;
+        let mut minus = 0.0_f32;
         for (displacements, weights) in self.displacements.iter().zip(weights) {
             let [[a, b], [c, d]] =
                 weights.map(|weight| [displacements.min * weight, displacements.max * weight]);
@@ -148,12 +150,12 @@ fn most_added(targets: &[MorphTarget]) -> [Vec3; 2] {
     let mut most = [Vec3::ZERO; 2];
     for vertex in 0..vertices {
         let added = targets.iter().filter_map(|target| target.positions.get(vertex));
-        let (along, against) = added
-            .copied()
-            .map(Vec3::from)
-            .fold((Vec3::ZERO, Vec3::ZERO), |(along, against), it| {
-                (along + it.max(Vec3::ZERO), against - it.min(Vec3::ZERO))
-            });
+        let (along, against) = added.copied().map(Vec3::from).fold(
+            (Vec3::ZERO, Vec3::ZERO),
+            |(along, against), reach| {
+                (along + reach.max(Vec3::ZERO), against - reach.min(Vec3::ZERO))
+            },
+        );
         most = [most[0].max(along), most[1].max(against)];
     }
     most

@@ -84,7 +84,7 @@ impl PreparedMesh {
 
     /// Returns the number of its indices, those of the coarser levels included.
     pub fn index_count(&self) -> usize {
-        self.mesh.indices.len() + self.levels.iter().map(|it| it.indices.len()).sum::<usize>()
+        self.mesh.indices.len() + self.levels.iter().map(|level| level.indices.len()).sum::<usize>()
     }
 }
 

@@ -67,9 +67,10 @@ impl PunctualLight {
         if texture.0 as usize >= texture_count {
             return Err("the scene does not have the texture of its picture");
         }
-        match up.is_finite() {
-            true => Ok(()),
-            false => Err("the upward direction of its picture is not finite"),
+        if up.is_finite() {
+            Ok(())
+        } else {
+            Err("the upward direction of its picture is not finite")
         }
     }
 }

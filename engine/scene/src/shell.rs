@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn zero_is_one_place_whatever_its_sign() {
         let (mut positions, indices) = cube();
-        let zero = positions.iter_mut().find(|it| it[0] == 0.0).unwrap();
+        let zero = positions.iter_mut().find(|position| position[0] == 0.0).unwrap();
         zero[0] = -0.0;
         assert_eq!(Shell::of(&positions, &indices), Shell::Closed);
     }

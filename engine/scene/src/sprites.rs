@@ -144,11 +144,11 @@ mod tests {
     fn what_cannot_be_drawn_is_found() {
         assert_eq!(line().fault(), None);
         let broken: [fn(&mut Sprites); 5] = [
-            |it| it.ends.truncate(1),
-            |it| it.ends[1].position[2] = f32::NAN,
-            |it| it.ends[0].colour = 0.5,
-            |it| it.radius_m = -1.0,
-            |it| it.normals.push([0.0; 3]),
+            |sprites| sprites.ends.truncate(1),
+            |sprites| sprites.ends[1].position[2] = f32::NAN,
+            |sprites| sprites.ends[0].colour = 0.5,
+            |sprites| sprites.radius_m = -1.0,
+            |sprites| sprites.normals.push([0.0; 3]),
         ];
         for change in broken {
             let mut sprites = line();

@@ -71,41 +71,45 @@ fn whole_surfaces_are_accepted() {
 fn broken_surfaces_are_refused_by_name() {
     type Break = fn(&mut Scene, &mut Surfaces);
     let cases: [(&str, Break); 24] = [
-        ("as many as the scene has meshes", |_, it| it.meshes.truncate(1)),
-        ("as many surface vertices", |_, it| it.meshes[1].vertices.truncate(2)),
-        ("texture coordinate", |_, it| it.meshes[0].vertices[2].uv[1][0] = f32::NAN),
-        ("its image", |_, it| it.textures[0].image = ImageId(1)),
-        ("one of its textures", |_, it| it.textures.clear()),
-        ("another set of coordinates", |_, it| {
-            it.materials[0].base_colour_texture.as_mut().unwrap().uv_set = 2;
+        ("as many as the scene has meshes", |_, surfaces| surfaces.meshes.truncate(1)),
+        ("as many surface vertices", |_, surfaces| surfaces.meshes[1].vertices.truncate(2)),
+        ("texture coordinate", |_, surfaces| surfaces.meshes[0].vertices[2].uv[1][0] = f32::NAN),
+        ("its image", |_, surfaces| surfaces.textures[0].image = ImageId(1)),
+        ("one of its textures", |_, surfaces| surfaces.textures.clear()),
+        ("another set of coordinates", |_, surfaces| {
+            surfaces.materials[0].base_colour_texture.as_mut().unwrap().uv_set = 2;
         }),
-        ("transform of a texture", |_, it| {
-            let texture = it.materials[0].base_colour_texture.as_mut().unwrap();
+        ("transform of a texture", |_, surfaces| {
+            let texture = surfaces.materials[0].base_colour_texture.as_mut().unwrap();
             texture.transform = Affine2::from_translation(Vec2::splat(f32::INFINITY));
         }),
-        ("numbers is not finite", |_, it| it.materials[0].roughness = f32::NAN),
-        ("numbers is not finite", |_, it| it.materials[0].emission[2] = f32::INFINITY),
-        ("numbers is not finite", |_, it| {
-            it.materials[0].alpha = Alpha::Mask { cutoff: f32::NAN };
+        ("numbers is not finite", |_, surfaces| surfaces.materials[0].roughness = f32::NAN),
+        ("numbers is not finite", |_, surfaces| surfaces.materials[0].emission[2] = f32::INFINITY),
+        ("numbers is not finite", |_, surfaces| {
+            surfaces.materials[0].alpha = Alpha::Mask { cutoff: f32::NAN };
         }),
-        ("exposure", |_, it| it.exposure = f32::NAN),
-        ("transparent object 0", |_, it| it.transparent[0].mesh = MeshId(2)),
-        ("takes it nowhere", |_, it| {
-            it.transparent[0].transform = Affine3A::from_translation(Vec3::splat(f32::NAN));
+        ("exposure", |_, surfaces| surfaces.exposure = f32::NAN),
+        ("transparent object 0", |_, surfaces| surfaces.transparent[0].mesh = MeshId(2)),
+        ("takes it nowhere", |_, surfaces| {
+            surfaces.transparent[0].transform = Affine3A::from_translation(Vec3::splat(f32::NAN));
         }),
-        ("skinned mesh 0", |_, it| it.skinned_meshes[0].mesh = MeshId(7)),
+        ("skinned mesh 0", |_, surfaces| surfaces.skinned_meshes[0].mesh = MeshId(7)),
         ("several objects", |scene, _| scene.objects.push(scene.objects[0])),
-        ("several objects", |_, it| it.transparent[0].mesh = MeshId(0)),
-        ("another one", |_, it| it.skinned_meshes.push(it.skinned_meshes[0].clone())),
-        ("as long as", |_, it| it.skinned_meshes[0].targets[0].normals = vec![[0.0; 3]; 2]),
-        ("morph target has a number", |_, it| {
-            it.skinned_meshes[0].targets[0].positions[1] = [f32::NAN; 3];
+        ("several objects", |_, surfaces| surfaces.transparent[0].mesh = MeshId(0)),
+        ("another one", |_, surfaces| {
+            surfaces.skinned_meshes.push(surfaces.skinned_meshes[0].clone())
         }),
-        ("joints and weights", |_, it| skin(it).sets = 0),
-        ("joints and weights", |_, it| skin(it).weights.truncate(2)),
-        ("not a positive finite", |_, it| skin(it).weights[0] = [1.5, -0.5, 0.0, 0.0]),
-        ("not 1 together", |_, it| skin(it).weights[1] = [0.5, 0.0, 0.0, 0.0]),
-        ("does not have", |_, it| skin(it).joints[2] = [2, 0, 0, 0]),
+        ("as long as", |_, surfaces| {
+            surfaces.skinned_meshes[0].targets[0].normals = vec![[0.0; 3]; 2]
+        }),
+        ("morph target has a number", |_, surfaces| {
+            surfaces.skinned_meshes[0].targets[0].positions[1] = [f32::NAN; 3];
+        }),
+        ("joints and weights", |_, surfaces| skin(surfaces).sets = 0),
+        ("joints and weights", |_, surfaces| skin(surfaces).weights.truncate(2)),
+        ("not a positive finite", |_, surfaces| skin(surfaces).weights[0] = [1.5, -0.5, 0.0, 0.0]),
+        ("not 1 together", |_, surfaces| skin(surfaces).weights[1] = [0.5, 0.0, 0.0, 0.0]),
+        ("does not have", |_, surfaces| skin(surfaces).joints[2] = [2, 0, 0, 0]),
     ];
     for (says, break_it) in cases {
         let mut scene = scene();

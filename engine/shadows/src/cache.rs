@@ -225,7 +225,9 @@ impl ShadowCache {
         });
         // Those that were made smaller try again, once for each time that there is more room.
         let is_whole = |[wanted, side]: &[u32; 2]| !has_more_room || wanted == side;
-        sides.retain(|light, it| is_whole(it) && there.binary_search(light).is_ok());
+        sides.retain(|light, light_sides| {
+            is_whole(light_sides) && there.binary_search(light).is_ok()
+        });
     }
 
     fn plan_light(
@@ -338,10 +340,12 @@ impl ShadowCache {
         let is_culled = self.culled_frames.is_some_and(|frames| {
             !is_cached || !map.is_drawn && (is_restless || map.culled_frames < frames)
         });
-        let work = match is_culled {
-            true => FaceWork::Cull(all(&face, casters, plan)),
-            false if is_cached => self.work(&mut map, casters, plan),
-            false => FaceWork::Draw(all(&face, casters, plan)),
+        let work = if is_culled {
+            FaceWork::Cull(all(&face, casters, plan))
+        } else if is_cached {
+            self.work(&mut map, casters, plan)
+        } else {
+            FaceWork::Draw(all(&face, casters, plan))
         };
         map.is_drawn = !matches!(work, FaceWork::Cull(_));
         map.culled_frames = if map.is_drawn { 0 } else { map.culled_frames + 1 };
@@ -390,7 +394,8 @@ impl ShadowCache {
         casters: &Casters<'_>,
         plan: &mut ShadowPlan,
     ) -> FaceWork {
-        let (face, hierarchy) = (map.face, casters.hierarchy);
+        let face = map.face;
+        let hierarchy = casters.hierarchy;
         let first = plan.casters.len();
         face.casters(hierarchy, &mut plan.casters);
         let object = |leaf: &LeafIndex| hierarchy.leaf_objects().get(leaf.0 as usize).copied();
@@ -440,7 +445,8 @@ fn some(
     objects: &[ObjectId],
     plan: &mut ShadowPlan,
 ) -> std::ops::Range<usize> {
-    let (first, hierarchy) = (plan.casters.len(), casters.hierarchy);
+    let first = plan.casters.len();
+    let hierarchy = casters.hierarchy;
     let seen = objects.iter().filter_map(|object| {
         let node = hierarchy.node_of(*object)?;
         let is_seen = face.sees(&hierarchy.bounds(node));

@@ -208,10 +208,13 @@ fn cascade(forward: Vec3, eye: Vec3, reach_m: f32, side: u32, scene: &Aabb) -> C
     let step_m = f64::from(2.0 * half_m * step_texels as f32 / side as f32);
     let eye = eye.as_dvec3();
     let snapped_m = |along: DVec3, step_m: f64| (along.dot(eye) / step_m).round() * step_m;
-    let (right_m, up_m) = (snapped_m(right, step_m), snapped_m(up, step_m));
+    let right_m = snapped_m(right, step_m);
+    let up_m = snapped_m(up, step_m);
     // The scene's depths grow and shrink by steps too, or each moving object would change them.
-    let (centre, half) = (scene.centre().as_dvec3(), scene.half_extent().as_dvec3());
-    let (centre_m, spread_m) = (forward_64.dot(centre), forward_64.abs().dot(half).max(0.5));
+    let centre = scene.centre().as_dvec3();
+    let half = scene.half_extent().as_dvec3();
+    let centre_m = forward_64.dot(centre);
+    let spread_m = forward_64.abs().dot(half).max(0.5);
     let depth_step_m = (spread_m * 2.0).log2().ceil().exp2() / 8.0;
     let first_m = ((centre_m - spread_m) / depth_step_m - 0.25).floor() * depth_step_m;
     let last_m = ((centre_m + spread_m) / depth_step_m + 0.25).ceil() * depth_step_m;

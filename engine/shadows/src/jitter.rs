@@ -115,7 +115,8 @@ mod tests {
         for pair in 0..32 {
             let texel = texture.texels[pair * 16 + 5];
             let found = texel.map(|byte| f32::from(byte) / 127.0);
-            let [a, b] = [samples[2 * pair], samples[2 * pair + 1]];
+            let a = samples[2 * pair];
+            let b = samples[2 * pair + 1];
             for (found, wanted) in found.iter().zip(a.into_iter().chain(b)) {
                 assert!((found - wanted).abs() < 0.5 / 127.0 + 1e-6);
             }

@@ -261,7 +261,7 @@ impl ShadowOptions {
             return Err(ShadowOptionsError::CascadeBlend { blend: self.cascade_blend });
         }
         let is_distance = |distance_m: &f32| *distance_m > 0.0 && *distance_m < 1.0e6;
-        if let Some(distance_m) = self.distance_m.filter(|it| !is_distance(it)) {
+        if let Some(distance_m) = self.distance_m.filter(|distance_m| !is_distance(distance_m)) {
             return Err(ShadowOptionsError::Distance { distance_m });
         }
         if !(0.0..1.0e3).contains(&self.penumbra_m) {

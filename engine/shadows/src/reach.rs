@@ -44,7 +44,8 @@ pub fn light_reach<'a>(
 ) -> LightReach {
     let reach = light.shape.reach();
     let far_m = reach.map_or(1.0, |(_, reach_m)| reach_m);
-    let (mut least_m, mut most_m) = (f32::INFINITY, 0.0_f32);
+    let mut least_m = f32::INFINITY;
+    let mut most_m = 0.0_f32;
     for face in faces {
         let texel_m = 2.0 * face.view.rays.right.length() / face.view.size[0].max(1) as f32;
         // Texels of local lights grow from nothing.

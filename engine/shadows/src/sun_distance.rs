@@ -20,8 +20,9 @@ pub(crate) fn sun_distance_m(hierarchy: &Hierarchy) -> f32 {
     let objects = hierarchy.leaf_objects().iter();
     let boxes =
         objects.filter_map(|object| hierarchy.node_of(*object)).map(|node| hierarchy.bounds(node));
-    let sizes =
-        boxes.filter(|bounds| !bounds.is_empty()).map(|it| 2.0 * it.half_extent().max_element());
+    let sizes = boxes
+        .filter(|bounds| !bounds.is_empty())
+        .map(|bounds| 2.0 * bounds.half_extent().max_element());
     let mut sizes: Vec<f32> = sizes.collect();
     let middle = sizes.len() / 2;
     let (Some(root), true) = (hierarchy.root(), middle < sizes.len()) else { return LEAST_M };
@@ -45,7 +46,7 @@ mod tests {
         let thing = |number| Aabb::new(corner(number), corner(number) + Vec3::splat(9.0));
         let ground = Aabb::new(vec3(-200.0, -1.0, -200.0), vec3(800.0, 0.0, 200.0));
         let boxes = (0..things).map(thing).chain([ground]);
-        let boxes = boxes.map(|it| Aabb::new(it.min * unit_m, it.max * unit_m));
+        let boxes = boxes.map(|bounds| Aabb::new(bounds.min * unit_m, bounds.max * unit_m));
         Hierarchy::build(&boxes.collect::<Vec<_>>()).unwrap()
     }
 

@@ -124,7 +124,8 @@ mod tests {
                 pool.give_back(tile);
                 continue;
             }
-            let (side, before) = (64 << (choice % 3), pool.room(64 << (choice % 3)));
+            let side = 64 << (choice % 3);
+            let before = pool.room(64 << (choice % 3));
             if let Some(tile) = pool.take(side) {
                 assert_eq!(pool.room(side) + 1, before);
                 assert!(tile.origin.iter().all(|texel| texel + tile.side <= 256));

@@ -85,7 +85,8 @@ impl World {
             self.move_to(ObjectId(object), to);
         }
         if random.below(10) == 0 {
-            let (object, to) = (ObjectId(random.below(200)), random.place());
+            let object = ObjectId(random.below(200));
+            let to = random.place();
             self.move_to(object, to);
         }
         if random.below(20) == 0 {
@@ -108,7 +109,7 @@ impl World {
 
     fn drawn(&self, leaves: &[LeafIndex]) -> Drawn {
         let object = |leaf: &LeafIndex| self.hierarchy.leaf_objects()[leaf.0 as usize];
-        leaves.iter().map(object).map(|it| (it, self.versions[it.0 as usize])).collect()
+        leaves.iter().map(object).map(|leaf| (leaf, self.versions[leaf.0 as usize])).collect()
     }
 }
 
@@ -179,7 +180,8 @@ fn options(caching: ShadowCaching) -> ShadowOptions {
 fn walk(seed: u64, caching: ShadowCaching, lost_frames: bool) -> u64 {
     let mut random = Random(seed);
     let mut world = World::new(&mut random);
-    let (mut cache, mut plan) = (ShadowCache::new(options(caching)), ShadowPlan::default());
+    let mut cache = ShadowCache::new(options(caching));
+    let mut plan = ShadowPlan::default();
     let mut maps = Maps::default();
     for frame in 0..1000 {
         world.step(frame, &mut random);
@@ -216,8 +218,8 @@ fn frames_that_are_never_submitted_lose_nothing() {
 fn unknown_changes_draw_everything() {
     let mut random = Random(3);
     let world = World::new(&mut random);
-    let (mut cache, mut plan) =
-        (ShadowCache::new(options(ShadowCaching::Cached)), ShadowPlan::default());
+    let mut cache = ShadowCache::new(options(ShadowCaching::Cached));
+    let mut plan = ShadowPlan::default();
     let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, drawn_share: None };
     let mut drawn_faces = |changes| {
         let casters = Casters { hierarchy: &world.hierarchy, changes };
@@ -236,7 +238,8 @@ fn lights_beyond_the_room_get_smaller_maps_and_then_none() {
     let mut random = Random(3);
     let world = World::new(&mut random);
     let options = ShadowOptions { layers_max: 1, sun_side: 256, ..options(ShadowCaching::Cached) };
-    let (mut cache, mut plan) = (ShadowCache::new(options), ShadowPlan::default());
+    let mut cache = ShadowCache::new(options);
+    let mut plan = ShadowPlan::default();
     let lamps: Vec<ShadowLight> = (0..400)
         .map(|lamp| ShadowLight {
             id: ShadowLightId(lamp),
@@ -250,7 +253,8 @@ fn lights_beyond_the_room_get_smaller_maps_and_then_none() {
     let stats = plan.stats();
     assert_eq!(stats.lights + stats.unshadowed_lights, 400);
     assert!(stats.lights > 0 && stats.unshadowed_lights > 0, "{stats:?}");
-    let tiles: BTreeSet<_> = plan.faces.iter().map(|it| (it.tile.layer, it.tile.origin)).collect();
+    let tiles: BTreeSet<_> =
+        plan.faces.iter().map(|face| (face.tile.layer, face.tile.origin)).collect();
     assert_eq!((tiles.len(), plan.layers), (plan.faces.len(), 1));
 }
 
@@ -260,7 +264,8 @@ fn maps_grow_again_when_there_is_room() {
     let world = World::new(&mut random);
     // Two lamps fill three layers with twelve maps; those of the third are smaller, in the fourth.
     let options = ShadowOptions { layers_max: 4, sun_side: 512, ..options(ShadowCaching::Cached) };
-    let (mut cache, mut plan) = (ShadowCache::new(options), ShadowPlan::default());
+    let mut cache = ShadowCache::new(options);
+    let mut plan = ShadowPlan::default();
     let position = |lamp| vec3(lamp as f32 % 60.0, 4.0, 9.0);
     let lamps: Vec<ShadowLight> = (0..3)
         .map(|lamp| ShadowLight {
@@ -289,8 +294,8 @@ fn maps_grow_again_when_there_is_room() {
 fn impossible_lights_have_no_maps() {
     let mut random = Random(3);
     let world = World::new(&mut random);
-    let (mut cache, mut plan) =
-        (ShadowCache::new(options(ShadowCaching::Cached)), ShadowPlan::default());
+    let mut cache = ShadowCache::new(options(ShadowCaching::Cached));
+    let mut plan = ShadowPlan::default();
     let nowhere = Vec3::splat(f32::NAN);
     let shapes = [
         LightShape::Sun { towards: nowhere },
@@ -406,10 +411,12 @@ fn a_light_without_room_gets_maps_when_another_needs_less() {
         spot_side: 512,
         ..options(ShadowCaching::Cached)
     };
-    let (mut cache, mut plan) = (ShadowCache::new(options), ShadowPlan::default());
+    let mut cache = ShadowCache::new(options);
+    let mut plan = ShadowPlan::default();
     let casters = Casters { hierarchy: &world.hierarchy, changes: Some(&[]) };
     let eyes = ShadowViews { eyes: &[Vec3::ZERO], sub_pixel_bits: 8, drawn_share: None };
-    let (position, direction) = (vec3(20.0, 4.0, 9.0), Vec3::NEG_Y);
+    let position = vec3(20.0, 4.0, 9.0);
+    let direction = Vec3::NEG_Y;
     let light = |id, shape| ShadowLight { id: ShadowLightId(id), shape, penumbra_m: 0.1 };
     let spot = |id, outer_rad| {
         light(id, LightShape::Spot { position, direction, outer_rad, reach_m: 5.0 })

@@ -443,9 +443,10 @@ pub fn usage<T>(message: impl Into<String>) -> Result<T, UsageError> {
 }
 
 fn at_most(option: &str, number: u32, most: u32) -> Result<u32, UsageError> {
-    match number <= most {
-        true => Ok(number),
-        false => usage(format!("{option} takes a whole number from 0 to {most}, not '{number}'")),
+    if number <= most {
+        Ok(number)
+    } else {
+        usage(format!("{option} takes a whole number from 0 to {most}, not '{number}'"))
     }
 }
 

@@ -139,7 +139,8 @@ fn own_output(found: &Metadata) -> Option<File> {
     use std::os::fd::AsFd;
     use std::os::unix::fs::MetadataExt;
 
-    let (stdout, stderr) = (io::stdout(), io::stderr());
+    let stdout = io::stdout();
+    let stderr = io::stderr();
     [stdout.as_fd(), stderr.as_fd()].into_iter().find_map(|stream| {
         let file = File::from(stream.try_clone_to_owned().ok()?);
         let own = file.metadata().ok()?;

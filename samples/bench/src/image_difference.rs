@@ -37,7 +37,8 @@ impl ImageDifference {
 /// Returns the number of pixels of two images of the same size that are not the same bits; all,
 /// if the sizes differ.
 pub fn pixels_that_differ(reference: &[u8], image: &[u8]) -> u64 {
-    let (expected, found) = (reference.chunks_exact(4), image.chunks_exact(4));
+    let expected = reference.chunks_exact(4);
+    let found = image.chunks_exact(4);
     if reference.len() != image.len() || image.is_empty() {
         return expected.len().max(found.len()).max(1) as u64;
     }

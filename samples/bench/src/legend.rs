@@ -66,7 +66,8 @@ pub fn draw(rgba8: &mut [u8], width: usize, title: &str, entries: &[LegendEntry]
     let height = rows.len().checked_div(width).unwrap_or(0);
     let widths = entries.iter().map(LegendEntry::width);
     let inner = widths.fold(title.chars().count() * LETTER, usize::max);
-    let (across, down) = (inner + 2 * MARGIN, ROW * (entries.len() + 1) + MARGIN);
+    let across = inner + 2 * MARGIN;
+    let down = ROW * (entries.len() + 1) + MARGIN;
     if across > width || down > height {
         return;
     }
@@ -124,7 +125,8 @@ mod tests {
 
     #[test]
     fn a_legend_has_its_colours_in_the_upper_right_where_it_has_room() {
-        let (width, height) = (1280, 90);
+        let width = 1280;
+        let height = 90;
         let entries = from_above();
         let mut image = vec![100; width * height * 4];
         draw(&mut image, width, TITLE_FROM_ABOVE, &entries);

@@ -126,8 +126,11 @@ mod tests {
         let line = ["--lights", "8", "--shadows", "off,maps", "--filter", "pcf3,adaptive"];
         let options = parse(&line).unwrap();
         assert_eq!(options.lights, Some(LightSet::Lamps(8)));
-        let names: Vec<[&str; 2]> =
-            options.shadows.iter().map(|it| [it.way.name(), it.filter.name()]).collect();
+        let names: Vec<[&str; 2]> = options
+            .shadows
+            .iter()
+            .map(|shadow| [shadow.way.name(), shadow.filter.name()])
+            .collect();
         let expected =
             [["off", "pcf3"], ["off", "adaptive"], ["maps", "pcf3"], ["maps", "adaptive"]];
         assert_eq!(names, expected);

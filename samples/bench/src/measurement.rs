@@ -142,9 +142,10 @@ impl RunMeasurement {
     /// that by the filter `fixed64`, which is empty where nothing is compared with it.
     pub fn compare(&mut self, step: &WalkStep, image: &[u8], [reference, fixed64]: [&[u8]; 2]) {
         let pixels_wrong = pixels_that_differ(reference, image);
-        match step.timed {
-            true => self.verified(pixels_wrong),
-            false => self.verified_warm_up(pixels_wrong),
+        if step.timed {
+            self.verified(pixels_wrong)
+        } else {
+            self.verified_warm_up(pixels_wrong)
         }
         self.fixed64.add(image, fixed64);
     }
@@ -177,9 +178,9 @@ impl RunMeasurement {
         let timed_waits: u64 = self.frames.iter().map(|frame| frame.blocking_waits).sum();
         RunReport {
             strategy: self.strategy.name().to_owned(),
-            shadows: self.shadows.map(|it| it.way.name().to_owned()),
-            filter: self.shadows.map(|it| it.filter.name().to_owned()),
-            bias: self.shadows.map(|it| it.bias.name().to_owned()),
+            shadows: self.shadows.map(|shadow| shadow.way.name().to_owned()),
+            filter: self.shadows.map(|shadow| shadow.filter.name().to_owned()),
+            bias: self.shadows.map(|shadow| shadow.bias.name().to_owned()),
             shadow_faces: self.shadows.and_then(|_| count(|frame| frame.shadow_faces)),
             shadow_casters: self.shadows.and_then(|_| count(|frame| frame.shadow_casters)),
             shadow_triangles: self.shadows.and_then(|_| count(|frame| frame.shadow_triangles)),

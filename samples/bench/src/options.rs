@@ -229,7 +229,8 @@ impl Options {
     /// Returns the frames that become images: `images` of them, spread evenly, the first one
     /// included.
     pub fn image_frames(&self) -> Vec<u32> {
-        let (frames, images) = (u64::from(self.frames), u64::from(self.images));
+        let frames = u64::from(self.frames);
+        let images = u64::from(self.images);
         (0..images).filter_map(|image| u32::try_from(image * frames / images).ok()).collect()
     }
 }

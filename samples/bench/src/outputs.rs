@@ -73,7 +73,8 @@ impl<'a> OutputFile<'a> {
         };
         let folder = folder_of(&file);
         if !folder.is_dir() {
-            let (file, folder) = (shown(path), shown(folder));
+            let file = shown(path);
+            let folder = shown(folder);
             return Err(UsageError(format!(
                 "{option}: cannot write '{file}', there is no folder '{folder}'; make it first, or choose another place"
             )));

@@ -101,10 +101,7 @@ pub fn cameras(
 ) -> CameraTrack {
     animator.pose(clock.seconds(0));
     let first = animator.seen_by(camera, size);
-    let others = match animator.moves(camera.node) {
-        true => 1..frames,
-        false => 1..1,
-    };
+    let others = if animator.moves(camera.node) { 1..frames } else { 1..1 };
     let others = others.map(|frame| {
         animator.pose(clock.seconds(frame));
         animator.seen_by(camera, size)
@@ -182,9 +179,10 @@ impl Orbit {
     pub fn around(bounds: &Aabb, size: [u32; 2]) -> Self {
         let half = (bounds.max - bounds.min) * 0.5;
         let is_something = half.is_finite() && half.cmpge(Vec3::ZERO).all();
-        let (centre, half) = match is_something {
-            true => ((bounds.min + bounds.max) * 0.5, half.max(Vec3::splat(LEAST_M))),
-            false => (Vec3::ZERO, Vec3::ONE),
+        let (centre, half) = if is_something {
+            ((bounds.min + bounds.max) * 0.5, half.max(Vec3::splat(LEAST_M)))
+        } else {
+            (Vec3::ZERO, Vec3::ONE)
         };
         // The upright cylinder around it looks the same from all sides. It must fit: from its rims
         // comes how far away that is.
@@ -290,7 +288,8 @@ mod tests {
     #[test]
     fn a_portrait_fills_the_image_however_small_the_thing_is() {
         for scale in [1e-4, 1.0, 1e5] {
-            let (low, high) = (Vec3::new(-3.0, 0.0, 1.0), Vec3::new(5.0, 2.0, 9.0));
+            let low = Vec3::new(-3.0, 0.0, 1.0);
+            let high = Vec3::new(5.0, 2.0, 9.0);
             let bounds = Aabb { min: low * scale, max: high * scale };
             for size in [[1280, 720], [300, 900]] {
                 let filled = filled(&portrait(&bounds, size, 0.0), &bounds, size);

@@ -154,7 +154,8 @@ impl WalkProgress for Lines {
     }
 
     fn frame_done(&self, _: &str) {
-        let (done, frames) = (self.done.get() + 1, self.frames.get());
+        let done = self.done.get() + 1;
+        let frames = self.frames.get();
         self.done.set(done);
         if completes_tenth(done, frames) {
             say(&format!("{}: {done} of {frames} frames", self.what.borrow()));

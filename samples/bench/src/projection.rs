@@ -32,7 +32,8 @@ pub fn viewpoint(of: &FrameCamera, projection: ProjectionChoice, area: Rect) -> 
             // Clip space is moved by a share of w.
             let jitter = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z, moved.extend(0.0).extend(1.0));
             let plain = View::new(&camera, area.size, ANY_BITS).view_proj;
-            let (depth, y) = (DepthConvention::Reversed, ClipY::Down);
+            let depth = DepthConvention::Reversed;
+            let y = ClipY::Down;
             ViewProjection { matrix: jitter * plain, depth, y }.into()
         }
     }
@@ -46,7 +47,8 @@ fn jitter_pixels(frame: u32) -> Vec2 {
 
 /// Returns the digits of a number in a base, mirrored at the point.
 fn radical_inverse(mut index: u32, base: u32) -> f32 {
-    let (mut digit, mut sum) = (1.0, 0.0);
+    let mut digit = 1.0;
+    let mut sum = 0.0;
     while index > 0 {
         digit /= base as f32;
         sum += (index % base) as f32 * digit;

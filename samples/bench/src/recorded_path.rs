@@ -135,10 +135,12 @@ impl RecordedPath {
                 recorded.frames.push(frame);
             }
         }
-        match recorded.frames.is_empty() {
-            true if has_header => Err((1, "there is no frame in it".to_owned())),
-            true => Err((1, format!("the file is empty; a path begins with '{HEADER}'"))),
-            false => Ok(recorded),
+        if !recorded.frames.is_empty() {
+            Ok(recorded)
+        } else if has_header {
+            Err((1, "there is no frame in it".to_owned()))
+        } else {
+            Err((1, format!("the file is empty; a path begins with '{HEADER}'")))
         }
     }
 }
@@ -172,11 +174,10 @@ fn parse_frame(line: &str) -> Result<PathFrame, String> {
         eye: vector(1),
         forward: vector(4),
         up: vector(7),
-        projection: match is_orthographic {
-            false => Projection::perspective(numbers[10] as f32),
-            true => {
-                Projection::Orthographic { height: numbers[10] as f32, far: numbers[12] as f32 }
-            }
+        projection: if is_orthographic {
+            Projection::Orthographic { height: numbers[10] as f32, far: numbers[12] as f32 }
+        } else {
+            Projection::perspective(numbers[10] as f32)
         },
         near: numbers[11] as f32,
     };
@@ -209,9 +210,10 @@ mod tests {
     /// Returns a camera in perspective, or, to the left of the origin, an orthographic one.
     fn camera(numbers: [f32; 3]) -> Camera {
         let [x, y, z] = numbers;
-        let projection = match x < 0.0 {
-            false => Projection::perspective(1.1),
-            true => Projection::Orthographic { height: z.abs() + 0.5, far: 900.0 + z.abs() },
+        let projection = if x < 0.0 {
+            Projection::Orthographic { height: z.abs() + 0.5, far: 900.0 + z.abs() }
+        } else {
+            Projection::perspective(1.1)
         };
         Camera {
             eye: Vec3::new(x, y, z),

@@ -313,7 +313,8 @@ fn able(renderer: &Renderer, options: &Options) -> Result<(Vec<Strategy>, Vec<Le
         match renderer.supports(*strategy) {
             Ok(()) => able.push(*strategy),
             Err(error) => {
-                let (strategy, reason) = (strategy.name().to_owned(), error.to_string());
+                let strategy = strategy.name().to_owned();
+                let reason = error.to_string();
                 left_out.push(LeftOut { strategy, reason });
                 first_reason.get_or_insert(error);
             }
@@ -352,8 +353,9 @@ fn scene_report(
 
 fn skip_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
     let skip_ns = &renderer.price_choice().skip_ns;
-    let entry =
-        |(it, ns): &(Predication, f64)| (it.name().to_owned(), ns.is_finite().then(|| kept(*ns)));
+    let entry = |(executor, ns): &(Predication, f64)| {
+        (executor.name().to_owned(), ns.is_finite().then(|| kept(*ns)))
+    };
     skip_ns.iter().map(entry).collect()
 }
 

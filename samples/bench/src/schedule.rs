@@ -81,7 +81,8 @@ impl Schedule {
     }
 
     fn turn(self, round: u32, strategy: usize) -> impl Iterator<Item = WalkStep> {
-        let (first, end) = (self.boundary(round), self.boundary(round + 1));
+        let first = self.boundary(round);
+        let end = self.boundary(round + 1);
         let warm_up = (1..=self.warm_up_frames).rev().map(move |back| WalkStep {
             strategy,
             frame: first.saturating_sub(back),

@@ -118,7 +118,8 @@ mod tests {
     #[test]
     fn paired_ratios_are_taken_frame_by_frame() {
         // The ratio of the medians would be 4 / 1.
-        let (a, b) = ([Some(1.0), Some(4.0), Some(9.0)], [Some(1.0), Some(2.0), Some(0.5)]);
+        let a = [Some(1.0), Some(4.0), Some(9.0)];
+        let b = [Some(1.0), Some(2.0), Some(0.5)];
         assert_eq!(paired_ratio(&a, &b), Some(2.0));
         assert_eq!(paired_ratio(&a, &b[..1]), Some(1.0), "what has no partner does not count");
         assert_eq!(

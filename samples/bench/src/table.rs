@@ -269,7 +269,8 @@ fn foot(report: &Report) -> String {
     let waits: u64 = report.runs.iter().map(|run| run.blocking_waits).sum();
     let verified: u64 =
         report.runs.iter().map(|run| run.frames_verified + run.warm_up_frames_verified).sum();
-    let (build, memory) = (&report.build_ms, &report.memory);
+    let build = &report.build_ms;
+    let memory = &report.memory;
     let mut text = format!(
         "built in ms: scene {}, hierarchy {}, upload {}; peak memory {} MiB, on the device {} MiB\n\
          frames compared with frustum culling: {verified}; blocking waits: {waits}; validation messages: {}",
@@ -316,7 +317,8 @@ fn threshold_lines(report: &Report) -> String {
             }
             _ => String::new(),
         };
-        let (samples, frames) = (count(Some(run.samples_below_threshold)), run.frames_timed);
+        let samples = count(Some(run.samples_below_threshold));
+        let frames = run.frames_timed;
         format!("\n{} left out {samples} samples in {frames} frames{compared}", run.strategy)
     };
     runs.map(line).collect()

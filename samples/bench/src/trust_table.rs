@@ -25,7 +25,7 @@ pub fn render(device: &str, found: &SelfTest) -> String {
 
 /// Returns a sentence if nothing but plain frustum culling is safe.
 pub fn complaint(found: &SelfTest) -> Option<String> {
-    let names: Vec<&str> = found.broken().into_iter().map(|it| it.name()).collect();
+    let names: Vec<&str> = found.broken().into_iter().map(|broken| broken.name()).collect();
     found.safest.is_none().then(|| {
         format!("this driver cannot be trusted with {}: only frustum is safe", names.join(", "))
     })

@@ -233,7 +233,8 @@ impl<'a> Walk<'a> {
         let image = Readback::new(&self.device, self.renderer.size())?;
         for frame in frames {
             self.moving.show(self.renderer, frame)?;
-            let (camera, wanted) = (self.path.frame_camera(frame), Some(&image));
+            let camera = self.path.frame_camera(frame);
+            let wanted = Some(&image);
             self.reference.render(self.renderer, Strategy::FRUSTUM, &camera, &[], wanted)?;
             self.reference.drain(self.renderer)?;
             self.references.insert((number, frame), copy_of(&image.rgba8()?)?);

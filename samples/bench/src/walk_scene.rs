@@ -62,9 +62,10 @@ impl WalkScene {
         progress: &dyn WalkProgress,
     ) -> Result<Self, RunError> {
         let MadeScene { scene: kind, objects, seed } = *made;
-        progress.stage(&match kind.takes_numbers() {
-            true => format!("building the {kind} of about {objects} objects"),
-            false => format!("building the {kind}"),
+        progress.stage(&if kind.takes_numbers() {
+            format!("building the {kind} of about {objects} objects")
+        } else {
+            format!("building the {kind}")
         });
         let GeneratedScene { scene, routes } = made.make()?;
         let path = CameraTrack::new(&options.path, &routes)?;

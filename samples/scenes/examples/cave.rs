@@ -42,8 +42,10 @@ fn main() -> Result<(), Box<dyn Error>> {
                     if is_plain { column as f32 / (2 * rows) as f32 } else { across },
                 )
             };
-            let [a, b] = [at(row, column), at(row, column + 1)];
-            let [c, d] = [at(row + 1, column + 1), at(row + 1, column)];
+            let a = at(row, column);
+            let b = at(row, column + 1);
+            let c = at(row + 1, column + 1);
+            let d = at(row + 1, column);
             triangle(&mut file, [a, c, b])?;
             triangle(&mut file, [a, d, c])?;
         }
@@ -54,9 +56,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     for frame in 0..FRAMES {
         let share = f32::from(frame) / f32::from(FRAMES);
         let (sin, cos) = (share * std::f32::consts::TAU).sin_cos();
-        let (eye, forward) = match is_plain {
-            false => ([3.0 * cos, 0.0, 3.0 * sin], [cos, 0.2 * sin, sin]),
-            true => ([2.0 * cos, 60.0, 2.0 * sin], [0.0, -1.0, 0.01]),
+        let (eye, forward) = if is_plain {
+            ([2.0 * cos, 60.0, 2.0 * sin], [0.0, -1.0, 0.01])
+        } else {
+            ([3.0 * cos, 0.0, 3.0 * sin], [cos, 0.2 * sin, sin])
         };
         let up = if is_plain { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
         let numbers: Vec<String> =

@@ -113,7 +113,10 @@ impl Shapes {
             let turn = if number & 2 == 0 { 0.0 } else { std::f32::consts::PI };
             place * Affine3A::from_translation(middle) * Affine3A::from_rotation_y(turn)
         };
-        let [mut a, mut b, mut c, mut d] = [0, 1, 2, 3];
+        let mut a = 0;
+        let mut b = 1;
+        let mut c = 2;
+        let mut d = 3;
         if placer.random.below(2) == 1 {
             std::mem::swap(&mut a, &mut c);
             std::mem::swap(&mut b, &mut d);

@@ -190,7 +190,8 @@ impl MeshBuilder {
         let Panel { u0, v0, u1, v1 } = area;
         let corners =
             |d: f32| [(u0, v0), (u1, v0), (u1, v1), (u0, v1)].map(|(u, v)| frame.at(u, v, d));
-        let (wall, front) = (corners(0.0), corners(d));
+        let wall = corners(0.0);
+        let front = corners(d);
         for corner in 0..4 {
             let next = (corner + 1) % 4;
             self.polygon(&[wall[corner], wall[next], front[next], front[corner]], paint);
@@ -244,8 +245,10 @@ impl MeshBuilder {
         };
         let [low, high] = heights;
         let wide = half + Vec2::splat(out);
-        let (wall_low, wall_high) = (corners(half, low), corners(half, high));
-        let (out_low, out_high) = (corners(wide, low), corners(wide, high));
+        let wall_low = corners(half, low);
+        let wall_high = corners(half, high);
+        let out_low = corners(wide, low);
+        let out_high = corners(wide, high);
         for corner in 0..4 {
             let next = (corner + 1) % 4;
             self.polygon(
@@ -274,7 +277,8 @@ impl MeshBuilder {
         paint: Paint,
     ) {
         for pair in profile.windows(2) {
-            let ((r0, y0), (r1, y1)) = (pair[0], pair[1]);
+            let (r0, y0) = pair[0];
+            let (r1, y1) = pair[1];
             let slope = Vec2::new(y1 - y0, r0 - r1).normalize_or_zero();
             self.turned_band(place, [(r0, y0), (r1, y1)], [slope, slope], segments, [paint, paint]);
         }

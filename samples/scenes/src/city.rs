@@ -53,7 +53,8 @@ pub fn city(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> {
     let (kit, meshes) = Kit::new();
     let mut city = City { seed, plan, kit, meshes, objects: room };
     let blocks = city.plan.blocks();
-    let (columns, rows) = (city.plan.columns.clone(), city.plan.rows.clone());
+    let columns = city.plan.columns.clone();
+    let rows = city.plan.rows.clone();
     let mut number = 0;
     for row in rows.first()..rows.last() {
         for column in columns.first()..columns.last() {
@@ -183,7 +184,8 @@ impl City {
         let plain = prop_tint(TintKind::Plain, &mut random);
         self.put(limit, ground, placement(0, 1.0, vec3(centre.x, 0.0, centre.y)), plain);
         self.closures(limit, column, row, &mut random);
-        let (columns, rows) = (&self.plan.columns, &self.plan.rows);
+        let columns = &self.plan.columns;
+        let rows = &self.plan.rows;
         let district = [columns.district(column), rows.district(row)];
         let family =
             Random::keyed(self.seed, &[district[0], district[1], 2]).below(palette::WALL_FAMILIES);
@@ -236,7 +238,8 @@ impl City {
         }
         for x in xs.clone() {
             for z in zs.clone() {
-                let (cut_x, cut_z) = (self.plan.columns.is_cut(x), self.plan.rows.is_cut(z));
+                let cut_x = self.plan.columns.is_cut(x);
+                let cut_z = self.plan.rows.is_cut(z);
                 let mesh = match (cut_x, cut_z) {
                     (true, true) => self.kit.corner_tower,
                     (false, false) => continue,
@@ -348,7 +351,8 @@ fn streets(plan: &Plan) -> Streets {
 
 fn flight(plan: &Plan) -> Flight {
     let ends = |axis: &Axis| [boundary_m(axis.first()), boundary_m(axis.last())];
-    let ([x0, x1], [z0, z1]) = (ends(&plan.columns), ends(&plan.rows));
+    let [x0, x1] = ends(&plan.columns);
+    let [z0, z1] = ends(&plan.rows);
     let radius_m = ((x1 - x0).min(z1 - z0) * 0.35).clamp(16.0, 160.0);
     Flight {
         centre: Vec3::new((x0 + x1) / 2.0, 64.0, (z0 + z1) / 2.0),

@@ -102,7 +102,8 @@ pub fn courtyard(hour: Hour) -> Courtyard {
     let walls = [0, 1, 3].map(|number| side(number) * at(0.0, -HALF_M + 0.5));
     yard.add(meshes::wall(), &walls);
     let columns = (0..10_u8).map(|number| {
-        let (row, place) = (number % 2, f32::from(number / 2));
+        let row = number % 2;
+        let place = f32::from(number / 2);
         at(if row == 0 { -9.5 } else { 9.5 }, 5.0 * place - 11.0)
     });
     yard.add(meshes::column(), &columns.collect::<Vec<_>>());

@@ -57,7 +57,8 @@ pub fn field(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> 
     }
     let ends =
         |first: i64, count: u32| [first, first + i64::from(count)].map(|end| end as f32 * TILE_M);
-    let (x, z) = (ends(first[0], columns), ends(first[1], rows));
+    let x = ends(first[0], columns);
+    let z = ends(first[1], rows);
     let radius_m = ((x[1] - x[0]).min(z[1] - z[0]) * 0.35).clamp(16.0, 160.0);
     let flight = Flight {
         centre: Vec3::new((x[0] + x[1]) / 2.0, 110.0, (z[0] + z[1]) / 2.0),
@@ -80,7 +81,8 @@ pub fn field(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> 
 
 /// Returns the lines between the cells, near the origin.
 fn aisles([low, high]: [f32; 2]) -> Vec<f32> {
-    let (low, high) = ((low.max(-WALK_M) / CELL_M) as i32, (high.min(WALK_M) / CELL_M) as i32);
+    let low = (low.max(-WALK_M) / CELL_M) as i32;
+    let high = (high.min(WALK_M) / CELL_M) as i32;
     (low..=high).map(|line| line as f32 * CELL_M).collect()
 }
 
@@ -117,8 +119,10 @@ fn ground() -> Mesh {
     for column in 0..TILE_CELLS {
         for row in 0..TILE_CELLS {
             let low = |cell: u8| f32::from(cell) * CELL_M - TILE_M / 2.0;
-            let (x, z) = (low(column), low(row));
-            let (x1, z1) = (x + CELL_M, z + CELL_M);
+            let x = low(column);
+            let z = low(row);
+            let x1 = x + CELL_M;
+            let z1 = z + CELL_M;
             let paint = lawn[usize::from((column + row) % 2)];
             plates.level([x + path, x1 - path], [z + path, z1 - path], 0.0, paint);
             plates.level([x, x1], [z, z + path], 0.0, gravel);

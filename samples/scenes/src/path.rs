@@ -167,11 +167,14 @@ fn aircraft(flight: &Flight, frame: u32) -> Camera {
 }
 
 fn jump(streets: &Streets, seed: u64, frame: u32) -> Camera {
-    let (number, step) = (frame / CUT_FRAMES, frame % CUT_FRAMES);
+    let number = frame / CUT_FRAMES;
+    let step = frame % CUT_FRAMES;
     let mut random = Random::keyed(seed, &[i64::from(number), 4]);
-    let (xs, zs) = (&streets.xs, &streets.zs);
+    let xs = &streets.xs;
+    let zs = &streets.zs;
     let mut line = |lines: &[f32]| random.below(lines.len() as u32) as usize;
-    let (column, row) = (line(xs), line(zs));
+    let column = line(xs);
+    let row = line(zs);
     let along_x = random.below(2) == 0;
     let lines = if along_x { xs } else { zs };
     let from = if along_x { column } else { row }.min(lines.len().saturating_sub(2));

@@ -39,8 +39,8 @@ impl Boxes {
                 Aabb { min: min - Vec3::splat(margin_m), max: max + Vec3::splat(margin_m) };
             let number = boxes.bounds.len() as u32;
             boxes.bounds.push(bounds);
-            let (low, high) =
-                (cell_of(bounds.min.x, bounds.min.z), cell_of(bounds.max.x, bounds.max.z));
+            let low = cell_of(bounds.min.x, bounds.min.z);
+            let high = cell_of(bounds.max.x, bounds.max.z);
             for x in low.x..=high.x {
                 for z in low.y..=high.y {
                     boxes.cells.entry(IVec2::new(x, z)).or_default().push(number);
@@ -73,7 +73,8 @@ impl Boxes {
         loop {
             for &number in self.in_cell(cell) {
                 let Aabb { min, max } = self.bounds[number as usize];
-                let (a, b) = ((min - eye) * inverse, (max - eye) * inverse);
+                let a = (min - eye) * inverse;
+                let b = (max - eye) * inverse;
                 let enter = a.min(b).max_element().max(0.0);
                 let leave = a.max(b).min_element();
                 if enter <= leave && nearest.is_none_or(|(_, distance)| enter < distance) {

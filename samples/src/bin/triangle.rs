@@ -29,7 +29,9 @@ impl Triangle {
     }
 
     fn frame(&mut self, image: Option<&Readback>) -> Result<(), Box<dyn Error>> {
-        let [eye, forward, up] = [Vec3::Z * 3.0, Vec3::NEG_Z, Vec3::Y];
+        let eye = Vec3::Z * 3.0;
+        let forward = Vec3::NEG_Z;
+        let up = Vec3::Y;
         let camera =
             Camera { eye, forward, up, projection: Projection::perspective(0.9), near: 0.1 };
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);

@@ -44,9 +44,10 @@ pub fn show(ui: &mut Ui, list: &ChoiceList, room: Rect, clicked: &mut Option<usi
     let title = ui.painter().layout(list.title.clone(), TITLE.font(), TITLE.colour, width);
     let heights: Vec<f32> = rows.iter().map(Row::height).collect();
     let height = room.height() - 2.0 * ends - title.size().y - TITLE_GAP;
-    let shown = match heights.iter().sum::<f32>() <= height {
-        true => 0..rows.len(),
-        false => window(&heights, list.selected, height - 2.0 * line),
+    let shown = if heights.iter().sum::<f32>() <= height {
+        0..rows.len()
+    } else {
+        window(&heights, list.selected, height - 2.0 * line)
     };
     let chosen = std::cell::Cell::new(None);
     let area = panel::show(ui, room, Align2::LEFT_BOTTOM, |ui| {
@@ -111,9 +112,10 @@ fn draw(ui: &Ui, row: &Row, corner: Pos2, [label, about, _]: [f32; 3], is_select
     let painter = ui.painter();
     painter.galley(pos2(corner.x, top), Arc::clone(&row.number), NUMBER.colour);
     let at = pos2(corner.x + label, top);
-    match is_selected {
-        true => painter.galley_with_override_text_color(at, Arc::clone(&row.label), MARK),
-        false => painter.galley(at, Arc::clone(&row.label), LABEL.colour),
+    if is_selected {
+        painter.galley_with_override_text_color(at, Arc::clone(&row.label), MARK)
+    } else {
+        painter.galley(at, Arc::clone(&row.label), LABEL.colour)
     }
     painter.galley(pos2(corner.x + about, top), Arc::clone(&row.about), ABOUT.colour);
 }
@@ -126,8 +128,8 @@ fn window(heights: &[f32], selected: usize, room: f32) -> Range<usize> {
     let mut left = room - heights.get(selected).copied().unwrap_or_default();
     loop {
         let above = shown.start.checked_sub(1).filter(|place| heights[*place] <= left);
-        let below =
-            Some(shown.end).filter(|place| heights.get(*place).is_some_and(|it| *it <= left));
+        let below = Some(shown.end)
+            .filter(|place| heights.get(*place).is_some_and(|height| *height <= left));
         match (above, below) {
             // The selected row stays in the middle while there are rows on both sides.
             (Some(above), below) if below.is_none() || selected - above <= shown.end - selected => {
@@ -157,7 +159,8 @@ mod tests {
                     assert!(shown.contains(&selected), "{shown:?} {selected} {room}");
                     let height: f32 = heights[shown.clone()].iter().sum();
                     assert!(height <= room || shown.len() == 1, "{shown:?} {room}");
-                    let is_full = |place: Option<&f32>| place.is_none_or(|it| height + it > room);
+                    let is_full =
+                        |place: Option<&f32>| place.is_none_or(|place| height + place > room);
                     assert!(is_full(heights.get(shown.end)), "{shown:?} {room}");
                     assert!(shown.start == 0 || is_full(heights.get(shown.start - 1)));
                 }

@@ -19,7 +19,8 @@ const HEIGHT: f32 = 8.0;
 pub fn show(ui: &mut Ui, legend: &Legend, room: Rect, taken: Rect, scale: f32) -> Option<Rect> {
     let (room, place) = match legend.area {
         Some(area) => {
-            let [origin, size] = [area.origin, area.size].map(|it| it.map(|it| it as f32 / scale));
+            let [origin, size] =
+                [area.origin, area.size].map(|side| side.map(|side| side as f32 / scale));
             (Rect::from_min_size(Pos2::from(origin), size.into()), Align2::LEFT_TOP)
         }
         None => (room, Align2::RIGHT_TOP),

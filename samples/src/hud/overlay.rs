@@ -185,7 +185,8 @@ fn new_renderer(device: &Device, format: vk::Format) -> Result<Renderer<Buffers>
         srgb_framebuffer: true,
         ..Options::default()
     };
-    let (buffers, mode) = (Buffers(device.clone()), RenderMode::DynamicRendering(rendering));
+    let buffers = Buffers(device.clone());
+    let mode = RenderMode::DynamicRendering(rendering);
     Renderer::with_allocator(buffers, device.raw().clone(), mode, options).map_err(failed)
 }
 

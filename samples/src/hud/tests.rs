@@ -92,7 +92,8 @@ fn shapes(page: &HudPage, size: [u32; 2]) -> Vec<ClippedShape> {
 /// Returns the panels and the texts of a page, and the image's area.
 fn laid_out(page: &HudPage, size: [u32; 2]) -> (Vec<Rect>, Vec<(Rect, String)>, Rect) {
     let measures = Measures::of(size, 1.0);
-    let (mut panels, mut texts) = (Vec::new(), Vec::new());
+    let mut panels = Vec::new();
+    let mut texts = Vec::new();
     for ClippedShape { shape, clip_rect } in &shapes(page, size) {
         match shape {
             Shape::Rect(rect) if rect.fill == PANEL => panels.push(rect.rect),
@@ -229,8 +230,8 @@ fn signs_are_seen_without_text() {
             let page = HudPage { signs: vec![sign], ..HudPage::default() };
             let measures = Measures::of(size, 1.0);
             let shapes = shapes(&page, size);
-            assert!(shapes.iter().all(|it| !matches!(it.shape, Shape::Text(_))), "{sign:?}");
-            let edges = shapes.iter().map(|it| it.shape.visual_bounding_rect());
+            assert!(shapes.iter().all(|shape| !matches!(shape.shape, Shape::Text(_))), "{sign:?}");
+            let edges = shapes.iter().map(|shape| shape.shape.visual_bounding_rect());
             let around = edges.reduce(Rect::union).unwrap();
             let screen = size.map(|side| side as f32 / measures.scale);
             assert!(

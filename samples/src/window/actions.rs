@@ -169,7 +169,8 @@ impl Action {
     /// A sentence, if there is no such action or value.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut words = text.split_ascii_whitespace();
-        let (name, value) = (words.next().unwrap_or_default(), words.next());
+        let name = words.next().unwrap_or_default();
+        let value = words.next();
         if let Some(more) = words.next() {
             return Err(format!("'{more}' is one word too many"));
         }

@@ -165,7 +165,8 @@ mod tests {
         for option in [["--present-mode", "fifo"], ["--frame-limit", "60"]] {
             assert!(parse(&option).is_ok());
             let refused = parse(&[&option[..], &["--headless"]].concat()).unwrap_err();
-            let [named, headless] = [option[0], "cannot be used with '--headless'"];
+            let named = option[0];
+            let headless = "cannot be used with '--headless'";
             assert!(refused.contains(named) && refused.contains(headless), "{refused}");
         }
     }

@@ -37,8 +37,10 @@ fn nearest_m(scene: &Scene, eye: Vec3, ray: Vec3) -> f32 {
 }
 
 fn meets_box(bounds: &Aabb, eye: Vec3, ray: Vec3) -> bool {
-    let (a, b) = ((bounds.min - eye) / ray, (bounds.max - eye) / ray);
-    let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+    let a = (bounds.min - eye) / ray;
+    let b = (bounds.max - eye) / ray;
+    let enter = a.min(b).max_element();
+    let leave = a.max(b).min_element();
     enter <= leave && leave >= 0.0
 }
 
@@ -46,12 +48,17 @@ fn meets_box(bounds: &Aabb, eye: Vec3, ray: Vec3) -> bool {
 /// and Trumbore, 1997).
 fn nearest_of_mesh_m(mesh: &Mesh, transform: &Affine3A, eye: Vec3, ray: Vec3) -> f32 {
     let inverse = transform.inverse();
-    let (eye, ray) = (inverse.transform_point3(eye), inverse.transform_vector3(ray));
-    let corner = |index: u32| mesh.vertices.get(index as usize).map(|it| Vec3::from(it.position));
+    let eye = inverse.transform_point3(eye);
+    let ray = inverse.transform_vector3(ray);
+    let corner =
+        |index: u32| mesh.vertices.get(index as usize).map(|vertex| Vec3::from(vertex.position));
     let (triangles, _) = mesh.indices.as_chunks::<3>();
     let distances = triangles.iter().filter_map(|&[a, b, c]| {
-        let (a, b, c) = (corner(a)?, corner(b)?, corner(c)?);
-        let (side, other) = (b - a, c - a);
+        let a = corner(a)?;
+        let b = corner(b)?;
+        let c = corner(c)?;
+        let side = b - a;
+        let other = c - a;
         let slope = ray.cross(other);
         let scale = 1.0 / side.dot(slope);
         let from = eye - a;
@@ -72,8 +79,10 @@ mod tests {
     fn a_wall_is_as_near_as_it_is_and_a_door_in_its_box_is_clear() {
         let corner = |x: f32, y: f32| ([x, y, 0.0], [1.0; 3]);
         let quad = |x: [f32; 2], y: [f32; 2]| {
-            let [a, b] = [corner(x[0], y[0]), corner(x[1], y[0])];
-            let [c, d] = [corner(x[1], y[1]), corner(x[0], y[1])];
+            let a = corner(x[0], y[0]);
+            let b = corner(x[1], y[0]);
+            let c = corner(x[1], y[1]);
+            let d = corner(x[0], y[1]);
             [a, b, c, a, c, d]
         };
         let camera = |eye: Vec3| Camera {

@@ -22,7 +22,8 @@ impl Detail {
     /// by distance alone.
     pub fn new(scene: &Scene, error_pixels: f32) -> Self {
         let levels = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.levels);
-        let has_levels = |mesh: u32| levels.get(mesh as usize).is_some_and(|it| !it.is_empty());
+        let has_levels =
+            |mesh: u32| levels.get(mesh as usize).is_some_and(|level| !level.is_empty());
         let objects = (0..).map(ObjectId).zip(&scene.objects);
         let objects = objects.filter(|(_, object)| has_levels(object.mesh.0));
         let triangles = |object| scene.mesh_of(object).map_or(0, |mesh| mesh.indices.len() / 3);

@@ -25,7 +25,8 @@ impl Differences {
             return Self::default();
         }
         let width = width as usize;
-        let (a, b) = (a.as_chunks::<4>().0, b.as_chunks::<4>().0);
+        let a = a.as_chunks::<4>().0;
+        let b = b.as_chunks::<4>().0;
         let rows = a.len().max(b.len()).div_ceil(width);
         let tiles = width.div_ceil(TILE_PIXELS);
         let mut found = Self::default();
@@ -116,20 +117,21 @@ mod tests {
     }
 
     proptest! {
-        #[test]
-        fn every_changed_pixel_is_counted_and_in_an_area(
-            changed in prop::collection::btree_set((0..SIZE[0], 0..SIZE[1]), 0..300)
-        ) {
-            let changed: Vec<[usize; 2]> = changed.into_iter().map(|(x, y)| [x, y]).collect();
-            let found = between(&changed);
-            prop_assert_eq!(found.pixels, changed.len() as u64);
-            for [x, y] in changed {
-                let (x, y) = (x as u32, y as u32);
-                let holds = |[left, top, right, bottom]: &PixelArea| {
-                    (left..right).contains(&&x) && (top..bottom).contains(&&y)
-                };
-                prop_assert!(found.areas.iter().any(holds));
+            #[test]
+            fn every_changed_pixel_is_counted_and_in_an_area(
+                changed in prop::collection::btree_set((0..SIZE[0], 0..SIZE[1]), 0..300)
+            ) {
+                let changed: Vec<[usize; 2]> = changed.into_iter().map(|(x, y)| [x, y]).collect();
+                let found = between(&changed);
+                prop_assert_eq!(found.pixels, changed.len() as u64);
+                for [x, y] in changed {
+                    let x = x as u32;
+    let y = y as u32;
+                    let holds = |[left, top, right, bottom]: &PixelArea| {
+                        (left..right).contains(&&x) && (top..bottom).contains(&&y)
+                    };
+                    prop_assert!(found.areas.iter().any(holds));
+                }
             }
         }
-    }
 }

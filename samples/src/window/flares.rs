@@ -103,7 +103,10 @@ mod tests {
         assert!(night.iter().all(|flare| flare.check().is_ok()));
         let is_lit = |flare: &LensFlare| flare.colour.iter().any(|part| *part > 0.0);
         let lit: Vec<bool> = night.iter().map(is_lit).collect();
-        assert!(lit[0] && lit[3..8].iter().all(|it| *it), "{lit:?}: the moon and all lamps");
+        assert!(
+            lit[0] && lit[3..8].iter().all(|is_lit| *is_lit),
+            "{lit:?}: the moon and all lamps"
+        );
         assert!(lit[1] && !lit[8], "{lit:?}: a spot shines here, and the projector from behind");
         let FlarePlace::At(place) = night[1].place else { panic!("a spot") };
         let behind = flares(&yard.daylight, place - yard.daylight.lamps[0].1.direction);

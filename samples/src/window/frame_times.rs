@@ -126,7 +126,8 @@ impl FrameTimeSeries {
 
     /// Returns the mean time from frame to frame over about the last second, in milliseconds.
     pub fn mean_ms(&self) -> Option<f32> {
-        let (mut sum_ms, mut count) = (0.0, 0_u32);
+        let mut sum_ms = 0.0;
+        let mut count = 0_u32;
         for interval in self.intervals.iter().rev() {
             if sum_ms >= RATE_MS {
                 break;
@@ -259,7 +260,8 @@ mod tests {
     fn frames_with_and_without_culling_are_timed_apart() {
         let mut times = FrameTimeSeries::default();
         times.follow(Conditions { is_comparing: true, ..conditions() });
-        let (mut slots, mut frame) = ([None; 2], 0);
+        let mut slots = [None; 2];
+        let mut frame = 0;
         for snapshot in 0..40 {
             let mut sides = [Side::Culled, Side::Unculled];
             if snapshot / 10 % 2 == 1 {

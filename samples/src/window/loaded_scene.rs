@@ -63,9 +63,10 @@ impl SceneLoader<'_> {
             SceneSource::Courtyard { hour } => self.courtyard(*hour),
             SceneSource::File { file, settings } => self.of_file(file, settings, &mut |told| {
                 progress_fn(told);
-                match self.cancellation.is_cancelled() {
-                    true => ControlFlow::Break(()),
-                    false => ControlFlow::Continue(()),
+                if self.cancellation.is_cancelled() {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
                 }
             }),
             SceneSource::Nothing { .. } => self.empty(),

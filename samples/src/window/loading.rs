@@ -42,8 +42,11 @@ impl Loading {
     ) -> Result<Self, RunError> {
         let progress = Arc::<Mutex<LoadingStatus>>::default();
         let cancellation = CancellationToken::new();
-        let (device, options, own) = (device.clone(), options.clone(), source.clone());
-        let (shown, theirs) = (Arc::clone(&progress), cancellation.clone());
+        let device = device.clone();
+        let options = options.clone();
+        let own = source.clone();
+        let shown = Arc::clone(&progress);
+        let theirs = cancellation.clone();
         let load = move || {
             let loader =
                 SceneLoader { device: &device, options: &options, size, cancellation: theirs };

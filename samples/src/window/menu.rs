@@ -195,9 +195,10 @@ fn path_of(text: &str) -> Option<PathBuf> {
 pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
     let row = |strategy: Strategy| Row {
         label: strategy.name().into(),
-        about: match strategy.is_exact() {
-            true => strategy.summary().to_owned(),
-            false => format!("not exact: {}", strategy.summary()),
+        about: if strategy.is_exact() {
+            strategy.summary().to_owned()
+        } else {
+            format!("not exact: {}", strategy.summary())
         },
         choice: Choice::Strategy(strategy),
     };
@@ -241,7 +242,9 @@ mod tests {
         let asked = strategies(|_| true, methods::NAIVE).asked();
         let HudAnswer::List(list) = asked else { panic!("a list") };
         assert_eq!((list.selected, list.rows[1].0.as_str()), (1, "naive"));
-        for strategy in strategy::strategies().into_iter().filter(|it| !it.needs_still_scene()) {
+        for strategy in
+            strategy::strategies().into_iter().filter(|strategy| !strategy.needs_still_scene())
+        {
             let row = list.rows.iter().find(|(_, about)| about.contains(strategy.summary()));
             let (_, about) = row.unwrap_or_else(|| panic!("{strategy} is not explained"));
             assert_eq!(about.contains("not exact: "), !strategy.is_exact(), "{about}");

@@ -77,9 +77,10 @@ pub fn run(source: &SceneSource, options: &ShowOptions) -> Result<Option<Signal>
     let trace = OutputFile::of("--trace", options.trace.as_deref());
     let outputs = Outputs::prepare(options.out.as_deref(), trace)?;
     let signals = Signals::watch()?;
-    let ran = match options.is_headless {
-        true => headless::run(source, options, files, &signals),
-        false => app::run(source, options, files, &signals),
+    let ran = if options.is_headless {
+        headless::run(source, options, files, &signals)
+    } else {
+        app::run(source, options, files, &signals)
     };
     drop(outputs);
     match ran {

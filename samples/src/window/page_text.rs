@@ -77,9 +77,10 @@ impl Known<'_> {
         let number = |number: Option<u64>| number.map_or(UNKNOWN.to_owned(), short);
         let figure = |value: String, name| HudFigure { value, name };
         // While frames with and without culling are compared, each moment is drawn twice.
-        let [rate_name, time_name, caption] = match self.is_comparing {
-            true => ["pairs/s", "ms/pair", "time of a pair of frames, ms"],
-            false => ["frames/s", "ms/frame", "frame time, ms"],
+        let [rate_name, time_name, caption] = if self.is_comparing {
+            ["pairs/s", "ms/pair", "time of a pair of frames, ms"]
+        } else {
+            ["frames/s", "ms/frame", "frame time, ms"]
         };
         let [cpu, _] = self.times.cpu_ms();
         let [gpu, _] = self.times.gpu_ms();
@@ -139,14 +140,17 @@ impl Known<'_> {
         let reason = order.and_then(|order| order.fallback.as_deref());
         facts.extend(reason.map(|reason| fact("since", reason)));
         let fragments = FragmentsReport::most(std::iter::once(self.report.fragments));
-        facts.extend(fragments.map(|it| fact("their fragments", grouped(it.visible.into()))));
-        let lost = fragments.and_then(|it| it.lost());
+        facts.extend(
+            fragments.map(|fragment| fact("their fragments", grouped(fragment.visible.into()))),
+        );
+        let lost = fragments.and_then(|fragments| fragments.lost());
         facts.extend(lost.map(|lost| fact("fragments not blended", lost)));
         facts
     }
 
     fn what_is_drawn(&self) -> Facts {
-        let (report, outcome) = (self.report, self.outcome);
+        let report = self.report;
+        let outcome = self.outcome;
         let of_outcome = |number: fn(&FrameOutcome) -> u64| {
             outcome.map_or(UNKNOWN.to_owned(), |outcome| grouped(number(outcome)))
         };
@@ -174,7 +178,8 @@ impl Known<'_> {
 
     /// Returns the costs of all this text, beside the engine's own numbers.
     fn overlay(&self) -> Facts {
-        let ([_, cpu], [_, gpu]) = (self.times.cpu_ms(), self.times.gpu_ms());
+        let [_, cpu] = self.times.cpu_ms();
+        let [_, gpu] = self.times.gpu_ms();
         vec![fact("this overlay, CPU", in_ms(cpu)), fact("this overlay, GPU", in_ms(gpu))]
     }
 

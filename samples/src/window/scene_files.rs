@@ -25,10 +25,8 @@ pub fn to_choose(opened: &[PathBuf]) -> Vec<PathBuf> {
 /// Returns the files of scenes in a folder, by name. None of one that cannot be read.
 fn beside(folder: &Path, is_named: bool) -> BTreeSet<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().take(MOST_ENTRIES).flatten();
-    let files = entries.map(|entry| match is_named {
-        true => entry.path(),
-        false => PathBuf::from(entry.file_name()),
-    });
+    let files =
+        entries.map(|entry| if is_named { entry.path() } else { PathBuf::from(entry.file_name()) });
     let is_scene = |file: &PathBuf| {
         let extension = file.extension().map(|extension| extension.to_ascii_lowercase());
         let is_known = |known: &str| extension.as_ref().is_some_and(|extension| extension == known);

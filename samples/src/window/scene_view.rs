@@ -149,10 +149,8 @@ impl SceneView {
     ) -> Result<Self, RunError> {
         let names = MeshNames::of(&imported.scene);
         let detail = settings.detail_pixels.map(|pixels| Detail::new(&imported.scene, pixels));
-        let detail = match settings.has_detail_by_samples {
-            true => detail.map(Detail::by_samples),
-            false => detail,
-        };
+        let detail =
+            if settings.has_detail_by_samples { detail.map(Detail::by_samples) } else { detail };
         let shown = bench::terminal::shown(file);
         let wanted = settings.camera.as_deref();
         let camera = playback::find_camera(&imported.cameras, wanted, &shown)?;
@@ -356,9 +354,10 @@ impl SceneView {
             Guide::Overview => Some("over everything".to_owned()),
             Guide::Nobody => None,
         };
-        let time = match life.is_paused {
-            true => format!("{:.2} s, paused", life.seconds),
-            false => format!("{:.2} s", life.seconds),
+        let time = if life.is_paused {
+            format!("{:.2} s, paused", life.seconds)
+        } else {
+            format!("{:.2} s", life.seconds)
         };
         let facts = [
             fact("file", self.name.clone()),

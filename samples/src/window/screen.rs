@@ -101,9 +101,10 @@ impl Screen {
             },
         )?;
         let has = |optional| device.capabilities().has(optional);
-        let reports = match has(Optional::PresentWait) || has(Optional::DisplayTiming) {
-            true => PresentReports::Times,
-            false => PresentReports::Missing,
+        let reports = if has(Optional::PresentWait) || has(Optional::DisplayTiming) {
+            PresentReports::Times
+        } else {
+            PresentReports::Missing
         };
         let [shortest, longest] = REFRESH_PERIOD;
         let sane = refresh.filter(|refresh| (shortest..=longest).contains(refresh));
@@ -180,7 +181,8 @@ impl Screen {
         if self.queued.len() == MOST_QUEUED {
             self.queued.pop_front();
         }
-        let (id, tick) = (presented.id, presented.tick);
+        let id = presented.id;
+        let tick = presented.tick;
         self.queued.push_back(Queued { frame, id, tick, is_finished: false, is_shown: false });
         Ok(PresentResult::Presented(presented))
     }
@@ -268,8 +270,10 @@ impl Screen {
 
     /// Checks the results of the frames that are queued. Never waits.
     fn look(&mut self) -> Result<(), RunError> {
-        let (completed, at) = (self.device.completed()?, self.clock.now());
-        let (queued, pacer) = (&mut self.queued, &mut self.pacer);
+        let completed = self.device.completed()?;
+        let at = self.clock.now();
+        let queued = &mut self.queued;
+        let pacer = &mut self.pacer;
         for queued in queued.iter_mut().filter(|queued| !queued.is_finished) {
             if queued.tick <= completed {
                 queued.is_finished = true;

@@ -342,7 +342,8 @@ impl Session {
     }
 
     fn trace_submit(&mut self, scope: Scope, has_times: bool) -> Result<(), RunError> {
-        let (began, known) = (scope.began, self.clock.now());
+        let began = scope.began;
+        let known = self.clock.now();
         self.end_scope(scope);
         let passes = if has_times { self.renderer.pass_times() } else { &[] };
         self.profiler.frame(passes);

@@ -168,7 +168,8 @@ impl Trace {
             Calibration::Bounds { .. } => None,
         };
         for pass in passes {
-            let (began_ns, took_ns) = (pass.began_ns as f64, pass.gpu_ms * 1e6);
+            let began_ns = pass.began_ns as f64;
+            let took_ns = pass.gpu_ms * 1e6;
             self.push(Event { name: pass.label, thread: GPU, began_ns, took_ns, offset_ns });
         }
         Ok(())

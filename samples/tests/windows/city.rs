@@ -125,7 +125,8 @@ fn a_driver_that_lies_is_found_and_named() {
     let scratch = Scratch::new("city-trust");
     let shaders = scratch.0.join("shaders");
     copy_shaders(&shaders);
-    let (shader, line) = (shaders.join("proxy.frag"), "layout(early_fragment_tests) in;");
+    let shader = shaders.join("proxy.frag");
+    let line = "layout(early_fragment_tests) in;";
     let text = fs::read_to_string(&shader).unwrap();
     assert!(text.contains(line));
     fs::write(&shader, text.replace(line, "")).unwrap();
@@ -376,7 +377,8 @@ fn check_trace(text: &str) {
         let of_name = events.iter().filter(|event| event["name"] == name);
         of_name.map(|event| event["ts"].as_f64().unwrap()).collect::<Vec<_>>()
     };
-    let (renders, visible) = (named("render"), named("draw visible"));
+    let renders = named("render");
+    let visible = named("draw visible");
     assert_eq!((renders.len(), visible.len()), (10, 8), "two frames are on their way in the end");
     for (render, visible) in renders.iter().zip(&visible) {
         assert!(visible >= render, "the GPU draws at {visible} what is submitted after {render}");

@@ -27,7 +27,8 @@ fn use_russian(server: &Xvfb) {
 
 #[test]
 fn letters_do_the_same_in_a_layout_without_latin_ones() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("keys-russian"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("keys-russian");
     let running = Running::city(&scratch, &server, &[]);
     let window = Seen::wait_for(&server);
     let codes = ['f', 'p'].map(|letter| window.code_of(letter.into()));
@@ -44,7 +45,8 @@ fn letters_do_the_same_in_a_layout_without_latin_ones() {
 
 #[test]
 fn help_lists_the_keys_and_escape_closes_it() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("keys-help"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("keys-help");
     let arguments = ["--hud", "off", "--size", "1280x720"];
     let expected = headless(&scratch, &["--size", "1280x720"]);
     let running = Running::city(&scratch, &server, &arguments);
@@ -61,7 +63,8 @@ fn help_lists_the_keys_and_escape_closes_it() {
 
 #[test]
 fn a_row_of_a_list_is_chosen_by_a_click() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("keys-click"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("keys-click");
     let running = Running::city(&scratch, &server, &["--hud", "off", "--size", "1280x720"]);
     let window = Seen::wait_for(&server);
     window.point_at([60, 692]);
@@ -77,7 +80,8 @@ fn a_row_of_a_list_is_chosen_by_a_click() {
 
 #[test]
 fn the_title_says_scene_strategy_and_rate() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("keys-title"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("keys-title");
     let running = Running::city(&scratch, &server, &["--scene", "field"]);
     let window = Seen::wait_for(&server);
     window.await_title(|title| {
@@ -91,7 +95,8 @@ fn the_title_says_scene_strategy_and_rate() {
 
 #[test]
 fn the_mouse_looks_while_held_and_while_captured() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("keys-mouse"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("keys-mouse");
     let expected = headless(&scratch, &["--size", SIZE]);
     let running = Running::city(&scratch, &server, &["--hud", "off"]);
     let window = Seen::wait_for(&server);
@@ -128,7 +133,8 @@ fn the_mouse_looks_while_held_and_while_captured() {
 
 #[test]
 fn the_wheel_says_how_fast() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("keys-wheel"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("keys-wheel");
     let running = Running::city(&scratch, &server, &[]);
     let window = Seen::wait_for(&server);
     window.point_at([100, 90]);
@@ -141,7 +147,8 @@ fn the_wheel_says_how_fast() {
 /// Checks that full screen is asked for and left; the test is the window manager.
 #[test]
 fn full_screen_and_back() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("keys-full"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("keys-full");
     let running = Running::city(&scratch, &server, &["--hud", "off"]);
     let window = Seen::wait_for(&server);
     window.await_pixels(&headless(&scratch, &["--size", SIZE]), "the image");
@@ -158,7 +165,8 @@ fn full_screen_and_back() {
 
 #[test]
 fn a_compositor_gives_the_full_screen() {
-    let (compositor, scratch) = (Weston::start(), Scratch::new("keys-full-wayland"));
+    let compositor = Weston::start();
+    let scratch = Scratch::new("keys-full-wayland");
     std::fs::write(scratch.0.join("script"), "5 full_screen\n30 screenshot\n40 quit\n").unwrap();
     let arguments = ["--objects", "500", "--size", SIZE, "--device", "llvmpipe", "--hud", "off"];
     let rest = ["--script", "script", "--out", "shots", "--validation", "sync"];
@@ -172,7 +180,8 @@ fn a_compositor_gives_the_full_screen() {
 
 #[test]
 fn a_strategy_is_chosen_from_a_list() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("keys-strategies"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("keys-strategies");
     let running = Running::city(&scratch, &server, &[]);
     let window = Seen::wait_for(&server);
     window.await_title(|title| title.contains("antumbra"));
@@ -190,7 +199,8 @@ fn a_strategy_is_chosen_from_a_list() {
 
 #[test]
 fn a_scene_is_chosen_from_a_list_or_by_its_path() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("keys-scenes"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("keys-scenes");
     std::fs::write(scratch.0.join("broken.glb"), "no glTF").unwrap();
     let running = Running::city(&scratch, &server, &["--costs", "ignored"]);
     let window = Seen::wait_for(&server);
@@ -214,7 +224,8 @@ fn a_scene_is_chosen_from_a_list_or_by_its_path() {
 
 #[test]
 fn a_click_says_what_an_object_is() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("keys-click"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("keys-click");
     let expected = headless(&scratch, &["--size", SIZE]);
     let running = Running::city(&scratch, &server, &["--hud", "off"]);
     let window = Seen::wait_for(&server);
@@ -234,7 +245,8 @@ fn a_click_says_what_an_object_is() {
 
 #[test]
 fn a_key_compares_with_no_culling() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("keys-compare"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("keys-compare");
     let expected = headless(&scratch, &["--size", SIZE]);
     let running = Running::city(&scratch, &server, &["--hud", "off"]);
     let window = Seen::wait_for(&server);

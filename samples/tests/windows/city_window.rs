@@ -16,7 +16,8 @@ const RECORDING: [u8; 3] = [255, 70, 60];
 
 #[test]
 fn the_window_shows_what_is_drawn_without_one_in_every_mode() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-right"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-right");
     for (device, modes) in [
         ("llvmpipe", &["fifo", "fifo_relaxed", "mailbox", "immediate"][..]),
         ("SwiftShader", &["fifo", "mailbox"]),
@@ -35,7 +36,8 @@ fn the_window_shows_what_is_drawn_without_one_in_every_mode() {
 
 #[test]
 fn keys_do_what_they_say() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-keys"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-keys");
     let expected = headless(&scratch, &["--size", SIZE]);
     let running = Running::city(&scratch, &server, &["--out", "shots"]);
     let window = Seen::wait_for(&server);
@@ -79,7 +81,8 @@ fn keys_do_what_they_say() {
 /// Checks that errors are shown without the HUD, too, and disappear.
 #[test]
 fn what_cannot_be_is_told_without_the_hud() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-told"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-told");
     let expected = headless(&scratch, &["--size", SIZE]);
     fs::write(scratch.0.join("script"), "3 strategy pyramid\n").unwrap();
     let running = Running::city(&scratch, &server, &["--hud", "off", "--script", "script"]);
@@ -96,7 +99,8 @@ fn what_cannot_be_is_told_without_the_hud() {
 
 #[test]
 fn the_image_follows_the_window() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-sizes"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-sizes");
     let running = Running::city(&scratch, &server, &["--hud", "off"]);
     let window = Seen::wait_for(&server);
     for size in [[200, 300], [1, 1], [801, 77], [320, 180]] {
@@ -123,7 +127,8 @@ fn the_image_follows_the_window() {
 
 #[test]
 fn a_window_that_is_destroyed_is_a_good_end() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-destroyed"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-destroyed");
     let running = Running::city(&scratch, &server, &["--hud", "off"]);
     let window = Seen::wait_for(&server);
     let expected = headless(&scratch, &["--size", SIZE]);
@@ -134,7 +139,8 @@ fn a_window_that_is_destroyed_is_a_good_end() {
 
 #[test]
 fn a_display_that_dies_leaves_the_trace() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-display"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-display");
     let running = Running::city(&scratch, &server, &["--hud", "off", "--trace", "trace.json"]);
     let window = Seen::wait_for(&server);
     window.await_pixels(&headless(&scratch, &["--size", SIZE]), "the image");
@@ -147,7 +153,8 @@ fn a_display_that_dies_leaves_the_trace() {
 /// Checks that the image survives 1,000 changes, one before each frame.
 #[test]
 fn whatever_is_switched_the_image_stays() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-switches"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-switches");
     let expected = headless(&scratch, &["--size", SIZE]);
     let strategies = [
         "frustum",
@@ -162,7 +169,8 @@ fn whatever_is_switched_the_image_stays() {
         "antumbra_compute",
     ];
     let modes = ["fifo", "fifo_relaxed", "mailbox", "immediate"];
-    let (mut script, mut seed) = (String::new(), 7_u32);
+    let mut script = String::new();
+    let mut seed = 7_u32;
     for frame in 0..1000 {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let number = (seed >> 16) as usize;
@@ -191,12 +199,14 @@ fn whatever_is_switched_the_image_stays() {
 /// Checks that the statistics at the end are of the newest conditions alone.
 #[test]
 fn statistics_start_anew_with_another_strategy_or_size() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-statistics"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-statistics");
     for change in ["60 strategy frustum\n", "60 frames_in_flight 3\n"] {
         fs::write(scratch.0.join("script"), change).unwrap();
         let mut running =
             Running::city(&scratch, &server, &["--script", "script", "--frames", "80"]);
-        let (status, log) = (running.end(), running.log());
+        let status = running.end();
+        let log = running.log();
         assert!(status.success(), "{status}: {log}");
         let frames = log.split("of the last ").nth(1).and_then(|rest| rest.split(' ').next());
         let frames: u32 = frames.unwrap().parse().unwrap();
@@ -207,30 +217,35 @@ fn statistics_start_anew_with_another_strategy_or_size() {
 /// Checks that each step means the next mode, although no image followed yet.
 #[test]
 fn two_steps_in_one_frame_are_two_present_modes() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-steps"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-steps");
     fs::write(scratch.0.join("script"), "10 present_mode\n10 present_mode\n").unwrap();
     let mut running = Running::city(&scratch, &server, &["--script", "script", "--frames", "20"]);
-    let (status, log) = (running.end(), running.log());
+    let status = running.end();
+    let log = running.log();
     assert!(status.success(), "{status}: {log}");
     assert!(log.contains("present mode fifo_relaxed") && log.contains("present mode mailbox"));
 }
 
 #[test]
 fn a_signal_closes_the_window() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-signal"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-signal");
     fs::write(scratch.0.join("script"), "0 record\n2 screenshot\n").unwrap();
     let mut running = Running::city(&scratch, &server, &["--script", "script", "--out", "out"]);
     running.await_text("wrote out/city_00002.png");
     let process = rustix::process::Pid::from_child(&running.process);
     rustix::process::kill_process(process, rustix::process::Signal::TERM).unwrap();
-    let (status, log) = (running.end(), running.log());
+    let status = running.end();
+    let log = running.log();
     assert_eq!(status.code(), Some(143), "{status}: {log}");
     assert!(log.contains(" frames in out/path_"), "{log}");
 }
 
 #[test]
 fn it_runs_under_wayland() {
-    let (compositor, scratch) = (Weston::start(), Scratch::new("window-wayland"));
+    let compositor = Weston::start();
+    let scratch = Scratch::new("window-wayland");
     // The driver has two modes there, and takes them for the others.
     let immediate = "this window has no immediate; it is mailbox instead";
     let relaxed = "this window has no fifo_relaxed; it is fifo instead";
@@ -256,7 +271,8 @@ fn it_runs_under_wayland() {
 /// Checks that a variable of a terminated compositor does not hide the display that exists.
 #[test]
 fn a_stale_wayland_display_falls_back_to_x11() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-stale"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-stale");
     let small = ["--objects", "500", "--size", SIZE, "--device", "llvmpipe", "--frames", "3"];
     let mut command = program(crate::CITY, &scratch.0, &small);
     command.env("DISPLAY", server.display()).env("WAYLAND_DISPLAY", "wayland-of-yesterday");
@@ -266,7 +282,8 @@ fn a_stale_wayland_display_falls_back_to_x11() {
 
 #[test]
 fn the_triangle_opens_a_window_and_closes_it() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-triangle"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-triangle");
     let mut command = Command::new(crate::TRIANGLE);
     command.env("DISPLAY", server.display()).env_remove("WAYLAND_DISPLAY");
     let running = Running::start(command, &scratch);
@@ -281,10 +298,12 @@ fn the_triangle_opens_a_window_and_closes_it() {
             let drawn: Vec<usize> = (0..found.len()).filter(drawn).collect();
             let side = |coordinate: fn(usize, usize) -> usize| {
                 let all = drawn.iter().map(|place| coordinate(*place, size[0] as usize));
-                let (least, most) = (all.clone().min(), all.max());
+                let least = all.clone().min();
+                let most = all.max();
                 most.zip(least).map_or(0, |(most, least)| most + 1 - least) as f64
             };
-            let [width, height] = [side(|place, row| place % row), side(|place, row| place / row)];
+            let width = side(|place, row| place % row);
+            let height = side(|place, row| place / row);
             // It is 2 wide and 1.7 high, 3 away, and the image shows 0.9 rad.
             let expected = f64::from(size[1]) * 1.7 / (6.0 * 0.45_f64.tan());
             (height - expected).abs() < 3.0 && (width * 1.7 - height * 2.0).abs() < 6.0
@@ -296,7 +315,8 @@ fn the_triangle_opens_a_window_and_closes_it() {
 
 #[test]
 fn a_triangle_that_cannot_be_drawn_in_a_window_is_no_success() {
-    let (server, scratch) = (Xvfb::start(), Scratch::new("window-no-triangle"));
+    let server = Xvfb::start();
+    let scratch = Scratch::new("window-no-triangle");
     let mut command = Command::new(crate::TRIANGLE);
     command.env("DISPLAY", server.display()).env_remove("WAYLAND_DISPLAY");
     command.env("VK_ADD_DRIVER_FILES", "").env("VK_DRIVER_FILES", "/nowhere.json");

@@ -31,7 +31,8 @@ fn points_and_lines_are_some_pixels_wide_in_small_and_large_images() {
                 image.iter().filter(is_strong).count() as f32
             };
             // Four cubes, and four lines of about half of the image's height.
-            let (points, lines) = (count(0), count(1));
+            let points = count(0);
+            let lines = count(1);
             let point = (height / 120.0_f32).powi(2);
             assert!(
                 points > 4.0 * point * 0.5 && points < 4.0 * point * 3.0,

@@ -173,7 +173,7 @@ fn of_little_that_shows_coarser_levels_are_drawn_and_a_key_says_so() {
     };
     let triangles = |log: &str| -> Vec<u64> {
         let found = log.split("triangles: ").skip(1);
-        found.map(|it| it.split(';').next().unwrap().trim().parse().unwrap()).collect()
+        found.map(|found| found.split(';').next().unwrap().trim().parse().unwrap()).collect()
     };
     let log = run(&["--detail", "0.1"]);
     assert!(log.contains("detail by visible samples of 1 objects, too"), "{log}");

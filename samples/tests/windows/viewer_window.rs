@@ -60,7 +60,8 @@ fn scratch(name: &str) -> Scratch {
 
 #[test]
 fn the_window_shows_what_is_drawn_without_one() {
-    let (server, scratch) = (Xvfb::start(), scratch("viewer-window"));
+    let server = Xvfb::start();
+    let scratch = scratch("viewer-window");
     fs::write(scratch.0.join("script"), "0 pause\n").unwrap();
     let still = ["small.glb", "--camera", "still", "--script", "script", "--hud", "off"];
     let rest = ["--headless", "--frames", "2", "--out", "headless"];
@@ -86,7 +87,8 @@ fn the_window_shows_what_is_drawn_without_one() {
 
 #[test]
 fn a_file_that_cannot_be_shown_ends_with_2_in_a_window_too() {
-    let (server, scratch) = (Xvfb::start(), scratch("viewer-window-broken"));
+    let server = Xvfb::start();
+    let scratch = scratch("viewer-window-broken");
     fs::write(scratch.0.join("cut.glb"), &scene::small()[..200]).unwrap();
     let mut running = Running::start(&scratch, &server, &["cut.glb"]);
     let status = running.end();
@@ -98,7 +100,8 @@ fn a_file_that_cannot_be_shown_ends_with_2_in_a_window_too() {
 /// replaces it.
 #[test]
 fn files_can_be_dropped_into_the_window() {
-    let (server, scratch) = (Xvfb::start(), scratch("viewer-window-drop"));
+    let server = Xvfb::start();
+    let scratch = scratch("viewer-window-drop");
     fs::write(scratch.0.join("cut.glb"), &scene::small()[..200]).unwrap();
     fs::write(scratch.0.join("thin.glb"), scene::thin()).unwrap();
     fs::write(scratch.0.join("script"), "0 pause\n").unwrap();
@@ -132,7 +135,8 @@ fn files_can_be_dropped_into_the_window() {
 
 #[test]
 fn a_signal_while_it_loads_ends_it() {
-    let (server, scratch) = (Xvfb::start(), scratch("viewer-window-signal"));
+    let server = Xvfb::start();
+    let scratch = scratch("viewer-window-signal");
     let mut running = Running::start(&scratch, &server, &["small.glb"]);
     let _window = Seen::wait_for(&server);
     let process = rustix::process::Pid::from_child(&running.process);
@@ -143,7 +147,8 @@ fn a_signal_while_it_loads_ends_it() {
 
 #[test]
 fn an_empty_window_waits_for_a_file() {
-    let (server, scratch) = (Xvfb::start(), scratch("viewer-window-empty"));
+    let server = Xvfb::start();
+    let scratch = scratch("viewer-window-empty");
     let mut running = Running::start(&scratch, &server, &[]);
     let window = Seen::wait_for(&server);
     window.await_that("what to do", |found| of_colour(found, [250, 210, 90]) > 0);

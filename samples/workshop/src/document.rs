@@ -146,7 +146,8 @@ impl Document {
     /// Returns the place of an object now.
     pub fn transform(&self, object: ObjectId) -> Affine3A {
         let index = object.0 as usize;
-        let rest = self.scene.objects.get(index).map_or(Affine3A::IDENTITY, |it| it.transform);
+        let rest =
+            self.scene.objects.get(index).map_or(Affine3A::IDENTITY, |object| object.transform);
         let turned = match &self.lid {
             Some(lid) if self.turns[index] => rotation(&lid.hinge, self.lid_rad) * rest,
             _ => rest,
@@ -269,10 +270,8 @@ impl Document {
             return Err(CommandError::NothingSelected);
         }
         for (object, display) in (0..).map(ObjectId).zip(&mut self.displays) {
-            *display = match self.selected.contains(&object) {
-                true => Display::Shown,
-                false => Display::Hidden,
-            };
+            *display =
+                if self.selected.contains(&object) { Display::Shown } else { Display::Hidden };
         }
         Ok(())
     }

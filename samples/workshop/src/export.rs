@@ -138,8 +138,10 @@ impl Writer {
             normalized: true,
             ..accessor(view, ComponentType::U8, Type::Vec4, mesh.vertices.len())
         });
-        let view = self
-            .view(mesh.indices.iter().flat_map(|it| it.to_le_bytes()), Target::ElementArrayBuffer);
+        let view = self.view(
+            mesh.indices.iter().flat_map(|index| index.to_le_bytes()),
+            Target::ElementArrayBuffer,
+        );
         let indices = accessor(view, ComponentType::U32, Type::Scalar, mesh.indices.len());
         let primitive = Primitive {
             attributes: BTreeMap::from([
@@ -275,7 +277,8 @@ mod tests {
         let loaded = load_bytes(bytes, None, &LoadOptions::default(), &mut progress).unwrap();
         assert!(loaded.notes.is_empty(), "{:?}", loaded.notes);
         assert_eq!(loaded.scene.objects.len(), nodes);
-        let (found, expected) = (loaded.bounds(), document.shown_bounds());
+        let found = loaded.bounds();
+        let expected = document.shown_bounds();
         assert!((found.min - expected.min).length() < 1e-4, "{found:?} {expected:?}");
         assert!((found.max - expected.max).length() < 1e-4, "{found:?} {expected:?}");
     }

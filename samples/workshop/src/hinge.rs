@@ -247,7 +247,8 @@ impl LidCollision {
     /// Returns the distance of a pair, in metres; 0 where the surfaces meet.
     fn distance_m(&self, pair: Pair, angle_rad: f32) -> f32 {
         let moved = pose(&rotation(&self.hinge, angle_rad));
-        let (moving, fixed) = (&self.moving[pair.moving].mesh, &self.fixed[pair.fixed].mesh);
+        let moving = &self.moving[pair.moving].mesh;
+        let fixed = &self.fixed[pair.fixed].mesh;
         // Two meshes of triangles are always supported.
         let found = query::distance(&moved, moving, &Pose::IDENTITY, fixed);
         found.map_or(0.0, |found| found.distance / MM)

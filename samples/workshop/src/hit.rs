@@ -144,7 +144,9 @@ mod tests {
         for projection in
             [Projection::perspective(1.0), Projection::Orthographic { height: 2.0, far: 9.0 }]
         {
-            let (eye, forward, up) = (Vec3::Z * 3.0, Vec3::NEG_Z, Vec3::Y);
+            let eye = Vec3::Z * 3.0;
+            let forward = Vec3::NEG_Z;
+            let up = Vec3::Y;
             let camera = Camera { eye, forward, up, projection, near: 0.5 };
             let view = View::new(&camera, [101, 51], 8);
             let ray = Ray::of_pixel(&view, 50, 25);

@@ -61,9 +61,12 @@ mod tests {
         let mut corners = Vec::new();
         for quad in 0..quads {
             let at = |offset: u32| (quad + offset) as f32 / quads as f32;
-            let [left, right] = [at(0), at(1)];
-            let [a, b] = [[left, 0.0, 0.0], [right, 0.0, 0.0]];
-            let [c, d] = [[right, 0.2, 0.0], [left, 0.2, 0.0]];
+            let left = at(0);
+            let right = at(1);
+            let a = [left, 0.0, 0.0];
+            let b = [right, 0.0, 0.0];
+            let c = [right, 0.2, 0.0];
+            let d = [left, 0.2, 0.0];
             corners.extend([a, b, c, a, c, d].map(|corner| (corner, grey)));
         }
         Mesh::of_triangles("strip", &corners)

@@ -322,7 +322,8 @@ mod tests {
         for step in 1..=1000 {
             let flatness = step as f32 / 1000.0;
             let now = OrbitCamera { flatness, ..camera };
-            let (kept, moved) = (place(&now, in_plane), place(&now, behind));
+            let kept = place(&now, in_plane);
+            let moved = place(&now, behind);
             // Half a pixel of a thousand.
             assert!((kept - expected).truncate().length() < 1e-3, "{flatness}: {kept}");
             assert!((moved - last).truncate().length() < 2e-3, "{flatness}: {moved} after {last}");

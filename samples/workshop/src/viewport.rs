@@ -174,7 +174,8 @@ impl ModelViewport {
         let mut added = Vec::new();
         for (index, placed) in self.placed.iter_mut().enumerate() {
             let id = ObjectId(index as u32);
-            let (display, transform) = (document.display(id), document.transform(id));
+            let display = document.display(id);
+            let transform = document.transform(id);
             if (display, transform) == (placed.display, placed.transform) {
                 continue;
             }

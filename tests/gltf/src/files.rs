@@ -125,7 +125,8 @@ impl GltfFile {
             let axes = 0..components;
             let min = axes.clone().map(|axis| of_axis(axis).fold(f32::INFINITY, f32::min));
             let max = axes.map(|axis| of_axis(axis).fold(f32::NEG_INFINITY, f32::max));
-            let (min, max): (Vec<f32>, Vec<f32>) = (min.collect(), max.collect());
+            let min: Vec<f32> = min.collect();
+            let max: Vec<f32> = max.collect();
             self.set(&format!("/accessors/{accessor}/min"), json!(min));
             self.set(&format!("/accessors/{accessor}/max"), json!(max));
         }

@@ -25,9 +25,11 @@ pub fn check(imported: &GltfScene) {
 }
 
 fn check_surfaces(imported: &GltfScene) {
-    let (scene, surfaces) = (&imported.scene, imported.scene.surfaces.as_ref().expect("surfaces"));
+    let scene = &imported.scene;
+    let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
     assert_eq!(scene.meshes.len(), surfaces.meshes.len());
-    let sprites: Vec<usize> = surfaces.sprites.iter().map(|it| it.mesh.0 as usize).collect();
+    let sprites: Vec<usize> =
+        surfaces.sprites.iter().map(|sprite| sprite.mesh.0 as usize).collect();
     for (place, (mesh, surface)) in scene.meshes.iter().zip(&surfaces.meshes).enumerate() {
         assert_eq!(mesh.vertices.len(), surface.vertices.len());
         let is_seen = !mesh.indices.is_empty() || sprites.binary_search(&place).is_ok();
@@ -60,7 +62,9 @@ fn check_surfaces(imported: &GltfScene) {
             assert!(used.transform.is_finite());
         }
     }
-    assert!(surfaces.textures.iter().all(|it| (it.image.0 as usize) < surfaces.images.len()));
+    assert!(
+        surfaces.textures.iter().all(|texture| (texture.image.0 as usize) < surfaces.images.len())
+    );
     assert!(!surfaces.lights.is_empty());
     for light in &surfaces.lights {
         assert!(light.position.is_finite() && light.direction.is_normalized(), "{light:?}");
@@ -88,7 +92,8 @@ fn check_surfaces(imported: &GltfScene) {
 }
 
 fn check_placements(imported: &GltfScene) {
-    let (scene, surfaces) = (&imported.scene, imported.scene.surfaces.as_ref().expect("surfaces"));
+    let scene = &imported.scene;
+    let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
     let mut is_skinned = vec![false; scene.meshes.len()];
     for skinned_mesh in &surfaces.skinned_meshes {
         is_skinned[skinned_mesh.mesh.0 as usize] = true;

@@ -47,7 +47,8 @@ pub fn try_bytes(bytes: &[u8]) -> Result<(), ImportError> {
 fn read_everything(source: &Source) {
     let document = &source.document;
     for accessor in document.accessors() {
-        let (index, count) = (accessor.index(), accessor.count());
+        let index = accessor.index();
+        let count = accessor.count();
         let _ = accessor.view().map(|view| (view.buffer().index(), view.stride(), view.target()));
         let lengths = [
             source.floats::<1>(index).map(|all| all.len()),

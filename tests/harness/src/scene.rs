@@ -22,7 +22,8 @@ impl Bytes {
             let columns = (0..width).map(|column| rows.clone().map(move |row| row[column]));
             columns.map(|column| column.reduce(pick).unwrap_or_default()).collect()
         };
-        let (min, max) = (extreme(f32::min), extreme(f32::max));
+        let min = extreme(f32::min);
+        let max = extreme(f32::max);
         let count = numbers.len() / width;
         self.add(
             &bytes,
@@ -48,7 +49,9 @@ impl Bytes {
 
 /// Returns a box from -1 to 1, its faces apart: positions, normals, indices.
 fn cube() -> (Vec<f32>, Vec<f32>, Vec<u16>) {
-    let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    let mut positions = Vec::new();
+    let mut normals = Vec::new();
+    let mut indices = Vec::new();
     for axis in 0..3 {
         for side in [-1.0_f32, 1.0] {
             let first = (positions.len() / 3) as u16;
@@ -103,7 +106,8 @@ pub const LAMPS_NOTE: &str =
 pub fn small_with_lamps(lamps: usize) -> Vec<u8> {
     let small = small();
     let length = u32::from_le_bytes(small[12..16].try_into().expect("a length")) as usize;
-    let (document, buffer) = (&small[20..20 + length], &small[28 + length..]);
+    let document = &small[20..20 + length];
+    let buffer = &small[28 + length..];
     let mut document: Value = serde_json::from_slice(document).expect("JSON");
     document["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     document["extensions"] = json!({
@@ -121,7 +125,9 @@ pub fn small_with_lamps(lamps: usize) -> Vec<u8> {
 /// Writes files of which none is a scene, or omits them. Returns their names.
 pub fn write_unreadable(folder: &Path) -> [&'static str; 5] {
     let whole = small();
-    let [cut, empty, text] = ["cut.glb", "empty.glb", "text.gltf"];
+    let cut = "cut.glb";
+    let empty = "empty.glb";
+    let text = "text.gltf";
     for (file, bytes) in [(cut, &whole[..whole.len() / 2]), (empty, b""), (text, b"no JSON")] {
         fs::write(folder.join(file), bytes).expect("the target folder is writable");
     }
@@ -148,7 +154,8 @@ fn small_with(camera: Option<&Value>, first_z: f32, last_z: f32) -> Vec<u8> {
         json!({"name": "floor", "mesh": 1, "translation": [0.0, -0.7, 0.0], "scale": [14.0, 0.1, 14.0]}),
     ];
     for place in 0..60_u8 {
-        let (column, row) = (f32::from(place % 12), f32::from(place / 12));
+        let column = f32::from(place % 12);
+        let row = f32::from(place / 12);
         nodes.push(json!({
             "name": format!("box {place}"), "mesh": 1 + place % 2,
             "translation": [column * 1.5 - 8.0, 0.4, -2.0 - row * 1.5], "scale": [0.4, 0.8, 0.4],
@@ -193,16 +200,19 @@ pub fn ball() -> Vec<u8> {
     const ROWS: u16 = 24;
     let mut bytes = Bytes::default();
     let point = |number: u16| {
-        let (row, column) = (number / AROUND, number % AROUND);
+        let row = number / AROUND;
+        let column = number % AROUND;
         let turn = f32::from(column) / f32::from(AROUND) * std::f32::consts::TAU;
         let (radius, y) = (f32::from(row) / f32::from(ROWS) * std::f32::consts::PI).sin_cos();
         [radius * turn.sin(), y, radius * turn.cos()]
     };
     let points: Vec<[f32; 3]> = (0..AROUND * (ROWS + 1)).map(point).collect();
     let quads = (0..AROUND * ROWS).flat_map(|quad| {
-        let (row, column) = (quad / AROUND, quad % AROUND);
+        let row = quad / AROUND;
+        let column = quad % AROUND;
         let [a, b] = [column, (column + 1) % AROUND].map(|column| row * AROUND + column);
-        let (upper, lower) = ([a, a + AROUND, b], [b, a + AROUND, b + AROUND]);
+        let upper = [a, a + AROUND, b];
+        let lower = [b, a + AROUND, b + AROUND];
         [(row > 0).then_some(upper), (row + 1 < ROWS).then_some(lower)].into_iter().flatten()
     });
     let indices: Vec<u16> = quads.flatten().collect();
@@ -255,8 +265,8 @@ pub fn cards(order: [usize; 2]) -> Vec<u8> {
         [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
             .map(|(x, y): (f32, f32)| [x * side, y * side, z])
     };
-    let (places, colours) =
-        ([card(1.0, 1.0), card(1.5, 0.0)], [[1.0, 0.0, 0.0, 0.5], [0.0, 0.0, 1.0, 0.5]]);
+    let places = [card(1.0, 1.0), card(1.5, 0.0)];
+    let colours = [[1.0, 0.0, 0.0, 0.5], [0.0, 0.0, 1.0, 0.5]];
     let positions =
         bytes.floats("VEC3", 3, order.map(|card| places[card]).as_flattened().as_flattened());
     let colours = order.map(|card| [colours[card]; 4]);

@@ -79,7 +79,8 @@ thread_local! {
 pub fn attachment_traffic() -> AttachmentTraffic {
     RECORDER.with_borrow_mut(|recorder| {
         let mut traffic = take(&mut recorder.traffic);
-        traffic.unread = recorder.contents.values_mut().filter_map(|it| it.unread.take()).collect();
+        traffic.unread =
+            recorder.contents.values_mut().filter_map(|content| content.unread.take()).collect();
         traffic.unread.sort_unstable();
         traffic
     })
@@ -178,16 +179,16 @@ unsafe extern "system" fn begin_rendering(
     // SAFETY: here and below: the type is the function's, and the caller passes what it would pass
     // to it, so that what is pointed to is there.
     unsafe {
-        let it = &*info;
-        let colours = match it.color_attachment_count {
+        let subpass = &*info;
+        let colours = match subpass.color_attachment_count {
             0 => &[],
-            count => std::slice::from_raw_parts(it.p_color_attachments, count as usize),
+            count => std::slice::from_raw_parts(subpass.p_color_attachments, count as usize),
         };
         record(|recorder| {
             for colour in colours {
                 recorder.attach(colour, AttachmentKind::Colour);
             }
-            if let Some(depth) = it.p_depth_attachment.as_ref() {
+            if let Some(depth) = subpass.p_depth_attachment.as_ref() {
                 recorder.attach(depth, AttachmentKind::Depth);
             }
             recorder.traffic.renderings += 1;
@@ -202,12 +203,12 @@ unsafe extern "system" fn pipeline_barrier(
 ) {
     // SAFETY: as above.
     unsafe {
-        let it = &*info;
-        let images = match it.image_memory_barrier_count {
+        let rendering = &*info;
+        let images = match rendering.image_memory_barrier_count {
             0 => &[],
-            count => std::slice::from_raw_parts(it.p_image_memory_barriers, count as usize),
+            count => std::slice::from_raw_parts(rendering.p_image_memory_barriers, count as usize),
         };
-        record(|recorder| images.iter().for_each(|it| recorder.change(it)));
+        record(|recorder| images.iter().for_each(|image| recorder.change(image)));
         real::<vk::PFN_vkCmdPipelineBarrier2>(BARRIER)(commands, info);
     }
 }
@@ -227,7 +228,8 @@ unsafe extern "system" fn create_view(
         if code == vk::Result::SUCCESS {
             record(|recorder| {
                 // Handles are used again.
-                let (image, first) = ((*info).image, (*info).subresource_range.base_array_layer);
+                let image = (*info).image;
+                let first = (*info).subresource_range.base_array_layer;
                 recorder.contents.remove(&(image, first));
                 recorder.layers.insert(*made, (image, first));
             });

@@ -74,9 +74,12 @@ unsafe extern "system" fn create_image(
     unsafe {
         let code = real::<vk::PFN_vkCreateImage>(IMAGE)(device, info, callbacks, made);
         let is_transient = (*info).usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT);
-        TRANSIENT.with_borrow_mut(|images| match is_transient && code == vk::Result::SUCCESS {
-            true => images.insert(*made),
-            false => images.remove(&*made),
+        TRANSIENT.with_borrow_mut(|images| {
+            if is_transient && code == vk::Result::SUCCESS {
+                images.insert(*made)
+            } else {
+                images.remove(&*made)
+            }
         });
         code
     }

@@ -42,7 +42,10 @@ fn options() -> RendererOptions {
 }
 
 fn supported(renderer: &Renderer) -> Vec<Strategy> {
-    methods::strategies().into_iter().filter(|it| renderer.supports(*it).is_ok()).collect()
+    methods::strategies()
+        .into_iter()
+        .filter(|strategy| renderer.supports(*strategy).is_ok())
+        .collect()
 }
 
 /// Renders frames of a walk, and hands out the traffic of each. Nobody reads the image.

@@ -73,7 +73,8 @@ impl Stage {
             image: Some(image),
             ..FrameRequest::new(strategy, self.path.camera(frame))
         };
-        let (mut failed, mut queries) = (Ok(()), 0);
+        let mut failed = Ok(());
+        let mut queries = 0;
         for frame in 0..FRAMES {
             let strategies = [Strategy::ANTUMBRA, methods::PYRAMID];
             for ((history, image), strategy) in histories.iter_mut().zip(&images).zip(strategies) {
@@ -288,7 +289,8 @@ fn prices_that_cannot_be_measured_are_no_reason_to_fail() {
         assert!(made(options).unwrap().is_some());
         all.iter().map(|name| calls(name)).collect()
     };
-    let (without, with) = (counts(&told), counts(&measured));
+    let without = counts(&told);
+    let with = counts(&measured);
     let mut forgiven = 0;
     for (call, (without, with)) in all.iter().zip(without.into_iter().zip(with)) {
         // A handful of calls follow it; half of those that it makes are surely its

@@ -20,7 +20,8 @@ fn boxes() -> [ProxyBox; 3] {
 #[test]
 fn every_answer_is_home_when_its_piece_is_over() {
     run_on_all(|device| {
-        let (wall_pass, proxies) = (DepthBoxes::new(device), proxy_pass(device));
+        let wall_pass = DepthBoxes::new(device);
+        let proxies = proxy_pass(device);
         let view = square_view(device, 64);
         let mut target = Target::new(device, [64, 64], "target").unwrap();
         let mut ring = FrameRing::new(device, 2).unwrap();

@@ -171,7 +171,9 @@ fn compare(
 
 fn executors(device: &Device) -> Vec<Predication> {
     let all = Predication::ALL;
-    all.into_iter().filter(|it| Predicates::linked(device, Some(*it), 1, 1).is_ok()).collect()
+    all.into_iter()
+        .filter(|predication| Predicates::linked(device, Some(*predication), 1, 1).is_ok())
+        .collect()
 }
 
 #[test]
@@ -195,7 +197,8 @@ fn objects_of_any_draws_in_any_buckets_look_like_all_draws_while_they_change() {
 #[test]
 fn transparent_objects_are_drawn_untested_where_flags_are_distrusted() {
     run_on_all(|device| {
-        let (mut random, buckets) = (Random(7), 3);
+        let mut random = Random(7);
+        let buckets = 3;
         let how = (buckets, Predication::Instances, Recorder::Engine);
         let trust = Trust::without(&[Assumption::FlagWrites]);
         let mut host = furnish(Host::with_trust(device, how, trust), buckets, &mut random);
@@ -214,7 +217,8 @@ fn transparent_objects_are_drawn_untested_where_flags_are_distrusted() {
 fn draws_that_a_host_records_from_lists_look_like_all_draws() {
     run_on_all(|device| {
         let executors = executors(device);
-        let [first, last] = [executors[0], executors[executors.len() - 1]];
+        let first = executors[0];
+        let last = executors[executors.len() - 1];
         for (buckets, predication, strategy) in [
             (1, first, Strategy::ANTUMBRA),
             (16, last, Strategy::ANTUMBRA_QUERIES),
@@ -230,7 +234,8 @@ fn draws_that_a_host_records_from_lists_look_like_all_draws() {
 fn a_host_that_draws_depth_first_shades_what_shows_and_nothing_else() {
     run_on_all(|device| {
         let executors = executors(device);
-        let [first, last] = [executors[0], executors[executors.len() - 1]];
+        let first = executors[0];
+        let last = executors[executors.len() - 1];
         for (buckets, predication, strategy) in [
             (1, first, Strategy::ANTUMBRA),
             (16, last, Strategy::ANTUMBRA),

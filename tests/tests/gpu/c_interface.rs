@@ -201,7 +201,8 @@ impl<'a> CHost<'a> {
         };
         let bounds = AntumbraAabb { min: [-0.5, -0.5, -3.0], max: [0.5, 0.5, -2.0] };
         let object = AntumbraObject { bounds, first_draw: 0, draw_count: 0 };
-        let (mut scene, mut view) = (AntumbraScene { id: 0 }, AntumbraView { id: 0 });
+        let mut scene = AntumbraScene { id: 0 };
+        let mut view = AntumbraView { id: 0 };
         let mut id = 9;
         // SAFETY: as above.
         unsafe {
@@ -382,7 +383,8 @@ fn mistakes_in_a_frame_are_named_and_the_next_frame_is_recorded() {
     for driver in Driver::ALL {
         let host = Host::new(driver, Purpose::Executor);
         let mut c = CHost::new(&host, null());
-        let (camera, target) = (camera(), c.target());
+        let camera = camera();
+        let target = c.target();
         let good =
             AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
         let small = AntumbraCamera { width: 8, ..camera };
@@ -409,11 +411,11 @@ fn mistakes_in_a_frame_are_named_and_the_next_frame_is_recorded() {
         c.refuse(&[null()], |_| {}, (BadPointer, "a view of desc.views is null"), &good);
         let one = [good_at];
         let refusals: [(Change, AntumbraResult, &str); 5] = [
-            (&|it| it.bind = None, BadPointer, "desc.bind is null"),
-            (&|it| it.current = 1, BadArgument, "frame 1"),
-            (&|it| it.safe = it.current, BadArgument, "no frame is over before it begins"),
-            (&|it| it.commands = vk::CommandBuffer::null(), BadPointer, "desc.commands"),
-            (&|it| it.end_rendering = Some(end), BadArgument, "both or none"),
+            (&|desc| desc.bind = None, BadPointer, "desc.bind is null"),
+            (&|desc| desc.current = 1, BadArgument, "frame 1"),
+            (&|desc| desc.safe = desc.current, BadArgument, "no frame is over before desc begins"),
+            (&|desc| desc.commands = vk::CommandBuffer::null(), BadPointer, "desc.commands"),
+            (&|desc| desc.end_rendering = Some(end), BadArgument, "both or none"),
         ];
         for (change, result, words) in refusals {
             c.refuse(&one, change, (result, words), &good);
@@ -427,9 +429,9 @@ fn mistakes_in_a_frame_are_named_and_the_next_frame_is_recorded() {
 fn more_frames_than_slots_are_refused() {
     let host = Host::new(Driver::Lavapipe, Purpose::Executor);
     let mut c = CHost::new(&host, null());
-    assert_eq!(c.record(&[], |it| it.safe = 0), Ok);
-    assert_eq!(c.record(&[], |it| it.safe = 0), Ok);
-    let third = c.record(&[], |it| it.safe = 0);
+    assert_eq!(c.record(&[], |frame| frame.safe = 0), Ok);
+    assert_eq!(c.record(&[], |frame| frame.safe = 0), Ok);
+    let third = c.record(&[], |frame| frame.safe = 0);
     expect(third, BadArgument, "frame 3", &c.error);
     assert_eq!(c.record(&[], |_| {}), Ok);
     c.finish();
@@ -441,7 +443,8 @@ fn a_host_begins_its_renderings_and_calls_within_a_call_are_refused() {
     for driver in Driver::ALL {
         let host = Host::new(driver, Purpose::Executor);
         let mut c = CHost::new(&host, null());
-        let (camera, target) = (camera(), c.target());
+        let camera = camera();
+        let target = c.target();
         let view =
             AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
         let mut rendering = Rendering {
@@ -452,10 +455,10 @@ fn a_host_begins_its_renderings_and_calls_within_a_call_are_refused() {
             ended: 0,
             inner: Ok,
         };
-        let recorded = c.record(&[&view], |it| {
-            it.user = (&raw mut rendering).cast();
-            it.begin_rendering = Some(begin);
-            it.end_rendering = Some(end);
+        let recorded = c.record(&[&view], |frame| {
+            frame.user = (&raw mut rendering).cast();
+            frame.begin_rendering = Some(begin);
+            frame.end_rendering = Some(end);
         });
         assert_eq!(recorded, Ok, "{}", text(&c.error));
         assert!(rendering.begun > 0 && rendering.begun == rendering.ended);
@@ -471,12 +474,14 @@ fn the_callbacks_of_a_host_give_and_get_all_memory() {
     let callbacks = memory.callbacks();
     let host = Host::new(Driver::Lavapipe, Purpose::Executor);
     let mut c = CHost::new(&host, &callbacks);
-    let (camera, target) = (camera(), c.target());
+    let camera = camera();
+    let target = c.target();
     let view =
         AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
     assert_eq!(c.record(&[&view], |_| {}), Ok, "{}", text(&c.error));
     c.finish();
     host.finish();
-    let [blocks, made] = [memory.blocks.into_inner(), memory.made.into_inner()];
+    let blocks = memory.blocks.into_inner();
+    let made = memory.made.into_inner();
     assert!(made > 10 && blocks == 0, "{made} allocations, {blocks} left");
 }

@@ -67,12 +67,14 @@ fn the_executor_is_the_cheapest_that_the_device_has() {
         let scene = city(400, 5).unwrap().scene;
         let renderer = Renderer::new(device, &scene, &options(Costs::Measured)).unwrap();
         let choice = renderer.price_choice();
-        let has = Predication::ALL.into_iter().filter(|it| it.is_supported(device));
-        let measured: Vec<Predication> = choice.skip_ns.iter().map(|(it, _)| *it).collect();
+        let has =
+            Predication::ALL.into_iter().filter(|predication| predication.is_supported(device));
+        let measured: Vec<Predication> =
+            choice.skip_ns.iter().map(|(predication, _)| *predication).collect();
         assert_eq!(measured.len(), has.clone().count());
-        assert!(has.clone().all(|it| measured.contains(&it)), "{measured:?}");
+        assert!(has.clone().all(|name| measured.contains(&name)), "{measured:?}");
         assert_eq!(measured.first(), Some(&Predication::best(device.capabilities())));
-        let ns_of = |wanted| choice.skip_ns.iter().find(|(it, _)| *it == wanted).unwrap().1;
+        let ns_of = |wanted| choice.skip_ns.iter().find(|(known, _)| *known == wanted).unwrap().1;
         let chosen_ns = ns_of(choice.predication);
         // The first stays unless another is cheaper by a quarter.
         assert!(choice.skip_ns.iter().all(|(_, ns)| chosen_ns <= 1.25 * ns), "{choice:?}");

@@ -15,7 +15,9 @@ const FRAMES: usize = 4;
 /// with a wait per object.
 fn strategies() -> impl Iterator<Item = Strategy> {
     let left_out = [Strategy::FRUSTUM, methods::NAIVE, methods::IDEAL];
-    methods::strategies().into_iter().filter(move |it| it.is_exact() && !left_out.contains(it))
+    methods::strategies()
+        .into_iter()
+        .filter(move |strategy| strategy.is_exact() && !left_out.contains(strategy))
 }
 
 /// Checks that every strategy has no wrong pixels, each with a new view, with a standing `camera`.

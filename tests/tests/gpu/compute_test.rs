@@ -49,9 +49,10 @@ impl World {
     /// Creates a world around `origin`: small numbers round differently from large ones.
     fn new(numbers: &mut Numbers, origin: Vec3) -> Self {
         let eye = origin + numbers.vector(-1.0, 1.0);
-        let projection = match numbers.next() < 0.5 {
-            true => Projection::perspective(numbers.between(0.3, 2.0)),
-            false => Projection::Orthographic { height: numbers.scale(4.0, 60.0), far: 300.0 },
+        let projection = if numbers.next() < 0.5 {
+            Projection::perspective(numbers.between(0.3, 2.0))
+        } else {
+            Projection::Orthographic { height: numbers.scale(4.0, 60.0), far: 300.0 }
         };
         let camera = Camera {
             eye,
@@ -91,7 +92,8 @@ impl World {
         let world = Self::new(numbers, Vec3::ZERO);
         let view = View::new(&world.camera, size, bits);
         let tested = world.tested.into_iter().step_by(10);
-        let (mut occluders, mut kept) = (Vec::new(), Vec::new());
+        let mut occluders = Vec::new();
+        let mut kept = Vec::new();
         for bounds in tested {
             let Some(proxy) = view.margin.proxy(&bounds) else { continue };
             let Rays { kind, origin, forward, down, .. } = view.rays;
@@ -122,7 +124,8 @@ fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)>
 }
 
 fn compare_in(device: &Device, mut target: Target, worlds: &[World]) -> Vec<(u32, u32)> {
-    let (size, attachments) = (target.size(), target.attachments());
+    let size = target.size();
+    let attachments = target.attachments();
     let shaders = ShaderSet::embedded().unwrap();
     let occluder_pass = DepthBoxes::of(device, attachments);
     let proxies = ProxyPass::new(device, &shaders, attachments).unwrap();

@@ -217,7 +217,8 @@ fn counts_follow_objects_that_move_and_end_with_those_that_go() {
             let before = of(&view, HALF).unwrap();
             let place = |by: Vec3| {
                 let bounds = boxes[HALF as usize];
-                let (scale, at) = (bounds.max - bounds.min, bounds.min + by);
+                let scale = bounds.max - bounds.min;
+                let at = bounds.min + by;
                 Affine3A::from_scale_rotation_translation(scale, glam::Quat::IDENTITY, at)
             };
             // Out from behind the wall.
@@ -303,7 +304,7 @@ fn counting_changes_nothing() {
                     renderer.render(view, &request).unwrap();
                     renderer.drain(view).unwrap();
                 }
-                let [plain, counting] = images.each_ref().map(|it| it.rgba8().unwrap());
+                let [plain, counting] = images.each_ref().map(|image| image.rgba8().unwrap());
                 assert_eq!(pixels_that_differ(&plain, &counting), 0, "{strategy}");
                 let known = views[1].visible_samples().iter();
                 counted += known.map(|known| known.samples).sum::<u32>();

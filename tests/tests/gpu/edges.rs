@@ -182,7 +182,8 @@ fn cylinder(sides: u32) -> Mesh {
     };
     let mut corners = Vec::new();
     for side in 0..sides {
-        let (next, middle) = (side + 1, |y: f32| [0.0, y, 0.0]);
+        let next = side + 1;
+        let middle = |y: f32| [0.0, y, 0.0];
         corners.extend([at(side, -1.0), at(side, 1.0), at(next, 1.0)]);
         corners.extend([at(side, -1.0), at(next, 1.0), at(next, -1.0)]);
         corners.extend([at(side, 1.0), middle(1.0), at(next, 1.0)]);
@@ -218,7 +219,8 @@ fn a_cylinder_has_a_closed_outline_from_everywhere() {
                 0 => Projection::perspective(0.8),
                 _ => Projection::Orthographic { height: 4.0, far: 20.0 },
             };
-            let (eye, forward) = (turn * Vec3::Z * 6.0, turn * Vec3::NEG_Z);
+            let eye = turn * Vec3::Z * 6.0;
+            let forward = turn * Vec3::NEG_Z;
             let seen = Camera { eye, forward, up: turn * Vec3::Y, projection, near: 0.1 };
             for mode in [EdgeMode::Visible, EdgeMode::HiddenDashed] {
                 renderer.set_edges(EdgeOptions { width_pixels: 1.5, ..options(mode) }).unwrap();

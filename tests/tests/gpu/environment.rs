@@ -89,7 +89,8 @@ fn the_sky_and_matt_and_metal_floors_are_those_of_the_reference() {
         for material in [matt, metal] {
             let scene = floor(material.clone(), Some(environment.clone()));
             let image = image(&mut renderer(device, &scene), Strategy::ANTUMBRA, camera);
-            let (mut above, mut below) = (0, 0);
+            let mut above = 0;
+            let mut below = 0;
             for y in 0..SIZE[1] {
                 for x in 0..SIZE[0] {
                     let towards = direction(&camera, x, y);
@@ -119,8 +120,10 @@ fn the_sky_and_matt_and_metal_floors_are_those_of_the_reference() {
 fn floor_light(environment: &Environment, material: &Material, towards: Vec3) -> Vec3 {
     let [red, green, blue, _] = material.base_colour;
     let base = vec3(red, green, blue);
-    let (metallic, roughness) = (material.metallic, material.roughness);
-    let (diffuse, specular) = (base * (1.0 - metallic), Vec3::splat(0.04).lerp(base, metallic));
+    let metallic = material.metallic;
+    let roughness = material.roughness;
+    let diffuse = base * (1.0 - metallic);
+    let specular = Vec3::splat(0.04).lerp(base, metallic);
     let n_v = -towards.y;
     let r = [
         1.0 - roughness,
@@ -129,7 +132,8 @@ fn floor_light(environment: &Environment, material: &Material, towards: Vec3) ->
         0.022 * roughness - 0.04,
     ];
     let edge = (r[0] * r[0]).min((-9.28 * n_v).exp2()) * r[0] + r[1];
-    let [scale, offset] = [r[2] - 1.04 * edge, r[3] + 1.04 * edge];
+    let scale = r[2] - 1.04 * edge;
+    let offset = r[3] + 1.04 * edge;
     let mirrored = environment.glossy(vec3(towards.x, -towards.y, towards.z), roughness);
     diffuse * environment.matt(Vec3::Y) + mirrored * (specular * scale + offset)
 }
@@ -143,9 +147,9 @@ fn a_disk_is_where_it_should_be_and_as_large() {
         let disk = SkyDisk { towards, radius_rad: 0.06, radiance: [0.2, 0.9, 0.4] };
         let environment = plain.clone().with_disk(disk).unwrap();
         let material = Material::default();
-        let scenes = [plain, environment].map(|it| floor(material.clone(), Some(it)));
+        let scenes = [plain, environment].map(|light| floor(material.clone(), Some(light)));
         let [plain, found] =
-            scenes.map(|it| image(&mut renderer(device, &it), Strategy::ANTUMBRA, camera));
+            scenes.map(|scene| image(&mut renderer(device, &scene), Strategy::ANTUMBRA, camera));
         let mut inside = 0;
         for y in 0..SIZE[1] {
             for x in 0..SIZE[0] {
@@ -178,7 +182,8 @@ fn a_sky_is_computed_for_each_pixel() {
         let image = image(&mut renderer(device, &scene), Strategy::ANTUMBRA, outside());
         let expected = |x, y| bytes(sky().radiance(direction(&outside(), x, y)));
         for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
-            let (found, expected) = (pixel(&image, x, y), expected(x, y));
+            let found = pixel(&image, x, y);
+            let expected = expected(x, y);
             // Half a step is rounded away, and half a step is added.
             let is_near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1.1);
             assert!(is_near, "{x}, {y}: {found:?} and not {expected:?}");
@@ -195,7 +200,8 @@ fn what_lies_between_two_codes_is_dithered() {
         let scene = floor(Material::default(), Some(Environment::of_sky(&same).unwrap()));
         let image = image(&mut renderer(device, &scene), Strategy::ANTUMBRA, outside());
         for tile in 0..SIZE[0] / 8 * (SIZE[1] / 8) {
-            let [left, top] = [tile % (SIZE[0] / 8) * 8, tile / (SIZE[0] / 8) * 8];
+            let left = tile % (SIZE[0] / 8) * 8;
+            let top = tile / (SIZE[0] / 8) * 8;
             let pixels = (0..64).map(|place| pixel(&image, left + place % 8, top + place / 8));
             let mut mean = [0.0; 3];
             for pixel in pixels {

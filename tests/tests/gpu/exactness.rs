@@ -158,7 +158,7 @@ fn strategies_and_views_can_change_from_frame_to_frame() {
         // The ideal needs the visible set: tests/ideal.rs has it. The literature's
         // methods, which may be slow or not exact, are in tests/strategies.rs.
         let slow = [methods::NAIVE, methods::STOP_AND_WAIT, methods::IDEAL];
-        let is_fit = |it: &Strategy| it.is_exact() && !slow.contains(it);
+        let is_fit = |strategy: &Strategy| strategy.is_exact() && !slow.contains(strategy);
         let strategies: Vec<Strategy> = methods::strategies().into_iter().filter(is_fit).collect();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, [160, 90]).unwrap());
         for frame in 0..40u32 {

@@ -61,16 +61,20 @@ impl Studio {
 
 /// Returns the numbers of pixels that differ inside of an area and outside of it.
 fn differences(a: &[u8], b: &[u8], area: Rect) -> (usize, usize) {
-    let (mut inside, mut outside) = (0, 0);
+    let mut inside = 0;
+    let mut outside = 0;
     for (place, (a, b)) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0).enumerate() {
         let at = [place as u32 % SIZE[0], place as u32 / SIZE[0]];
         let is_in = |side: usize| {
             (area.origin[side]..area.origin[side] + area.size[side]).contains(&at[side])
         };
-        match a == b {
-            true => {}
-            false if is_in(0) && is_in(1) => inside += 1,
-            false => outside += 1,
+        if a == b {
+            continue;
+        }
+        if is_in(0) && is_in(1) {
+            inside += 1;
+        } else {
+            outside += 1;
         }
     }
     (inside, outside)
@@ -105,7 +109,8 @@ fn debug_overlays_are_drawn_where_they_belong_and_go() {
 #[test]
 fn a_debug_overlay_decides_nothing() {
     run_on_all(|device| {
-        let [mut plain, mut explained] = [Studio::new(device), Studio::new(device)];
+        let mut plain = Studio::new(device);
+        let mut explained = Studio::new(device);
         let all = DebugOverlay {
             has_wireframe: true,
             has_boxes: true,
@@ -115,7 +120,7 @@ fn a_debug_overlay_decides_nothing() {
         explained.renderer.set_debug_overlay(all).unwrap();
         assert_eq!(explained.renderer.debug_overlay(), all);
         for frame in 0..12 {
-            let [a, b] = [&mut plain, &mut explained].map(|it| it.render(Strategy::ANTUMBRA).0);
+            let [a, b] = [&mut plain, &mut explained].map(|side| side.render(Strategy::ANTUMBRA).0);
             assert_eq!((a.tests, a.plan.visible), (b.tests, b.plan.visible), "frame {frame}");
         }
         for strategy in [Strategy::FRUSTUM, methods::PYRAMID, methods::COHERENT] {
@@ -141,7 +146,7 @@ fn a_debug_overlay_is_the_same_however_draws_are_skipped() {
         let kinds = Predication::ALL;
         let mut studios = kinds.map(|kind| Studio::with(device, Some(kind)));
         for frame in 0..8 {
-            let images: Vec<_> = studios.iter_mut().map(|it| it.explained(all)).collect();
+            let images: Vec<_> = studios.iter_mut().map(|studio| studio.explained(all)).collect();
             let whole = Rect { origin: [0, 0], size: SIZE };
             let wrong = [1, 2, 3].map(|other| differences(&images[0], &images[other], whole).0);
             assert_eq!(wrong, [0; 3], "frame {frame}: pixels that differ from conditional draws");

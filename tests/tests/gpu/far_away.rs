@@ -33,7 +33,9 @@ fn boxes() -> Vec<Aabb> {
     let at = |low: Vec3, size: Vec3| Aabb::new(low, low + size);
     let mut boxes = vec![at(vec3(-16.0, -1.0, -16.0), vec3(32.0, 1.0, 32.0))];
     boxes.push(at(vec3(-8.0, 0.0, -6.0), vec3(6.0, 2.5, 0.4)));
-    boxes.extend((0..5).map(|it| at(vec3(it as f32 * 3.0 - 6.0, 0.0, 2.0), vec3(0.5, 3.0, 0.5))));
+    boxes.extend(
+        (0..5).map(|index| at(vec3(index as f32 * 3.0 - 6.0, 0.0, 2.0), vec3(0.5, 3.0, 0.5))),
+    );
     for small in 0..25 {
         let [x, z] = [small % 5, small / 5].map(|place| place as f32 * 2.0 - 2.0);
         let height = 0.4 + 0.3 * (small % 4) as f32;
@@ -114,7 +116,8 @@ fn lamps_maps_and_volumes_and_sprites_are_the_same_to_the_bit() {
 #[test]
 fn sun_maps_agree_with_ray_casting_at_every_distance() {
     run_on_all(|device| {
-        let (boxes, [sun, ..]) = (boxes(), lights());
+        let boxes = boxes();
+        let [sun, ..] = lights();
         let scene = yard::scene(&boxes, &[sun]);
         let fine = ShadowOptions { distance_m: Some(40.0), sun_side: 1024, ..shadows() };
         let all = [
@@ -136,7 +139,7 @@ fn sun_maps_agree_with_ray_casting_at_every_distance() {
             assert!(checked > 500 && dark > 10, "{checked}, {dark}");
             // The texels lie elsewhere: at the edges of shadows.
             let apart = |(a, b): (&u8, &u8)| a.abs_diff(*b) > 40;
-            let differing = expected[4].iter().zip(soft).filter(|it| apart(*it)).count();
+            let differing = expected[4].iter().zip(soft).filter(|pixel| apart(*pixel)).count();
             assert!(differing * 100 < soft.len(), "{away}: {differing}");
         }
     });
@@ -236,7 +239,7 @@ fn picks_and_flares_are_the_same() {
             let (objects_there, shares_there) = picked(device, &scene, away);
             assert_eq!(shares_there, shares, "{away}");
             for (there, here) in objects_there.iter().zip(&objects) {
-                assert_eq!(there.map(|it| it.0), here.map(|it| it.0), "{away}");
+                assert_eq!(there.map(|found| found.0), here.map(|found| found.0), "{away}");
                 let apart =
                     there.zip(*here).map_or(0.0, |(there, here)| (there.1 / here.1 - 1.0).abs());
                 assert!(apart < 1e-4, "{away}: {there:?}, {here:?}");

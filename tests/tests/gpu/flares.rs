@@ -54,11 +54,14 @@ fn fence(shift: f32) -> Vec<Aabb> {
 
 /// Returns the view depth at which the ray through a place first meets a box (metres).
 fn hit_m(view: &View, ndc: Vec2, boxes: &[Aabb]) -> f32 {
-    let (from, to) = (view.rays.origin, view.rays.point(ndc, 1.0));
+    let from = view.rays.origin;
+    let to = view.rays.point(ndc, 1.0);
     let towards = to - from;
     let met = |bounds: &Aabb| {
-        let (a, b) = ((bounds.min - from) / towards, (bounds.max - from) / towards);
-        let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+        let a = (bounds.min - from) / towards;
+        let b = (bounds.max - from) / towards;
+        let enter = a.min(b).max_element();
+        let leave = a.max(b).min_element();
         (enter <= leave && enter > 0.0).then_some(enter)
     };
     boxes.iter().filter_map(met).fold(f32::INFINITY, f32::min)
@@ -163,7 +166,8 @@ fn cross(
     let mut view = renderer.new_view().unwrap();
     let camera = |frame: u32| Camera { eye: Vec3::X * (0.01 * frame as f32), ..square_camera() };
     let mut expected: Vec<[Expected; 3]> = Vec::new();
-    let (mut unsure, mut counted) = (0, 0);
+    let mut unsure = 0;
+    let mut counted = 0;
     let mut fractions: Vec<f32> = Vec::new();
     let waits = device.wait_counts().other;
     for frame in 0..40 {
@@ -213,7 +217,8 @@ fn crowd() -> Vec<Aabb> {
     let mut boxes = fence(0.0);
     boxes.push(Aabb::new(vec3(1.5, -4.0, -6.2), vec3(9.0, 4.0, -6.0)));
     boxes.extend((0..300).map(|number| {
-        let (row, column) = (number / 30, number % 30);
+        let row = number / 30;
+        let column = number % 30;
         let place = vec3(column as f32 - 15.0, row as f32 * 0.4 - 2.0, -8.0 - row as f32 * 1.3);
         box_at(place, vec3(0.3, 0.15, 0.3))
     }));
@@ -237,7 +242,7 @@ fn images_with_flares_are_the_same_with_and_without_culling() {
             let images = (0..30).map(|frame| {
                 let image = draw(renderer, &mut view, strategy, camera(frame));
                 let fractions = view.flares().iter().map(|state| state.fraction());
-                partial += fractions.filter(|it| (0.05..0.95).contains(it)).count();
+                partial += fractions.filter(|fraction| (0.05..0.95).contains(fraction)).count();
                 image
             });
             let images: Vec<Readback> = images.collect();

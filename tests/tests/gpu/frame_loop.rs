@@ -35,7 +35,8 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
         device.drain().unwrap();
         let gate = Timeline::new(device, "gate").unwrap();
         let image = Readback::new(device, renderer.size()).unwrap();
-        let (waits, over) = (device.wait_counts(), device.completed().unwrap());
+        let waits = device.wait_counts();
+        let over = device.completed().unwrap();
         for number in 0..FRAMES_IN_FLIGHT {
             let report = renderer.render(
                 &mut view,

@@ -175,7 +175,8 @@ fn write(path: &Path, rgba8: &[u8]) {
 
 #[test]
 fn the_comparison_sees_a_difference() {
-    let (black, mut other) = (vec![0; 4000], vec![0; 4000]);
+    let black = vec![0; 4000];
+    let mut other = vec![0; 4000];
     assert_eq!(difference(&black, &other), (0.0, 0.0));
     other[40] = 9;
     let (far, mean) = difference(&black, &other);

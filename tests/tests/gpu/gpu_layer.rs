@@ -53,7 +53,8 @@ fn ask(
     frames: u64,
     pairs: impl Fn(u64) -> usize,
 ) -> Vec<(u64, bool, u32)> {
-    let (wall_pass, proxies) = (DepthBoxes::new(device), proxy_pass(device));
+    let wall_pass = DepthBoxes::new(device);
+    let proxies = proxy_pass(device);
     let view = square_view(device, 64);
     let mut target = Target::new(device, [64, 64], "target").unwrap();
     let mut ring = FrameRing::new(device, frames_in_flight).unwrap();

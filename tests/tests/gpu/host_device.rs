@@ -153,7 +153,8 @@ fn all_memory_of_the_cpu_comes_from_the_host_and_goes_back() {
 
 #[test]
 fn the_pipeline_cache_of_a_host_is_used_and_left_to_it() {
-    let (entry, purpose) = (Machine::default().entry(), Purpose::Renderer);
+    let entry = Machine::default().entry();
+    let purpose = Purpose::Renderer;
     let host = Host::through(entry, Driver::Lavapipe, purpose, &[], Features::default());
     let cache = host.create_pipeline_cache();
     let queue = Some(host.share_queue(Arc::new(Mutex::new(()))));
@@ -211,10 +212,11 @@ fn what_a_frame_of_the_host_may_use_is_not_freed_with_the_device() {
             }
             drop(device);
             assert_eq!(memory.live() == 0, is_finished, "{memory:?} on {driver:?}");
-            match is_finished {
-                true => host.finish(),
+            if is_finished {
+                host.finish();
+            } else {
                 // What is left of the engine would outlive its device.
-                false => std::mem::forget(host),
+                std::mem::forget(host);
             }
         }
     }
@@ -270,7 +272,8 @@ fn frames_wait_for_a_timeline_of_the_host_and_signal_one_that_it_can_read() {
 #[test]
 fn the_loss_of_a_hosts_device_is_an_error_with_its_name() {
     let error_on = |machine: Machine| {
-        let (entry, purpose) = (machine.entry(), Purpose::Renderer);
+        let entry = machine.entry();
+        let purpose = Purpose::Renderer;
         let host = Host::through(entry, Driver::Lavapipe, purpose, &[], Features::default());
         let device = host.adopt(Some(host.share_queue(Arc::new(Mutex::new(())))));
         let drawn = images(&device).err();

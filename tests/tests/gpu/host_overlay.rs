@@ -20,7 +20,8 @@ fn rectangle(device: &Device) -> ClearedRectangle {
 /// Checks that `drawn` is `plain` but for the rectangle.
 fn check(drawn: &[u8], plain: &[u8], what: &str) {
     for (place, (drawn, plain)) in drawn.chunks(4).zip(plain.chunks(4)).enumerate() {
-        let [x, y] = [place % SIZE[0] as usize, place / SIZE[0] as usize];
+        let x = place % SIZE[0] as usize;
+        let y = place / SIZE[0] as usize;
         let is_inside = (10..40).contains(&x) && (20..32).contains(&y);
         let expected = if is_inside { &GREEN } else { plain };
         assert_eq!(drawn, expected, "{what}: {x}, {y}");

@@ -88,7 +88,8 @@ fn finish(mut scene: ComparedScene<'_>) {
     (0..IN_FLIGHT).for_each(|slot| {
         scene.compare(slot, "the last frames");
     });
-    let (drawn, all) = (scene.fewest_draws().unwrap(), scene.objects().count() as u64);
+    let drawn = scene.fewest_draws().unwrap();
+    let all = scene.objects().count() as u64;
     assert!(drawn < all, "{drawn} of {all}");
     scene.destroy();
 }
@@ -99,7 +100,8 @@ fn walk(driver: Driver, options: &BoxOptions<'_>) {
     let device = host.adopt(None);
     let mut scene = ComparedScene::new(&host, &device, options);
     let mut commands = HostCommands::new(&host, IN_FLIGHT);
-    let (mut rings, mut random) = (Rings::new(&device), Random::new(5));
+    let mut rings = Rings::new(&device);
+    let mut random = Random::new(5);
     fill(&mut scene);
     for frame in 2..2 + FRAMES {
         change(&mut scene, &mut random, frame);
@@ -127,7 +129,8 @@ fn objects_come_and_go_in_frames_of_which_some_never_run() {
 #[test]
 fn several_views_with_several_samples_in_render_passes_of_the_host_are_exact() {
     for driver in Driver::ALL {
-        let (samples, renderings) = (vk::SampleCountFlags::TYPE_4, RenderingOwner::Host);
+        let samples = vk::SampleCountFlags::TYPE_4;
+        let renderings = RenderingOwner::Host;
         walk(driver, &BoxOptions { views: 2, samples, renderings, ..BoxOptions::default() });
     }
 }
@@ -159,7 +162,8 @@ fn two_scenes(driver: Driver, sharing: Sharing) {
     let options = BoxOptions::default();
     let [mut one, mut other] = [(); 2].map(|()| ComparedScene::new(&host, &device, &options));
     let mut commands = [(); 2].map(|()| HostCommands::new(&host, IN_FLIGHT));
-    let (mut rings, mut random) = (Rings::new(&device), Random::new(9));
+    let mut rings = Rings::new(&device);
+    let mut random = Random::new(9);
     fill(&mut one);
     fill(&mut other);
     for frame in 2..2 + FRAMES {

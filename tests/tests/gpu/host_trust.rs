@@ -148,10 +148,13 @@ fn hosts_use_no_tester_and_no_executor_that_is_distrusted() {
         let best = sound.choice.predication;
 
         let unflagged = walk(&[EarlyTests], None, Strategy::ANTUMBRA_FLAGS);
-        assert!(unflagged.testers.iter().all(|it| *it == Tester::Query), "{driver:?}");
+        assert!(unflagged.testers.iter().all(|tester| *tester == Tester::Query), "{driver:?}");
         assert!(!unflagged.testers.is_empty() && !unflagged.has_leaf_boxes);
         let computed = walk(&[ProxyDepth], None, ours);
-        assert!(computed.testers.iter().all(|it| *it == Tester::Compute) && computed.queries == 0);
+        assert!(
+            computed.testers.iter().all(|tester| *tester == Tester::Compute)
+                && computed.queries == 0
+        );
         assert!(!computed.testers.is_empty());
         let nothing = walk(&[ProxyDepth, ComputedDepths], None, ours);
         assert!(nothing.testers.is_empty() && nothing.queries == 0);
@@ -180,7 +183,9 @@ fn hosts_take_the_cheapest_executor_that_is_trusted_and_weigh_tests_by_prices() 
         let host = host_on(driver, Machine::default());
         let options = RendererOptions { size: [96, 54], ..RendererOptions::default() };
         let measured = at_start(&host, |device| render::measure_prices(device, &options).unwrap());
-        let has = |it: Predication| measured.executors.iter().any(|(other, _)| *other == it);
+        let has = |predication: Predication| {
+            measured.executors.iter().any(|(other, _)| *other == predication)
+        };
         assert!(has(Predication::Instances) && !measured.executors.is_empty());
         let walked = |prices: &DevicePrices, distrusted: &[Assumption], predication| {
             let prices = Some(prices);

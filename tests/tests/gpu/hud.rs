@@ -27,7 +27,8 @@ impl Studio {
         let renderer = Renderer::new(device, &scene, &options).unwrap();
         let history = renderer.new_view().unwrap();
         let image = Readback::new(device, SIZE).unwrap();
-        let (hud, overlay) = (Hud::default(), HudOverlay::new(device));
+        let hud = Hud::default();
+        let overlay = HudOverlay::new(device);
         Self { renderer, history, image, path, hud, overlay }
     }
 

@@ -81,11 +81,12 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         const COLUMNS: usize = 96;
         let boxes: Vec<Aabb> = (0..COLUMNS * 54 * 3)
             .map(|number| {
-                let (layer, place) = (number / (COLUMNS * 54), number % (COLUMNS * 54));
+                let layer = number / (COLUMNS * 54);
+                let place = number % (COLUMNS * 54);
                 // Each layer shows through the gaps of the one before.
                 let aside = 0.4 * layer as f32;
-                let [x, y] =
-                    [(place % COLUMNS) as f32 - 47.5 + aside, (place / COLUMNS) as f32 - 26.5];
+                let x = (place % COLUMNS) as f32 - 47.5 + aside;
+                let y = (place / COLUMNS) as f32 - 26.5;
                 let depth = 30.0 + 9.0 * layer as f32 + 0.001 * (place % 7) as f32;
                 let spread = 0.6 * depth / 30.0;
                 let centre = Vec3::new(x * spread, y * spread, -depth);

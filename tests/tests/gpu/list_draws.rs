@@ -31,9 +31,12 @@ struct Ranges {
 impl Ranges {
     fn new() -> Self {
         let count: u32 = RANGES.iter().sum();
-        let (mut ranges, mut draws, mut end) = (Vec::new(), Vec::new(), 0);
+        let mut ranges = Vec::new();
+        let mut draws = Vec::new();
+        let mut end = 0;
         for (list, count) in (0..).zip(RANGES) {
-            let (first_of_list, first_command) = (ranges.len() as u32, end);
+            let first_of_list = ranges.len() as u32;
+            let first_command = end;
             for _ in 0..count {
                 let seed = ranges.len() as u32;
                 // One is longer than a workgroup.
@@ -62,17 +65,18 @@ impl Ranges {
             first_instance: 1,
             ..*draw
         });
-        let results = [5, 6, 7].map(|it| (0..count).map(|number| noise(number * it) % 4).collect());
+        let results =
+            [5, 6, 7].map(|factor| (0..count).map(|number| noise(number * factor) % 4).collect());
         Self { enabled: enabled.collect(), ranges, draws, results }
     }
 
     /// Returns the commands of a list, one range after the other.
     fn expected(&self, list: u32) -> Vec<IndirectDraw> {
         let mut commands = Vec::new();
-        for it in self.ranges.iter().filter(|it| it.list == list) {
-            if self.results[it.source as usize][it.result as usize] > THRESHOLD {
-                let draws = if it.is_enabled == 1 { &self.enabled } else { &self.draws };
-                let range = it.first as usize..(it.first + it.count) as usize;
+        for drawn in self.ranges.iter().filter(|range| range.list == list) {
+            if self.results[drawn.source as usize][drawn.result as usize] > THRESHOLD {
+                let draws = if drawn.is_enabled == 1 { &self.enabled } else { &self.draws };
+                let range = drawn.first as usize..(drawn.first + drawn.count) as usize;
                 commands.extend(draws[range].iter().filter(|draw| draw.instance_count > 0));
             }
         }
@@ -91,7 +95,7 @@ impl Ranges {
             end: self.ranges.len() as u32,
             draws: uploads.push(&self.draws).unwrap(),
             enabled: Some(uploads.push(&self.enabled).unwrap()),
-            results: std::array::from_fn(|it| Some(uploads.push(&self.results[it]).unwrap())),
+            results: std::array::from_fn(|index| Some(uploads.push(&self.results[index]).unwrap())),
             threshold_samples: THRESHOLD,
             sizes: sizes.whole(),
             commands: all.whole(),
@@ -138,8 +142,10 @@ fn thousands_of_ranges_become_lists_in_their_order() {
         let counts = read::<u32>(device, &mut ring, counts.whole());
         assert_eq!(counts[0], 77, "a list of an earlier step is left alone");
         for list in 1..RANGES.len() as u32 {
-            let first = ranges.ranges.iter().find(|it| it.list == list).unwrap().first_command;
-            let (first, count) = (first as usize, counts[list as usize] as usize);
+            let first =
+                ranges.ranges.iter().find(|range| range.list == list).unwrap().first_command;
+            let first = first as usize;
+            let count = counts[list as usize] as usize;
             let expected = ranges.expected(list);
             assert_eq!(count, expected.len(), "list {list}");
             assert!(commands[first..first + count] == expected[..], "list {list}");

@@ -21,8 +21,10 @@ fn cave() -> Scene {
         ((direction * (8.0 + 3.0 * waves)).to_array(), colour)
     };
     let square = |row: u16, column: u16| {
-        let [a, b] = [point(row, column), point(row, column + 1)];
-        let [c, d] = [point(row + 1, column + 1), point(row + 1, column)];
+        let a = point(row, column);
+        let b = point(row, column + 1);
+        let c = point(row + 1, column + 1);
+        let d = point(row + 1, column);
         // Seen from inside.
         [a, c, b, a, d, c]
     };

@@ -244,7 +244,8 @@ fn views_that_pause_stay_exact() {
 fn wall_and_crowd(count: usize) -> Vec<Aabb> {
     let wall = box_at(Vec3::new(0.0, 0.0, -5.0), Vec3::new(20.0, 20.0, 0.1));
     let crowd = (0..count).map(|number| {
-        let (column, row) = ((number % 12) as f32 - 6.0, (number / 12 % 12) as f32 - 6.0);
+        let column = (number % 12) as f32 - 6.0;
+        let row = (number / 12 % 12) as f32 - 6.0;
         let centre = Vec3::new(column * 1.3, row * 1.3, -14.0 - (number / 144) as f32 * 1.7);
         box_at(centre, Vec3::new(0.31, 0.27, 0.23))
     });

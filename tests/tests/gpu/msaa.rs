@@ -32,7 +32,9 @@ fn options(size: [u32; 2], samples: SampleCount) -> RendererOptions {
 
 /// Returns the strategies that promise to be exact.
 fn exact() -> impl Iterator<Item = Strategy> {
-    methods::strategies().into_iter().filter(|it| it.is_exact() && *it != Strategy::FRUSTUM)
+    methods::strategies()
+        .into_iter()
+        .filter(|strategy| strategy.is_exact() && *strategy != Strategy::FRUSTUM)
 }
 
 /// Draws with one strategy from an empty history.
@@ -46,7 +48,8 @@ fn images(renderer: &mut Renderer, strategy: Strategy, cameras: &[Camera]) -> Ve
         let image = Readback::new(renderer.device(), renderer.size()).unwrap();
         let area = Rect::whole(renderer.size());
         let visible = renderer.visible_set(&mut finding, camera, area).unwrap();
-        let (visible, wanted) = (Some(&visible), Some(&image));
+        let visible = Some(&visible);
+        let wanted = Some(&image);
         let request = FrameRequest::new(strategy, *camera);
         renderer.render(&mut view, &FrameRequest { visible, image: wanted, ..request }).unwrap();
         renderer.drain(&mut view).unwrap();
@@ -96,7 +99,8 @@ fn slivers(side: u32) -> Scene {
         let centre = Vec3::new((cell % 20) as f32 - 9.5, (cell / 20) as f32 - 9.5, -10.0) * 0.1;
         let half = 0.02 + 0.002 * (cell % 11) as f32;
         let past = [-4.0, -0.05, 0.05, 0.2, 0.5][cell as usize % 5] * pixel;
-        let (near, far) = (4.0 + 0.3 * (cell % 13) as f32, 10.0 + (cell % 17) as f32);
+        let near = 4.0 + 0.3 * (cell % 13) as f32;
+        let far = 10.0 + (cell % 17) as f32;
         let flat = |half: f32| Vec3::new(half, half, 0.001);
         [box_at(centre * near, flat(half * near)), box_at(centre * far, flat((half + past) * far))]
     });
@@ -119,19 +123,20 @@ fn slivers_that_only_a_sample_off_the_middle_sees_are_not_lost() {
 /// Returns walls of holes and panes before and behind each other, in one plane where they meet.
 fn masked_and_transparent() -> Scene {
     let object = |number: u32| {
-        let (row, column) = ((number / 9) as f32, (number % 9) as f32);
+        let row = (number / 9) as f32;
+        let column = (number % 9) as f32;
         let low = vec3(column * 0.9 - 4.0, -1.0, -3.0 - row * 1.5);
         let turn = Quat::from_rotation_y(0.2 * (number % 3) as f32);
         let size = vec3(1.0, 1.6, 0.3);
         let transform = Affine3A::from_scale_rotation_translation(size, turn, low);
         Object { mesh: MeshId(number % 5), transform, tint: u32::MAX }
     };
-    let mut scene = coloured_cubes(5, (0..54).filter(|it| it % 5 != 3).map(object).collect());
+    let mut scene = coloured_cubes(5, (0..54).filter(|index| index % 5 != 3).map(object).collect());
     let surfaces = scene.surfaces.as_mut().unwrap();
     surfaces.materials[1].alpha = Alpha::Mask { cutoff: 0.5 };
     surfaces.materials[3].alpha = Alpha::Blend;
     surfaces.materials[3].base_colour[3] = 0.5;
-    surfaces.transparent = (0..54).filter(|it| it % 5 == 3).map(object).collect();
+    surfaces.transparent = (0..54).filter(|index| index % 5 == 3).map(object).collect();
     scene
 }
 
@@ -210,14 +215,12 @@ fn an_edge_has_the_light_of_its_coverage() {
     run_on_all(|device| {
         let scene = half_plane();
         let averages_codes = device.adapter().name.contains(Driver::SwiftShader.device_name());
-        let linear = |code: u8| match averages_codes {
-            true => f32::from(code) / 255.0,
-            false => linear(code),
-        };
+        let linear = |code: u8| if averages_codes { f32::from(code) / 255.0 } else { linear(code) };
         let [plain, smooth] =
             [SampleCount::One, SampleCount::Four].map(|samples| drawn(device, &scene, samples));
         let mut levels = [0_u32; 5];
-        let (mut errors, mut edge_pixels) = ([0.0_f32; 2], 0_u32);
+        let mut errors = [0.0_f32; 2];
+        let mut edge_pixels = 0_u32;
         for pixel in 0..SIDE * SIDE {
             let covered = coverage(pixel % SIDE, pixel / SIDE);
             let at = pixel as usize * 4;

@@ -160,7 +160,9 @@ fn views(device: &Device, count: usize, frame: u32) -> Vec<View> {
 
 fn executors(device: &Device) -> Vec<Predication> {
     let all = Predication::ALL;
-    all.into_iter().filter(|it| Predicates::linked(device, Some(*it), 1, 1).is_ok()).collect()
+    all.into_iter()
+        .filter(|predication| Predicates::linked(device, Some(*predication), 1, 1).is_ok())
+        .collect()
 }
 
 /// Returns the images of `count` views in each frame, drawn one by one with everything in the
@@ -174,7 +176,9 @@ fn alone(device: &Device, count: usize) -> Vec<Vec<u8>> {
     }
     device.drain().unwrap();
     let images = host.images.chunks(count);
-    images.map(|views| views.iter().flat_map(|it| it.rgba8().unwrap().to_vec()).collect()).collect()
+    images
+        .map(|views| views.iter().flat_map(|view| view.rgba8().unwrap().to_vec()).collect())
+        .collect()
 }
 
 fn compare(device: &Device, count: usize, cases: &[(Strategy, Predication)]) {
@@ -203,8 +207,9 @@ fn compare(device: &Device, count: usize, cases: &[(Strategy, Predication)]) {
 fn a_pair_in_one_pass_looks_like_each_eye_alone() {
     run(Driver::SwiftShader, |device| {
         let executors = executors(device);
-        let mut cases: Vec<_> = executors.iter().map(|it| (Strategy::ANTUMBRA, *it)).collect();
-        cases.extend(executors.iter().map(|it| (Strategy::ANTUMBRA_QUERIES, *it)));
+        let mut cases: Vec<_> =
+            executors.iter().map(|executor| (Strategy::ANTUMBRA, *executor)).collect();
+        cases.extend(executors.iter().map(|executor| (Strategy::ANTUMBRA_QUERIES, *executor)));
         compare(device, 2, &cases);
     });
 }

@@ -32,7 +32,8 @@ fn rows() -> impl Iterator<Item = Row> {
 #[test]
 fn no_mistaken_pair_reaches_vulkan() {
     let server = Xvfb::start();
-    let (mut ours, mut theirs) = (Side::new(&server), Side::new(&server));
+    let mut ours = Side::new(&server);
+    let mut theirs = Side::new(&server);
     let submitted = |side: &Side| side.device().submitted();
     for Row { call, given, owner, mistake } in rows() {
         let before = (submitted(&ours), submitted(&theirs));

@@ -74,7 +74,8 @@ fn check(device: &Device, kind: Reported, options: &RendererOptions, with: &[Str
 fn first_wrong(expected: &Loop, found: &Loop) -> Option<(usize, usize)> {
     let pairs = expected.images.iter().zip(&found.images).enumerate();
     let mut wrong = pairs.filter_map(|(frame, (expected, found))| {
-        let (expected, found) = (expected.rgba8().unwrap(), found.rgba8().unwrap());
+        let expected = expected.rgba8().unwrap();
+        let found = found.rgba8().unwrap();
         (*expected != *found).then(|| (frame, pixels_that_differ(&expected, &found)))
     });
     wrong.next()

@@ -37,7 +37,8 @@ fn options(textures: Option<TextureStorage>) -> RendererOptions {
 /// Returns a pattern of texels, some of which are holes.
 fn image(step: u32, side: u32) -> Image {
     let texel = |at: u32| {
-        let (x, y) = (at % side, at / side);
+        let x = at % side;
+        let y = at / side;
         let alpha = if (x / 3 + y / 2 + step).is_multiple_of(3) { 40 } else { 250 };
         [(x * 37 + step * 50) as u8, (y * 29) as u8, (at * step) as u8, alpha]
     };
@@ -87,8 +88,10 @@ fn scene() -> Scene {
     for wall in 0..5_u32 {
         let z = -4.0 - 3.0 * wall as f32;
         objects.push(object(wall % MATERIALS, vec3(-6.0, -2.0, z), vec3(12.0, 4.0, 0.3)));
-        let thing = |it: u32| vec3(it as f32 * 1.2 - 6.0, -0.6, z + 1.4);
-        objects.extend((0..10).map(|it| object((it + wall) % MATERIALS, thing(it), Vec3::ONE)));
+        let thing = |number: u32| vec3(number as f32 * 1.2 - 6.0, -0.6, z + 1.4);
+        objects.extend(
+            (0..10).map(|index| object((index + wall) % MATERIALS, thing(index), Vec3::ONE)),
+        );
     }
     let mut scene = coloured_cubes(MATERIALS + 1, objects);
     let surfaces = scene.surfaces.as_mut().unwrap();
@@ -101,7 +104,7 @@ fn scene() -> Scene {
     let sharp =
         Sampler { magnified: Filter::Nearest, wrap: [Wrap::Mirror; 2], ..Default::default() };
     surfaces.images =
-        [16, 16, 16, 32].into_iter().zip(1..).map(|(side, it)| image(it, side)).collect();
+        [16, 16, 16, 32].into_iter().zip(1..).map(|(side, number)| image(number, side)).collect();
     surfaces.textures = vec![
         texture(0, Encoding::Srgb, Sampler::default()),
         texture(1, Encoding::Srgb, sharp),
@@ -111,18 +114,18 @@ fn scene() -> Scene {
     surfaces.materials = (0..MATERIALS).map(material).collect();
     let glass = Material { alpha: Alpha::Blend, base_colour: [0.5, 0.9, 0.7, 0.5], ..material(0) };
     surfaces.materials.push(glass);
-    let pane = |it: u32| vec3(it as f32 * 3.0 - 5.0, -1.0, -3.0 - 3.0 * it as f32);
+    let pane = |number: u32| vec3(number as f32 * 3.0 - 5.0, -1.0, -3.0 - 3.0 * number as f32);
     surfaces.transparent =
-        (0..4).map(|it| object(MATERIALS, pane(it), vec3(2.0, 2.0, 0.1))).collect();
+        (0..4).map(|index| object(MATERIALS, pane(index), vec3(2.0, 2.0, 0.1))).collect();
     let spot = LightKind::Spot { inner_rad: 0.3, outer_rad: 0.9 };
-    let lamp = |it: u32| PunctualLight {
+    let lamp = |number: u32| PunctualLight {
         kind: spot,
         colour: [1.0, 0.8, 0.6],
         intensity: 8.0,
         range_m: None,
-        position: vec3(it as f32 * 2.0 - 3.0, 1.0, 0.5 - 3.0 * it as f32),
+        position: vec3(number as f32 * 2.0 - 3.0, 1.0, 0.5 - 3.0 * number as f32),
         direction: vec3(0.1, -0.2, -1.0).normalize(),
-        picture: Some(LightPicture { texture: TextureId(it % 2), up: Vec3::Y }),
+        picture: Some(LightPicture { texture: TextureId(number % 2), up: Vec3::Y }),
     };
     surfaces.lights = (0..3).map(lamp).collect();
     scene
@@ -196,7 +199,8 @@ fn images_look_as_pages_do_in_all_passes() {
 #[test]
 fn holes_of_images_are_exact_by_every_strategy() {
     run(Driver::SwiftShader, |device| {
-        let (scene, cameras) = (scene(), cameras(10));
+        let scene = scene();
+        let cameras = cameras(10);
         let options = options(Some(TextureStorage::Images));
         for strategy in [
             Strategy::ANTUMBRA,

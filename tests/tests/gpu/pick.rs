@@ -52,7 +52,8 @@ fn hit(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<Hit> {
         };
         for triangle in mesh.indices.as_chunks::<3>().0 {
             let [a, b, c] = triangle.map(point);
-            let (ab, ac) = (b - a, c - a);
+            let ab = b - a;
+            let ac = c - a;
             let across = direction.cross(ac);
             let determinant = ab.dot(across);
             if determinant <= 0.0 {
@@ -81,7 +82,9 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let mut view = renderer.new_view().unwrap();
         let rays = renderer.view_of(&camera).rays;
-        let (mut right, mut objects, mut empty) = (0, std::collections::BTreeSet::new(), 0);
+        let mut right = 0;
+        let mut objects = std::collections::BTreeSet::new();
+        let mut empty = 0;
         let pixels =
             (0..SIZE[1]).step_by(15).flat_map(|y| (0..SIZE[0]).step_by(16).map(move |x| [x, y]));
         let pixels: Vec<[u32; 2]> = pixels.collect();
@@ -114,10 +117,8 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
 /// boxes of all of them hold the ray, but only their corners have geometry.
 fn behind_frames(frames: u32, half: f32) -> Scene {
     let corners = |corners: [[f32; 2]; 3]| corners.map(|[x, y]| ([x, y, 0.0], [1.0; 3]));
-    let [low, high] = [
-        corners([[-1.0, -1.0], [-0.9, -1.0], [-1.0, -0.9]]),
-        corners([[1.0, 1.0], [0.9, 1.0], [1.0, 0.9]]),
-    ];
+    let low = corners([[-1.0, -1.0], [-0.9, -1.0], [-1.0, -0.9]]);
+    let high = corners([[1.0, 1.0], [0.9, 1.0], [1.0, 0.9]]);
     let mut scene = Scene::single(Mesh::of_triangles("frame", &[low, high].concat()));
     let square = [
         corners([[-half, -half], [half, -half], [half, half]]),

@@ -111,11 +111,14 @@ fn seen(renderer: &Renderer, pixel: u32, boxes: &[Aabb]) -> Option<Vec3> {
     let view = renderer.view_of(&camera());
     let at = vec2((pixel % SIZE[0]) as f32 + 0.5, (pixel / SIZE[0]) as f32 + 0.5);
     let ndc = at * 2.0 / Vec2::from(SIZE.map(|side| side as f32)) - 1.0;
-    let (from, to) = (view.rays.origin, view.rays.point(ndc, 1.0));
+    let from = view.rays.origin;
+    let to = view.rays.point(ndc, 1.0);
     let towards = to - from;
     let met = |bounds: &Aabb| {
-        let (a, b) = ((bounds.min - from) / towards, (bounds.max - from) / towards);
-        let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+        let a = (bounds.min - from) / towards;
+        let b = (bounds.max - from) / towards;
+        let enter = a.min(b).max_element();
+        let leave = a.max(b).min_element();
         (enter <= leave && enter > 0.0).then_some(enter)
     };
     let nearest = boxes.iter().filter_map(met).fold(f32::INFINITY, f32::min);
@@ -139,7 +142,8 @@ fn check(device: &Device, up: Vec3, options: &RendererOptions) {
     let light = spot(0, up);
     let found = fresh(device, light, options);
     let plain = |mask: u32| {
-        let [of, channels] = [light.colour, channels(mask)];
+        let of = light.colour;
+        let channels = channels(mask);
         let colour = std::array::from_fn(|part| of[part] * channels[part]);
         fresh(device, PunctualLight { colour, picture: None, ..light }, options)
     };

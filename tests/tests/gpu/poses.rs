@@ -85,7 +85,8 @@ fn poses_wait_until_a_view_may_show_them() {
         let vertices = scene.meshes[0].vertices.len() as u64;
         let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
         let mut view = renderer.new_view().unwrap();
-        let (there, away) = (camera().forward, -camera().forward);
+        let there = camera().forward;
+        let away = -camera().forward;
         let mut look = |renderer: &mut Renderer, forward| skinned(renderer, &mut view, forward);
         assert_eq!(look(&mut renderer, there), (0, 0), "there was no pose");
         take(&mut renderer, [0.5, 0.7]);
@@ -96,7 +97,7 @@ fn poses_wait_until_a_view_may_show_them() {
         // One leaves the view: its vertices are still in the place where they were seen, so its
         // pose is uploaded.
         let Pose { joints, weights } = pose(0.2);
-        let far = |by: f32| joints.map(|it| Affine3A::from_translation(Vec3::Z * by) * it);
+        let far = |by: f32| joints.map(|joint| Affine3A::from_translation(Vec3::Z * by) * joint);
         renderer.set_pose(SkinnedMeshId(0), &far(50.0), &weights).unwrap();
         assert_eq!(look(&mut renderer, there), (1, vertices));
         renderer.set_pose(SkinnedMeshId(0), &far(60.0), &weights).unwrap();
@@ -150,7 +151,10 @@ fn what_stays_hidden_is_not_skinned() {
             let reports: Vec<_> = (0..6).map(above).collect();
             assert!(reports[0].predicated_vertices >= vertices, "{strategy}");
             assert!(reports[1].revealed_vertices >= vertices, "{strategy}: nobody skinned it");
-            assert!(reports[2..].iter().any(|it| it.skinned_vertices == vertices), "{strategy}");
+            assert!(
+                reports[2..].iter().any(|report| report.skinned_vertices == vertices),
+                "{strategy}"
+            );
         }
     });
 }

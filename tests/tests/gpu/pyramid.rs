@@ -101,7 +101,8 @@ fn slivers(side: u32) -> Scene {
         let centre = Vec3::new((cell % 20) as f32 - 9.5, (cell / 20) as f32 - 9.5, -10.0) * 0.1;
         let half = 0.02 + 0.002 * (cell % 11) as f32;
         let past = [-4.0, -0.05, 0.05, 0.2, 0.5][cell as usize % 5] * pixel;
-        let (near, far) = (4.0 + 0.3 * (cell % 13) as f32, 10.0 + (cell % 17) as f32);
+        let near = 4.0 + 0.3 * (cell % 13) as f32;
+        let far = 10.0 + (cell % 17) as f32;
         let flat = |half: f32| Vec3::new(half, half, 0.001);
         [box_at(centre * near, flat(half * near)), box_at(centre * far, flat((half + past) * far))]
     });
@@ -184,7 +185,8 @@ fn a_frame_tells_what_it_drew() {
             again.outcomes[1],
             render::FrameOutcome { frame: again.outcomes[1].frame, ..outcomes[1] }
         );
-        let [plain, ours] = [&other.images[1], &again.images[1]];
+        let plain = &other.images[1];
+        let ours = &again.images[1];
         assert_eq!(pixels_that_differ(&plain.rgba8().unwrap(), &ours.rgba8().unwrap()), 0);
         // A view that has seen nothing is another.
         let mut fresh = renderer.new_view().unwrap();
@@ -248,7 +250,8 @@ fn passes_are_timed_by_their_labels() {
 fn farthest(below: &[f32], [width, height]: [u32; 2], x: u32, y: u32) -> f32 {
     let mut farthest = f32::INFINITY;
     for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-        let (x, y) = (2 * x + dx, 2 * y + dy);
+        let x = 2 * x + dx;
+        let y = 2 * y + dy;
         if x < width && y < height {
             farthest = farthest.min(below[(y * width + x) as usize]);
         }
@@ -307,7 +310,8 @@ fn every_level_is_the_farthest_of_the_one_below() {
                     let (below_size, below) = level_texels(number - 1);
                     let (level_size, level) = level_texels(number);
                     for (place, texel) in level.iter().enumerate() {
-                        let (x, y) = (place as u32 % level_size[0], place as u32 / level_size[0]);
+                        let x = place as u32 % level_size[0];
+                        let y = place as u32 / level_size[0];
                         let expected = farthest(below, below_size, x, y);
                         assert_eq!(*texel, expected, "{size:?} level {number} at {x}, {y}");
                     }

@@ -137,7 +137,9 @@ fn lights_that_cannot_be_are_refused() {
         let sun = PunctualLight { kind: LightKind::Directional, ..bulb(Vec3::ZERO) };
         for (light, to) in [(0, sun), (30, bulb(Vec3::ZERO))] {
             let refused = renderer.set_light(LightId(light), to);
-            assert!(matches!(refused, Err(Error::Light { light: LightId(it), .. }) if it == light));
+            assert!(
+                matches!(refused, Err(Error::Light { light: LightId(refused), .. }) if refused == light)
+            );
         }
         renderer.set_light(LightId(0), bulb(Vec3::NAN)).unwrap();
         assert_eq!(scene.surfaces.unwrap().meshes[0].material, MaterialId(0));
@@ -261,7 +263,9 @@ fn lights_come_where_they_have_room_only() {
         for light in [added[1], LightId(32)] {
             let refused = [renderer.set_light(light, spot), renderer.remove_lights(&[light])];
             for refused in refused {
-                assert!(matches!(refused, Err(Error::Light { light: it, .. }) if it == light));
+                assert!(
+                    matches!(refused, Err(Error::Light { light: refused, .. }) if refused == light)
+                );
             }
         }
 

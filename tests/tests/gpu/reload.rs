@@ -22,7 +22,8 @@ const SIZE: [u32; 2] = [160, 90];
 const FORM: MeshId = MeshId(2);
 
 fn camera() -> Camera {
-    let (eye, up) = (vec3(0.0, 0.5, 6.0), Vec3::Y);
+    let eye = vec3(0.0, 0.5, 6.0);
+    let up = Vec3::Y;
     Camera { eye, forward: Vec3::NEG_Z, up, projection: Projection::perspective(0.9), near: 0.1 }
 }
 
@@ -76,7 +77,8 @@ impl Studio {
             ..RendererOptions::default()
         };
         let renderer = Renderer::new(device, &cubes(has_surfaces), &options).unwrap();
-        let (view, image) = (renderer.new_view().unwrap(), Readback::new(device, SIZE).unwrap());
+        let view = renderer.new_view().unwrap();
+        let image = Readback::new(device, SIZE).unwrap();
         Self { renderer, view, image, has_surfaces }
     }
 
@@ -177,7 +179,8 @@ fn changed_shaders(name: &str) -> ShaderSet {
 fn every_pass_has_the_other_shaders() {
     let changed = changed_shaders("every");
     run_on_all(|device| {
-        let (one, four) = (SampleCount::One, SampleCount::Four);
+        let one = SampleCount::One;
+        let four = SampleCount::Four;
         for kind in [(false, one), (true, one), (false, four), (true, four)] {
             let mut studio = Studio::sampled(device, kind, None);
             if studio.renderer.supports(Strategy::ANTUMBRA).is_err() {

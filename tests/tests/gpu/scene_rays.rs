@@ -69,11 +69,11 @@ impl Lit<'_> {
         let is_lit = self.is_lit(&here)?;
         let steps = [-1.0, 0.0, 1.0];
         let mut around = steps.into_iter().flat_map(|y| steps.map(|x| at(x, y)));
-        let is_even = around.all(|it| {
-            it.is_some_and(|it| {
-                let is_face = it.normal.dot(here.normal) > 0.9999
-                    && (it.place - here.place).dot(here.normal).abs() < 2e-3;
-                is_face && self.is_lit(&it) == Some(is_lit)
+        let is_even = around.all(|neighbour| {
+            neighbour.is_some_and(|neighbour| {
+                let is_face = neighbour.normal.dot(here.normal) > 0.9999
+                    && (neighbour.place - here.place).dot(here.normal).abs() < 2e-3;
+                is_face && self.is_lit(&neighbour) == Some(is_lit)
             })
         });
         is_even.then_some((here, is_lit))
@@ -126,7 +126,8 @@ fn lights(bounds: &Aabb) -> [PunctualLight; 2] {
 
 /// Returns cameras that look at the middle: from above, and from near it.
 fn cameras(bounds: &Aabb) -> [Camera; 3] {
-    let (centre, half) = (bounds.centre(), bounds.half_extent());
+    let centre = bounds.centre();
+    let half = bounds.half_extent();
     [vec3(0.7, 1.6, 0.8), vec3(-0.25, 0.5, 0.2), vec3(0.15, 0.9, -0.3)].map(|place| {
         let eye = centre + place * half;
         let forward = (centre - 0.5 * half * Vec3::Y - eye).normalize();
@@ -187,7 +188,8 @@ fn judge(device: &Device, scene: &Scene, rays: &SceneRays, light: PunctualLight)
                 judged[way][1] += u32::from(!is_lit);
                 // The passes are compiled apart: a last place may be rounded differently.
                 let found = &found[place.clone()];
-                if expected.iter().zip(found).any(|(expected, it)| expected.abs_diff(*it) > 1) {
+                if expected.iter().zip(found).any(|(expected, found)| expected.abs_diff(*found) > 1)
+                {
                     let way = ["volumes", "maps"][way];
                     wrong.push(format!(
                         "{way}: {at:?} at {}: {found:?} not {expected:?}",
@@ -203,7 +205,7 @@ fn judge(device: &Device, scene: &Scene, rays: &SceneRays, light: PunctualLight)
 
 fn bounds_of(scene: &Scene) -> Aabb {
     let bounds = scene.objects.iter().map(|object| scene.bounds_of(object).unwrap());
-    bounds.fold(Aabb::EMPTY, |all, it| all.union(&it))
+    bounds.fold(Aabb::EMPTY, |all, bounds| all.union(&bounds))
 }
 
 #[test]

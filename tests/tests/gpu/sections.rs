@@ -51,7 +51,8 @@ fn a_cube_cut_in_half_has_a_cap_of_its_square() {
 #[test]
 fn a_bore_is_open_in_the_cap() {
     run_on_all(|device| {
-        let (radius_mm, corners) = (5.0_f64, 256_u32);
+        let radius_mm = 5.0_f64;
+        let corners = 256_u32;
         let mut solid = Solid::bored_cube(0.02, radius_mm as f32 * 1.0e-3, corners);
         // Its hole runs along y: it is turned towards the eye.
         for corner in solid.triangles.as_flattened_mut() {

@@ -48,7 +48,8 @@ fn broken_by(driver: Driver, lie: Lie) -> (Vec<Assumption>, Option<Strategy>) {
 #[test]
 fn a_lie_of_the_driver_is_found() {
     use Assumption::*;
-    let (ours, flags) = (Some(Strategy::ANTUMBRA), Some(Strategy::ANTUMBRA_FLAGS));
+    let ours = Some(Strategy::ANTUMBRA);
+    let flags = Some(Strategy::ANTUMBRA_FLAGS);
     let without_compute =
         vec![ComputedDepths, DrawCounts, InstanceCounts, CompactedLists, ComputedWalk];
     let lavapipe = [
@@ -155,7 +156,8 @@ fn casters_are_skipped_in_no_way_that_is_distrusted() {
             caching: ShadowCaching::Uncached,
             ..ShadowOptions::default()
         };
-        let (size, costs) = ([96, 54], Costs::Ignored);
+        let size = [96, 54];
+        let costs = Costs::Ignored;
         let options = RendererOptions { size, costs, distrusted, shadows, ..Default::default() };
         let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();

@@ -35,7 +35,8 @@ fn place(x: u32, y: u32) -> Vec3 {
 /// Returns the unit normal at a corner of a patch's cells: a sphere's, as far as it faces us.
 fn normal(column: u32, row: u32) -> Vec3 {
     let part = |cell: u32| (cell as f32 / CELLS as f32 * 2.0 - 1.0) * 0.68;
-    let (x, y) = (part(column), -part(row));
+    let x = part(column);
+    let y = -part(row);
     vec3(x, y, (1.0 - x * x - y * y).sqrt())
 }
 
@@ -57,7 +58,10 @@ fn patch(origin: [u32; 2], scale: Vec3, material: u32) -> (Mesh, SurfaceMesh) {
     }
     let cell = |number: u32| {
         let first = number % CELLS + number / CELLS * (CELLS + 1);
-        let [a, b, c, d] = [first, first + CELLS + 1, first + 1, first + CELLS + 2];
+        let a = first;
+        let b = first + CELLS + 1;
+        let c = first + 1;
+        let d = first + CELLS + 2;
         [a, b, c, c, b, d]
     };
     mesh(&positions, vertices, (0..CELLS * CELLS).flat_map(cell).collect(), material)
@@ -70,11 +74,15 @@ fn normal_at([x, y]: [u32; 2], to_world: DMat3) -> DVec3 {
         let [x, y, z, _] = snorm16(normal(column, row), 0).map(|part| f64::from(part) / 32767.0);
         (to_world * DVec3::new(x, y, z)).normalize()
     };
-    let (column, row) = (x / CELL, y / CELL);
+    let column = x / CELL;
+    let row = y / CELL;
     let part = |pixel: u32| (f64::from(pixel % CELL) + 0.5) / f64::from(CELL);
-    let (u, v) = (part(x), part(y));
-    let [a, b, c, d] =
-        [at(column, row), at(column, row + 1), at(column + 1, row), at(column + 1, row + 1)];
+    let u = part(x);
+    let v = part(y);
+    let a = at(column, row);
+    let b = at(column, row + 1);
+    let c = at(column + 1, row);
+    let d = at(column + 1, row + 1);
     if u + v <= 1.0 {
         a + (c - a) * u + (b - a) * v
     } else {
@@ -112,14 +120,16 @@ impl Sweep {
     fn lit_by(mut self, light: PunctualLight) -> Self {
         let strength = reference::wide(light.colour) * f64::from(light.intensity);
         let along = light.direction.as_dvec3().normalize_or_zero();
-        let (position, range) = (light.position.as_dvec3(), light.range_m.map(f64::from));
+        let position = light.position.as_dvec3();
+        let range = light.range_m.map(f64::from);
         self.lights.push(match light.kind {
             LightKind::Directional => {
                 ReferenceLight::Directional { towards: -along, lux: strength }
             }
             LightKind::Point => ReferenceLight::Point { position, candela: strength, range },
             LightKind::Spot { inner_rad, outer_rad } => {
-                let (inner, outer) = (inner_rad.into(), outer_rad.into());
+                let inner = inner_rad.into();
+                let outer = outer_rad.into();
                 ReferenceLight::Spot { position, candela: strength, range, along, inner, outer }
             }
         });
@@ -132,7 +142,9 @@ impl Sweep {
     }
 
     fn scene(&self) -> Scene {
-        let [x, y, z] = [self.transform.x_axis.x, self.transform.y_axis.y, self.transform.z_axis.z];
+        let x = self.transform.x_axis.x;
+        let y = self.transform.y_axis.y;
+        let z = self.transform.z_axis.z;
         let scale = vec3(x, y, z).recip();
         let meshes =
             (0..PATCHES * PATCHES).map(|number| patch(Self::origin(number), scale, number));
@@ -181,7 +193,9 @@ impl Sweep {
     fn compare(&self, device: &Device, what: &str) -> f64 {
         let found =
             image(device, &self.scene(), &square_camera(), [SIDE; 2], &SurfaceOptions::default());
-        let (mut sum, mut count, mut worst) = (0.0, 0.0, (0.0_f64, [0, 0]));
+        let mut sum = 0.0;
+        let mut count = 0.0;
+        let mut worst = (0.0_f64, [0, 0]);
         for pixel in (0..SIDE * SIDE).map(|pixel| [pixel % SIDE, pixel / SIDE]) {
             let start = (pixel[1] * SIDE + pixel[0]) as usize * 4;
             let found = &found[start..start + 4];

@@ -71,9 +71,10 @@ fn every_filter_darkens_the_same_places() {
         let fixed = draw(ShadowOptions { filter: ShadowFilter::Fixed64, ..shadows() });
         for filter in ShadowFilter::ALL {
             let shadowed = draw(ShadowOptions { filter, ..shadows() });
-            let darker = lit.iter().zip(&shadowed).filter(|(lit, it)| lit > it).count();
+            let darker = lit.iter().zip(&shadowed).filter(|(lit, shadowed)| lit > shadowed).count();
             // The two are compiled apart: a last place may be rounded differently.
-            let is_brighter = |(lit, it): &(&u8, &u8)| u16::from(**lit) + 1 < u16::from(**it);
+            let is_brighter =
+                |(lit, shadowed): &(&u8, &u8)| u16::from(**lit) + 1 < u16::from(**shadowed);
             let brighter = lit.iter().zip(&shadowed).filter(is_brighter).count();
             assert!(darker * 8 > lit.len() && brighter == 0, "{filter:?}: {darker}, {brighter}");
             let differences = fixed.iter().zip(&shadowed).map(|(a, b)| u64::from(a.abs_diff(*b)));

@@ -28,7 +28,8 @@ const LAMP: Vec4 = Vec4::new(-1.5, 4.0, 2.5, 1.0);
 fn room() -> World {
     let mut world = World::default();
     world.add(&sheet(40.0, 9), Affine3A::IDENTITY);
-    let (cube, at) = (tests::shapes::cube(0, 2), vec3(-2.0, 0.5, -1.0));
+    let cube = tests::shapes::cube(0, 2);
+    let at = vec3(-2.0, 0.5, -1.0);
     world.add_mesh(&cube, Affine3A::from_rotation_translation(Quat::from_rotation_y(0.5), at));
     world.add(&bumpy_sphere(1, 0.0), Affine3A::from_translation(vec3(1.5, 1.5, 0.5)));
     let upright = Quat::from_rotation_x(1.2);
@@ -51,9 +52,10 @@ fn camera(eye: Vec3, at: Vec3, near: f32) -> Camera {
 
 /// Returns the ways of extruding that a device has.
 fn paths(device: &Device) -> Vec<VolumePath> {
-    match device.capabilities().has(Optional::GeometryShaders) {
-        true => vec![VolumePath::GeometryShader, VolumePath::Compute],
-        false => vec![VolumePath::Compute],
+    if device.capabilities().has(Optional::GeometryShaders) {
+        vec![VolumePath::GeometryShader, VolumePath::Compute]
+    } else {
+        vec![VolumePath::Compute]
     }
 }
 
@@ -72,7 +74,7 @@ fn check(device: &Device, world: &World, cameras: &[Camera], lights: &[Vec4]) ->
         }
         let view = renderings[0].view(device, camera);
         let is_fine = device.adapter().limits.sub_pixel_precision_bits >= 8;
-        let ends = renderings.iter().all(|it| it.ended > 0);
+        let ends = renderings.iter().all(|rendering| rendering.ended > 0);
         assert!(ends == is_fine || view.rays.kind == ProjectionKind::Orthographic, "ends: {ends}");
         for mask in &masks {
             let of_mask = judge(world, &view, lights, mask);

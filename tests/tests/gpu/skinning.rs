@@ -35,7 +35,8 @@ fn skinned_mesh(number: u32, mesh: &Mesh) -> SkinnedMesh {
     // Two groups of joints, of which the second says what the first could have said, too.
     let joints = mesh.vertices.iter().flat_map(|_| [[0, 1, 0, 0], [2, 0, 0, 0]]);
     let weights = mesh.vertices.iter().flat_map(|vertex| {
-        let (second, third) = (second(vertex), along(vertex) * 0.25);
+        let second = second(vertex);
+        let third = along(vertex) * 0.25;
         let rest = 1.0 - third;
         [[(1.0 - second) * rest, second * rest, 0.0, 0.0], [third, 0.0, 0.0, 0.0]]
     });
@@ -50,12 +51,16 @@ fn skinned_mesh(number: u32, mesh: &Mesh) -> SkinnedMesh {
         }),
         targets: vec![
             MorphTarget {
-                positions: mesh.vertices.iter().map(|it| [0.0, 0.0, bulge(it)]).collect(),
+                positions: mesh.vertices.iter().map(|vertex| [0.0, 0.0, bulge(vertex)]).collect(),
                 ..MorphTarget::default()
             },
             MorphTarget {
-                positions: mesh.vertices.iter().map(|it| [0.0, -bulge(it), 0.0]).collect(),
-                normals: mesh.vertices.iter().map(|it| [0.4 * along(it), 0.1, 0.0]).collect(),
+                positions: mesh.vertices.iter().map(|vertex| [0.0, -bulge(vertex), 0.0]).collect(),
+                normals: mesh
+                    .vertices
+                    .iter()
+                    .map(|vertex| [0.4 * along(vertex), 0.1, 0.0])
+                    .collect(),
                 tangents: mesh.vertices.iter().map(|_| [0.0, 0.3, 0.1]).collect(),
             },
         ],
@@ -85,15 +90,16 @@ fn skinned(mesh: &Mesh, skinned_mesh: &SkinnedMesh, pose: &Pose) -> Mesh {
     let mut mesh = mesh.clone();
     let skin = skinned_mesh.skin.as_ref().unwrap();
     for (number, vertex) in mesh.vertices.iter_mut().enumerate() {
-        let (mut position, mut normal) =
-            (Vec3::from(vertex.position), unpack_normal(vertex.normal));
+        let mut position = Vec3::from(vertex.position);
+        let mut normal = unpack_normal(vertex.normal);
         for (target, weight) in skinned_mesh.targets.iter().zip(pose.weights) {
             position += weight * Vec3::from(target.positions[number]);
             if !target.normals.is_empty() {
                 normal += weight * Vec3::from(target.normals[number]);
             }
         }
-        let (mut matrix, mut offset) = (Mat3A::ZERO, Vec3::ZERO);
+        let mut matrix = Mat3A::ZERO;
+        let mut offset = Vec3::ZERO;
         let sets = skin.sets as usize;
         for set in number * sets..(number + 1) * sets {
             for (joint, weight) in skin.joints[set].iter().zip(skin.weights[set]) {
@@ -152,7 +158,8 @@ pub fn scene() -> Scene {
 }
 
 pub fn camera() -> Camera {
-    let (forward, up) = (vec3(0.1, 0.0, -1.0), Vec3::Y);
+    let forward = vec3(0.1, 0.0, -1.0);
+    let up = Vec3::Y;
     Camera {
         eye: vec3(0.0, 1.4, 0.0),
         forward,
@@ -214,7 +221,7 @@ pub fn pixels_far_apart(a: &Readback, b: &Readback) -> usize {
         .unwrap()
         .chunks_exact(4)
         .zip(b.rgba8().unwrap().chunks_exact(4))
-        .filter(|it| far(*it))
+        .filter(|pixels| far(*pixels))
         .count()
 }
 

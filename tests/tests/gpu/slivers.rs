@@ -37,12 +37,14 @@ impl Numbers {
 fn pairs(numbers: &mut Numbers) -> Vec<Aabb> {
     let pixel = 2.0 / SIDE as f32;
     let cell = 2.0 / CELLS as f32;
-    let (mut screens, mut behind) = (Vec::new(), Vec::new());
+    let mut screens = Vec::new();
+    let mut behind = Vec::new();
     for index in 0..CELLS * CELLS {
         let place = |index: u32| (index as f32 + 0.5) * cell - 1.0;
         let centre = Vec3::new(place(index % CELLS), place(index / CELLS), -1.0);
         let half = cell * numbers.between(0.1, 0.4);
-        let (near, far) = (numbers.between(4.0, 9.0), numbers.between(10.0, 40.0));
+        let near = numbers.between(4.0, 9.0);
+        let far = numbers.between(10.0, 40.0);
         let past = numbers.between(-0.1, 0.4) * pixel;
         let flat = |half: f32| Vec3::new(half, half, 0.001);
         screens.push(box_at(centre * near, flat(half * near)));
@@ -61,7 +63,8 @@ struct Copies {
 impl Copies {
     fn new(uploads: &mut Uploads, geometry: [BufferSlice; 2], mesh: &Mesh, all: &[Object]) -> Self {
         let instance = |object: &Object| {
-            let (m, t) = (object.transform.matrix3, object.transform.translation);
+            let m = object.transform.matrix3;
+            let t = object.transform.translation;
             let row = |r: usize| [m.row(r).x, m.row(r).y, m.row(r).z, t[r]];
             [row(0), row(1), row(2), [1.0; 4]]
         };
@@ -97,7 +100,8 @@ fn lost(device: &Device, seeds: u64, proxy_of: impl Fn(&View, &Aabb) -> Aabb) ->
     let mesh = &scene.meshes[0];
     let vertices = device.upload("v", &mesh.vertices, vk::BufferUsageFlags::VERTEX_BUFFER).unwrap();
     let indices = device.upload("i", &mesh.indices, vk::BufferUsageFlags::INDEX_BUFFER).unwrap();
-    let (mut shown, mut without) = (0, 0);
+    let mut shown = 0;
+    let mut without = 0;
     for seed in 0..seeds {
         let boxes = pairs(&mut Numbers(seed));
         let objects = box_scene(&boxes).objects;
@@ -113,7 +117,8 @@ fn lost(device: &Device, seeds: u64, proxy_of: impl Fn(&View, &Aabb) -> Aabb) ->
         let draws = copies.draw(uploads, boxes.len() as u32);
         let enlarged = behind.iter().map(|bounds| ProxyBox::from(proxy_of(&view, bounds)));
         let io = ProxyIo { boxes: uploads.push_iter(enlarged).unwrap(), flags: None };
-        let (commands, draw_bytes) = (frame.commands(), size_of::<IndirectDraw>() as u64);
+        let commands = frame.commands();
+        let draw_bytes = size_of::<IndirectDraw>() as u64;
         target.prepare(commands);
         commands.rendering(target.render_target(Some([0.0; 4])), |commands| {
             opaque.bind(commands, &copies.io, &view, &scene.light);

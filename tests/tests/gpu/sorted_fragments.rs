@@ -200,7 +200,7 @@ fn no_order_of_objects_changes_a_bit() {
 fn every_strategy_shows_the_same_fragments() {
     run_on_all(|device| {
         let expected = film(device, Strategy::FRUSTUM, &sorted(options(1)));
-        for strategy in methods::strategies().into_iter().filter(|it| it.is_exact()) {
+        for strategy in methods::strategies().into_iter().filter(|strategy| strategy.is_exact()) {
             if strategy != Strategy::FRUSTUM && strategy != methods::IDEAL {
                 compare(device, &expected, strategy, &sorted(options(2)));
             }

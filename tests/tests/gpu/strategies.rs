@@ -129,7 +129,8 @@ fn a_visibility_threshold_leaves_out_what_hardly_shows() {
             let options = coherent(CoherentOptions { visibility_threshold_samples, ..plain });
             walk_with(device, &scene, PathKind::Street, 16, &options, methods::COHERENT)
         };
-        let (exact, loose) = (walk(0), walk(20));
+        let exact = walk(0);
+        let loose = walk(20);
         check(&exact, "no threshold");
         assert!(loose.draws[1] < exact.draws[1], "{loose:?} {exact:?}");
         // Objects of up to 20 pixels: the image is a little wrong, not altogether.

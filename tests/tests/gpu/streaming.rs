@@ -51,7 +51,7 @@ impl Stream {
         let prepared = |(number, mesh): (usize, &Mesh)| {
             let surface = scene.surfaces.as_ref().map(|all| all.meshes[number].clone());
             let prepared = match surface {
-                Some(it) => PreparedMesh::with_surface(mesh.clone(), it, Vec::new()),
+                Some(surface) => PreparedMesh::with_surface(mesh.clone(), surface, Vec::new()),
                 None => PreparedMesh::new(mesh.clone()),
             };
             (MeshId(number as u32), prepared.unwrap())
@@ -136,7 +136,8 @@ impl Stream {
         }
         self.renderer.remove_materials(&gone).unwrap();
         self.materials.retain(|id, _| !gone.contains(id));
-        let used = |id: &TextureId| self.materials.values().any(|it| uses(it).contains(id));
+        let used =
+            |id: &TextureId| self.materials.values().any(|material| uses(material).contains(id));
         let (kept, gone): (Vec<_>, Vec<_>) = self.textures.keys().copied().partition(used);
         for id in kept {
             let error = self.renderer.remove_textures(&[id]).unwrap_err().to_string();
@@ -225,7 +226,8 @@ impl Stream {
     fn add_textures_to(&self, surfaces: &mut Surfaces) {
         for (number, texture) in (FIRST_TEXTURES..).zip(self.textures.values()) {
             surfaces.images.push(texture.image().clone());
-            let (encoding, sampler) = (texture.encoding(), texture.sampler());
+            let encoding = texture.encoding();
+            let sampler = texture.sampler();
             surfaces.textures.push(Texture { image: ImageId(number), encoding, sampler });
         }
         let renamed = |texture_use: TextureUse| {
@@ -254,7 +256,7 @@ impl Stream {
         assert!(self.meshes.keys().all(|id| self.renderer.is_resident(*id)));
         let mut scene = first_scene(self.kind);
         let numbers: BTreeMap<MeshId, u32> = self.meshes.keys().copied().zip(0..).collect();
-        scene.meshes = self.meshes.values().map(|it| it.mesh().clone()).collect();
+        scene.meshes = self.meshes.values().map(|mesh| mesh.mesh().clone()).collect();
         if let Some(surfaces) = &mut scene.surfaces {
             self.add_textures_to(surfaces);
             let renamed = |material: MaterialId| match self.materials.range(..material).count() {
@@ -266,15 +268,16 @@ impl Stream {
                 SurfaceMesh { material: renamed(surface.material), ..surface }
             };
             surfaces.meshes = self.meshes.values().map(surface).collect();
-            surfaces.levels = self.meshes.values().map(|it| it.levels().to_vec()).collect();
+            surfaces.levels = self.meshes.values().map(|mesh| mesh.levels().to_vec()).collect();
         }
-        let object = |it: &Object| Object { mesh: MeshId(numbers[&it.mesh]), ..*it };
+        let object = |object: &Object| Object { mesh: MeshId(numbers[&object.mesh]), ..*object };
         scene.objects = self.objects.values().map(object).collect();
         let renderer =
             Renderer::new(device, &scene, &options_of(self.kind, SpareRoom::default())).unwrap();
         let [view, other] = [(); 2].map(|()| renderer.new_view().unwrap());
         let images = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
-        let (meshes, objects) = (BTreeMap::new(), BTreeMap::new());
+        let meshes = BTreeMap::new();
+        let objects = BTreeMap::new();
         let mut fresh = Self {
             renderer,
             views: [view, other],
@@ -286,7 +289,8 @@ impl Stream {
             frame: self.frame,
             ..Self { kind: self.kind, ..Self::new(device, self.kind) }
         };
-        let [streamed, fresh] = [self.draw(), fresh.draw()];
+        let streamed = self.draw();
+        let fresh = fresh.draw();
         assert_eq!(pixels_that_differ(&streamed, &fresh), 0, "{:?}", self.kind);
     }
 }
@@ -331,7 +335,8 @@ fn a_host_copies_the_image_while_meshes_and_textures_arrive() {
         let host = Host::new(driver, Purpose::Renderer);
         let lock = Arc::new(Mutex::new(()));
         let device = host.adopt(Some(host.share_queue(Arc::clone(&lock) as _)));
-        let (mut stream, mut random) = (Stream::new(&device, Kind::Surfaces), Random::new(23));
+        let mut stream = Stream::new(&device, Kind::Surfaces);
+        let mut random = Random::new(23);
         let mut arriving = 0;
         for _ in 0..24 {
             stream.add(&mut random);

@@ -140,7 +140,8 @@ fn edges_wrap_each_way_along_each_axis() {
 #[test]
 fn textures_follow_the_set_and_the_transform_that_they_name() {
     run_on_all(|device| {
-        let (first, second) = ([[0.0, 0.0], [1.0, 1.0]], [[0.25, 0.5], [2.25, 1.0]]);
+        let first = [[0.0, 0.0], [1.0, 1.0]];
+        let second = [[0.25, 0.5], [2.25, 1.0]];
         // As KHR_texture_transform writes it: offset, rotation, scale.
         let (sin, cos) = 0.5_f32.sin_cos();
         let rotation = Mat2::from_cols(vec2(cos, -sin), vec2(sin, cos));

@@ -171,7 +171,7 @@ fn moving_scenes_and_prices_keep_the_bound() {
                 renderer.render(view, &request).unwrap();
                 renderer.drain(view).unwrap();
             }
-            let [expected, got] = images.each_ref().map(|it| it.rgba8().unwrap());
+            let [expected, got] = images.each_ref().map(|image| image.rgba8().unwrap());
             let wrong = pixels_that_differ(&expected, &got) as u64;
             let outcome = views[1].take_outcomes().next_back().unwrap();
             assert!(
@@ -194,8 +194,9 @@ fn the_ideal_and_other_methods_stay_exact() {
         let images = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
         let others = methods::strategies()
             .into_iter()
-            .filter(|it| it.is_exact() && !it.has_sample_threshold());
-        for strategy in others.filter(|it| renderer.supports(*it).is_ok()).collect::<Vec<_>>() {
+            .filter(|strategy| strategy.is_exact() && !strategy.has_sample_threshold());
+        for strategy in others.filter(|other| renderer.supports(*other).is_ok()).collect::<Vec<_>>()
+        {
             let mut view = renderer.new_view().unwrap();
             for number in 0..4 {
                 let camera = path.camera(number);
@@ -209,7 +210,7 @@ fn the_ideal_and_other_methods_stay_exact() {
                     renderer.render(&mut view, &request).unwrap();
                 }
                 renderer.drain(&mut view).unwrap();
-                let [expected, got] = images.each_ref().map(|it| it.rgba8().unwrap());
+                let [expected, got] = images.each_ref().map(|image| image.rgba8().unwrap());
                 assert_eq!(pixels_that_differ(&expected, &got), 0, "{strategy}, frame {number}");
             }
             assert!(view.take_outcomes().all(|outcome| outcome.samples_below_threshold == 0));

@@ -22,7 +22,9 @@ const COLOURS: u32 = 7;
 
 /// Returns the strategies that promise to be exact, in resting or in moving scenes.
 fn exact() -> impl Iterator<Item = Strategy> {
-    methods::strategies().into_iter().filter(|it| it.is_exact() && *it != Strategy::FRUSTUM)
+    methods::strategies()
+        .into_iter()
+        .filter(|strategy| strategy.is_exact() && *strategy != Strategy::FRUSTUM)
 }
 
 fn object(number: u32, low: Vec3, high: Vec3, turn_rad: f32) -> Object {
@@ -54,7 +56,8 @@ fn ties() -> Scene {
         }
         for number in 0..30 {
             let whole = |most: u32, random: &mut dyn FnMut(u32) -> u32| random(most) as f32;
-            let (a, b) = (whole(7, &mut random), whole(24, &mut random));
+            let a = whole(7, &mut random);
+            let b = whole(24, &mut random);
             let low = vec3(x + a, 0.0, b - 12.0);
             let sides = [3, 4, 3].map(|most| 1.0 + whole(most, &mut random));
             objects.push(object(number, low, low + Vec3::from(sides), 0.0));
@@ -200,7 +203,8 @@ fn what_is_seen_through_holes_is_exact() {
             let mut renderer = Renderer::new(device, scene, &options(2)).unwrap();
             images(&mut renderer, Strategy::FRUSTUM, &cameras(6))
         };
-        let (whole, cut) = (images_of(&ties()), images_of(&with_holes()));
+        let whole = images_of(&ties());
+        let cut = images_of(&with_holes());
         let differ = |(a, b): (&Readback, &Readback)| {
             pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap())
         };
@@ -224,7 +228,8 @@ pub fn with_sprites(mut scene: Scene) -> Scene {
         };
         let ends = (0..600).map(|_| end()).collect();
         let sprites = Sprites { mesh, shape, radius_m: 0.03, ends, normals: Vec::new() };
-        let (vertices, indices) = (Vec::new(), Vec::new());
+        let vertices = Vec::new();
+        let indices = Vec::new();
         let name = "sprites".to_owned();
         let bounds = sprites.bounds();
         scene.meshes.push(Mesh { name, vertices, indices, bounds, has_backs: false });
@@ -254,7 +259,8 @@ fn points_and_lines_are_exact_and_seen() {
                 let mut renderer = Renderer::new(device, scene, &options(2)).unwrap();
                 images(&mut renderer, Strategy::FRUSTUM, &cameras(6))
             };
-            let (without, with) = (images_of(&scene), images_of(&sprites));
+            let without = images_of(&scene);
+            let with = images_of(&sprites);
             let differ = |(a, b): (&Readback, &Readback)| {
                 pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap())
             };

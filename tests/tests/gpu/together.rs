@@ -47,7 +47,8 @@ fn lamp(number: u32, frame: u32) -> PunctualLight {
 fn scene() -> Scene {
     let mut objects = vec![object(SOFT, vec3(1.0, -1.0, -4.0), vec3(2.0, 2.0, 0.5))];
     for wall in 0..4_u32 {
-        let (z, door) = (-5.5 - 3.0 * wall as f32, wall as f32 * 1.5 - 3.0);
+        let z = -5.5 - 3.0 * wall as f32;
+        let door = wall as f32 * 1.5 - 3.0;
         objects.push(object(wall % COLOURS, vec3(-8.0, -2.0, z), vec3(8.0 + door, 5.0, 0.4)));
         let low = vec3(door + 1.5, -2.0, z);
         objects.push(object((wall + 1) % COLOURS, low, vec3(8.0 - door, 5.0, 0.4)));
@@ -91,7 +92,8 @@ fn scene() -> Scene {
 }
 
 fn pane(number: u32) -> Object {
-    let (row, column) = (number / 4, number % 4);
+    let row = number / 4;
+    let column = number % 4;
     let low = vec3(column as f32 * 1.9 - 4.0, -1.0, -4.0 - 3.0 * row as f32);
     object(
         GLASS,
@@ -163,8 +165,10 @@ fn every_exact_strategy_shows_the_same_life() {
             pixels_that_differ(&pair[0].rgba8().unwrap(), &pair[1].rgba8().unwrap()) > 500
         };
         assert!(expected.windows(2).all(lives), "something moves in each frame");
-        let exact = methods::strategies().into_iter().filter(|it| it.is_exact());
-        let ignoring = exact.filter(|it| *it != Strategy::FRUSTUM).map(|it| (it, Costs::Ignored));
+        let exact = methods::strategies().into_iter().filter(|strategy| strategy.is_exact());
+        let ignoring = exact
+            .filter(|strategy| *strategy != Strategy::FRUSTUM)
+            .map(|strategy| (strategy, Costs::Ignored));
         for (strategy, costs) in ignoring.chain([(Strategy::ANTUMBRA, Costs::default())]) {
             let found = film(device, strategy, costs);
             for (frame, (expected, found)) in expected.iter().zip(&found).enumerate() {

@@ -68,24 +68,26 @@ fn look(image: u32) -> Texture {
 #[test]
 fn what_is_too_much_is_refused_by_name() {
     run_on_all(|device| {
-        let lights = |count| with(|it| it.lights = vec![lamp(Vec3::splat(1.0e6)); count]);
+        let lights =
+            |count| with(|surfaces| surfaces.lights = vec![lamp(Vec3::splat(1.0e6)); count]);
         let transforms = |count: usize| {
-            with(|it| {
-                it.images = vec![image([1, 1], [255; 4])];
-                it.textures = vec![look(0)];
+            with(|surfaces| {
+                surfaces.images = vec![image([1, 1], [255; 4])];
+                surfaces.textures = vec![look(0)];
                 let shift =
                     |number: usize| Affine2::from_translation(Vec2::X * (number + 1) as f32);
-                it.materials = (0..count).map(|number| textured(0, shift(number))).collect();
+                surfaces.materials = (0..count).map(|number| textured(0, shift(number))).collect();
             })
         };
         let layers = device.adapter().limits.max_image_array_layers.min(2048) as usize;
         let most_images = MAX_PAGES * layers;
         let images = |count: usize| {
-            with(|it| {
-                it.images = vec![image([1, 1], [255; 4]); count];
-                it.textures = (0..count as u32).map(look).collect();
+            with(|surfaces| {
+                surfaces.images = vec![image([1, 1], [255; 4]); count];
+                surfaces.textures = (0..count as u32).map(look).collect();
                 let all = 0..count as u32;
-                it.materials = all.map(|number| textured(number, Affine2::IDENTITY)).collect();
+                surfaces.materials =
+                    all.map(|number| textured(number, Affine2::IDENTITY)).collect();
             })
         };
         let refused = |scene: Scene, count: usize, named: &str| {
@@ -123,13 +125,13 @@ fn draw(renderer: &mut Renderer, view: &mut ViewState, eye: Vec3) -> Readback {
 fn objects_that_too_many_lamps_reach_are_counted_as_things_are_now() {
     run_on_all(|device| {
         let most = MAX_LIGHTS_PER_OBJECT as u32;
-        let scene = with(|it| {
+        let scene = with(|surfaces| {
             // One more than fit shine on the first, as many as fit on the second, none on the
             // third.
             let at = |number: u32| lamp(vec3(if number > most { 3.5 } else { 0.5 }, 0.5, 1.2));
-            it.lights = (0..=2 * most).map(at).collect();
+            surfaces.lights = (0..=2 * most).map(at).collect();
             let sun = PunctualLight { kind: LightKind::Directional, ..lamp(Vec3::ZERO) };
-            it.lights.extend([sun; 6]);
+            surfaces.lights.extend([sun; 6]);
         });
         let mut renderer = renderer(device, &scene).unwrap();
         let mut view = renderer.new_view().unwrap();
@@ -161,10 +163,11 @@ fn objects_that_too_many_lamps_reach_are_counted_as_things_are_now() {
 fn more_textures_than_have_numbers_are_refused_before_any_is_made() {
     run(Driver::SwiftShader, |device| {
         let most = MAX_OWN_IMAGES;
-        let scene = with(|it| {
-            it.images = vec![image([1, 1], [255; 4]); most as usize + 1];
-            it.textures = (0..=most).map(look).collect();
-            it.materials = (0..=most).map(|it| textured(it, Affine2::IDENTITY)).collect();
+        let scene = with(|surfaces| {
+            surfaces.images = vec![image([1, 1], [255; 4]); most as usize + 1];
+            surfaces.textures = (0..=most).map(look).collect();
+            surfaces.materials =
+                (0..=most).map(|index| textured(index, Affine2::IDENTITY)).collect();
         });
         let error = stored(device, &scene, TextureStorage::Images).err().unwrap().to_string();
         let says = |part: &str| assert!(error.contains(part), "{error}");
@@ -192,14 +195,15 @@ fn show_hundreds_of_sizes(device: &Device, textures: TextureStorage) {
     let mut scene = cubes(COUNT);
     let surfaces = scene.surfaces.as_mut().unwrap();
     let size = |number: u32| [1 + number % 20 * 3, 1 + number / 20 * 5];
-    surfaces.images = (0..COUNT).map(|it| image(size(it), colour(it))).collect();
+    surfaces.images = (0..COUNT).map(|index| image(size(index), colour(index))).collect();
     surfaces.textures = (0..COUNT).map(look).collect();
-    surfaces.materials = (0..COUNT).map(|it| textured(it, Affine2::IDENTITY)).collect();
-    let (mesh, mut surface) = (scene.meshes[0].clone(), surfaces.meshes[0].clone());
+    surfaces.materials = (0..COUNT).map(|index| textured(index, Affine2::IDENTITY)).collect();
+    let mesh = scene.meshes[0].clone();
+    let mut surface = surfaces.meshes[0].clone();
     surface.vertices.iter_mut().for_each(|vertex| vertex.colour = [u16::MAX; 4]);
     scene.meshes = vec![mesh; COUNT as usize];
     let of = |material| scene::SurfaceMesh { material, ..surface.clone() };
-    surfaces.meshes = (0..COUNT).map(|it| of(MaterialId(it))).collect();
+    surfaces.meshes = (0..COUNT).map(|index| of(MaterialId(index))).collect();
     for (mesh, object) in (0..).zip(&mut scene.objects) {
         object.mesh = MeshId(mesh);
     }

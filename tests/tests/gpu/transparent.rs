@@ -19,7 +19,8 @@ fn object(mesh: u32, low: Vec3, size: Vec3) -> Object {
 }
 
 fn pane(number: u32) -> Object {
-    let (row, column) = (number / 6, number % 6);
+    let row = number / 6;
+    let column = number % 6;
     let low = vec3(column as f32 * 1.6 - 5.0, -1.0, -4.0 - 3.0 * row as f32);
     // Some cross the walls, some each other, some are in the same place.
     let size = match number % 3 {
@@ -138,7 +139,7 @@ pub(crate) fn compare(
 fn every_strategy_shows_the_same_panes() {
     run_on_all(|device| {
         let expected = film(device, Strategy::FRUSTUM, &options(1));
-        for strategy in methods::strategies().into_iter().filter(|it| it.is_exact()) {
+        for strategy in methods::strategies().into_iter().filter(|strategy| strategy.is_exact()) {
             if strategy != Strategy::FRUSTUM && strategy != methods::IDEAL {
                 compare(device, &expected, strategy, &options(2));
             }
@@ -208,10 +209,11 @@ fn the_farther_pane_is_drawn_first() {
         let materials = scene.surfaces.as_ref().unwrap().materials.clone();
         let mixed = |behind: [f32; 3], pane: &Material| {
             let alpha = pane.base_colour[3];
-            [0, 1, 2].map(|it| behind[it] * (1.0 - alpha) + pane.base_colour[it] * alpha)
+            [0, 1, 2]
+                .map(|channel| behind[channel] * (1.0 - alpha) + pane.base_colour[channel] * alpha)
         };
         let [red, green, blue, _] = materials[0].base_colour;
-        let [first, third] = [0, 2].map(|it| &materials[COLOURS as usize + it]);
+        let [first, third] = [0, 2].map(|offset| &materials[COLOURS as usize + offset]);
         for (order, expected) in [
             ([at(0, -4.0), at(2, -6.0)], mixed(mixed([red, green, blue], third), first)),
             ([at(0, -6.0), at(2, -4.0)], mixed(mixed([red, green, blue], first), third)),

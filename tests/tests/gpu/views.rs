@@ -257,7 +257,8 @@ fn views_on_one_tight_budget_are_exact() {
             let mut plain = [(); 6].map(|()| renderer.new_view().unwrap());
             let areas: Vec<Rect> = Rect::side_by_side(SIZE, 6).collect();
             let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
-            let (mut most, mut largest) = (0, 0);
+            let mut most = 0;
+            let mut largest = 0;
             for frame in 0..16 {
                 let cameras: Vec<Camera> = (0..6).map(|part| camera(frame, part)).collect();
                 render(&mut renderer, &mut plain, Strategy::FRUSTUM, &cameras, &areas, &expected);
@@ -305,8 +306,8 @@ fn a_view_does_not_notice_the_others() {
         let mut views = [(); 2].map(|()| both.new_view().unwrap());
         let mut single = alone.new_view().unwrap();
         let areas: Vec<Rect> = Rect::side_by_side(SIZE, 2).collect();
-        let (pair_image, image) =
-            (Readback::new(device, SIZE).unwrap(), Readback::new(device, half).unwrap());
+        let pair_image = Readback::new(device, SIZE).unwrap();
+        let image = Readback::new(device, half).unwrap();
         for frame in 0..20 {
             let cameras = [path.camera(frame), path.camera(500 + frame)];
             render(&mut both, &mut views, Strategy::ANTUMBRA, &cameras, &areas, &pair_image);

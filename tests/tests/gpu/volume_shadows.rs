@@ -47,7 +47,8 @@ fn every_exact_strategy_has_the_same_volumes() {
             methods::COHERENT,
             methods::PYRAMID,
         ];
-        let supported = strategies.into_iter().filter(|it| renderer.supports(*it).is_ok());
+        let supported =
+            strategies.into_iter().filter(|strategy| renderer.supports(*strategy).is_ok());
         let supported: Vec<Strategy> = supported.collect();
         let mut views: Vec<_> =
             (0..=supported.len()).map(|_| renderer.new_view().unwrap()).collect();
@@ -161,7 +162,8 @@ fn impossible_lights_and_ten_thousand_of_them_cast_no_harmful_volumes() {
                 image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
             }
             let stats = renderer.shadow_stats();
-            let [lights, unshadowed] = [stats.lights, stats.unshadowed_lights];
+            let lights = stats.lights;
+            let unshadowed = stats.unshadowed_lights;
             let is_full = lights == 256 && unshadowed > 9_000;
             assert!(if count > 0 { is_full } else { lights < 8 && unshadowed == 0 }, "{stats:?}");
         }

@@ -39,7 +39,8 @@ fn built_ins(spirv: &[u8]) -> Vec<u32> {
     const BUILT_IN: u32 = 11;
     let words: Vec<u32> =
         spirv.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
-    let (mut rest, mut found) = (&words[5..], Vec::new());
+    let mut rest = &words[5..];
+    let mut found = Vec::new();
     while let [first, ..] = rest {
         let (instruction, after) = rest.split_at((first >> 16) as usize);
         match (first & 0xFFFF, instruction) {

@@ -19,7 +19,8 @@ fn interface(name: &str) -> (Buffers, usize) {
     let entries = ReflectConfig::new().spv(spirv).ref_all_rscs(true).reflect().expect("SPIR-V");
     let [entry] = &entries[..] else { panic!("{name} has {} entry points", entries.len()) };
     assert_eq!(entry.name, "main");
-    let (mut buffers, mut push_bytes) = (Vec::new(), 0);
+    let mut buffers = Vec::new();
+    let mut push_bytes = 0;
     for variable in &entry.vars {
         match variable {
             Variable::Descriptor { desc_bind, ty, nbind, .. } => {
@@ -347,7 +348,8 @@ fn the_required_storage_buffers_are_the_most_that_a_stage_binds() {
     // The layout of a pipeline has all buffers up to the last one in each of its stages.
     let bound = |name: &str| interface(name).0.last().map_or(0, |(binding, ..)| binding + 1);
     let names = || shaders::PASSES.into_iter().chain(OF_GPU).map(|shader| shader.name);
-    let is_cut = |name: &&str| ["_section", "cap_", "_sorted"].iter().any(|it| name.contains(it));
+    let is_cut =
+        |name: &&str| ["_section", "cap_", "_sorted"].iter().any(|part| name.contains(part));
     let most = names().filter(|name| !is_cut(name)).map(bound).max().unwrap();
     let asked = include_str!("../../../engine/gpu/src/core/capabilities.rs");
     assert!(asked.contains(&format!("STAGE_STORAGE_BUFFERS: u32 = {most};")), "{most} are bound");

@@ -47,7 +47,8 @@ fn sources_and_spirv_belong_together() {
     let differs = |a: &str, b: &str| -> Vec<String> {
         a.lines().filter(|line| !b.lines().any(|other| other == *line)).map(name).collect()
     };
-    let (changed, gone) = (differs(&found, &recorded), differs(&recorded, &found));
+    let changed = differs(&found, &recorded);
+    let gone = differs(&recorded, &found);
     assert!(
         found == recorded,
         "the shaders changed and were not compiled (new or changed: {changed:?}, recorded: \

@@ -61,7 +61,8 @@ fn made_and_allocated(
     moves: Moves,
     options: &BoxOptions,
 ) -> (usize, u64) {
-    let (entry, purpose) = (Machine::default().entry(), Purpose::Executor);
+    let entry = Machine::default().entry();
+    let purpose = Purpose::Executor;
     let host = Host::through(entry, driver, purpose, &[], Features::default());
     let device = host.adopt(None);
     let mut scene = ComparedScene::new(&host, &device, options);
@@ -73,7 +74,8 @@ fn made_and_allocated(
         let all = CALLS_THAT_MAKE.iter().filter(|call| **call != c"vkAllocateDescriptorSets");
         all.map(|call| calls(call)).sum()
     };
-    let (mut late_made, mut late_allocated) = (0, 0);
+    let mut late_made = 0;
+    let mut late_allocated = 0;
     for frame in 0..2 * BEFORE {
         let begun = commands.begin();
         if moves == Moves::InEachFrame {

@@ -55,7 +55,8 @@ fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
             renderer.supports(strategy).unwrap();
             let mut view = renderer.new_view().unwrap();
             let mut swapchain = stage.swapchain(&SwapchainOptions::default());
-            let (mut after_a_while, mut allocated) = ((0, 0), Vec::with_capacity(200));
+            let mut after_a_while = (0, 0);
+            let mut allocated = Vec::with_capacity(200);
             for frame in 0..200 {
                 let before = allocations();
                 let request = FrameRequest::new(strategy, camera);
@@ -96,7 +97,9 @@ fn a_thousand_switches_leave_the_image_and_keep_nothing() {
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());
         let image = Readback::new(&stage.device, SIZE).unwrap();
         let mut random = Random::new(11);
-        let (mut strategy, mut expected, mut halfway) = (Strategy::FRUSTUM, Vec::new(), (0, 0));
+        let mut strategy = Strategy::FRUSTUM;
+        let mut expected = Vec::new();
+        let mut halfway = (0, 0);
         let mut most_retired = 0;
         for switch in 0..1000_u32 {
             match switch % 3 {

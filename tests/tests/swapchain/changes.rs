@@ -21,7 +21,8 @@ fn a_window_survives_a_thousand_changes() {
         let mut random = Random::new(7 + which as u64);
         let modes = modes(driver);
         let mut show = Show::new(&stage, &window, modes[which % modes.len()], size);
-        let (mut resizes, mut is_mapped) = (0, true);
+        let mut resizes = 0;
+        let mut is_mapped = true;
         for step in 0..STEPS {
             let before = size;
             match random.below(20) {

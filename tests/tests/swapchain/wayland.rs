@@ -30,7 +30,8 @@ fn a_window_on_wayland_takes_images_of_every_size_in_every_mode() {
         let mut swapchain = stage.swapchain(&options);
         let mut painter = Painter::new(&stage.device, SIZE);
         let mut random = Random::new(5);
-        let (mut size, mut sizes) = (SIZE, 0);
+        let mut size = SIZE;
+        let mut sizes = 0;
         for frame in 0..60 {
             window.answer();
             // Nothing but the caller knows that the window has another size.

@@ -29,7 +29,8 @@ fn comment_length(rest: &str) -> Option<usize> {
     if !rest.starts_with("/*") {
         return None;
     }
-    let (mut depth, mut at) = (0_usize, 0);
+    let mut depth = 0_usize;
+    let mut at = 0;
     while at < rest.len() {
         let here = &rest.as_bytes()[at..];
         if here.starts_with(b"/*") {

@@ -16,7 +16,8 @@ fn roots<'a>(code: &BTreeMap<&'a str, String>) -> Vec<&'a str> {
         let Some((_, inside)) = path.rsplit_once("src/") else { return false };
         let program = inside.strip_prefix("bin/");
         ["lib.rs", "main.rs"].contains(&inside)
-            || program.is_some_and(|it| !it.contains('/') || it.ends_with("/main.rs"))
+            || program
+                .is_some_and(|program| !program.contains('/') || program.ends_with("/main.rs"))
     };
     code.keys().copied().filter(|path| is_root(path)).collect()
 }
@@ -88,7 +89,8 @@ pub fn scattered_impls(files: &[SourceFile]) -> Vec<String> {
             let is_in_api = first.ends_with("/api")
                 && elsewhere.iter().all(|path| folder(path).as_ref() == Some(&first));
             if !is_in_api && !elsewhere.is_empty() {
-                let (at, where_else) = (modules.path(definition), elsewhere.join(", "));
+                let at = modules.path(definition);
+                let where_else = elsewhere.join(", ");
                 findings.push(format!("{at}:1: impl {name} stands in {where_else}"));
             }
         }

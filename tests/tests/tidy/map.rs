@@ -32,9 +32,10 @@ pub fn names(files: &[SourceFile]) -> Vec<String> {
             continue;
         }
         for span in line.split('`').skip(1).step_by(2) {
-            let is_there = match span.ends_with(".rs") || span.ends_with('/') {
-                true => files.iter().any(|file| lies_at(&file.path, span)),
-                false => names.has(span),
+            let is_there = if span.ends_with(".rs") || span.ends_with('/') {
+                files.iter().any(|file| lies_at(&file.path, span))
+            } else {
+                names.has(span)
             };
             if !is_there {
                 findings.push(map.finding(number, &format!("there is no `{span}`")));

@@ -63,7 +63,8 @@ impl<'a> Modules<'a> {
         for name in declared {
             let beside = format!("{folder}/{name}.rs");
             let inside = format!("{folder}/{name}/mod.rs");
-            let found = [beside, inside].into_iter().find_map(|it| code.get_key_value(it.as_str()));
+            let found =
+                [beside, inside].into_iter().find_map(|path| code.get_key_value(path.as_str()));
             if let Some((child, _)) = found {
                 let child = self.add(child, &format!("{folder}/{name}"), Some(own), code);
                 self.modules[own].children.insert(name, child);
@@ -86,7 +87,7 @@ impl<'a> Modules<'a> {
         let mut ties = Ties::new();
         for own in 0..self.modules.len() {
             let module = &self.modules[own];
-            let written = module.uses.iter().map(|it| it.path.clone());
+            let written = module.uses.iter().map(|usage| usage.path.clone());
             for path in written.chain(paths(&module.tokens)) {
                 if let Some(Place::Item(file)) = self.resolve(own, &path, &mut Vec::new())
                     && file != own
@@ -153,8 +154,8 @@ impl<'a> Modules<'a> {
         if here.items.contains(name) {
             return Some(Place::Item(module));
         }
-        let named = here.uses.iter().filter(|it| it.name == name);
-        let path = named.map(|it| it.path.clone()).next();
+        let named = here.uses.iter().filter(|usage| usage.name == name);
+        let path = named.map(|named| named.path.clone()).next();
         path.and_then(|path| self.resolve(module, &path, seen))
     }
 }
@@ -196,9 +197,13 @@ fn read_module<'a>(
     code: &'a str,
 ) -> (Module<'a>, Vec<&'a str>) {
     let all = tokens(code);
-    let (mut items, mut uses, mut rest) = (BTreeSet::new(), Vec::new(), Vec::new());
-    let (mut declared, mut impls) = (Vec::new(), Vec::new());
-    let (mut depth, mut at) = (0_usize, 0);
+    let mut items = BTreeSet::new();
+    let mut uses = Vec::new();
+    let mut rest = Vec::new();
+    let mut declared = Vec::new();
+    let mut impls = Vec::new();
+    let mut depth = 0_usize;
+    let mut at = 0;
     while at < all.len() {
         match (all[at], all.get(at + 1).copied()) {
             (Token::Word("use"), Some(Token::Word(_) | Token::Mark('{'))) => {

@@ -36,9 +36,10 @@ pub fn questions(files: &[SourceFile]) -> Vec<String> {
     let mut findings = Vec::new();
     for file in files.iter().filter(|file| is_checked(file)) {
         let header = || file.text.lines().next().and_then(|line| line.strip_prefix("//"));
-        let docs = match file.is_rust() {
-            true => docs(&file.text),
-            false => header().map(|text| Doc::new(1, text)).into_iter().collect(),
+        let docs = if file.is_rust() {
+            docs(&file.text)
+        } else {
+            header().map(|text| Doc::new(1, text)).into_iter().collect()
         };
         for doc in docs.into_iter().filter(|doc| QUESTIONS.contains(&first_word(doc.text))) {
             let reason = format!("name the thing instead of asking '{}'", doc.text);

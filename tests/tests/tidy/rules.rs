@@ -165,7 +165,8 @@ pub fn global_state(files: &[SourceFile]) -> Vec<String> {
             let declared = text.trim_start().trim_start_matches("pub(crate) ");
             let declared = declared.trim_start_matches("pub ");
             let changes = declared.starts_with("static mut ")
-                || declared.starts_with("static ") && changing.iter().any(|it| text.contains(it))
+                || declared.starts_with("static ")
+                    && changing.iter().any(|word| text.contains(word))
                 || has_word(text, "thread_local");
             if changes {
                 findings.push(file.finding(line, "state of the whole process: give it an owner"));

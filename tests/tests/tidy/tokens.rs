@@ -85,7 +85,8 @@ fn imports_are_read_out_of_trees() {
         let tokens = tokens(code);
         let (imports, length) = imports(&tokens);
         assert_eq!(tokens[length], Token::Mark(';'), "of {code}");
-        let shown = imports.iter().map(|it| format!("{} = {}", it.name, it.path.join("::")));
+        let shown =
+            imports.iter().map(|import| format!("{} = {}", import.name, import.path.join("::")));
         shown.collect::<Vec<_>>()
     };
     assert_eq!(of("crate::a::B;"), ["B = crate::a::B"]);

@@ -44,9 +44,9 @@ pub unsafe extern "C" fn antumbra_context_destroy(
 ) -> AntumbraResult {
     // SAFETY: the caller's promises.
     unsafe {
-        guarded(error, || match context.is_null() {
-            true => Ok(()),
-            false => AntumbraContext::destroy(context),
-        })
+        guarded(
+            error,
+            || if context.is_null() { Ok(()) } else { AntumbraContext::destroy(context) },
+        )
     }
 }

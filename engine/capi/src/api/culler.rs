@@ -82,8 +82,8 @@ pub unsafe extern "C" fn antumbra_culler_ingest(
     unsafe {
         entry(context, error, |context| {
             let answers = slice("answers", answers, count)?;
-            let (culler, hierarchy) =
-                (context.cullers.find(culler)?, context.hierarchies.find(hierarchy)?);
+            let culler = context.cullers.find(culler)?;
+            let hierarchy = context.hierarchies.find(hierarchy)?;
             let hierarchy = hierarchy.read()?;
             culler.write()?.ingest(&hierarchy.hierarchy, answers)
         })
@@ -110,9 +110,10 @@ pub unsafe extern "C" fn antumbra_culler_plan(
             let desc = read("desc", desc)?;
             let view = read("desc.camera", desc.camera)?.view()?;
             let strategy = strategy(desc.strategy)?;
-            let (culler, hierarchy) =
-                (context.cullers.find(culler)?, context.hierarchies.find(hierarchy)?);
-            let (mut culler, hierarchy) = (culler.write()?, hierarchy.read()?);
+            let culler = context.cullers.find(culler)?;
+            let hierarchy = context.hierarchies.find(hierarchy)?;
+            let mut culler = culler.write()?;
+            let hierarchy = hierarchy.read()?;
             let budget = queries(desc.query_budget);
             let plan = culler.plan(&hierarchy.hierarchy, strategy, &view, budget);
             output.write(&plan);

@@ -86,7 +86,8 @@ pub unsafe extern "C" fn antumbra_renderer_create(
             let desc = read("desc", desc)?;
             let device = context.devices.find(desc.device)?.read()?.clone();
             HostedRenderer::check_device(&device)?;
-            let (options, scene) = (desc.options()?, desc.scene()?);
+            let options = desc.options()?;
+            let scene = desc.scene()?;
             let new = HostedRenderer::new(&device, &scene, &options)?;
             *renderer = context.renderers.insert(new)?;
             Ok(())

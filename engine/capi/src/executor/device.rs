@@ -301,16 +301,17 @@ unsafe fn turn_on<T: FeatureBits>(target: *mut T, source: *const T) -> Result<()
     if target.is_null() || source.is_null() {
         return Ok(());
     }
-    let type_of = |it: *const T| it.cast::<vk::StructureType>();
+    let type_of = |place: *const T| place.cast::<vk::StructureType>();
     // SAFETY: the caller's promise, and that of `FeatureBits`.
     unsafe {
         if T::FIRST > 0 && type_of(target).read() != type_of(source).read() {
-            let [one, other] = [type_of(target), type_of(source)].map(|it| it.read().as_raw());
+            let [one, other] =
+                [type_of(target), type_of(source)].map(|place| place.read().as_raw());
             return Err(Failure::argument(format_args!(
                 "a struct of features has a wrong sType: {one} and {other} should be the same"
             )));
         }
-        let bits = |it: *const T| it.cast::<vk::Bool32>();
+        let bits = |place: *const T| place.cast::<vk::Bool32>();
         let word = size_of::<vk::Bool32>();
         for at in T::FIRST / word..T::END / word {
             if bits(source).add(at).read() == vk::TRUE {

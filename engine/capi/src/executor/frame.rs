@@ -324,7 +324,8 @@ unsafe fn plan_view(
         let message = "view.camera has another ANTUMBRA_DEPTH_.. than the scene's attachments";
         return Err(Failure::argument(message));
     }
-    let (eye, strategy) = (camera.view()?, strategy(view.strategy)?);
+    let eye = camera.view()?;
+    let strategy = strategy(view.strategy)?;
     let hosted = views.find(view.view)?;
     let mut hosted = hosted.write()?;
     let HostedView { state, target: cached, lists, .. } = &mut *hosted;

@@ -152,16 +152,16 @@ layout!(AntumbraObjectDraw: bucket, index_count, instance_count, first_index, ve
     first_instance);
 
 impl From<&AntumbraObjectDraw> for BucketDraw {
-    fn from(it: &AntumbraObjectDraw) -> Self {
-        let triangles = (it.index_count / 3).saturating_mul(it.instance_count);
+    fn from(object_draw: &AntumbraObjectDraw) -> Self {
+        let triangles = (object_draw.index_count / 3).saturating_mul(object_draw.instance_count);
         let draw = IndirectDraw {
-            index_count: it.index_count,
-            instance_count: it.instance_count,
-            first_index: it.first_index,
-            vertex_offset: it.vertex_offset,
-            first_instance: it.first_instance,
+            index_count: object_draw.index_count,
+            instance_count: object_draw.instance_count,
+            first_index: object_draw.first_index,
+            vertex_offset: object_draw.vertex_offset,
+            first_instance: object_draw.first_instance,
         };
-        Self { bucket: BucketId(it.bucket), draw, triangles }
+        Self { bucket: BucketId(object_draw.bucket), draw, triangles }
     }
 }
 
@@ -306,7 +306,8 @@ impl HostedScene {
         objects: &[AntumbraObject],
         draws: &[AntumbraObjectDraw],
     ) -> Result<&[ObjectId], Failure> {
-        let (mut listed, mut added) = (Vec::new(), Vec::new());
+        let mut listed = Vec::new();
+        let mut added = Vec::new();
         let reserved = listed.try_reserve(draws.len()).and(added.try_reserve(objects.len()));
         if reserved.is_err() {
             let message = format!("no memory to add {} objects", objects.len());

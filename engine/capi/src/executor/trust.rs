@@ -66,7 +66,7 @@ pub(crate) fn assumptions(bits: u32) -> Result<Vec<Assumption>, Failure> {
             bits & !known
         )));
     }
-    Ok(BITS.iter().filter(|(bit, _)| bits & bit != 0).map(|(_, it)| *it).collect())
+    Ok(BITS.iter().filter(|(bit, _)| bits & bit != 0).map(|(_, assumption)| *assumption).collect())
 }
 
 #[cfg(test)]
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn each_assumption_has_a_bit_in_the_order_of_the_self_test() {
-        let of_bits: Vec<Assumption> = BITS.iter().map(|(_, it)| *it).collect();
+        let of_bits: Vec<Assumption> = BITS.iter().map(|(_, assumption)| *assumption).collect();
         assert_eq!(of_bits, Assumption::ALL);
         assert!(BITS.iter().enumerate().all(|(place, (bit, _))| *bit == 1 << place));
         assert_eq!(assumptions(u32::from(u16::MAX)).unwrap(), Assumption::ALL);

@@ -62,8 +62,8 @@ pub struct AntumbraTransform {
 layout!(AntumbraTransform: columns);
 
 impl From<&AntumbraTransform> for Affine3A {
-    fn from(it: &AntumbraTransform) -> Self {
-        Self::from_cols_array(&it.columns)
+    fn from(transform: &AntumbraTransform) -> Self {
+        Self::from_cols_array(&transform.columns)
     }
 }
 
@@ -83,8 +83,8 @@ pub struct AntumbraMeshObject {
 layout!(AntumbraMeshObject: mesh, tint, transform);
 
 impl From<&AntumbraMeshObject> for Object {
-    fn from(it: &AntumbraMeshObject) -> Self {
-        Self { mesh: MeshId(it.mesh), transform: (&it.transform).into(), tint: it.tint }
+    fn from(object: &AntumbraMeshObject) -> Self {
+        Self { mesh: MeshId(object.mesh), transform: (&object.transform).into(), tint: object.tint }
     }
 }
 
@@ -113,8 +113,10 @@ impl AntumbraSunlight {
     fn light(&self) -> Result<Light, Failure> {
         let Self { sun, ambient_above, ambient_below, sky, .. } = *self;
         let towards_sun = Vec3::from(self.towards_sun).try_normalize();
-        let are_finite =
-            [sun, ambient_above, ambient_below, sky].iter().flatten().all(|it| it.is_finite());
+        let are_finite = [sun, ambient_above, ambient_below, sky]
+            .iter()
+            .flatten()
+            .all(|number| number.is_finite());
         match towards_sun.filter(|_| are_finite) {
             Some(towards_sun) => Ok(Light { towards_sun, sun, ambient_above, ambient_below, sky }),
             None => Err(Failure::argument("desc.light has a number that is not finite")),
@@ -214,10 +216,11 @@ impl AntumbraRendererDesc {
             }
         };
         let samples = sample_count(self.samples)?;
-        let shadows = match self.shadows.is_null() {
-            true => ShadowOptions::default(),
+        let shadows = if self.shadows.is_null() {
+            ShadowOptions::default()
+        } else {
             // SAFETY: the caller's promise.
-            false => unsafe { read("desc.shadows", self.shadows) }?.options()?,
+            unsafe { read("desc.shadows", self.shadows) }?.options()?
         };
         let default = RendererOptions::default();
         Ok(RendererOptions {
@@ -250,10 +253,11 @@ impl AntumbraRendererDesc {
             let objects = slice("desc.objects", self.objects, self.object_count)?;
             (meshes_of("desc.meshes", self.meshes, self.mesh_count)?, objects)
         };
-        let light = match self.light.is_null() {
-            true => Light::afternoon(),
+        let light = if self.light.is_null() {
+            Light::afternoon()
+        } else {
             // SAFETY: as above.
-            false => unsafe { read("desc.light", self.light) }?.light()?,
+            unsafe { read("desc.light", self.light) }?.light()?
         };
         let scene = Scene {
             name: "scene".to_owned(),
@@ -293,9 +297,9 @@ unsafe fn meshes_of(
         let name = format!("{name}[{number}]");
         // SAFETY: as above.
         unsafe {
-            let it = read(&name, *mesh)?;
-            let vertices = slice("vertices of a mesh", it.vertices, it.vertex_count)?;
-            let indices = slice("indices of a mesh", it.indices, it.index_count)?;
+            let desc = read(&name, *mesh)?;
+            let vertices = slice("vertices of a mesh", desc.vertices, desc.vertex_count)?;
+            let indices = slice("indices of a mesh", desc.indices, desc.index_count)?;
             Ok(mesh_of(name, vertices, indices))
         }
     };

@@ -77,9 +77,9 @@ layout!(AntumbraFinishedImage: struct_size, format, image, view, width, height, 
 versioned!(AntumbraFinishedImage: 9, required: [], defaults: {});
 
 impl From<FinishedImage> for AntumbraFinishedImage {
-    fn from(it: FinishedImage) -> Self {
+    fn from(image: FinishedImage) -> Self {
         let FinishedImage { image, view, format, size: [width, height], state, timeline, tick } =
-            it;
+            image;
         let state = AntumbraImageState {
             layout: state.layout,
             reserved: 0,
@@ -230,15 +230,15 @@ impl HostedRenderer {
     fn take_outcomes(&mut self) {
         for outcome in self.view.take_outcomes() {
             // Frames before it whose results are lost have no outcome.
-            while self.submitted.front().is_some_and(|it| it.frame < outcome.frame) {
+            while self.submitted.front().is_some_and(|first| first.frame < outcome.frame) {
                 self.submitted.pop_front();
             }
-            let is_it = |it: &&SubmittedFrame| it.frame == outcome.frame;
-            let Some(it) = self.submitted.front().filter(is_it) else { continue };
+            let is_it = |submitted_frame: &&SubmittedFrame| submitted_frame.frame == outcome.frame;
+            let Some(newest) = self.submitted.front().filter(is_it) else { continue };
             self.stats.frame = outcome.frame.0;
             self.stats.drawn = outcome.draws;
             self.stats.revealed = outcome.revealed;
-            (self.stats.total, self.stats.tests) = (it.total, it.tests);
+            (self.stats.total, self.stats.tests) = (newest.total, newest.tests);
         }
     }
 }

@@ -158,18 +158,18 @@ layout!(AntumbraShadowStats: struct_size, lights, maps, drawn_maps, culled_maps,
 versioned!(AntumbraShadowStats: 12, required: [], defaults: {});
 
 impl From<ShadowStats> for AntumbraShadowStats {
-    fn from(it: ShadowStats) -> Self {
+    fn from(stats: ShadowStats) -> Self {
         Self {
-            lights: it.lights,
-            maps: it.faces,
-            drawn_maps: it.drawn_faces,
-            culled_maps: it.culled_faces,
-            casters: it.casters,
-            tests: it.tests,
-            z_fail_volumes: it.z_fail_volumes,
-            unshadowed_lights: it.unshadowed_lights,
-            triangles: it.triangles,
-            revealed_triangles: it.revealed_triangles,
+            lights: stats.lights,
+            maps: stats.faces,
+            drawn_maps: stats.drawn_faces,
+            culled_maps: stats.culled_faces,
+            casters: stats.casters,
+            tests: stats.tests,
+            z_fail_volumes: stats.z_fail_volumes,
+            unshadowed_lights: stats.unshadowed_lights,
+            triangles: stats.triangles,
+            revealed_triangles: stats.revealed_triangles,
             ..Self::INIT
         }
     }

@@ -25,17 +25,17 @@ layout!(AntumbraSelfTest: struct_size, broken, not_tested, can_cull);
 versioned!(AntumbraSelfTest: 4, required: [], defaults: {});
 
 impl From<&SelfTest> for AntumbraSelfTest {
-    fn from(it: &SelfTest) -> Self {
+    fn from(test: &SelfTest) -> Self {
         let bits_of = |is_in: fn(&Finding) -> bool| {
             let of = |(bit, assumption): &(u32, Assumption)| {
-                it.verdict(*assumption).filter(|finding| is_in(finding)).map_or(0, |_| *bit)
+                test.verdict(*assumption).filter(|finding| is_in(finding)).map_or(0, |_| *bit)
             };
             BITS.iter().map(of).sum()
         };
         Self {
-            broken: bits_of(|it| matches!(it, Finding::Broken(_))),
-            not_tested: bits_of(|it| matches!(it, Finding::NotTested(_))),
-            can_cull: it.safest.is_some().into(),
+            broken: bits_of(|finding| matches!(finding, Finding::Broken(_))),
+            not_tested: bits_of(|finding| matches!(finding, Finding::NotTested(_))),
+            can_cull: test.safest.is_some().into(),
             ..Self::INIT
         }
     }

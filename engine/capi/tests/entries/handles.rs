@@ -20,7 +20,8 @@ type Call<'a> = (&'a str, &'a dyn Fn(*const AntumbraContext, u64, u64) -> Antumb
 #[test]
 fn every_function_checks_its_handles() {
     let mut host = Host::new();
-    let (box_desc, culler_desc) = (AntumbraHierarchyDesc::INIT, AntumbraCullerDesc::INIT);
+    let box_desc = AntumbraHierarchyDesc::INIT;
+    let culler_desc = AntumbraCullerDesc::INIT;
     let plan_desc = AntumbraPlanDesc { camera: &CAMERA, ..Versioned::INIT };
     let h = |id| AntumbraHierarchy { id };
     let c = |id| AntumbraCuller { id };
@@ -58,7 +59,8 @@ fn every_function_checks_its_handles() {
         ]
     };
     let other = Host::new();
-    let (hierarchy, culler) = (host.hierarchy.id, host.culler.id);
+    let hierarchy = host.hierarchy.id;
+    let culler = host.culler.id;
     let wrong = [0, u64::MAX, hierarchy ^ (1 << 40), other.hierarchy.id, other.culler.id];
     for (name, call) in calls {
         assert_eq!(call(null(), hierarchy, culler), BadPointer, "{name}");
@@ -69,9 +71,10 @@ fn every_function_checks_its_handles() {
         let is_destroy = name.ends_with("destroy");
         for id in wrong.into_iter().filter(|id| !is_destroy || *id != 0) {
             let takes_hierarchy = name.starts_with("hierarchy");
-            let result = match takes_hierarchy {
-                true => call(host.context, id, culler),
-                false => call(host.context, hierarchy, id),
+            let result = if takes_hierarchy {
+                call(host.context, id, culler)
+            } else {
+                call(host.context, hierarchy, id)
             };
             assert_eq!(result, UnknownHandle, "{name} {id:#x}");
         }

@@ -148,14 +148,17 @@ impl Drop for Host {
 fn objects_come_move_and_go() {
     let mut host = Host::new();
     assert_eq!(host.planned(), [0, 1]);
-    let (context, hierarchy) = (host.context, host.hierarchy);
+    let context = host.context;
+    let hierarchy = host.hierarchy;
     let boxes: Vec<AntumbraAabb> = (0..20).map(|n| cube(n as f32 * 0.1 - 1.0, -4.0)).collect();
     let mut ids = [0; 20];
     let revision = host.leaves().1;
     // SAFETY: pointers to values on this stack.
     unsafe {
-        let (boxes, ids_at) = (boxes.as_ptr(), ids.as_mut_ptr());
-        let (count, error) = (ids.len(), &mut host.error);
+        let boxes = boxes.as_ptr();
+        let ids_at = ids.as_mut_ptr();
+        let count = ids.len();
+        let error = &mut host.error;
         let inserted = antumbra_hierarchy_insert(context, hierarchy, boxes, count, ids_at, error);
         assert_eq!(inserted, Ok, "{}", text(error));
     }
@@ -170,12 +173,14 @@ fn objects_come_move_and_go() {
     let mut last = [0];
     // SAFETY: as above.
     unsafe {
-        let (bounds, error) = (cube(0.0, 5.0), &mut host.error);
+        let bounds = cube(0.0, 5.0);
+        let error = &mut host.error;
         let added =
             antumbra_hierarchy_insert(context, hierarchy, &bounds, 1, last.as_mut_ptr(), error);
         assert_eq!((added, last), (Ok, [22]));
         assert_eq!(host.leaves().0.len(), 31);
-        let (last, error) = (last.as_ptr(), &mut host.error);
+        let last = last.as_ptr();
+        let error = &mut host.error;
         assert_eq!(antumbra_hierarchy_remove(context, hierarchy, last, 1, error), Ok);
         let error = &mut host.error;
         assert_eq!(antumbra_hierarchy_rebuild(context, hierarchy, error), Ok);
@@ -187,7 +192,8 @@ fn objects_come_move_and_go() {
     // SAFETY: as above.
     unsafe {
         let error = &mut host.error;
-        let (ids, boxes) = (ids.as_ptr(), behind.as_ptr());
+        let ids = ids.as_ptr();
+        let boxes = behind.as_ptr();
         assert_eq!(antumbra_hierarchy_move(context, hierarchy, ids, boxes, 10, error), Ok);
         assert_eq!(antumbra_hierarchy_remove(context, hierarchy, ids.add(10), 9, error), Ok);
         let again = antumbra_hierarchy_remove(context, hierarchy, ids.add(10), 1, error);

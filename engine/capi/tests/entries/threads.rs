@@ -27,9 +27,9 @@ struct Handles {
 }
 
 /// Calls one of the functions, in turn.
-fn call(it: Handles, number: usize) -> AntumbraResult {
-    let Handles { hierarchy: h, culler: c, .. } = it;
-    let x = it.context as *const AntumbraContext;
+fn call(handles: Handles, number: usize) -> AntumbraResult {
+    let Handles { hierarchy: h, culler: c, .. } = handles;
+    let x = handles.context as *const AntumbraContext;
     let none = null_mut();
     // SAFETY: pointers to values that live as long as the call; the context outlives the threads.
     unsafe {
@@ -61,17 +61,19 @@ fn call(it: Handles, number: usize) -> AntumbraResult {
 #[test]
 fn threads_without_an_order_are_busy_at_times_and_nothing_breaks() {
     let host = Host::new();
-    let it =
+    let device =
         Handles { context: host.context as usize, hierarchy: host.hierarchy, culler: host.culler };
     let begin = Barrier::new(4);
     let [done, busy] = [(); 2].map(|()| AtomicUsize::new(0));
     std::thread::scope(|scope| {
         for thread in 0..4 {
-            let (begin, done, busy) = (&begin, &done, &busy);
+            let begin = &begin;
+            let done = &done;
+            let busy = &busy;
             scope.spawn(move || {
                 begin.wait();
                 for number in 0..CALLS {
-                    match call(it, number + thread) {
+                    match call(device, number + thread) {
                         Ok => done.fetch_add(1, Ordering::Relaxed),
                         Busy => busy.fetch_add(1, Ordering::Relaxed),
                         other => panic!("{other:?} of call {number} in thread {thread}"),
@@ -82,6 +84,6 @@ fn threads_without_an_order_are_busy_at_times_and_nothing_breaks() {
     });
     assert_eq!(done.into_inner() + busy.into_inner(), 4 * CALLS);
     for number in 0..7 {
-        assert_eq!(call(it, number), Ok, "call {number}, with nobody else");
+        assert_eq!(call(device, number), Ok, "call {number}, with nobody else");
     }
 }

@@ -17,7 +17,9 @@ use crate::{CAMERA, Host, cube, text};
 #[test]
 fn bad_pointers_and_values_are_named() {
     let mut host = Host::new();
-    let (context, hierarchy, culler) = (host.context, host.hierarchy, host.culler);
+    let context = host.context;
+    let hierarchy = host.hierarchy;
+    let culler = host.culler;
     let error = &mut host.error;
     let bad = AntumbraAabb { min: [1.0; 3], max: [0.0; 3] };
     let infinite = AntumbraAabb { max: [f32::INFINITY; 3], ..bad };
@@ -62,7 +64,8 @@ fn bad_pointers_and_values_are_named() {
         expect(result, (BadArgument, "object 5 is not"), error);
 
         let boxes = [cube(0.0, -5.0), bad];
-        let (boxes, ids_at) = (boxes.as_ptr(), ids.as_mut_ptr());
+        let boxes = boxes.as_ptr();
+        let ids_at = ids.as_mut_ptr();
         let result = antumbra_hierarchy_insert(context, hierarchy, boxes, 2, ids_at, error);
         expect(result, (BadArgument, "boxes[1] is no box"), error);
         assert_eq!(ids, [9; 2]);

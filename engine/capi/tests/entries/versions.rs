@@ -68,10 +68,7 @@ fn callers_of_other_versions_are_understood() {
         let older = Older { struct_size, abi_version: ANTUMBRA_ABI_VERSION };
         let desc = AntumbraContextDesc { struct_size, ..AntumbraContextDesc::current() };
         let newer = Newer { desc, more };
-        let desc = match is_older {
-            true => from_ref(&older).cast(),
-            false => from_ref(&newer).cast(),
-        };
+        let desc = if is_older { from_ref(&older).cast() } else { from_ref(&newer).cast() };
         // SAFETY: the struct has as many bytes as it says, or is refused before they are read.
         unsafe {
             let result = antumbra_context_create(desc, &mut context, &mut error);
@@ -79,7 +76,8 @@ fn callers_of_other_versions_are_understood() {
             (result, text(&error).to_owned())
         }
     };
-    let (ours, newer) = (size_of::<AntumbraContextDesc>(), size_of::<Newer>());
+    let ours = size_of::<AntumbraContextDesc>();
+    let newer = size_of::<Newer>();
     assert_eq!(create(size_of::<Older>(), 0, true).0, Ok);
     assert_eq!(create(ours, 1, false).0, Ok, "what lies behind is not ours");
     assert_eq!(create(newer, 0, false).0, Ok);

@@ -93,7 +93,8 @@ impl BlockingStrategy for Batched {
     }
 
     fn next(&mut self, results: &[QueryResult], recorder: &mut Recorder<'_>) -> NextAction {
-        self.shown.extend(results.iter().filter(|it| it.samples > 0).map(|it| it.node));
+        self.shown
+            .extend(results.iter().filter(|result| result.samples > 0).map(|result| result.node));
         match self.phase {
             Phase::Occluders => {
                 self.draw_occluders(recorder);

@@ -126,7 +126,8 @@ impl Coherent {
     /// old one was, an inner node when one of its children was. Nothing is known of an object that
     /// was inserted since, even if its id was in use before.
     fn adopt(&mut self, hierarchy: &Hierarchy) {
-        let (identity, generation) = (hierarchy.journal().identity(), hierarchy.generation());
+        let identity = hierarchy.journal().identity();
+        let generation = hierarchy.generation();
         let is_known = |known: &(Arc<()>, Generation)| {
             Arc::ptr_eq(&known.0, identity) && known.1 == generation
         };
@@ -246,7 +247,7 @@ impl Coherent {
     fn draw_visible(&mut self, leaf: NodeId, proxy: Aabb, recorder: &mut Recorder<'_>) {
         let frame = self.frame;
         let is_assumed =
-            self.record(leaf, &recorder.viewed).is_some_and(|it| it.assumed_until >= frame);
+            self.record(leaf, &recorder.viewed).is_some_and(|record| record.assumed_until >= frame);
         if !self.draws_now(leaf, &recorder.viewed) {
             return;
         }

@@ -211,7 +211,8 @@ impl Learner {
     /// Moves the proportion as far as it is sure. Returns true if it changed.
     fn settle(&mut self) -> bool {
         let beyond_doubt = |place: usize, mean: f64| {
-            let (learned, variance) = (self.state[place] - mean, self.covariance[place][place]);
+            let learned = self.state[place] - mean;
+            let variance = self.covariance[place][place];
             mean + learned.signum() * (learned.abs() - SURE * variance.sqrt()).max(0.0)
         };
         let [draws, excess] = [DRAWS, EXCESS].map(|place| beyond_doubt(place, PRIOR[place].0));

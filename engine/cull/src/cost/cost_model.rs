@@ -264,9 +264,10 @@ impl CostModel {
     /// Weighs a test that `tester` answers.
     #[must_use]
     pub(crate) fn weigh(&self, estimate: &TestEstimate, tester: Tester) -> CostBenefit {
-        let (hidden, frames) = match estimate.is_unknown {
-            true => (self.unknown_hidden(), HORIZON_FRAMES),
-            false => (self.still_hidden(), 1.0),
+        let (hidden, frames) = if estimate.is_unknown {
+            (self.unknown_hidden(), HORIZON_FRAMES)
+        } else {
+            (self.still_hidden(), 1.0)
         };
         let fill = LEAF_FILL * estimate.pixels * self.table.hidden_pixel_ns;
         let leaf_ns = (self.leaf_ns - self.prices.skipped_draw_ns).max(0.0);
@@ -313,7 +314,8 @@ impl CostModel {
         let count = boxes as f32;
         let hidden = self.still_hidden();
         let per_box = |tester| self.box_ns(pixels / count.max(1.0), hidden, tester);
-        let (flag, query) = (count * per_box(Tester::Flag), count * per_box(Tester::Query));
+        let flag = count * per_box(Tester::Flag);
+        let query = count * per_box(Tester::Query);
         let raster = if has_flags { flag.min(query) } else { query };
         let computed = count + shared as f32;
         self.prices.compute_round_ns + computed * self.prices.compute_box_ns < raster

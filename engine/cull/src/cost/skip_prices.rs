@@ -108,11 +108,14 @@ impl MeasuredSkip {
     /// Prices that are not numbers are never chosen before others; `None` of no prices.
     #[must_use]
     pub fn cheapest(ways: &[Self], work: &SkippedWork) -> Option<usize> {
-        let ns = |place: usize| ways.get(place).map_or(f64::NAN, |it| it.prices.frame_ns(work));
+        let ns = |place: usize| ways.get(place).map_or(f64::NAN, |way| way.prices.frame_ns(work));
         let first = ways.first()?;
-        let is_better = |place: &usize| match ns(0).is_finite() {
-            true => ways.get(*place).is_some_and(|other| other.is_surely_cheaper(first, work)),
-            false => ns(*place).is_finite(),
+        let is_better = |place: &usize| {
+            if ns(0).is_finite() {
+                ways.get(*place).is_some_and(|other| other.is_surely_cheaper(first, work))
+            } else {
+                ns(*place).is_finite()
+            }
         };
         let others = (1..ways.len()).filter(is_better);
         Some(others.min_by(|a, b| ns(*a).total_cmp(&ns(*b))).unwrap_or(0))
@@ -124,7 +127,8 @@ impl MeasuredSkip {
         let of = |way: &Self| -> Vec<f64> {
             way.rounds.iter().map(|prices| prices.frame_ns(work)).collect()
         };
-        let (own, other) = (of(self), of(than));
+        let own = of(self);
+        let other = of(than);
         let dearest = own.iter().copied().fold(0.0, f64::max);
         own.len() >= LEAST_ROUNDS
             && own.iter().chain(&other).all(|ns| ns.is_finite())
@@ -191,7 +195,10 @@ mod tests {
         };
         let [dear, near, cheap, unknown] = [100.0, 90.0, 20.0, f32::NAN].map(way);
         let cheapest = |ways: &[&MeasuredSkip]| {
-            MeasuredSkip::cheapest(&ways.iter().map(|it| (*it).clone()).collect::<Vec<_>>(), &WORK)
+            MeasuredSkip::cheapest(
+                &ways.iter().map(|way| (*way).clone()).collect::<Vec<_>>(),
+                &WORK,
+            )
         };
         assert_eq!(cheapest(&[&dear, &near]), Some(0));
         assert_eq!(cheapest(&[&dear, &near, &cheap]), Some(2));
@@ -203,7 +210,8 @@ mod tests {
 
     #[test]
     fn one_lucky_time_chooses_nothing() {
-        let [dear, cheap] = [at(0.0, 100.0, 0.0), at(0.0, 20.0, 0.0)];
+        let dear = at(0.0, 100.0, 0.0);
+        let cheap = at(0.0, 20.0, 0.0);
         let first = MeasuredSkip { prices: dear, rounds: vec![dear; 4] };
         let lucky = MeasuredSkip { prices: cheap, rounds: vec![cheap, cheap, dear, cheap] };
         let once = MeasuredSkip { prices: cheap, rounds: vec![cheap] };

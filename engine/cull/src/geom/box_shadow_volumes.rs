@@ -134,10 +134,7 @@ impl<'a> BoxShadowVolumes<'a> {
 
     /// Returns the factor that makes up for the shrinking of what is drawn towards the light.
     fn growth(&self) -> f32 {
-        match self.reach.light.w == 0.0 {
-            true => 1.0,
-            false => (1.0 - self.reach.lead).recip(),
-        }
+        if self.reach.light.w == 0.0 { 1.0 } else { (1.0 - self.reach.lead).recip() }
     }
 
     /// Returns the box whose volume holds all shadows from `bounds`: enlarged by the margin, or,
@@ -178,10 +175,7 @@ impl<'a> BoxShadowVolumes<'a> {
             let drawn = |k: f32| of_box + k * (light.w * of_box - normal.dot(l));
             drawn(-towards).max(drawn(away))
         };
-        match view.frustum.is_outside(most) {
-            true => Containment::Outside,
-            false => Containment::Intersects,
-        }
+        if view.frustum.is_outside(most) { Containment::Outside } else { Containment::Intersects }
     }
 
     /// Returns the box whose volume is tested in place of `bounds`, or `None` if its shadows must
@@ -211,14 +205,16 @@ fn is_missed(bounds: &Aabb, from: Vec3, way: Vec3, [mut first, mut last]: [f32; 
         return false;
     }
     for axis in 0..3 {
-        let [low, high] = [bounds.min[axis] - from[axis], bounds.max[axis] - from[axis]];
+        let low = bounds.min[axis] - from[axis];
+        let high = bounds.max[axis] - from[axis];
         if way[axis].abs() < f32::MIN_POSITIVE {
             if low > 0.0 || high < 0.0 {
                 return true;
             }
             continue;
         }
-        let (a, b) = (low / way[axis], high / way[axis]);
+        let a = low / way[axis];
+        let b = high / way[axis];
         first = first.max(a.min(b));
         last = last.min(a.max(b));
     }
@@ -261,7 +257,8 @@ mod tests {
     /// Returns true if a point is in the volume of an enlarged box: computed in 64 bits from its
     /// definition, a point of the box that is drawn to it.
     fn is_in_volume(proxy: &Aabb, length: VolumeLength, light: Vec4, point: Vec3) -> bool {
-        let (light, point) = (light.as_dvec4(), point.as_dvec3());
+        let light = light.as_dvec4();
+        let point = point.as_dvec3();
         (0..=4000).any(|step| {
             let [first, last] = [-length.towards, length.away].map(f64::from);
             // Quadratic: dense where the volume begins.
@@ -277,7 +274,9 @@ mod tests {
     #[test]
     fn what_a_view_sees_in_the_shadow_of_a_box_is_in_its_volume() {
         let mut numbers = Numbers(SplitMix64::new(3));
-        let (mut seen, mut tested, mut cut) = (0, 0, 0);
+        let mut seen = 0;
+        let mut tested = 0;
+        let mut cut = 0;
         for round in 0..10_000 {
             let reach = reaches(&mut numbers);
             let eye = numbers.point(30.0);

@@ -96,7 +96,8 @@ mod tests {
 
     fn settled(pixels_per_metre: f32) -> u8 {
         let choose = |now| POLICY.choose(pixels_per_metre, &ERRORS_M, DetailLevel(now)).0;
-        let [from_finest, from_coarsest] = [choose(0), choose(3)];
+        let from_finest = choose(0);
+        let from_coarsest = choose(3);
         assert!(from_finest <= from_coarsest);
         assert_eq!(choose(from_finest), from_finest, "it stays where it is");
         assert_eq!(choose(from_coarsest), from_coarsest, "it stays where it is");
@@ -155,7 +156,8 @@ mod tests {
             let by_distance = POLICY.choose(pixels_per_metre, &ERRORS_M, now);
             assert_eq!(choose(None), by_distance);
             assert_eq!(choose(Some(rng.between(1000, 9000))), by_distance);
-            let [few, more] = [rng.between(0, 1200), rng.between(0, 300)];
+            let few = rng.between(0, 1200);
+            let more = rng.between(0, 300);
             assert!(choose(Some(few)) >= choose(Some(few + more)));
             coarser += u32::from(choose(Some(0)) > by_distance);
         }
@@ -192,7 +194,7 @@ mod tests {
             // One way only, a level at most once.
             let first = changes.first().copied();
             assert!(changes.len() <= 3, "{seed}: {changes:?}");
-            assert!(changes.iter().all(|it| Some(*it) == first), "{seed}: {changes:?}");
+            assert!(changes.iter().all(|change| Some(*change) == first), "{seed}: {changes:?}");
         }
     }
 

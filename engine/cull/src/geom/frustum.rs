@@ -135,7 +135,7 @@ impl Frustum {
 /// computes its sides; `None` if it is infinitely far away, or lost in that rounding. The far plane
 /// of a depth that is not reversed is a small difference of `w` and z: `terms` of `w` are in it.
 fn far_plane(row: DVec4, w: DVec4, terms: f64, rays: &Rays) -> Option<DVec4> {
-    let [constant, scaled] = rays.depth.map(|it| f64::from(it.abs()));
+    let [constant, scaled] = rays.depth.map(|depth| f64::from(depth.abs()));
     let coordinate = f64::from(rays.coordinate);
     let terms = terms + constant;
     let fixed = terms * coordinate + scaled * (1.0 + coordinate);

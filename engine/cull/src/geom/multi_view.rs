@@ -109,18 +109,20 @@ impl<'a> MultiView<'a> {
         is_cut_away: impl Fn(&View) -> bool,
     ) -> (Containment, ViewMasks) {
         if let Some(volumes) = self.volumes {
-            return match is_cut_away(self.first()) {
-                true => (Containment::Outside, masks),
-                false => (volumes.classify(bounds, self.first()), masks),
+            return if is_cut_away(self.first()) {
+                (Containment::Outside, masks)
+            } else {
+                (volumes.classify(bounds, self.first()), masks)
             };
         }
         let mut below = masks;
         let mut place = Containment::Outside;
         for (view, mask) in self.views.iter().zip(&mut below.0) {
             if *mask != PlaneMask::OUTSIDE {
-                let (of_view, remaining) = match is_cut_away(view) {
-                    true => (Containment::Outside, *mask),
-                    false => view.frustum.classify(bounds, *mask),
+                let (of_view, remaining) = if is_cut_away(view) {
+                    (Containment::Outside, *mask)
+                } else {
+                    view.frustum.classify(bounds, *mask)
                 };
                 *mask = match of_view {
                     Containment::Outside => PlaneMask::OUTSIDE,

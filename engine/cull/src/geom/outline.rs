@@ -73,7 +73,8 @@ impl Outline {
     }
 
     fn turns_right(&self, point: Vec2) -> bool {
-        let [before, last] = [self.corners[self.count - 2], self.corners[self.count - 1]];
+        let before = self.corners[self.count - 2];
+        let last = self.corners[self.count - 1];
         (last - before).perp_dot(point - last) <= 0.0
     }
 

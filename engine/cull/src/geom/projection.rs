@@ -134,9 +134,10 @@ impl Rows {
     }
 
     fn kind(&self) -> ProjectionKind {
-        match self.w.truncate() == DVec3::ZERO {
-            true => ProjectionKind::Orthographic,
-            false => ProjectionKind::Perspective,
+        if self.w.truncate() == DVec3::ZERO {
+            ProjectionKind::Orthographic
+        } else {
+            ProjectionKind::Perspective
         }
     }
 }
@@ -166,7 +167,7 @@ impl ViewProjection {
             ProjectionKind::Perspective => Some(rows.w.truncate()),
             ProjectionKind::Orthographic => (-sign * rows.z.truncate()).try_normalize(),
         };
-        let forward = forward.filter(|it| it.is_finite()).ok_or(flat.clone())?;
+        let forward = forward.filter(|direction| direction.is_finite()).ok_or(flat.clone())?;
         let normals = [rows.x.truncate(), rows.y.truncate(), forward];
         let volume = DMat3::from_cols_array_2d(&normals.map(|row| row.normalize_or_zero().into()));
         let volume = volume.determinant().abs();
@@ -194,7 +195,9 @@ impl ViewProjection {
             return Err(ViewError::NoNearPlane { nearest });
         }
         let origin = (from_rows * DVec3::new(-rows.x.w, -rows.y.w, along)).as_vec3();
-        let [right, down, middle] = [from_rows.x_axis, from_rows.y_axis, from_rows.z_axis];
+        let right = from_rows.x_axis;
+        let down = from_rows.y_axis;
+        let middle = from_rows.z_axis;
         let rays = Rays {
             kind,
             origin,
@@ -203,7 +206,7 @@ impl ViewProjection {
             right: right.as_vec3(),
             down: down.as_vec3(),
             near: near as f32,
-            depth: depth.map(|it| it as f32),
+            depth: depth.map(|depth| depth as f32),
             coordinate: origin.abs().max_element() / volume as f32,
         };
         if !rays.is_finite() {

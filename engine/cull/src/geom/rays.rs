@@ -176,13 +176,14 @@ impl Rays {
         let across = self.right * (2.0 / size[0] as f32);
         let down = self.down * (2.0 / size[1] as f32);
         // The singular values of the matrix of the two columns.
-        let (a, b) = (across.length_squared(), down.length_squared());
+        let a = across.length_squared();
+        let b = down.length_squared();
         let longest = (0.5 * (a + b) + (0.5 * (a - b)).hypot(across.dot(down))).sqrt();
         [across.cross(down).length() / longest, longest]
     }
 
     pub(crate) fn is_finite(&self) -> bool {
         let vectors = [self.origin, self.forward, self.middle, self.right, self.down];
-        vectors.iter().all(|it| it.is_finite()) && Vec2::from(self.depth).is_finite()
+        vectors.iter().all(|vector| vector.is_finite()) && Vec2::from(self.depth).is_finite()
     }
 }

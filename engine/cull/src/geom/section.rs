@@ -72,9 +72,10 @@ impl SectionPlane {
         }
         let scaled = normal / scale;
         let offset_m = offset_m / scale / scaled.length();
-        match offset_m.is_finite() {
-            true => Ok(Self { normal: scaled.normalize(), offset_m }),
-            false => Err(SectionError::Offset),
+        if offset_m.is_finite() {
+            Ok(Self { normal: scaled.normalize(), offset_m })
+        } else {
+            Err(SectionError::Offset)
         }
     }
 
@@ -106,7 +107,8 @@ impl SectionPlane {
     /// Returns the distances of the nearest and of the farthest point of a box, with signs
     /// (metres).
     pub(crate) fn reach_m(&self, bounds: &Aabb) -> [f64; 2] {
-        let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let low = bounds.min.as_dvec3();
+        let high = bounds.max.as_dvec3();
         let middle = self.distance_m((low + high) * 0.5);
         let reach = self.normal.abs().dot((high - low) * 0.5);
         [middle - reach, middle + reach]

@@ -132,7 +132,8 @@ fn distinct(boxes: &[Aabb]) -> Vec<obvhs::aabb::Aabb> {
     boxes
         .iter()
         .map(|bounds| {
-            let (min, max) = (normalised(bounds.min).as_vec3(), normalised(bounds.max).as_vec3());
+            let min = normalised(bounds.min).as_vec3();
+            let max = normalised(bounds.max).as_vec3();
             let reach = (max - min) * JITTER_OF_BOX + JITTER_OF_SCENE;
             let mut jitter = || Vec3::new(rng.unit(), rng.unit(), rng.unit()) * reach;
             obvhs::aabb::Aabb::new(Vec3A::from(min - jitter()), Vec3A::from(max + jitter()))

@@ -104,10 +104,14 @@ pub(super) fn rebuild_subtree(
     let built = build::topology(&boxes)?;
     let subtree = root as usize..top.end(root) as usize;
     let before = topology.nodes[subtree].iter().map(|links| links.leaf_count).collect();
-    let moved_from = |object: &ObjectId| match boxes[object.0 as usize].is_empty() {
-        true => FREE_LEAF,
-        false if object.0 >= top.leaf_count => NEW_LEAF,
-        false => object.0,
+    let moved_from = |object: &ObjectId| {
+        if boxes[object.0 as usize].is_empty() {
+            FREE_LEAF
+        } else if object.0 >= top.leaf_count {
+            NEW_LEAF
+        } else {
+            object.0
+        }
     };
     let change = Restructured {
         root,

@@ -181,9 +181,10 @@ impl Ingest<'_> {
         }
         let children = self.topology.nodes[node as usize].children(node);
         let is_hidden = |child| self.history.record(child).state == NodeState::Hidden;
-        match children.into_iter().all(is_hidden) {
-            true => self.history.record(node).stable_queries.saturating_add(1),
-            false => 0,
+        if children.into_iter().all(is_hidden) {
+            self.history.record(node).stable_queries.saturating_add(1)
+        } else {
+            0
         }
     }
 

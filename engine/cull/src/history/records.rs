@@ -178,7 +178,8 @@ impl History {
     /// node is hidden if all below it is hidden, and visible if something is visible. Nothing is
     /// known of another hierarchy, or of one that is too far ahead.
     pub(crate) fn adopt(&mut self, hierarchy: &Hierarchy) {
-        let (journal, generation) = (hierarchy.journal(), hierarchy.generation());
+        let journal = hierarchy.journal();
+        let generation = hierarchy.generation();
         let is_same = self.identity.as_ref().is_some_and(|i| Arc::ptr_eq(i, journal.identity()));
         if is_same && self.generation == generation {
             return;

@@ -116,7 +116,8 @@ impl<C: Copy> ResultReader<C> {
         self.results.extend(leaves.iter().filter_map(|leaf| {
             // Where the leaf has another object since, its node is younger than the answer.
             let object = hierarchy.leaf_objects().get(*leaf as usize)?;
-            let (node, kind) = (hierarchy.node_of(*object)?, QueryKind::Leaf);
+            let node = hierarchy.node_of(*object)?;
+            let kind = QueryKind::Leaf;
             // Noted by fragments, which do not count.
             let tag = QueryTag { node, generation, frame, kind, sample_threshold: 0 };
             let answer = Answer { tag, samples: 1 };
@@ -177,8 +178,9 @@ mod tests {
             reader.read_leaves(&hierarchy, (FrameId(7), Generation(0)), list, |_| 1);
         }
         reader.finish();
-        let shown =
-            |it: &TestResult<u32>| (it.answer.tag.node, it.answer.tag.kind, it.answer.samples);
+        let shown = |test_result: &TestResult<u32>| {
+            (test_result.answer.tag.node, test_result.answer.tag.kind, test_result.answer.samples)
+        };
         reader.results().iter().map(shown).collect()
     }
 
@@ -198,8 +200,9 @@ mod tests {
         let root = hierarchy.root().unwrap();
         assert_eq!(read(5, None), [(root, QueryKind::PerLeaf, 5)], "the list is not read yet");
         let of = |results: &[(NodeId, QueryKind, u32)], node| {
-            let found = results.iter().find(|it| it.0 == node && it.1 == QueryKind::PerLeaf);
-            found.map(|it| it.2)
+            let found =
+                results.iter().find(|result| result.0 == node && result.1 == QueryKind::PerLeaf);
+            found.map(|found| found.2)
         };
         let hidden = read(5, Some(LeafList::These(&[2])));
         assert_eq!(of(&hidden, node(0)), Some(0));
@@ -228,7 +231,8 @@ mod tests {
         for (test, samples) in [(first, 3), (first, 0), (first, 2), (second, 4), (first, 1)] {
             reader.read_query(&test, samples);
         }
-        let samples: Vec<u32> = reader.results().iter().map(|it| it.answer.samples).collect();
+        let samples: Vec<u32> =
+            reader.results().iter().map(|result| result.answer.samples).collect();
         assert_eq!(samples, [5, 4, 1]);
         assert!(reader.results()[0].answer.shows(), "none of its draws shows by itself");
     }
@@ -244,7 +248,8 @@ mod tests {
         reader.read_query(&node, 5);
         let frame = (FrameId(7), Generation(0));
         reader.read_leaves(&hierarchy, frame, LeafList::These(&[2]), |_| 1);
-        let shows: Vec<bool> = reader.results().iter().map(|it| it.answer.shows()).collect();
+        let shows: Vec<bool> =
+            reader.results().iter().map(|result| result.answer.shows()).collect();
         assert_eq!(shows, [false, true, true]);
     }
 }

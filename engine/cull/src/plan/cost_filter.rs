@@ -133,10 +133,10 @@ impl<'a> CostFilter<'a> {
         }
         let drawn = scratch.draws.len() + scratch.retests.len();
         let [mut rastered_ns, mut computed_ns] =
-            [Tester::Flag, Tester::Compute].map(|it| -self.cost_model.break_ns(drawn, it));
+            [Tester::Flag, Tester::Compute].map(|tester| -self.cost_model.break_ns(drawn, tester));
         let net_ns = |benefit: Option<CostBenefit>| {
-            let benefit = benefit.filter(|it| it.pays());
-            benefit.map_or(0.0, |it| it.saving_now_ns - it.cost_ns)
+            let benefit = benefit.filter(|benefit| benefit.pays());
+            benefit.map_or(0.0, |benefit| benefit.saving_now_ns - benefit.cost_ns)
         };
         for test in &scratch.tests {
             let estimate = Self::estimate(views, test);
@@ -158,7 +158,8 @@ impl<'a> CostFilter<'a> {
         stats: &mut PlanStats,
     ) -> Option<Tester> {
         self.choose_compute(scratch, walk.views);
-        let (mut saving_ns, mut dropped_leaves) = (0.0, 0);
+        let mut saving_ns = 0.0;
+        let mut dropped_leaves = 0;
         scratch.revealed_ns = 0.0;
         for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {
             let estimate = Self::estimate(walk.views, test);

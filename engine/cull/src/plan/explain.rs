@@ -98,7 +98,8 @@ pub(crate) fn explain(
     if !hierarchy.contains(object) {
         return None;
     }
-    let (node, leaf) = (hierarchy.node_of(object)?, hierarchy.leaf_of(object)?);
+    let node = hierarchy.node_of(object)?;
+    let leaf = hierarchy.leaf_of(object)?;
     let bounds = hierarchy.bounds(node);
     Some(LeafExplanation {
         object,

@@ -115,16 +115,15 @@ impl Fronts {
         if area.is_nan() || area < least_area {
             return;
         }
-        let place = match self.fronts.len() < most {
-            true => self.fronts.len(),
-            false => {
-                let areas = self.areas.iter().enumerate();
-                let smallest = areas.min_by(|(_, a), (_, b)| a.total_cmp(b));
-                let Some((place, _)) = smallest.filter(|(_, smallest)| **smallest < area) else {
-                    return;
-                };
-                place
-            }
+        let place = if self.fronts.len() < most {
+            self.fronts.len()
+        } else {
+            let areas = self.areas.iter().enumerate();
+            let smallest = areas.min_by(|(_, a), (_, b)| a.total_cmp(b));
+            let Some((place, _)) = smallest.filter(|(_, smallest)| **smallest < area) else {
+                return;
+            };
+            place
         };
         if place == self.fronts.len() {
             self.fronts.push(front);
@@ -142,7 +141,8 @@ impl Fronts {
 impl FrontOutline {
     fn of(outlines: Option<BoxOutline>) -> Self {
         let outline = outlines.map_or(Outline::EMPTY, |outlines| outlines.whole);
-        let (low, high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        let low = Vec2::INFINITY;
+        let high = Vec2::NEG_INFINITY;
         let (low, high) = outline
             .points()
             .fold((low, high), |(low, high), point| (low.min(point), high.max(point)));
@@ -160,7 +160,8 @@ impl SharedProxy {
     /// Returns true if all of a box is on the inner side of the faces that are seen from `eye`, in
     /// homogeneous coordinates.
     fn is_before(&self, behind: &Aabb, eye: Vec4) -> bool {
-        let (low, high) = (self.bounds.min, self.bounds.max);
+        let low = self.bounds.min;
+        let high = self.bounds.max;
         let beyond_low = eye.truncate().cmpge(low * eye.w) | behind.min.cmpge(low);
         let beyond_high = eye.truncate().cmple(high * eye.w) | behind.max.cmple(high);
         (beyond_low & beyond_high).all()

@@ -74,7 +74,8 @@ impl NextFrame {
     }
 
     fn plan_leaf(&mut self, viewed: &ViewedHierarchy<'_>, node: NodeId, plan: &mut FramePlan) {
-        let (frame, generation) = (plan.frame, viewed.hierarchy.generation());
+        let frame = plan.frame;
+        let generation = viewed.hierarchy.generation();
         let tag = |kind| QueryTag { node, generation, frame, kind, sample_threshold: 0 };
         let leaf = viewed.leaf(node);
         let Some(record) = self.record(viewed.hierarchy, node) else {

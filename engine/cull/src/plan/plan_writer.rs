@@ -104,7 +104,8 @@ impl PlanWriter<'_> {
     }
 
     fn containment(&self, node: u32) -> Containment {
-        let (hierarchy, node) = (self.hierarchy, NodeId(node));
+        let hierarchy = self.hierarchy;
+        let node = NodeId(node);
         let is_cut_away = |view: &View| hierarchy.is_cut_away(node, view);
         self.views.classify(&hierarchy.bounds(node), ViewMasks::ALL, is_cut_away).0
     }

@@ -122,7 +122,7 @@ mod tests {
                     {
                         let what = format!("view {number} of {count}, {query_budget} queries");
                         let mut gaps = view.used.windows(count + 1);
-                        let served = gaps.all(|it| it.iter().any(|it| *it > 0));
+                        let served = gaps.all(|gap| gap.iter().any(|gap| *gap > 0));
                         assert!(served, "{what}: {:?}", view.used);
                         let equal = view.used.iter().all(|used| *used >= query_budget / count);
                         assert!(equal, "{what}: {:?}", view.used);

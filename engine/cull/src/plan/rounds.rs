@@ -43,8 +43,9 @@ impl RoundPrices {
     fn best(self, most: u32, slabs: Slabs) -> u32 {
         let net_ns = |rounds: u32| {
             let weights = (0..rounds).map(|round| slabs.weight(round as usize) as f32);
-            let (sum, squares) =
-                weights.fold((0.0, 0.0), |(sum, squares), it| (sum + it, squares + it * it));
+            let (sum, squares) = weights.fold((0.0, 0.0), |(sum, squares), weight| {
+                (sum + weight, squares + weight * weight)
+            });
             let apart = 1.0 - squares / (sum * sum);
             self.revealed_ns * apart - (rounds - 1) as f32 * self.round_ns
         };
@@ -106,7 +107,8 @@ fn split(
 /// Groups the tests of each round by their tester, front to back as they were: in a round nothing
 /// depends on their order. `scratch` keeps its memory.
 pub(crate) fn group_by_tester(plan: &mut FramePlan, scratch: &mut Grouping) {
-    let (tests, rounds) = (&mut plan.tests, &plan.rounds);
+    let tests = &mut plan.tests;
+    let rounds = &plan.rounds;
     scratch.places.clear();
     scratch.places.resize(tests.len(), 0);
     for round in rounds {

@@ -125,16 +125,18 @@ mod tests {
         let mut between = |low: f32, high: f32| {
             low + (high - low) * (rng.between(0, 1 << 20) as f32 / (1 << 20) as f32)
         };
-        let (mut sharp, mut blunt) = (0, 0);
+        let mut sharp = 0;
+        let mut blunt = 0;
         for _ in 0..20_000 {
             let distance = 10.0_f32.powf(between(0.0, 5.0));
             let eye =
                 Vec3::new(distance, between(-1.0, 1.0) * distance, between(-1.0, 1.0) * distance);
             let forward = Vec3::new(between(-1.0, 1.0), between(-1.0, 1.0), between(-1.0, 1.0));
             let size = 10.0_f32.powf(between(-1.0, 2.0));
-            let projection = match between(0.0, 1.0) < 0.5 {
-                true => Projection::perspective(1.0),
-                false => Projection::Orthographic { height: size * 8.0, far: size * 20.0 },
+            let projection = if between(0.0, 1.0) < 0.5 {
+                Projection::perspective(1.0)
+            } else {
+                Projection::Orthographic { height: size * 8.0, far: size * 20.0 }
             };
             let camera = Camera { eye, forward, up: Vec3::Y, projection, near: 0.01 };
             let view = View::new(&camera, [1280, 720], 8);
@@ -220,8 +222,10 @@ mod tests {
     /// this way.
     fn entry(bounds: &Aabb, eye: DVec3, point: DVec3) -> Option<f64> {
         let way = point - eye;
-        let (low, high) = (bounds.min.as_dvec3() - eye, bounds.max.as_dvec3() - eye);
-        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        let low = bounds.min.as_dvec3() - eye;
+        let high = bounds.max.as_dvec3() - eye;
+        let mut enter = f64::NEG_INFINITY;
+        let mut leave = f64::INFINITY;
         for axis in 0..3 {
             if way[axis] == 0.0 {
                 if low[axis] > 0.0 || high[axis] < 0.0 {
@@ -229,7 +233,8 @@ mod tests {
                 }
                 continue;
             }
-            let (a, b) = (low[axis] / way[axis], high[axis] / way[axis]);
+            let a = low[axis] / way[axis];
+            let b = high[axis] / way[axis];
             enter = enter.max(a.min(b));
             leave = leave.min(a.max(b));
         }
@@ -242,27 +247,32 @@ mod tests {
         let mut between = |low: f32, high: f32| {
             low + (high - low) * (rng.between(0, 1 << 20) as f32 / (1 << 20) as f32)
         };
-        let (mut shared, mut apart) = (0, 0);
+        let mut shared = 0;
+        let mut apart = 0;
         for _ in 0..40_000 {
             let mut sides = |least: f32, most: f32| {
                 Vec3::new(between(least, most), between(least, most), between(least, most))
             };
-            let (forward, eye) = (sides(-1.0, 1.0), sides(-20.0, 20.0));
+            let forward = sides(-1.0, 1.0);
+            let eye = sides(-20.0, 20.0);
             let is_orthographic = shared % 2 == 0;
-            let projection = match is_orthographic {
-                false => Projection::perspective(1.2),
-                true => Projection::Orthographic { height: 14.0, far: 200.0 },
+            let projection = if is_orthographic {
+                Projection::Orthographic { height: 14.0, far: 200.0 }
+            } else {
+                Projection::perspective(1.2)
             };
             let camera = Camera { eye, forward, up: Vec3::Y, projection, near: 0.05 };
             let view = View::new(&camera, [640, 360], 8);
             let front = (sides(-4.0, 4.0), sides(0.2, 6.0));
             let behind = (sides(-9.0, 9.0), sides(0.1, 2.0));
-            let (near, far) = (between(4.0, 20.0), between(0.0, 40.0));
+            let near = between(4.0, 20.0);
+            let far = between(0.0, 40.0);
             let at = |(aside, half): (Vec3, Vec3), distance: f32| {
                 let centre = eye + view.rays.forward * distance + aside;
                 Aabb::new(centre - half, centre + half)
             };
-            let (front, behind) = (at(front, near), at(behind, near + far));
+            let front = at(front, near);
+            let behind = at(behind, near + far);
             if !shares(front, behind, &view) {
                 apart += 1;
                 continue;
@@ -271,7 +281,8 @@ mod tests {
             // What the margin of the proxy behind pays for is no object's: a quarter of a pixel.
             let depth = view.rays.depth_m(behind.centre()).max(view.rays.near);
             let paid = 0.25 * view.pixel_m(depth);
-            let (low, high) = (behind.min + paid, behind.max - paid);
+            let low = behind.min + paid;
+            let high = behind.max - paid;
             for _ in 0..12 {
                 // A corner, or a point of an edge or a side.
                 let share = Vec3::from_array([0; 3].map(|_| between(-0.5, 1.5).clamp(0.0, 1.0)));
@@ -281,9 +292,10 @@ mod tests {
                     continue;
                 }
                 let point = point.as_dvec3();
-                let eye = match is_orthographic {
-                    false => eye.as_dvec3(),
-                    true => point - view.rays.forward.as_dvec3() * 1_000.0,
+                let eye = if is_orthographic {
+                    point - view.rays.forward.as_dvec3() * 1_000.0
+                } else {
+                    eye.as_dvec3()
                 };
                 let entered = entry(&front, eye, point);
                 let is_beyond = entered.is_some_and(|at| at <= 1.0 + 1.0e-6);

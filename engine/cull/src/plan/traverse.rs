@@ -174,10 +174,13 @@ impl Walk<'_> {
         match record.state {
             NodeState::Visible if is_fresh && is_leaf => {
                 stats.visible += 1;
-                match self.is_visible_box_enough(visit) {
-                    true if self.is_visible_box_due(visit) => NodeDecision::TestVisibleBox(proxy),
-                    false if self.is_visible_draw_due(visit) => NodeDecision::Retest,
-                    _ => NodeDecision::Draw,
+                let is_box_enough = self.is_visible_box_enough(visit);
+                if is_box_enough && self.is_visible_box_due(visit) {
+                    NodeDecision::TestVisibleBox(proxy)
+                } else if !is_box_enough && self.is_visible_draw_due(visit) {
+                    NodeDecision::Retest
+                } else {
+                    NodeDecision::Draw
                 }
             }
             NodeState::Visible if is_fresh => {
@@ -329,9 +332,10 @@ impl Walk<'_> {
 
     /// Returns true if a node that has been hidden for so long may be tested as one.
     fn may_share(&self, visit: &Visit, hidden_frames: u32) -> bool {
-        let growth_frames = match self.has_leaf_tests {
-            true => self.config.growth_frames_per_leaf,
-            false => self.config.growth_frames,
+        let growth_frames = if self.has_leaf_tests {
+            self.config.growth_frames_per_leaf
+        } else {
+            self.config.growth_frames
         };
         let doublings = hidden_frames / growth_frames.max(1);
         let mut allowed = u64::from(self.config.unknown_leaves) << doublings.min(32);

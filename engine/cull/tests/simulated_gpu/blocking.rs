@@ -17,7 +17,8 @@ const SIZE: [u32; 2] = [40, 28];
 
 /// Returns the blocking methods with these options.
 fn kinds(batched: BatchedOptions, coherent: CoherentOptions) -> [BlockingKind; 4] {
-    let (batched, coherent) = (BlockingKind::Batched(batched), BlockingKind::Coherent(coherent));
+    let batched = BlockingKind::Batched(batched);
+    let coherent = BlockingKind::Coherent(coherent);
     [BlockingKind::Naive, batched, BlockingKind::StopAndWait, coherent]
 }
 
@@ -58,7 +59,8 @@ fn verify(seed: u64) -> [u64; 2] {
     let mut hierarchy = Hierarchy::build(&scene.bounds).unwrap();
     let mut camera = Path::start(&mut random);
     let path = PATHS[random.below(PATHS.len())];
-    let (is_moving, is_rebuilding) = (random.chance(0.4), random.chance(0.3));
+    let is_moving = random.chance(0.4);
+    let is_rebuilding = random.chance(0.3);
     let is_rough = random.chance(0.4);
     let trouble = Trouble {
         polls: random.below(4),
@@ -160,15 +162,25 @@ fn each_method_costs_what_it_is_known_for() {
     let walk = |kind| stroll(kind, Trouble { polls: 3, ..Trouble::default() });
     let [naive, batched, stop, coherent] = default_kinds().map(walk);
     // Once there is a past.
-    let [naive, batched, stop, coherent] = [&naive[5..], &batched[5..], &stop[5..], &coherent[5..]];
-    assert_eq!(sum(naive, |it| it.waits), sum(naive, |it| it.boxes), "a wait a query");
-    assert_eq!(sum(stop, |it| it.waits), sum(stop, |it| it.boxes), "a wait a node");
-    assert!(sum(batched, |it| it.waits) <= 2 * batched.len() as u32, "a wait for all");
-    assert!(sum(coherent, |it| it.waits) * 8 < sum(stop, |it| it.waits), "{coherent:?} {stop:?}");
-    let tested = |it: &BlockingStats| it.boxes + it.visible_draw_queries;
+    let naive = &naive[5..];
+    let batched = &batched[5..];
+    let stop = &stop[5..];
+    let coherent = &coherent[5..];
+    assert_eq!(sum(naive, |stats| stats.waits), sum(naive, |stats| stats.boxes), "a wait a query");
+    assert_eq!(sum(stop, |stats| stats.waits), sum(stop, |stats| stats.boxes), "a wait a node");
+    assert!(sum(batched, |stats| stats.waits) <= 2 * batched.len() as u32, "a wait for all");
+    assert!(
+        sum(coherent, |stats| stats.waits) * 8 < sum(stop, |stats| stats.waits),
+        "{coherent:?} {stop:?}"
+    );
+    let tested =
+        |blocking_stats: &BlockingStats| blocking_stats.boxes + blocking_stats.visible_draw_queries;
     assert!(sum(coherent, tested) * 2 < sum(stop, tested), "visible inner nodes are not tested");
     assert!(sum(stop, tested) < sum(naive, tested), "hidden nodes are tested as one");
-    assert!(sum(batched, |it| it.draws) > sum(naive, |it| it.draws), "tests cannot profit");
+    assert!(
+        sum(batched, |stats| stats.draws) > sum(naive, |stats| stats.draws),
+        "tests cannot profit"
+    );
 }
 
 #[test]
@@ -192,11 +204,12 @@ fn what_is_assumed_visible_is_not_asked_about() {
         let coherent = CoherentOptions { assumed_visible_frames, ..CoherentOptions::default() };
         stroll(BlockingKind::Coherent(coherent), Trouble::default())
     };
-    let [never, three] = [walk(0), walk(3)];
+    let never = walk(0);
+    let three = walk(3);
     let visible_draw_queries =
-        |frames: &[BlockingStats]| sum(&frames[5..], |it| it.visible_draw_queries);
+        |frames: &[BlockingStats]| sum(&frames[5..], |stats| stats.visible_draw_queries);
     assert!(visible_draw_queries(&three) * 3 < visible_draw_queries(&never), "{never:?} {three:?}");
-    assert!(sum(&three, |it| it.draws) >= sum(&never, |it| it.draws));
+    assert!(sum(&three, |stats| stats.draws) >= sum(&never, |stats| stats.draws));
 }
 
 #[test]
@@ -204,7 +217,7 @@ fn a_threshold_draws_less_and_is_not_exact() {
     let walk = |visibility_threshold_samples| {
         let coherent =
             CoherentOptions { visibility_threshold_samples, ..CoherentOptions::default() };
-        sum(&stroll(BlockingKind::Coherent(coherent), Trouble::default()), |it| it.draws)
+        sum(&stroll(BlockingKind::Coherent(coherent), Trouble::default()), |stats| stats.draws)
     };
     assert!(walk(20) < walk(0));
 }

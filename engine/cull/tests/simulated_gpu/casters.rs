@@ -36,7 +36,8 @@ fn rays(view: &View) -> Vec<Ray> {
 
 /// Returns the ways along a ray on which it enters and leaves a box, within `most`.
 fn span(bounds: &Aabb, ray: Ray, most: f64) -> Option<[f64; 2]> {
-    let (mut first, mut last) = (0.0_f64, most);
+    let mut first = 0.0_f64;
+    let mut last = most;
     for axis in 0..3 {
         let low = f64::from(bounds.min[axis]) - ray.from[axis];
         let high = f64::from(bounds.max[axis]) - ray.from[axis];
@@ -46,7 +47,8 @@ fn span(bounds: &Aabb, ray: Ray, most: f64) -> Option<[f64; 2]> {
             }
             continue;
         }
-        let (a, b) = (low / ray.way[axis], high / ray.way[axis]);
+        let a = low / ray.way[axis];
+        let b = high / ray.way[axis];
         (first, last) = (first.max(a.min(b)), last.min(a.max(b)));
     }
     (first <= last).then_some([first, last])
@@ -66,7 +68,8 @@ fn depth(solids: &[Aabb], ray: Ray, view: &View) -> Option<f64> {
 /// Returns the way on which a ray enters the shadow volume of a box: the least `t` of a linear
 /// program in `t` and the factor `k` by which a point of the box is drawn to the ray.
 fn entry(proxy: &Aabb, length: VolumeLength, light: Vec4, ray: Ray) -> Option<f64> {
-    let (l, w) = (light.truncate().as_dvec3(), f64::from(light.w));
+    let l = light.truncate().as_dvec3();
+    let w = f64::from(light.w);
     // Each is `a t + b k <= c`.
     let mut bounds = vec![
         [-1.0, 0.0, 0.0],
@@ -74,7 +77,8 @@ fn entry(proxy: &Aabb, length: VolumeLength, light: Vec4, ray: Ray) -> Option<f6
         [0.0, -1.0, f64::from(length.towards)],
     ];
     for axis in 0..3 {
-        let (low, high) = (f64::from(proxy.min[axis]), f64::from(proxy.max[axis]));
+        let low = f64::from(proxy.min[axis]);
+        let high = f64::from(proxy.max[axis]);
         bounds.push([ray.way[axis], l[axis] - high * w, high - ray.from[axis]]);
         bounds.push([-ray.way[axis], low * w - l[axis], ray.from[axis] - low]);
     }
@@ -86,7 +90,8 @@ fn entry(proxy: &Aabb, length: VolumeLength, light: Vec4, ray: Ray) -> Option<f6
     for (number, [a, b, c]) in bounds.iter().enumerate() {
         for [d, e, f] in &bounds[..number] {
             let determinant = a * e - b * d;
-            let (t, k) = ((c * e - b * f) / determinant, (a * f - c * d) / determinant);
+            let t = (c * e - b * f) / determinant;
+            let k = (a * f - c * d) / determinant;
             if determinant.abs() > 1.0e-12 && is_inside(t, k) {
                 least = Some(least.map_or(t, |least| least.min(t)));
             }
@@ -100,7 +105,8 @@ fn light(random: &mut Random) -> LightReach {
         0 => (random.point(-1.0, 1.0).normalize().extend(0.0), f32::INFINITY),
         _ => (random.point(-12.0, 12.0).extend(1.0), random.between(3.0, 40.0)),
     };
-    let [spread_m, lead] = [random.between(0.0, 0.2), random.between(0.0, 0.9)];
+    let spread_m = random.between(0.0, 0.2);
+    let lead = random.between(0.0, 0.9);
     LightReach { light, reach_m, spread_m, lead }
 }
 
@@ -135,13 +141,17 @@ fn verify(seed: u64, checked: &mut Checked) {
     let mut hierarchy = Hierarchy::build(&scene.bounds).unwrap();
     let mut camera = Path::start(&mut random);
     let lens = Lens::random(&mut random, &mut camera);
-    let (path, mut reach) = (PATHS[random.below(PATHS.len())], light(&mut random));
-    let (is_moving, is_light_moving) = (random.chance(0.4), random.chance(0.3));
-    let (latency, lost) = (1 + random.below(3), [0.0, 0.2][random.below(2)]);
+    let path = PATHS[random.below(PATHS.len())];
+    let mut reach = light(&mut random);
+    let is_moving = random.chance(0.4);
+    let is_light_moving = random.chance(0.3);
+    let latency = 1 + random.below(3);
+    let lost = [0.0, 0.2][random.below(2)];
     let testers = TesterSupport { flags: true, draw_phases: DrawPhases::Two, ..Default::default() };
     let config = CullConfig { seed, ..CullConfig::default() };
     let mut culler = Culler::with_testers(config, testers);
-    let (mut plan, mut pending) = (FramePlan::default(), Vec::<Vec<Answer>>::new());
+    let mut plan = FramePlan::default();
+    let mut pending = Vec::<Vec<Answer>>::new();
     for frame in 0..FRAMES {
         path.advance(&mut camera, frame, &mut random);
         if is_moving {

@@ -122,7 +122,8 @@ fn where_nothing_hides_next_to_nothing_is_tested_until_a_wall_comes() {
     walk.steps(&CAMERA, 100);
     let visible = walk.plan.stats.visible;
     assert!(visible > 150, "{:?}", walk.plan.stats);
-    let (mut queries, mut tests) = (0, 0);
+    let mut queries = 0;
+    let mut tests = 0;
     let frames = 200;
     for frame in 0..frames {
         walk.step(&CAMERA);
@@ -168,7 +169,10 @@ fn where_nothing_hides_next_to_nothing_is_tested_until_a_wall_comes() {
 fn what_comes_into_view_is_drawn_at_once_where_nothing_hides() {
     let mut walk = Walk::cost_driven(field(60), 2, prices());
     let mut camera = CAMERA;
-    let (mut tests, mut frames_with_tests, mut drawn, mut in_frustum) = (0, 0, 0, 0);
+    let mut tests = 0;
+    let mut frames_with_tests = 0;
+    let mut drawn = 0;
+    let mut in_frustum = 0;
     for frame in 0..300 {
         camera.eye.x += 0.25;
         walk.step(&camera);
@@ -201,7 +205,8 @@ fn where_less_hides_than_breaks_cost_frames_ask_seldom() {
     let breaks = CostTable { break_ns: 900_000.0, break_wait_share: 0.2, ..prices() };
     let mut walk = Walk::cost_driven(boxes, 2, breaks);
     let mut camera = CAMERA;
-    let (mut testing, mut frames) = (0, 0);
+    let mut testing = 0;
+    let mut frames = 0;
     for frame in 0..400 {
         camera.eye.x = (frame as f32 * 0.2).sin() * 2.0;
         walk.step(&camera);
@@ -287,7 +292,8 @@ fn rounds_go_to_the_compute_shader_where_that_costs_least() {
         let mut walk = Walk::new(city(&mut Random::new(3), 12), 2);
         walk.culler = Culler::with_testers(CullConfig::default(), testers);
         walk.culler.set_costs(table, SceneCosts { triangles_per_leaf: 100.0 }).unwrap();
-        let (mut by_compute, mut others) = (0, 0);
+        let mut by_compute = 0;
+        let mut others = 0;
         for step in 0..40 {
             walk.step(&Camera { eye: Vec3::new(-1.0, 1.7, 30.0 - step as f32 * 0.2), ..CAMERA });
             let computed = |test: &&ProxyTest| test.tester == Tester::Compute;

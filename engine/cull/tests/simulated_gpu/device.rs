@@ -71,9 +71,10 @@ impl Written {
         }
         reader.read_flags(&self.tests, &self.values);
         reader.read_computed(&self.tests, &self.values);
-        let list = match self.leaves.len() > listed {
-            true => LeafList::TooMany,
-            false => LeafList::These(&self.leaves),
+        let list = if self.leaves.len() > listed {
+            LeafList::TooMany
+        } else {
+            LeafList::These(&self.leaves)
         };
         reader.read_leaves(hierarchy, self.frame, list, |_| ());
         reader.finish();
@@ -88,13 +89,12 @@ impl Written {
     /// report more as visible than there is.
     fn assert_true(&self, answers: &[Answer], is_listed: bool) {
         for (test, showed) in self.tests.iter().zip(&self.showed) {
-            let same =
-                |it: &&Answer| it.tag.node == test.tag.node && it.tag.kind != QueryKind::Leaf;
-            let answer = answers.iter().find(same).expect("each test has an answer");
-            let is_right = match is_listed {
-                true => answer.shows() == *showed,
-                false => answer.shows() || !showed,
+            let same = |answer: &&Answer| {
+                answer.tag.node == test.tag.node && answer.tag.kind != QueryKind::Leaf
             };
+            let answer = answers.iter().find(same).expect("each test has an answer");
+            let is_right =
+                if is_listed { answer.shows() == *showed } else { answer.shows() || !showed };
             assert!(is_right, "{test:?} has {answer:?}, and in truth {showed}");
         }
     }
@@ -178,9 +178,10 @@ impl Device {
                     () => 1,
                 };
                 for _ in 0..copies {
-                    match self.random.chance(late) {
-                        true => self.late.push((next + 1 + self.random.below(3) as u64, answer)),
-                        false => answers.push(answer),
+                    if self.random.chance(late) {
+                        self.late.push((next + 1 + self.random.below(3) as u64, answer))
+                    } else {
+                        answers.push(answer)
                     }
                 }
             }
@@ -194,7 +195,7 @@ impl Device {
     /// Returns the answers to `frame` that were not collected yet, nodes before their leaves.
     pub fn answers_of(&self, frame: FrameId, hierarchy: &Hierarchy) -> Vec<Answer> {
         let written = self.written.iter().filter(|written| written.frame.0 == frame);
-        written.flat_map(|it| it.answers(hierarchy, self.mishaps.listed)).collect()
+        written.flat_map(|frame| frame.answers(hierarchy, self.mishaps.listed)).collect()
     }
 
     /// Executes a frame: draws and tests in the order of its plan, each in all views.
@@ -305,7 +306,8 @@ impl Device {
             return 0;
         }
         self.drawn.push(object);
-        let (solid, shift) = (&solids.solids[object as usize], solids.shifts[object as usize]);
+        let solid = &solids.solids[object as usize];
+        let shift = solids.shifts[object as usize];
         let images = views.as_slice().iter().zip(&mut self.images);
         images.map(|(view, image)| image.draw(&seen(hierarchy, object, view), solid, shift)).sum()
     }

@@ -100,7 +100,8 @@ const EXECUTORS: [Executor; 4] =
 impl Executor {
     /// Returns the time that a round of these ranges takes, all of whose draws are skipped.
     fn round_ns(self, events: &Events, ranges: u32, draws: u32) -> f64 {
-        let (ranges, draws) = (f64::from(ranges), f64::from(draws));
+        let ranges = f64::from(ranges);
+        let draws = f64::from(draws);
         let Events { predicate, call, empty_draw, pass, word, .. } = *events;
         match self {
             Self::Conditional => ranges * (predicate + call),
@@ -211,8 +212,8 @@ fn work() -> SkippedWork {
 
 /// Returns what is chosen on a device before the first frame.
 fn chosen(events: &Events) -> (Executor, Tester) {
-    let ways = EXECUTORS.map(|it| {
-        let prices = it.times(events).prices();
+    let ways = EXECUTORS.map(|executor| {
+        let prices = executor.times(events).prices();
         MeasuredSkip { prices, rounds: vec![prices; 4] }
     });
     let executor = EXECUTORS[MeasuredSkip::cheapest(&ways, &work()).unwrap()];
@@ -226,7 +227,7 @@ fn chosen(events: &Events) -> (Executor, Tester) {
 fn the_chosen_executor_costs_least_over_frames() {
     for (name, events) in DEVICES {
         let (executor, _) = chosen(&events);
-        let all = EXECUTORS.map(|it| walk_ns(&events, it, Strategy::ANTUMBRA));
+        let all = EXECUTORS.map(|executor| walk_ns(&events, executor, Strategy::ANTUMBRA));
         let best = all.into_iter().fold(f64::INFINITY, f64::min);
         let own = walk_ns(&events, executor, Strategy::ANTUMBRA);
         println!("{name}: {executor:?} of {:?} us", all.map(|ns| (ns / 1e3).round()));
@@ -265,7 +266,7 @@ fn the_tester_by_price_costs_no_more_than_the_best_fixed_one() {
         println!("{name}: {tester:?}, {open_ns} ns, frustum {frustum_ns} ns, of {fixed:?}");
         assert!(open_ns <= 1.05 * best_ns, "{name}: {open_ns} ns, fixed {fixed:?}");
         assert!(open_ns < frustum_ns, "{name}: {open_ns} ns against {frustum_ns} ns untested");
-        let (own_ns, _) = fixed.into_iter().find(|(_, it)| *it == tester).unwrap();
+        let (own_ns, _) = fixed.into_iter().find(|(_, known)| *known == tester).unwrap();
         assert!(own_ns <= 1.1 * best_ns, "{name}: {tester:?} of {fixed:?}");
     }
 }

@@ -73,7 +73,8 @@ fn it_says_since_when_and_when_it_was_asked() {
         walk.culler.explain(&walk.hierarchy, &view, &walk.plan, ObjectId(object))
     };
     assert_eq!(explain(&walk, 1_000_000), None);
-    let (mut visible, mut grouped) = (0, 0);
+    let mut visible = 0;
+    let mut grouped = 0;
     for object in 0..walk.scene.bounds.len() as u32 {
         let explained = explain(&walk, object).unwrap();
         assert_eq!((explained.frame, explained.object), (FrameId(100), ObjectId(object)));
@@ -82,7 +83,8 @@ fn it_says_since_when_and_when_it_was_asked() {
         match explained.decision {
             Decision::Drawn if history.state == NodeState::Visible => {
                 visible += 1;
-                let (since, answered) = (history.since.unwrap(), history.answered.unwrap());
+                let since = history.since.unwrap();
+                let answered = history.answered.unwrap();
                 assert!(since <= answered && answered <= FrameId(98), "{explained:?}");
                 assert!(history.next_test.is_some(), "{explained:?}");
             }
@@ -104,7 +106,8 @@ fn without_culling_all_is_drawn_or_outside() {
     let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
     let view = View::new(&camera(0), SIZE, 8);
     let budget = CullConfig::default().unknown_leaves as usize;
-    let (hierarchy, strategy) = (&walk.hierarchy, Strategy::FRUSTUM);
+    let hierarchy = &walk.hierarchy;
+    let strategy = Strategy::FRUSTUM;
     walk.culler.plan(hierarchy, strategy, &view, budget, &mut walk.plan);
     let decision = |object| {
         walk.culler.explain(hierarchy, &view, &walk.plan, ObjectId(object)).unwrap().decision

@@ -55,7 +55,8 @@ impl Image {
         for plane in view.section.planes() {
             let row = cut.to_world.transpose() * plane.from_anchor(cut.anchor);
             for (pixel, stored) in self.depths.iter_mut().enumerate() {
-                let (column, line) = (pixel as u32 % self.size[0], pixel as u32 / self.size[0]);
+                let column = pixel as u32 % self.size[0];
+                let line = pixel as u32 / self.size[0];
                 let across = (f64::from(column) + 0.5) / width * 2.0 - 1.0;
                 let down = (f64::from(line) + 0.5) / height * 2.0 - 1.0;
                 let z = -(row.x * across + row.y * down + row.w) / row.z;
@@ -138,7 +139,8 @@ fn cast(
     let Some([columns, rows]) = rectangle(size, clip_box) else {
         return;
     };
-    let (seed, cut) = (seed_of(bounds), Cut::of(view));
+    let seed = seed_of(bounds);
+    let cut = Cut::of(view);
     let range = signed(view, view.depth.farthest())..=signed(view, view.depth.nearest());
     for row in rows {
         let down = (f64::from(row) + 0.5 + shift[1]) / f64::from(size[1]) * 2.0 - 1.0;

@@ -20,7 +20,8 @@ fn brute_force(hierarchy: &Hierarchy, boxes: &[Aabb], view: &View) -> [usize; 2]
 
 #[test]
 fn as_many_objects_are_in_the_frustum_as_frustum_culling_draws() {
-    let (mut partly, mut none) = (0, 0);
+    let mut partly = 0;
+    let mut none = 0;
     for seed in 0..300 {
         let mut random = Random::new(seed);
         let mut boxes = Scene::random(&mut random, 8).bounds;

@@ -28,17 +28,17 @@ fn table() -> CostTable {
 
 /// Returns the prices of the same device with tests and breaks that cost `times` as much.
 fn dearer(times: f32) -> CostTable {
-    let it = table();
+    let learned = table();
     CostTable {
-        query_ns: times * it.query_ns,
-        query_box_ns: times * it.query_box_ns,
-        hidden_pixel_ns: times * it.hidden_pixel_ns,
-        predicate_ns: times * it.predicate_ns,
-        skipped_draw_ns: times * it.skipped_draw_ns,
-        call_ns: times * it.call_ns,
-        break_ns: times * it.break_ns,
-        break_wait_share: times * it.break_wait_share,
-        ..it
+        query_ns: times * learned.query_ns,
+        query_box_ns: times * learned.query_box_ns,
+        hidden_pixel_ns: times * learned.hidden_pixel_ns,
+        predicate_ns: times * learned.predicate_ns,
+        skipped_draw_ns: times * learned.skipped_draw_ns,
+        call_ns: times * learned.call_ns,
+        break_ns: times * learned.break_ns,
+        break_wait_share: times * learned.break_wait_share,
+        ..learned
     }
 }
 
@@ -207,7 +207,8 @@ fn noise_and_odd_frames_flip_no_decision() {
     for seed in 0..4 {
         let mut calm = Clocked { learns: false, ..Clocked::new(table(), seed) };
         let mut noisy = Clocked { noise: 0.3, odd_one_in: 20, ..Clocked::new(table(), seed) };
-        let (mut changes, mut last) = (0, 1.0);
+        let mut changes = 0;
+        let mut last = 1.0;
         for frame in 0..1_500 {
             calm.step();
             noisy.step();

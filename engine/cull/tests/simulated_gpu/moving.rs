@@ -110,7 +110,8 @@ impl World {
             if present.len() > 1 {
                 let object = present[self.random.below(present.len())];
                 self.hierarchy.remove(ObjectId(object as u32)).unwrap();
-                let (bounds, solid) = (self.scene.bounds[object], self.scene.solids[object]);
+                let bounds = self.scene.bounds[object];
+                let solid = self.scene.solids[object];
                 self.away.push((bounds, solid));
                 self.scene.bounds[object] = Aabb::EMPTY;
                 self.scene.solids[object] = Aabb::EMPTY;
@@ -144,7 +145,8 @@ impl World {
             coming.push(self.away.swap_remove(self.random.below(self.away.len())));
         }
         let boxes: Vec<Aabb> = coming.iter().map(|(bounds, _)| *bounds).collect();
-        let (before, mut added) = (self.hierarchy.leaf_objects().len(), Vec::new());
+        let before = self.hierarchy.leaf_objects().len();
+        let mut added = Vec::new();
         self.hierarchy.insert_all(&boxes, &mut added, &mut Vec::new()).unwrap();
         let leaves = self.hierarchy.leaf_objects().len();
         self.scene.bounds.resize(leaves, Aabb::EMPTY);
@@ -186,7 +188,8 @@ fn verify(seed: u64) -> Checked {
                 continue;
             }
             let view = View::new(&eye.camera, SIZE, world.sub_pixel_bits);
-            let (hierarchy, culler) = (&world.hierarchy, &mut eye.culler);
+            let hierarchy = &world.hierarchy;
+            let culler = &mut eye.culler;
             culler.ingest(hierarchy, eye.device.collect(culler.frame().0 + 1, hierarchy));
             culler.plan(hierarchy, Strategy::ANTUMBRA, &view, 1_000, &mut eye.plan);
             let context = || format!("seed {seed}, frame {frame}, eye {number}");

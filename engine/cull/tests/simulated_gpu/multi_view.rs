@@ -130,7 +130,8 @@ fn verify(seed: u64, checked: &mut Checked) {
         _ => Lens::random(&mut random, &mut camera),
     };
     let path = PATHS[random.below(PATHS.len())];
-    let (is_moving, budget) = (random.chance(0.4), [6, 10_000, 10_000][random.below(3)]);
+    let is_moving = random.chance(0.4);
+    let budget = [6, 10_000, 10_000][random.below(3)];
     let strategy = STRATEGIES[random.below(STRATEGIES.len())];
     let latency = 1 + random.below(3) as u64;
     let calm = Mishaps::none(latency);

@@ -98,7 +98,8 @@ fn what_comes_into_view_is_missing_for_as_long_as_its_answer_takes() {
 fn it_is_seldom_wrong_while_the_view_turns() {
     let mut walk = Walk::new(city(&mut Random::new(3), 12), 2);
     let mut camera = CAMERA;
-    let (mut wrong, mut drawn) = (0, 0);
+    let mut wrong = 0;
+    let mut drawn = 0;
     for _ in 0..100 {
         wrong += walk.step(&camera);
         drawn += walk.device.drawn.len();
@@ -118,7 +119,9 @@ fn histories_survive_a_rebuild() {
     let drawn = walk.device.drawn.len();
     let mut bounds = walk.scene.bounds.clone();
     bounds.extend(
-        city(&mut Random::new(5), 2).iter().map(|it| Aabb::new(it.min - 900.0, it.max - 900.0)),
+        city(&mut Random::new(5), 2)
+            .iter()
+            .map(|city| Aabb::new(city.min - 900.0, city.max - 900.0)),
     );
     walk.hierarchy.rebuild(&bounds).unwrap();
     assert_eq!(walk.step(&CAMERA), 0);

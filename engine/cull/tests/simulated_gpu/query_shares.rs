@@ -94,9 +94,10 @@ fn verify(seed: u64) -> [u64; 2] {
     let mut views: Vec<SharingView> = (0..count as u64)
         .map(|view| SharingView::new(seed + view, Path::start(&mut random), mishaps, testers))
         .collect();
-    let (mut shares, mut drawn) = (QueryShares::default(), [0; 2]);
+    let mut shares = QueryShares::default();
+    let mut drawn = [0; 2];
     for frame in 0..FRAMES {
-        views.iter_mut().for_each(|it| path.advance(&mut it.camera, frame, &mut random));
+        views.iter_mut().for_each(|view| path.advance(&mut view.camera, frame, &mut random));
         if random.chance(0.3) {
             let object = scene.move_one(&mut random);
             hierarchy.refit([(ObjectId(object as u32), scene.bounds[object])]).unwrap();
@@ -138,7 +139,8 @@ fn queries_go_where_they_are_asked_for() {
         cameras.map(new)
     };
     let draw_frames = |query_budget| {
-        let (mut views, mut shares) = (new_views(), QueryShares::default());
+        let mut views = new_views();
+        let mut shares = QueryShares::default();
         let frames = (0..40).map(|_| {
             let sharing = (&mut shares, query_budget);
             let given = draw((&scene, &hierarchy), sharing, Strategy::ANTUMBRA, &mut views);
@@ -151,7 +153,7 @@ fn queries_go_where_they_are_asked_for() {
     assert!(rich.iter().all(|(given, _)| given[0] > 26 && given[2] > 26), "{rich:?}");
     let poor = draw_frames(1);
     for view in [0, 2] {
-        let served = poor.windows(4).all(|it| it.iter().any(|(given, _)| given[view] == 1));
+        let served = poor.windows(4).all(|window| window.iter().any(|(given, _)| given[view] == 1));
         assert!(served, "view {view}: {poor:?}");
     }
 }

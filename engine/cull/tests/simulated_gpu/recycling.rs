@@ -79,7 +79,8 @@ fn a_recycled_id_inherits_neither_history_nor_answers() {
 #[test]
 fn answers_about_other_nodes_count_across_a_recycling() {
     let mut walk = settled_city();
-    let (gone, other) = (an_object(&walk, NodeState::Hidden), an_object(&walk, NodeState::Visible));
+    let gone = an_object(&walk, NodeState::Hidden);
+    let other = an_object(&walk, NodeState::Visible);
     let tag = QueryTag {
         node: walk.hierarchy.node_of(other).unwrap(),
         generation: walk.hierarchy.generation(),
@@ -152,7 +153,8 @@ fn a_hierarchy_that_grows_keeps_what_is_known_of_objects() {
         let count = before.len();
         let was_under_hidden: Vec<bool> =
             (0..count).map(|object| is_under_hidden(&walk, ObjectId(object as u32))).collect();
-        let (generation, root) = (walk.hierarchy.generation(), walk.hierarchy.root().unwrap());
+        let generation = walk.hierarchy.generation();
+        let root = walk.hierarchy.root().unwrap();
         // Before the eye, where it shows.
         let new = cube(STREET.eye + STREET.forward * 3.0, 0.1);
         let mut added = Vec::new();
@@ -268,7 +270,8 @@ fn next_frame_knows_nothing_of_who_comes_under_an_old_id() {
     let view = View::new(&camera, SIZE, 8);
     let screen = cube(Vec3::new(0.0, 0.0, -5.0), 1.0);
     let mut hierarchy = Hierarchy::build(&[screen, cube(Vec3::NEG_Z * 50.0, 1.0)]).unwrap();
-    let (mut culler, mut plan) = (Culler::new(CullConfig::default()), FramePlan::default());
+    let mut culler = Culler::new(CullConfig::default());
+    let mut plan = FramePlan::default();
     let hidden = hierarchy.node_of(ObjectId(1)).unwrap();
     let is_drawn = |plan: &FramePlan, hierarchy: &Hierarchy| {
         let leaf = hierarchy.leaf_of(ObjectId(1)).unwrap();
@@ -299,7 +302,8 @@ fn coherent_knows_nothing_of_who_comes_under_an_old_id() {
     // Everything shows. Answers how many tests a frame takes.
     let mut tests = |hierarchy: &Hierarchy| {
         let mut conversation = blocking.begin(hierarchy, &view);
-        let (mut batch, mut answers) = (Batch::default(), Vec::new());
+        let mut batch = Batch::default();
+        let mut answers = Vec::new();
         while conversation.next(&answers, &mut batch) != NextAction::Done {
             let drawn = batch.draws.iter().filter_map(|draw| draw.token);
             let tokens = batch.tests.iter().map(|test| test.token).chain(drawn);

@@ -37,7 +37,9 @@ fn a_still_camera_comes_to_rest() {
         let first = walk.plan.stats.frontier;
         walk.steps(&STREET, 300);
         let mut before = essence(&walk);
-        let (mut changed, mut queried, mut pull_ups) = (0, 0, 0);
+        let mut changed = 0;
+        let mut queried = 0;
+        let mut pull_ups = 0;
         let mut drawn = BTreeSet::new();
         let frames = 256;
         for _ in 0..frames {

@@ -45,7 +45,7 @@ impl Cuts {
         }
         let plane = |(normal, offset_m): &(DVec3, f64)| SectionPlane::new(*normal, *offset_m);
         let planes: Vec<SectionPlane> =
-            self.planes.iter().filter_map(|it| plane(it).ok()).collect();
+            self.planes.iter().filter_map(|vector| plane(vector).ok()).collect();
         SectionPlanes::new(&planes, self.mode).unwrap()
     }
 }
@@ -85,7 +85,7 @@ fn what_is_cut_away_counts_as_culled_unless_it_is_whole() {
     assert_eq!(plan.draws.len(), 10);
     assert_eq!(hierarchy.objects_in_frustum(&view), 10);
     let decision = |culler: &Culler, hierarchy: &Hierarchy, plan: &FramePlan, object| {
-        culler.explain(hierarchy, &view, plan, ObjectId(object)).map(|it| it.decision)
+        culler.explain(hierarchy, &view, plan, ObjectId(object)).map(|explain| explain.decision)
     };
     assert_eq!(decision(&culler, &hierarchy, &plan, 3), Some(Decision::CutAway));
     assert_eq!(decision(&culler, &hierarchy, &plan, 13), Some(Decision::Drawn));

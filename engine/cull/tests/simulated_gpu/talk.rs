@@ -69,7 +69,8 @@ impl Talk {
         self.drawn.clear();
         self.tested.clear();
         self.under_way.clear();
-        let (mut batch, mut answers) = (Batch::default(), Vec::new());
+        let mut batch = Batch::default();
+        let mut answers = Vec::new();
         for _ in 0..STEPS {
             let step = conversation.next(&answers, &mut batch);
             self.submits += 1;
@@ -113,14 +114,15 @@ impl Talk {
             () => 1,
         };
         for copy in 0..copies {
-            let (polls, submit) = (self.trouble.polls * (1 + copy), self.submits);
+            let polls = self.trouble.polls * (1 + copy);
+            let submit = self.submits;
             self.under_way.push(UnderWay { polls, submit, answer: TestAnswer { token, samples } });
         }
     }
 
     fn poll(&mut self) {
-        for it in &mut self.under_way {
-            it.polls = it.polls.saturating_sub(1);
+        for answer in &mut self.under_way {
+            answer.polls = answer.polls.saturating_sub(1);
         }
     }
 
@@ -128,17 +130,21 @@ impl Talk {
     fn wait(&mut self, token: TestToken) {
         let tested = self.tested.iter().find(|(tested, _)| *tested == token);
         let submit = tested.expect("only what was tested is waited for").1;
-        for it in self.under_way.iter_mut().filter(|it| it.submit <= submit) {
-            it.polls = 0;
+        for answer in self.under_way.iter_mut().filter(|entry| entry.submit <= submit) {
+            answer.polls = 0;
         }
     }
 
     /// Returns the available results, in random order.
     fn collect(&mut self) -> Vec<TestAnswer> {
-        let is_home = |it: &UnderWay| it.polls == 0;
-        let mut answers: Vec<_> =
-            self.under_way.iter().filter(|it| is_home(it)).map(|it| it.answer).collect();
-        self.under_way.retain(|it| !is_home(it));
+        let is_home = |entry: &UnderWay| entry.polls == 0;
+        let mut answers: Vec<_> = self
+            .under_way
+            .iter()
+            .filter(|entry| is_home(entry))
+            .map(|entry| entry.answer)
+            .collect();
+        self.under_way.retain(|entry| !is_home(entry));
         for position in (1..answers.len()).rev() {
             answers.swap(position, self.random.below(position + 1));
         }

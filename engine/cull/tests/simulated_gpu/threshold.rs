@@ -69,7 +69,8 @@ fn walk(seed: u64, thresholds: &[u32]) -> Found {
     };
     let mut culler = Culler::with_testers(CullConfig { seed, ..CullConfig::default() }, testers);
     let mut device = Device::new(SIZE, SUB_PIXEL_BITS, mishaps, seed);
-    let (mut plan, mut truth) = (FramePlan::default(), Image::new(SIZE));
+    let mut plan = FramePlan::default();
+    let mut truth = Image::new(SIZE);
     let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
     let mut found = Found::default();
     for frame in 0..FRAMES {

@@ -20,12 +20,14 @@ fn behind_a_wall(hidden: usize) -> Vec<Aabb> {
     let cube = |centre: Vec3| Aabb::new(centre - 0.3, centre + 0.3);
     let wall = Aabb::new(Vec3::new(-40.0, -40.0, -1.0), Vec3::new(40.0, 40.0, 0.0));
     let shown = (0..25).map(|n| {
-        let (column, row) = (n % 5, n / 5);
+        let column = n % 5;
+        let row = n / 5;
         cube(Vec3::new(column as f32 - 2.0, row as f32 - 2.0, 2.0) * 1.5)
     });
     let side = (hidden as f32).sqrt().ceil() as usize;
     let rest = (0..hidden).map(|n| {
-        let (column, row) = (n % side, n / side);
+        let column = n % side;
+        let row = n / side;
         let across = (column as f32 + 0.5) / side as f32 * 60.0 - 30.0;
         cube(Vec3::new(across, 0.0, -4.0 - row as f32 / side as f32 * 60.0))
     });
@@ -82,7 +84,9 @@ fn a_walk_draws_a_small_part_of_the_frustum() {
     let mut walk = Walk::new(city(&mut Random::new(3), 40), 2);
     let mut camera =
         Camera { eye: Vec3::new(-1.0, 1.7, 150.0), forward: Vec3::new(0.03, 0.0, -1.0), ..CAMERA };
-    let (mut drawn, mut in_frustum, mut queries) = (0, 0, 0);
+    let mut drawn = 0;
+    let mut in_frustum = 0;
+    let mut queries = 0;
     for frame in 0..200 {
         camera.eye.z -= 0.25;
         if frame % 60 >= 45 {

@@ -57,7 +57,8 @@ impl Instance {
             let adapter = self.pick_adapter(wanted)?;
             return surface.presenting(&adapter)?.map_err(Error::CannotPresent);
         }
-        let (mut fit, mut refused) = (Vec::new(), Vec::new());
+        let mut fit = Vec::new();
+        let mut refused = Vec::new();
         for adapter in self.adapters()? {
             match (adapter.missing(), surface.presenting(&adapter)?) {
                 (None, Ok(adapter)) => fit.push(adapter),

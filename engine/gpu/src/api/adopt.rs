@@ -87,7 +87,8 @@ impl Device {
         };
         let instance =
             Arc::new(InstanceShared::of_host(host.entry, host.instance, &host.extensions));
-        let (physical, family) = (host.physical_device, host.queue_family);
+        let physical = host.physical_device;
+        let family = host.queue_family;
         // SAFETY: the caller promises that the handles belong together, here and below.
         let mut offer = unsafe { Offer::of_family(&instance.raw, physical, family) };
         offer.api_version = offer.api_version.min(host.api_version);

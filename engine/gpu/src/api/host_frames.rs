@@ -8,10 +8,7 @@ impl Device {
     /// newest submit of a device with a queue, and of a host's frames the newest that is over.
     /// Those that do not run are [lost](Device::is_lost).
     pub fn settled(&self) -> Tick {
-        match self.has_queue() {
-            true => self.submitted(),
-            false => self.proven(self.submitted()),
-        }
+        if self.has_queue() { self.submitted() } else { self.proven(self.submitted()) }
     }
 
     /// Returns the number of times that frames of a host ran in another order than they were

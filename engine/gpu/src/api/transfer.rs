@@ -36,10 +36,8 @@ impl Device {
         if bytes.is_empty() {
             return Ok(buffer);
         }
-        let piece_bytes = match self.has_queue() {
-            true => STAGING_BYTES.min(bytes.len()),
-            false => bytes.len(),
-        };
+        let piece_bytes =
+            if self.has_queue() { STAGING_BYTES.min(bytes.len()) } else { bytes.len() };
         let mut staging = Buffer::new(
             self,
             "staging",

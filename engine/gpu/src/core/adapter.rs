@@ -107,7 +107,8 @@ unsafe fn driver_text(
     let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
     // SAFETY: driver properties are core since 1.2, checked above.
     unsafe { instance.get_physical_device_properties2(physical, &mut properties) };
-    let (name, info) = (text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str()));
+    let name = text(driver.driver_name_as_c_str());
+    let info = text(driver.driver_info_as_c_str());
     format!("{name} {info}").trim().to_owned()
 }
 

@@ -46,10 +46,11 @@ impl AddressSpace {
 
     /// Refuses a limit under which no driver can run.
     fn check(&self) -> Result<(), Error> {
-        match self.room_bytes() < LEAST_DRIVER_BYTES {
-            true => Err(self
-                .blamed(format!("they take {} MiB at the very least", LEAST_DRIVER_BYTES >> 20))),
-            false => Ok(()),
+        if self.room_bytes() < LEAST_DRIVER_BYTES {
+            Err(self
+                .blamed(format!("they take {} MiB at the very least", LEAST_DRIVER_BYTES >> 20)))
+        } else {
+            Ok(())
         }
     }
 

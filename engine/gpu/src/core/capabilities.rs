@@ -361,10 +361,11 @@ impl Capabilities {
     /// Reads the table off an offer.
     pub(crate) fn of(offer: &Offer) -> Self {
         let missing = Required::ALL.into_iter().filter(|what| !what.is_in(offer));
-        let missing = match offer.api_version < vk::API_VERSION_1_3 {
+        let missing = if offer.api_version < vk::API_VERSION_1_3 {
             // The features of such a device may not be asked for.
-            true => missing.filter(|what| what.features().is_empty()).collect(),
-            false => missing.collect(),
+            missing.filter(|what| what.features().is_empty()).collect()
+        } else {
+            missing.collect()
         };
         let optional: Vec<Optional> =
             Optional::ALL.into_iter().filter(|what| what.is_in(offer)).collect();

@@ -67,7 +67,8 @@ impl Clock {
         if !matches!(self.source, ClockSource::HostFrames) {
             return Err(Error::HasQueue);
         }
-        let (newest, over) = (self.newest(), self.over());
+        let newest = self.newest();
+        let over = self.over();
         if current <= newest || safe < over || safe >= current {
             return Err(Error::FrameNumbers {
                 current: current.0,

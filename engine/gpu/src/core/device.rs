@@ -331,7 +331,8 @@ impl Device {
         format: vk::Format,
         features: vk::FormatFeatureFlags,
     ) -> bool {
-        let (raw, physical) = (&self.shared.instance.raw, self.shared.adapter.physical);
+        let raw = &self.shared.instance.raw;
+        let physical = self.shared.adapter.physical;
         // SAFETY: the device's own adapter, and a format of the core.
         let has = unsafe { raw.get_physical_device_format_properties(physical, format) };
         has.optimal_tiling_features.contains(features)

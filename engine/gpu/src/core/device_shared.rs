@@ -185,7 +185,8 @@ pub(super) fn wait_bounded(
     tick: Tick,
     bound: Duration,
 ) -> Result<(), vk::Result> {
-    let (semaphores, values) = ([timeline], [tick.0]);
+    let semaphores = [timeline];
+    let values = [tick.0];
     let info = vk::SemaphoreWaitInfo::default().semaphores(&semaphores).values(&values);
     let bound_ns = u64::try_from(bound.as_nanos()).unwrap_or(u64::MAX / 2);
     // SAFETY: the device's own timeline.

@@ -137,7 +137,10 @@ mod tests {
         }
         let memory = |frame| Arc::new(Memory(FrameStamp { frame, predecessor: 0 }));
         let weak = |memory: &Arc<Memory>| Arc::downgrade(memory) as Weak<dyn StampMemory>;
-        let (ran, late, dropped, next) = (memory(3), memory(4), memory(5), memory(6));
+        let ran = memory(3);
+        let late = memory(4);
+        let dropped = memory(5);
+        let next = memory(6);
         let mut executions = Executions::default();
         executions.sent(Tick(4), weak(&late));
         executions.sent(Tick(3), weak(&ran));

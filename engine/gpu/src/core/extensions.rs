@@ -22,7 +22,8 @@ impl Extensions {
         device: &ash::Device,
         capabilities: &Capabilities,
     ) -> Self {
-        let (from, has) = (&instance.raw, |optional| capabilities.has(optional));
+        let from = &instance.raw;
+        let has = |optional| capabilities.has(optional);
         Self {
             debug: instance.has_debug_utils.then(|| ext::debug_utils::Device::new(from, device)),
             conditional: has(Optional::ConditionalRendering)

@@ -10,7 +10,8 @@ pub const MAX_FRAMES_IN_FLIGHT: usize = 64;
 /// # Errors
 /// [`Error::TooLarge`].
 pub(crate) fn check_frames_in_flight(frames_in_flight: usize) -> Result<(), Error> {
-    let (wanted, limit) = (frames_in_flight as u64, MAX_FRAMES_IN_FLIGHT as u64);
+    let wanted = frames_in_flight as u64;
+    let limit = MAX_FRAMES_IN_FLIGHT as u64;
     if wanted <= limit {
         return Ok(());
     }

@@ -54,7 +54,8 @@ impl PendingUploads {
         mut retire: impl FnMut(Retired),
     ) {
         let is_over = |upload: &mut PendingUpload| {
-            upload.wanted.strong_count() == 0 || upload.frame.is_some_and(|it| it <= confirmed)
+            upload.wanted.strong_count() == 0
+                || upload.frame.is_some_and(|frame| frame <= confirmed)
         };
         for upload in self.uploads.extract_if(.., is_over) {
             retire(Retired::Buffer(upload.from, upload.allocation));

@@ -124,7 +124,8 @@ impl PipelineCache {
 
 /// Returns the file that holds `data`.
 fn seal(identity: Identity, data: &[u8]) -> Vec<u8> {
-    let (length, hash) = (data.len() as u64, fnv_1a(data));
+    let length = data.len() as u64;
+    let hash = fnv_1a(data);
     [MAGIC, &identity.0[..], &length.to_le_bytes(), &hash.to_le_bytes(), data].concat()
 }
 
@@ -231,8 +232,9 @@ mod tests {
     fn only_regular_files_of_bounded_size_are_read_and_replaced() {
         let folder = std::env::temp_dir().join(format!("antumbra-read-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let (file, sparse, pipe) =
-            (folder.join("file"), folder.join("sparse"), folder.join("pipe"));
+        let file = folder.join("file");
+        let sparse = folder.join("sparse");
+        let pipe = folder.join("pipe");
         std::fs::write(&file, [7; 100]).unwrap();
         assert_eq!(read_file(&file, 100).unwrap(), [7; 100]);
         assert!(read_file(&file, 99).is_err() && read_file(&folder, 100).is_err());

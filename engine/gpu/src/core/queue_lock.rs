@@ -46,7 +46,8 @@ impl<T: Copy> QueueLock<T> {
         let _turn = self.take_turn(bound)?;
         let Some(host) = &self.host else { return Some(user(self.value)) };
         let left = bound.saturating_sub(began.elapsed());
-        let (mut user, mut result) = (Some(user), None);
+        let mut user = Some(user);
+        let mut result = None;
         host.locked(left, &mut || result = user.take().map(|user| user(self.value)));
         result
     }

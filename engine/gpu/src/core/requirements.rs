@@ -136,7 +136,8 @@ impl Requirements {
             return Ok(());
         }
         let names: Vec<_> = self.missing.iter().map(|missing| missing.name()).collect();
-        let (device, missing) = (self.device.clone(), names.join(", "));
+        let device = self.device.clone();
+        let missing = names.join(", ");
         Err(Error::DeviceLacks { device, missing, available: String::new() })
     }
 }

@@ -124,7 +124,8 @@ impl Buffer {
     /// Lets the next frame of a host copy `staging` here, whole.
     pub(crate) fn upload_later(&mut self, mut staging: Self) {
         if let Some(allocation) = staging.allocation.take() {
-            let (from, size_bytes) = ((staging.raw, allocation), staging.size_bytes);
+            let from = (staging.raw, allocation);
+            let size_bytes = staging.size_bytes;
             let mut pending = self.device.pending_uploads();
             let token = pending.push(from, self.raw, size_bytes.min(self.size_bytes));
             drop(pending);
@@ -139,7 +140,8 @@ impl Buffer {
 
     /// Returns the whole buffer as a slice.
     pub fn whole(&self) -> BufferSlice {
-        let (raw, device) = (self.raw, self.device.id());
+        let raw = self.raw;
+        let device = self.device.id();
         BufferSlice { raw, device, offset_bytes: 0, size_bytes: self.size_bytes }
     }
 

@@ -82,9 +82,10 @@ impl DepthLayers {
         made.reading = create_sampler(device, vk::Filter::NEAREST, false)?;
         device.name(made.reading, name);
         let linear = vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
-        let filter = match device.has_format_feature(DEPTH_FORMAT, linear) {
-            true => vk::Filter::LINEAR,
-            false => vk::Filter::NEAREST,
+        let filter = if device.has_format_feature(DEPTH_FORMAT, linear) {
+            vk::Filter::LINEAR
+        } else {
+            vk::Filter::NEAREST
         };
         made.comparing = create_sampler(device, filter, true)?;
         device.name(made.comparing, name);

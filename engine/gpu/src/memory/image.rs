@@ -195,7 +195,7 @@ fn allocate_lazily(
 /// Returns a bit for each type of memory that is taken lazily.
 fn lazy_types(memory: &vk::PhysicalDeviceMemoryProperties) -> u32 {
     let lazily = vk::MemoryPropertyFlags::LAZILY_ALLOCATED;
-    let is_lazy = |(_, it): &(u32, &vk::MemoryType)| it.property_flags.contains(lazily);
+    let is_lazy = |(_, kind): &(u32, &vk::MemoryType)| kind.property_flags.contains(lazily);
     let types = (0..memory.memory_type_count).zip(&memory.memory_types);
     types.filter(is_lazy).fold(0, |bits, (number, _)| bits | 1 << number)
 }

@@ -36,7 +36,8 @@ pub(crate) fn instance_numbers(device: &Device, count: u64) -> Result<vk::Buffer
         return Ok(enough.raw);
     }
     let count = count.max(COUNT_MIN).next_power_of_two().min(1 << 32);
-    let (usage, bytes) = (vk::BufferUsageFlags::VERTEX_BUFFER, count * size_of::<u32>() as u64);
+    let usage = vk::BufferUsageFlags::VERTEX_BUFFER;
+    let bytes = count * size_of::<u32>() as u64;
     let mut buffer = Buffer::new(device, "instance numbers", bytes, usage, MemoryKind::Upload)?;
     for (bytes, number) in buffer.bytes_mut().as_chunks_mut().0.iter_mut().zip(0_u64..) {
         *bytes = (number as u32).to_ne_bytes();

@@ -18,7 +18,8 @@ pub fn resampled(rgba8: &[u8], from: [u32; 2], to: [u32; 2], format: vk::Format)
         return Vec::new();
     }
     let decode = decoding(format);
-    let (across, down) = (spans(from_width, width), spans(from_height, height));
+    let across = spans(from_width, width);
+    let down = spans(from_height, height);
     // Rows first, so that only rows of the new width are kept as numbers.
     let narrow = |row: &[u8]| -> Vec<[f32; 4]> {
         let pixels: Vec<[f32; 4]> =
@@ -71,7 +72,8 @@ fn spans(from: usize, to: usize) -> Vec<Span> {
         Span { first, weights }
     };
     let smaller = |place: usize| {
-        let (start, end) = (place as f32 * scale, (place + 1) as f32 * scale);
+        let start = place as f32 * scale;
+        let end = (place + 1) as f32 * scale;
         let first = (start as usize).min(from - 1);
         let last = (end.ceil() as usize).clamp(first + 1, from);
         let covered =
@@ -80,10 +82,7 @@ fn spans(from: usize, to: usize) -> Vec<Span> {
         let sum: f32 = weights.iter().sum();
         Span { first, weights: weights.into_iter().map(|weight| weight / sum.max(1e-6)).collect() }
     };
-    match to >= from {
-        true => (0..to).map(larger).collect(),
-        false => (0..to).map(smaller).collect(),
-    }
+    if to >= from { (0..to).map(larger).collect() } else { (0..to).map(smaller).collect() }
 }
 
 /// Returns the light that each byte of a colour stands for.

@@ -79,7 +79,10 @@ mod tests {
 
     #[test]
     fn formats_have_the_blocks_that_vulkan_says() {
-        let of = |format| TexelBlocks::of(format).map(|it: TexelBlocks| (it.size, it.bytes));
+        let of = |format| {
+            TexelBlocks::of(format)
+                .map(|texel_blocks: TexelBlocks| (texel_blocks.size, texel_blocks.bytes))
+        };
         assert_eq!(of(vk::Format::R8G8B8A8_SRGB), Some(([1, 1], 4)));
         assert_eq!(of(vk::Format::BC1_RGBA_SRGB_BLOCK), Some(([4, 4], 8)));
         assert_eq!(of(vk::Format::BC7_UNORM_BLOCK), Some(([4, 4], 16)));

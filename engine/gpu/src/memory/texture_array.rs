@@ -251,7 +251,8 @@ impl TextureArray {
         // Blocks at the lower edge reach beyond it, but a copy does not
         // (VUID-vkCmdCopyBufferToImage-imageSubresource-07972).
         let texels = |row: u32| (row * self.blocks.size[1]).min(height);
-        let (first, end) = (texels(rows.start), texels(rows.end));
+        let first = texels(rows.start);
+        let end = texels(rows.end);
         let region = vk::BufferImageCopy::default()
             .buffer_offset(from.offset_bytes)
             .image_subresource(level_of(layer, level))
@@ -326,7 +327,8 @@ fn blocks_of(device: &Device, info: &TextureArrayInfo<'_>) -> Result<TexelBlocks
     if let Some(needed) = blocks.needs
         && !device.capabilities().has(needed)
     {
-        let (missing, wanted) = (needed.name(), "textures of compressed blocks");
+        let missing = needed.name();
+        let wanted = "textures of compressed blocks";
         return Err(Error::Unsupported { device: device.adapter().name.clone(), missing, wanted });
     }
     let has_bytes = matches!(info.format, vk::Format::R8G8B8A8_SRGB | vk::Format::R8G8B8A8_UNORM);

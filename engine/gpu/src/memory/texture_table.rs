@@ -71,7 +71,8 @@ impl TextureTable {
     pub fn new(device: &Device, name: &str, room: u32) -> Result<Self, Error> {
         if !device.capabilities().has(Optional::IndexedTextures) {
             let missing = Optional::IndexedTextures.name();
-            let (device, wanted) = (device.adapter().name.clone(), "an image for each texture");
+            let device = device.adapter().name.clone();
+            let wanted = "an image for each texture";
             return Err(Error::Unsupported { device, missing, wanted });
         }
         let room = room.min(device.adapter().indexed_textures).max(1);
@@ -148,7 +149,8 @@ impl TextureTable {
     pub fn remove(&mut self, number: TextureNumber) {
         let there = self.textures.get_mut(number.0 as usize);
         if let Some(texture) = there.and_then(Option::take) {
-            let (free, set) = (Arc::clone(&self.free), self.set);
+            let free = Arc::clone(&self.free);
+            let set = self.set;
             let white = self.white.descriptor();
             let retired = RetiredNumber { number, free, set, white };
             self.device.retire(Retired::Other(Box::new(retired)));
@@ -167,7 +169,8 @@ impl TextureTable {
             return Ok(());
         }
         let what = format!("the number of {}", self.name);
-        let (wanted, limit) = (u64::from(count) + 1, self.room.into());
+        let wanted = u64::from(count) + 1;
+        let limit = self.room.into();
         Err(Error::TooLarge { what, wanted, limit })
     }
 }

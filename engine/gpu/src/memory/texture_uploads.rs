@@ -218,7 +218,8 @@ impl TextureUploads {
                 let first = (piece * piece_rows) as u32;
                 let rows = first..first + (bytes.len() / row_bytes) as u32;
                 self.stage(bytes);
-                let (staging, array) = (&self.staging, &*array);
+                let staging = &self.staging;
+                let array = &*array;
                 self.device.run_once("texture level", |commands| {
                     array.copy_rows(commands, staging.whole(), layer, level, rows);
                     commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));

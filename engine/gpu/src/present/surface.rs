@@ -59,9 +59,12 @@ impl Surface {
     fn with_shared(instance: &Arc<InstanceShared>, window: Arc<dyn Window>) -> Result<Self, Error> {
         let gone = |error: raw_window_handle::HandleError| Error::NoDisplay(error.to_string());
         let WindowFunctions { surface: functions, system: wanted, .. } = functions(instance)?;
-        let (functions, system) = (functions.clone(), WindowSystem::of(&window)?);
+        let functions = functions.clone();
+        let system = WindowSystem::of(&window)?;
         if system != *wanted {
-            let (thing, user, owner) = ("a window", "an instance", "WindowSystem");
+            let thing = "a window";
+            let user = "an instance";
+            let owner = "WindowSystem";
             return Err(Error::Foreign { thing, user, owner });
         }
         let display = display_for_drivers(window.display_handle().map_err(gone)?.as_raw());
@@ -72,7 +75,8 @@ impl Surface {
             ash_window::create_surface(&instance.entry, &instance.raw, display, handle, None)
         };
         let raw = made.called("creating a surface for the window")?;
-        let (instance, is_wayland) = (Arc::clone(instance), system.is_wayland());
+        let instance = Arc::clone(instance);
+        let is_wayland = system.is_wayland();
         let shared = SurfaceShared { instance, functions, raw, is_wayland, window };
         Ok(Self { shared: Arc::new(shared) })
     }
@@ -127,7 +131,8 @@ impl Surface {
 
     /// Returns true if `device` can present to the window, which it cannot once the window is gone.
     pub(crate) fn is_there(&self, device: &Device) -> Result<bool, Error> {
-        let (physical, family) = (device.adapter().physical, device.queue_family());
+        let physical = device.adapter().physical;
+        let family = device.queue_family();
         // SAFETY: device and surface are of one instance, the family is the device's own.
         let presents = unsafe {
             self.shared.functions.get_physical_device_surface_support(physical, family, self.raw())

@@ -22,9 +22,10 @@ pub(crate) fn copy_to_window(
     let (Some((image, drawn)), read) = (target.colour(), Access::CopyRead) else { return };
     let is_drawn = drawn != read;
     let fresh = LayoutChange::forgetting(window, colour, &[Access::CopyWrite], Access::CopyWrite);
-    match is_drawn {
-        true => commands.change_layouts([LayoutChange::new(image, colour, drawn, read), fresh]),
-        false => commands.change_layouts([fresh]),
+    if is_drawn {
+        commands.change_layouts([LayoutChange::new(image, colour, drawn, read), fresh])
+    } else {
+        commands.change_layouts([fresh])
     }
     let [from, to] = fitted(target.size(), window_size);
     if [from, to] != [[0; 2], window_size] {
@@ -38,9 +39,10 @@ pub(crate) fn copy_to_window(
         .src_offsets([corner([0; 2], 0), corner(target.size(), 1)])
         .dst_subresource(layers)
         .dst_offsets([corner(from, 0), corner(to, 1)])];
-    let filter = match [to[0] - from[0], to[1] - from[1]] == target.size() {
-        true => vk::Filter::NEAREST,
-        false => vk::Filter::LINEAR,
+    let filter = if [to[0] - from[0], to[1] - from[1]] == target.size() {
+        vk::Filter::NEAREST
+    } else {
+        vk::Filter::LINEAR
     };
     // SAFETY: both images are in the layouts named, and hold the regions; the formats
     // were checked to be blitted when the swapchain was made.
@@ -56,9 +58,10 @@ pub(crate) fn copy_to_window(
         );
     }
     let shown = LayoutChange::new(window, colour, Access::CopyWrite, Access::Present);
-    match is_drawn {
-        true => commands.change_layouts([LayoutChange::new(image, colour, read, drawn), shown]),
-        false => commands.change_layouts([shown]),
+    if is_drawn {
+        commands.change_layouts([LayoutChange::new(image, colour, read, drawn), shown])
+    } else {
+        commands.change_layouts([shown])
     }
 }
 
@@ -89,9 +92,10 @@ fn clear(commands: &Commands, window: vk::Image) {
 fn fitted(frame: [u32; 2], window: [u32; 2]) -> [[u32; 2]; 2] {
     let [[width, height], limits] = [frame, window].map(|size| size.map(u64::from));
     let scaled = |side: u64, to: u64, of: u64| ((side * to + of / 2) / of.max(1)).max(1);
-    let size = match width * limits[1] > height * limits[0] {
-        true => [limits[0], scaled(height, limits[0], width)],
-        false => [scaled(width, limits[1], height), limits[1]],
+    let size = if width * limits[1] > height * limits[0] {
+        [limits[0], scaled(height, limits[0], width)]
+    } else {
+        [scaled(width, limits[1], height), limits[1]]
     };
     let size: [u32; 2] = std::array::from_fn(|side| size[side].min(limits[side]) as u32);
     let from: [u32; 2] = std::array::from_fn(|side| (window[side] - size[side]) / 2);

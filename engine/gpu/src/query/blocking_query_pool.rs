@@ -46,7 +46,8 @@ of_device!(BlockingQueryPool: "blocking queries (`BlockingQueryPool`)");
 impl BlockingQueryPool {
     /// Creates a pool for `frames_in_flight` frames, without queries yet.
     pub fn new(device: &Device, frames_in_flight: usize, name: &str) -> Self {
-        let (device, ring) = (device.clone(), Ring::new(frames_in_flight));
+        let device = device.clone();
+        let ring = Ring::new(frames_in_flight);
         Self { device, ring, recorded: RecordedQueries::default(), name: name.to_owned() }
     }
 
@@ -112,7 +113,8 @@ impl BlockingQueryPool {
         while first < queries.end {
             let last = queries.end.min((first / PAGE + 1) * PAGE);
             let Some(page) = self.page(first) else { break };
-            let (start, count) = (first % PAGE, last - first);
+            let start = first % PAGE;
+            let count = last - first;
             let bytes = |results: u32| u64::from(results) * RESULT_BYTES;
             let to = page.mapped.whole().part(bytes(start), bytes(count));
             page.pool.copy_results(commands, start..start + count, to);

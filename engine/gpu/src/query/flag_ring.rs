@@ -35,7 +35,8 @@ impl<T> OfDevice for FlagRing<T> {
 impl<T: Copy> FlagRing<T> {
     /// Creates a ring for `frames_in_flight` frames whose results `source` writes.
     pub fn new(device: &Device, frames_in_flight: usize, source: ResultSource, name: &str) -> Self {
-        let (device, ring) = (device.clone(), Ring::new(frames_in_flight));
+        let device = device.clone();
+        let ring = Ring::new(frames_in_flight);
         Self { device, ring, source, name: name.to_owned() }
     }
 

@@ -127,7 +127,7 @@ impl<T: Copy> LeafDrawRing<T> {
             return Ok(());
         }
         slot.begin(frame.commands().recording(), [tag].into_iter());
-        let memory = match slot.memory.take().filter(|it| it.draw_count == draws.count()) {
+        let memory = match slot.memory.take().filter(|memory| memory.draw_count == draws.count()) {
             Some(mut memory) => {
                 memory.forget_switched_on(draws);
                 memory
@@ -202,7 +202,8 @@ impl PartMemory {
         let usage = vk::BufferUsageFlags::INDIRECT_BUFFER
             | vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::TRANSFER_DST;
-        let (name, size_bytes) = (format!("leaf draws {slot}"), u64::from(draw_count) * DRAW_BYTES);
+        let name = format!("leaf draws {slot}");
+        let size_bytes = u64::from(draw_count) * DRAW_BYTES;
         Ok(Self {
             draws: Buffer::new(device, &name, size_bytes, usage, MemoryKind::Device)?,
             draw_count,

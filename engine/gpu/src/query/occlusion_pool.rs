@@ -74,9 +74,10 @@ impl OcclusionPool {
         let raw = self.device.raw();
         let is_precise = counting == Counting::Samples
             && self.device.capabilities().has(Optional::PreciseQueries);
-        let flags = match is_precise {
-            true => vk::QueryControlFlags::PRECISE,
-            false => vk::QueryControlFlags::empty(),
+        let flags = if is_precise {
+            vk::QueryControlFlags::PRECISE
+        } else {
+            vk::QueryControlFlags::empty()
         };
         // SAFETY: the query was reset earlier in this frame and is used once in it, as was noted;
         // precise ones are asked for only where the feature is on.

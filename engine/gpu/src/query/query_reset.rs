@@ -16,11 +16,12 @@ pub(crate) fn reset_queries(device: &Device, commands: &Commands, pool: vk::Quer
     }
     let raw = device.raw();
     let is_once = commands.resubmission() == Resubmission::Never;
-    match is_once && device.capabilities().has(Optional::HostQueryReset) {
+    if is_once && device.capabilities().has(Optional::HostQueryReset) {
         // SAFETY: the feature is on; the slot's tick is over, so no submitted command uses the
         // queries (VUID-vkResetQueryPool-firstQuery-02741).
-        true => unsafe { raw.reset_query_pool(pool, 0, count) },
+        unsafe { raw.reset_query_pool(pool, 0, count) };
+    } else {
         // SAFETY: the slot's tick is over, so none of its queries is in use.
-        false => unsafe { raw.cmd_reset_query_pool(commands.raw(), pool, 0, count) },
+        unsafe { raw.cmd_reset_query_pool(commands.raw(), pool, 0, count) };
     }
 }

@@ -234,7 +234,8 @@ impl Queries {
         let places = u32::try_from(capacity).unwrap_or(u32::MAX).saturating_mul(views);
         let of_views = (views > 1).then(|| {
             let usage = vk::BufferUsageFlags::TRANSFER_DST | vk::BufferUsageFlags::STORAGE_BUFFER;
-            let (name, bytes) = (format!("{name} of views"), u64::from(places) * RESULT_BYTES);
+            let name = format!("{name} of views");
+            let bytes = u64::from(places) * RESULT_BYTES;
             Buffer::new(device, &name, bytes, usage, MemoryKind::Device)
         });
         let pool = OcclusionPool::new(device, places, name)?;

@@ -32,8 +32,8 @@ impl ResultBuffer {
         if device.capture().is_some() {
             usage |= vk::BufferUsageFlags::TRANSFORM_FEEDBACK_BUFFER_EXT;
         }
-        let (size_bytes, to_host) =
-            (count as u64 * RESULT_BYTES, vk::BufferUsageFlags::TRANSFER_DST);
+        let size_bytes = count as u64 * RESULT_BYTES;
+        let to_host = vk::BufferUsageFlags::TRANSFER_DST;
         let mapped = format!("{name} read back");
         Ok(Self {
             buffer: Buffer::new(device, name, size_bytes, usage, MemoryKind::Device)?,

@@ -58,7 +58,8 @@ impl<T, M: Default> Ring<T, M> {
         mut answer: impl FnMut(&Slot<T, M>),
     ) {
         loop {
-            let is_over = |slot: &&mut Slot<T, M>| slot.in_flight.is_some_and(|it| it <= completed);
+            let is_over =
+                |slot: &&mut Slot<T, M>| slot.in_flight.is_some_and(|tick| tick <= completed);
             let over = self.slots.iter_mut().filter(is_over);
             let Some(slot) = over.min_by_key(|slot| slot.in_flight) else {
                 return;

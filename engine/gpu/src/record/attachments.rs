@@ -139,10 +139,7 @@ fn has_depth(format: vk::Format) -> bool {
 impl Attachments {
     /// Returns the stencil format; [`vk::Format::UNDEFINED`] for depth alone.
     pub(crate) fn stencil(&self) -> vk::Format {
-        match has_stencil(self.depth) {
-            true => self.depth,
-            false => vk::Format::UNDEFINED,
-        }
+        if has_stencil(self.depth) { self.depth } else { vk::Format::UNDEFINED }
     }
 
     /// Returns the view mask of Vulkan: 0 for a plain rendering.
@@ -161,7 +158,8 @@ impl Attachments {
         check_formats(self.depth, self.colours.as_slice())?;
         if !device.has_format_feature(self.depth, vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT)
         {
-            let (what, needed) = ("depth".to_owned(), "this device cannot draw to it");
+            let what = "depth".to_owned();
+            let needed = "this device cannot draw to it";
             return Err(Error::TargetFormat { what, format: self.depth, needed });
         }
         let limits = &device.adapter().limits;
@@ -170,9 +168,10 @@ impl Attachments {
             _ => limits.framebuffer_depth_sample_counts & limits.framebuffer_color_sample_counts,
         };
         let samples = self.samples;
-        match samples.as_raw().count_ones() == 1 && supported.contains(samples) {
-            true => Ok(()),
-            false => Err(Error::Samples { samples, supported }),
+        if samples.as_raw().count_ones() == 1 && supported.contains(samples) {
+            Ok(())
+        } else {
+            Err(Error::Samples { samples, supported })
         }
     }
 

@@ -66,10 +66,7 @@ pub(super) const NO_QUEUE: Error = Error::NoQueue { what: "the submit of a frame
 impl Slot {
     pub(super) fn new(device: &Device, index: usize) -> Result<Self, Error> {
         let name = format!("frame {index}");
-        let own = match device.has_queue() {
-            true => Some(OwnCommands::new(device, &name)?),
-            false => None,
-        };
+        let own = if device.has_queue() { Some(OwnCommands::new(device, &name)?) } else { None };
         let descriptors = DescriptorPools::new(device, &name).inspect_err(|_| {
             own.iter().for_each(|own| device.retire(Retired::CommandPool(own.pool)));
         })?;

@@ -39,7 +39,8 @@ impl FrameStamps {
         // Before the first submit, which makes it visible to the GPU.
         newest.bytes_mut().fill(0);
         let slot = |slot| {
-            let (name, bytes) = (format!("frame stamp {slot}"), size_of::<FrameStamp>() as u64);
+            let name = format!("frame stamp {slot}");
+            let bytes = size_of::<FrameStamp>() as u64;
             let mut stamp = Buffer::new(device, &name, bytes, usage, MemoryKind::ReadBack)?;
             stamp.bytes_mut().fill(0);
             Ok(Arc::new(SlotStamp(stamp)))

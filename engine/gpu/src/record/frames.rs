@@ -73,9 +73,10 @@ impl FrameRing {
         check_frames_in_flight(frames_in_flight)?;
         let slots = (0..frames_in_flight.max(1)).map(|slot| Slot::new(device, slot));
         let slots: Vec<Slot> = slots.collect::<Result<_, _>>()?;
-        let (resubmission, stamps) = match device.has_queue() {
-            true => (Resubmission::Never, None),
-            false => (Resubmission::Allowed, Some(FrameStamps::new(device, slots.len())?)),
+        let (resubmission, stamps) = if device.has_queue() {
+            (Resubmission::Never, None)
+        } else {
+            (Resubmission::Allowed, Some(FrameStamps::new(device, slots.len())?))
         };
         let device = device.clone();
         Ok(Self { device, slots, next: 0, timed_interval: 1, begun: 0, resubmission, stamps })
@@ -229,9 +230,10 @@ impl FrameRing {
         let index = self.next;
         self.device.free_retired()?;
         let recording = self.device.open_recording();
-        let timing = match self.begun.is_multiple_of(self.timed_interval) {
-            true => SlotTiming::Timed,
-            false => SlotTiming::Untimed,
+        let timing = if self.begun.is_multiple_of(self.timed_interval) {
+            SlotTiming::Timed
+        } else {
+            SlotTiming::Untimed
         };
         self.begun += 1;
         if self.device.is_lost(self.slots[index].tick) {
@@ -360,7 +362,8 @@ impl Frame<'_> {
 
     /// Records the uploads that no earlier frame is known to have done.
     fn record_pending_uploads(&self, current: Tick) {
-        let (device, commands) = (&self.ring.device, self.commands());
+        let device = &self.ring.device;
+        let commands = self.commands();
         let confirmed = device.executions().confirmed();
         let mut copies = 0;
         let copy = |upload: &PendingUpload| {
@@ -371,7 +374,9 @@ impl Frame<'_> {
             copies += 1;
             commands.copy_pending(upload);
         };
-        device.pending_uploads().record([current, confirmed], copy, |it| device.retire(it));
+        device
+            .pending_uploads()
+            .record([current, confirmed], copy, |pending_upload| device.retire(pending_upload));
         if copies > 0 {
             commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
         }

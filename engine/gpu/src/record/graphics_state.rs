@@ -74,7 +74,8 @@ pub(super) fn create_graphics(
             create
         }
     };
-    let (cache, callbacks) = (device.pipeline_cache(), device.callbacks());
+    let cache = device.pipeline_cache();
+    let callbacks = device.callbacks();
     // SAFETY: modules and layout are alive, all states are given.
     unsafe { device.raw().create_graphics_pipelines(cache, &[create], callbacks) }
         .map_err(|(_, code)| code)
@@ -157,7 +158,8 @@ fn stencil_of_faces(mode: StencilMode) -> [vk::StencilOpState; 2] {
     let ignored = vk::StencilOpState { compare_mask: 0xFF, ..Default::default() };
     let counted =
         vk::StencilOpState { compare_op: vk::CompareOp::ALWAYS, write_mask: 0xFF, ..ignored };
-    let (more, less) = (Op::INCREMENT_AND_WRAP, Op::DECREMENT_AND_WRAP);
+    let more = Op::INCREMENT_AND_WRAP;
+    let less = Op::DECREMENT_AND_WRAP;
     match mode {
         StencilMode::Ignored => [ignored; 2],
         StencilMode::CountPassing => {
@@ -176,7 +178,8 @@ fn stencil_of_faces(mode: StencilMode) -> [vk::StencilOpState; 2] {
             [vk::StencilOpState { compare_op: vk::CompareOp::EQUAL, ..ignored }; 2]
         }
         StencilMode::Parity => {
-            let (pass_op, write_mask) = (Op::INVERT, PARITY);
+            let pass_op = Op::INVERT;
+            let write_mask = PARITY;
             [vk::StencilOpState { pass_op, write_mask, ..counted }; 2]
         }
         StencilMode::Odd => [odd(Op::ZERO); 2],
@@ -206,7 +209,8 @@ fn depth_bias(info: &GraphicsPipelineInfo<'_>) -> (f32, f32) {
 fn vertex_input(
     info: &GraphicsPipelineInfo<'_>,
 ) -> (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>) {
-    let (mut bindings, mut attributes) = (Vec::new(), Vec::new());
+    let mut bindings = Vec::new();
+    let mut attributes = Vec::new();
     // A binding without attributes would have to be bound all the same.
     let mut next: Option<&VertexLayout<'_>> =
         Some(&info.vertices).filter(|layout| !layout.attributes.is_empty());
@@ -300,7 +304,8 @@ mod tests {
             info.depth = mode;
             depth_bias(&info).0
         };
-        let (float, steps) = (vk::Format::D32_SFLOAT, vk::Format::D16_UNORM);
+        let float = vk::Format::D32_SFLOAT;
+        let steps = vk::Format::D16_UNORM;
         assert_eq!(bias(float, NearDepth::One, DepthMode::TestOnly), 0.0);
         assert_eq!(bias(steps, NearDepth::One, DepthMode::TestOnly), 2.0);
         assert_eq!(bias(steps, NearDepth::Zero, DepthMode::TestOnly), -2.0);

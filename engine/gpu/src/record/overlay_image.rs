@@ -40,7 +40,8 @@ impl OverlayImage {
         format: vk::Format,
         size: [u32; 2],
     ) -> Self {
-        let (device, state) = (device.id(), ImageState::during(Access::Colour));
+        let device = device.id();
+        let state = ImageState::during(Access::Colour);
         Self { image, view, format, size, state, device }
     }
 

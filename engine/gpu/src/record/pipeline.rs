@@ -388,9 +388,10 @@ fn create_set_layout(
     stages: vk::ShaderStageFlags,
 ) -> Result<vk::DescriptorSetLayout, Error> {
     let binding = |binding: u32| {
-        let kind = match binding < layout.buffers {
-            true => vk::DescriptorType::STORAGE_BUFFER,
-            false => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+        let kind = if binding < layout.buffers {
+            vk::DescriptorType::STORAGE_BUFFER
+        } else {
+            vk::DescriptorType::COMBINED_IMAGE_SAMPLER
         };
         let is_single = binding < layout.buffers + layout.textures;
         vk::DescriptorSetLayoutBinding::default()

@@ -25,7 +25,7 @@ impl Spirv {
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, Error> {
         let code: Vec<u32> = bytes
             .chunks_exact(4)
-            .map(|it| u32::from_le_bytes([it[0], it[1], it[2], it[3]]))
+            .map(|byte| u32::from_le_bytes([byte[0], byte[1], byte[2], byte[3]]))
             .collect();
         let whole = bytes.len().is_multiple_of(4);
         if !whole || code.first() != Some(&SPIRV_MAGIC) || code.len() < 5 {

@@ -37,7 +37,8 @@ impl StencilTarget {
     pub fn new(device: &Device, size: [u32; 2], name: &str) -> Result<Self, Error> {
         check_size(device, size)?;
         if !device.capabilities().has(Optional::DepthClamp) {
-            let (device, missing) = (device.adapter().name.clone(), Optional::DepthClamp.name());
+            let device = device.adapter().name.clone();
+            let missing = Optional::DepthClamp.name();
             return Err(Error::Unsupported { device, missing, wanted: "counting volumes" });
         }
         Self::attachments().check(device)?;
@@ -56,7 +57,8 @@ impl StencilTarget {
     pub fn beside(device: &Device, target: &Target, name: &str) -> Result<Self, Error> {
         let attachments = Self::attachments_beside(&target.attachments());
         attachments.check(device)?;
-        let (size, usage) = (target.size(), vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
+        let size = target.size();
+        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         let samples = (size, attachments.samples);
         let image = Image::multisampled(device, name, samples, FORMAT, usage, both())?;
         Ok(Self { device: device.clone(), image, size })

@@ -58,9 +58,10 @@ impl Target {
         }
         Attachments { samples: samples.flags(), ..Attachments::default() }.check(device)?;
         let supported = device.adapter().limits.sampled_image_depth_sample_counts;
-        match supported.contains(samples.flags()) {
-            true => Ok(()),
-            false => Err(Error::Samples { samples: samples.flags(), supported }),
+        if supported.contains(samples.flags()) {
+            Ok(())
+        } else {
+            Err(Error::Samples { samples: samples.flags(), supported })
         }
     }
 
@@ -82,7 +83,8 @@ impl Target {
         check_views(views)?;
         let depth_usage =
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
-        let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
+        let colour = vk::ImageAspectFlags::COLOR;
+        let depth = vk::ImageAspectFlags::DEPTH;
         let image = |what, formats, usage, aspect| {
             let name = format!("{name} {what}");
             TargetImage::new(device, &name, (size, views), formats, usage, aspect)
@@ -118,7 +120,8 @@ impl Target {
         Self::check(device, size, samples)?;
         let attachments = Attachments { samples: samples.flags(), ..Attachments::default() };
         let image = |what, format, usage, aspect| {
-            let (name, size) = (format!("{name} {what} samples"), (size, samples));
+            let name = format!("{name} {what} samples");
+            let size = (size, samples);
             TargetImage::multisampled(device, &name, size, format, usage, aspect)
         };
         // Averaged where they are drawn, unless something is drawn over the finished image.
@@ -126,7 +129,8 @@ impl Target {
             vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
         let depth_usage =
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
-        let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
+        let colour = vk::ImageAspectFlags::COLOR;
+        let depth = vk::ImageAspectFlags::DEPTH;
         let finished = (size, samples);
         Ok(Self {
             device: device.clone(),
@@ -286,9 +290,12 @@ impl Target {
         }
         self.submitted = None;
         let is_first = self.recording.replace(commands.recording()) != Some(commands.recording());
-        let change = |image: &mut TargetImage, to| match is_first {
-            true => image.first_change(&[to, Access::CopyRead], to),
-            false => image.change(to),
+        let change = |image: &mut TargetImage, to| {
+            if is_first {
+                image.first_change(&[to, Access::CopyRead], to)
+            } else {
+                image.change(to)
+            }
         };
         let depth = change(&mut self.depth, Access::Depth);
         let colours = self.colours.iter_mut().map(|image| change(image, Access::Colour));
@@ -375,13 +382,14 @@ pub const VIEWS_MAX: u32 = 6;
 
 /// Refuses no view, and more than any device promises.
 fn check_views(views: u32) -> Result<(), Error> {
-    match (1..=VIEWS_MAX).contains(&views) {
-        true => Ok(()),
-        false => Err(Error::TooLarge {
+    if (1..=VIEWS_MAX).contains(&views) {
+        Ok(())
+    } else {
+        Err(Error::TooLarge {
             what: "the number of views that are drawn at once".to_owned(),
             wanted: views.into(),
             limit: VIEWS_MAX.into(),
-        }),
+        })
     }
 }
 

@@ -61,7 +61,9 @@ impl TargetImage {
     }
 
     fn of_ours(image: Image, layers: u32, aspect: vk::ImageAspectFlags) -> Self {
-        let (raw, view, access) = (image.raw, image.view, Access::Nothing);
+        let raw = image.raw;
+        let view = image.view;
+        let access = Access::Nothing;
         let origin = Origin::Ours { _image: image };
         Self { raw, view, depth_view: None, aspect, layers, origin, access }
     }
@@ -93,7 +95,9 @@ impl TargetImage {
             _ => vk::ImageAspectFlags::COLOR,
         };
         let origin = Origin::Host { entry: image.entry, exit: image.exit };
-        let (raw, view, access) = (image.image, image.view, Access::Nothing);
+        let raw = image.image;
+        let view = image.view;
+        let access = Access::Nothing;
         Self { raw, view, depth_view: None, aspect, layers, origin, access }
     }
 

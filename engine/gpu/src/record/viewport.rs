@@ -34,7 +34,8 @@ impl Viewport {
     pub(crate) fn scissor(&self) -> vk::Rect2D {
         let top = self.y.min(self.y + self.height);
         let offset = vk::Offset2D { x: self.x as i32, y: top as i32 };
-        let (width, height) = (self.width as u32, self.height.abs() as u32);
+        let width = self.width as u32;
+        let height = self.height.abs() as u32;
         vk::Rect2D { offset, extent: vk::Extent2D { width, height } }
     }
 }

@@ -50,8 +50,10 @@ fn needed(root: &Root, verdict: &Verdict) -> Vec<bool> {
         own.into_iter().chain(targets.filter_map(|target| target.positions))
     });
     let times = root.animations.iter().flat_map(|animation| {
-        let samplers =
-            animation.channels.iter().filter_map(|it| animation.samplers.get(it.sampler.value()));
+        let samplers = animation
+            .channels
+            .iter()
+            .filter_map(|channel| animation.samplers.get(channel.sampler.value()));
         samplers.map(|sampler| sampler.input)
     });
     for accessor in positions.chain(times) {
@@ -78,7 +80,8 @@ fn extents_of<const N: usize>(
     store: &Store,
     accessor: usize,
 ) -> Option<[Vec<f32>; 2]> {
-    let (mut least, mut most) = ([f32::INFINITY; N], [f32::NEG_INFINITY; N]);
+    let mut least = [f32::INFINITY; N];
+    let mut most = [f32::NEG_INFINITY; N];
     elements::for_each_raw::<N>((root, store), accessor, |element| {
         for (place, number) in element.into_iter().enumerate() {
             least[place] = least[place].min(number);
@@ -94,7 +97,7 @@ fn holds(accessor: &Accessor, least: &[f32], most: &[f32]) -> bool {
     let margin = |bound: f32| bound.abs() * TOLERANCE + f32::MIN_POSITIVE;
     let all = |bound: &Option<Value>, extents: &[f32], holds: fn(f32, f32, f32) -> bool| {
         let Some(bound) = bound else { return true };
-        let Some(numbers) = bound.as_array().filter(|it| it.len() == extents.len()) else {
+        let Some(numbers) = bound.as_array().filter(|array| array.len() == extents.len()) else {
             return false;
         };
         numbers.iter().zip(extents).all(|(bound, extent)| {

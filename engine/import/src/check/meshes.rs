@@ -51,7 +51,7 @@ fn mend_mesh(root: &mut Root, index: usize, verdict: &mut Verdict) -> Result<(),
     let given = root.meshes.get(index).map_or(0, target_count);
     for number in 0..count {
         let name = || format!("mesh {index}, primitive {number}");
-        let Some(primitive) = root.meshes.get(index).and_then(|it| it.primitives.get(number))
+        let Some(primitive) = root.meshes.get(index).and_then(|mesh| mesh.primitives.get(number))
         else {
             continue;
         };
@@ -91,7 +91,8 @@ fn mend_mesh(root: &mut Root, index: usize, verdict: &mut Verdict) -> Result<(),
 /// Notes morph targets of normals or tangents that the primitive lacks.
 fn note_targets_alone(primitive: &Primitive, name: &dyn Fn() -> String, verdict: &mut Verdict) {
     let lacks = |semantic| !primitive.attributes.contains_key(&Checked::Valid(semantic));
-    let (no_normals, no_tangents) = (lacks(Semantic::Normals), lacks(Semantic::Tangents));
+    let no_normals = lacks(Semantic::Normals);
+    let no_tangents = lacks(Semantic::Tangents);
     let is_alone = |target: &&MorphTarget| {
         target.normals.is_some() && no_normals || target.tangents.is_some() && no_tangents
     };

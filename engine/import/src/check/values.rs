@@ -121,7 +121,8 @@ fn check_skinned(root: &Root, store: &Store, verdict: &mut Verdict) -> Result<Ve
         });
         if let Some(joint) = followed.filter(is_beyond) {
             let joints = counted(joints, "joint", "joints");
-            let (mesh, skin) = (mesh.value(), skin.value());
+            let mesh = mesh.value();
+            let skin = skin.value();
             let text = format!("mesh {mesh} hangs on joint {joint}, but skin {skin} has {joints}");
             let fault = Reason::malformed(text).of(format!("node {index}"));
             verdict.leave_out(fault, "its mesh is left out")?;
@@ -162,7 +163,8 @@ impl<'a> Greatest<'a> {
     }
 
     fn of<const N: usize>(&mut self, accessor: Index<Accessor>) -> u32 {
-        let (root, store) = (self.root, self.store);
+        let root = self.root;
+        let store = self.store;
         *self.known.entry(accessor.value()).or_insert_with(|| {
             let mut greatest = 0;
             elements::for_each_integers::<N>((root, store), accessor.value(), None, |values| {
@@ -189,7 +191,8 @@ impl<'a> Greatest<'a> {
         if restart != Some(greatest) {
             return Some(Beyond::Vertex(reason(greatest)));
         }
-        let (root, store) = (self.root, self.store);
+        let root = self.root;
+        let store = self.store;
         let other = *self.without_restarts.entry(indices.value()).or_insert_with(|| {
             let mut other = None;
             elements::for_each_integers::<1>((root, store), indices.value(), None, |[index]| {
@@ -216,14 +219,16 @@ impl<'a> Greatest<'a> {
         let set =
             |set| Some([attribute(Semantic::Joints(set))?, attribute(Semantic::Weights(set))?]);
         let sets = (0..).map_while(set).map(|set| set.map(|accessor| accessor.value()));
-        let (root, store) = (self.root, self.store);
+        let root = self.root;
+        let store = self.store;
         let greatest = |[joints, weights]: [usize; 2]| {
             let mut has_weight: Vec<u8> = Vec::new();
             elements::for_each_floats::<4>((root, store), weights, None, |weights| {
                 let bits = (0..4).zip(weights).filter(|(_, weight)| *weight > 0.0);
                 has_weight.push(bits.map(|(place, _)| 1 << place).sum());
             })?;
-            let (mut vertices, mut greatest) = (has_weight.iter(), None);
+            let mut vertices = has_weight.iter();
+            let mut greatest = None;
             elements::for_each_integers::<4>((root, store), joints, None, |joints| {
                 let bits = vertices.next().copied().unwrap_or_default();
                 let followed = (0..4).zip(joints).filter(|(place, _)| bits & 1 << place != 0);

@@ -204,7 +204,8 @@ impl<'a> Assembly<'a> {
     fn is_morphed(&self, node: RigNodeId, primitive: &Primitive<'_>) -> bool {
         let weights = self.tree.node(node).map(|node| node.weights.as_slice()).unwrap_or_default();
         let is_animated = self.tree.morphs.get(node.0 as usize) == Some(&true);
-        !primitive.targets().is_empty() && (is_animated || weights.iter().any(|it| *it != 0.0))
+        !primitive.targets().is_empty()
+            && (is_animated || weights.iter().any(|weight| *weight != 0.0))
     }
 
     /// Adds a mesh to the scene.
@@ -225,7 +226,8 @@ impl<'a> Assembly<'a> {
         material: &MaterialUse,
         name: String,
     ) -> MeshId {
-        let (vertices, indices) = (Vec::new(), Vec::new());
+        let vertices = Vec::new();
+        let indices = Vec::new();
         let mesh = Mesh { name, vertices, indices, bounds: sprites.bounds(), has_backs: false };
         let surface = SurfaceMesh { vertices: Vec::new(), material: material.id };
         let mesh = self.push_mesh(mesh, surface);
@@ -242,7 +244,8 @@ impl<'a> Assembly<'a> {
     /// Returns true if a mesh at `transform` can be seen, or if the node moves and it can be seen
     /// elsewhere.
     pub(super) fn can_be_seen(&mut self, node: RigNodeId, transform: &Affine3A) -> bool {
-        let (tree, at_rest) = (self.tree, !self.tree.moves(node));
+        let tree = self.tree;
+        let at_rest = !self.tree.moves(node);
         if !transform.is_finite() {
             let what = "its place is beyond all numbers, and it is left out";
             self.notes.count(what, 1, || tree.name(node));

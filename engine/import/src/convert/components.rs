@@ -53,7 +53,8 @@ pub(super) fn sides(part: Geometry) -> Vec<Geometry> {
         corners.map(|corner| part.positions.get(corner as usize).copied().unwrap_or_default())
     };
     let is_back = |(back, front): (&[u32; 3], &[u32; 3])| {
-        let ([a, b, c], [d, e, f]) = (places(back), places(front));
+        let [a, b, c] = places(back);
+        let [d, e, f] = places(front);
         [a, c, b] == [d, e, f]
     };
     let are_backs = backs.len() == fronts.len() && backs.iter().zip(fronts).all(is_back);
@@ -62,7 +63,8 @@ pub(super) fn sides(part: Geometry) -> Vec<Geometry> {
         return vec![part];
     }
     let mut names = vec![u32::MAX; part.positions.len()];
-    let (half, all) = (backs.len() as u32, part.triangles.len() as u32);
+    let half = backs.len() as u32;
+    let all = part.triangles.len() as u32;
     let numbers = |range: std::ops::Range<u32>| range.collect::<Vec<u32>>();
     [numbers(0..half), numbers(half..all)]
         .map(|side| Geometry { has_backs: false, ..pieces::piece(&part, &side, &mut names) })
@@ -117,7 +119,8 @@ fn root(above: &mut [u32], mut vertex: u32) -> u32 {
 }
 
 fn join(above: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(above, a), root(above, b));
+    let a = root(above, a);
+    let b = root(above, b);
     if let Some(above) = above.get_mut(a.max(b) as usize) {
         *above = a.min(b);
     }

@@ -87,7 +87,7 @@ fn distances(
         let mut bounds = placement.reach;
         if let Some((skinned_mesh, skin)) = placement.skinned_mesh {
             let skinned_mesh = surfaces.skinned_meshes.get(skinned_mesh.0 as usize);
-            let weights = skinned_mesh.and_then(|it| it.skin.as_ref());
+            let weights = skinned_mesh.and_then(|skinned_mesh| skinned_mesh.skin.as_ref());
             if let Some((skin, weights)) = skin.zip(weights) {
                 let key = (skin, used_joints(weights));
                 let space = |(skin, used): &(usize, Vec<bool>)| {
@@ -108,13 +108,14 @@ fn distances(
         }
         let Some(node) = node else { continue };
         let origin = placement.local.translation.length();
-        let corners = bounds.corners().map(|it| placement.local.transform_point3(it).length());
+        let corners =
+            bounds.corners().map(|corner| placement.local.transform_point3(corner).length());
         let farthest = if bounds.is_empty() {
             origin
         } else {
-            corners
-                .iter()
-                .fold(0.0, |farthest, it| if it.is_nan() { *it } else { it.max(farthest) })
+            corners.iter().fold(0.0, |farthest, distance| {
+                if distance.is_nan() { *distance } else { distance.max(farthest) }
+            })
         };
         reaches(node.0, farthest);
     }

@@ -91,14 +91,12 @@ fn rough_bounds(source: &Source, tree: &Tree) -> Aabb {
         }
     }
     let size = all.max - all.min;
-    match all.is_usable() && size.max_element() > 0.0 {
-        true => all,
-        // A single point has its size in a scene of one metre.
-        false => {
-            let centre = if all.is_usable() { all.centre() } else { Vec3::ZERO };
-            Aabb::new(centre - 0.5, centre + 0.5)
-        }
+    if all.is_usable() && size.max_element() > 0.0 {
+        return all;
     }
+    // A single point has its size in a scene of one metre.
+    let centre = if all.is_usable() { all.centre() } else { Vec3::ZERO };
+    Aabb::new(centre - 0.5, centre + 0.5)
 }
 
 /// Returns the bounds that a file gives for the positions of an accessor.
@@ -109,6 +107,7 @@ fn said_bounds(source: &Source, accessor: usize) -> Option<Aabb> {
         let number = |place: usize| Some(numbers.get(place)?.as_f64()? as f32);
         Some(Vec3::new(number(0)?, number(1)?, number(2)?))
     };
-    let (low, high) = (corner(&accessor.min)?, corner(&accessor.max)?);
+    let low = corner(&accessor.min)?;
+    let high = corner(&accessor.max)?;
     Some(Aabb::new(low.min(high), high.max(low)))
 }

@@ -18,15 +18,16 @@ pub(super) fn locals(
     let Some(given) = instancing else {
         return Cow::Borrowed(&[Affine3A::IDENTITY]);
     };
-    let vectors = |accessor: Option<usize>| accessor.and_then(|it| source.floats::<3>(it));
+    let vectors =
+        |accessor: Option<usize>| accessor.and_then(|accessor| source.floats::<3>(accessor));
     let translations = vectors(given.translation);
     let scales = vectors(given.scale);
-    let rotations = given.rotation.and_then(|it| source.floats::<4>(it));
+    let rotations = given.rotation.and_then(|rotation| source.floats::<4>(rotation));
     let mut broken = 0;
     let mut local = |instance: usize| {
-        let translation = translations.as_ref().and_then(|it| it.get(instance));
-        let scale = scales.as_ref().and_then(|it| it.get(instance));
-        let turn = rotations.as_ref().and_then(|it| it.get(instance));
+        let translation = translations.as_ref().and_then(|translations| translations.get(instance));
+        let scale = scales.as_ref().and_then(|scales| scales.get(instance));
+        let turn = rotations.as_ref().and_then(|rotations| rotations.get(instance));
         let turn = turn.map_or(Some(Quat::IDENTITY), |turn| rotation(*turn));
         if turn.is_none() {
             broken += 1;

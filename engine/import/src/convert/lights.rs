@@ -21,23 +21,23 @@ type Fault = (fn(&khr::Light) -> bool, &'static str);
 
 /// The faults of lights, which are replaced.
 const FAULTS: &[Fault] = &[
-    (|it| it.intensity < 0.0, "its light has an intensity below 0, and does not shine"),
+    (|light| light.intensity < 0.0, "its light has an intensity below 0, and does not shine"),
     (
-        |it| it.intensity > LARGEST_INTENSITY,
+        |light| light.intensity > LARGEST_INTENSITY,
         "its light is brighter than a hundred suns, and shown like these",
     ),
     (
-        |it| it.color.iter().any(|part| !(0.0..=1.0).contains(part)),
+        |light| light.color.iter().any(|part| !(0.0..=1.0).contains(part)),
         "its light has a color that is not between 0 and 1, taken as 0 if below",
     ),
     (
-        |it| it.range.is_some_and(|range| range <= 0.0),
+        |light| light.range.is_some_and(|range| range <= 0.0),
         "its light has a range that is not above 0, and is shown without one",
     ),
     (
-        |it| {
-            let is_spot = it.type_ == Checked::Valid(khr::Type::Spot);
-            is_spot && it.spot.as_ref().is_some_and(|spot| !is_cone(spot))
+        |light| {
+            let is_spot = light.type_ == Checked::Valid(khr::Type::Spot);
+            is_spot && light.spot.as_ref().is_some_and(|spot| !is_cone(spot))
         },
         "its light has angles that are not 0 <= inner < outer <= 90 degrees, changed to fit",
     ),
@@ -69,8 +69,9 @@ pub(super) fn lights(
     notes: &mut Notes,
 ) -> Vec<(PunctualLight, Option<RigNodeId>)> {
     let json = source.document.as_json();
-    let given = json.extensions.as_ref().and_then(|it| it.khr_lights_punctual.as_ref());
-    let given = given.map(|it| it.lights.as_slice()).unwrap_or_default();
+    let given =
+        json.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
+    let given = given.map(|extension| extension.lights.as_slice()).unwrap_or_default();
     let mut lights = Vec::new();
     for &(node, light) in &tree.lights {
         let Some(light) = given.get(light) else { continue };

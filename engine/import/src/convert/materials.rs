@@ -155,20 +155,20 @@ fn convert(
     let base_colour_texture = texture(info(&metallic_roughness.base_color_texture), Encoding::Srgb);
     let metallic_roughness_texture =
         texture(info(&metallic_roughness.metallic_roughness_texture), Encoding::Linear);
-    let normal = given.normal_texture.as_ref().map(|it| {
-        let values = |name: &str| it.extensions.as_ref()?.others.get(name);
-        Named::of_values(it.index.value(), it.tex_coord, values)
+    let normal = given.normal_texture.as_ref().map(|normal_texture| {
+        let values = |name: &str| normal_texture.extensions.as_ref()?.others.get(name);
+        Named::of_values(normal_texture.index.value(), normal_texture.tex_coord, values)
     });
     let normal_texture = texture(normal, Encoding::Linear);
-    let occlusion = given.occlusion_texture.as_ref().map(|it| {
-        let values = |name: &str| it.extensions.as_ref()?.others.get(name);
-        Named::of_values(it.index.value(), it.tex_coord, values)
+    let occlusion = given.occlusion_texture.as_ref().map(|occlusion_texture| {
+        let values = |name: &str| occlusion_texture.extensions.as_ref()?.others.get(name);
+        Named::of_values(occlusion_texture.index.value(), occlusion_texture.tex_coord, values)
     });
     let occlusion_texture = texture(occlusion, Encoding::Linear);
     let emission_texture = texture(info(&given.emissive_texture), Encoding::Srgb);
     let extensions = given.extensions.as_ref();
-    let strength = extensions.and_then(|it| it.emissive_strength.as_ref());
-    let strength = strength.map_or(1.0, |it| it.emissive_strength.0);
+    let strength = extensions.and_then(|extensions| extensions.emissive_strength.as_ref());
+    let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
     let emission = |factor: f32| {
         let emission = (factor * strength).clamp(0.0, LARGEST_EMISSION);
         if emission.is_nan() { 0.0 } else { emission }
@@ -181,9 +181,15 @@ fn convert(
         roughness: unit(metallic_roughness.roughness_factor.0),
         metallic_roughness_texture,
         normal_texture,
-        normal_scale: given.normal_texture.as_ref().map_or(1.0, |it| it.scale.clamp(-1e3, 1e3)),
+        normal_scale: given
+            .normal_texture
+            .as_ref()
+            .map_or(1.0, |normal_texture| normal_texture.scale.clamp(-1e3, 1e3)),
         occlusion_texture,
-        occlusion_strength: given.occlusion_texture.as_ref().map_or(1.0, |it| unit(it.strength.0)),
+        occlusion_strength: given
+            .occlusion_texture
+            .as_ref()
+            .map_or(1.0, |occlusion_texture| unit(occlusion_texture.strength.0)),
         emission: given.emissive_factor.0.map(emission),
         emission_texture,
         alpha: match given.alpha_mode {
@@ -194,18 +200,22 @@ fn convert(
             Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => Alpha::Opaque,
         },
         is_double_sided: given.double_sided,
-        is_unlit: extensions.is_some_and(|it| it.unlit.is_some()),
+        is_unlit: extensions.is_some_and(|extensions| extensions.unlit.is_some()),
     }
 }
 
 /// Returns true if a factor is out of the range that glTF allows.
 fn is_out_of_range(given: &json::Material) -> bool {
     let pbr = &given.pbr_metallic_roughness;
-    let occlusion = given.occlusion_texture.as_ref().map_or(1.0, |it| it.strength.0);
+    let occlusion = given
+        .occlusion_texture
+        .as_ref()
+        .map_or(1.0, |occlusion_texture| occlusion_texture.strength.0);
     let [red, green, blue, alpha] = pbr.base_color_factor.0;
     let units = [red, green, blue, alpha, pbr.metallic_factor.0, pbr.roughness_factor.0, occlusion];
-    let strength = given.extensions.as_ref().and_then(|it| it.emissive_strength.as_ref());
-    let strength = strength.map_or(1.0, |it| it.emissive_strength.0);
+    let strength =
+        given.extensions.as_ref().and_then(|extensions| extensions.emissive_strength.as_ref());
+    let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
     let cutoff = given.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
     let is_unit = |number: &f32| (0.0..=1.0).contains(number);
     !units.iter().chain(&given.emissive_factor.0).all(is_unit) || strength < 0.0 || cutoff < 0.0

@@ -54,7 +54,8 @@ pub(crate) fn convert_mesh_file(
             (true, _) => format!("part {}", place + 1),
         };
         let material = part.material.filter(|material| *material < materials.len());
-        let colour = material.and_then(|at| materials.get(at)).map_or(GREY, |it| it.colour);
+        let colour =
+            material.and_then(|at| materials.get(at)).map_or(GREY, |material| material.colour);
         let material = MaterialId(material.unwrap_or(materials.len()) as u32);
         let made = geometry(&part, &positions, &normals, &mut notes, &name);
         let geometry = made.map_err(|fault| fault.in_file(&shown))?;

@@ -47,10 +47,13 @@ impl Tree {
         let count = json.nodes.len();
         let mut nodes: Vec<RigNode> = Vec::with_capacity(count);
         let mut ids = vec![None; count];
-        let (mut in_file, mut worlds) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut in_file = Vec::with_capacity(count);
+        let mut worlds = Vec::with_capacity(count);
         let mut meshes = Vec::with_capacity(count);
-        let (mut cameras, mut lights) = (Vec::new(), Vec::new());
-        let (mut moves, mut morphs) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut cameras = Vec::new();
+        let mut lights = Vec::new();
+        let mut moves = Vec::with_capacity(count);
+        let mut morphs = Vec::with_capacity(count);
         let mut pending: Vec<(usize, Option<RigNodeId>)> =
             roots(&json, notes).into_iter().rev().map(|root| (root, None)).collect();
         while let Some((index, parent)) = pending.pop() {
@@ -73,7 +76,7 @@ impl Tree {
             meshes.push(given.mesh.and_then(|mesh| u32::try_from(mesh.value()).ok()));
             cameras.extend(given.camera.map(|camera| (id, camera.value())));
             let extensions = given.extensions.as_ref();
-            let light = extensions.and_then(|it| it.khr_lights_punctual.as_ref());
+            let light = extensions.and_then(|extensions| extensions.khr_lights_punctual.as_ref());
             lights.extend(light.map(|named| (id, named.light.value())));
             let children = given.children.as_deref().unwrap_or_default();
             pending.extend(children.iter().rev().map(|child| (child.value(), Some(id))));
@@ -179,7 +182,7 @@ fn rest(index: usize, given: &json::Node, is_moved: bool, notes: &mut Notes) -> 
     if rotation.is_none() {
         notes.count("its rotation is of length 0, and taken as none", 1, place);
     }
-    let length = given.rotation.map_or(1.0, |it| Vec4::from_array(it.0).length());
+    let length = given.rotation.map_or(1.0, |rotation| Vec4::from_array(rotation.0).length());
     let is_off = rotation.is_some() && (length - 1.0).abs() > 1e-3;
     notes.count("its rotation is not of length 1, and is normalised", usize::from(is_off), place);
     Rest::Parts(Trs {
@@ -192,7 +195,8 @@ fn rest(index: usize, given: &json::Node, is_moved: bool, notes: &mut Notes) -> 
 /// Returns true if the axes of a matrix are not at right angles, so that it has no rotation and
 /// scale.
 fn shears(matrix: &Affine3A) -> bool {
-    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|it| it.normalize_or_zero());
+    let [x, y, z] =
+        [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.normalize_or_zero());
     [x.dot(y), y.dot(z), z.dot(x)].iter().any(|cosine| cosine.abs() > 1e-3)
 }
 

@@ -31,7 +31,8 @@ pub(super) fn pack(
     for (place, position) in geometry.positions.iter().enumerate() {
         let normal = geometry.normals.get(place).copied().unwrap_or(Vec3::Y);
         let [x, y, z] = normal.to_array().map(snorm16);
-        let tangent = geometry.tangents.get(place).map_or([1.0, 0.0, 0.0, 1.0], |it| it.to_array());
+        let tangent =
+            geometry.tangents.get(place).map_or([1.0, 0.0, 0.0, 1.0], |tangent| tangent.to_array());
         let uv =
             geometry.uvs.each_ref().map(|set| set.get(place).map_or([0.0; 2], |uv| uv.to_array()));
         let colour = geometry.colours.get(place).copied().unwrap_or([1.0; 4]);

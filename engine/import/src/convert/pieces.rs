@@ -14,9 +14,10 @@ pub(super) fn cut(geometry: Geometry, most: usize) -> Vec<Geometry> {
         return vec![geometry];
     }
     let sides: usize = if geometry.has_backs { 2 } else { 1 };
-    let (count, most) = (geometry.triangles.len() / sides, (most / sides).max(1));
+    let count = geometry.triangles.len() / sides;
+    let most = (most / sides).max(1);
     let first_sides = geometry.triangles.iter().take(count);
-    let middles: Vec<Vec3> = first_sides.map(|it| middle(&geometry, it)).collect();
+    let middles: Vec<Vec3> = first_sides.map(|first_side| middle(&geometry, first_side)).collect();
     // The index of a vertex in the current piece; each piece resets it.
     let mut names = vec![u32::MAX; geometry.positions.len()];
     let with_backs = |part: Vec<u32>| {

@@ -161,7 +161,8 @@ impl Primitive<'_> {
         // Flat normals may share more than this estimate; the exact numbers are taken below.
         let is_exact = !geometry.normals.is_empty() || !matches!(elements, Elements::Triangles(_));
         let least = if is_exact { vertices } else { geometry.positions.len() as u64 };
-        let (least, corners) = (least * sides, triangles * 3 * sides);
+        let least = least * sides;
+        let corners = triangles * 3 * sides;
         budget.check(least, corners).map_err(|over| self.over(&over))?;
         memory::ask(least * VERTEX_BYTES + corners * CORNER_BYTES)
             .map_err(|reason| reason.of(self.place()).in_file(&self.source.file))?;
@@ -211,7 +212,8 @@ impl Primitive<'_> {
             }
             None => (0..count as u32).collect(),
         };
-        let (mode, restart) = (self.mode(), self.restart(count));
+        let mode = self.mode();
+        let restart = self.restart(count);
         if Elements::leave_rest(mode, &list, restart) {
             let what = "its last vertices make no whole line or triangle, and are left out";
             notes.count(what, 1, || self.place());

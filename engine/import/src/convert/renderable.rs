@@ -38,8 +38,8 @@ pub(super) fn check_textures(source: &Source, surfaces: &Surfaces) -> Result<(),
                 textures.insert((texture.image.0, texture.encoding, texture.sampler));
             }
         }
-        let (most_transforms, most_textures) =
-            (MAX_TEXTURE_TRANSFORMS, MAX_PAGES * MAX_LAYERS as usize);
+        let most_transforms = MAX_TEXTURE_TRANSFORMS;
+        let most_textures = MAX_PAGES * MAX_LAYERS as usize;
         for (what, count, limit) in [
             ("different texture transforms up to it", transforms.len() - 1, most_transforms),
             ("different textures up to it", textures.len(), most_textures),

@@ -150,13 +150,15 @@ pub(super) fn place_shared(
         }
         let are_sprites = primitive.is_thin() && (kind.material.is_plain || is_crowd(primitive));
         // Sprites face the camera anywhere.
-        let variant = Variant::rigid(match are_sprites {
-            true => Facing::Plain,
-            false => Facing::of(&transform, assembly.may_turn(node)),
+        let variant = Variant::rigid(if are_sprites {
+            Facing::Plain
+        } else {
+            Facing::of(&transform, assembly.may_turn(node))
         });
-        match are_sprites {
-            true => make_sprites(assembly, kind, primitive, &transform)?,
-            false => make(assembly, kind, primitive, variant, &transform)?,
+        if are_sprites {
+            make_sprites(assembly, kind, primitive, &transform)?
+        } else {
+            make(assembly, kind, primitive, variant, &transform)?
         }
         let made = kind.made[variant.facing as usize].as_deref();
         for mesh in made.unwrap_or_default().iter().copied() {
@@ -197,7 +199,8 @@ fn make_sprites(
     }
     let look = (tint, kind.uses == 1);
     let seen = (&assembly.sight, to_world);
-    let (budget, notes) = (&mut assembly.budget, &mut assembly.notes);
+    let budget = &mut assembly.budget;
+    let notes = &mut assembly.notes;
     let sprites = sprites_of(primitive, &kind.material, look, seen, budget, notes);
     let sprites = assembly.unbroken(sprites.map(Some))?.unwrap_or_default();
     let name = assembly.name_of(kind.mesh, kind.number);

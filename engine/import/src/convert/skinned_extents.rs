@@ -184,7 +184,8 @@ impl SkinnedExtents {
             self.skeletons.len() - 1
         });
         if self.bones > self.most_bones {
-            let (bones, most) = (self.bones, self.most_bones);
+            let bones = self.bones;
+            let most = self.most_bones;
             let reason = format!("bones up to it: {bones}, more than the limit of {most}");
             return Err(primitive.source.error(Cause::TooLarge, primitive.place(), reason));
         }

@@ -188,8 +188,10 @@ fn accumulated(geometry: &Geometry, uvs: &[Vec2]) -> Vec<[Vec4; 3]> {
     for triangle in &geometry.triangles {
         let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
         let on = |vertex: u32| uvs.get(vertex as usize).copied().unwrap_or_default();
-        let ([a, b, c], [i, j, k]) = (triangle.map(at), triangle.map(on));
-        let (first, second) = (j - i, k - i);
+        let [a, b, c] = triangle.map(at);
+        let [i, j, k] = triangle.map(on);
+        let first = j - i;
+        let second = k - i;
         let turn = first.perp_dot(second);
         let along = ((b - a) * second.y - (c - a) * first.y) * turn.signum();
         if along.is_finite() && turn != 0.0 {

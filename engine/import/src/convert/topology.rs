@@ -222,7 +222,8 @@ mod tests {
                 random >> 8
             };
             let list: Vec<u32> = (0..next() % 90).map(|_| next() % (9 * round)).collect();
-            let (count, picks) = (9 * round as usize, sorted(&list));
+            let count = 9 * round as usize;
+            let picks = sorted(&list);
             assert_eq!(picks, marked(&list, count), "{list:?}");
             let mut elements = Elements::Points(list.clone());
             match elements.compact(count) {

@@ -43,7 +43,8 @@ impl<'a> Vertices<'a> {
             return Err(self.primitive.error(Cause::Malformed, reason));
         }
         let of = |semantic| self.primitive.attribute(semantic);
-        geometry.normals = of(Semantic::Normals).map(|it| self.vectors(it)).unwrap_or_default();
+        geometry.normals =
+            of(Semantic::Normals).map(|accessor| self.vectors(accessor)).unwrap_or_default();
         if let Some(tangents) = of(Semantic::Tangents)
             && !geometry.normals.is_empty()
         {
@@ -75,7 +76,7 @@ impl<'a> Vertices<'a> {
 
     /// Returns the number in the file of the vertex at this place.
     fn vertex(&self, place: usize) -> usize {
-        self.picks.and_then(|it| it.get(place)).map_or(place, |&vertex| vertex as usize)
+        self.picks.and_then(|pick| pick.get(place)).map_or(place, |&vertex| vertex as usize)
     }
 
     fn floats<const N: usize>(&self, accessor: usize) -> Option<Vec<[f32; N]>> {
@@ -112,7 +113,8 @@ impl<'a> Vertices<'a> {
             let colours = self.floats::<3>(accessor).unwrap_or_default();
             colours.into_iter().map(opaque).collect()
         });
-        let (mut broken, mut cut) = (0, 0);
+        let mut broken = 0;
+        let mut cut = 0;
         for colour in &mut colours {
             if colour.iter().any(|part| !part.is_finite()) {
                 *colour = [1.0; 4];
@@ -133,8 +135,8 @@ impl<'a> Vertices<'a> {
 
     /// Returns all sets of joints and weights, which sum to 1 per vertex.
     fn skin(&self, joint_count: u32, vertices: usize, notes: &mut Notes) -> SkinWeights {
-        let (source, attribute) =
-            (self.primitive.source, |semantic| self.primitive.attribute(semantic));
+        let source = self.primitive.source;
+        let attribute = |semantic| self.primitive.attribute(semantic);
         let of_set = |set| {
             let joints =
                 source.picked_integers::<4>(attribute(Semantic::Joints(set))?, self.picks)?;
@@ -180,7 +182,7 @@ impl<'a> Vertices<'a> {
 
     fn morph_targets(&self) -> Result<Vec<MorphTarget>, ImportError> {
         let deltas = |accessor: &Option<json::Index<json::Accessor>>| {
-            let deltas = accessor.as_ref().and_then(|it| self.floats::<3>(it.value()));
+            let deltas = accessor.as_ref().and_then(|accessor| self.floats::<3>(accessor.value()));
             deltas.unwrap_or_default()
         };
         let finite = |delta: [f32; 3]| {

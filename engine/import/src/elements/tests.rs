@@ -39,7 +39,8 @@ fn any_accessor(random: &mut Random) -> (Root, Store) {
         [(5120, 1), (5121, 1), (5122, 2), (5123, 2), (5125, 4), (5126, 4)];
     let (component, size) = TYPES[random.below(6)];
     let (components, kind) = [(1, "SCALAR"), (3, "VEC3"), (4, "VEC4")][random.below(3)];
-    let (count, element) = (1 + random.below(200), components * size);
+    let count = 1 + random.below(200);
+    let element = components * size;
     let stride = element.next_multiple_of(4) + 4 * random.below(3);
     let mut file: Vec<u8> = (0..count * stride).map(|_| random.next() as u8).collect();
     let mut views = vec![json!({ "buffer": 0, "byteLength": file.len(), "byteStride": stride })];
@@ -86,10 +87,13 @@ fn read<const N: usize>(
     picks: Option<&[u32]>,
 ) -> [Option<Vec<[u32; N]>>; 2] {
     let file = (&file.0, &file.1);
-    let (mut floats, mut integers) = (Vec::new(), Vec::new());
-    let is_float =
-        for_each_floats::<N>(file, accessor, picks, |it| floats.push(it.map(f32::to_bits)));
-    let is_integer = for_each_integers::<N>(file, accessor, picks, |it| integers.push(it));
+    let mut floats = Vec::new();
+    let mut integers = Vec::new();
+    let is_float = for_each_floats::<N>(file, accessor, picks, |element| {
+        floats.push(element.map(f32::to_bits))
+    });
+    let is_integer =
+        for_each_integers::<N>(file, accessor, picks, |element| integers.push(element));
     [is_float.map(|()| floats), is_integer.map(|()| integers)]
 }
 
@@ -155,7 +159,7 @@ fn primitives_that_share_vertices_read_those_that_they_use() {
         &mut |_| std::ops::ControlFlow::Continue(()),
     );
     let read = READ.get() - before;
-    assert_eq!(loaded.map(|it| it.scene.objects.len()), Ok(PRIMITIVES));
+    assert_eq!(loaded.map(|loaded| loaded.scene.objects.len()), Ok(PRIMITIVES));
     // Three indices, checked and read, and three vertices of three attributes; what is shared is
     // checked once.
     let most = (PRIMITIVES * 3 * 5 + VERTICES * 2) as u64;

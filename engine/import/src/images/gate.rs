@@ -39,10 +39,13 @@ mod tests {
     #[test]
     fn never_more_is_taken_than_there_is() {
         let gate = Gate::new(10);
-        let (taken, most) = (AtomicU64::new(0), AtomicU64::new(0));
+        let taken = AtomicU64::new(0);
+        let most = AtomicU64::new(0);
         std::thread::scope(|scope| {
             for thread in 1..=4 {
-                let (gate, taken, most) = (&gate, &taken, &most);
+                let gate = &gate;
+                let taken = &taken;
+                let most = &most;
                 scope.spawn(move || {
                     for _ in 0..100 {
                         gate.with(2 * thread, || {

@@ -23,7 +23,8 @@ impl<const COUNT: usize> Default for Values<COUNT> {
 /// Decompresses a view, which was checked to fit its mode.
 pub(super) fn decode(view: &Compressed, encoded: &[u8]) -> Result<Vec<u8>, Reason> {
     check_header(view, encoded)?;
-    let (count, is_short) = (view.count, view.stride == 2);
+    let count = view.count;
+    let is_short = view.stride == 2;
     let decoded = match view.mode {
         Mode::Attributes(filter) => {
             attributes(view, encoded).map(|values| filtered(values, filter, view.stride))

@@ -37,7 +37,8 @@ pub(super) fn bounds_playing(animator: &mut SceneAnimator, scene: &Scene) -> Aab
     for bounds in still.filter_map(|(object, _)| scene.bounds_of(object)) {
         all = all.union(&bounds);
     }
-    let skinned_meshes = scene.surfaces.as_ref().map_or(&[][..], |it| &it.skinned_meshes);
+    let skinned_meshes =
+        scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.skinned_meshes);
     let form = |part| {
         let (_, skinned_mesh) = animator.parts.placed(part)?;
         let skinned_mesh = skinned_meshes.get(skinned_mesh?.0 as usize)?;
@@ -48,7 +49,8 @@ pub(super) fn bounds_playing(animator: &mut SceneAnimator, scene: &Scene) -> Aab
         animator.changes(seconds);
         for (part, form) in parts.clone().zip(&forms) {
             let Some(place) = animator.parts.placed(part).and_then(place) else { continue };
-            let mesh = objects.get(place).and_then(|it| scene.meshes.get(it.mesh.0 as usize));
+            let mesh =
+                objects.get(place).and_then(|object| scene.meshes.get(object.mesh.0 as usize));
             if let Some(bounds) =
                 animator.parts.seen_in(part, mesh.map(|mesh| mesh.bounds), form.as_ref())
             {

@@ -230,7 +230,7 @@ impl Parts {
         let Some(part) = self.parts.get_mut(part) else { return };
         let Some((skinned_mesh, _)) = part.placement.skinned_mesh else { return };
         part.is_behind =
-            part.shown_version.is_some() && views.is_some_and(|it| !part.may_be_in(it));
+            part.shown_version.is_some() && views.is_some_and(|views| !part.may_be_in(views));
         if part.is_behind {
             return;
         }

@@ -165,7 +165,7 @@ fn moved(animator: &mut SceneAnimator, seconds: f64) -> Vec<u32> {
 fn at_first_only_what_has_no_form_yet_gets_one() {
     let mut animator = animator();
     let changes = animator.changes(0.0).clone();
-    let skinned_meshes: Vec<u32> = changes.poses.iter().map(|it| it.skinned_mesh.0).collect();
+    let skinned_meshes: Vec<u32> = changes.poses.iter().map(|pose| pose.skinned_mesh.0).collect();
     assert_eq!(skinned_meshes, [0, 1]);
     assert_eq!((changes.joints.len(), changes.weights.as_slice()), (2, &[0.0][..]));
     assert!(changes.objects.is_empty(), "they are where the scene has them");
@@ -238,11 +238,12 @@ fn view_from(eye: f32) -> View {
 
 #[test]
 fn who_is_in_no_view_goes_on_and_takes_no_pose_until_it_is() {
-    let (away, there) = ([view_from(9.0)], [view_from(9.0), view_from(-9.0)]);
+    let away = [view_from(9.0)];
+    let there = [view_from(9.0), view_from(-9.0)];
     let mut animator = animator();
     animator.play(&[1, 2], 0.0, 0.0);
     let posed = |changes: &SceneUpdate| {
-        changes.poses.iter().map(|it| it.skinned_mesh.0).collect::<Vec<_>>()
+        changes.poses.iter().map(|pose| pose.skinned_mesh.0).collect::<Vec<_>>()
     };
     assert_eq!(posed(animator.changes_in(0.0, &away)), [0, 1], "what had no pose gets one");
     assert!(posed(animator.changes_in(0.25, &[])).is_empty(), "nobody looks");
@@ -257,7 +258,8 @@ fn who_is_in_no_view_goes_on_and_takes_no_pose_until_it_is() {
 
 #[test]
 fn who_comes_to_rest_unseen_is_at_rest_when_it_is_seen() {
-    let (away, there) = ([view_from(9.0)], [view_from(-9.0)]);
+    let away = [view_from(9.0)];
+    let there = [view_from(-9.0)];
     let mut animator = animator();
     animator.play(&[1, 2], 0.0, 0.0);
     animator.changes_in(0.5, &there);
@@ -329,7 +331,7 @@ fn what_hangs_on_the_same_joints_is_looked_at_once() {
     animator.play(&[1], 0.0, 0.0);
     let changes = animator.changes(0.5);
     assert_eq!((changes.poses.len(), changes.joints.len()), (102, 2), "{changes:?}");
-    let shared = changes.poses.iter().filter(|it| it.joints == (0..2));
+    let shared = changes.poses.iter().filter(|pose| pose.joints == (0..2));
     assert_eq!(shared.count(), 101, "all but the face");
     assert!(animator.changes(0.5).is_empty());
 }

@@ -161,7 +161,8 @@ fn everything_is_read_from_glb_and_gltf_alike() {
         assert_eq!(source.texture_images, [Some(0), Some(1), Some(2)]);
         let sizes = source.images.iter().map(|image| image.as_ref().map(|image| image.size));
         assert_eq!(sizes.collect::<Vec<_>>(), [Some([16, 8]); 3]);
-        let (png, webp) = (source.images[0].as_ref(), source.images[2].as_ref());
+        let png = source.images[0].as_ref();
+        let webp = source.images[2].as_ref();
         let [png, webp] = [png, webp].map(|image| image.expect("an image").rgba8());
         assert_eq!(png[..8], [0, 0, 77, 255, 16, 0, 77, 255]);
         assert_eq!(png, webp);

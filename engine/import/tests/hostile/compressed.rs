@@ -118,7 +118,8 @@ fn the_newer_extension_has_all_of_the_older_one_and_more() {
         assert_eq!(read(&renamed(&scene(&bytes_of(encoded), view))), Ok(bytes_of(expected)));
     }
     // Attributes of version 1.
-    let numbers: Vec<[u32; 4]> = (0..100).map(|it| [it, it * it, 7, u32::MAX - it]).collect();
+    let numbers: Vec<[u32; 4]> =
+        (0..100).map(|index| [index, index * index, 7, u32::MAX - index]).collect();
     let encoded = meshopt::encode_vertex_buffer_level(&numbers, 2, Some(1)).expect("it is encoded");
     let newer = scene(&encoded, view("ATTRIBUTES", "NONE", 100, 16));
     assert_eq!(read(&renamed(&newer)), Ok(bytemuck::cast_slice(&numbers).to_vec()));

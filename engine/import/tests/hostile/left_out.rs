@@ -193,7 +193,11 @@ fn what_a_broken_part_needs_no_more_is_not_looked_at() {
     scene.set("/accessors/3/count", json!(9999));
     scene.remove("/animations");
     let (imported, texts) = load(&scene);
-    assert_eq!(imported.scene.surfaces.as_ref().map(|it| it.images.len()), Some(0), "{texts:?}");
+    assert_eq!(
+        imported.scene.surfaces.as_ref().map(|surface| surface.images.len()),
+        Some(0),
+        "{texts:?}"
+    );
 }
 
 #[test]

@@ -47,7 +47,8 @@ fn corpus() -> Vec<Vec<u8>> {
 fn no_change_of_a_file_makes_it_panic() {
     let corpus = corpus();
     let mut random = Random(1);
-    let (mut accepted, start) = (0, Instant::now());
+    let mut accepted = 0;
+    let start = Instant::now();
     for turn in 0..TRIES {
         let bytes = mutant(&corpus, &mut random);
         let began = Instant::now();

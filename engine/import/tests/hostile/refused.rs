@@ -301,7 +301,8 @@ fn every_broken_rule_is_named() {
 
 #[test]
 fn the_rest_of_a_scene_is_shown_without_its_broken_parts() {
-    let (mut shown, mut refused) = (0, 0);
+    let mut shown = 0;
+    let mut refused = 0;
     for &(change, expected) in
         [INDICES_OUT_OF_RANGE, SIZES, TYPES, VALUES, NODES].into_iter().flatten()
     {

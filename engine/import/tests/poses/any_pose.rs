@@ -88,8 +88,14 @@ fn posed() -> impl Strategy<Value = Posed> {
             .prop_map(move |(positions, influences, targets, joints, weights, sum)| {
                 let mut skin = SkinWeights {
                     joint_count: JOINTS,
-                    joints: influences.iter().map(|it| it.map(|(joint, _)| joint)).collect(),
-                    weights: influences.iter().map(|it| it.map(|(_, weight)| weight)).collect(),
+                    joints: influences
+                        .iter()
+                        .map(|influence| influence.map(|(joint, _)| joint))
+                        .collect(),
+                    weights: influences
+                        .iter()
+                        .map(|influence| influence.map(|(_, weight)| weight))
+                        .collect(),
                     sets,
                 };
                 for weights in skin.weights.chunks_mut((sets as usize).max(1)) {
@@ -98,8 +104,11 @@ fn posed() -> impl Strategy<Value = Posed> {
                     let all: f32 = weights.iter().sum();
                     weights.iter_mut().for_each(|weight| *weight *= sum / all);
                 }
-                let list = |it: Vec<Vec3>| it.into_iter().map(|it| it.to_array()).collect();
-                let target = |it| MorphTarget { positions: list(it), ..MorphTarget::default() };
+                let list = |vectors: Vec<Vec3>| {
+                    vectors.into_iter().map(|vectors| vectors.to_array()).collect()
+                };
+                let target =
+                    |places| MorphTarget { positions: list(places), ..MorphTarget::default() };
                 Posed {
                     positions: positions.into_iter().map(|at| at + far).collect(),
                     skin: (sets > 0).then_some(skin),
@@ -129,7 +138,7 @@ proptest! {
 fn bumps() -> (Vec<Vec3>, Vec<MorphTarget>) {
     let corners: Vec<Vec3> = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::X + Vec3::Z].into();
     let lift = |target: usize| {
-        let positions = (0..4).map(|it| [0.0, if it == target { 1.0 } else { 0.0 }, 0.0]);
+        let positions = (0..4).map(|index| [0.0, if index == target { 1.0 } else { 0.0 }, 0.0]);
         MorphTarget { positions: positions.collect(), ..MorphTarget::default() }
     };
     (corners, (0..4).map(lift).collect())
@@ -170,7 +179,8 @@ fn ratio(posed: &Posed) -> Vec3 {
 #[test]
 fn the_box_of_an_arm_that_bends_is_not_much_too_large() {
     let mut positions = Vec::new();
-    let (mut joints, mut weights) = (Vec::new(), Vec::new());
+    let mut joints = Vec::new();
+    let mut weights = Vec::new();
     for step in 0..=20_u8 {
         let along = f32::from(step) * 0.1;
         for (y, z) in [(-0.1, -0.1), (0.1, -0.1), (-0.1, 0.1), (0.1, 0.1)] {

@@ -114,7 +114,7 @@ fn boxes_of_blends_hold_and_are_not_much_too_large() {
     for (first, second) in [(0, 1), (0, 2), (1, 2)] {
         for (x, y) in (0..=16_u8).flat_map(|x| (0..=16_u8).map(move |y| (x, y))) {
             for weight in 0..=8_u8 {
-                let [x, y] = [x, y].map(|it| f32::from(it) / 16.0);
+                let [x, y] = [x, y].map(|side| f32::from(side) / 16.0);
                 watch.look([(first, x), (second, y)], f32::from(weight) / 8.0);
             }
         }

@@ -35,7 +35,7 @@ impl<'a> Mover<'a> {
         let parts: Vec<_> = bounds.parts(&weights).collect();
         let reach = match &skeleton {
             Some(skeleton) => {
-                let boxes = parts.into_iter().filter_map(|(joint, it)| Some((joint?, it)));
+                let boxes = parts.into_iter().filter_map(|(joint, part)| Some((joint?, part)));
                 Extents::new(&animated.rig, clips.iter().copied()).reach(skeleton, boxes)
             }
             None => parts[0].1.enlarged(1e-4),
@@ -85,9 +85,11 @@ proptest! {
     #[test]
     fn no_vertex_leaves_the_box_of_a_blend(animated in animated(), is_skinned: bool) {
         let rest = Clip { name: String::new(), channels: Vec::new() };
-        let (a, b) = (&animated.clips[0], animated.clips.get(1).unwrap_or(&rest));
+        let a = &animated.clips[0];
+let b = animated.clips.get(1).unwrap_or(&rest);
         let mut mover = Mover::new(&animated, is_skinned, &[a, b]);
-        let (mut pose, mut other) = (Pose::new(&animated.rig), Pose::new(&animated.rig));
+        let mut pose = Pose::new(&animated.rig);
+let mut other = Pose::new(&animated.rig);
         for a_s in times_s(a, 12) {
             for b_s in times_s(b, 12) {
                 for weight in 0..=8 {
@@ -120,7 +122,8 @@ proptest! {
                 layer = player.play(playback);
             }
         }
-        let (mut workspace, mut pose) = (Workspace::new(&animated.rig), Pose::new(&animated.rig));
+        let mut workspace = Workspace::new(&animated.rig);
+let mut pose = Pose::new(&animated.rig);
         for step in 0..200 {
             let now_s = f64::from(step) * 0.03;
             player.pose_at(&animated.rig, &animated.clips, now_s, &mut workspace, &mut pose);
@@ -131,8 +134,11 @@ proptest! {
     /// Checks that the matrices are those of the specification, seen from the object's node.
     #[test]
     fn joints_are_where_the_world_has_them(animated in animated(), time_s in 0.0_f32..3.0) {
-        let (rig, skeleton) = (&animated.rig, animated.skeleton());
-        let (mut pose, mut world, mut matrices) = (Pose::new(rig), Vec::new(), Vec::new());
+        let rig = &animated.rig;
+let skeleton = animated.skeleton();
+        let mut pose = Pose::new(rig);
+let mut world = Vec::new();
+let mut matrices = Vec::new();
         pose.sample(&animated.clips[0], time_s);
         rig.world(&pose, &mut world);
         skeleton.joint_matrices(rig, &pose, &mut matrices);
@@ -140,7 +146,8 @@ proptest! {
         let object = skeleton.space().map_or(Affine3A::IDENTITY, at);
         let joints = animated.skin.joints.iter().zip(&animated.skin.inverse_bind);
         for ((joint, bind), matrix) in joints.zip(&matrices) {
-            let (found, expected) = (object * *matrix, at(*joint) * *bind);
+            let found = object * *matrix;
+let expected = at(*joint) * *bind;
             prop_assert!(matrix.is_finite());
             prop_assert!(found.abs_diff_eq(expected, 1e-3), "{:?} for {:?}", found, expected);
         }
@@ -154,7 +161,9 @@ proptest! {
     ) {
         let rig = &animated.rig;
         let moved = rig.moved_by(&animated.clips);
-        let (mut pose, mut world, mut all) = (Pose::new(rig), Vec::new(), Vec::new());
+        let mut pose = Pose::new(rig);
+let mut world = Vec::new();
+let mut all = Vec::new();
         rig.world(&pose, &mut world);
         for time_s in times_s {
             pose.reset(rig);

@@ -41,7 +41,8 @@ fn indices_of_all_types_and_none_mean_the_same() {
 #[test]
 fn quantised_numbers_become_what_they_mean() {
     let mut scene = GltfFile::triangle();
-    let words = |values: &[i16]| values.iter().flat_map(|it| it.to_le_bytes()).collect::<Vec<_>>();
+    let words =
+        |values: &[i16]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<_>>();
     let positions = words(&[-32768, 0, 32767, 0, 16384, 0, 0, 0, 0, -32767, 0, 0]);
     let positions = scene.numbers(I16, "VEC3", 3, &positions);
     scene.set(&format!("/accessors/{positions}/normalized"), json!(true));

@@ -63,9 +63,12 @@ fn only_the_chosen_scene_is_shown() {
 fn a_hundred_thousand_nodes_deep_is_not_too_deep() {
     let count = 100_000;
     let mut scene = GltfFile::triangle();
-    let node = |index: usize| match index + 1 < count {
-        true => json!({ "children": [index + 1], "translation": [0, 0.5, 0] }),
-        false => json!({ "mesh": 0 }),
+    let node = |index: usize| {
+        if index + 1 < count {
+            json!({ "children": [index + 1], "translation": [0, 0.5, 0] })
+        } else {
+            json!({ "mesh": 0 })
+        }
     };
     scene.set("/nodes", json!((0..count).map(node).collect::<Vec<_>>()));
     assert_near(&tips(&load(&scene)), &[vec3(1.0, 49999.5, 0.0)]);
@@ -118,8 +121,11 @@ fn instances_are_objects_each() {
     // On a node that moves, each moves with it from its place on it.
     animate(&mut scene, 0);
     let moving = load(&scene);
-    let locals: Vec<Vec3> =
-        moving.placements.iter().map(|it| it.local.transform_point3(Vec3::X)).collect();
+    let locals: Vec<Vec3> = moving
+        .placements
+        .iter()
+        .map(|placement| placement.local.transform_point3(Vec3::X))
+        .collect();
     assert_near(&locals, &[vec3(1.0, 1.0, 0.0), vec3(-1.0, 0.0, 0.0)]);
 }
 
@@ -150,13 +156,14 @@ fn what_moves_is_told_and_what_stays_is_not() {
     animate(&mut scene, 0);
     let imported = load(&scene);
     assert_eq!(imported.scene.objects.len(), 2, "what is nothing now may grow");
-    let placed: Vec<_> = imported.placements.iter().map(|it| (it.node.0, it.placed)).collect();
+    let placed: Vec<_> =
+        imported.placements.iter().map(|placement| (placement.node.0, placement.placed)).collect();
     assert_eq!(placed, [(1, antumbra_import::PlacedNode::Object(cull::ObjectId(0)))]);
     let light = imported.scene.surfaces.as_ref().expect("surfaces").lights[0];
     assert_eq!(light.position, vec3(1.0, 2.0, 3.0));
     assert_eq!(light.kind, scene::LightKind::Point);
     animate(&mut scene, 3);
-    let placed: Vec<_> = load(&scene).placements.iter().map(|it| it.placed).collect();
+    let placed: Vec<_> = load(&scene).placements.iter().map(|placement| placement.placed).collect();
     assert_eq!(placed, [antumbra_import::PlacedNode::Light(scene::LightId(0))]);
 }
 

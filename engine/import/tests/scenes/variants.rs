@@ -43,7 +43,9 @@ fn mirrored_places_have_a_mesh_of_the_other_winding() {
     let imported = load(&scene);
     let meshes: Vec<u32> = imported.scene.objects.iter().map(|object| object.mesh.0).collect();
     assert_eq!(meshes, [0, 1, 0, 0, 1]);
-    let [a, b, c] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let a = [0.0, 0.0, 0.0];
+    let b = [1.0, 0.0, 0.0];
+    let c = [0.0, 1.0, 0.0];
     assert_eq!((corners(&imported, 0), corners(&imported, 1)), (vec![a, b, c], vec![a, c, b]));
     assert_eq!(normals(&imported, 0), normals(&imported, 1));
 }
@@ -81,7 +83,9 @@ fn double_sided_materials_have_backs_that_face_the_other_way() {
     scene.set("/materials", json!([{ "doubleSided": true }]));
     scene.set("/meshes/0/primitives/0/material", json!(0));
     let imported = load(&scene);
-    let [a, b, c] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let a = [0.0, 0.0, 0.0];
+    let b = [1.0, 0.0, 0.0];
+    let c = [0.0, 1.0, 0.0];
     assert_eq!(corners(&imported, 0), [a, b, c, a, c, b]);
     assert_eq!(imported.scene.triangles(), 1, "front and back are one");
     assert_eq!(normals(&imported, 0)[2..4], [[0, 0, 32767, 0], [0, 0, -32767, 0]]);
@@ -101,7 +105,8 @@ fn blended_objects_are_apart_from_all_others() {
     let imported = load(&scene);
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
     assert_eq!((imported.scene.objects.len(), surfaces.transparent.len()), (1, 1));
-    let (masked, transparent) = (&imported.scene.objects[0], &surfaces.transparent[0]);
+    let masked = &imported.scene.objects[0];
+    let transparent = &surfaces.transparent[0];
     assert_eq!((transparent.mesh.0, masked.mesh.0), (0, 1));
     assert_eq!(masked.transform, transparent.transform);
 }

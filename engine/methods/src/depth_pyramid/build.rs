@@ -93,8 +93,8 @@ impl PyramidPass {
     /// # Errors
     /// A pyramid that is larger than a storage buffer may be.
     pub fn check(device: &Device, size: [u32; 2]) -> Result<(), Error> {
-        let (wanted, limit) =
-            (bytes_of(size), device.adapter().limits.max_storage_buffer_range.into());
+        let wanted = bytes_of(size);
+        let limit = device.adapter().limits.max_storage_buffer_range.into();
         if wanted > limit {
             let what = "the depth pyramid in bytes".to_owned();
             return Err(gpu::Error::TooLarge { what, wanted, limit }.into());

@@ -110,7 +110,7 @@ impl MethodState for PyramidState {
             let over = |slot: &&mut Slot| slot.in_flight.is_some_and(|(tick, _)| tick <= completed);
             let slot = self.slots.iter_mut().filter(over).min_by_key(|slot| slot.in_flight);
             let Some((slot, (_, frame))) =
-                slot.and_then(|it| it.in_flight.take().map(|of| (it, of)))
+                slot.and_then(|slot| slot.in_flight.take().map(|of| (slot, of)))
             else {
                 return newest;
             };

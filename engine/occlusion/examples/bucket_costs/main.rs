@@ -45,19 +45,21 @@ fn bounds(count: usize) -> Vec<Aabb> {
 /// Returns the bytes of a table per object, with two copies of its draws for one view.
 fn bytes_per_object(leaves: &LeafTable, objects: usize) -> u64 {
     let draws = leaves.predicates().draws().size_bytes;
-    let links = leaves.links().map_or(0, |it| it.firsts.size_bytes + it.links.size_bytes);
+    let links = leaves.links().map_or(0, |links| links.firsts.size_bytes + links.links.size_bytes);
     (3 * draws + links + leaves.boxes().size_bytes) / objects.max(1) as u64
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let number = |place| std::env::args().nth(place).and_then(|text| text.parse::<usize>().ok());
-    let (objects, frames) = (number(1).unwrap_or(10_000), number(2).unwrap_or(60));
+    let objects = number(1).unwrap_or(10_000);
+    let frames = number(2).unwrap_or(60);
     let device = gpu::open()?;
     println!("buckets  median CPU ms per frame  ms to add all  bytes per object: CPU    GPU");
     for bucket_count in [1, 16, 256] {
         let costs = measure(&device, bucket_count, objects, frames)?;
         let median_ms = 1e3 * costs.frame_times[costs.frame_times.len() / 2].as_secs_f64();
-        let (added_ms, [cpu, gpu]) = (1e3 * costs.added.as_secs_f64(), costs.bytes);
+        let added_ms = 1e3 * costs.added.as_secs_f64();
+        let [cpu, gpu] = costs.bytes;
         println!("{bucket_count:7}  {median_ms:23.3}  {added_ms:13.1}  {cpu:21}  {gpu:5}");
     }
     Ok(())
@@ -96,9 +98,11 @@ fn measure(
     let begun = Instant::now();
     scene.add(&host_objects, &mut Vec::new())?;
     let added = begun.elapsed();
-    let (config, phases) = (CullConfig::default(), DrawPhases::PerRound);
+    let config = CullConfig::default();
+    let phases = DrawPhases::PerRound;
     let mut state = scene.new_view(owner.target(), config, phases)?;
-    let (mut ring, mut frame_times) = (FrameRing::new(device, 2)?, Vec::with_capacity(frames));
+    let mut ring = FrameRing::new(device, 2)?;
+    let mut frame_times = Vec::with_capacity(frames);
     for step in 0..frames {
         let eye = vec3(step as f32 * 0.05, 1.7, 3.0);
         let projection = Projection::perspective(0.9);

@@ -97,7 +97,7 @@ struct Times(Vec<(Batch, Vec<f64>)>);
 impl Times {
     /// Returns the times of a batch; none of one that was not measured.
     fn of(&self, batch: Batch) -> &[f64] {
-        self.0.iter().find(|(it, _)| *it == batch).map_or(&[], |(_, times)| times)
+        self.0.iter().find(|(timed, _)| *timed == batch).map_or(&[], |(_, times)| times)
     }
 
     /// Returns the shortest time of a batch (ns): disturbances make times longer, never shorter.
@@ -108,7 +108,7 @@ impl Times {
 
     /// Returns the price of one thing (ns): the difference of twice as many and so many.
     fn each_ns(&self, batch: Batch) -> f64 {
-        let [double, single] = [batch.doubled(), batch].map(|it| self.shortest_ns(it));
+        let [double, single] = [batch.doubled(), batch].map(|timed| self.shortest_ns(timed));
         (double - single) / f64::from(batch.count().max(1))
     }
 
@@ -134,13 +134,14 @@ impl Times {
 /// No memory, a failed call, [`gpu::Error::Cancelled`].
 pub fn measure(scene: CalibrationScene<'_>) -> Result<DevicePrices, Error> {
     let began = Instant::now();
-    let (device, executors) = (scene.device, scene.executors);
+    let device = scene.device;
+    let executors = scene.executors;
     let cancellation = scene.cancellation;
     let mut bench = Bench::new(scene)?;
     let of_things = Batch::ALL.into_iter().flat_map(|batch| [batch, batch.doubled()]);
-    let of_ranges = executors.iter().flat_map(|it| Batch::of_ranges(*it));
+    let of_ranges = executors.iter().flat_map(|executor| Batch::of_ranges(*executor));
     let all = std::iter::once(Batch::NOTHING).chain(of_things).chain(of_ranges);
-    let able = all.filter(|it| bench.can(*it)).map(|it| (it, Vec::new()));
+    let able = all.filter(|way| bench.can(*way)).map(|way| (way, Vec::new()));
     let mut times = Times(able.collect());
     let mut clock = Clock::new(device)?;
     // Drivers compile shaders at the first draw.
@@ -172,7 +173,8 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<DevicePrices, Error> {
         share = share.max(CostTable::default().break_wait_share.into());
     }
     let table = sensible(CostTable { break_wait_share: share as f32, ..measured });
-    let executors = executors.iter().map(|it| (*it, times.skip_prices(*it))).collect();
+    let executors =
+        executors.iter().map(|executor| (*executor, times.skip_prices(*executor))).collect();
     let prices = DevicePrices { table, executors, reset_ns };
     tracing::info!("costs measured in {:?}: {prices:?}", began.elapsed());
     Ok(prices)
@@ -180,9 +182,10 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<DevicePrices, Error> {
 
 /// Returns a table with the reset in the price of a query, where a command resets.
 fn with_resets(table: CostTable, device: &Device, reset_ns: &ResetPrices) -> CostTable {
-    match device.capabilities().has(Optional::HostQueryReset) {
-        true => table,
-        false => CostTable { query_ns: table.query_ns + reset_ns.command_ns.max(0.0), ..table },
+    if device.capabilities().has(Optional::HostQueryReset) {
+        table
+    } else {
+        CostTable { query_ns: table.query_ns + reset_ns.command_ns.max(0.0), ..table }
     }
 }
 
@@ -225,7 +228,8 @@ fn sensible(measured: CostTable) -> CostTable {
         }
         if is_sound { value.max(0.0) } else { usual }
     };
-    let [measured, usual] = [measured.entries(), usual.entries()];
+    let measured = measured.entries();
+    let usual = usual.entries();
     let values: Vec<f32> =
         measured.into_iter().zip(usual).map(|(entry, (_, usual))| kept(entry, usual)).collect();
     // The share is bounded in any case, and the prices of executors are measured by themselves.

@@ -93,7 +93,7 @@ impl PriceChoice {
 
     /// Decides by prices that were measured before, on this device.
     pub fn of_prices(request: &ChoiceRequest<'_>, prices: &DevicePrices) -> Self {
-        let of = |wanted| prices.executors.iter().find(|(it, _)| it == wanted).cloned();
+        let of = |wanted| prices.executors.iter().find(|(known, _)| known == wanted).cloned();
         let (usable, skips): (Vec<_>, Vec<_>) = request.executors.iter().filter_map(of).unzip();
         let frame_ns = |skip: &MeasuredSkip| skip.prices.frame_ns(&request.work);
         let cheapest = MeasuredSkip::cheapest(&skips, &request.work)
@@ -130,8 +130,8 @@ impl PriceChoice {
             TesterSupport { queries: false, compute: true, .. } => Tester::Compute,
             _ => Tester::Query,
         };
-        let model = self.table.and_then(|it| CostModel::new(it, SceneCosts::default()).ok());
-        model.map_or(usual, |it| it.tester_for(work, size, testers))
+        let model = self.table.and_then(|table| CostModel::new(table, SceneCosts::default()).ok());
+        model.map_or(usual, |model| model.tester_for(work, size, testers))
     }
 
     /// Lets the culler of a view weigh tests of a scene by these prices, if there are any.
@@ -216,7 +216,7 @@ mod tests {
         ] {
             let choice = PriceChoice::of_prices(&ChoiceRequest { executors, ..REQUEST }, &prices);
             assert_eq!(choice.predication, expected);
-            assert!(choice.skip_ns.iter().all(|(it, _)| executors.contains(it)));
+            assert!(choice.skip_ns.iter().all(|(executor, _)| executors.contains(executor)));
             assert!(choice.table.is_some());
         }
     }

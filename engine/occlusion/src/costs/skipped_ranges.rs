@@ -143,7 +143,7 @@ impl SkippedRanges {
                     commands.draw_indirect_count(io.commands, io.counts);
                 }
             }
-            None => (0..self.count).for_each(|it| self.predicates.draw(commands, SOURCE, it)),
+            None => (0..self.count).for_each(|index| self.predicates.draw(commands, SOURCE, index)),
         }
     }
 }

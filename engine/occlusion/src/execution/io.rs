@@ -44,7 +44,8 @@ impl FrameIo {
             leaves.predicates.begin(frame, source, results, decided)?;
         }
         let visible = state.layout.visible.cells().iter();
-        let (plan, uploads) = (state.plan(), frame.uploads());
+        let plan = state.plan();
+        let uploads = frame.uploads();
         let boxes = uploads.push_iter(plan.tests.iter().map(|t| ProxyBox::from(t.bounds)))?;
         let results = rings.computed.results();
         let eyes = several.map(|views| uploads.push_iter(views.iter().map(EyeConstants::of)));

@@ -49,14 +49,16 @@ impl Recording<'_> {
     /// next tests. So a round costs one break and not two. Leaves below a node that showed in round
     /// `n` are tested together with round `n + 1`, and drawn with the leaves revealed by it.
     pub(super) fn record(&self, commands: &Commands, objects: &mut dyn ObjectRenderer) {
-        let (state, view) = (self.state, self.view);
+        let state = self.state;
+        let view = self.view;
         let layout = &state.layout;
         self.wait_for_reset(commands);
         if objects.has_draws_to_prepare() {
             objects.prepare_draws(commands, UpcomingDraws::Visible(state.plan()));
         }
         objects.target().prepare(commands);
-        let (steps, mut is_shaded) = (self.drawn_steps(), false);
+        let steps = self.drawn_steps();
+        let mut is_shaded = false;
         commands.pass("draw visible", |commands| {
             let draw = |commands: &Commands, objects: &mut dyn ObjectRenderer| {
                 self.draw_visible(commands, &|commands, bucket| {
@@ -70,7 +72,8 @@ impl Recording<'_> {
             }
         });
         for step in 0..steps {
-            let ([_, known], next) = (layout.step(step), layout.rounds.get(step + 1));
+            let [_, known] = layout.step(step);
+            let next = layout.rounds.get(step + 1);
             self.test_by_compute(commands, objects, known);
             commands.pass("resolve tests", |commands| self.resolve(commands, step));
             self.list_revealed(commands, step);
@@ -84,9 +87,10 @@ impl Recording<'_> {
                     self.test_leaves(commands, objects, known);
                     self.draw_proxies(commands, objects, next);
                 };
-                match step + 1 == steps {
-                    true => is_shaded = self.render_last(commands, objects, Rendering::Next, draw),
-                    false => render(objects, commands, (view, Rendering::Next), draw),
+                if step + 1 == steps {
+                    is_shaded = self.render_last(commands, objects, Rendering::Next, draw)
+                } else {
+                    render(objects, commands, (view, Rendering::Next), draw)
                 }
             });
         }
@@ -95,11 +99,12 @@ impl Recording<'_> {
                 state.rings().queries.resolve(commands, last.queries.clone());
             });
         }
-        match is_shaded {
-            true => objects.finish_shading(self.executor, commands, view),
-            false => objects.shade(self.executor, commands, view, &|commands, bind| {
+        if is_shaded {
+            objects.finish_shading(self.executor, commands, view)
+        } else {
+            objects.shade(self.executor, commands, view, &|commands, bind| {
                 self.draw_again(commands, bind);
-            }),
+            })
         }
         self.copy_results(commands);
     }
@@ -144,7 +149,8 @@ impl Recording<'_> {
         objects: &mut dyn ObjectRenderer,
         (pass, lists): (&ListDrawsPass, Option<ListDrawsIo>),
     ) {
-        let (state, view) = (self.state, self.view);
+        let state = self.state;
+        let view = self.view;
         let Some(round) = state.layout.rounds.first() else { return };
         self.wait_for_reset(commands);
         objects.target().prepare(commands);
@@ -188,7 +194,7 @@ impl Recording<'_> {
     fn list_draws(&self, commands: &Commands, pass: &ListDrawsPass, lists: ListDrawsIo) {
         let rings = self.state.rings();
         let io = ListDrawsIo {
-            enabled: self.io.leaf_draws.map(|it| it.draws),
+            enabled: self.io.leaf_draws.map(|leaf_draw| leaf_draw.draws),
             results: [rings.queries.results(), rings.flags.results(), rings.computed.results()],
             threshold_samples: self.state.plan().sample_threshold,
             ..lists
@@ -302,7 +308,8 @@ impl Recording<'_> {
         }
         if let Some(known) = known {
             state.rings().queries.resolve(commands, known.queries.clone());
-            let (made, threshold) = (state.layout.made(known), state.plan().sample_threshold);
+            let made = state.layout.made(known);
+            let threshold = state.plan().sample_threshold;
             if known.has_leaf_tests || self.listed(step).is_none() {
                 self.executor.leaves.predicates.resolve(commands, &made, threshold);
             }
@@ -320,17 +327,24 @@ impl Recording<'_> {
         if !objects.has_draws_to_prepare() {
             return;
         }
-        let (layout, predicates) = (&self.state.layout, self.executor.leaves.predicates());
-        let (tests, threshold) = (&self.state.plan().tests, self.state.plan().sample_threshold);
-        let [draws, boxes] = [Reveal::Draws, Reveal::Boxes].map(|it| layout.revealed(known, it));
-        let predicate = |it: &RevealedRange| {
-            let leaves = draw_range(tests.get(it.test as usize)?.leaves);
-            predicates.predicate((it.source, it.predicate), leaves, threshold)
+        let layout = &self.state.layout;
+        let predicates = self.executor.leaves.predicates();
+        let tests = &self.state.plan().tests;
+        let threshold = self.state.plan().sample_threshold;
+        let [draws, boxes] =
+            [Reveal::Draws, Reveal::Boxes].map(|reveal| layout.revealed(known, reveal));
+        let predicate = |revealed_range: &RevealedRange| {
+            let leaves = draw_range(tests.get(revealed_range.test as usize)?.leaves);
+            predicates.predicate(
+                (revealed_range.source, revealed_range.predicate),
+                leaves,
+                threshold,
+            )
         };
         // A test decides about its leaves once, however many buckets they have draws in.
         let mut decided: Vec<&RevealedRange> = draws.iter().chain(boxes).collect();
-        decided.sort_unstable_by_key(|it| it.test);
-        decided.dedup_by_key(|it| it.test);
+        decided.sort_unstable_by_key(|range| range.test);
+        decided.dedup_by_key(|range| range.test);
         let revealed: Vec<Predicate> = decided.into_iter().filter_map(predicate).collect();
         objects.prepare_draws(commands, UpcomingDraws::Revealed(&revealed));
     }
@@ -358,18 +372,19 @@ impl Recording<'_> {
         [before, known]: [Option<&RoundLayout>; 2],
         bind: &dyn Fn(&Commands, BucketId),
     ) {
-        let (layout, predicates) = (&self.state.layout, &self.executor.leaves.predicates);
+        let layout = &self.state.layout;
+        let predicates = &self.executor.leaves.predicates;
         let mut enabled = layout.revealed(before, Reveal::EnabledDraws);
         let mut whole = layout.revealed(known, Reveal::Draws);
-        let first = |list: &[RevealedRange]| list.first().map(|it| it.bucket);
+        let first = |list: &[RevealedRange]| list.first().map(|first| first.bucket);
         while let Some(bucket) = [enabled, whole].into_iter().filter_map(first).min() {
             bind(commands, bucket);
-            for it in take_bucket(&mut enabled, bucket) {
+            for range in take_bucket(&mut enabled, bucket) {
                 let Some(LeafDrawBuffers { draws, .. }) = self.io.leaf_draws else { continue };
-                predicates.draw_enabled(commands, it.source, it.predicate, draws);
+                predicates.draw_enabled(commands, range.source, range.predicate, draws);
             }
-            for it in take_bucket(&mut whole, bucket) {
-                predicates.draw(commands, it.source, it.predicate);
+            for range in take_bucket(&mut whole, bucket) {
+                predicates.draw(commands, range.source, range.predicate);
             }
         }
     }
@@ -406,8 +421,8 @@ impl Recording<'_> {
             let leaves = &self.executor.leaves;
             let io = LeafBoxIo { boxes: leaves.boxes(), leaf_draws, links: leaves.links() };
             pass.bind(commands, &io, self.io.eyes(self.view));
-            for it in self.state.layout.revealed(known, Reveal::Boxes) {
-                leaves.predicates.draw_boxes(commands, it.source, it.predicate);
+            for range in self.state.layout.revealed(known, Reveal::Boxes) {
+                leaves.predicates.draw_boxes(commands, range.source, range.predicate);
             }
         });
     }

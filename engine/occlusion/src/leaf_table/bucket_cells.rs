@@ -110,7 +110,7 @@ impl BucketCells {
 
     /// Returns the command in a cell; an empty one where there is no draw.
     pub(crate) fn command(&self, cell: u32) -> IndirectDraw {
-        self.placed_in(cell).map(|it| it.draw.draw).unwrap_or_default()
+        self.placed_in(cell).map(|placed| placed.draw.draw).unwrap_or_default()
     }
 
     /// Returns the link of a cell to the next of its leaf.
@@ -155,7 +155,7 @@ impl BucketCells {
             while left != 0 {
                 let bucket = word * 64 + left.trailing_zeros() as usize;
                 left &= left - 1;
-                let leaf_of = |cell: u32| self.placed_in(cell).map_or(NONE, |it| it.leaf);
+                let leaf_of = |cell: u32| self.placed_in(cell).map_or(NONE, |placed| placed.leaf);
                 if let Some(range) = self.buckets[bucket].range(leaves.first.0..last + 1, leaf_of) {
                     each(BucketId(bucket as u32), range);
                 }
@@ -194,13 +194,16 @@ impl BucketCells {
     /// Lists the draws of a leaf that draw something, in the order of their buckets, and replaces
     /// the commands where these are the buckets that the leaf has already. Returns true if so.
     fn replace_in_place(&mut self, leaf: LeafIndex, draws: &[BucketDraw]) -> bool {
-        let drawn = |it: &&BucketDraw| it.draw.index_count > 0 && it.draw.instance_count > 0;
+        let drawn = |bucket_draw: &&BucketDraw| {
+            bucket_draw.draw.index_count > 0 && bucket_draw.draw.instance_count > 0
+        };
         self.listed.clear();
-        let listed = (0..).zip(draws).filter(|it| drawn(&it.1)).map(|it| (it.1.bucket, it.0));
+        let listed =
+            (0..).zip(draws).filter(|index| drawn(&index.1)).map(|index| (index.1.bucket, index.0));
         self.listed.extend(listed);
         self.listed.sort_unstable();
         let before = self.draws.of(leaf).map(|placed| placed.draw.bucket);
-        if !before.eq(self.listed.iter().map(|it| it.0)) {
+        if !before.eq(self.listed.iter().map(|listed| listed.0)) {
             return false;
         }
         let mut number = self.draws.first(leaf);
@@ -228,10 +231,7 @@ impl BucketCells {
                 self.draws.set_objects(range.first, objects);
             }
         }
-        match are_most {
-            true => self.lay_out(),
-            false => leaves().for_each(|leaf| self.insert_all(leaf)),
-        }
+        if are_most { self.lay_out() } else { leaves().for_each(|leaf| self.insert_all(leaf)) }
     }
 
     /// Makes places for so many leaves at least, without objects yet.
@@ -314,7 +314,8 @@ impl BucketCells {
     fn insert_all(&mut self, leaf: LeafIndex) {
         let mut draw = self.draws.first(leaf);
         while let Some(placed) = self.draws.at_mut(draw) {
-            let (next, is_placed) = (placed.next, placed.cell != NONE);
+            let next = placed.next;
+            let is_placed = placed.cell != NONE;
             if !is_placed {
                 placed.leaf = leaf.0;
                 self.insert(draw);
@@ -332,7 +333,8 @@ impl BucketCells {
         if let Some(lifted) = self.draws.at_mut(draw) {
             lifted.cell = NONE;
         }
-        let (bucket, block) = (placed.draw.bucket.0 as usize, placed.leaf / BLOCK_LEAVES);
+        let bucket = placed.draw.bucket.0 as usize;
+        let block = placed.leaf / BLOCK_LEAVES;
         let Some(span) = self.buckets[bucket].shrink(block) else { return };
         let end = span.start + span.len;
         for cell in placed.cell..end {
@@ -351,14 +353,16 @@ impl BucketCells {
         else {
             return;
         };
-        let (bucket, block) = (bucket.0 as usize, leaf / BLOCK_LEAVES);
+        let bucket = bucket.0 as usize;
+        let block = leaf / BLOCK_LEAVES;
         let place = self.buckets[bucket].find_or_add(block);
         if self.buckets[bucket].is_full(place) {
             self.make_room(bucket, place);
         }
         let span = self.buckets[bucket].spans[place];
         let cells = &self.cells[span.cells()];
-        let is_before = |it: &u32| self.draws.at(*it).is_some_and(|placed| placed.leaf <= leaf);
+        let is_before =
+            |number: &u32| self.draws.at(*number).is_some_and(|placed| placed.leaf <= leaf);
         let before = cells.partition_point(is_before) as u32;
         for cell in (span.start + before..span.start + span.len).rev() {
             self.put(cell + 1, self.cells[cell as usize]);
@@ -376,7 +380,8 @@ impl BucketCells {
             self.spread(bucket, (place, spans), to);
             return;
         }
-        let (all, before) = (0..self.buckets[bucket].spans.len(), self.buckets[bucket].region);
+        let all = 0..self.buckets[bucket].spans.len();
+        let before = self.buckets[bucket].region;
         self.lift_spans(bucket, all.clone());
         let region = self.regions.enlarge(before, self.buckets[bucket].wanted_cells());
         let end = (region.first + region.count) as usize;
@@ -402,7 +407,8 @@ impl BucketCells {
     /// Spreads the draws in `moving` over cells as those of spans, with room for one more in the
     /// span `place`.
     fn spread(&mut self, bucket: usize, (place, spans): (usize, Range<usize>), to: DrawRange) {
-        let (moving, mut spread) = (take(&mut self.moving), take(&mut self.spread));
+        let moving = take(&mut self.moving);
+        let mut spread = take(&mut self.spread);
         spread.clear();
         spread.resize(to.count as usize, NONE);
         let mut left = &moving[..];

@@ -58,7 +58,8 @@ impl LeafCounts {
     /// Returns the sum of a range of leaves.
     pub fn of(&self, leaves: LeafRange) -> LeafCount {
         let range = leaves.indices();
-        let (before, end) = (self.before(range.start), self.before(range.end));
+        let before = self.before(range.start);
+        let end = self.before(range.end);
         LeafCount {
             draws: end.draws.saturating_sub(before.draws),
             triangles: end.triangles.saturating_sub(before.triangles),

@@ -49,7 +49,8 @@ impl MeshDraws {
     }
 
     pub(super) fn count(&self, leaf: LeafIndex) -> LeafCount {
-        let count = |it: &MeshDraw| LeafCount { draws: 1, triangles: it.triangles.into() };
+        let count =
+            |mesh_draw: &MeshDraw| LeafCount { draws: 1, triangles: mesh_draw.triangles.into() };
         self.mesh(leaf).map(count).unwrap_or_default()
     }
 

@@ -201,9 +201,12 @@ fn grid_groups(size: [u32; 2]) -> u64 {
 }
 
 fn check_size(size: [u32; 2], limits: &vk::PhysicalDeviceLimits) -> Result<(), gpu::Error> {
-    let refuse = |what: &str, wanted, limit| match wanted > limit {
-        true => Err(gpu::Error::TooLarge { what: what.to_owned(), wanted, limit }),
-        false => Ok(()),
+    let refuse = |what: &str, wanted, limit| {
+        if wanted > limit {
+            Err(gpu::Error::TooLarge { what: what.to_owned(), wanted, limit })
+        } else {
+            Ok(())
+        }
     };
     let most_bytes = u64::from(limits.max_storage_buffer_range);
     let most_groups = u64::from(limits.max_compute_work_group_count[0]);

@@ -109,7 +109,7 @@ impl ListDrawsPass {
         commands.barrier(between(&written, &[Access::ComputeRead, Access::ComputeWrite]));
         // Nothing reads what is not there: no range names it.
         let enabled = io.enabled.unwrap_or(io.draws);
-        let [queries, fragments, computed] = io.results.map(|it| it.unwrap_or(io.ranges));
+        let [queries, fragments, computed] = io.results.map(|result| result.unwrap_or(io.ranges));
         commands.bind_compute(
             &self.sizes,
             &[io.ranges, io.draws, enabled, queries, fragments, computed, io.sizes],

@@ -116,7 +116,8 @@ impl OcclusionPasses {
             .map(|_| ComputeTest::new(device, shaders, size).map(|test| test.of_samples(samples)));
         let list_draws = self.list_draws.as_ref().map(|_| ListDrawsPass::new(device, shaders));
         let fresh = Self::with_trust(device, shaders, attachments, self.trust.clone())?;
-        let (compute_test, list_draws) = (compute_test.transpose()?, list_draws.transpose()?);
+        let compute_test = compute_test.transpose()?;
+        let list_draws = list_draws.transpose()?;
         Ok(Self { compute_test, list_draws, ..fresh })
     }
 

@@ -55,7 +55,7 @@ impl Trust {
         wanted: Predication,
         has: impl Fn(Predication) -> bool,
     ) -> Vec<Predication> {
-        let others = Predication::ALL.into_iter().filter(|it| *it != wanted);
+        let others = Predication::ALL.into_iter().filter(|predication| *predication != wanted);
         let all = std::iter::once(wanted).chain(others);
         all.filter(|executor| self.allows_executor(*executor) && has(*executor)).collect()
     }
@@ -82,7 +82,9 @@ impl Trust {
         (draws, threshold_samples): (u64, u32),
     ) -> Result<Vec<Predication>, Error> {
         let first = Predication::choose(device, wanted, draws, threshold_samples)?;
-        let has = |it| Predication::choose(device, Some(it), draws, threshold_samples).is_ok();
+        let has = |predication| {
+            Predication::choose(device, Some(predication), draws, threshold_samples).is_ok()
+        };
         let mut usable = self.executors(first, has);
         if wanted.is_some() {
             usable.truncate(1);
@@ -96,22 +98,24 @@ impl Trust {
     /// Returns the testers that may be used, out of those that a device offers, where an executor
     /// skips what they find hidden: none if that one cannot be trusted.
     pub fn testers(&self, offered: TesterSupport, executor: Predication) -> TesterSupport {
-        match self.allows_executor(executor) {
-            false => TesterSupport { draw_phases: offered.draw_phases, ..TesterSupport::NONE },
-            true => TesterSupport {
+        if self.allows_executor(executor) {
+            TesterSupport {
                 queries: offered.queries && self.allows(Tester::Query),
                 flags: offered.flags && self.allows(Tester::Flag),
                 compute: offered.compute && self.allows(Tester::Compute),
                 leaf_tests: offered.leaf_tests && self.allows_leaf_boxes(),
                 draw_phases: offered.draw_phases,
-            },
+            }
+        } else {
+            TesterSupport { draw_phases: offered.draw_phases, ..TesterSupport::NONE }
         }
     }
 
     /// Returns a sentence for each broken assumption, for people.
     pub fn texts(&self) -> Vec<String> {
-        let text =
-            |it: &Assumption| format!("this driver cannot be trusted with {it}: {}", it.remedy());
+        let text = |assumption: &Assumption| {
+            format!("this driver cannot be trusted with {assumption}: {}", assumption.remedy())
+        };
         self.broken.iter().map(text).collect()
     }
 }
@@ -148,8 +152,10 @@ mod tests {
     #[test]
     fn a_broken_tester_is_replaced_by_the_safest() {
         use Assumption::{ComputedDepths, EarlyTests, ProxyDepth, QueryCounts};
-        let (ours, flags) = (Strategy::ANTUMBRA, Strategy::ANTUMBRA_FLAGS);
-        let (queries, compute) = (Strategy::ANTUMBRA_QUERIES, Strategy::ANTUMBRA_COMPUTE);
+        let ours = Strategy::ANTUMBRA;
+        let flags = Strategy::ANTUMBRA_FLAGS;
+        let queries = Strategy::ANTUMBRA_QUERIES;
+        let compute = Strategy::ANTUMBRA_COMPUTE;
         let strategy = |broken: &[Assumption], wanted| testers(broken).strategy(wanted);
         assert_eq!(strategy(&[QueryCounts], ours), flags);
         assert_eq!(strategy(&[QueryCounts], queries), flags);
@@ -186,10 +192,11 @@ mod tests {
         use Assumption::{ConditionalRendering, DrawCounts, InstanceCounts};
         let trust = Trust::without(&[ConditionalRendering]);
         let wanted = Predication::Conditional;
-        let (counts, instances) = (Predication::Counts, Predication::Instances);
+        let counts = Predication::Counts;
+        let instances = Predication::Instances;
         let compacted = Predication::Compacted;
         assert_eq!(trust.executors(wanted, |_| true), [counts, instances, compacted]);
-        let has = |it| it != Predication::Counts;
+        let has = |predication| predication != Predication::Counts;
         assert_eq!(trust.executors(wanted, has), [instances, compacted]);
         let nothing = Trust::without(&[ConditionalRendering, DrawCounts, InstanceCounts]);
         assert!(nothing.executors(wanted, |_| true).is_empty());
@@ -200,7 +207,7 @@ mod tests {
         assert_eq!(trust.executor(compacted, |_| true), Some(wanted));
         assert_eq!(trust.executor(Predication::Counts, |_| true), Some(Predication::Counts));
         let trust = Trust::without(&[ConditionalRendering, InstanceCounts]);
-        assert_eq!(trust.executor(wanted, |it| it == compacted), Some(compacted));
+        assert_eq!(trust.executor(wanted, |trust| trust == compacted), Some(compacted));
     }
 
     #[test]

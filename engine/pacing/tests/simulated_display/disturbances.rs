@@ -97,7 +97,8 @@ fn a_hidden_window_is_throttled_and_resumes_at_once() {
 
 #[test]
 fn swapchains_come_and_go() {
-    let (mut missed_in_all, mut all) = (0, 0);
+    let mut missed_in_all = 0;
+    let mut all = 0;
     for seed in 0..300 {
         let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.images = scenario.images.max(3);
@@ -190,7 +191,8 @@ fn a_clock_of_sixty_four_hertz_does_not_break_it() {
 /// Checks loops that only wake at the ends of their sleeps.
 #[test]
 fn reports_need_not_wake_the_loop() {
-    let (mut missed_in_all, mut all) = (0, 0);
+    let mut missed_in_all = 0;
+    let mut all = 0;
     for seed in 0..500 {
         let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.woken_by_reports = false;
@@ -210,7 +212,8 @@ fn reports_need_not_wake_the_loop() {
 /// are shown.
 #[test]
 fn an_early_latch_is_learnt() {
-    let (mut missed_in_all, mut all) = (0, 0);
+    let mut missed_in_all = 0;
+    let mut all = 0;
     for seed in 0..300 {
         let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.options.queue_limit = 3;

@@ -146,7 +146,8 @@ fn starting_at_once_has_worse_latency_and_longer_queues() {
     for seed in 0..300 {
         let paced = Scenario::random(seed, PresentationMode::Fifo);
         let at_once = Scenario { frame_loop: FrameLoop::Unpaced, ..paced.clone() };
-        let [paced, at_once] = [run(&paced), run(&at_once)];
+        let paced = run(&paced);
+        let at_once = run(&at_once);
         let excess = |run: &Run| mean(&run.latency_excess(LEARNT));
         worse += u32::from(excess(&at_once) > excess(&paced) + 0.5);
         too_many +=
@@ -185,7 +186,8 @@ fn expected_presents_come_true() {
             let off = outcome.expected.zip(outcome.shown).map(|(expected, shown)| shown - expected);
             off.is_some_and(|off| off.abs() < 0.1 * scenario.period())
         });
-        let (right, all) = (right.count(), later.len());
+        let right = right.count();
+        let all = later.len();
         assert!(right * 100 >= all * 98, "seed {seed}: {right} of {all}");
     }
 }

@@ -81,7 +81,8 @@ fn a_display_that_waits_gets_even_frames_at_low_latency() {
         assert!(quantile(&excess, 0.99) < 1.0, "seed {seed}: {}", quantile(&excess, 0.99));
         let shown: Vec<f64> = run.outcomes[120..].iter().filter_map(|o| o.shown).collect();
         let steps: Vec<f64> = shown.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let (low, high) = (quantile(&steps, 0.02), quantile(&steps, 0.98));
+        let low = quantile(&steps, 0.02);
+        let high = quantile(&steps, 0.98);
         let overhead = scenario.report_delay + 2.0 * scenario.wake_lateness + 0.1 * MILLISECOND;
         let possible = busy(&scenario).max(min_period) + overhead;
         assert!(mean(&steps) < 1.15 * possible, "seed {seed}: {} {possible}", mean(&steps));

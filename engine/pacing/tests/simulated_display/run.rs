@@ -216,7 +216,8 @@ impl Simulation {
     fn durations(&mut self, number: usize) -> [f64; 2] {
         let spread = self.scenario.jitter;
         let mut vary = |mean: f64| mean * (1.0 + spread * self.random.bell()).max(0.0);
-        let [mut cpu, mut gpu] = [vary(self.scenario.cpu), vary(self.scenario.gpu)];
+        let mut cpu = vary(self.scenario.cpu);
+        let mut gpu = vary(self.scenario.gpu);
         for stall in &self.scenario.stalls {
             match *stall {
                 Stall::Cpu { frame, duration } if frame == number => cpu += duration,

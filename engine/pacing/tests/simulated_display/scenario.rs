@@ -130,7 +130,8 @@ impl Scenario {
         }
         // With one frame at a time, its CPU and GPU work must both fit into the refresh.
         let (cpu, gpu) = if scenario.options.queue_limit == 1 {
-            let (load, share) = (random.between(0.1, 0.8), random.between(0.1, 0.9));
+            let load = random.between(0.1, 0.8);
+            let share = random.between(0.1, 0.9);
             (load * share, load * (1.0 - share))
         } else {
             (random.between(0.05, 0.8), random.between(0.05, 0.8))

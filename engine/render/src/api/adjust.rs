@@ -20,9 +20,10 @@ impl Renderer {
             return Ok(());
         }
         self.executor.check_resize(&self.device, [self.size(), size])?;
-        let create = match self.passes.target.has_stencil() {
-            true => Target::with_stencil,
-            false => Target::multisampled,
+        let create = if self.passes.target.has_stencil() {
+            Target::with_stencil
+        } else {
+            Target::multisampled
         };
         let target = create(&self.device, size, self.samples, "target")?;
         if let Some(volumes) = &mut self.passes.pipelines.volumes {

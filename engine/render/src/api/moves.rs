@@ -19,7 +19,7 @@ impl Renderer {
         transform: Affine3A,
     ) -> Result<(), Error> {
         let refuse = |reason| Error::Transparent { transparent, reason };
-        let object = self.passes.transparent.as_ref().and_then(|it| it.get(transparent));
+        let object = self.passes.transparent.as_ref().and_then(|objects| objects.get(transparent));
         let object = object.ok_or(refuse("the scene has no such transparent object"))?;
         let bounds = bounds_in_world(&object.own_bounds, &transform);
         let bounds = bounds

@@ -75,8 +75,10 @@ impl Renderer {
         let began = Instant::now();
         self.prepare(method, targets)?;
         let is_timed = self.is_timed(request.strategy, targets);
-        let (outlined, views) = (self.outlined_bounds(), self.take_views(targets)?);
-        let (uploads, map_uses) = (self.pose_uploads(&views, targets), self.map_uses());
+        let outlined = self.outlined_bounds();
+        let views = self.take_views(targets)?;
+        let uploads = self.pose_uploads(&views, targets);
+        let map_uses = self.map_uses();
         let after_views = self.overlay_scopes(targets, scene_image);
         let Self { device, frames, hierarchy, passes, executor, methods, shaders, flares, .. } =
             self;
@@ -175,7 +177,8 @@ impl Renderer {
             self.check_view(target.state)?;
             self.check_area(target.rect)?;
             self.check_visible(request.strategy, target.visible)?;
-            let (slots, leaves) = (self.frames_in_flight(), &self.executor.leaves);
+            let slots = self.frames_in_flight();
+            let leaves = &self.executor.leaves;
             target.state.set_frames_in_flight(slots, leaves)?;
         }
         for image in request.image.into_iter().chain(scene_image) {
@@ -217,9 +220,10 @@ impl Renderer {
     /// Returns the readers of shadow maps: the debug overlay may draw the scene from elsewhere, and
     /// with several samples a surface is shaded in the middle of a pixel, where no depth is known.
     fn map_uses(&self) -> MapUses {
-        match self.debug_overlay.is_empty() && self.samples == SampleCount::One {
-            true => MapUses::ShadedView,
-            false => MapUses::Anywhere,
+        if self.debug_overlay.is_empty() && self.samples == SampleCount::One {
+            MapUses::ShadedView
+        } else {
+            MapUses::Anywhere
         }
     }
 
@@ -229,9 +233,10 @@ impl Renderer {
         // drawn even if they are hidden.
         let draws_hidden = |target: &ViewTarget<'_>| target.state.counts.is_watching();
         let draws_all = !self.debug_overlay.is_empty() || self.passes.edges.has_draws();
-        match draws_all || targets.iter().any(draws_hidden) {
-            true => PoseUploads::All,
-            false => PoseUploads::Seen(views),
+        if draws_all || targets.iter().any(draws_hidden) {
+            PoseUploads::All
+        } else {
+            PoseUploads::Seen(views)
         }
     }
 
@@ -287,7 +292,8 @@ impl Renderer {
     /// Refuses an image of another device or size.
     pub(crate) fn check_image(&self, image: &Readback) -> Result<(), Error> {
         self.device.check(image, "a renderer (`Renderer`)")?;
-        let (wanted, drawn) = (image.size(), self.size());
+        let wanted = image.size();
+        let drawn = self.size();
         if wanted == drawn { Ok(()) } else { Err(Error::ImageSize { wanted, drawn }) }
     }
 
@@ -337,8 +343,10 @@ fn begin_scopes(
     (state, flares): (&ViewState, &[LensFlare]),
     (number, after_views): (u32, ViewScopes),
 ) {
-    let (has_flares, shades) = (!flares.is_empty(), passes.pipelines.shading.is_some());
-    let has_transparent = passes.transparent.as_ref().is_some_and(|it| !it.list().is_empty());
+    let has_flares = !flares.is_empty();
+    let shades = passes.pipelines.shading.is_some();
+    let has_transparent =
+        passes.transparent.as_ref().is_some_and(|transparent| !transparent.list().is_empty());
     let has_fragments = passes.fragments().and_then(Fragments::io).is_some();
     let mode = passes.edges.options.mode;
     let later = if number == 0 { after_views } else { ViewScopes::default() };

@@ -23,10 +23,10 @@ impl Renderer {
         if planes == self.passes.section.planes {
             return Ok(());
         }
-        match planes.is_empty() {
-            true => self.leave_whole()?,
-            false if self.passes.section.planes.is_empty() => self.prepare_cuts()?,
-            false => {}
+        if planes.is_empty() {
+            self.leave_whole()?;
+        } else if self.passes.section.planes.is_empty() {
+            self.prepare_cuts()?;
         }
         self.passes.section.planes = planes;
         self.section_changed();
@@ -68,13 +68,13 @@ impl Renderer {
             );
         }
         let meshes = read_meshes(&self.device, &self.passes.geometry)?;
-        let former = match self.passes.target.has_stencil() {
-            true => None,
-            false => {
-                let (size, samples) = (self.size(), self.samples);
-                let target = Target::with_stencil(&self.device, size, samples, "target")?;
-                Some(std::mem::replace(&mut self.passes.target, target))
-            }
+        let former = if self.passes.target.has_stencil() {
+            None
+        } else {
+            let size = self.size();
+            let samples = self.samples;
+            let target = Target::with_stencil(&self.device, size, samples, "target")?;
+            Some(std::mem::replace(&mut self.passes.target, target))
         };
         let shaders = self.shaders.clone().with_section(SectionShaders::Cut);
         if let Err(error) = self.draw_with(shaders) {

@@ -30,7 +30,7 @@ impl Renderer {
     /// meshes beyond the device's limits, volumes on a device that lacks something for them, no
     /// memory, a failed call. Nothing has changed then.
     pub fn set_shadows(&mut self, options: ShadowOptions) -> Result<(), Error> {
-        let can = |it| can_skip(&self.device, it);
+        let can = |predication| can_skip(&self.device, predication);
         let trust = self.executor.passes.trust();
         let options = trusted_shadows(trust, options, can);
         if options == self.passes.shadows.options {
@@ -74,7 +74,7 @@ impl Renderer {
         let surfaces = self.passes.geometry.surfaces.as_ref();
         let there = surfaces.and_then(|surfaces| surfaces.table.get(light));
         there.ok_or(refused("the scene has no such light"))?;
-        if shadow.is_some_and(|it| !(0.0..1.0e3).contains(&it.penumbra_m)) {
+        if shadow.is_some_and(|shadow| !(0.0..1.0e3).contains(&shadow.penumbra_m)) {
             return Err(refused(
                 "the width of its penumbras must be a number of metres from 0 to below 1e3",
             ));

@@ -40,7 +40,8 @@ impl Renderer {
             return Some(TransparencyFallback::Distrusted);
         }
         let samples = self.passes.target.attachments().samples;
-        let has_room = |size| self.passes.fragments().is_none_or(|it| it.has_room_for(size));
+        let has_room =
+            |size| self.passes.fragments().is_none_or(|fragments| fragments.has_room_for(size));
         let too_many = (!has_room(self.size())).then_some(TransparencyFallback::TooManyPixels);
         fallback_of(&self.device, samples).or(too_many)
     }

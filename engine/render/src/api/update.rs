@@ -19,7 +19,8 @@ impl Renderer {
     /// # Errors
     /// The first impossible change. Those before it are made.
     pub fn apply(&mut self, update: &SceneUpdate) -> Result<UpdateReport, Error> {
-        let (began, before) = (Instant::now(), self.hierarchy.work());
+        let began = Instant::now();
+        let before = self.hierarchy.work();
         let added = match update.objects.as_slice() {
             [] => Vec::new(),
             objects => self.update(objects)?.added,
@@ -229,7 +230,8 @@ impl Renderer {
 
     /// Marks the leaves of all changed objects, where they are now.
     fn mark_dirty(&mut self, scratch: &mut UpdateScratch) {
-        let (geometry, leaves) = (&mut self.passes.geometry, &mut self.executor.leaves);
+        let geometry = &mut self.passes.geometry;
+        let leaves = &mut self.executor.leaves;
         for object in scratch.changed.drain(..) {
             geometry.find_lights(&self.hierarchy, object);
             if let Some(leaf) = self.hierarchy.leaf_of(object) {

@@ -51,7 +51,8 @@ impl Renderer {
             drawn.into_iter().filter(|leaf| seen.is_seen(*leaf)).collect();
         let rays = &snapshot.view.rays;
         leaves.sort_by(|a, b| {
-            let (near, far) = (self.distance_squared(*a, rays), self.distance_squared(*b, rays));
+            let near = self.distance_squared(*a, rays);
+            let far = self.distance_squared(*b, rays);
             near.total_cmp(&far).then(a.cmp(b))
         });
         let all = self.hierarchy.leaf_objects();
@@ -86,7 +87,8 @@ impl Renderer {
         view: &cull::View,
         leaves: &[LeafIndex],
     ) -> Result<(), Error> {
-        let (passes, leaf_table) = (&mut self.passes, &self.executor.leaves);
+        let passes = &mut self.passes;
+        let leaf_table = &self.executor.leaves;
         passes.pipelines.seen.prepare(&self.device, &self.shaders)?;
         let seen = match self.seen_leaves.take() {
             Some(seen) => seen,

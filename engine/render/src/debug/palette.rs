@@ -91,7 +91,8 @@ mod tests {
     /// Returns the hue in degrees; `None` for a grey.
     fn hue(Swatch { rgb, .. }: Swatch) -> Option<f32> {
         let [red, green, blue] = rgb.map(f32::from);
-        let (most, least) = (red.max(green).max(blue), red.min(green).min(blue));
+        let most = red.max(green).max(blue);
+        let least = red.min(green).min(blue);
         let range = most - least;
         if range < 8.0 {
             return None;

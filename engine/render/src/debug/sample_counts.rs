@@ -172,8 +172,9 @@ impl SampleCounts {
             self.keep(known);
         }
         self.collected = collected;
-        let is_there =
-            |it: &VisibleSamples| hierarchy.is_same_object_since(it.object, it.generation);
+        let is_there = |visible_samples: &VisibleSamples| {
+            hierarchy.is_same_object_since(visible_samples.object, visible_samples.generation)
+        };
         self.newest.retain(is_there);
         self.settled.retain(is_there);
         self.age(now);
@@ -264,7 +265,8 @@ pub(crate) fn count_samples(
     let queries = match counts.queries.take() {
         Some(queries) => queries,
         None => {
-            let (device, slots) = (visibility.device(), visibility.frames_in_flight());
+            let device = visibility.device();
+            let slots = visibility.frames_in_flight();
             QueryRing::new(device, slots, "sample counts")?
         }
     };
@@ -328,7 +330,8 @@ pub(crate) fn check_counts(device: &Device, wanted: &'static str) -> Result<(), 
     if device.capabilities().has(Optional::PreciseQueries) {
         return Ok(());
     }
-    let (device, missing) = (device.adapter().name.clone(), Optional::PreciseQueries.name());
+    let device = device.adapter().name.clone();
+    let missing = Optional::PreciseQueries.name();
     Err(gpu::Error::Unsupported { device, missing, wanted }.into())
 }
 

@@ -59,7 +59,8 @@ pub(crate) struct Sketch {
 impl Sketch {
     /// Creates the sketch of a moment as it looks from above.
     pub(crate) fn of(snapshot: &VisibilitySnapshot, reach: f32) -> Self {
-        let (mut triangles, mut lines) = (Vec::new(), Vec::new());
+        let mut triangles = Vec::new();
+        let mut lines = Vec::new();
         for (bounds, level) in &snapshot.hidden {
             let colour = level_colour(*level).linear();
             let corners = corners_of(bounds);

@@ -50,7 +50,8 @@ impl FlareBlock {
         if !middle.is_finite() || in_pixels.abs().max_element() > 1.0e6 {
             return None;
         }
-        let [least, largest] = [Self::LEAST_SIDE, Self::LARGEST_SIDE];
+        let least = Self::LEAST_SIDE;
+        let largest = Self::LARGEST_SIDE;
         let side = (2.0 * light.radius_pixels).round().clamp(least as f32, largest as f32) as u32;
         let corner = (in_pixels - side as f32 * 0.5).round();
         let origin = [corner.x as i32, corner.y as i32];

@@ -79,7 +79,8 @@ impl FlareCounts {
     /// Reads the available results. Never waits.
     pub(crate) fn collect(&mut self, completed: Tick) {
         let Some(queries) = &mut self.queries else { return };
-        let (collected, epoch) = (&mut self.collected, self.epoch);
+        let collected = &mut self.collected;
+        let epoch = self.epoch;
         collected.clear();
         queries.collect(completed, |tag, samples| {
             if tag.epoch != epoch {

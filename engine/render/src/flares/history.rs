@@ -99,7 +99,9 @@ impl FlareHistory {
         if let Some(samples) = &mut self.state.samples {
             samples.age_frames = now.0.saturating_sub(samples.frame.0);
         }
-        let fresh = |it: &FlareSamples| it.age_frames <= delay_frames + TOO_OLD_FRAMES;
+        let fresh = |flare_samples: &FlareSamples| {
+            flare_samples.age_frames <= delay_frames + TOO_OLD_FRAMES
+        };
         let known = self.state.samples.filter(fresh);
         let wanted = known.map_or(0.0, |samples| samples.fraction() * samples.in_image());
         let change = wanted - self.shown;

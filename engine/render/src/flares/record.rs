@@ -26,7 +26,8 @@ pub(crate) fn record_flares(
     view: &View,
 ) -> Result<(), Error> {
     counts.is_asking = false;
-    let (now, slots) = (visibility.plan().frame, visibility.frames_in_flight());
+    let now = visibility.plan().frame;
+    let slots = visibility.frames_in_flight();
     let has_veil = passes.pipelines.veil.is_some() && has_transparent(passes);
     let samples_per_pixel = passes.target.attachments().samples.as_raw();
     counts.lay_out(flares, view, (now, has_veil), samples_per_pixel);
@@ -44,9 +45,10 @@ pub(crate) fn record_flares(
         queries.begin(frame, &counts.asked.tags)?;
         counts.is_asking = true;
         let blocks = frame.uploads().push(&counts.asked.rows)?;
-        let veil = match has_veil {
-            true => Some(record_veil(passes, frame, executor, (counts, blocks), view)?),
-            false => None,
+        let veil = if has_veil {
+            Some(record_veil(passes, frame, executor, (counts, blocks), view)?)
+        } else {
+            None
         };
         record_counts(passes, frame, counts, FlareBlockIo { blocks, veil }, view);
     }

@@ -111,9 +111,10 @@ impl CapPass {
     ) -> Result<Self, Error> {
         let storage = StorageLayout::new::<Constants>(BUFFERS);
         // What lies beyond the far plane of an orthographic view counts, too.
-        let range = match device.capabilities().has(Optional::DepthClamp) {
-            true => DepthRange::Clamped,
-            false => DepthRange::Clipped,
+        let range = if device.capabilities().has(Optional::DepthClamp) {
+            DepthRange::Clamped
+        } else {
+            DepthRange::Clipped
         };
         let count = |name, cull| {
             let info = GraphicsPipelineInfo {
@@ -144,8 +145,10 @@ impl CapPass {
             };
             Ok::<_, Error>(GraphicsPipeline::new(device, &info)?)
         };
-        let (write, equal) = (DepthMode::TestAndWrite, DepthMode::Equal);
-        let (odd, none) = (StencilMode::Odd, Blend::NoColour);
+        let write = DepthMode::TestAndWrite;
+        let equal = DepthMode::Equal;
+        let odd = StencilMode::Odd;
+        let none = Blend::NoColour;
         let all = FragmentChoice::All;
         let can_note = device.capabilities().has(Optional::FragmentStores);
         let seen = (DepthMode::Ignored, odd, none);

@@ -158,13 +158,12 @@ impl CasterPass {
         surfaces: &SurfaceResources,
         side: CasterSide,
     ) -> Result<Self, Error> {
-        Ok(match surfaces.is_masked() {
-            true => {
-                let kind = SurfaceKind::Casters(side);
-                let shaders = (shaders, DepthLayers::attachments());
-                Self::Masked(SurfacePass::new(device, shaders, kind, surfaces, None)?)
-            }
-            false => Self::Whole(WholeCasters::new(device, shaders, side)?),
+        Ok(if surfaces.is_masked() {
+            let kind = SurfaceKind::Casters(side);
+            let shaders = (shaders, DepthLayers::attachments());
+            Self::Masked(SurfacePass::new(device, shaders, kind, surfaces, None)?)
+        } else {
+            Self::Whole(WholeCasters::new(device, shaders, side)?)
         })
     }
 

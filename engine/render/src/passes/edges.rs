@@ -25,9 +25,10 @@ pub enum EdgePath {
 impl EdgePath {
     /// Returns the path for a device.
     pub fn of(device: &Device) -> Self {
-        match device.capabilities().has(Optional::GeometryShaders) {
-            true => Self::GeometryShader,
-            false => Self::Quads,
+        if device.capabilities().has(Optional::GeometryShaders) {
+            Self::GeometryShader
+        } else {
+            Self::Quads
         }
     }
 

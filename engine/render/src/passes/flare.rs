@@ -119,7 +119,8 @@ impl FlarePass {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
-        let (block, sprite) = (shaders.find("flare_block.vert")?, shaders.find("flare.vert")?);
+        let block = shaders.find("flare_block.vert")?;
+        let sprite = shaders.find("flare.vert")?;
         let counted = |name, depth| GraphicsPipelineInfo {
             storage: StorageLayout::new::<Constants>(1),
             depth,

@@ -95,7 +95,8 @@ mod tests {
         for (projection, side_at) in
             [(perspective, 2.0 * 0.5_f32.tan()), (orthographic, 20.0 / 10.0)]
         {
-            let (forward, up) = (Vec3::NEG_Z, Vec3::Y);
+            let forward = Vec3::NEG_Z;
+            let up = Vec3::Y;
             let camera = Camera { eye: Vec3::ZERO, forward, up, projection, near: 0.05 };
             let view = View::new(&camera, [512; 2], 8);
             let MidpointTile { reach: [constant, scaled], layer } = MidpointTile::new(&view, 3);
@@ -103,7 +104,8 @@ mod tests {
             // Where a tile is ten times as wide as at 1 m, if it widens.
             let side_m = 10.0 * side_at;
             let moved_m = 10.0 + MIDPOINT_TEXELS * side_m / 512.0;
-            let (near, far) = (depth_at(&view, 10.0), depth_at(&view, moved_m));
+            let near = depth_at(&view, 10.0);
+            let far = depth_at(&view, moved_m);
             let found = constant + scaled * near;
             assert!((found / (near - far) - 1.0).abs() < 0.05, "{found} of {}", near - far);
         }

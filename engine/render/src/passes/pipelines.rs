@@ -89,11 +89,13 @@ impl Pipelines {
         let veiled = surfaces.filter(|_| has_transparent);
         let transparent = veiled;
         let transparent = transparent
-            .map(|it| SurfacePass::new(device, drawn, SurfaceKind::Transparent, it, shadows))
+            .map(|transparent| {
+                SurfacePass::new(device, drawn, SurfaceKind::Transparent, transparent, shadows)
+            })
             .transpose()?;
         let fragments = veiled.filter(|_| needs.sorts_fragments);
         let fragments = fragments
-            .map(|it| FragmentPasses::new(device, shaders, attachments, it, shadows))
+            .map(|fragment| FragmentPasses::new(device, shaders, attachments, fragment, shadows))
             .transpose()?;
         let skinning =
             has_skinned_meshes.then(|| SkinningPass::new(device, shaders)).transpose()?;
@@ -112,32 +114,34 @@ impl Pipelines {
             can_cull.then(|| BoxVolumePass::new(device, shaders, attachments)).transpose()?;
         let on_demand = Former { device, drawn, former };
         let veil = match (veiled, former.and_then(|former| former.veil.as_ref())) {
-            (Some(it), Some(_)) => {
-                Some(SurfacePass::new(device, drawn, SurfaceKind::Veil, it, None)?)
+            (Some(pass), Some(_)) => {
+                Some(SurfacePass::new(device, drawn, SurfaceKind::Veil, pass, None)?)
             }
             _ => None,
         };
         Ok(Self {
             opaque: OpaquePass::new(device, shaders, attachments)?,
-            shading: surfaces.map(|it| Shading::new(device, drawn, it, shadows)).transpose()?,
+            shading: surfaces
+                .map(|surface| Shading::new(device, drawn, surface, shadows))
+                .transpose()?,
             transparent,
             fragments,
             skinning,
             maps,
             shadow_tests,
             volumes,
-            depth_first: on_demand.again(|it| &it.depth_first, DepthFirst::new)?,
-            caps: on_demand.again(|it| &it.caps, CapPass::new)?,
-            count: on_demand.again(|it| &it.count, CountPass::new)?,
-            flares: on_demand.again(|it| &it.flares, FlarePass::new)?,
+            depth_first: on_demand.again(|on_demand| &on_demand.depth_first, DepthFirst::new)?,
+            caps: on_demand.again(|on_demand| &on_demand.caps, CapPass::new)?,
+            count: on_demand.again(|on_demand| &on_demand.count, CountPass::new)?,
+            flares: on_demand.again(|on_demand| &on_demand.flares, FlarePass::new)?,
             veil,
-            seen: on_demand.again(|it| &it.seen, SeenPass::new)?,
-            pointer: on_demand.again(|it| &it.pointer, PointerPass::new)?,
-            overlay: on_demand.again(|it| &it.overlay, OverlayPass::new)?,
-            wireframe: on_demand.again(|it| &it.wireframe, OpaquePass::wireframe)?,
-            layers: on_demand.again(|it| &it.layers, LayersPass::new)?,
-            edges: on_demand.again(|it| &it.edges, EdgePass::new)?,
-            outlines: on_demand.again(|it| &it.outlines, OutlinePass::new)?,
+            seen: on_demand.again(|on_demand| &on_demand.seen, SeenPass::new)?,
+            pointer: on_demand.again(|on_demand| &on_demand.pointer, PointerPass::new)?,
+            overlay: on_demand.again(|on_demand| &on_demand.overlay, OverlayPass::new)?,
+            wireframe: on_demand.again(|on_demand| &on_demand.wireframe, OpaquePass::wireframe)?,
+            layers: on_demand.again(|on_demand| &on_demand.layers, LayersPass::new)?,
+            edges: on_demand.again(|on_demand| &on_demand.edges, EdgePass::new)?,
+            outlines: on_demand.again(|on_demand| &on_demand.outlines, OutlinePass::new)?,
         })
     }
 }

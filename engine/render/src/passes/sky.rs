@@ -165,7 +165,8 @@ impl SkyPass {
             ProjectionKind::Orthographic => {
                 let still = |[.., edge]: [f32; 4]| [0.0, 0.0, 0.0, edge];
                 let middle = view.rays.forward.extend(exposure).to_array();
-                let (right, down) = (still(constants.right), still(constants.down));
+                let right = still(constants.right);
+                let down = still(constants.down);
                 AroundConstants { middle, right, down, ..constants }
             }
         };

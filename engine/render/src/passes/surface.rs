@@ -204,9 +204,10 @@ impl SurfacePass {
             shaders.find_of_objects(name, end).map(|shader| shader.specialised(&constants))
         };
         // Holes are a matter of texture coordinates and colours alone, the last three.
-        let (first, attributes) = match is_depth {
-            true => (POSITIONS, &ATTRIBUTES[2..]),
-            false => (POSITIONS_AND_TINTS, &ATTRIBUTES[..]),
+        let (first, attributes) = if is_depth {
+            (POSITIONS, &ATTRIBUTES[2..])
+        } else {
+            (POSITIONS_AND_TINTS, &ATTRIBUTES[..])
         };
         let surface_vertices = VertexLayout {
             stride_bytes: size_of::<SurfaceVertex>() as u32,
@@ -291,7 +292,8 @@ impl SurfacePass {
                 commands.bind_sampled(&self.pipeline, all, &[], pages);
             }),
             (Inputs::Maps, Some(ShadowIo::Maps(shadows))) => {
-                let [of_lights, of_faces] = [shadows.lights, shadows.faces];
+                let of_lights = shadows.lights;
+                let of_faces = shadows.faces;
                 let all = [instances, materials, transforms, lights, lists, of_lights, of_faces];
                 let textures = [shadows.maps, shadows.depths, shadows.disks, around];
                 with_others(&all, io, |all| {

@@ -73,7 +73,8 @@ impl Extruder {
         let pipeline = ComputePipeline::new(device, name, shaders.find(name)?, storage)?;
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let size_bytes = u64::from(BATCH_TRIANGLES) * VERTICES_PER_TRIANGLE * 16;
-        let (vertex, memory) = (usage | vk::BufferUsageFlags::VERTEX_BUFFER, MemoryKind::Device);
+        let vertex = usage | vk::BufferUsageFlags::VERTEX_BUFFER;
+        let memory = MemoryKind::Device;
         let extruded = Buffer::new(device, "extruded volumes", size_bytes, vertex, memory)?;
         let indirect =
             usage | vk::BufferUsageFlags::INDIRECT_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
@@ -83,9 +84,12 @@ impl Extruder {
 
     /// Splits draws of triangles with adjacency into batches that fit the list.
     pub(super) fn batches(draws: impl Iterator<Item = IndirectDraw>) -> Vec<Vec<ExtrusionJob>> {
-        let (mut batches, mut batch, mut room) = (Vec::new(), Vec::new(), BATCH_TRIANGLES);
+        let mut batches = Vec::new();
+        let mut batch = Vec::new();
+        let mut room = BATCH_TRIANGLES;
         for draw in draws {
-            let (mut first_index, mut left) = (draw.first_index, draw.index_count / 6);
+            let mut first_index = draw.first_index;
+            let mut left = draw.index_count / 6;
             while left > 0 {
                 if room == 0 || batch.len() == BATCH_CASTERS {
                     batches.push(std::mem::take(&mut batch));

@@ -37,9 +37,10 @@ pub enum VolumePath {
 impl VolumePath {
     /// Returns the path for a device.
     pub fn of(device: &Device) -> Self {
-        match device.capabilities().has(Optional::GeometryShaders) {
-            true => Self::GeometryShader,
-            false => Self::Compute,
+        if device.capabilities().has(Optional::GeometryShaders) {
+            Self::GeometryShader
+        } else {
+            Self::Compute
         }
     }
 }
@@ -165,8 +166,10 @@ impl VolumePass {
         path: VolumePath,
     ) -> Result<Self, Error> {
         if !device.capabilities().has(Optional::FragmentStores) {
-            let (device, missing) = (device.adapter().name.clone(), Optional::FragmentStores);
-            let (missing, wanted) = (missing.name(), "a mask of shadows");
+            let device = device.adapter().name.clone();
+            let missing = Optional::FragmentStores;
+            let missing = missing.name();
+            let wanted = "a mask of shadows";
             return Err(gpu::Error::Unsupported { device, missing, wanted }.into());
         }
         let (target, depths) = images(device, size)?;
@@ -185,7 +188,8 @@ impl VolumePass {
         let extruder = is_compute.then(|| Extruder::new(device, shaders)).transpose()?;
         let most = [device.adapter().limits.max_draw_indirect_count.max(1)];
         let all = device.upload("all volumes", &most, vk::BufferUsageFlags::INDIRECT_BUFFER)?;
-        let [passing, failing] = [passing?, failing?];
+        let passing = passing?;
+        let failing = failing?;
         Ok(Self { target, depths, all, passing, failing, mask, extruder })
     }
 
@@ -259,9 +263,10 @@ impl VolumePass {
                 None => self.draw_lights(commands, io, view, (&draws.lights, culled)),
                 Some(extruder) => {
                     for (number, light) in (1..).zip(&draws.lights) {
-                        let last = match number == draws.lights.len() {
-                            true => AttachmentStore::Forget,
-                            false => AttachmentStore::Keep,
+                        let last = if number == draws.lights.len() {
+                            AttachmentStore::Forget
+                        } else {
+                            AttachmentStore::Keep
                         };
                         self.draw_extruded(commands, io, view, (extruder, light, last));
                     }

@@ -57,7 +57,9 @@ impl PricedItem {
             .flat_map(|executor| results.map(|result| Self::Predicates(executor, result)))
             .collect();
         all.push(Self::Queries);
-        all.extend(testers.into_iter().flat_map(|it| sizes.map(|size| Self::Boxes(it, size))));
+        all.extend(
+            testers.into_iter().flat_map(|tester| sizes.map(|size| Self::Boxes(tester, size))),
+        );
         all.extend(sizes.map(Self::BoxesOfAllFragments));
         all.extend([10_000, 10].map(|per_call| Self::IndirectDraws { per_call }));
         all.push(Self::Breaks);
@@ -125,7 +127,8 @@ impl Price {
 /// Returns the median of several times; NaN of none.
 pub(super) fn median(times: &mut [f64]) -> f64 {
     times.sort_unstable_by(f64::total_cmp);
-    let (low, high) = (times.len().saturating_sub(1) / 2, times.len() / 2);
+    let low = times.len().saturating_sub(1) / 2;
+    let high = times.len() / 2;
     match (times.get(low), times.get(high)) {
         (Some(low), Some(high)) => (low + high) * 0.5,
         _ => f64::NAN,

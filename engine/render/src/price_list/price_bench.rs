@@ -57,15 +57,19 @@ impl PriceBench {
         let plain = RendererOptions { size, costs: Costs::Ignored, ..RendererOptions::default() };
         let renderer = Renderer::new(device, &Scene::single(mesh), &plain)?;
         let projection = Projection::perspective(1.0);
-        let (eye, forward, up) = (Vec3::ZERO, Vec3::NEG_Z, Vec3::Y);
+        let eye = Vec3::ZERO;
+        let forward = Vec3::NEG_Z;
+        let up = Vec3::Y;
         let view = renderer.view_of(&Camera { eye, forward, up, projection, near: 0.1 });
         let draw = renderer.passes.geometry.mesh_draw(scene::MeshId(0));
         let draw = IndirectDraw { instance_count: 1, ..draw };
         let shaders = ShaderSet::embedded()?;
         let most = options.most.max(1);
-        let has = |it: &Predication| Predication::choose(device, Some(*it), most.into(), 0).is_ok();
+        let has = |predication: &Predication| {
+            Predication::choose(device, Some(*predication), most.into(), 0).is_ok()
+        };
         let ranges = Predication::ALL.into_iter().filter(has);
-        let ranges = ranges.map(|it| SkippedRanges::new(device, &shaders, it, (draw, most)));
+        let ranges = ranges.map(|range| SkippedRanges::new(device, &shaders, range, (draw, most)));
         let is_chosen = device.capabilities().has(Optional::RepresentativeFragments);
         let attachments = renderer.executor.passes.attachments();
         let all_fragments = is_chosen
@@ -97,7 +101,7 @@ impl PriceBench {
         let can_flag = self.renderer.executor.passes.proxies.can_flag();
         match item {
             PricedItem::Predicates(executor, _) => {
-                can_flag && self.ranges.iter().any(|it| it.predication() == executor)
+                can_flag && self.ranges.iter().any(|range| range.predication() == executor)
             }
             PricedItem::Boxes(Tester::Flag, _) => can_flag,
             PricedItem::Boxes(Tester::Compute, _) => self.compute.is_some(),
@@ -206,7 +210,7 @@ fn begin_ranges(
         PredicateResult::Skipped => flags.results(),
         PredicateResult::Taken => None,
     };
-    for ranges in ranges.iter_mut().filter(|it| it.predication() == executor) {
+    for ranges in ranges.iter_mut().filter(|range| range.predication() == executor) {
         ranges.begin(frame, results, (count, 1))?;
     }
     Ok(())
@@ -241,7 +245,7 @@ impl Recorder<'_> {
     ) {
         let ranges = match item {
             PricedItem::Predicates(executor, _) => {
-                self.ranges.iter().find(|it| it.predication() == executor)
+                self.ranges.iter().find(|range| range.predication() == executor)
             }
             _ => None,
         };

@@ -463,7 +463,7 @@ impl Geometry {
         }
         let instance = |leaf: &LeafIndex| {
             let object = hierarchy.leaf_objects().get(leaf.0 as usize);
-            let instance = object.and_then(|it| self.object_instances.get(it.0 as usize));
+            let instance = object.and_then(|object| self.object_instances.get(object.0 as usize));
             instance.copied().unwrap_or_default()
         };
         let instances = LeafElements {

@@ -98,7 +98,8 @@ impl LodTable {
 
     /// Returns the objects of this turn, out of `objects`.
     pub(crate) fn next_batch(&mut self, objects: usize) -> impl Iterator<Item = ObjectId> + use<> {
-        let (first, count) = (self.next, DETAIL_OBJECTS_A_CALL.min(objects));
+        let first = self.next;
+        let count = DETAIL_OBJECTS_A_CALL.min(objects);
         self.next = (first + count) % objects.max(1);
         (first..first + count).map(move |object| ObjectId((object % objects.max(1)) as u32))
     }
@@ -141,8 +142,10 @@ mod tests {
     #[test]
     fn coarser_levels_lie_behind_the_meshes() {
         let (_, indices, draws) = table();
-        let found: Vec<_> =
-            draws.iter().map(|it| (it.index_count, it.first_index, it.vertex_offset)).collect();
+        let found: Vec<_> = draws
+            .iter()
+            .map(|draw| (draw.index_count, draw.first_index, draw.vertex_offset))
+            .collect();
         let behind = [(12, 30, 10), (6, 42, 10), (3, 48, 20)];
         assert_eq!(found[3..], behind);
         assert_eq!(indices.len(), 51);
@@ -170,7 +173,7 @@ mod tests {
             for _ in 0..objects.div_ceil(DETAIL_OBJECTS_A_CALL) {
                 lods.next_batch(objects).for_each(|object| seen[object.0 as usize] = true);
             }
-            assert!(seen.into_iter().all(|it| it), "{objects}");
+            assert!(seen.into_iter().all(|is_seen| is_seen), "{objects}");
             lods.next = 0;
         }
         assert_eq!(lods.next_batch(0).count(), 0);

@@ -71,10 +71,11 @@ impl MeshSlots {
             let levels = joined.lods.draws_of(MeshId(number));
             let draws = std::iter::once(number).chain(levels.clone());
             let draws = draws.filter_map(|draw| joined.draws.get(draw as usize));
-            let indices =
-                draws.map(|it| it.draw.first_index..it.draw.first_index + it.draw.index_count);
-            let first = joined.draws.get(number as usize).map_or(0, |it| it.draw.vertex_offset);
-            let (first, count) = (first as u32, mesh.vertices.len() as u32);
+            let indices = draws
+                .map(|draw| draw.draw.first_index..draw.draw.first_index + draw.draw.index_count);
+            let first = joined.draws.get(number as usize).map_or(0, |draw| draw.draw.vertex_offset);
+            let first = first as u32;
+            let count = mesh.vertices.len() as u32;
             MeshPlace { vertices: first..first + count, indices: indices.collect(), levels }
         };
         let slots = (0..).zip(&scene.meshes).map(slot).zip(are_kept).map(|(place, is_kept)| {
@@ -162,7 +163,7 @@ impl MeshSlots {
 
     /// Returns the reason why a mesh cannot be removed.
     pub(crate) fn check_removal(&self, mesh: MeshId) -> Result<(), &'static str> {
-        match (self.residency(mesh), self.slots.get(mesh.0 as usize).map_or(0, |it| it.users)) {
+        match (self.residency(mesh), self.slots.get(mesh.0 as usize).map_or(0, |slot| slot.users)) {
             (Residency::Free, _) => Err("the renderer has no such mesh"),
             (Residency::Kept, _) => Err("meshes that are skinned or of sprites stay"),
             (_, 1..) => Err("objects have it: remove those first"),

@@ -198,7 +198,7 @@ mod tests {
             assert_eq!(positions, places.collect::<Vec<_>>());
             let expected = skinned.motions(6);
             assert_eq!(motions, expected);
-            assert!(expected.iter().any(|it| *it > 0), "some move apart");
+            assert!(expected.iter().any(|pixel| *pixel > 0), "some move apart");
         }
     }
 }

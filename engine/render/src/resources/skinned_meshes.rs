@@ -83,7 +83,8 @@ impl SkinnedMeshes {
         frames_in_flight: usize,
         first_vertices: impl Fn(usize) -> u32,
     ) -> Result<Option<Self>, Error> {
-        let Some(surfaces) = scene.surfaces.as_ref().filter(|it| !it.skinned_meshes.is_empty())
+        let Some(surfaces) =
+            scene.surfaces.as_ref().filter(|surface| !surface.skinned_meshes.is_empty())
         else {
             return Ok(None);
         };
@@ -95,7 +96,8 @@ impl SkinnedMeshes {
         let transparent = (0..).map(TransparentId).zip(&surfaces.transparent);
         let transparent: HashMap<_, _> =
             transparent.map(|(id, object)| (object.mesh, id)).collect();
-        let (mut values, mut all) = (Vec::new(), Vec::with_capacity(surfaces.skinned_meshes.len()));
+        let mut values = Vec::new();
+        let mut all = Vec::with_capacity(surfaces.skinned_meshes.len());
         for skinned_mesh in &surfaces.skinned_meshes {
             let mesh = skinned_mesh.mesh.0 as usize;
             let (Some(at_rest), Some(surface)) =
@@ -157,7 +159,8 @@ impl SkinnedMeshes {
         let Some(state) = self.all.get(skinned_mesh.0 as usize) else {
             return refuse("the scene has no such skinned mesh".to_owned());
         };
-        let (joint_count, target_count) = (state.joint_count, state.targets.len());
+        let joint_count = state.joint_count;
+        let target_count = state.targets.len();
         if joints.len() != joint_count {
             return refuse(format!("it has {joint_count} joints, not {}", joints.len()));
         }
@@ -209,7 +212,8 @@ impl SkinnedMeshes {
         written.collect(completed, |tags, flags| {
             for (tag, _) in tags.iter().zip(flags).filter(|(_, flag)| **flag != 0) {
                 skinned.revealed_vertices += u64::from(tag.vertices);
-                if let Some(state) = all.get_mut(tag.number).filter(|it| it.pose_count == tag.pose)
+                if let Some(state) =
+                    all.get_mut(tag.number).filter(|state| state.pose_count == tag.pose)
                 {
                     state.settle();
                 }
@@ -241,8 +245,8 @@ impl SkinnedMeshes {
         uploaded.extend(dirty.iter().filter(|number| all.get(**number).is_some_and(&is_seen)));
         let tags = uploaded.iter().map(|number| {
             let state = all.get(*number);
-            let [pose, vertices] =
-                state.map_or([0; 2], |it| [it.pose_count, u64::from(it.rest.vertex_count)]);
+            let [pose, vertices] = state
+                .map_or([0; 2], |state| [state.pose_count, u64::from(state.rest.vertex_count)]);
             WrittenTag { number: *number, pose, vertices: vertices as u32 }
         });
         self.written.begin(frame, tags)?;
@@ -259,7 +263,8 @@ impl SkinnedMeshes {
         }
         let poses = frame.uploads().push(&self.values)?;
         let SkinnedVertices { vertices, surfaces } = target;
-        let (mesh_data, written) = (self.mesh_data.whole(), self.written.results());
+        let mesh_data = self.mesh_data.whole();
+        let written = self.written.results();
         let io = SkinningIo { vertices, surfaces, mesh_data, poses, written };
         self.io = Some(io);
         let mut at_once = Vec::new();
@@ -303,7 +308,7 @@ impl SkinnedMeshes {
         self.write_vertices(commands, pass, &numbers);
         self.deferred = deferred;
         let all = &self.all;
-        self.deferred.retain(|(_, number)| all.get(*number).is_some_and(|it| !it.is_written));
+        self.deferred.retain(|(_, number)| all.get(*number).is_some_and(|state| !state.is_written));
     }
 
     fn write_vertices(&mut self, commands: &Commands, pass: &SkinningPass, numbers: &[usize]) {
@@ -329,10 +334,13 @@ impl SkinnedMeshes {
         deferred: &[(LeafIndex, usize)],
         revealed: &[Predicate],
     ) {
-        let first_at = |leaf: u32| deferred.partition_point(|(it, _)| it.0 < leaf);
-        let meshes_of =
-            |it: &Predicate| first_at(it.leaves.first)..first_at(it.leaves.first + it.leaves.count);
-        let Some(io) = self.io.filter(|_| revealed.iter().any(|it| !meshes_of(it).is_empty()))
+        let first_at = |leaf: u32| deferred.partition_point(|(upload, _)| upload.0 < leaf);
+        let meshes_of = |predicate: &Predicate| {
+            first_at(predicate.leaves.first)
+                ..first_at(predicate.leaves.first + predicate.leaves.count)
+        };
+        let Some(io) =
+            self.io.filter(|_| revealed.iter().any(|range| !meshes_of(range).is_empty()))
         else {
             return;
         };

@@ -104,7 +104,9 @@ impl SpareRanges {
 
     /// Returns the length of the longest free range.
     fn largest_free(&self) -> u64 {
-        let (all, mut end, mut largest) = (self.ranges.initial_range().clone(), 0, 0);
+        let all = self.ranges.initial_range().clone();
+        let mut end = 0;
+        let mut largest = 0;
         for taken in self.ranges.allocated_ranges() {
             largest = largest.max(taken.start - end);
             end = taken.end;

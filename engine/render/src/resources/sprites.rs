@@ -71,7 +71,8 @@ pub(crate) fn places(scene: &Scene, instances: usize) -> Vec<u32> {
 pub(crate) fn add_vectors(scene: &Scene, instances: &mut Vec<Instance>) {
     let mut vectors: Vec<[f32; VECTORS]> = Vec::with_capacity(blocks(scene) * VECTORS);
     for sprites in of_scene(scene) {
-        let (end_vectors, ends) = (end_vectors(sprites) as f32, sprites.shape.ends() as f32);
+        let end_vectors = end_vectors(sprites) as f32;
+        let ends = sprites.shape.ends() as f32;
         vectors.push([sprites.radius_m, end_vectors, ends, 0.0]);
         for (place, end) in sprites.ends.iter().enumerate() {
             let [x, y, z] = end.position;
@@ -105,7 +106,8 @@ pub(crate) fn add_pattern(
     indices: &mut Vec<u32>,
     draws: &mut [IndirectDraw],
 ) {
-    let (first_index, vertex_offset) = (indices.len() as u32, vertices.len() as i32);
+    let first_index = indices.len() as u32;
+    let vertex_offset = vertices.len() as i32;
     for number in 0..most(scene) as u32 {
         vertices.extend(CORNERS.map(|[end, side]| Vertex {
             position: [end, side, number as f32],

@@ -274,7 +274,7 @@ impl PendingUpload {
         };
         let UploadTargets { vertices, surfaces, indices, adjacency, .. } = targets;
         let targets = [Some(vertices), surfaces, Some(indices), adjacency];
-        let of_mesh = mesh.into_iter().flat_map(move |it| sections_of_mesh(it, targets));
+        let of_mesh = mesh.into_iter().flat_map(move |mesh| sections_of_mesh(mesh, targets));
         of_mesh.chain(texture.into_iter().flat_map(sections_of_texture))
     }
 }

@@ -165,7 +165,9 @@ impl Contents {
         Ok(Self {
             vertices: copied_back(device, geometry.vertices.whole())?,
             indices: copied_back(device, geometry.indices.whole())?,
-            mesh_data: skinned_meshes.map(|it| copied_back(device, it.mesh_data())).transpose()?,
+            mesh_data: skinned_meshes
+                .map(|skinned_mesh| copied_back(device, skinned_mesh.mesh_data()))
+                .transpose()?,
         })
     }
 

@@ -33,8 +33,9 @@ pub(super) fn plan_caps(
                 continue;
             }
             let colour = geometry.section_colour(met.object);
-            let origin =
-                geometry.transform(met.object).map_or(Vec3::ZERO, |it| it.translation.into());
+            let origin = geometry
+                .transform(met.object)
+                .map_or(Vec3::ZERO, |transform| transform.translation.into());
             let cap = Cap { met: &met, bounds, number, plane, colour, origin };
             section.cap_rows.push(cap.row(view, &image));
             section.cap_draws.push(CapDraw { draw, shell: met.shell });
@@ -145,13 +146,15 @@ fn area_of(view: &View, bounds: &Aabb) -> [f32; 4] {
     if nearest_w < f64::from(view.rays.near).max(1.0e-6) {
         return WHOLE;
     }
-    let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+    let mut low = Vec2::INFINITY;
+    let mut high = Vec2::NEG_INFINITY;
     for clip in corners {
         let at = (clip.truncate().truncate() / clip.w).as_vec2();
         (low, high) = (low.min(at), high.max(at));
     }
     // Vertices are moved by parts of a pixel.
     let pixel = Vec2::from(view.size.map(|side| 4.0 / side.max(1) as f32));
-    let (low, high) = ((low - pixel).max(Vec2::NEG_ONE), (high + pixel).min(Vec2::ONE));
+    let low = (low - pixel).max(Vec2::NEG_ONE);
+    let high = (high + pixel).min(Vec2::ONE);
     if low.is_finite() && high.is_finite() { [low.x, low.y, high.x, high.y] } else { WHOLE }
 }

@@ -253,7 +253,7 @@ impl Section {
             Some(known) => known.extent,
             None => {
                 let through_origin = SectionPlane::new(normal, 0.0).ok();
-                let extent = through_origin.and_then(|it| meshes.extent(mesh, instance, &it));
+                let extent = through_origin.and_then(|plane| meshes.extent(mesh, instance, &plane));
                 let known = KnownExtent { rows: instance.rows, normal, mesh: mesh.0, extent };
                 self.known.insert((object, number), known);
                 extent

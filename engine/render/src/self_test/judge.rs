@@ -29,10 +29,12 @@ pub(super) fn drawn_areas(rgba: &[u8]) -> Vec<Rect> {
     let area = |pixels: &Vec<[u32; 2]>| {
         let side = |axis: usize| {
             let places = || pixels.iter().map(|pixel| pixel[axis]);
-            let (low, high) = (places().min().unwrap_or(0), places().max().map_or(0, |it| it + 1));
+            let low = places().min().unwrap_or(0);
+            let high = places().max().map_or(0, |places| places + 1);
             (low, high - low)
         };
-        let [(left, width), (top, height)] = [side(0), side(1)];
+        let (left, width) = side(0);
+        let (top, height) = side(1);
         Rect { origin: [left, top], size: [width, height] }
     };
     pixels_of_cells(rgba, differs).iter().map(area).collect()
@@ -54,7 +56,8 @@ fn pixels_of_cells(
         rgba.get(first..first + PIXEL_BYTES)
     };
     let cell = |number: usize| {
-        let [left, top] = [number as u32 % CELLS[0] * CELL, number as u32 / CELLS[0] * CELL];
+        let left = number as u32 % CELLS[0] * CELL;
+        let top = number as u32 / CELLS[0] * CELL;
         let corner = pixel(left, top);
         let pixels = (top..top + CELL).flat_map(|y| (left..left + CELL).map(move |x| [x, y]));
         pixels.filter(|[x, y]| is_drawn(pixel(*x, *y), corner)).collect()
@@ -66,7 +69,7 @@ fn pixels_of_cells(
 fn faults(expected: &[u32], found: &[u32], agree: impl Fn(u32, u32) -> bool) -> usize {
     let found = found.iter().copied().map(Some).chain(std::iter::repeat(None));
     let agrees =
-        |(expected, found): (&u32, Option<u32>)| found.is_some_and(|it| agree(*expected, it));
+        |(expected, found): (&u32, Option<u32>)| found.is_some_and(|found| agree(*expected, found));
     expected.iter().zip(found).filter(|pair| !agrees(*pair)).count()
 }
 
@@ -130,9 +133,8 @@ pub(super) fn enclosing(
 
 /// Judges the image of objects under predicates, of which every other range is enabled.
 pub(super) fn predicated(pixels: &[u32], found: &[u32], source: ResultSource) -> Finding {
-    let expected = |(place, pixels): (usize, &u32)| match (place / PER_DECISION).is_multiple_of(2) {
-        true => *pixels,
-        false => 0,
+    let expected = |(place, pixels): (usize, &u32)| {
+        if (place / PER_DECISION).is_multiple_of(2) { *pixels } else { 0 }
     };
     let expected: Vec<u32> = pixels.iter().enumerate().map(expected).collect();
     let of = match source {
@@ -156,7 +158,7 @@ mod tests {
         QueriedSamples {
             objects: pixels.to_vec(),
             proxies: pixels.to_vec(),
-            alone: pixels.iter().map(|it| it + 9).collect(),
+            alone: pixels.iter().map(|pixel| pixel + 9).collect(),
             hidden: vec![0; pixels.len()],
         }
     }
@@ -173,7 +175,7 @@ mod tests {
             QueriedSamples { hidden: vec![0, 1, 0], ..samples(&pixels) },
             QueriedSamples { objects: vec![3, 0], ..samples(&pixels) },
             QueriedSamples { objects: vec![3, 0, 16], ..samples(&pixels) },
-            QueriedSamples { objects: pixels.map(|it| 2 * it).to_vec(), ..samples(&pixels) },
+            QueriedSamples { objects: pixels.map(|pixel| 2 * pixel).to_vec(), ..samples(&pixels) },
         ] {
             assert_ne!(query_counts(&pixels, &broken, exactly), Finding::Held);
         }
@@ -218,7 +220,8 @@ mod tests {
     fn drawn_pixels_differ_from_the_corner_of_their_cell() {
         let mut rgba = vec![7; (SIZE[0] * SIZE[1]) as usize * PIXEL_BYTES];
         assert!(drawn_pixels(&rgba).iter().all(|pixels| *pixels == 0));
-        let (x, y) = (CELL + 4, 2 * CELL + 5);
+        let x = CELL + 4;
+        let y = 2 * CELL + 5;
         rgba[(y * SIZE[0] + x) as usize * PIXEL_BYTES] = 9;
         let drawn = drawn_pixels(&rgba);
         assert_eq!(drawn.iter().sum::<u32>(), 1);

@@ -43,7 +43,7 @@ impl SelfTest {
     /// Returns the verdict about an assumption; `None` for one that was not looked at.
     #[must_use]
     pub fn verdict(&self, assumption: Assumption) -> Option<&Finding> {
-        self.findings.iter().find(|(it, _)| *it == assumption).map(|(_, verdict)| verdict)
+        self.findings.iter().find(|(tested, _)| *tested == assumption).map(|(_, verdict)| verdict)
     }
 }
 
@@ -112,10 +112,7 @@ impl Checks {
     /// Checks what queries count, and with them how proxies enclose objects.
     fn queries(&mut self, probe: &mut Probe, pixels: &[u32], areas: &[Rect]) -> Result<(), Error> {
         let found = probe.by_queries(areas)?;
-        let counts = match probe.can_count() {
-            true => CountsSamples::Exactly,
-            false => CountsSamples::No,
-        };
+        let counts = if probe.can_count() { CountsSamples::Exactly } else { CountsSamples::No };
         let verdict = judge::query_counts(pixels, &found, counts);
         let are_right = verdict == Finding::Held;
         self.note(Assumption::QueryCounts, verdict);
@@ -190,12 +187,12 @@ impl Checks {
             let mut verdict = Finding::Held;
             for source in [ResultSource::Queries, ResultSource::Fragments] {
                 // What is not known to set results right says nothing about their use.
-                let is_broken = self.findings.iter().any(|(it, verdict)| {
+                let is_broken = self.findings.iter().any(|(tested, verdict)| {
                     let writes = match source {
                         ResultSource::Queries => Assumption::QueryCounts,
                         _ => Assumption::FlagWrites,
                     };
-                    *it == writes && matches!(verdict, Finding::Broken(_))
+                    *tested == writes && matches!(verdict, Finding::Broken(_))
                 });
                 if is_broken || verdict != Finding::Held {
                     continue;
@@ -212,11 +209,15 @@ impl Checks {
     /// Checks the order of draws of equal depth: at the same place objects and their twins are
     /// drawn, in one call and in two.
     fn order(&mut self, probe: &mut Probe) -> Result<(), Error> {
-        let (objects, twins) = (0..TWINS, PROBES..PROBES + TWINS);
-        let [first, last] = [objects.clone(), twins.clone()].map(|it| probe.image_of(&[it]));
-        let (first, last) = (first?, last?);
+        let objects = 0..TWINS;
+        let twins = PROBES..PROBES + TWINS;
+        let [first, last] =
+            [objects.clone(), twins.clone()].map(|object| probe.image_of(&[object]));
+        let first = first?;
+        let last = last?;
         let [all, without_twins] = [PROBES + TWINS, PROBES].map(|end| 0..end);
-        let (together, alone) = (probe.image_of(&[all])?, probe.image_of(&[without_twins])?);
+        let together = probe.image_of(&[all])?;
+        let alone = probe.image_of(&[without_twins])?;
         let apart = probe.image_of(&[twins, objects])?;
         let broken = |what: &str| Finding::Broken(what.to_owned());
         let verdict = match (together == alone, apart == last, first == last) {

@@ -76,7 +76,7 @@ impl Probe {
             IndirectDraw { first_instance: leaf, instance_count: 1, ..mesh }
         });
         let boxes = object_bounds(&scene)?.into_iter().take(PROBES);
-        let boxes = boxes.filter_map(|it| view.margin.proxy(&it)).map(ProxyBox::from);
+        let boxes = boxes.filter_map(|bounds| view.margin.proxy(&bounds)).map(ProxyBox::from);
         Ok(Self {
             draws: draws.collect(),
             boxes: boxes.collect(),

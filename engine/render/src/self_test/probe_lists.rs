@@ -40,11 +40,11 @@ impl ProbeLists {
         (source, results): (ResultSource, Option<BufferSlice>),
         predicates: &Predicates,
     ) -> Result<ListDrawsIo, Error> {
-        let listed = |it: &PredicatedRange| ListedRange {
-            first: it.range.first,
-            count: it.range.count,
+        let listed = |predicated_range: &PredicatedRange| ListedRange {
+            first: predicated_range.range.first,
+            count: predicated_range.range.count,
             source: source as u32,
-            result: it.result,
+            result: predicated_range.result,
             is_enabled: 0,
             list: 0,
             first_of_list: 0,
@@ -57,7 +57,7 @@ impl ProbeLists {
             end: ranges.len() as u32,
             draws: predicates.draws(),
             enabled: None,
-            results: ResultSource::ALL.map(|it| results.filter(|_| it == source)),
+            results: ResultSource::ALL.map(|wanted| results.filter(|_| wanted == source)),
             threshold_samples: 0,
             sizes: self.sizes.whole(),
             commands: self.commands.whole(),

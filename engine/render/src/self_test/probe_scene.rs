@@ -87,7 +87,8 @@ pub(super) fn street() -> Scene {
     let mut numbers = Numbers(11);
     let mut transforms = Vec::new();
     for house in 0..240 {
-        let (row, place) = (house / 12, house % 12);
+        let row = house / 12;
+        let place = house % 12;
         let across = if place < 6 { place as f32 - 7.0 } else { place as f32 - 4.0 };
         let size = vec3(numbers.next(3.0, 5.5), numbers.next(2.0, 9.0), numbers.next(3.0, 5.5));
         let at = vec3(across * 6.0, size.y * 0.5, row as f32 * -6.0);
@@ -135,8 +136,10 @@ fn cube() -> Mesh {
                 at[(axis + 2) % 3] = up;
                 (at, [1.0; 3])
             };
-            let [a, b] = [corner(-0.5, -0.5), corner(0.5, -0.5)];
-            let [c, d] = [corner(0.5, 0.5), corner(-0.5, 0.5)];
+            let a = corner(-0.5, -0.5);
+            let b = corner(0.5, -0.5);
+            let c = corner(0.5, 0.5);
+            let d = corner(-0.5, 0.5);
             corners.extend([a, b, c, a, c, d]);
         }
     }
@@ -159,7 +162,8 @@ mod tests {
         }
         let cube = cube();
         let at = |index: &u32| Vec3::from_array(cube.vertices[*index as usize].position);
-        let triangles = cube.indices.chunks(3).map(|it| [at(&it[0]), at(&it[1]), at(&it[2])]);
+        let triangles =
+            cube.indices.chunks(3).map(|index| [at(&index[0]), at(&index[1]), at(&index[2])]);
         assert!(outwardness(&cube.bounds, triangles) > 0.9);
     }
 

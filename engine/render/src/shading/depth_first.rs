@@ -47,9 +47,10 @@ impl Shading {
         shadows: Option<SurfaceShadows>,
     ) -> Result<Self, Error> {
         let pass = |kind| SurfacePass::new(device, (shaders, attachments), kind, surfaces, shadows);
-        let depth = match surfaces.is_masked() {
-            true => DepthPass::Masked(pass(SurfaceKind::Depth)?),
-            false => DepthPass::Whole(OpaquePass::depth_only(device, shaders, attachments)?),
+        let depth = if surfaces.is_masked() {
+            DepthPass::Masked(pass(SurfaceKind::Depth)?)
+        } else {
+            DepthPass::Whole(OpaquePass::depth_only(device, shaders, attachments)?)
         };
         Ok(Self {
             depth,

@@ -174,9 +174,10 @@ impl Transparent {
             geometry.transparent_instance(id, &objects[sorted.number].object)
         });
         self.instances = Some(frame.uploads().push_iter(instances)?);
-        self.states = match view.section.is_empty() {
-            true => None,
-            false => Some(frame.uploads().push(&vec![0_u32; sorted.len().div_ceil(2)])?),
+        self.states = if view.section.is_empty() {
+            None
+        } else {
+            Some(frame.uploads().push(&vec![0_u32; sorted.len().div_ceil(2)])?)
         };
         Ok(list.write(frame, passes)?)
     }
@@ -277,7 +278,8 @@ mod tests {
 
     #[test]
     fn a_glass_in_a_glass_is_drawn_between_its_sides() {
-        let (outer, inner) = (Vec3::splat(2.0), Vec3::splat(0.5));
+        let outer = Vec3::splat(2.0);
+        let inner = Vec3::splat(0.5);
         let camera = cull::Camera {
             eye: Vec3::new(9.0, 3.0, -4.0),
             forward: Vec3::NEG_X,

@@ -114,7 +114,8 @@ impl CasterCulling {
     /// No memory, a failed call.
     pub(super) fn skip_by(&mut self, executor: Predication, frames: usize) -> Result<(), Error> {
         if executor != self.predicates.predication() {
-            let (wanted, capacity) = (executor, self.capacity);
+            let wanted = executor;
+            let capacity = self.capacity;
             self.predicates = Predicates::unlinked(&self.device, Some(wanted), capacity, frames)?;
         }
         Ok(())
@@ -168,7 +169,8 @@ impl CasterCulling {
         });
         reader.finish();
         for (light, history) in histories {
-            let of_light = reader.results().iter().filter(|it| it.contents.light == Some(*light));
+            let of_light =
+                reader.results().iter().filter(|result| result.contents.light == Some(*light));
             history.culler.ingest(hierarchy, of_light.map(|result| result.answer));
         }
     }
@@ -283,7 +285,8 @@ impl CasterCulling {
 
     /// Draws the casters of a group.
     pub(super) fn draw(&self, commands: &Commands, group: &CulledGroup) {
-        let (first, count) = (u64::from(group.always.start), group.always.len() as u64);
+        let first = u64::from(group.always.start);
+        let count = group.always.len() as u64;
         if count > 0 {
             let draws = self.predicates.draws().part(first * DRAW_BYTES, count * DRAW_BYTES);
             self.predicates.draw_after_counted(commands, draws);
@@ -317,7 +320,8 @@ impl LightHistory {
 
     fn plan(&mut self, scene: &CastersInView<'_>, volumes: &BoxShadowVolumes<'_>) {
         let views = MultiView::of_shadows(scene.view, volumes);
-        let (hierarchy, plan) = (scene.hierarchy, &mut self.plan);
+        let hierarchy = scene.hierarchy;
+        let plan = &mut self.plan;
         self.culler.plan(hierarchy, Strategy::ANTUMBRA_FLAGS, views, TESTS_MAX, plan);
     }
 }

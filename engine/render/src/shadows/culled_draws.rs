@@ -154,7 +154,8 @@ impl CulledDraws {
 
     /// Adds a group whose draws `add` adds, first those that need no test.
     fn add_group(&mut self, group: &CasterGroup<'_>, add: impl FnOnce(&mut Self)) {
-        let (first, first_decision) = (self.leaves.len() as u32, self.decided.len() as u32);
+        let first = self.leaves.len() as u32;
+        let first_decision = self.decided.len() as u32;
         add(self);
         let decisions = first_decision..self.decided.len() as u32;
         let decided = self.decided.get(first_decision as usize);

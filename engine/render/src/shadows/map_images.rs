@@ -154,7 +154,8 @@ impl MapImages {
         (casters, passes): (&CasterDraws<'_>, &MapPasses),
         plan: &ShadowPlan,
     ) {
-        let (draws, faces) = ((casters, passes), &plan.faces[..]);
+        let draws = (casters, passes);
+        let faces = &plan.faces[..];
         commands.pass("shadow maps", |commands| self.draw_casters(commands, draws, plan));
         let Self { casters: CasterDepths { near, backs, .. }, midpoints, .. } = self;
         if let (Some((_, pass)), Some(backs), Some(midpoints)) =
@@ -178,7 +179,9 @@ impl MapImages {
         let Self { casters, resting, tiles, .. } = self;
         if let Some(resting) = resting.as_mut().filter(|_| plan.has_layers()) {
             let part = |work: &FaceWork| match work {
-                FaceWork::Layered { resting: Some(it), .. } => Some(TileDraws::Afresh(it.clone())),
+                FaceWork::Layered { resting: Some(casters), .. } => {
+                    Some(TileDraws::Afresh(casters.clone()))
+                }
                 _ => None,
             };
             resting.draw(commands, draws, &plan.faces, part);

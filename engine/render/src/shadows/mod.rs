@@ -60,7 +60,8 @@ impl Shadows {
         if options.method != ShadowMethod::Off && !has_surfaces {
             return Err(Error::NoSurfacesForShadows);
         }
-        let (mut maps, mut volumes) = (None, None);
+        let mut maps = None;
+        let mut volumes = None;
         match options.method {
             ShadowMethod::Off => {}
             ShadowMethod::Maps => maps = Some(ShadowMaps::new(device, options, frames_in_flight)?),

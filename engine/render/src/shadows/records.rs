@@ -161,7 +161,8 @@ mod tests {
     #[test]
     fn a_mask_names_the_bit_of_each_light_at_its_place() {
         let projection = Projection::perspective(1.0);
-        let (forward, up) = (Vec3::NEG_Z, Vec3::Y);
+        let forward = Vec3::NEG_Z;
+        let up = Vec3::Y;
         let camera = Camera { eye: Vec3::ZERO, forward, up, projection, near: 0.1 };
         let view = View { origin: [7, 3], ..View::new(&camera, [64, 48], 8) };
         let mut values = vec![9; 2];

@@ -100,7 +100,8 @@ impl ShadowMaps {
         let limit = device.adapter().limits.max_image_array_layers;
         if options.layers_max > limit {
             let what = "the number of layers of shadow maps".to_owned();
-            let (wanted, limit) = (options.layers_max.into(), limit.into());
+            let wanted = options.layers_max.into();
+            let limit = limit.into();
             return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
         }
         let can_cull =
@@ -294,7 +295,8 @@ impl ShadowMaps {
         (tests, casters): (&BoxVolumePass, &CasterPass),
         (target, view): (RenderTarget, &View),
     ) {
-        let Some(culling) = self.culling.as_ref().filter(|it| !it.groups().is_empty()) else {
+        let Some(culling) = self.culling.as_ref().filter(|culling| !culling.groups().is_empty())
+        else {
             return;
         };
         culling.record_tests(commands, tests, (target, view));
@@ -303,16 +305,17 @@ impl ShadowMaps {
         commands.pass("culled shadow maps", |commands| {
             self.images.maps_mut().draw(commands, |commands, layers| {
                 for layer in 0..layers.layers() {
-                    let planned = |it: &CulledGroup| {
-                        faces.get(it.number).filter(|face| face.tile.layer == layer)
+                    let planned = |culled_group: &CulledGroup| {
+                        faces.get(culled_group.number).filter(|face| face.tile.layer == layer)
                     };
                     let groups = || culling.groups().iter();
-                    let mut here = groups().filter_map(|it| Some((it, planned(it)?))).peekable();
+                    let mut here =
+                        groups().filter_map(|group| Some((group, planned(group)?))).peekable();
                     let (Some(target), true) = (layers.target(layer), here.peek().is_some()) else {
                         continue;
                     };
-                    let tiles =
-                        groups().filter_map(|it| Some((planned(it)?.tile, TileStart::Cleared)));
+                    let tiles = groups()
+                        .filter_map(|group| Some((planned(group)?.tile, TileStart::Cleared)));
                     commands.rendering(tiles_target(target, tiles), |commands| {
                         self.sections.bind(commands, casters, &io);
                         for (culled, face) in here {

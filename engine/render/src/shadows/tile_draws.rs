@@ -136,7 +136,8 @@ impl CasterDraws<'_> {
             return;
         }
         self.section.bind_face(commands, pass, io, number, face);
-        let (first, count) = (casters.start as u64, casters.len() as u64);
+        let first = casters.start as u64;
+        let count = casters.len() as u64;
         let draws = self.draws.part(first * DRAW_BYTES, count * DRAW_BYTES);
         self.predicates.draw_after_counted(commands, draws);
     }
@@ -174,7 +175,9 @@ struct TilesArea {
 
 impl TilesArea {
     fn of(tiles: impl Iterator<Item = (Tile, TileStart)>) -> Self {
-        let (mut low, mut high, mut cleared) = ([u32::MAX; 2], [0; 2], 0_u64);
+        let mut low = [u32::MAX; 2];
+        let mut high = [0; 2];
+        let mut cleared = 0_u64;
         for (tile, start) in tiles {
             for (axis, at) in tile.origin.into_iter().enumerate() {
                 low[axis] = low[axis].min(at);
@@ -185,9 +188,10 @@ impl TilesArea {
             }
         }
         let [width, height] = [0, 1].map(|axis: usize| high[axis].saturating_sub(low[axis]));
-        let contents = match cleared == u64::from(width) * u64::from(height) {
-            true => TileStart::Cleared,
-            false => TileStart::Kept,
+        let contents = if cleared == u64::from(width) * u64::from(height) {
+            TileStart::Cleared
+        } else {
+            TileStart::Kept
         };
         Self { origin: low, size: [width, height], contents }
     }
@@ -195,7 +199,8 @@ impl TilesArea {
 
 /// Restricts the draws that follow to the tile of a map.
 pub(super) fn begin_tile(commands: &Commands, face: &PlannedFace, start: TileStart) {
-    let (origin, size) = (face.tile.origin, [face.tile.side; 2]);
+    let origin = face.tile.origin;
+    let size = [face.tile.side; 2];
     commands.set_viewport(&gpu::Viewport::covering(origin, size));
     if start == TileStart::Cleared {
         commands.clear_depth(origin, size, 0.0);

@@ -16,7 +16,7 @@ pub(crate) fn caster_executor(
         Predication::Compacted => Predication::Counts,
         other => other,
     };
-    trust.executor(wanted, |it| it != Predication::Compacted && can(it))
+    trust.executor(wanted, |trust| trust != Predication::Compacted && can(trust))
 }
 
 /// Returns the options of shadows: casters are culled by flags, and skipped by one of the executors
@@ -27,9 +27,10 @@ pub(crate) fn trusted_shadows(
     can: impl Fn(Predication) -> bool,
 ) -> ShadowOptions {
     let can_skip = caster_executor(trust, Predication::Conditional, can).is_some();
-    match can_skip && trust.allows(Tester::Flag) {
-        true => wanted,
-        false => ShadowOptions { culling: CasterCulling::Unculled, ..wanted },
+    if can_skip && trust.allows(Tester::Flag) {
+        wanted
+    } else {
+        ShadowOptions { culling: CasterCulling::Unculled, ..wanted }
     }
 }
 
@@ -43,14 +44,15 @@ mod tests {
     fn casters_are_skipped_by_what_is_trusted_and_there() {
         use Assumption::{ConditionalRendering, InstanceCounts};
         let culled = ShadowOptions::default();
-        let (counts, compacted) = (Predication::Counts, Predication::Compacted);
+        let counts = Predication::Counts;
+        let compacted = Predication::Compacted;
         assert_eq!(caster_executor(&Trust::default(), compacted, |_| true), Some(counts));
         let trust = Trust::without(&[ConditionalRendering, InstanceCounts]);
         assert_eq!(caster_executor(&trust, Predication::Conditional, |_| true), Some(counts));
         let shadows = trusted_shadows(&trust, culled, |_| true);
         assert_eq!(shadows.culling, CasterCulling::Culled);
         // A device without draw counts, or with too few.
-        let can = |it| it != counts && it != compacted;
+        let can = |predication| predication != counts && predication != compacted;
         assert_eq!(caster_executor(&trust, Predication::Conditional, can), None);
         assert_eq!(trusted_shadows(&trust, culled, can).culling, CasterCulling::Unculled);
     }

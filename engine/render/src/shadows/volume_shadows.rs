@@ -216,7 +216,7 @@ impl VolumeShadows {
         };
         let casting = Casting { plan, geometry, hierarchy };
         let casters: Vec<Vec<VolumeCaster>> =
-            plan.lights.iter().map(|it| casting.casters(it, light_of(it))).collect();
+            plan.lights.iter().map(|light| casting.casters(light, light_of(light))).collect();
         for casters in &casters {
             count(&mut self.stats, casters);
         }
@@ -241,9 +241,10 @@ impl VolumeShadows {
             bits: 1 << (bit % MASK_LIGHTS),
             layer: bit / MASK_LIGHTS,
             area: planned.area,
-            casters: match is_culled {
-                true => VolumeCasters::Culled(groups.get(bit as usize).map_or(&[], Vec::as_slice)),
-                false => VolumeCasters::All(casters),
+            casters: if is_culled {
+                VolumeCasters::Culled(groups.get(bit as usize).map_or(&[], Vec::as_slice))
+            } else {
+                VolumeCasters::All(casters)
             },
         });
         let draws = pass.prepare(frame, &with_bits.collect::<Vec<_>>())?;
@@ -375,7 +376,7 @@ fn plan_casters(
     let volumes = BoxShadowVolumes::new(scene.view, reach, scene.receivers, &everywhere);
     let all = VolumeGroup::all(planned.ends.len());
     let leaves = all.clone().map(|group| {
-        let alike = casters.iter().filter(|it| it.group == group);
+        let alike = casters.iter().filter(|caster| caster.group == group);
         alike.map(|caster| LeafIndex(caster.draw.first_instance)).collect::<Vec<_>>()
     });
     let leaves: Vec<_> = leaves.collect();

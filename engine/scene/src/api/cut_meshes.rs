@@ -50,8 +50,9 @@ impl Scene {
         else {
             return;
         };
-        let surface = self.surfaces.as_mut().and_then(|it| it.meshes.get_mut(place));
-        let surface = surface.map(|it| (std::mem::take(&mut it.vertices), it.material));
+        let surface = self.surfaces.as_mut().and_then(|surfaces| surfaces.meshes.get_mut(place));
+        let surface =
+            surface.map(|surface| (std::mem::take(&mut surface.vertices), surface.material));
         let sides = if mesh.has_backs { 2 } else { 1 };
         let triangles = mesh.indices.as_chunks::<3>().0;
         let count = triangles.len() / sides;

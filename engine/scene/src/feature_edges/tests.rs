@@ -113,7 +113,9 @@ fn a_cylinder_has_two_rims_and_no_edges_on_its_side() {
 fn the_length_of_an_edge_is_that_of_all_its_triangles() {
     // A bar whose upper edge is cut into five parts on one side only, into seven on the other.
     let mut bar = Soup::default();
-    let (near, far, height) = (vec3(0.0, 0.0, 0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 1.0, 0.0));
+    let near = vec3(0.0, 0.0, 0.0);
+    let far = vec3(0.0, 0.0, 1.0);
+    let height = vec3(0.0, 1.0, 0.0);
     for part in 0..5 {
         let [a, b] = [part, part + 1].map(|end| vec3(end as f32 * 2.0, 0.0, 0.0));
         bar.quad(near + a, near + b, near + b + height, near + a + height);

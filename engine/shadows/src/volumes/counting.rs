@@ -76,10 +76,7 @@ impl NearSpan<'_> {
         let is_apart = |axis: Vec3| {
             self.is_beyond(&bounds, light, axis) || self.is_beyond(&bounds, light, -axis)
         };
-        match axes.into_iter().any(is_apart) {
-            true => VolumeCounting::ZPass,
-            false => VolumeCounting::ZFail,
-        }
+        if axes.into_iter().any(is_apart) { VolumeCounting::ZPass } else { VolumeCounting::ZFail }
     }
 
     /// Returns the normals of planes along an edge of the box and a line to the light.
@@ -108,10 +105,7 @@ impl NearSpan<'_> {
     fn is_beyond(self, bounds: &Aabb, light: Vec4, axis: Vec3) -> bool {
         let most = bounds.centre().dot(axis) + bounds.half_extent().dot(axis.abs());
         let towards = light.truncate().dot(axis);
-        let is_light_beyond = match light.w > 0.0 {
-            true => towards > most * light.w,
-            false => towards >= 0.0,
-        };
+        let is_light_beyond = if light.w > 0.0 { towards > most * light.w } else { towards >= 0.0 };
         // No axis at all separates nothing.
         axis != Vec3::ZERO
             && !self.0.is_empty()

@@ -128,7 +128,8 @@ impl VolumeEnd {
         let sides = [around.min, around.max].into_iter().flat_map(move |corner| {
             [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| (axis, axis.dot(corner.as_dvec3())))
         });
-        let (centre, position) = (around.centre().as_dvec3(), position.as_dvec3());
+        let centre = around.centre().as_dvec3();
+        let position = position.as_dvec3();
         sides.filter_map(move |(axis, side)| {
             let way = side - axis.dot(position);
             let outwards = side - axis.dot(centre);
@@ -140,7 +141,8 @@ impl VolumeEnd {
 
     /// Returns the side of a box, and beyond, that rays of a sun from anywhere in it meet first.
     fn beyond(around: &Aabb, towards: Vec3) -> Self {
-        let (extent, towards) = (around.half_extent().as_dvec3(), towards.as_dvec3());
+        let extent = around.half_extent().as_dvec3();
+        let towards = towards.as_dvec3();
         let slope = towards.abs();
         let steps = extent / slope;
         let axis = match steps.min_element() {

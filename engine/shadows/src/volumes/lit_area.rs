@@ -43,7 +43,8 @@ impl LitArea {
             return Some(Self::whole(view));
         }
         let nearest = f64::from(view.rays.kind.w(view.rays.near));
-        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let mut low = DVec2::INFINITY;
+        let mut high = DVec2::NEG_INFINITY;
         let pixels = DVec2::from(view.size.map(f64::from));
         for point in before(&corners, nearest.max(f64::MIN_POSITIVE)) {
             let pixel = (point.xy() / point.w + 1.0) * 0.5 * pixels;
@@ -54,9 +55,10 @@ impl LitArea {
         if low.cmpge(pixels).any() || high.cmple(DVec2::ZERO).any() {
             return None;
         }
-        let (low, high) = (low.max(DVec2::ZERO), high.min(pixels));
+        let low = low.max(DVec2::ZERO);
+        let high = high.min(pixels);
         let size = high - low;
-        let [origin, size] = [low, size].map(|it| it.to_array().map(|side| side as u32));
+        let [origin, size] = [low, size].map(|corner| corner.to_array().map(|side| side as u32));
         Some(Self { origin, size })
     }
 }
@@ -65,7 +67,8 @@ impl LitArea {
 fn before(corners: &[DVec4; 8], nearest: f64) -> impl Iterator<Item = DVec4> {
     let edges = (0..8_usize).flat_map(|from| [1, 2, 4].map(|axis| (from, from ^ axis)));
     edges.filter_map(move |(from, to)| {
-        let (from, to) = (corners.get(from)?, corners.get(to)?);
+        let from = corners.get(from)?;
+        let to = corners.get(to)?;
         let beyond = from.w - nearest;
         if beyond >= 0.0 {
             return Some(*from);
@@ -86,7 +89,8 @@ mod tests {
 
     fn view() -> View {
         let projection = Projection::perspective(1.0);
-        let (eye, up) = (vec3(0.0, 2.0, 10.0), Vec3::Y);
+        let eye = vec3(0.0, 2.0, 10.0);
+        let up = Vec3::Y;
         let camera = Camera { eye, forward: vec3(0.1, -0.2, -1.0), up, projection, near: 0.1 };
         View::new(&camera, SIZE, 8)
     }
@@ -129,10 +133,13 @@ mod tests {
     #[test]
     fn all_that_lamps_reach_lies_in_their_areas() {
         let view = view();
-        let (mut smaller, mut none, mut points) = (0, 0, 0);
+        let mut smaller = 0;
+        let mut none = 0;
+        let mut points = 0;
         for number in 0..400 {
             let [x, y, z] = [7, 11, 13].map(|step| (number * step % 29) as f32 - 14.0);
-            let (position, reach_m) = (vec3(x, 0.3 * y, z), 0.5 + (number % 7) as f32);
+            let position = vec3(x, 0.3 * y, z);
+            let reach_m = 0.5 + (number % 7) as f32;
             let direction = vec3(y, -4.0, x).normalize();
             let outer_rad = 0.2 + 0.4 * (number % 5) as f32;
             let shape = match number % 2 {
@@ -155,10 +162,11 @@ mod tests {
     #[test]
     fn a_street_lamp_right_before_the_eye_has_the_pavement_under_it() {
         let view = view();
-        let (position, direction) = (vec3(0.5, 6.0, 2.0), Vec3::NEG_Y);
+        let position = vec3(0.5, 6.0, 2.0);
+        let direction = Vec3::NEG_Y;
         let shape = LightShape::Spot { position, direction, outer_rad: 0.5, reach_m: 24.0 };
         let street = Aabb::new(vec3(-50.0, 0.0, -50.0), vec3(50.0, 3.0, 50.0));
-        let pixels = |area: Option<LitArea>| area.map_or(0, |it| it.size[0] * it.size[1]);
+        let pixels = |area: Option<LitArea>| area.map_or(0, |area| area.size[0] * area.size[1]);
         let of_cone = pixels(LitArea::of(&view, &shape, &street));
         let ball = LightShape::Point { position, reach_m: 24.0 };
         let of_ball = pixels(LitArea::of(&view, &ball, &EVERYTHING));
@@ -171,12 +179,14 @@ mod tests {
         let view = view();
         let receivers = Aabb::new(vec3(-9.0, 0.0, -9.0), vec3(9.0, 2.0, 9.0));
         for outer_rad in [1.58, 2.0, 3.0] {
-            let (position, direction) = (vec3(0.0, 4.0, 0.0), Vec3::Y);
+            let position = vec3(0.0, 4.0, 0.0);
+            let direction = Vec3::Y;
             let shape = LightShape::Spot { position, direction, outer_rad, reach_m: 20.0 };
             assert!(LitArea::of(&view, &shape, &receivers).is_some(), "{outer_rad}");
             shown(&view, &shape, &receivers);
         }
-        let (position, direction) = (vec3(0.0, 4.0, 0.0), Vec3::Y);
+        let position = vec3(0.0, 4.0, 0.0);
+        let direction = Vec3::Y;
         let narrow = LightShape::Spot { position, direction, outer_rad: 1.5, reach_m: 20.0 };
         assert_eq!(LitArea::of(&view, &narrow, &receivers), None, "all is behind it");
     }

@@ -39,9 +39,10 @@ impl VolumeKind {
     #[must_use]
     pub fn towards(self, bounds: &Aabb, light: Vec4) -> Self {
         let bounds = bounds.enlarged(rounding(bounds, light.truncate()));
-        match light.w > 0.0 && bounds.contains_point(light.truncate() / light.w) {
-            true => Self::Robust,
-            false => self,
+        if light.w > 0.0 && bounds.contains_point(light.truncate() / light.w) {
+            Self::Robust
+        } else {
+            self
         }
     }
 }
@@ -119,9 +120,10 @@ impl VolumeMesh {
         }
         let welded = single_triangles(triangles, &weld(positions, motions));
         let neighbours = neighbours(&welded);
-        let enclosure = match neighbours.is_manifold {
-            true => enclosure(&welded, &neighbours, positions),
-            false => Enclosure::None,
+        let enclosure = if neighbours.is_manifold {
+            enclosure(&welded, &neighbours, positions)
+        } else {
+            Enclosure::None
         };
         let with_neighbours = welded.iter().zip(&neighbours.of).map(|(&[a, b, c], beside)| {
             let opposite = |place: usize, none: u32| {
@@ -226,7 +228,8 @@ mod tests {
 
     /// Returns a box of eight corners per face's own: 24 vertices, as with normals of faces.
     fn cube() -> (Vec<Vec3>, Vec<u32>) {
-        let (mut positions, mut indices) = (Vec::new(), Vec::new());
+        let mut positions = Vec::new();
+        let mut indices = Vec::new();
         for axis in 0..3 {
             for side in [-1.0_f32, 1.0] {
                 let first = positions.len() as u32;

@@ -96,7 +96,7 @@ impl VolumePlan {
             let ranges = self.ranges_of(light);
             let behind = ranges.partition_point(|range| range.leaves.first <= leaf);
             let range = behind.checked_sub(1).and_then(|place| ranges.get(place));
-            range.is_some_and(|it| leaf.0 - it.leaves.first.0 < it.leaves.count)
+            range.is_some_and(|range| leaf.0 - range.leaves.first.0 < range.leaves.count)
         })
     }
 }

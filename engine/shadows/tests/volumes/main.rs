@@ -80,8 +80,10 @@ fn entered(from: DVec4, to: DVec4, boundary: &[VolumeTriangle]) -> Option<i32> {
 
 /// Returns the triangles between a point and a light: those that face the light, and all.
 fn blockers(mesh: &SeededMesh, point: Vec3, light: Vec4) -> Option<(i32, i32)> {
-    let (from, to) = (point.as_dvec3().extend(1.0), light.as_dvec4());
-    let (mut facing, mut all) = (0, 0);
+    let from = point.as_dvec3().extend(1.0);
+    let to = light.as_dvec4();
+    let mut facing = 0;
+    let mut all = 0;
     for corners in mesh.triangles.chunks(3) {
         let triangle = [0, 1, 2].map(|corner| mesh.positions[corners[corner] as usize].extend(1.0));
         let crossed = crossing(from, to, triangle)?;
@@ -145,7 +147,8 @@ fn check_seed(seed: u64, seen: &mut Seen) {
             if kind == VolumeKind::Plain && all > 2 * facing {
                 continue; // in an inside-out fold of a mesh that meets itself
             }
-            let (from, to) = (eye.as_dvec3().extend(1.0), point.as_dvec3().extend(1.0));
+            let from = eye.as_dvec3().extend(1.0);
+            let to = point.as_dvec3().extend(1.0);
             let behind = (to - from).truncate().extend(0.0);
             let Some(left) = entered(to, behind, &closed).map(|entered| -entered) else {
                 seen.unclear += 1;

@@ -87,14 +87,13 @@ impl SeededMesh {
 
     /// Makes a sphere of rings, with bumps that keep its outside outside.
     fn sphere(random: &mut Random) -> Self {
-        let (rings, sectors) = (3 + random.below(3), 4 + random.below(4));
+        let rings = 3 + random.below(3);
+        let sectors = 4 + random.below(4);
         let mut positions = vec![Vec3::Y, Vec3::NEG_Y];
         for ring in 1..rings {
             for sector in 0..sectors {
-                let (polar, around) = (
-                    ring as f32 / rings as f32 * std::f32::consts::PI,
-                    sector as f32 / sectors as f32 * std::f32::consts::TAU,
-                );
+                let polar = ring as f32 / rings as f32 * std::f32::consts::PI;
+                let around = sector as f32 / sectors as f32 * std::f32::consts::TAU;
                 let flat = polar.sin();
                 positions.push(vec3(flat * around.cos(), polar.cos(), flat * around.sin()));
             }
@@ -108,8 +107,10 @@ impl SeededMesh {
             triangles.extend([0, at(1, sector + 1), at(1, sector)]);
             triangles.extend([1, at(rings - 1, sector), at(rings - 1, sector + 1)]);
             for ring in 1..rings - 1 {
-                let [a, b] = [at(ring, sector), at(ring, sector + 1)];
-                let [c, d] = [at(ring + 1, sector), at(ring + 1, sector + 1)];
+                let a = at(ring, sector);
+                let b = at(ring, sector + 1);
+                let c = at(ring + 1, sector);
+                let d = at(ring + 1, sector + 1);
                 triangles.extend([a, b, c, b, d, c]);
             }
         }

@@ -44,8 +44,10 @@ impl AshCulling {
         let device = unsafe { Device::adopt(description(&renderer.host)) }?;
         let shaders = ShaderSet::embedded()?;
         let [depth, colour] = images(renderer);
-        let (samples, near_depth) = (vk::SampleCountFlags::TYPE_1, NearDepth::One);
-        let (views, size) = (1, walk::SIZE);
+        let samples = vk::SampleCountFlags::TYPE_1;
+let near_depth = NearDepth::One;
+        let views = 1;
+let size = walk::SIZE;
         let images = HostImages { depth, colours: &[colour], samples, near_depth, views, size };
         // SAFETY: the host's images live as long, and nothing but its frames uses them.
         let target = unsafe { Target::of_host(&device, &images) }?;
@@ -95,7 +97,8 @@ impl AshCulling {
         let view = View::new(camera, walk::SIZE, sub_pixel_bits);
         self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
         self.view.plan_frame(hierarchy, &executor.leaves, strategy, (&view, QUERY_BUDGET));
-        let (objects, shaders) = (&mut self.objects, &self.shaders);
+        let objects = &mut self.objects;
+let shaders = &self.shaders;
         execute(&mut frame, executor, &mut self.view, objects, (shaders, &view))?;
         objects.target.restore(frame.commands());
         let tick = frame.end()?;
@@ -124,7 +127,8 @@ impl ObjectRenderer for HostObjects {
     }
 
     fn bind(&self, commands: &Commands, view: &View, bucket: BucketId, _pass: ObjectPass) {
-        let (view_proj, snap_steps) = (view.view_proj.to_cols_array(), view.snap_steps);
+        let view_proj = view.view_proj.to_cols_array();
+let snap_steps = view.snap_steps;
         self.renderer.bind(commands.raw(), bucket.0, &ViewConstants { view_proj, snap_steps });
     }
 }
@@ -150,15 +154,16 @@ fn description(host: &AshDevice) -> gpu::HostDevice {
 /// Describes the host's depth and colour: cleared by each frame, the colour then copied.
 fn images(renderer: &HostRenderer) -> [HostImage; 2] {
     use vk::{AccessFlags2 as A, PipelineStageFlags2 as S};
-    let image = |it: &AshImage, before: ImageState, exit| HostImage {
-        image: it.raw,
-        view: it.view,
-        format: it.format,
-        usage: it.usage,
+    let image = |image_state: &AshImage, before: ImageState, exit| HostImage {
+        image: image_state.raw,
+        view: image_state.view,
+        format: image_state.format,
+        usage: image_state.usage,
         entry: ImageState { layout: vk::ImageLayout::UNDEFINED, ..before },
         exit,
     };
-    let (layout, stages) = (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, S::ALL_TRANSFER);
+    let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+let stages = S::ALL_TRANSFER;
     let copied = ImageState { layout, stages, access: A::TRANSFER_READ };
     let depth = image(&renderer.depth, ImageState::depth_attachment(), None);
     [depth, image(&renderer.colour, copied, Some(copied))]

@@ -33,7 +33,8 @@ impl ImageCopies {
                 vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
             let commands = host.raw.allocate_command_buffers(&info)?[0];
             let fence = host.raw.create_fence(&vk::FenceCreateInfo::default(), None)?;
-            let (host, lock) = (host.clone(), lock.clone());
+            let host = host.clone();
+let lock = lock.clone();
             Ok(Self { host, lock, pool, commands, fence, buffer })
         }
     }
@@ -41,7 +42,8 @@ impl ImageCopies {
     /// Copies an image behind the frame that draws it, waits, and returns the bytes. The image is
     /// in its state again.
     pub fn copy(&self, finished: &FinishedImage) -> Result<Vec<u8>, Box<dyn Error>> {
-        let (raw, buffers) = (&self.host.raw, [self.commands]);
+        let raw = &self.host.raw;
+let buffers = [self.commands];
         let once = vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT;
         let begin = vk::CommandBufferBeginInfo::default().flags(once);
         let submit = vk::SubmitInfo::default().command_buffers(&buffers);
@@ -62,7 +64,9 @@ impl ImageCopies {
     /// Records the copy between two barriers: from the state of the image, and back to it.
     fn record(&self, finished: &FinishedImage) {
         use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
-        let (layout, stages, access) = (L::TRANSFER_SRC_OPTIMAL, S::COPY, A::TRANSFER_READ);
+        let layout = L::TRANSFER_SRC_OPTIMAL;
+let stages = S::COPY;
+let access = A::TRANSFER_READ;
         let copied = ImageState { layout, stages, access };
         let [width, height] = finished.size;
         let region = vk::BufferImageCopy::default()
@@ -77,18 +81,19 @@ impl ImageCopies {
             .src_access_mask(A::TRANSFER_WRITE)
             .dst_stage_mask(S::HOST)
             .dst_access_mask(A::HOST_READ)];
-        let (to_copy, back) = (
-            [barrier(finished.image, finished.state, copied)],
-            [barrier(finished.image, copied, finished.state)],
-        );
+        let to_copy = [barrier(finished.image, finished.state, copied)];
+let back = [barrier(finished.image, copied, finished.state)];
         let before = vk::DependencyInfo::default().image_memory_barriers(&to_copy);
         let behind =
             vk::DependencyInfo::default().image_memory_barriers(&back).memory_barriers(&visible);
-        let (raw, commands, buffer) = (&self.host.raw, self.commands, self.buffer.raw);
+        let raw = &self.host.raw;
+let commands = self.commands;
+let buffer = self.buffer.raw;
         // SAFETY: a command buffer in recording, and an image in the state that it says.
         unsafe {
             raw.cmd_pipeline_barrier2(commands, &before);
-            let (image, layout) = (finished.image, copied.layout);
+            let image = finished.image;
+let layout = copied.layout;
             raw.cmd_copy_image_to_buffer(commands, image, layout, buffer, &[region]);
             raw.cmd_pipeline_barrier2(commands, &behind);
         }

@@ -30,7 +30,8 @@ impl DrawnScene {
         // SAFETY: as described; the host destroys its device behind `DrawnScene::finish`.
         let device = unsafe { Device::adopt(description(host, lock)) }?;
         // Tests are made whether they pay or not: the program counts what they hide.
-        let (size, costs) = (walk::SIZE, Costs::Ignored);
+        let size = walk::SIZE;
+let costs = Costs::Ignored;
         let options = RendererOptions { size, costs, ..Default::default() };
         let renderer = Renderer::new(&device, &scene_of(walk), &options)?;
         let view = renderer.new_view()?;
@@ -58,7 +59,7 @@ impl DrawnScene {
 fn scene_of(walk: &BoxScene) -> Scene {
     let corner = |number: u32| [0, 1, 2].map(|axis| (number >> axis & 1) as f32);
     let mesh = |colour: [f32; 3]| {
-        let corners: Vec<_> = walk::INDICES.iter().map(|it| (corner(*it), colour)).collect();
+        let corners: Vec<_> = walk::INDICES.iter().map(|index| (corner(*index), colour)).collect();
         Mesh::of_triangles("box", &corners)
     };
     let objects = walk.parts.iter().map(|part| {

@@ -42,7 +42,7 @@ impl GraphDevice {
                     info.enabled_extension_count as usize,
                 );
                 let added = needs.extensions();
-                let is_new = |name: &&&CStr| own.iter().all(|it| CStr::from_ptr(*it) != **name);
+                let is_new = |name: &&&CStr| own.iter().all(|own| CStr::from_ptr(*own) != **name);
                 let added: Vec<_> = added.iter().filter(is_new).map(|name| name.as_ptr()).collect();
                 let names = [own, &added[..]].concat();
                 let mut info = info.enabled_extension_names(&names).push_next(&mut rendering);

@@ -51,8 +51,10 @@ impl GraphCulling {
         let device = unsafe { Device::adopt(description(host, &renderer.device)) }?;
         let shaders = ShaderSet::embedded()?;
         let [depth, colour] = images(renderer)?;
-        let (samples, near_depth) = (vk::SampleCountFlags::TYPE_1, NearDepth::One);
-        let (views, size) = (1, walk::SIZE);
+        let samples = vk::SampleCountFlags::TYPE_1;
+let near_depth = NearDepth::One;
+        let views = 1;
+let size = walk::SIZE;
         let images = HostImages { depth, colours: &[colour], samples, near_depth, views, size };
         // SAFETY: the host's images live as long, and nothing but its frames uses them.
         let target = unsafe { Target::of_host(&device, &images) }?;
@@ -102,7 +104,8 @@ impl GraphCulling {
         let view = View::new(camera, walk::SIZE, sub_pixel_bits);
         self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
         self.view.plan_frame(hierarchy, &executor.leaves, strategy, (&view, QUERY_BUDGET));
-        let (objects, shaders) = (&mut self.objects, &self.shaders);
+        let objects = &mut self.objects;
+let shaders = &self.shaders;
         execute(&mut frame, executor, &mut self.view, objects, (shaders, &view))?;
         objects.target.restore(frame.commands());
         let tick = frame.end()?;
@@ -131,7 +134,8 @@ impl ObjectRenderer for HostObjects {
     }
 
     fn bind(&self, commands: &Commands, view: &View, bucket: BucketId, _pass: ObjectPass) {
-        let (view_proj, snap_steps) = (view.view_proj.to_cols_array(), view.snap_steps);
+        let view_proj = view.view_proj.to_cols_array();
+let snap_steps = view.snap_steps;
         self.renderer.bind(commands.raw(), bucket.0, &ViewConstants { view_proj, snap_steps });
     }
 }
@@ -158,10 +162,12 @@ fn description(host: &HostInstance, device: &GraphDevice) -> gpu::HostDevice {
 /// Describes depth and colour in the states of the accesses that the graph's command declares:
 /// vk-graph brings them there before, and goes on from there.
 fn images(renderer: &GraphRenderer) -> Result<[HostImage; 2], Box<dyn Error>> {
-    let image = |it: &vk_graph::driver::image::Image, entry| -> Result<HostImage, Box<dyn Error>> {
-        let (image, info) = (it.handle, it.info);
-        let (format, usage) = (info.format, info.usage);
-        Ok(HostImage { image, view: it.view(info.into())?, format, usage, entry, exit: None })
+    let image = |source: &vk_graph::driver::image::Image, entry| -> Result<HostImage, Box<dyn Error>> {
+        let image = source.handle;
+let info = source.info;
+        let format = info.format;
+let usage = info.usage;
+        Ok(HostImage { image, view: source.view(info.into())?, format, usage, entry, exit: None })
     };
     Ok([
         image(&renderer.depth, ImageState::depth_attachment())?,

@@ -28,7 +28,8 @@ fn draw(
     let renderer = Arc::new(GraphRenderer::new(device, &scene)?);
     let culling = Arc::new(Mutex::new(GraphCulling::new(host, &renderer, &scene)?));
     let mut pool = HashPool::new(&device.raw);
-    let (mut walked, mut sent) = (DrawnWalk::default(), VecDeque::new());
+    let mut walked = DrawnWalk::default();
+let mut sent = VecDeque::new();
     // A frame of an engine has a number above 0.
     for number in 1..=FRAMES {
         let over = number.saturating_sub(FRAMES_IN_FLIGHT);
@@ -53,7 +54,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let host = HostInstance::new(&[])?;
     let device = Arc::new(GraphDevice::new(&host, host.find(&wanted)?)?);
     let [plain, culled] =
-        [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|it| draw(&host, &device, it));
+        [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|strategy| draw(&host, &device, strategy));
     let is_same = walk::report("vk-graph", [&plain?, &culled?]);
     drop(device);
     let messages = host.destroy();

@@ -42,7 +42,8 @@ impl GraphRenderer {
     /// Creates everything to draw `scene`.
     pub fn new(device: &Arc<GraphDevice>, scene: &BoxScene) -> Result<Self, Box<dyn Error>> {
         use vk::{BufferUsageFlags as B, ImageUsageFlags as U};
-        let ([width, height], raw) = (walk::SIZE, &device.raw);
+        let [width, height] = walk::SIZE;
+let raw = &device.raw;
         let formats = [vk::Format::R8G8B8A8_UNORM, vk::Format::D32_SFLOAT];
         let image = |format, usage| {
             let info = ImageInfo::image_2d(width, height, format, usage | U::TRANSFER_SRC);
@@ -80,10 +81,12 @@ impl GraphRenderer {
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
         let image = Arc::new(Buffer::create_from_slice(&self.device.raw, usage, &zeros)?);
         let mut graph = Graph::default();
-        let (colour, depth) = (graph.bind_resource(&self.colour), graph.bind_resource(&self.depth));
+        let colour = graph.bind_resource(&self.colour);
+let depth = graph.bind_resource(&self.depth);
         let copied = graph.bind_resource(&image);
         let recorded: Recorded = Arc::new(Mutex::new(Err("was not called".to_owned())));
-        let (outcome, culling) = (recorded.clone(), culling.clone());
+        let outcome = recorded.clone();
+let culling = culling.clone();
         graph
             .begin_cmd()
             .debug_name("antumbra")

@@ -66,7 +66,8 @@ fn create_device(
     queue_family: u32,
     needs: &Requirements,
 ) -> Result<ash::Device, Box<dyn Error>> {
-    let (extensions, mut features) = (needs.extensions(), needs.features().structures());
+    let extensions = needs.extensions();
+let mut features = needs.features().structures();
     let mut chain = features.link(&extensions);
     let names: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
     let queues = [vk::DeviceQueueCreateInfo::default()

@@ -31,7 +31,7 @@ impl HostInstance {
         let entry = unsafe { ash::Entry::load() }?;
         // SAFETY: the entry is loaded.
         let layers = unsafe { entry.enumerate_instance_layer_properties() }?;
-        let is_validated = layers.iter().any(|it| it.layer_name_as_c_str() == Ok(LAYER));
+        let is_validated = layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(LAYER));
         let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_3);
         let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
         let mut checks = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
@@ -47,13 +47,10 @@ impl HostInstance {
         }
         // SAFETY: every pointer in `info` lives until the call returns.
         let raw = unsafe { entry.create_instance(&info, None) }?;
-        let debug = match is_validated {
-            true => Some(listen(&entry, &raw)?),
-            false => {
+        let debug = if is_validated { Some(listen(&entry, &raw)?) } else {
                 println!("the validation layer is not installed");
                 None
-            }
-        };
+            };
         Ok(Self { entry, raw, debug })
     }
 

@@ -99,7 +99,7 @@ impl BoxScene {
     /// Returns the low and the high corner of each part, as the vertex shader reads them.
     #[must_use]
     pub fn corners(&self) -> Vec<[[f32; 3]; 2]> {
-        self.parts.iter().map(|it| [it.bounds.min.to_array(), it.bounds.max.to_array()]).collect()
+        self.parts.iter().map(|part| [part.bounds.min.to_array(), part.bounds.max.to_array()]).collect()
     }
 
     fn add(&mut self, parts: &[Part]) {

@@ -60,8 +60,10 @@ impl BoxPipelines {
         geometry: BoxGeometry,
         constants: &ViewConstants,
     ) {
-        let (device, bytes) = (&self.device, bytemuck::bytes_of(constants));
-        let (graphics, stage) = (vk::PipelineBindPoint::GRAPHICS, vk::ShaderStageFlags::VERTEX);
+        let device = &self.device;
+let bytes = bytemuck::bytes_of(constants);
+        let graphics = vk::PipelineBindPoint::GRAPHICS;
+let stage = vk::ShaderStageFlags::VERTEX;
         // SAFETY: the caller's promise.
         unsafe {
             device.cmd_bind_pipeline(commands, graphics, self.buckets[bucket as usize]);
@@ -75,7 +77,7 @@ impl BoxPipelines {
     pub fn destroy(self) {
         // SAFETY: the caller says that nothing is used any more.
         unsafe {
-            self.buckets.iter().for_each(|it| self.device.destroy_pipeline(*it, None));
+            self.buckets.iter().for_each(|bucket| self.device.destroy_pipeline(*bucket, None));
             self.device.destroy_pipeline_layout(self.layout, None);
         }
     }

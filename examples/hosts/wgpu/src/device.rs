@@ -66,10 +66,7 @@ impl WgpuDevice {
                     let info = std::mem::take(args.create_info)
                         .push_next(&mut rendering)
                         .push_next(&mut synchronization);
-                    *args.create_info = match has_conditions {
-                        true => info.push_next(&mut conditional),
-                        false => info,
-                    };
+                    *args.create_info = if has_conditions { info.push_next(&mut conditional) } else { info };
                 })),
             )
         }?;

@@ -50,9 +50,11 @@ impl WgpuCulling {
         // SAFETY: as described; the host destroys its device behind `WgpuCulling::finish`.
         let device = unsafe { Device::adopt(description(host, &renderer.host)) }?;
         let shaders = ShaderSet::embedded()?;
-        let (samples, near_depth) = (vk::SampleCountFlags::TYPE_1, NearDepth::One);
+        let samples = vk::SampleCountFlags::TYPE_1;
+let near_depth = NearDepth::One;
         let depth = depth_image(renderer)?;
-        let (views, size) = (1, walk::SIZE);
+        let views = 1;
+let size = walk::SIZE;
         let images = HostImages { depth, colours: &[], samples, near_depth, views, size };
         // SAFETY: the host's texture lives as long, and nothing but its frames uses it.
         let target = unsafe { Target::of_host(&device, &images) }?;
@@ -104,7 +106,7 @@ impl WgpuCulling {
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
         let snap_steps = View::new(camera, walk::SIZE, bits).snap_steps;
         let constants = ViewConstants { view_proj: view_proj.to_cols_array(), snap_steps };
-        let draws = |lists: &[DrawList]| lists.iter().map(|it| self.draws(it)).collect::<Vec<_>>();
+        let draws = |lists: &[DrawList]| lists.iter().map(|list| self.draws(list)).collect::<Vec<_>>();
         let [visible, revealed] =
             [self.view.visible_lists(), self.view.revealed_lists()].map(draws);
         let first = self.renderer.encode(&visible, &constants, None);
@@ -159,7 +161,8 @@ impl WgpuCulling {
             };
             (buffer, slice.offset_bytes)
         };
-        let (commands, count) = (buffer(list.commands), list.count.map(buffer));
+        let commands = buffer(list.commands);
+let count = list.count.map(buffer);
         WgpuDraws { bucket: list.bucket.0, commands, most: list.most, count }
     }
 

@@ -26,7 +26,8 @@ fn draw(
     let scene = BoxScene::new();
     let renderer = Arc::new(WgpuRenderer::new(device, &scene));
     let mut culling = WgpuCulling::new(host, &renderer, &scene)?;
-    let (mut walked, mut sent) = (DrawnWalk::default(), VecDeque::new());
+    let mut walked = DrawnWalk::default();
+let mut sent = VecDeque::new();
     // A frame of an engine has a number above 0.
     for number in 1..=FRAMES {
         let over = number.saturating_sub(FRAMES_IN_FLIGHT);
@@ -51,7 +52,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let host = HostInstance::new(&[ash::khr::surface::NAME])?;
     let device = Arc::new(WgpuDevice::new(&host, host.find(&wanted)?)?);
     let [plain, culled] =
-        [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|it| draw(&host, &device, it));
+        [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|strategy| draw(&host, &device, strategy));
     let is_same = walk::report("wgpu", [&plain?, &culled?]);
     drop(device);
     let messages = host.destroy();

@@ -198,7 +198,8 @@ impl<'a> Case<'a> {
     /// later as frames are in flight. Of these places the one with the largest ratio counts.
     pub fn after_cut_ratio(&self, a: &str, b: &str) -> Option<Spread> {
         let of = |report: &&Measured| -> Option<f64> {
-            let (a, b) = (&report.run(a)?.frame_times_ms, &report.run(b)?.frame_times_ms);
+            let a = &report.run(a)?.frame_times_ms;
+            let b = &report.run(b)?.frame_times_ms;
             let late = usize::try_from(report.frames_in_flight).ok()?;
             (0..=late).filter_map(|places| after_cut_at(a, b, places)).max_by(f64::total_cmp)
         };

@@ -221,7 +221,8 @@ fn left_out(cases: &Cases<'_>, sizes: &[u64]) -> Vec<String> {
                 continue;
             };
             if !larger.is_empty() {
-                let (size, time) = (thousands(size as f64), short(time.median()));
+                let size = thousands(size as f64);
+                let time = short(time.median());
                 sentences.push(format!(
                     "{name}: left out above {size} objects: {time} ms per frame there"
                 ));

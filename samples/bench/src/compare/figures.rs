@@ -138,7 +138,8 @@ impl Figure {
     }
 
     fn new(case: &str, what: impl Into<String>, asked: Asked, found: Option<Spread>) -> Self {
-        let (case, what) = (case.to_owned(), what.into());
+        let case = case.to_owned();
+        let what = what.into();
         Self {
             case,
             what,
@@ -249,7 +250,8 @@ fn ratio_at(
 /// Returns the nearest of the rivals, as a multiple of the time of `antumbra`.
 fn against_rivals(cases: &Cases<'_>, size: u64) -> Figure {
     let case = street(cases, size);
-    let (mut nearest, mut missing) = (None::<(&str, Spread)>, Vec::new());
+    let mut nearest = None::<(&str, Spread)>;
+    let mut missing = Vec::new();
     for rival in RIVALS {
         match case.ratio(rival, ANTUMBRA) {
             None => missing.push(rival),
@@ -285,7 +287,8 @@ fn after_cut(cases: &Cases<'_>) -> Figure {
 }
 
 fn cpu_growth(cases: &Cases<'_>) -> Figure {
-    let (small, large) = (street(cases, 10_000), street(cases, 1_000_000));
+    let small = street(cases, 10_000);
+    let large = street(cases, 1_000_000);
     let growth = |of: &dyn Fn(&Case<'_>) -> Option<Spread>| of(&large)?.over(&of(&small)?);
     let times = |case: &Case<'_>| case.cpu_ms(ANTUMBRA);
     let visited = |case: &Case<'_>| case.count(ANTUMBRA, |run| run.nodes_visited);

@@ -170,7 +170,8 @@ fn parts_below_the_top(points: &[Point], shown: &Range<f64>) -> Vec<Vec<(f64, f6
     let top = shown.end;
     let mut corners: Vec<(f64, f64)> = Vec::new();
     for point in points {
-        let (x, y) = (point.x, point.y.max(shown.start));
+        let x = point.x;
+        let y = point.y.max(shown.start);
         if let Some(&(last_x, last_y)) = corners.last()
             && (last_y > top) != (y > top)
         {
@@ -206,7 +207,8 @@ fn legend(area: &Area<'_>, series: &[Series], marks: Marks) -> Result<(), DrawEr
     series.sort_by(|a, b| end(b).total_cmp(&end(a)));
     let mut chart = ChartBuilder::on(area).build_cartesian_2d(0..1, 0..1)?;
     for Series { strategy, .. } in series {
-        let (line, dot) = (line(strategy), dot(strategy));
+        let line = line(strategy);
+        let dot = dot(strategy);
         let name = chart.draw_series(iter::empty::<PathElement<(i32, i32)>>())?.label(strategy);
         let sample =
             move |place| EmptyElement::at(place) + PathElement::new([(0, 0), (40, 0)], line);

@@ -110,7 +110,8 @@ fn wrong_pixels(book: Option<&Book>) -> String {
     match book {
         Some(book) if book.is_refused => "refused by design".to_owned(),
         Some(book) if book.frames_compared > 0 => {
-            let [pixels, frames] = [book.pixels_wrong, book.frames_compared];
+            let pixels = book.pixels_wrong;
+            let frames = book.frames_compared;
             format!("{} in {} frames", thousands(pixels as f64), thousands(frames as f64))
         }
         _ => "not compared".to_owned(),

@@ -104,13 +104,15 @@ pub fn style_sheet() -> String {
         css.push_str(&format!("polyline[stroke=\"{light}\"]{{stroke-dasharray:{dashes}}}"));
     }
     // Text keeps clear of lines that pass below it.
-    let (light, dark) = (BACKGROUND.light_hex(), BACKGROUND.dark_hex());
+    let light = BACKGROUND.light_hex();
+    let dark = BACKGROUND.dark_hex();
     css.push_str(&format!(
         "text{{paint-order:stroke;stroke:{light};stroke-width:4px;stroke-linejoin:round}}"
     ));
     css.push_str(&format!("@media(prefers-color-scheme:dark){{text{{stroke:{dark}}}"));
     for colour in all() {
-        let (light, dark) = (colour.light_hex(), colour.dark_hex());
+        let light = colour.light_hex();
+        let dark = colour.dark_hex();
         css.push_str(&format!(
             "[fill=\"{light}\"]{{fill:{dark}}}[stroke=\"{light}\"]{{stroke:{dark}}}"
         ));
@@ -152,7 +154,8 @@ mod tests {
     }
 
     fn contrast(a: u32, b: u32) -> f64 {
-        let (a, b) = (luminance(a), luminance(b));
+        let a = luminance(a);
+        let b = luminance(b);
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
     }
 

@@ -31,7 +31,8 @@ pub fn picture(
     draw(&area)?;
     area.present()?;
     drop(area);
-    let (title, style) = (escaped(description), palette::style_sheet());
+    let title = escaped(description);
+    let style = palette::style_sheet();
     Ok(svg.replacen('>', &format!(">\n<title>{title}</title>\n<style>{style}</style>"), 1))
 }
 

@@ -254,7 +254,8 @@ fn over_sizes(
     }
     let point = |name: &str, size: u64| {
         let spread = value(&at(size), name)?;
-        let (least, most) = (spread.least(), spread.most());
+        let least = spread.least();
+        let most = spread.most();
         Some(Point { x: size as f64, y: spread.median(), least, most })
     };
     lines(names, |name| sizes.iter().filter_map(|size| point(name, *size)).collect())

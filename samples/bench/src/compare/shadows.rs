@@ -152,7 +152,9 @@ fn culling(reports: &[&Measured]) -> Option<String> {
                     && (&other.strategy, &other.filter) == (&run.strategy, &run.filter)
             };
             let Some(all) = report.runs.iter().find(has_all) else { continue };
-            let triangles = |run: &MeasuredRun| run.shadow_triangles.map(|it| it as f64);
+            let triangles = |run: &MeasuredRun| {
+                run.shadow_triangles.map(|shadow_triangle| shadow_triangle as f64)
+            };
             rows.push(vec![
                 place(report),
                 run.shadows.clone().unwrap_or_default(),
@@ -220,7 +222,9 @@ fn ways(reports: &[&Measured]) -> Option<String> {
 fn lights(reports: &[&Measured]) -> Option<String> {
     let mut numbered: Vec<(u32, &Measured)> = Vec::new();
     for report in reports {
-        numbered.extend(report.lights.as_deref().and_then(|it| it.parse().ok()).zip(Some(*report)));
+        numbered.extend(
+            report.lights.as_deref().and_then(|lights| lights.parse().ok()).zip(Some(*report)),
+        );
     }
     numbered.sort_by_key(|(lamps, _)| *lamps);
     let mut rows = Vec::new();

@@ -114,7 +114,8 @@ mod tests {
 
     #[test]
     fn products_and_quotients_take_every_pair() {
-        let (a, b) = (Spread::of([1.0, 2.0]).unwrap(), Spread::of([4.0, 8.0]).unwrap());
+        let a = Spread::of([1.0, 2.0]).unwrap();
+        let b = Spread::of([4.0, 8.0]).unwrap();
         let product = a.times(&b).unwrap();
         assert_eq!((product.least(), product.most(), product.count()), (4.0, 16.0, 4));
         let quotient = b.over(&a).unwrap();

@@ -32,7 +32,8 @@ pub struct Thumbnail {
 /// those that could not be shown. The pictures of the report `NAME.json` lie in the folder `NAME`
 /// in `folder`; the first one by its name is taken.
 pub fn thumbnails(folder: &Path, cases: &Cases<'_>) -> (Vec<Thumbnail>, Vec<String>) {
-    let (mut found, mut missing) = (Vec::<((&str, &str), Thumbnail)>::new(), Vec::new());
+    let mut found = Vec::<((&str, &str), Thumbnail)>::new();
+    let mut missing = Vec::new();
     for (place, case) in cases.iter().filter(|(place, _)| place.moving == 0 && place.views == 1) {
         let Some(file) = picture_of(folder, case) else { continue };
         match shrunk(&file) {

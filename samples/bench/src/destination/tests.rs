@@ -35,8 +35,9 @@ fn links_stay_and_what_they_lead_to_is_replaced() {
     let scratch = Scratch::new("destination-link");
     let folder = scratch.0.join("folder");
     fs::create_dir(&folder).unwrap();
-    let (file, link, chain) =
-        (folder.join("file"), scratch.0.join("link"), scratch.0.join("chain"));
+    let file = folder.join("file");
+    let link = scratch.0.join("link");
+    let chain = scratch.0.join("chain");
     std::os::unix::fs::symlink("folder/file", &link).unwrap();
     std::os::unix::fs::symlink("link", &chain).unwrap();
     // First where the link leads to nothing, then where it leads to a file.
@@ -63,7 +64,8 @@ fn a_pipe_is_written_into_and_stays_one() {
     use std::os::unix::fs::FileTypeExt;
 
     let scratch = Scratch::new("destination-pipe");
-    let (pipe, link) = (scratch.0.join("pipe"), scratch.0.join("link"));
+    let pipe = scratch.0.join("pipe");
+    let link = scratch.0.join("link");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     std::os::unix::fs::symlink(&pipe, &link).unwrap();
     for path in [&pipe, &link] {

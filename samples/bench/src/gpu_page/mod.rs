@@ -40,7 +40,8 @@ pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
     let instance = open_instance(arguments.device.validation, None)?;
     let adapter = pick_adapter(&instance, &arguments.device.choice())?;
     if let Some(other) = reports.iter().find(|report| report.device.name != adapter.name) {
-        let (file, name) = (&other.file, &other.device.name);
+        let file = &other.file;
+        let name = &other.device.name;
         return Err(RunError::user(format!(
             "{file} is a report of {name}, not of {}",
             adapter.name

@@ -47,14 +47,14 @@ fn purpose(name: &str, is_software: bool) -> &'static str {
     const COMPUTE: [&str; 10] =
         ["A100", "A800", "B100", "B200", "GH200", "H100", "H200", "H800", "P100", "V100"];
     let is_compute = |word: &str| {
-        COMPUTE.contains(&word) || ["MI1", "MI2", "MI3"].iter().any(|it| word.starts_with(it))
+        COMPUTE.contains(&word) || ["MI1", "MI2", "MI3"].iter().any(|name| word.starts_with(name))
     };
     if is_software {
         return "This device draws on the CPU. Exactness found here holds for its driver. Ratios of \
                 strategies within this page mean something for software drivers alone, and prices \
                 even less: on a GPU a box costs next to nothing, and breaks and empty draws count.";
     }
-    if name.split(|it: char| !it.is_alphanumeric()).any(is_compute) {
+    if name.split(|letter: char| !letter.is_alphanumeric()).any(is_compute) {
         return "This is a GPU of a data centre: it draws triangles on few of its units (an H100 on 2 \
                 of 66), and computes on all. Exactness found here holds. Prices compare raster with \
                 raster only: compute looks many times cheaper than on a GPU for games.";
@@ -69,7 +69,8 @@ impl DevicePage<'_> {
         let Adapter { name, driver, api, .. } = self.adapter;
         let command = self.provenance.command.join(" ");
         let changes = if self.has_changes { " and changes that are not committed" } else { "" };
-        let commit = self.commit.map_or(String::new(), |it| format!(", commit {it}{changes}"));
+        let commit =
+            self.commit.map_or(String::new(), |commit| format!(", commit {commit}{changes}"));
         let head = format!(
             "# {name}\n\n{driver}, Vulkan {api}; {}{commit}. Made by `ci/gpu` (`{command}`).\n\n{}\n",
             self.provenance.day(),
@@ -95,7 +96,7 @@ impl DevicePage<'_> {
         for (assumption, finding) in &self.trust.findings {
             text += &row(&[assumption.name(), finding.word(), finding.detail()]);
         }
-        let broken = |(_, it): &&(_, Finding)| matches!(it, Finding::Broken(_));
+        let broken = |(_, finding): &&(_, Finding)| matches!(finding, Finding::Broken(_));
         match (self.trust.findings.iter().filter(broken).count(), self.trust.safest) {
             (0, _) => text + "\nNothing is broken.\n",
             (_, Some(strategy)) => text + &format!("\nThe safest strategy is `{strategy}`.\n"),

@@ -7,7 +7,7 @@ use crate::strategy::strategies;
 /// Returns the section about the walks that were compared; nothing where none was. `left_out` says
 /// which walks the device cannot do.
 pub(super) fn exactness(reports: &[Measured], left_out: &[String]) -> String {
-    let verified: Vec<&Measured> = reports.iter().filter(|it| it.is_verified()).collect();
+    let verified: Vec<&Measured> = reports.iter().filter(|report| report.is_verified()).collect();
     if verified.is_empty() {
         return String::new();
     }
@@ -82,7 +82,7 @@ fn lacking(reports: &[Measured], left_out: &[String]) -> String {
     let fewer = reports.iter().filter_map(|report| {
         let first = report.left_out.first()?;
         let names: Vec<String> =
-            report.left_out.iter().map(|it| format!("`{}`", it.strategy)).collect();
+            report.left_out.iter().map(|row| format!("`{}`", row.strategy)).collect();
         Some(format!("{} without {}: {}", words(report), names.join(", "), first.reason))
     });
     let all: Vec<String> = left_out.iter().cloned().chain(fewer).collect();
@@ -94,7 +94,7 @@ fn lacking(reports: &[Measured], left_out: &[String]) -> String {
 
 /// Returns the section about the walks that were timed; nothing where none was.
 pub(super) fn timed(reports: &[Measured]) -> String {
-    let timed: Vec<&Measured> = reports.iter().filter(|it| !it.is_verified()).collect();
+    let timed: Vec<&Measured> = reports.iter().filter(|report| !report.is_verified()).collect();
     if timed.is_empty() {
         return String::new();
     }
@@ -112,7 +112,7 @@ pub(super) fn timed(reports: &[Measured]) -> String {
                     return "1".to_owned();
                 }
                 let ratio = report.paired_ratios.get(&format!("{}/{other}", run.strategy));
-                ratio.copied().flatten().map_or("-".to_owned(), |it| format!("{it:.2}"))
+                ratio.copied().flatten().map_or("-".to_owned(), |ratio| format!("{ratio:.2}"))
             };
             let ms = run.frame_ms.median.map_or("-".to_owned(), |ms| format!("{ms:.2}"));
             text += &row(&[
@@ -145,7 +145,7 @@ fn words(report: &Measured) -> String {
         words.push(format!("cut by {} planes ({})", section.planes.len(), section.mode));
     }
     words.extend(report.light_words());
-    let mut ways: Vec<&str> = report.runs.iter().filter_map(|it| it.shadows.as_deref()).collect();
+    let mut ways: Vec<&str> = report.runs.iter().filter_map(|run| run.shadows.as_deref()).collect();
     ways.dedup();
     words.extend(ways.iter().filter(|way| **way != "off").map(|way| format!("shadow {way}")));
     words.join(", ")

@@ -60,8 +60,11 @@ fn of_many_runs_each_is_compared_with_three() {
         run.frame_ms.median = Some(frame_ms);
         run
     };
-    report.runs =
-        crate::strategy::strategies().iter().zip(1..).map(|(it, ms)| run(*it, ms.into())).collect();
+    report.runs = crate::strategy::strategies()
+        .iter()
+        .zip(1..)
+        .map(|(strategy, ms)| run(*strategy, ms.into()))
+        .collect();
     report.ratios = crate::report::ratios(&report.runs);
     let text = render(&report, 120);
     let lines = text.lines().filter(|line| line.starts_with("a frame of ")).count();

@@ -129,7 +129,8 @@ fn places_that_cannot_be_written_end_with_2_before_any_work() {
     let file = beside.0.join("file");
     fs::write(&file, "kept").expect("the target folder is writable");
     let below = file.join("below");
-    let (file_name, below) = (file.to_string_lossy(), below.to_string_lossy());
+    let file_name = file.to_string_lossy();
+    let below = below.to_string_lossy();
     for arguments in [
         ["--out", file_name.as_ref()],
         ["--out", below.as_ref()],
@@ -302,7 +303,8 @@ fn a_folder_of_shaders_that_is_none_ends_with_2() {
 #[test]
 #[cfg(feature = "shader-compiler")]
 fn a_shader_that_does_not_compile_ends_with_2_and_its_line() {
-    let (scratch, shaders) = (Scratch::new("broken-shader"), Scratch::new("broken-shader-glsl"));
+    let scratch = Scratch::new("broken-shader");
+    let shaders = Scratch::new("broken-shader-glsl");
     harness::edited_shaders(&shaders, "opaque_main.glsl", "normalize(", "normalise(");
     let text = fs::read_to_string(shaders.0.join("opaque_main.glsl")).expect("the shader");
     let line = 1 + text.lines().position(|line| line.contains("normalise(")).expect("a line");

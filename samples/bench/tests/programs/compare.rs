@@ -91,7 +91,9 @@ fn page_table_and_image_are_written() {
 
     let read = |name: &str| fs::read_to_string(scratch.0.join(name)).expect("it is there");
     let nearly = "1.21 (1.20 to 1.30)";
-    let (page, table, svg) = (read("page.html"), read("table.md"), read("ratios.svg"));
+    let page = read("page.html");
+    let table = read("table.md");
+    let svg = read("ratios.svg");
     assert!(page.contains(nearly) && page.contains("≈ reached in the median, not in every run"));
     assert!(
         table.contains(&format!("| street 10k | antumbra / ideal | at most 1.22 | {nearly} |"))

@@ -115,7 +115,8 @@ fn the_camera_goes_from_end_to_end_in_any_number_of_frames() {
         let image = |name: &str| pixels(&scratch.0.join(out).join(name));
         (image("frame_00000.png"), image(&name))
     };
-    let (few, many) = (last("3", "few"), last("13", "many"));
+    let few = last("3", "few");
+    let many = last("13", "many");
     assert!(few.0 == many.0 && few.1 == many.1 && few.0 != few.1);
 }
 

@@ -194,7 +194,8 @@ fn the_page_of_a_gpu_has_compared_and_timed_walks_of_every_way() {
     let walks = walks.expect("walks");
     let walks: Vec<&str> = walks.lines().collect();
     assert!(walks.iter().all(|walk| walk.contains("--device some")), "{walks:?}");
-    let has = |parts: &[&str]| walks.iter().any(|walk| parts.iter().all(|it| walk.contains(it)));
+    let has =
+        |parts: &[&str]| walks.iter().any(|walk| parts.iter().all(|part| walk.contains(part)));
     for checks in ["--validation on", "--validation sync"] {
         assert!(has(&[checks, "--verify every", "--strategy frustum,antumbra,ideal"]));
     }

@@ -88,7 +88,8 @@ fn assert_report(report: &Value, device: &str) {
         assert_run(run, triangles);
     }
     let run = |name| runs.iter().find(|run| run["strategy"] == name).expect("its run");
-    let (frustum, antumbra) = (run("frustum"), run("antumbra"));
+    let frustum = run("frustum");
+    let antumbra = run("antumbra");
     assert_eq!((&frustum["queries"], &frustum["predicated_draws"]), (&0.into(), &0.into()));
     assert!(number(&antumbra["tests"]) > 0.0, "nobody asked anything");
     assert!(number(&antumbra["draws"]) < number(&frustum["draws"]), "nothing was hidden");
@@ -268,7 +269,8 @@ fn a_threshold_is_not_exact_and_says_how_wrong_it_can_be() {
         assert_ne!(report["predicates"], "conditional");
         let runs = report["runs"].as_array().expect("runs");
         let numbers = |key| runs.iter().map(|run| number(&run[key])).collect::<Vec<f64>>();
-        let (wrong, most) = (numbers("pixels_wrong"), numbers("pixels_wrong_at_most"));
+        let wrong = numbers("pixels_wrong");
+        let most = numbers("pixels_wrong_at_most");
         assert_eq!((wrong[0], most[0]), (0.0, 0.0));
         for run in 1..3 {
             assert!(0.0 < wrong[run] && wrong[run] <= most[run], "{wrong:?} {most:?}");
@@ -295,9 +297,11 @@ fn strategies_are_listed_without_a_device() {
 #[test]
 #[cfg(feature = "shader-compiler")]
 fn wrong_pixels_end_with_1_after_the_table_and_the_report() {
-    let (scratch, shaders) = (Scratch::new("wrong-pixels"), Scratch::new("wrong-pixels-glsl"));
+    let scratch = Scratch::new("wrong-pixels");
+    let shaders = Scratch::new("wrong-pixels-glsl");
     // Proxies that never show: what they stand for stays hidden for ever.
-    let (test, never) = ("shows_low || shows_high ?", "shows_low && !shows_low ?");
+    let test = "shows_low || shows_high ?";
+    let never = "shows_low && !shows_low ?";
     harness::edited_shaders(&shaders, "box.glsl", test, never);
     let folder = shaders.0.to_string_lossy();
     let small = ["--quiet", "--objects=1000", "--frames=12", "--size=96x64", "--device=llvmpipe"];

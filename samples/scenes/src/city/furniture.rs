@@ -76,7 +76,8 @@ pub(super) fn bench(materials: &Materials) -> Mesh {
     }
     let coat = materials.coat.shade(0.6);
     for x in [-0.75, 0.0, 0.75] {
-        let (left, right) = (x - 0.03, x + 0.03);
+        let left = x - 0.03;
+        let right = x + 0.03;
         builder.cuboid(vec3(left, 0.0, 0.2), vec3(right, 0.44, 0.28), Faces::Standing, coat);
         builder.cuboid(vec3(left, 0.36, -0.28), vec3(right, 0.425, 0.25), Faces::All, coat);
         let back = [vec2(-0.3, 0.0), vec2(-0.42, 0.95), vec2(-0.36, 0.95), vec2(-0.22, 0.0)];

@@ -195,14 +195,12 @@ fn pavement(plates: &mut Plates, side: usize, surfaces: &Surfaces) {
     }
     level([BUILDING_LINE_M, stone], [BUILDING_LINE_M, stone], surfaces.slabs[1]);
     let (x, z) = turned(side, [-KERB_M, KERB_M], [KERB_M, KERB_M]);
-    let ([from, to], face) = (
-        match side % 4 {
-            0 => [[x[0], z[0]], [x[1], z[0]]],
-            1 => [[x[0], z[1]], [x[0], z[0]]],
-            2 => [[x[1], z[0]], [x[0], z[0]]],
-            _ => [[x[0], z[0]], [x[0], z[1]]],
-        },
-        surfaces.kerb.shade(0.7),
-    );
+    let [from, to] = match side % 4 {
+        0 => [[x[0], z[0]], [x[1], z[0]]],
+        1 => [[x[0], z[1]], [x[0], z[0]]],
+        2 => [[x[1], z[0]], [x[0], z[0]]],
+        _ => [[x[0], z[0]], [x[0], z[1]]],
+    };
+    let face = surfaces.kerb.shade(0.7);
     plates.upright(from, to, [0.0, PAVEMENT_M], face);
 }

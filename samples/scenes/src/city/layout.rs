@@ -153,12 +153,9 @@ impl Lot {
         let centre = self.centre();
         let [width, depth] = self.size();
         let along_z = if width == depth { centre.y.abs() >= centre.x.abs() } else { width > depth };
-        match along_z {
-            true if centre.y >= 0.0 => 0,
-            true => 2,
-            false if centre.x >= 0.0 => 1,
-            false => 3,
-        }
+        let is_positive = if along_z { centre.y >= 0.0 } else { centre.x >= 0.0 };
+        let first_side = if along_z { 0 } else { 1 };
+        if is_positive { first_side } else { first_side + 2 }
     }
 }
 
@@ -284,7 +281,9 @@ mod tests {
         for (number, division) in DIVISIONS.iter().enumerate() {
             let mut covered = [[0u8; 6]; 6];
             for lot in division.lots {
-                let ([x, z], [width, depth]) = ([lot.x, lot.z], lot.size());
+                let x = lot.x;
+                let z = lot.z;
+                let [width, depth] = lot.size();
                 for column in x..x + width {
                     for row in z..z + depth {
                         covered[column as usize][row as usize] += 1;

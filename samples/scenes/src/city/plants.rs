@@ -83,7 +83,8 @@ pub(super) fn spreading_tree(materials: &Materials) -> Mesh {
 pub(super) fn planter(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let stone = materials.stone.tinted(0.0);
-    let (half, high) = (vec2(1.2, 0.45), 0.6);
+    let half = vec2(1.2, 0.45);
+    let high = 0.6;
     builder.tapered(
         vec3(-half.x, 0.0, -half.y),
         vec3(half.x, high - 0.1, half.y),

@@ -52,14 +52,18 @@ impl RoofSite<'_> {
     /// Adds a wall of 0.9 m around a flat roof that lies 0.1 m below the eaves.
     fn parapet(&self, builder: &mut MeshBuilder, half: Vec2, eaves: f32) {
         let Materials { trim, wall, gravel, .. } = self.materials;
-        let (top, deck, thick) = (eaves + 0.8, eaves - 0.1, 0.3);
+        let top = eaves + 0.8;
+        let deck = eaves - 0.1;
+        let thick = 0.3;
         let corners = |half: Vec2, y: f32| {
             [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)]
                 .map(|(x, z)| vec3(x * half.x, y, z * half.y))
         };
         let within = half - Vec2::splat(thick);
-        let (foot, outer) = (corners(half, eaves), corners(half, top));
-        let (inner, floor) = (corners(within, top), corners(within, deck));
+        let foot = corners(half, eaves);
+        let outer = corners(half, top);
+        let inner = corners(within, top);
+        let floor = corners(within, deck);
         for corner in 0..4 {
             let next = (corner + 1) % 4;
             builder.polygon(&[foot[corner], foot[next], outer[next], outer[corner]], *wall);
@@ -148,7 +152,8 @@ impl RoofSite<'_> {
         let short = wide.min_element();
         let rise = short * 0.62;
         let inset = Vec2::splat(short);
-        let (low, high) = (self.eaves_m, self.eaves_m + rise);
+        let low = self.eaves_m;
+        let high = self.eaves_m + rise;
         builder.tapered(
             vec3(-wide.x, low, -wide.y),
             vec3(wide.x, high, wide.y),
@@ -165,9 +170,11 @@ impl RoofSite<'_> {
     fn gabled(&self, builder: &mut MeshBuilder, random: &mut Random) {
         let Materials { trim, tile, wall, .. } = self.materials;
         self.soffit(builder, 0.25, *trim);
-        let (x, z) = (self.half.x, self.half.y);
+        let x = self.half.x;
+        let z = self.half.y;
         let rise = z * 0.8;
-        let (low, high) = (self.eaves_m, self.eaves_m + rise);
+        let low = self.eaves_m;
+        let high = self.eaves_m + rise;
         let ridge = |x: f32| vec3(x, high, 0.0);
         let eave = |x: f32, z: f32| vec3(x, low, z);
         builder.polygon(&[eave(-x, z), eave(x, z), ridge(x), ridge(-x)], *tile);
@@ -202,8 +209,10 @@ impl RoofSite<'_> {
             let width = 2.0 * if side.is_multiple_of(2) { self.half.x } else { self.half.y };
             for dormer in 0..count {
                 let middle = width * (dormer as f32 + 0.5) / count as f32;
-                let (low, high) = (set_back * slope - 0.05, set_back * slope + 1.5);
-                let (left, right) = (middle - 0.65, middle + 0.65);
+                let low = set_back * slope - 0.05;
+                let high = set_back * slope + 1.5;
+                let left = middle - 0.65;
+                let right = middle + 0.65;
                 // The back end lies inside the roof.
                 let back = -set_back - 1.7 / slope;
                 let at = |u: f32, v: f32, d: f32| frame.at(u, v, d);
@@ -246,7 +255,9 @@ impl RoofSite<'_> {
     fn mansard(&self, builder: &mut MeshBuilder, random: &mut Random) {
         let Materials { trim, slate, .. } = self.materials;
         self.soffit(builder, 0.28, *trim);
-        let (low, high, inset) = (self.eaves_m, self.eaves_m + 3.0, 1.2);
+        let low = self.eaves_m;
+        let high = self.eaves_m + 3.0;
+        let inset = 1.2;
         let half = self.half;
         builder.tapered(
             vec3(-half.x, low, -half.y),

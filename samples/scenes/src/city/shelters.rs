@@ -26,7 +26,8 @@ pub(super) fn kiosk(materials: &Materials) -> Mesh {
     let front = Frame::of_side(0, half, Vec3::ZERO);
     builder.ledge(&front, panel(0.1, 0.98, 2.3, 1.04), 0.35, materials.wood);
     for stripe in 0..10u8 {
-        let (u0, u1) = (0.22 * f32::from(stripe) + 0.1, 0.22 * f32::from(stripe) + 0.32);
+        let u0 = 0.22 * f32::from(stripe) + 0.1;
+        let u1 = 0.22 * f32::from(stripe) + 0.32;
         let paint = if stripe % 2 == 0 { materials.trim } else { coat };
         let slope = [
             front.at(u0, 2.05, 0.8),

@@ -114,7 +114,8 @@ fn hull(
     };
     for (position, &point) in points.iter().enumerate() {
         let next = points[(position + 1) % points.len()];
-        let (inner, inner_next) = (drawn_in(point), drawn_in(next));
+        let inner = drawn_in(point);
+        let inner_next = drawn_in(next);
         let shoulder = half_width - bevel;
         let wide = |point: Vec2, z: f32| vec3(point.x, point.y, z);
         builder.polygon(
@@ -239,8 +240,10 @@ fn windows(builder: &mut MeshBuilder, shape: &Shape, half: f32, glass: Paint) {
     );
     let belt = front_foot.1.max(rear_foot.1) + 0.12;
     let top = front_top.1.min(rear_top.1) - 0.14;
-    let (rear, front) = (rear_foot.0 + 0.35, front_foot.0 - 0.45);
-    let (rear_high, front_high) = (rear_top.0.max(rear_foot.0 + 0.35) + 0.1, front_top.0 - 0.02);
+    let rear = rear_foot.0 + 0.35;
+    let front = front_foot.0 - 0.45;
+    let rear_high = rear_top.0.max(rear_foot.0 + 0.35) + 0.1;
+    let front_high = front_top.0 - 0.02;
     let split = (rear + front) / 2.0;
     for (from, to) in [
         ([rear, rear_high], [split - 0.06, split - 0.06]),

@@ -24,14 +24,16 @@ const WALL_HEIGHT_M: f32 = 12.0;
 /// top.
 pub(super) fn wall(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
-    let (wall, pier) = (materials.wall, materials.wall.shade(0.9));
+    let wall = materials.wall;
+    let pier = materials.wall.shade(0.9);
     let arches = 9u32;
     for side in [0, 2] {
         let frame = Frame::of_side(side, WALL_HALF, Vec3::ZERO);
         let width = 2.0 * WALL_HALF.x;
         for arch in 0..arches {
             let edge = |arch: u32| width * arch as f32 / arches as f32;
-            let (u0, u1) = (edge(arch), edge(arch + 1));
+            let u0 = edge(arch);
+            let u1 = edge(arch + 1);
             blind_arch(&mut builder, &frame, [u0, u1], materials);
         }
         for place in 0..=arches {
@@ -47,7 +49,8 @@ pub(super) fn wall(materials: &Materials) -> Mesh {
     }
     builder.band(WALL_HALF, 0.12, [0.0, 0.9], materials.stone);
     let half = WALL_HALF + Vec2::splat(0.25);
-    let (low, high) = (WALL_HEIGHT_M - 0.35, WALL_HEIGHT_M + 0.15);
+    let low = WALL_HEIGHT_M - 0.35;
+    let high = WALL_HEIGHT_M + 0.15;
     builder.cuboid(
         vec3(-half.x, low, -half.y),
         vec3(half.x, high, half.y),
@@ -61,7 +64,11 @@ pub(super) fn wall(materials: &Materials) -> Mesh {
 /// Adds a recess that ends in a round arch.
 fn blind_arch(builder: &mut MeshBuilder, frame: &Frame, ends: [f32; 2], materials: &Materials) {
     let [u0, u1] = ends;
-    let (middle, radius, spring, foot, depth) = ((u0 + u1) / 2.0, 2.0, 7.2, 1.2, 0.2);
+    let middle = (u0 + u1) / 2.0;
+    let radius = 2.0;
+    let spring = 7.2;
+    let foot = 1.2;
+    let depth = 0.2;
     let steps = 10u16;
     let arc: Vec<(f32, f32)> = (0..=steps)
         .map(|step| {
@@ -70,8 +77,9 @@ fn blind_arch(builder: &mut MeshBuilder, frame: &Frame, ends: [f32; 2], material
         })
         .collect();
     let at = |(u, v): (f32, f32), d: f32| frame.at(u, v, d);
-    let (wall, reveal, back) =
-        (materials.wall, materials.reveal.shade(0.85), materials.wall.shade(0.8));
+    let wall = materials.wall;
+    let reveal = materials.reveal.shade(0.85);
+    let back = materials.wall.shade(0.8);
     // Below the arch: left, right and under the opening; above it: up to the top, step by step.
     let right = arc[0];
     let left = arc[arc.len() - 1];
@@ -96,7 +104,8 @@ fn blind_arch(builder: &mut MeshBuilder, frame: &Frame, ends: [f32; 2], material
     builder.polygon(&[at(right, 0.0), at((u1, spring), 0.0), at(top(u1), 0.0)], wall);
     builder.polygon(&[at((u0, spring), 0.0), at(left, 0.0), at(top(u0), 0.0)], wall);
     for pair in arc.windows(2) {
-        let (a, b) = (pair[0], pair[1]);
+        let a = pair[0];
+        let b = pair[1];
         let corner = if a.0 + b.0 > 2.0 * middle { u1 } else { u0 };
         builder.polygon(&[at(a, 0.0), at((corner, WALL_HEIGHT_M), 0.0), at(b, 0.0)], wall);
         builder.polygon(&[at(a, 0.0), at(b, 0.0), at(b, -depth), at(a, -depth)], reveal);
@@ -106,7 +115,8 @@ fn blind_arch(builder: &mut MeshBuilder, frame: &Frame, ends: [f32; 2], material
         &[at(crown, 0.0), at((u1, WALL_HEIGHT_M), 0.0), at((u0, WALL_HEIGHT_M), 0.0)],
         wall,
     );
-    let (low_left, low_right) = ((left.0, foot), (right.0, foot));
+    let low_left = (left.0, foot);
+    let low_right = (right.0, foot);
     builder.polygon(
         &[at(low_right, 0.0), at(right, 0.0), at(right, -depth), at(low_right, -depth)],
         reveal,
@@ -129,7 +139,9 @@ pub(super) fn gate_house(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let mut random = Random::keyed(0, &[77]);
     let half = Vec2::splat(POST_HALF_M - 0.3);
-    let (ground_m, floors, floor_m) = (4.5, 5, 3.4);
+    let ground_m = 4.5;
+    let floors = 5;
+    let floor_m = 3.4;
     for side in 0..4 {
         Side {
             frame: Frame::of_side(side, half, Vec3::ZERO),
@@ -181,7 +193,8 @@ pub(super) fn corner_tower(materials: &Materials) -> Mesh {
     );
     let levels = [1.6, 5.6, 6.0, 10.2, 10.6, 14.8];
     for (storey, pair) in levels.windows(2).enumerate() {
-        let (low, high) = (pair[0], pair[1]);
+        let low = pair[0];
+        let high = pair[1];
         if storey % 2 == 0 {
             builder.turned(&origin, &[(radius, low), (radius, high)], segments, wall);
         } else {
@@ -212,7 +225,8 @@ pub(super) fn corner_tower(materials: &Materials) -> Mesh {
         materials.tile,
     );
     for window in 0..24u8 {
-        let (ring, place) = (window / 8, window % 8);
+        let ring = window / 8;
+        let place = window % 8;
         let turn = std::f32::consts::TAU * (f32::from(place) + 0.5 * f32::from(ring % 2)) / 8.0;
         let frame = Frame::facing(turn, radius - 0.35);
         let low = 2.6 + 4.5 * f32::from(ring);

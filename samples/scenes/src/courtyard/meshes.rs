@@ -29,12 +29,14 @@ pub(super) fn ground() -> Mesh {
 pub(super) fn wall() -> Mesh {
     let mut builder = MeshBuilder::default();
     // Walls end right before each other.
-    let (half, high) = (HALF_M - 0.82, 4.2);
+    let half = HALF_M - 0.82;
+    let high = 4.2;
     let stone = Paint::srgb(0xC9_B79A);
     builder.cuboid(vec3(-half, -SUNK_M, -0.3), vec3(half, high, 0.3), Faces::Standing, stone);
     let coping = Paint::srgb(0x9A_6A4E);
     let end = half - 0.15;
-    let (low, top) = (vec3(-end, high - 0.1, -0.45), vec3(end, high + 0.3, 0.45));
+    let low = vec3(-end, high - 0.1, -0.45);
+    let top = vec3(end, high + 0.3, 0.45);
     builder.tapered(low, top, vec2(0.0, 0.3), Faces::All, coping);
     builder.finish("courtyard wall")
 }
@@ -62,11 +64,13 @@ pub(super) fn fence() -> Mesh {
     let wood = Paint::srgb(0x6E_4B33);
     for picket in 0..16_u8 {
         let x = f32::from(picket) * 0.4 - 3.0;
-        let (low, high) = (vec3(x - 0.06, -SUNK_M, -0.03), vec3(x + 0.06, 1.5, 0.03));
+        let low = vec3(x - 0.06, -SUNK_M, -0.03);
+        let high = vec3(x + 0.06, 1.5, 0.03);
         builder.tapered(low, high, Vec2::ZERO, Faces::Standing, wood);
     }
     for y in [0.35, 1.1] {
-        let (low, high) = (vec3(-3.2, y, 0.032), vec3(3.2, y + 0.12, 0.09));
+        let low = vec3(-3.2, y, 0.032);
+        let high = vec3(3.2, y + 0.12, 0.09);
         builder.cuboid(low, high, Faces::All, wood.shade(0.8));
     }
     builder.finish("fence")
@@ -91,7 +95,8 @@ pub(super) fn figure_mesh() -> Mesh {
     builder.turned(&Affine3A::IDENTITY, &hat, 16, Paint::srgb(0x2B_2A2E));
     for side in [-1.0_f32, 1.0] {
         let x = side * 0.38;
-        let (low, high) = (vec3(x - 0.07, 0.75, -0.07), vec3(x + 0.07, 1.32, 0.1));
+        let low = vec3(x - 0.07, 0.75, -0.07);
+        let high = vec3(x + 0.07, 1.32, 0.1);
         builder.cuboid(low, high, Faces::All, coat.shade(0.85));
     }
     builder.finish("figure")

@@ -68,10 +68,7 @@ fn pane(radius: f32, turn: f32) -> [f32; 3] {
     let petal = turn / TAU * PETALS + if ring % 2 == 0 { 0.0 } else { 0.5 };
     let from_lead = (petal - petal.round()).abs() / PETALS * TAU * radius;
     let is_on_spoke = ring > 0 && from_lead < LEAD;
-    match is_on_rim || is_on_spoke {
-        true => [0.0; 3],
-        false => colours[petal as usize % colours.len()],
-    }
+    if is_on_rim || is_on_spoke { [0.0; 3] } else { colours[petal as usize % colours.len()] }
 }
 
 #[cfg(test)]

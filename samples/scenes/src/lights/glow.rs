@@ -84,7 +84,7 @@ pub(super) fn light_windows(scene: &mut Scene) {
 /// Returns for each vertex of glass its pane: the least vertex that triangles connect it with.
 fn panes_of(mesh: &Mesh, glass: &[u32]) -> Vec<Option<u32>> {
     let is_glass = |vertex: u32| {
-        mesh.vertices.get(vertex as usize).is_some_and(|it| glass.contains(&it.colour))
+        mesh.vertices.get(vertex as usize).is_some_and(|vertex| glass.contains(&vertex.colour))
     };
     let mut panes: Vec<Option<u32>> =
         (0..mesh.vertices.len() as u32).map(|vertex| is_glass(vertex).then_some(vertex)).collect();

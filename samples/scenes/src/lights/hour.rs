@@ -78,7 +78,8 @@ impl Hour {
         let height = towards_sun.y;
         // Both are dark at the horizon, where one takes the other's place.
         let direct = step(0.0, 0.12, height.abs());
-        let (day, night) = (step(0.0, 0.45, height), step(0.0, 0.25, -height));
+        let day = step(0.0, 0.45, height);
+        let night = step(0.0, 0.25, -height);
         let colour = |part: usize| {
             let mixed = |channel: usize| {
                 let by_day = mix(DUSK[part][channel], DAY[part][channel], day);
@@ -155,7 +156,8 @@ mod tests {
     fn the_light_of_a_day_is_finite_unit_and_without_a_jump() {
         let at = |minute: u16| Hour::new(f32::from(minute) / 60.0).unwrap().light();
         for minute in 0..24 * 60 {
-            let (now, next) = (at(minute), at((minute + 1) % (24 * 60)));
+            let now = at(minute);
+            let next = at((minute + 1) % (24 * 60));
             assert!((now.towards_sun.length() - 1.0).abs() < 1e-5, "minute {minute}");
             assert!(now.towards_sun.y > -1e-6, "what shines is over the horizon");
             let colours = |light: &Light| {

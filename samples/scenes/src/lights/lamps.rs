@@ -104,7 +104,8 @@ fn lamps_of(scene: &Scene) -> Vec<(usize, Vec3)> {
 /// Returns some places of a path, and the metres walked to each.
 fn way_of(eyes: &[Vec3]) -> Vec<(Vec3, f32)> {
     let Some(first) = eyes.first() else { return vec![(Vec3::ZERO, 0.0)] };
-    let (mut before, mut walked_m) = (*first, 0.0);
+    let mut before = *first;
+    let mut walked_m = 0.0;
     let eyes = eyes.iter().step_by(eyes.len().div_ceil(MOST_EYES).max(1));
     let walk = |eye: &Vec3| {
         walked_m += eye.distance(before);

@@ -134,7 +134,8 @@ impl Daylight {
         let lamps = numbered.filter(|(_, light)| !is_sun(light)).map(|(id, light)| (id, *light));
         let lamps = lamps.collect();
         let materials = surfaces.map_or(&[][..], |surfaces| &surfaces.materials);
-        let glow = (0..).map(MaterialId).zip(materials).find(|(_, it)| it.name == GLOW_NAME);
+        let glow =
+            (0..).map(MaterialId).zip(materials).find(|(_, material)| material.name == GLOW_NAME);
         let glow = glow.map(|(id, material)| (id, material.clone()));
         let daylight = Self {
             hour: Hour::NIGHT,

@@ -47,15 +47,15 @@ fn a_number_of_lamps_is_lit_and_the_nearest_are_the_first() {
         assert_eq!(spots, all[..lamps as usize]);
         assert_eq!(scene.objects.len(), city.scene.objects.len());
         let is_lit = |mesh: &Mesh| mesh.name == "street lamp, lit";
-        let lit = scene.objects.iter().filter(|it| scene.mesh_of(it).is_some_and(is_lit));
+        let lit = scene.objects.iter().filter(|object| scene.mesh_of(object).is_some_and(is_lit));
         assert_eq!(lit.count(), lamps as usize, "their globes glow");
     }
     assert!(all[0].position.distance(eyes[0]) < 40.0, "the first is where the walk begins");
     for light in &all {
         assert!((light.direction.length() - 1.0).abs() < 1e-5 && light.direction.y < -0.9);
         assert!(light.range_m.is_some_and(|range_m| range_m > light.position.y));
-        let around = |it: &&scene::Object| {
-            let bounds = city.scene.bounds_of(it).unwrap();
+        let around = |object: &&scene::Object| {
+            let bounds = city.scene.bounds_of(object).unwrap();
             bounds.distance_squared(light.position) == 0.0
         };
         let holders = city.scene.objects.iter().filter(around).count();
@@ -113,9 +113,10 @@ fn lights_of_a_scene_of_its_own_stay_by_their_kind() {
 fn some_windows_glow_and_others_do_not() {
     let scene = LightSet::Lamps(1).light(city(300, 1).unwrap().scene, &[]).unwrap();
     let surfaces = scene.surfaces.as_ref().unwrap();
-    let glow = surfaces.materials.iter().position(|it| it.name == GLOW_NAME).unwrap();
+    let glow = surfaces.materials.iter().position(|material| material.name == GLOW_NAME).unwrap();
     let glowing = surfaces.meshes.iter().filter(|mesh| mesh.material.0 as usize == glow);
-    let (mut lit, mut dark) = (0, 0);
+    let mut lit = 0;
+    let mut dark = 0;
     for mesh in glowing {
         for vertex in &mesh.vertices {
             if vertex.uv[0][0] > 0.25 { lit += 1 } else { dark += 1 }

@@ -66,7 +66,8 @@ fn assert_apart(scene: &Scene) {
     for numbers in boxes.cells.values() {
         for (position, &a) in numbers.iter().enumerate() {
             for &b in &numbers[position + 1..] {
-                let (a, b) = (&boxes.bounds[a as usize], &boxes.bounds[b as usize]);
+                let a = &boxes.bounds[a as usize];
+                let b = &boxes.bounds[b as usize];
                 assert!(
                     !overlap(a, b),
                     "{} of {} objects: {a:?} and {b:?}",

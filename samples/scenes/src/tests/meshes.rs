@@ -72,9 +72,11 @@ fn triangles_face_the_way_their_normals_do() {
 /// Trumbore, 1997), and true if it meets its front. In double precision: in single, rays slip
 /// through between slender triangles.
 fn meet(eye: Vec3, towards: Vec3, corners: [Vec3; 3]) -> Option<(f64, bool)> {
-    let (eye, towards) = (eye.as_dvec3(), towards.as_dvec3());
+    let eye = eye.as_dvec3();
+    let towards = towards.as_dvec3();
     let [a, b, c] = corners.map(|corner| corner.as_dvec3());
-    let (ab, ac) = (b - a, c - a);
+    let ab = b - a;
+    let ac = c - a;
     let across = towards.cross(ac);
     let determinant = ab.dot(across);
     if determinant == 0.0 {
@@ -93,7 +95,8 @@ fn meet(eye: Vec3, towards: Vec3, corners: [Vec3; 3]) -> Option<(f64, bool)> {
 fn nobody_sees_the_back_of_a_face() {
     for mesh in all_meshes() {
         let triangles: Vec<[Vec3; 3]> = corners(&mesh).collect();
-        let (min, max) = (mesh.bounds.min, mesh.bounds.max);
+        let min = mesh.bounds.min;
+        let max = mesh.bounds.max;
         let size = (max - min).length();
         let mut random = Random::keyed(9, &[mesh.indices.len() as i64]);
         let mut hits = 0;
@@ -107,7 +110,8 @@ fn nobody_sees_the_back_of_a_face() {
             let share = Vec3::new(random.unit(), random.unit(), random.unit());
             let towards = (min + (max - min) * share - eye).normalize();
             let met = triangles.iter().filter_map(|&corners| meet(eye, towards, corners));
-            let (mut front, mut back) = (f64::INFINITY, f64::INFINITY);
+            let mut front = f64::INFINITY;
+            let mut back = f64::INFINITY;
             for (distance, is_front) in met {
                 let nearest = if is_front { &mut front } else { &mut back };
                 *nearest = nearest.min(distance);

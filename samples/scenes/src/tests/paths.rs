@@ -27,7 +27,8 @@ fn walks_are_smooth_and_long_and_close() {
         let first = path.camera(0);
         let mut came_back = false;
         for frame in 0..40_000 {
-            let (now, next) = (path.camera(frame), path.camera(frame + 1));
+            let now = path.camera(frame);
+            let next = path.camera(frame + 1);
             let step = now.eye.distance(next.eye);
             assert!((0.08..0.11).contains(&step), "{}: {step} m at {frame}", scene.name);
             let turn = turn_between(now.forward, next.forward);
@@ -65,7 +66,8 @@ fn flights_stay_above_the_roofs_and_look_down() {
         let roof = roof.fold(0.0, f32::max);
         let path = CameraPath::new(PathKind::Fly, &routes).unwrap();
         for frame in 0..3000 {
-            let (now, next) = (path.camera(frame), path.camera(frame + 1));
+            let now = path.camera(frame);
+            let next = path.camera(frame + 1);
             assert!(now.eye.y > roof + 5.0);
             assert!((-0.8..-0.2).contains(&now.forward.y), "{}", now.forward);
             let step = now.eye.distance(next.eye);
@@ -81,7 +83,8 @@ fn cuts_jump_every_tenth_frame_and_walk_in_between() {
         let path = CameraPath::new(PathKind::Cut, &routes).unwrap();
         let mut far = 0;
         for frame in 0..2000 {
-            let (now, next) = (path.camera(frame), path.camera(frame + 1));
+            let now = path.camera(frame);
+            let next = path.camera(frame + 1);
             let step = now.eye.distance(next.eye);
             if frame % 10 == 9 {
                 far += u32::from(step > 10.0);
@@ -98,8 +101,8 @@ fn cuts_jump_every_tenth_frame_and_walk_in_between() {
 fn any_frame_has_a_camera_and_always_the_same() {
     let routes = city(500, 4).unwrap().routes;
     for kind in PathKind::ALL {
-        let (one, other) =
-            (CameraPath::new(kind, &routes).unwrap(), CameraPath::new(kind, &routes).unwrap());
+        let one = CameraPath::new(kind, &routes).unwrap();
+        let other = CameraPath::new(kind, &routes).unwrap();
         assert_eq!(one.kind(), kind);
         for frame in [0, 1, 10, 12_345, 1 << 24, u32::MAX - 1, u32::MAX] {
             let camera = one.camera(frame);

@@ -60,7 +60,8 @@ fn level_views_end_within_the_district() {
         let GeneratedScene { scene, routes } = city(count, seed).unwrap();
         let boxes = Boxes::new(&scene, 0.0, |_| true);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
-        let (mut rays, mut leaks) = (0, 0);
+        let mut rays = 0;
+        let mut leaks = 0;
         for frame in VIEWS {
             let eye = path.camera(frame).eye;
             for step in 0..1440u16 {

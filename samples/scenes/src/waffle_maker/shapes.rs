@@ -233,12 +233,10 @@ pub(super) fn screw(name: &str) -> Mesh {
 pub(super) fn cable() -> Mesh {
     const STEPS: u8 = 40;
     const RADIUS_M: f32 = 0.0032;
-    let [a, b, c, d] = [
-        vec3(0.105, 0.030, -0.1262),
-        vec3(0.105, 0.030, -0.230),
-        vec3(0.040, -0.012, -0.190),
-        vec3(-0.118, 0.012, -0.190),
-    ];
+    let a = vec3(0.105, 0.030, -0.1262);
+    let b = vec3(0.105, 0.030, -0.230);
+    let c = vec3(0.040, -0.012, -0.190);
+    let d = vec3(-0.118, 0.012, -0.190);
     let rings = (0..=STEPS).map(|step| {
         let t = f32::from(step) / f32::from(STEPS);
         let s = 1.0 - t;

@@ -211,9 +211,10 @@ impl Session {
         let view = self.renderer.view_of(&self.seen_from);
         self.search_again()?;
         self.frozen = Some(self.renderer.snapshot(&mut self.history, view)?);
-        let boxes = match self.debug_overlay.has_boxes {
-            true => "; the boxes are those that stayed hidden",
-            false => "",
+        let boxes = if self.debug_overlay.has_boxes {
+            "; the boxes are those that stayed hidden"
+        } else {
+            ""
         };
         self.tell(format!("the culling is frozen; fly on and look at it{boxes}"));
         Ok(())

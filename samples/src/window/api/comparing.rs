@@ -36,7 +36,8 @@ impl Session {
             Side::Culled => format!("with culling ({})", self.strategy),
             Side::Unculled => "without culling".to_owned(),
         };
-        let (with, without) = (self.times.gpu_ms()[0], self.times.unculled_gpu_ms());
+        let with = self.times.gpu_ms()[0];
+        let without = self.times.unculled_gpu_ms();
         let times = with.zip(without).map_or(String::new(), |(with, without)| {
             format!("\nGPU: {} with culling, {} without", in_ms(Some(with)), in_ms(Some(without)))
         });

@@ -107,14 +107,17 @@ impl Session {
     /// # Errors
     /// When the renderer refuses a light.
     pub(crate) fn toggle_pictures(&mut self) -> Result<(), RunError> {
-        let Some(daylight) = self.daylight.as_mut().filter(|it| projector_of(it).is_some()) else {
+        let Some(daylight) =
+            self.daylight.as_mut().filter(|daylight| projector_of(daylight).is_some())
+        else {
             self.refuse(NO_PICTURES.to_owned());
             return Ok(());
         };
         daylight.shows_pictures = !daylight.shows_pictures;
-        let told = match daylight.shows_pictures {
-            true => "a spot projects a picture",
-            false => "no spot projects a picture",
+        let told = if daylight.shows_pictures {
+            "a spot projects a picture"
+        } else {
+            "no spot projects a picture"
         };
         show_hour(&mut self.renderer, daylight)?;
         self.tell(told.to_owned());

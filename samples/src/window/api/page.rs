@@ -98,7 +98,8 @@ impl Session {
             (None, HudLevel::Off) => Vec::new(),
             _ => self.signs(now),
         };
-        let progress = self.awaited.as_ref().map(|it| (it.what.clone(), it.fraction));
+        let progress =
+            self.awaited.as_ref().map(|awaited| (awaited.what.clone(), awaited.fraction));
         let help = self.has_help.then(|| self.help());
         let marks = self.comparison.as_ref().map(|comparison| comparison.marks(now).to_vec());
         let marks = marks.unwrap_or_default();

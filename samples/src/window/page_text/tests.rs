@@ -144,7 +144,9 @@ const PASSES: [(&str, f64); 7] = [
 
 #[test]
 fn what_a_person_looks_for_is_said_first() {
-    let (report, screen, outcome) = (report(), screen(), outcome());
+    let report = report();
+    let screen = screen();
+    let outcome = outcome();
     let times = times(&report, &PASSES.map(|(label, ms)| pass(label, ms)));
     let known = Known {
         frame: 12,
@@ -174,7 +176,9 @@ fn what_a_person_looks_for_is_said_first() {
 
 #[test]
 fn everything_known_is_said_where_it_belongs() {
-    let (report, screen, outcome) = (report(), screen(), outcome());
+    let report = report();
+    let screen = screen();
+    let outcome = outcome();
     let times = times(&report, &PASSES.map(|(label, ms)| pass(label, ms)));
     let known = Known { frame: 12, outcome: Some(&outcome), ..known(&report, &screen, &times) };
     let expected = "\
@@ -217,7 +221,9 @@ hitches: 5,005
 
 #[test]
 fn of_a_screen_that_tells_nothing_the_starts_of_frames_are_said() {
-    let (report, known_screen, times) = (report(), screen(), FrameTimeSeries::default());
+    let report = report();
+    let known_screen = screen();
+    let times = FrameTimeSeries::default();
     let screen = ScreenFacts {
         fallback: Some(PresentMode::Mailbox),
         refresh: None,
@@ -238,7 +244,8 @@ fn of_a_screen_that_tells_nothing_the_starts_of_frames_are_said() {
 
 #[test]
 fn nothing_known_is_no_number() {
-    let (report, times) = (FrameReport::default(), FrameTimeSeries::default());
+    let report = FrameReport::default();
+    let times = FrameTimeSeries::default();
     let screen = ScreenFacts {
         mode: PresentMode::Immediate,
         fallback: None,
@@ -261,7 +268,8 @@ fn passes_beyond_the_eighth_are_summed_up() {
     let labels = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j"];
     let passes: Vec<PassTime> =
         labels.iter().zip(1..).map(|(label, ms)| pass(label, f64::from(ms))).collect();
-    let (report, screen) = (report(), screen());
+    let report = report();
+    let screen = screen();
     let times = times(&report, &passes);
     let rows = known(&report, &screen, &times).pass_rows();
     assert_eq!(rows.len(), 9);

@@ -135,7 +135,7 @@ impl ToolPanel {
         }
         area.show_rows(ui, ROW_HEIGHT, self.rows.rows().len(), |ui, range| {
             for row in self.rows.rows().get(range).unwrap_or_default() {
-                self.listed.extend(page.document.parts.node(row.part).and_then(|it| it.object));
+                self.listed.extend(page.document.parts.node(row.part).and_then(|node| node.object));
                 let is_toggled = show_row(ui, page, &self.rows, row, answer);
                 toggled = toggled.or(is_toggled.then_some(row.part));
             }

@@ -35,7 +35,7 @@ fn drawn(machine: Machine) -> (Vec<u8>, [usize; 2]) {
     let pipelines = [REPRESENTATIVE_PIPELINES, OTHER_PIPELINES].map(calls);
     let options = PriceListOptions { size: [32, 16], most: 10, rounds: 1, longest_ms: 100.0 };
     let prices = render::price_list(&device, &options).unwrap();
-    let is_of_all = |it: &&Price| matches!(it.item, PricedItem::BoxesOfAllFragments(_));
+    let is_of_all = |price: &&Price| matches!(price.item, PricedItem::BoxesOfAllFragments(_));
     // 1 and 10 of either size.
     assert_eq!(prices.iter().filter(is_of_all).count(), if has_them { 4 } else { 0 });
     let pixels = image.rgba8().unwrap().to_vec();

@@ -114,7 +114,8 @@ fn lose(bias: ShadowBias) {
     let (expected, whole) = walk(&device, bias, None);
     let counts: Vec<usize> = loses.iter().chain(&grows).map(|call| calls(call)).collect();
     assert!(counts.iter().all(|count| *count > 0), "{counts:?}");
-    let (mut lost, mut smaller) = (0, 0);
+    let mut lost = 0;
+    let mut smaller = 0;
     for (&call, count) in loses.iter().chain(&grows).zip(counts) {
         for number in (0..count).step_by(count.div_ceil(10)) {
             let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;

@@ -147,7 +147,7 @@ impl ObjectRenderer for Boxes {
 
 /// Returns the box around all parts.
 pub fn around(parts: &[Part]) -> Aabb {
-    parts.iter().flat_map(|part| &part.boxes).fold(Aabb::EMPTY, |all, it| all.union(it))
+    parts.iter().flat_map(|part| &part.boxes).fold(Aabb::EMPTY, |all, bounds| all.union(bounds))
 }
 
 /// Returns the draws of parts whose boxes begin with an instance.
@@ -198,7 +198,8 @@ pub fn draw_lists(
     });
     let Some(counts) = counts else { return };
     commands.fill(counts.whole(), 0);
-    let (copied, read) = ([Access::CopyWrite], [Access::HostRead, Access::CopyWrite]);
+    let copied = [Access::CopyWrite];
+    let read = [Access::HostRead, Access::CopyWrite];
     commands.barrier(MemoryBarrier::between(&copied, &read));
     commands.barrier(MemoryBarrier::between(&[Access::ComputeWrite], &[Access::CopyRead]));
     for (number, count) in lists.iter().filter_map(|list| list.count).enumerate() {

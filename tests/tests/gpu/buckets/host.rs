@@ -265,12 +265,14 @@ impl Host {
             let hierarchy = self.scene.hierarchy();
             let leaves = &self.scene.executor().leaves;
             self.state.plan_frame(hierarchy, leaves, Strategy::ANTUMBRA, (&view, 4096));
-            let (wall, bounds) = (self.wall, Aabb::new(Vec3::ZERO, Vec3::ONE));
+            let wall = self.wall;
+            let bounds = Aabb::new(Vec3::ZERO, Vec3::ONE);
             self.scene.move_to(&[(wall, bounds)]).unwrap();
             self.scene.move_to(&[(wall, around(&self.parts[&wall].1))]).unwrap();
         }
         self.scene.upload(&mut frame).unwrap();
-        let ((hierarchy, executor), state) = (self.scene.parts_mut(), &mut self.state);
+        let (hierarchy, executor) = self.scene.parts_mut();
+        let state = &mut self.state;
         let (hierarchy, leaves) = match mistake {
             Mistake::OtherHierarchy => (other.hierarchy(), &executor.leaves),
             Mistake::OtherLeaves => (other.hierarchy(), &other.executor().leaves),
@@ -308,7 +310,8 @@ impl Host {
         let mut frame = self.frames.begin().unwrap();
         let uploaded = self.scene.upload(&mut frame);
         if uploaded.is_err() {
-            let ((hierarchy, executor), state) = (self.scene.parts_mut(), &mut self.state);
+            let (hierarchy, executor) = self.scene.parts_mut();
+            let state = &mut self.state;
             state.plan_frame(hierarchy, &executor.leaves, Strategy::FRUSTUM, (&view, 0));
             let io = (&self.shaders, &view);
             let refused = execute(&mut frame, executor, state, &mut self.culled, io).unwrap_err();
@@ -320,7 +323,8 @@ impl Host {
 
     /// Returns the number of revealed draws in the lists of all frames, which are over.
     pub fn listed(&self) -> u64 {
-        let counts = self.listed.iter().flat_map(|it| it.read(0..self.bucket_count as usize));
+        let counts =
+            self.listed.iter().flat_map(|listed| listed.read(0..self.bucket_count as usize));
         counts.map(|count: &u32| u64::from(*count)).sum()
     }
 

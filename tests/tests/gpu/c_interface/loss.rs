@@ -29,15 +29,16 @@ fn a_lost_device_is_told_and_another_one_draws() {
         let entry = Machine::default().entry();
         let host = Host::through(entry, driver, Purpose::Executor, &[], Features::default());
         let mut lost = CHost::new(&host, null());
-        let (camera, target) = (camera(), lost.target());
-        let it = view(&lost, &camera, &target);
+        let camera = camera();
+        let target = lost.target();
+        let lost_view = view(&lost, &camera, &target);
         // The first frame of a view makes its objects.
         let call = c"vkCreateBuffer";
         let code = vk::Result::ERROR_DEVICE_LOST;
         let faults = vec![Fault { call, fails: 0..usize::MAX, code }];
         Machine { faults, ..Machine::default() }.install();
         for _ in 0..3 {
-            let recorded = lost.record(&[&it], |_| {});
+            let recorded = lost.record(&[&lost_view], |_| {});
             expect(recorded, DeviceLost, "vkCreateBuffer", &lost.error);
         }
         assert!(calls(call) > 0);
@@ -50,8 +51,8 @@ fn a_lost_device_is_told_and_another_one_draws() {
         let host = Host::new(driver, Purpose::Executor);
         let mut next = CHost::new(&host, null());
         let target = next.target();
-        let it = view(&next, &camera, &target);
-        assert_eq!(next.record(&[&it], |_| {}), Ok, "{}", text(&next.error));
+        let next_view = view(&next, &camera, &target);
+        assert_eq!(next.record(&[&next_view], |_| {}), Ok, "{}", text(&next.error));
         next.finish();
         host.finish();
     }

@@ -38,11 +38,12 @@ fn a_frame_that_never_runs_is_in_the_log_of_its_context() {
         CHost::in_context(&host, &desc, null())
     });
     for c in [&mut silent, &mut c] {
-        let (camera, target) = (camera(), c.target());
-        let it =
+        let camera = camera();
+        let target = c.target();
+        let device =
             AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
         for _ in 0..3 {
-            assert_eq!(c.record(&[&it], |_| {}), Ok, "{}", text(&c.error));
+            assert_eq!(c.record(&[&device], |_| {}), Ok, "{}", text(&c.error));
         }
     }
     silent.finish();
@@ -52,6 +53,6 @@ fn a_frame_that_never_runs_is_in_the_log_of_its_context() {
     let never_ran = |(level, message): &(u32, String)| {
         *level == ANTUMBRA_LOG_DEBUG && message.contains("frame 1 of the host never ran")
     };
-    assert_eq!(first.iter().filter(|it| never_ran(it)).count(), 1, "{first:?}");
+    assert_eq!(first.iter().filter(|first| never_ran(first)).count(), 1, "{first:?}");
     assert!(second.is_empty(), "errors alone: {second:?}");
 }

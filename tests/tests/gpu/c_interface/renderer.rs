@@ -85,7 +85,8 @@ fn adopt(
 
 impl<'a> CHost<'a> {
     fn new(host: &'a Host) -> Self {
-        let (mut context, mut queue) = (null_mut(), Box::<Queue>::default());
+        let mut context = null_mut();
+        let mut queue = Box::<Queue>::default();
         // SAFETY: pointers to values on this stack.
         let made = unsafe {
             antumbra_context_create(&AntumbraContextDesc::current(), &mut context, null_mut())
@@ -117,7 +118,8 @@ impl<'a> CHost<'a> {
     fn image(&mut self, renderer: AntumbraRenderer, strategy: u32) -> Vec<u8> {
         let camera = camera();
         let desc = AntumbraRenderDesc { strategy, camera: &camera, ..Versioned::INIT };
-        let (mut image, error) = (AntumbraFinishedImage::INIT, &mut self.error);
+        let mut image = AntumbraFinishedImage::INIT;
+        let error = &mut self.error;
         // SAFETY: pointers to values on this stack; the copy is over before the next frame.
         unsafe {
             let result = antumbra_renderer_render(self.context, renderer, &desc, error);
@@ -145,7 +147,8 @@ impl<'a> CHost<'a> {
         let mut stats = AntumbraRendererStats::INIT;
         // SAFETY: pointers to values on this stack.
         unsafe {
-            let (context, error) = (self.context, &mut self.error);
+            let context = self.context;
+            let error = &mut self.error;
             assert_eq!(antumbra_renderer_wait(context, renderer, error), Ok);
             assert_eq!(antumbra_renderer_stats(context, renderer, &mut stats, error), Ok);
         }
@@ -184,16 +187,16 @@ fn box_of(colour: [f32; 3]) -> Mesh {
         0, 3, 1, 0, 2, 3, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 7, 3, 2, 6, 7, 0, 6, 2, 0, 4, 6,
         1, 3, 7, 1, 7, 5,
     ];
-    let corners: Vec<_> = INDICES.iter().map(|it| (corner(*it), colour)).collect();
+    let corners: Vec<_> = INDICES.iter().map(|index| (corner(*index), colour)).collect();
     Mesh::of_triangles("box", &corners)
 }
 
 /// Returns the vertices of a mesh as C has them.
 fn vertices_of(mesh: &Mesh) -> Vec<AntumbraVertex> {
-    let vertex = |it: &scene::Vertex| AntumbraVertex {
-        position: it.position,
-        normal: scene::unpack_normal(it.normal).to_array(),
-        colour: scene::unpack_unorm(it.colour),
+    let vertex = |vertex: &scene::Vertex| AntumbraVertex {
+        position: vertex.position,
+        normal: scene::unpack_normal(vertex.normal).to_array(),
+        colour: scene::unpack_unorm(vertex.colour),
     };
     mesh.vertices.iter().map(vertex).collect()
 }
@@ -211,7 +214,8 @@ fn mesh_desc(vertices: &[AntumbraVertex], indices: &[u32]) -> AntumbraMeshDesc {
 /// Returns a wall, and boxes behind it.
 fn objects() -> Vec<AntumbraMeshObject> {
     let place = |number: usize| {
-        let (x, y) = ((number % 10) as f32, (number / 10) as f32);
+        let x = (number % 10) as f32;
+        let y = (number / 10) as f32;
         (Vec3::new(x - 5.0, y - 5.0, -12.0), Vec3::splat(0.6))
     };
     let object = |number: usize| {
@@ -234,8 +238,8 @@ fn image_in_rust(host: &Host, mesh: &Mesh, objects: &[AntumbraMeshObject]) -> Ve
     let lock = Arc::new(Mutex::new(()));
     let device = host.adopt(Some(host.share_queue(lock.clone())));
     let mut scene = Scene::single(mesh.clone());
-    let object = |it: &AntumbraMeshObject| Object {
-        transform: Affine3A::from_cols_array(&it.transform.columns),
+    let object = |antumbra_mesh_object: &AntumbraMeshObject| Object {
+        transform: Affine3A::from_cols_array(&antumbra_mesh_object.transform.columns),
         ..scene.objects[0]
     };
     scene.objects = objects.iter().map(object).collect();
@@ -255,10 +259,11 @@ fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
     for driver in Driver::ALL {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
-        let (mesh, objects) = (box_of([0.8, 0.5, 0.2]), objects());
+        let mesh = box_of([0.8, 0.5, 0.2]);
+        let objects = objects();
         let vertices = vertices_of(&mesh);
-        let it = mesh_desc(&vertices, &mesh.indices);
-        let meshes = [&raw const it];
+        let desc = mesh_desc(&vertices, &mesh.indices);
+        let meshes = [&raw const desc];
         let desc = AntumbraRendererDesc {
             width: SIZE[0],
             height: SIZE[1],
@@ -286,18 +291,20 @@ fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
         assert_ne!(stats.predication, ANTUMBRA_PREDICATION_BEST, "one of them is in use");
 
         // Another mesh comes, with two objects in front of the wall.
-        let (x, error) = (c.context, &raw mut c.error);
+        let x = c.context;
+        let error = &raw mut c.error;
         let other = box_of([0.1, 0.2, 0.9]);
         let vertices = vertices_of(&other);
-        let it = mesh_desc(&vertices, &other.indices);
-        let (mut added_mesh, mut ids) = (9, [9; 2]);
+        let desc = mesh_desc(&vertices, &other.indices);
+        let mut added_mesh = 9;
+        let mut ids = [9; 2];
         let at = |x: f32| transform(Affine3A::from_translation(Vec3::new(x, -0.5, -3.5)));
         // SAFETY: pointers to values on this stack.
         unsafe {
             let result = antumbra_renderer_add_meshes(
                 x,
                 renderer,
-                &&raw const it,
+                &&raw const desc,
                 1,
                 &mut added_mesh,
                 error,
@@ -328,7 +335,8 @@ fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
         assert_eq!((stats.total, stats.is_uploading), (103, 0));
 
         // The wall goes aside, one of the two goes, and the hidden boxes show.
-        let (places, gone) = ([at(-1.0), at(30.0)], [ids[1]]);
+        let places = [at(-1.0), at(30.0)];
+        let gone = [ids[1]];
         let moved = [ids[0], 0];
         // SAFETY: as above.
         unsafe {
@@ -376,10 +384,11 @@ fn a_driver_is_tested_in_c_and_what_is_distrusted_is_not_used() {
         let lacks_counts = found.not_tested & ANTUMBRA_ASSUMPTION_DRAW_COUNTS != 0;
         assert_eq!(lacks_counts, driver == Driver::SwiftShader, "{found:?}");
 
-        let (mesh, objects) = (box_of([0.8, 0.5, 0.2]), objects());
+        let mesh = box_of([0.8, 0.5, 0.2]);
+        let objects = objects();
         let vertices = vertices_of(&mesh);
-        let it = mesh_desc(&vertices, &mesh.indices);
-        let meshes = [&raw const it];
+        let desc = mesh_desc(&vertices, &mesh.indices);
+        let meshes = [&raw const desc];
         let desc = AntumbraRendererDesc {
             width: SIZE[0],
             height: SIZE[1],
@@ -407,10 +416,12 @@ fn frames_in_flight_outlive_their_renderer_and_the_lock_is_held_for_submits() {
     for driver in Driver::ALL {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
-        let (mesh, objects, camera) = (box_of([0.5; 3]), objects(), camera());
+        let mesh = box_of([0.5; 3]);
+        let objects = objects();
+        let camera = camera();
         let vertices = vertices_of(&mesh);
-        let it = mesh_desc(&vertices, &mesh.indices);
-        let meshes = [&raw const it];
+        let desc = mesh_desc(&vertices, &mesh.indices);
+        let meshes = [&raw const desc];
         let desc = AntumbraRendererDesc {
             width: SIZE[0],
             height: SIZE[1],
@@ -423,7 +434,8 @@ fn frames_in_flight_outlive_their_renderer_and_the_lock_is_held_for_submits() {
         };
         let (created, renderer) = c.create(&desc);
         assert_eq!(created, Ok, "{}", text(&c.error));
-        let (x, error) = (c.context, &raw mut c.error);
+        let x = c.context;
+        let error = &raw mut c.error;
         let before = c.queue.uses;
         c.queue.inner = Some((x, renderer, Ok));
         let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::INIT };

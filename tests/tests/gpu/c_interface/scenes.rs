@@ -40,11 +40,11 @@ fn scenes_that_cannot_be_are_refused_by_name() {
     let host = Host::new(Driver::Lavapipe, Purpose::Executor);
     let mut c = CHost::new(&host, null());
     let changes: [(Change, AntumbraResult, &str); 5] = [
-        (|it| it.object_capacity = u32::MAX, BadArgument, "more than one hierarchy holds"),
-        (|it| it.object_capacity = 1 << 30, NoMemory, "no memory to cull"),
-        (|it| it.bucket_count = u32::MAX, BadArgument, "buckets are more"),
-        (|it| it.draw_capacity = u32::MAX, BadArgument, "the bytes of all draws"),
-        (|it| it.frames_in_flight = u32::MAX, BadArgument, "frames in flight"),
+        (|desc| desc.object_capacity = u32::MAX, BadArgument, "more than one hierarchy holds"),
+        (|desc| desc.object_capacity = 1 << 30, NoMemory, "no memory to cull"),
+        (|desc| desc.bucket_count = u32::MAX, BadArgument, "buckets are more"),
+        (|desc| desc.draw_capacity = u32::MAX, BadArgument, "the bytes of all draws"),
+        (|desc| desc.frames_in_flight = u32::MAX, BadArgument, "frames in flight"),
     ];
     for (change, result, words) in changes {
         let (refused, _) = c.create(&PLAIN, change);
@@ -82,7 +82,8 @@ fn a_view_of_another_scene_is_unknown() {
     // SAFETY: as above.
     let gone = unsafe { antumbra_view_destroy(c.context, c.scene, foreign, &mut c.error) };
     expect(gone, UnknownHandle, "another context or scene", &c.error);
-    let (camera, target) = (camera(), c.target());
+    let camera = camera();
+    let target = c.target();
     let good =
         AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
     let view = AntumbraViewFrame { view: foreign, ..good };

@@ -34,8 +34,11 @@ struct Renderings<'a> {
 impl Handles {
     /// Calls every function that needs the scene.
     fn call_all(self) -> [AntumbraResult; 8] {
-        let (x, s, v) = (self.context as *const AntumbraContext, self.scene, self.view);
-        let (e, mut other) = (null_mut(), AntumbraView { id: 0 });
+        let x = self.context as *const AntumbraContext;
+        let s = self.scene;
+        let v = self.view;
+        let e = null_mut();
+        let mut other = AntumbraView { id: 0 };
         let mut stats = AntumbraViewStats::INIT;
         let commands = vk::CommandBuffer::from_raw(8);
         let frame = AntumbraFrameDesc { current: 1, commands, ..Versioned::INIT };
@@ -79,7 +82,8 @@ fn another_thread_is_told_that_a_scene_is_being_recorded() {
     for driver in Driver::ALL {
         let host = Host::new(driver, Purpose::Executor);
         let mut c = CHost::new(&host, null());
-        let (camera, target) = (camera(), c.target());
+        let camera = camera();
+        let target = c.target();
         let view =
             AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
         let mut host_of_two = Renderings {
@@ -94,10 +98,10 @@ fn another_thread_is_told_that_a_scene_is_being_recorded() {
             },
             told: Vec::new(),
         };
-        let recorded = c.record(&[&view], |it| {
-            it.user = (&raw mut host_of_two).cast();
-            it.begin_rendering = Some(begin);
-            it.end_rendering = Some(end);
+        let recorded = c.record(&[&view], |frame| {
+            frame.user = (&raw mut host_of_two).cast();
+            frame.begin_rendering = Some(begin);
+            frame.end_rendering = Some(end);
         });
         assert_eq!(recorded, Ok, "{}", text(&c.error));
         let told = host_of_two.told;

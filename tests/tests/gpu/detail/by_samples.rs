@@ -110,9 +110,9 @@ fn what_is_mostly_hidden_gets_coarser_and_comes_back() {
         // Seen, mostly hidden, wholly hidden, seen again.
         let frames = [still(100.0, 10), still(1.0, 10), still(-5.0, 10), still(100.0, 10)];
         let levels = film(device, &frames.concat());
-        assert!(levels[..10].iter().all(|it| *it == FINE), "{levels:?}");
-        assert!(levels[10 + LATE..30].iter().all(|it| *it == COARSE), "{levels:?}");
-        assert!(levels[30 + LATE..].iter().all(|it| *it == FINE), "{levels:?}");
+        assert!(levels[..10].iter().all(|level| *level == FINE), "{levels:?}");
+        assert!(levels[10 + LATE..30].iter().all(|level| *level == COARSE), "{levels:?}");
+        assert!(levels[30 + LATE..].iter().all(|level| *level == FINE), "{levels:?}");
         let changes = levels.windows(2).filter(|pair| pair[0] != pair[1]).count();
         assert_eq!(changes, 2, "{levels:?}");
     });
@@ -129,7 +129,7 @@ fn nothing_flickers_at_the_threshold() {
             film(device, &frames)
         };
         let levels = film_of(&|_| 2.0);
-        assert!(levels.iter().all(|it| *it == FINE), "{levels:?}");
+        assert!(levels.iter().all(|level| *level == FINE), "{levels:?}");
         let levels = film_of(&|frame| if frame % 2 == 0 { 1.0 } else { 2.0 });
         let changes = levels.windows(2).filter(|pair| pair[0] != pair[1]).count();
         assert_eq!((changes, levels.last()), (1, Some(&COARSE)), "{levels:?}");

@@ -31,7 +31,8 @@ fn an_outline_goes_around_all_pixels_of_what_is_selected() {
         renderer.set_outlined(&[outline(&[], [1.0; 3]), outline(&[77], [1.0; 3])]).unwrap();
         let nothing = settled(&mut renderer, Strategy::ANTUMBRA, straight());
         assert_eq!(pixels_that_differ(&plain.0, &nothing.0), 0, "nothing is selected");
-        let [green, blue] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let green = [0.0, 1.0, 0.0];
+        let blue = [0.0, 0.0, 1.0];
         renderer.set_outlined(&[outline(&[1], green), outline(&[2], blue)]).unwrap();
         for strategy in [Strategy::FRUSTUM, Strategy::ANTUMBRA] {
             let image = settled(&mut renderer, strategy, straight());

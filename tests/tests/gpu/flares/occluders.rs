@@ -27,7 +27,7 @@ fn samples(renderer: &mut Renderer) -> FlareSamples {
     });
     let [plain, ..] = found;
     assert_eq!((plain.total, plain.block), (169, 169));
-    assert!(found.iter().all(|it| *it == plain), "{found:?}");
+    assert!(found.iter().all(|found| *found == plain), "{found:?}");
     plain
 }
 
@@ -53,7 +53,8 @@ fn holes_of_masked_objects_let_light_through() {
         };
         let [left, _] = BLOCK;
         // Alpha grows from 0 at the left to 1 at the right: it covers from the middle on.
-        let [from, to] = [left - 9, left + 17];
+        let from = left - 9;
+        let to = left + 17;
         let corners = [[from, 20], [to, 110]];
         let change = |vertex: &mut scene::SurfaceVertex| {
             vertex.colour[3] = if vertex.uv[0][0] > 0.5 { u16::MAX } else { 0 };
@@ -124,7 +125,8 @@ fn transparent_objects_take_their_alpha() {
     run_on_all(|device| {
         let [left, _] = BLOCK;
         let cover = |distance_m: f32, material| columns(0, SIDE, distance_m, material);
-        let [all, some] = [13 * 13, 13 * 5];
+        let all = 13 * 13;
+        let some = 13 * 5;
         let wall = || vec![columns(left + 5, left + 30, 7.0, 0)];
         let share = |samples: u32| samples as f32 / all as f32;
         for (name, opaque, glass, visible, fraction) in [

@@ -9,7 +9,8 @@ use tests::shapes::{box_at, proxy_pass, square_view};
 #[test]
 fn numbers_come_while_fewer_are_in_use() {
     run_on_all(|device| {
-        let (proxies, view) = (proxy_pass(device), square_view(device, 64));
+        let proxies = proxy_pass(device);
+        let view = square_view(device, 64);
         let mut target = Target::new(device, [64, 64], "target").unwrap();
         let mut ring = FrameRing::new(device, 2).unwrap();
         let mut queries = QueryRing::<u32>::new(device, 2, "numbered boxes").unwrap();

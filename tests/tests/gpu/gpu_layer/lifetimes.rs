@@ -43,9 +43,10 @@ fn what_is_dropped_lives_until_its_tick() {
 #[test]
 fn what_is_dropped_outlives_the_commands_being_recorded() {
     run_on_all(|device| {
-        let (mut ring, mut other_ring) =
-            (FrameRing::new(device, 2).unwrap(), FrameRing::new(device, 1).unwrap());
-        let (from, to) = (sevens(device), readback(device));
+        let mut ring = FrameRing::new(device, 2).unwrap();
+        let mut other_ring = FrameRing::new(device, 1).unwrap();
+        let from = sevens(device);
+        let to = readback(device);
         device.drain().unwrap();
         assert_eq!(device.retired(), 0);
         let frame = ring.begin().unwrap();
@@ -67,7 +68,9 @@ fn what_is_dropped_outlives_the_commands_being_recorded() {
 fn all_pieces_of_a_frame_keep_alive_what_is_dropped() {
     run_on_all(|device| {
         let mut ring = FrameRing::new(device, 1).unwrap();
-        let (from, [first, second]) = (sevens(device), [readback(device), readback(device)]);
+        let from = sevens(device);
+        let first = readback(device);
+        let second = readback(device);
         let mut frame = ring.begin().unwrap();
         let slice = from.whole();
         frame.commands().copy_buffer(slice, first.whole());

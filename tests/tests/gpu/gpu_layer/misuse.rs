@@ -41,7 +41,8 @@ impl Lists {
 #[test]
 fn commands_that_run_once_bind_what_they_read() {
     run_on_all(|device| {
-        let (pipeline, lists) = (compute(device), Lists::new(device));
+        let pipeline = compute(device);
+        let lists = Lists::new(device);
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
         let readback = Buffer::new(device, "readback", 8, usage, MemoryKind::ReadBack).unwrap();
         let between = MemoryBarrier::between;
@@ -90,7 +91,8 @@ fn sentence(device: &Device, record: impl FnOnce(&Commands)) -> String {
 #[test]
 fn buffers_and_constants_are_those_of_the_pipeline() {
     run_on_all(|device| {
-        let (pipeline, lists) = (compute(device), Lists::new(device));
+        let pipeline = compute(device);
+        let lists = Lists::new(device);
         let [results, decided, counts] = lists.slices();
         for storage in [&[][..], &[results, decided], &[results, decided, counts, results]] {
             let text = sentence(device, |commands| {
@@ -112,7 +114,8 @@ fn buffers_and_constants_are_those_of_the_pipeline() {
 #[test]
 fn no_more_workgroups_than_the_device_takes() {
     run_on_all(|device| {
-        let (pipeline, lists) = (compute(device), Lists::new(device));
+        let pipeline = compute(device);
+        let lists = Lists::new(device);
         let most = device.adapter().limits.max_compute_work_group_count;
         for axis in (0..3).filter(|axis| most[*axis] < u32::MAX) {
             let mut groups = [1; 3];

@@ -21,7 +21,8 @@ fn executors(device: &Device) -> Vec<Predication> {
 /// Returns the results of two decisions per frame, one as a whole and one box by box: true if the
 /// frame has predicates (which hide all), true if it is by boxes, and true if something is drawn.
 fn drawn(device: &Device, predication: Predication) -> Vec<(bool, bool, bool)> {
-    let (proxies, view) = (proxy_pass(device), square_view(device, 64));
+    let proxies = proxy_pass(device);
+    let view = square_view(device, 64);
     let mut target = Target::new(device, [64, 64], "target").unwrap();
     let mut ring = FrameRing::new(device, 1).unwrap();
     let mut queries = QueryRing::<(bool, bool)>::new(device, 1, "test").unwrap();

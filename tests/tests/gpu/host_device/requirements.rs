@@ -61,7 +61,7 @@ fn what_is_optional_and_not_on_is_done_without() {
         let mut optional = device.capabilities().optional.clone();
         // Nothing to turn on.
         let is_found = [Optional::SampleDepths, Optional::SectionBuffers];
-        optional.retain(|it| !is_found.contains(it));
+        optional.retain(|optional| !is_found.contains(optional));
         assert_eq!(optional, [Optional::Timestamps]);
         assert!(images(&device).unwrap() == expected, "other images on {driver:?}");
         drop(device);
@@ -72,7 +72,8 @@ fn what_is_optional_and_not_on_is_done_without() {
 #[test]
 fn an_executor_asks_for_less() {
     let host = Host::new(Driver::Lavapipe, Purpose::Executor);
-    let (features, names) = (host.needs.features(), host.needs.extensions());
+    let features = host.needs.features();
+    let names = host.needs.extensions();
     assert!(!features.timeline_semaphore && !features.sampler_anisotropy);
     assert_eq!(names, [c"VK_EXT_conditional_rendering"]);
     let device = host.adopt(None);

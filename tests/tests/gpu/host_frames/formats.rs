@@ -54,7 +54,8 @@ fn every_projection_and_direction_of_depth_is_exact() {
     let standard_far = Lens { depth: DepthConvention::Standard, y: ClipY::Up, ..far };
     let perspective = Projection::perspective(0.9);
     let orthographic = Projection::Orthographic { height: 9.0, far: 40.0 };
-    let (float, integer) = (vk::Format::D32_SFLOAT, vk::Format::D16_UNORM);
+    let float = vk::Format::D32_SFLOAT;
+    let integer = vk::Format::D16_UNORM;
     for driver in Driver::ALL {
         for (projection, lens, depth) in [
             (perspective, jittered, float),

@@ -60,7 +60,8 @@ pub enum Passes {
 
 impl Default for HostOptions {
     fn default() -> Self {
-        let (depth, samples) = (vk::Format::D32_SFLOAT, vk::SampleCountFlags::TYPE_1);
+        let depth = vk::Format::D32_SFLOAT;
+        let samples = vk::SampleCountFlags::TYPE_1;
         Self {
             depth,
             samples,
@@ -131,7 +132,7 @@ pub fn compare(driver: Driver, options: &HostOptions, submits: impl Fn(u64) -> S
         // What runs behind a later frame shows boxes where that one left them.
         let ran = |frame: &u64| matches!(submits(*frame), Submits::Once | Submits::Twice);
         for frame in (0..FRAMES).filter(ran) {
-            let [plain, culled] = [&plain, &culled].map(|it| it.image(frame));
+            let [plain, culled] = [&plain, &culled].map(|images| images.image(frame));
             let wrong = pixels_that_differ(&plain, &culled);
             assert_eq!(wrong, 0, "{driver:?}, {options:?}, frame {frame}");
         }
@@ -192,7 +193,9 @@ impl<'a> HostLoop<'a> {
         let pool = unsafe { host.device.create_command_pool(&pool, None) }.unwrap();
         let mut frames = FrameRing::new(&device, slots).unwrap();
         frames.set_resubmission(options.resubmission);
-        let (fences, images, late) = (Vec::new(), Vec::new(), None);
+        let fences = Vec::new();
+        let images = Vec::new();
+        let late = None;
         Self {
             host,
             device,

@@ -55,9 +55,11 @@ fn a_pixel_is_as_far_as_its_farthest_sample() {
         let across = view.view_proj * vec3(1.0, 0.0, -10.0).extend(1.0);
         let out = vec2(across.x, across.y).normalize();
         let middle = Vec2::splat(SIDE as f32 * 0.5);
-        let (origin, size) = ([3, 5], [SIDE - 7, SIDE - 11]);
+        let origin = [3, 5];
+        let size = [SIDE - 7, SIDE - 11];
         let depths = copied(device, &view, origin, size);
-        let (mut covered, mut mixed) = (0, 0);
+        let mut covered = 0;
+        let mut mixed = 0;
         for (number, depth) in depths.iter().enumerate() {
             let at = [number as u32 % size[0] + origin[0], number as u32 / size[0] + origin[1]];
             let from_edge = PLACES.map(|place| {

@@ -114,12 +114,16 @@ fn binds() -> Vec<Row> {
 fn buffers() -> Vec<Row> {
     vec![
         row("Commands::bind_geometry", BUFFER, |ours, theirs| {
-            let (ours, theirs, device) = (ours.slice(), theirs.slice(), ours.device());
+            let device = ours.device();
+            let ours = ours.slice();
+            let theirs = theirs.slice();
             recorded(&device, |commands| commands.bind_geometry(theirs, None));
             recorded(&device, |commands| commands.bind_geometry(ours, Some(theirs)))
         }),
         row("Commands::bind_geometry_beside", BUFFER, |ours, theirs| {
-            let (ours, theirs, device) = (ours.slice(), theirs.slice(), ours.device());
+            let device = ours.device();
+            let ours = ours.slice();
+            let theirs = theirs.slice();
             recorded(&device, |commands| commands.bind_geometry_beside([ours, theirs], ours));
             recorded(&device, |commands| commands.bind_geometry_beside([ours; 2], theirs))
         }),
@@ -128,7 +132,9 @@ fn buffers() -> Vec<Row> {
             recorded(&ours.device(), |commands| commands.fill(slice, 0))
         }),
         row("Commands::copy_buffer", BUFFER, |ours, theirs| {
-            let (ours, theirs, device) = (ours.slice(), theirs.slice(), ours.device());
+            let device = ours.device();
+            let ours = ours.slice();
+            let theirs = theirs.slice();
             recorded(&device, |commands| commands.copy_buffer(theirs, ours));
             recorded(&device, |commands| commands.copy_buffer(ours, theirs))
         }),
@@ -137,7 +143,9 @@ fn buffers() -> Vec<Row> {
             recorded(&ours.device(), |commands| commands.draw_indirect(slice))
         }),
         row("Commands::draw_indirect_count", BUFFER, |ours, theirs| {
-            let (ours, theirs, device) = (ours.slice(), theirs.slice(), ours.device());
+            let device = ours.device();
+            let ours = ours.slice();
+            let theirs = theirs.slice();
             recorded(&device, |commands| commands.draw_indirect_count(theirs, ours.part(0, 4)));
             recorded(&device, |commands| commands.draw_indirect_count(ours, theirs.part(0, 4)))
         }),

@@ -28,7 +28,8 @@ fn rendered<'a>(ours: &mut Side, change: impl FnOnce(&mut FrameRequest<'a>)) -> 
 
 /// Returns the error of `render_views`, of a view of its own and of another one.
 fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> String {
-    let (camera, area) = (ours.camera, Rect::whole(SIZE));
+    let camera = ours.camera;
+    let area = Rect::whole(SIZE);
     let history = if what == VIEW { &mut theirs.view } else { &mut ours.view };
     let visible = (what == VISIBLE_SET).then_some(&theirs.visible);
     let eye = ViewTarget { state: history, viewpoint: camera.into(), visible, rect: area };
@@ -97,7 +98,8 @@ fn histories(row: MakeRow) -> Vec<Row> {
             text(ours.renderer.snapshot(&mut theirs.view, view))
         }),
         row("Renderer::visible_set", VIEW, "Renderer", |ours, theirs| {
-            let (camera, area) = (ours.camera, Rect::whole(SIZE));
+            let camera = ours.camera;
+            let area = Rect::whole(SIZE);
             text(ours.renderer.visible_set(&mut theirs.view, camera, area))
         }),
         row("Renderer::visible_again", VISIBLE_SET, "Renderer", |ours, theirs| {

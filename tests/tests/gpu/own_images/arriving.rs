@@ -43,7 +43,8 @@ fn material_of(texture: TextureId) -> Material {
 }
 
 fn place(number: u32) -> Vec3 {
-    let (x, y) = (number % 20, number / 20);
+    let x = number % 20;
+    let y = number / 20;
     vec3(x as f32 * 0.4 - 4.0, y as f32 * 0.4 - 2.0, -6.0)
 }
 
@@ -74,7 +75,8 @@ fn hundreds_of_textures_come_while_frames_are_in_flight() {
         let camera = cameras(1)[0];
         let image = Readback::new(device, SIZE).unwrap();
         let surface = scene.surfaces.as_ref().unwrap().meshes[0].clone();
-        let (mut gone, mut shown) = (0, Vec::new());
+        let mut gone = 0;
+        let mut shown = Vec::new();
         let waits = device.wait_counts().other;
         for frame in 0..FRAMES {
             let numbers = frame * EACH_FRAME..(frame + 1) * EACH_FRAME;
@@ -82,7 +84,7 @@ fn hundreds_of_textures_come_while_frames_are_in_flight() {
             let textures = textures.unwrap();
             // One of four is not needed in the end: its number is another's then.
             let (last, kept) = textures.split_last().unwrap();
-            let materials: Vec<Material> = kept.iter().map(|it| material_of(*it)).collect();
+            let materials: Vec<Material> = kept.iter().map(|kept| material_of(*kept)).collect();
             let materials = renderer.add_materials(&materials).unwrap();
             let mesh = |material: &MaterialId| {
                 let surface = scene::SurfaceMesh { material: *material, ..surface.clone() };
@@ -118,7 +120,8 @@ fn hundreds_of_textures_come_while_frames_are_in_flight() {
         assert_eq!(pixels_that_differ(&streamed, &fresh), 0);
         // Most of them are in the picture, each in its colour.
         let colour = |number: u32| texture_of(number).image().rgba8()[..4].to_vec();
-        let is_shown = |number: &&u32| streamed.chunks_exact(4).any(|it| it == colour(**number));
+        let is_shown =
+            |number: &&u32| streamed.chunks_exact(4).any(|pixel| pixel == colour(**number));
         let count = shown.iter().filter(is_shown).count();
         assert!(count > 100, "{count} of {} are shown", shown.len());
     });

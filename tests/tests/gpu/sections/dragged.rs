@@ -31,12 +31,17 @@ fn drag(device: &Device, generated: &GeneratedScene, options: RendererOptions, f
         Strategy::ANTUMBRA_COMPUTE,
     ]
     .into_iter()
-    .chain(methods::strategies().into_iter().filter(|it| it.is_exact() && !it.needs_still_scene()))
+    .chain(
+        methods::strategies()
+            .into_iter()
+            .filter(|strategy| strategy.is_exact() && !strategy.needs_still_scene()),
+    )
     .filter(|strategy| shown.renderer.supports(*strategy).is_ok())
     .collect();
     assert!(!strategies.is_empty());
     let mut views: Vec<_> = strategies.iter().map(|_| shown.renderer.new_view().unwrap()).collect();
-    let (mut whole, mut culled) = (0, 0);
+    let mut whole = 0;
+    let mut culled = 0;
     for mode in [SectionMode::Intersection, SectionMode::Union] {
         for frame in 0..frames {
             let camera = path.camera(frame);

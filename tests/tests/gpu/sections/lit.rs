@@ -58,7 +58,8 @@ fn what_is_cut_away_casts_no_shadow_by_maps() {
         };
         let none = SectionPlanes::default();
         let left = planes(&[plane([-1.0, 0.0, 0.0], 2.0)]);
-        let (one, both) = (shown(1, none), shown(2, none));
+        let one = shown(1, none);
+        let both = shown(2, none);
         assert!(apart(&one, &both) > 300, "the block and its shadow are small");
         assert!(apart(&one, &shown(2, left)) < 10);
         let lost = {

@@ -10,7 +10,8 @@ const SIDE: u32 = 64;
 
 /// Returns a thick-walled box around a small solid.
 fn hollow() -> Solid {
-    let (mut outside, inside) = (Solid::cube(0.2), Solid::cube(0.16));
+    let mut outside = Solid::cube(0.2);
+    let inside = Solid::cube(0.16);
     outside.triangles.extend(inside.triangles.iter().map(|[a, b, c]| [*a, *c, *b]));
     outside
 }

@@ -115,7 +115,8 @@ fn lights_without_a_shadow_shine_through() {
         for _ in 0..2 * renderer.frames_in_flight() {
             lit = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
             // A sum of a light and a share of it may be rounded differently in its last place.
-            let is_darker = |(lit, it): &(&u8, &u8)| u16::from(**lit) + 1 < u16::from(**it);
+            let is_darker =
+                |(lit, shadowed): &(&u8, &u8)| u16::from(**lit) + 1 < u16::from(**shadowed);
             let darker = lit.iter().zip(&shadowed).filter(is_darker).count();
             assert_eq!(darker, 0, "without shadows nothing is darker");
         }

@@ -46,7 +46,7 @@ pub fn scene() -> Scene {
     let positions: Vec<[f32; 3]> = mesh.vertices.iter().map(|vertex| vertex.position).collect();
     let skin = SkinWeights {
         joint_count: 2,
-        joints: positions.iter().map(|it| [u16::from(is_high(it)), 0, 0, 0]).collect(),
+        joints: positions.iter().map(|position| [u16::from(is_high(position)), 0, 0, 0]).collect(),
         weights: vec![[1.0, 0.0, 0.0, 0.0]; positions.len()],
         sets: 1,
     };
@@ -78,7 +78,8 @@ fn changes(frame: u32, random: &mut Random, added: &mut Vec<ObjectId>) -> SceneU
         }
         1 => update.objects.extend(added.pop().map(|object| ObjectChange::Remove { object })),
         2 => {
-            let (object, transform) = (ObjectId(10 + random.below(20)), random.place());
+            let object = ObjectId(10 + random.below(20));
+            let transform = random.place();
             update.objects.push(ObjectChange::Move { object, transform });
         }
         _ => {}
@@ -122,8 +123,8 @@ impl Side {
 
 fn compare(device: &gpu::Device, frames: u32, bias: ShadowBias) -> [u64; 2] {
     let mut random = Random(7);
-    let [mut cached, mut afresh] =
-        [ShadowCaching::Cached, ShadowCaching::Uncached].map(|it| Side::new(device, it, bias));
+    let [mut cached, mut afresh] = [ShadowCaching::Cached, ShadowCaching::Uncached]
+        .map(|caching| Side::new(device, caching, bias));
     let mut added = Vec::new();
     let mut drawn = [0, 0];
     for frame in 0..frames {

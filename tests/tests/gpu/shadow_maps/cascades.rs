@@ -68,9 +68,13 @@ fn a_scene_in_units_of_ten_kilometres_has_the_shadows_of_one_in_metres() {
             let lit = draw(ShadowOptions::default());
             let options = ShadowOptions { distance_m: None, sun_side: 1024, ..shadows() };
             let shadowed = draw(options);
-            lit.iter().zip(&shadowed).filter(|(lit, it)| lit.saturating_sub(**it) > 24).count()
+            lit.iter()
+                .zip(&shadowed)
+                .filter(|(lit, shadowed)| lit.saturating_sub(**shadowed) > 24)
+                .count()
         };
-        let (small, large) = (dark(&posts, 1.0), dark(&large, unit_m));
+        let small = dark(&posts, 1.0);
+        let large = dark(&large, unit_m);
         assert!(small > 300 && large.abs_diff(small) * 4 < small, "{large} of {small}");
     });
 }
@@ -86,8 +90,10 @@ fn cascades_blend_into_each_other_and_into_full_light() {
             light(device, &scene, options)
         };
         let bare = light(device, &scene, ShadowOptions::default());
-        let (near, far) = (of(1, 6.0, 0.0), of(1, 18.0, 0.0));
-        let (hard, soft) = (of(2, 18.0, 0.0), of(2, 18.0, 0.4));
+        let near = of(1, 6.0, 0.0);
+        let far = of(1, 18.0, 0.0);
+        let hard = of(2, 18.0, 0.0);
+        let soft = of(2, 18.0, 0.4);
         let parts = [&near[..], &far[..]];
         let [hard, soft] = [hard, soft].map(|both| excess(&both, &parts, &bare));
         assert!(hard > 35.0 && soft < 0.6 * hard, "{hard} {soft}");

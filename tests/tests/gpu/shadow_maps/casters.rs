@@ -30,7 +30,8 @@ fn every_exact_strategy_has_the_same_shadows() {
                 methods::COHERENT,
                 methods::PYRAMID,
             ];
-            let supported = strategies.into_iter().filter(|it| renderer.supports(*it).is_ok());
+            let supported =
+                strategies.into_iter().filter(|strategy| renderer.supports(*strategy).is_ok());
             let supported: Vec<Strategy> = supported.collect();
             let mut views: Vec<_> =
                 (0..=supported.len()).map(|_| renderer.new_view().unwrap()).collect();

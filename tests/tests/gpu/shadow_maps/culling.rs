@@ -19,7 +19,7 @@ const BLOCKS: i32 = 5;
 fn boxes() -> Vec<Aabb> {
     let mut boxes = vec![Aabb::new(vec3(-40.0, -0.5, -40.0), vec3(40.0, 0.0, 40.0))];
     for block in 0..BLOCKS * BLOCKS {
-        let [x, z] = [block % BLOCKS, block / BLOCKS].map(|it| it as f32 * 12.0 - 28.0);
+        let [x, z] = [block % BLOCKS, block / BLOCKS].map(|place| place as f32 * 12.0 - 28.0);
         let height = 4.0 + (block * 7 % 5) as f32 * 2.0;
         boxes.push(Aabb::new(vec3(x, 0.0, z), vec3(x + 7.0, height, z + 7.0)));
         for prop in 0..6 {
@@ -154,7 +154,7 @@ fn every_strategy_draws_with_the_same_casters() {
         let scene = scene();
         let mut afresh =
             Side::new(device, &scene, options(ShadowCaching::Uncached, CasterCulling::Unculled));
-        let expected: Vec<_> = (0..4).map(|it| afresh.draw(it, Strategy::FRUSTUM)).collect();
+        let expected: Vec<_> = (0..4).map(|index| afresh.draw(index, Strategy::FRUSTUM)).collect();
         let strategies = [
             Strategy::FRUSTUM,
             Strategy::ANTUMBRA_QUERIES,

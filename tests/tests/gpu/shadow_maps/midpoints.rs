@@ -42,8 +42,12 @@ fn sheet(height: impl Fn(f32, f32) -> f32, thickness_m: Option<f32>) -> Mesh {
     }
     let at = |x: u32, z: u32| z * row + x;
     for cell in 0..CELLS * CELLS {
-        let [x, z] = [cell % CELLS, cell / CELLS];
-        let [a, b, c, d] = [at(x, z), at(x + 1, z), at(x, z + 1), at(x + 1, z + 1)];
+        let x = cell % CELLS;
+        let z = cell / CELLS;
+        let a = at(x, z);
+        let b = at(x + 1, z);
+        let c = at(x, z + 1);
+        let d = at(x + 1, z + 1);
         indices.extend([a, c, b, b, c, d]);
         if thickness_m.is_some() {
             let [a, b, c, d] = [a, b, c, d].map(|vertex| vertex + row * row);
@@ -55,7 +59,8 @@ fn sheet(height: impl Fn(f32, f32) -> f32, thickness_m: Option<f32>) -> Mesh {
         for (from, to) in corners.iter().zip(&corners[1..]) {
             let along = |step: u32| {
                 let [x, z] = [0, 1].map(|axis| {
-                    let (a, b) = (from[axis], to[axis]);
+                    let a = from[axis];
+                    let b = to[axis];
                     if a == b {
                         a
                     } else if b > a {
@@ -67,8 +72,10 @@ fn sheet(height: impl Fn(f32, f32) -> f32, thickness_m: Option<f32>) -> Mesh {
                 at(x, z)
             };
             for step in 0..CELLS {
-                let [a, b] = [along(step), along(step + 1)];
-                let [c, d] = [a + row * row, b + row * row];
+                let a = along(step);
+                let b = along(step + 1);
+                let c = a + row * row;
+                let d = b + row * row;
                 indices.extend([a, c, b, b, c, d]);
             }
         }
@@ -184,7 +191,8 @@ fn open_meshes_do_not_shadow_themselves_and_keep_their_shadow() {
         let [lit, planes, midpoints] = &draw(device, (&roofed, camera), &options)[..] else {
             panic!()
         };
-        let (dark, apart) = (wrong(lit, planes), wrong(planes, midpoints));
+        let dark = wrong(lit, planes);
+        let apart = wrong(planes, midpoints);
         assert!(dark > 1000 && apart == 0, "{apart} of {dark} pixels differ");
     });
 }

@@ -35,7 +35,8 @@ fn maps_have_the_shadows_that_volumes_have() {
                 renderer.set_shadows(options).unwrap();
                 let mut view = renderer.new_view().unwrap();
                 let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA, Strategy::ANTUMBRA];
-                let images = strategies.map(|it| image(&mut renderer, &mut view, it, camera));
+                let images =
+                    strategies.map(|strategy| image(&mut renderer, &mut view, strategy, camera));
                 assert!(images[0] == images[1] && images[0] == images[2], "{name}: {options:?}");
                 let [image, ..] = images;
                 image

@@ -57,7 +57,8 @@ pub fn judge(
 ) -> Judged {
     let mut judged = Judged { checked: 0, dark: 0, wrong: Vec::new() };
     for (number, (lit, found)) in lit.chunks(4).zip(shadowed.chunks(4)).enumerate() {
-        let [x, y] = [number as u32 % SIZE[0], number as u32 / SIZE[0]];
+        let x = number as u32 % SIZE[0];
+        let y = number as u32 / SIZE[0];
         let Some((place, normal)) = shown(boxes, camera, x, y) else { continue };
         let (along, _) = towards(light, place);
         // Grazing light, and what the light hardly reaches, shows nothing.
@@ -79,7 +80,8 @@ pub fn judge(
 #[test]
 fn maps_agree_with_ray_casting_away_from_edges() {
     run_on_all(|device| {
-        let (boxes, camera) = (yard::boxes(), yard::camera());
+        let boxes = yard::boxes();
+        let camera = yard::camera();
         let both = [ShadowBias::Plane, ShadowBias::Midpoint];
         let cases = yard::lights().into_iter().flat_map(|light| both.map(|bias| (light, bias)));
         for (light, bias) in cases {
@@ -126,7 +128,8 @@ fn nothing_shadows_itself() {
             };
             let lit = draw(ShadowOptions::default());
             let both = [ShadowBias::Plane, ShadowBias::Midpoint];
-            for (filter, bias) in ShadowFilter::ALL.into_iter().flat_map(|it| both.map(|b| (it, b)))
+            for (filter, bias) in
+                ShadowFilter::ALL.into_iter().flat_map(|filter| both.map(|b| (filter, b)))
             {
                 let shadowed = draw(ShadowOptions { filter, bias, ..shadows() });
                 // The two passes are compiled apart: a last place may be rounded differently.

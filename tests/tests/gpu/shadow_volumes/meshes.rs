@@ -26,8 +26,12 @@ pub fn sheet(half: f32, quads: u32) -> Triangles {
         vec3(along(x), 0.0, along(z))
     };
     let quad = |place: u32| {
-        let (x, z) = (place % quads, place / quads);
-        let [a, b, c, d] = [at(x, z), at(x, z + 1), at(x + 1, z + 1), at(x + 1, z)];
+        let x = place % quads;
+        let z = place / quads;
+        let a = at(x, z);
+        let b = at(x, z + 1);
+        let c = at(x + 1, z + 1);
+        let d = at(x + 1, z);
         [[a, b, c], [a, c, d]]
     };
     (0..quads * quads).flat_map(quad).collect()
@@ -52,8 +56,10 @@ pub fn bumpy_sphere(seed: u64, bumps: f32) -> Triangles {
     let mut triangles = Vec::new();
     for ring in 0..RINGS {
         for sector in 0..SECTORS {
-            let [a, b] = [at(ring, sector), at(ring, sector + 1)];
-            let [c, d] = [at(ring + 1, sector), at(ring + 1, sector + 1)];
+            let a = at(ring, sector);
+            let b = at(ring, sector + 1);
+            let c = at(ring + 1, sector);
+            let d = at(ring + 1, sector + 1);
             if ring > 0 {
                 triangles.push([a, b, c]);
             }

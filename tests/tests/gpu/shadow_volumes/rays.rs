@@ -20,7 +20,8 @@ enum Seen {
 /// for its front.
 fn hit(from: DVec3, along: DVec3, corners: &[Vec3; 3]) -> Option<(f64, f64)> {
     let [a, b, c] = corners.map(|corner| corner.as_dvec3());
-    let (u, v) = (b - a, c - a);
+    let u = b - a;
+    let v = c - a;
     let across = along.cross(v);
     let volume = u.dot(across);
     if volume.abs() < 1e-15 {

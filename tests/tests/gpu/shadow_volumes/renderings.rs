@@ -84,7 +84,8 @@ impl Renderings {
     ) -> Vec<u32> {
         let view = self.view(device, camera);
         let span = NearSpan::points_of(&view.rays);
-        let receivers = world.things.iter().fold(Aabb::EMPTY, |all, it| all.union(&it.bounds));
+        let receivers =
+            world.things.iter().fold(Aabb::EMPTY, |all, thing| all.union(&thing.bounds));
         let casters = lights.iter().map(|light| {
             let ends = VolumeEnd::of(&view, *light, &receivers);
             let caster = |thing: &super::world::Thing| {
@@ -104,8 +105,10 @@ impl Renderings {
         // The second light's layer is another one.
         let lights: Vec<_> = lights
             .map(|(number, (light, (casters, ends)))| {
-                let (bits, layer) = (1 << number, number as u32 % LAYERS);
-                let ended = casters.iter().filter(|it| ends[it.group.end] != VolumeEnd::INFINITY);
+                let bits = 1 << number;
+                let layer = number as u32 % LAYERS;
+                let ended =
+                    casters.iter().filter(|caster| ends[caster.group.end] != VolumeEnd::INFINITY);
                 self.ended += ended.count() as u32;
                 let casters = VolumeCasters::All(casters);
                 let area = LitArea::whole(&view);

@@ -77,7 +77,9 @@ impl World {
         self.adjacency.extend(volumes.triangles().as_flattened());
         let [x, y, z] = [0, 1, 2].map(|row| {
             let columns = transform.matrix3;
-            let [a, b, c] = [columns.x_axis[row], columns.y_axis[row], columns.z_axis[row]];
+            let a = columns.x_axis[row];
+            let b = columns.y_axis[row];
+            let c = columns.z_axis[row];
             [a, b, c, transform.translation[row]]
         });
         self.instances.push(Row { rows: [x, y, z], tail: [0; 4] });

@@ -22,7 +22,7 @@ fn a_mesh_that_does_not_fit_is_refused_by_name_and_changes_nothing() {
         let mut plain = Renderer::new(device, &plain, &options(spare.clone())).unwrap();
         let mut lit = Renderer::new(device, &surfaces, &options(spare)).unwrap();
         let [bare, whole] =
-            [Kind::Plain, Kind::Surfaces].map(|it| some_mesh(&mut random, it, MaterialId(0)));
+            [Kind::Plain, Kind::Surfaces].map(|kind| some_mesh(&mut random, kind, MaterialId(0)));
         let of = |material| {
             let surface = surface_of(whole.mesh(), MaterialId(material));
             PreparedMesh::with_surface(whole.mesh().clone(), surface, Vec::new()).unwrap()

@@ -138,10 +138,12 @@ pub(super) fn surface_of(mesh: &Mesh, material: MaterialId) -> SurfaceMesh {
 
 /// Returns a wall with a mesh beside it, as the renderer begins.
 pub(super) fn first_scene(kind: Kind) -> Scene {
-    let [a, b] = [[-2.0, -2.0, 0.0], [2.0, -2.0, 0.0]];
-    let [c, d] = [[2.0, 2.0, 0.0], [-2.0, 2.0, 0.0]];
-    let wall = Mesh::of_triangles("wall", &[a, b, c, a, c, d].map(|it| (it, [0.5; 3])));
-    let beside = Mesh::of_triangles("beside", &[a, b, c].map(|it| (it, [0.9, 0.2, 0.1])));
+    let a = [-2.0, -2.0, 0.0];
+    let b = [2.0, -2.0, 0.0];
+    let c = [2.0, 2.0, 0.0];
+    let d = [-2.0, 2.0, 0.0];
+    let wall = Mesh::of_triangles("wall", &[a, b, c, a, c, d].map(|corner| (corner, [0.5; 3])));
+    let beside = Mesh::of_triangles("beside", &[a, b, c].map(|corner| (corner, [0.9, 0.2, 0.1])));
     let meshes = vec![wall, beside];
     let glass = Material { alpha: Alpha::Blend, ..Material::default() };
     let red =

@@ -82,7 +82,8 @@ fn texels_of_blocks_are_those_that_they_unpack_to() {
                 let mut hole = None;
                 for (pixel, found) in found.into_iter().enumerate() {
                     let uv = at(pixel, ONCE);
-                    let [x, y] = std::array::from_fn(|it| texel_at(uv, SIZE[it], SHARP.wrap)[it]);
+                    let [x, y] =
+                        std::array::from_fn(|index| texel_at(uv, SIZE[index], SHARP.wrap)[index]);
                     let first = 4 * (y * SIZE[0] + x) as usize;
                     let texel: [u8; 4] = rgba8[first..first + 4].try_into().unwrap();
                     let expected = match encoding {
@@ -90,7 +91,7 @@ fn texels_of_blocks_are_those_that_they_unpack_to() {
                         Encoding::Linear => texel.map(shown),
                     };
                     // Drivers interpolate between the ends of a block in their own precision.
-                    let is_close = (0..3).all(|it| found[it].abs_diff(expected[it]) <= 2);
+                    let is_close = (0..3).all(|index| found[index].abs_diff(expected[index]) <= 2);
                     match texel[3] {
                         132.. => assert!(
                             is_close,
@@ -107,7 +108,7 @@ fn texels_of_blocks_are_those_that_they_unpack_to() {
 
 /// Returns the differences between two pictures, and the number of their pixels that differ.
 fn difference(a: &[[u8; 4]], b: &[[u8; 4]]) -> (u8, usize) {
-    let of = |(a, b): (&[u8; 4], &[u8; 4])| (0..4).map(|it| a[it].abs_diff(b[it])).max();
+    let of = |(a, b): (&[u8; 4], &[u8; 4])| (0..4).map(|index| a[index].abs_diff(b[index])).max();
     let all: Vec<u8> = a.iter().zip(b).filter_map(of).collect();
     let most = all.iter().copied().max().unwrap_or_default();
     (most, all.into_iter().filter(|difference| *difference > 0).count())
@@ -142,7 +143,8 @@ fn normals_of_two_channels_have_the_third() {
             let z = (1.0 - x * x - y * y).max(0.0).sqrt();
             [texel[0], texel[1], (z * 127.5 + 127.5).round() as u8, 255]
         };
-        let texels = image.rgba8().as_chunks::<4>().0.iter().flat_map(|it| normal(*it)).collect();
+        let texels =
+            image.rgba8().as_chunks::<4>().0.iter().flat_map(|texel| normal(*texel)).collect();
         let three = Image::of_rgba8("three channels", SIZE, texels);
         let [two, three] = [image, three]
             .map(|image| lit(device, image, |material| material.normal_texture = using(0)));

@@ -29,7 +29,8 @@ const TOWARDS_SUN: DVec3 = dvec3(0.6, 0.48, 0.64);
 /// Returns a matt point in the middle of a pixel.
 fn point(pixel: usize) -> reference::ReferencePoint {
     let part = |pixel: usize| (pixel as f64 + 0.5) / f64::from(SIDE / 2) - 1.0;
-    let (x, y) = (part(pixel % SIDE as usize), -part(pixel / SIDE as usize));
+    let x = part(pixel % SIDE as usize);
+    let y = -part(pixel / SIDE as usize);
     reference::ReferencePoint {
         base_colour: DVec3::splat(0.5),
         metallic: 0.0,
@@ -135,9 +136,11 @@ fn roughness_is_green_and_metallic_is_blue() {
         surfaces.lights = vec![sun()];
         let found = draw(device, &scene_of(vec![whole(ONCE, |_| {})], surfaces));
         compare(&found, "roughness and metallic", DVec3::ZERO, |pixel| {
-            let (x, y) = (pixel as u32 % SIDE / 16, pixel as u32 / SIDE / 16);
+            let x = pixel as u32 % SIDE / 16;
+            let y = pixel as u32 / SIDE / 16;
             let [_, green, blue, _] = texel(x, y).map(|byte| f64::from(byte) / 255.0);
-            let (roughness, metallic) = (green * f64::from(0.9_f32), blue * f64::from(0.8_f32));
+            let roughness = green * f64::from(0.9_f32);
+            let metallic = blue * f64::from(0.8_f32);
             reference::ReferencePoint { roughness, metallic, ..point(pixel) }
         });
     });
@@ -176,7 +179,8 @@ fn emission_is_added_with_its_strength() {
         surfaces.lights = vec![sun()];
         let found = draw(device, &scene_of(vec![whole(ONCE, |_| {})], surfaces));
         compare(&found, "emission", DVec3::ZERO, |pixel| {
-            let (x, y) = (pixel as u32 % SIDE / 16, pixel as u32 / SIDE / 16);
+            let x = pixel as u32 % SIDE / 16;
+            let y = pixel as u32 / SIDE / 16;
             let [red, green, blue, _] = texel(x, y).map(reference::decoded);
             let emission = dvec3(red, green, blue) * reference::wide(emission);
             reference::ReferencePoint { emission, ..point(pixel) }
@@ -203,7 +207,8 @@ fn textures_of_many_kinds_share_pages_and_each_is_found() {
         let surfaces =
             Surfaces { images, textures, materials: materials.collect(), ..Surfaces::default() };
         let column = |number: u32| {
-            let (from, to) = ([number * 4, 0], [number * 4 + 4, SIDE]);
+            let from = [number * 4, 0];
+            let to = [number * 4 + 4, SIDE];
             tests::studio::quad(SIDE, [from, to], 4.0, ONCE, number, |_| {})
         };
         let found = draw(device, &scene_of((0..count).map(column).collect(), surfaces));

@@ -213,7 +213,10 @@ fn masked_and_coarse_objects_shade_nothing_that_they_should_not() {
         let mut scene = yard::scene(&yard::boxes(), &yard::lights());
         let surfaces = scene.surfaces.as_mut().unwrap();
         // A level that is as coarse as can be: another shape that is drawn, and extruded, instead.
-        let [a, b, c, d] = [0, 1, 2, 3];
+        let a = 0;
+        let b = 1;
+        let c = 2;
+        let d = 3;
         let level = LodLevel { indices: vec![a, b, c, a, c, d], error_m: 0.5 };
         let finest = scene.meshes[0].indices.clone();
         surfaces.levels = vec![vec![LodLevel { indices: finest, ..level }]];

@@ -20,7 +20,8 @@ fn compare(device: &gpu::Device, frames: u32) -> ([u64; 2], u32) {
     let scene = scene();
     let mut sides = [CasterCulling::Unculled, CasterCulling::Culled]
         .map(|culling| Side::new(device, &scene, options(culling)));
-    let (mut triangles, mut tests) = ([0; 2], 0);
+    let mut triangles = [0; 2];
+    let mut tests = 0;
     for frame in 0..frames {
         let [expected, found] = sides.each_mut().map(|side| side.draw(frame, Strategy::ANTUMBRA));
         assert_eq!(pixels_that_differ(&expected, &found), 0, "pixels of frame {frame}");
@@ -76,7 +77,7 @@ fn every_strategy_counts_the_same_volumes() {
     run_on_all(|device| {
         let scene = scene();
         let mut all = Side::new(device, &scene, options(CasterCulling::Unculled));
-        let expected: Vec<_> = (0..3).map(|it| all.draw(it, Strategy::FRUSTUM)).collect();
+        let expected: Vec<_> = (0..3).map(|index| all.draw(index, Strategy::FRUSTUM)).collect();
         for strategy in [Strategy::FRUSTUM, Strategy::ANTUMBRA_QUERIES, methods::COHERENT] {
             let mut side = Side::new(device, &scene, options(CasterCulling::Culled));
             for (frame, expected) in (0..).zip(&expected) {

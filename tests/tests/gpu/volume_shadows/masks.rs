@@ -70,7 +70,8 @@ fn more_lights_than_bits_take_another_layer_and_beyond_the_last_shine_through() 
         assert_eq!((stats.lights, stats.unshadowed_lights), (32, SIDE * SIDE - 32));
         let row = |image: &[u8], row: usize| {
             // The rows of the image are as far apart as its side is of that of the field.
-            let (width, height) = (super::SIZE[0] as usize, super::SIZE[1] as usize);
+            let width = super::SIZE[0] as usize;
+            let height = super::SIZE[1] as usize;
             let plots = height * row / SIDE as usize..height * (row + 1) / SIDE as usize;
             image[plots.start * width * 4..plots.end * width * 4].to_vec()
         };

@@ -66,8 +66,10 @@ fn volumes_agree_with_ray_casting_one_pixel_from_edges() {
                 renderer.set_shadows(options).unwrap();
                 cameras().map(|camera| image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera))
             };
-            let (shadowed, lit) = (draw(volumes()), draw(ShadowOptions::default()));
-            let (mut checked, mut dark) = (0, 0);
+            let shadowed = draw(volumes());
+            let lit = draw(ShadowOptions::default());
+            let mut checked = 0;
+            let mut dark = 0;
             for (camera, (lit, shadowed)) in cameras().iter().zip(lit.iter().zip(&shadowed)) {
                 let [of_camera, in_shadow] = judge((&boxes, camera, &light), lit, shadowed);
                 (checked, dark) = (checked + of_camera, dark + in_shadow);
@@ -87,13 +89,15 @@ fn judge(
 ) -> [u32; 2] {
     let pixels = (0..SIZE[0] * SIZE[1]).map(|at| [at % SIZE[0], at / SIZE[0]]);
     let seen: Vec<_> = pixels.map(|pixel| Seen::at(boxes, camera, light, pixel)).collect();
-    let (mut judged, mut wrong) = ([0, 0], Vec::new());
+    let mut judged = [0, 0];
+    let mut wrong = Vec::new();
     for y in 1..SIZE[1] - 1 {
         for x in 1..SIZE[0] - 1 {
             let at = |x: u32, y: u32| seen[(y * SIZE[0] + x) as usize];
             let Some(here) = at(x, y) else { continue };
             let mut around = (y - 1..=y + 1).flat_map(|y| (x - 1..=x + 1).map(move |x| at(x, y)));
-            let is_even = around.all(|it| it.is_some_and(|it| it.is_as(&here)));
+            let is_even =
+                around.all(|neighbour| neighbour.is_some_and(|neighbour| neighbour.is_as(&here)));
             let (along, _) = towards(light, here.place);
             let place = (y * SIZE[0] + x) as usize * 4;
             let [lit, found] = [lit, shadowed].map(|image| &image[place..place + 4]);

@@ -18,7 +18,8 @@ struct Frames {
 
 impl Frames {
     fn new(truth: [f64; 2], seed: u64) -> Self {
-        let (rng, learner) = (SplitMix64::new(seed), Learner::default());
+        let rng = SplitMix64::new(seed);
+        let learner = Learner::default();
         Self { rng, learner, truth, noise: 0.0, odd_one_in: 0, rest_ns: 10.0e6 }
     }
 

@@ -30,7 +30,8 @@ fn visible_draws_are_tested_by_the_square_root_of_the_rate() {
     };
     assert_eq!(cost_model().retest_frames(&config), config.retest_max);
     assert_eq!(interval(0.0), CALM_RETEST_FRAMES);
-    let (rare, often) = (interval(0.5), interval(2.0));
+    let rare = interval(0.5);
+    let often = interval(2.0);
     assert!((rare / often - 2.0).abs() < 0.1, "{rare} {often}");
     assert_eq!(interval(10_000.0), config.retest_max as f32);
 }

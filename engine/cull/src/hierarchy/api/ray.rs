@@ -39,10 +39,13 @@ impl Hierarchy {
 /// Returns the distance at which a ray enters a box (Kay and Kajiya 1986: slabs); `None` if it
 /// misses it.
 fn entry(bounds: &Aabb, origin: Vec3, direction: Vec3) -> Option<f32> {
-    let (mut nearest, mut farthest) = (0.0_f32, f32::INFINITY);
+    let mut nearest = 0.0_f32;
+    let mut farthest = f32::INFINITY;
     for axis in 0..3 {
-        let (start, step) = (origin[axis], direction[axis]);
-        let (low, high) = (bounds.min[axis], bounds.max[axis]);
+        let start = origin[axis];
+        let step = direction[axis];
+        let low = bounds.min[axis];
+        let high = bounds.max[axis];
         if step == 0.0 {
             // Along the slab: inside of it for ever, or never.
             if !(low..=high).contains(&start) {
@@ -50,7 +53,8 @@ fn entry(bounds: &Aabb, origin: Vec3, direction: Vec3) -> Option<f32> {
             }
             continue;
         }
-        let [a, b] = [(low - start) / step, (high - start) / step];
+        let a = (low - start) / step;
+        let b = (high - start) / step;
         nearest = nearest.max(a.min(b));
         farthest = farthest.min(a.max(b));
     }

@@ -29,10 +29,7 @@ impl Hierarchy {
     /// Returns what section planes do to an object.
     #[must_use]
     pub fn section_member(&self, object: ObjectId) -> SectionMember {
-        match self.whole.objects.contains(&object) {
-            true => SectionMember::Whole,
-            false => SectionMember::Cut,
-        }
+        if self.whole.objects.contains(&object) { SectionMember::Whole } else { SectionMember::Cut }
     }
 
     /// Returns the leaves that section planes leave whole, in their order.

@@ -90,8 +90,10 @@ impl SwapchainImages {
         let raw = raw.called("vkCreateSwapchainKHR")?;
         device.name(raw, &format!("swapchain {}", wanted.number.0));
         // From here on the chain owns what is made, and drops it if the rest fails.
-        let (surface, functions) = (surface.clone(), functions.clone());
-        let (size, mode) = (wanted.size, wanted.mode);
+        let surface = surface.clone();
+        let functions = functions.clone();
+        let size = wanted.size;
+        let mode = wanted.mode;
         let mut chain =
             Self { raw, _surface: surface, functions, size, mode, format, images: Vec::new() };
         match chain.bring_images(device, wanted.number) {
@@ -180,7 +182,8 @@ impl SwapchainImages {
         index: ImageIndex,
         id: PresentId,
     ) -> Result<PresentCall, Error> {
-        let (chain, functions) = (self.raw, self.functions.clone());
+        let chain = self.raw;
+        let functions = self.functions.clone();
         let image = self.image(index)?;
         (image.is_fence_pending, image.was_presented) = (image.fence.is_some(), true);
         Ok(PresentCall { functions, chain, index, drawn: image.drawn, fence: image.fence, id })
@@ -222,8 +225,11 @@ pub(super) struct PresentCall {
 impl PresentCall {
     /// Makes the call, and returns true if the chain is suboptimal for the window.
     pub(super) fn make(&self, device: &Device) -> Result<bool, vk::Result> {
-        let (chains, indices, drawn) = ([self.chain], [self.index.0], [self.drawn]);
-        let (fences, ids) = ([self.fence.unwrap_or_default()], [self.id.0]);
+        let chains = [self.chain];
+        let indices = [self.index.0];
+        let drawn = [self.drawn];
+        let fences = [self.fence.unwrap_or_default()];
+        let ids = [self.id.0];
         let mut fence_info = vk::SwapchainPresentFenceInfoEXT::default().fences(&fences);
         let mut id_info = vk::PresentIdKHR::default().present_ids(&ids);
         let times =

@@ -52,7 +52,8 @@ pub(super) fn extent(
         return None;
     }
     let within = |side: u32, least: u32, most: u32| side.max(least).min(most);
-    let (least, most) = (state.min_image_extent, state.max_image_extent);
+    let least = state.min_image_extent;
+    let most = state.max_image_extent;
     Some([within(wanted[0], least.width, most.width), within(wanted[1], least.height, most.height)])
 }
 
@@ -79,9 +80,10 @@ pub(super) fn alpha(state: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFla
 
 /// Returns the identity, or the current transform of a screen that does not turn frames itself.
 pub(super) fn transform(state: &vk::SurfaceCapabilitiesKHR) -> vk::SurfaceTransformFlagsKHR {
-    match state.supported_transforms.contains(vk::SurfaceTransformFlagsKHR::IDENTITY) {
-        true => vk::SurfaceTransformFlagsKHR::IDENTITY,
-        false => state.current_transform,
+    if state.supported_transforms.contains(vk::SurfaceTransformFlagsKHR::IDENTITY) {
+        vk::SurfaceTransformFlagsKHR::IDENTITY
+    } else {
+        state.current_transform
     }
 }
 
@@ -130,7 +132,8 @@ mod tests {
 
     #[test]
     fn frames_are_never_encoded_twice() {
-        let (bgra, srgb) = (vk::Format::B8G8R8A8_UNORM, vk::Format::B8G8R8A8_SRGB);
+        let bgra = vk::Format::B8G8R8A8_UNORM;
+        let srgb = vk::Format::B8G8R8A8_SRGB;
         assert_eq!(format(&[offer(srgb), offer(bgra)]).unwrap(), bgra);
         let rgba = vk::Format::R8G8B8A8_UNORM;
         assert_eq!(format(&[offer(srgb), offer(rgba)]).unwrap(), rgba);

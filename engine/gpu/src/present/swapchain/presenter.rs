@@ -42,7 +42,8 @@ struct State {
 impl Presenter {
     pub(super) fn new(device: &Device) -> Result<Self, Error> {
         let shared = Arc::new(Shared::default());
-        let (device, theirs) = (device.clone(), Arc::clone(&shared));
+        let device = device.clone();
+        let theirs = Arc::clone(&shared);
         let thread = std::thread::Builder::new().name("present".to_owned());
         let thread = thread.spawn(move || present_all(&device, &theirs));
         let thread = thread.map_err(|error| Error::NoThread(error.to_string()))?;

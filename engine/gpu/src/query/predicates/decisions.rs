@@ -159,9 +159,10 @@ impl Predication {
         let Some(wanted) = wanted else {
             let best = match Predication::best(capabilities) {
                 Predication::Conditional if compares => {
-                    match capabilities.has(Optional::DrawIndirectCount) {
-                        true => Predication::Counts,
-                        false => Predication::Instances,
+                    if capabilities.has(Optional::DrawIndirectCount) {
+                        Predication::Counts
+                    } else {
+                        Predication::Instances
                     }
                 }
                 best => best,

@@ -247,11 +247,9 @@ impl Predicates {
         // Accesses of sources that wrote nothing order nothing. No list on the heap: this is
         // recorded in every frame.
         let is_written =
-            |source| written.iter().any(|(it, list)| *it == source && !list.is_empty());
-        let writes = ResultSource::ALL.map(|source| match is_written(source) {
-            true => source.access(),
-            false => Access::Nothing,
-        });
+            |source| written.iter().any(|(own, list)| *own == source && !list.is_empty());
+        let writes = ResultSource::ALL
+            .map(|source| if is_written(source) { source.access() } else { Access::Nothing });
         let Some(writer) = &self.writer else {
             if threshold_samples > 0 {
                 commands.fail(Failure::Wrong(
@@ -338,16 +336,18 @@ impl Predicates {
         if commands.admit(self).is_err() {
             return;
         }
-        match self.predication.is_counted() {
-            true => self.draw_after_counted(commands, draws),
-            false => self.draw_uncounted(commands, draws),
+        if self.predication.is_counted() {
+            self.draw_after_counted(commands, draws)
+        } else {
+            self.draw_uncounted(commands, draws)
         }
     }
 
     fn draw_uncounted(&self, commands: &Commands, draws: BufferSlice) {
-        match self.is_alone {
-            true => commands.draw_indirect(draws),
-            false => self.draw_after_counted(commands, draws),
+        if self.is_alone {
+            commands.draw_indirect(draws)
+        } else {
+            self.draw_after_counted(commands, draws)
         }
     }
 
@@ -474,7 +474,8 @@ fn linked_buffers(device: &Device, count: u32) -> Result<[Buffer; 2], Error> {
 
 /// Returns the buffer of so many draws.
 fn draw_buffer(device: &Device, count: u32) -> Result<Buffer, Error> {
-    let (wanted, limit) = (u64::from(count) * DRAW_BYTES, device.adapter().limits);
+    let wanted = u64::from(count) * DRAW_BYTES;
+    let limit = device.adapter().limits;
     let limit = u64::from(limit.max_storage_buffer_range);
     if wanted > limit {
         let what = "the bytes of all draws".to_owned();

@@ -287,7 +287,8 @@ impl Commands {
         let raw = self.device().raw();
         // SAFETY: both buffers live at least until this frame is over.
         unsafe {
-            let (buffers, offsets) = ([vertices.raw], [vertices.offset_bytes]);
+            let buffers = [vertices.raw];
+            let offsets = [vertices.offset_bytes];
             raw.cmd_bind_vertex_buffers(self.raw(), 0, &buffers, &offsets);
             if let Some(indices) = indices {
                 let offset = indices.offset_bytes;
@@ -304,7 +305,8 @@ impl Commands {
         }
         let buffers = vertices.map(|slice| slice.raw);
         let offsets = vertices.map(|slice| slice.offset_bytes);
-        let (raw, kind) = (self.device().raw(), vk::IndexType::UINT32);
+        let raw = self.device().raw();
+        let kind = vk::IndexType::UINT32;
         // SAFETY: all three buffers live at least until this frame is over.
         unsafe {
             raw.cmd_bind_vertex_buffers(self.raw(), 0, &buffers, &offsets);

@@ -127,7 +127,8 @@ impl Commands {
     fn unindexed_pieces(&self, draws: BufferSlice) -> impl Iterator<Item = (u64, u32)> + use<> {
         let limit = u64::from(self.device().adapter().limits.max_draw_indirect_count.max(1));
         let stride = u64::from(UNINDEXED_STRIDE);
-        let (all, start) = (draws.size_bytes / stride, draws.offset_bytes);
+        let all = draws.size_bytes / stride;
+        let start = draws.offset_bytes;
         let pieces = (0..all.div_ceil(limit)).map(move |piece| piece * limit);
         pieces.map(move |first| (start + first * stride, (all - first).min(limit) as u32))
     }

@@ -199,7 +199,7 @@ impl<'a> Bench<'a> {
         self.flags.begin(frame, std::iter::repeat_n((), MOST as usize))?;
         if let Thing::Ranges { executor, width } = batch.thing {
             let results = self.flags.results();
-            for ranges in self.ranges.iter_mut().filter(|it| it.predication() == executor) {
+            for ranges in self.ranges.iter_mut().filter(|range| range.predication() == executor) {
                 ranges.begin(frame, results, (batch.count, width))?;
             }
         }
@@ -253,7 +253,7 @@ impl<'a> Bench<'a> {
     /// Returns the ranges of a batch of ranges.
     fn ranges_of(&self, batch: Batch) -> Option<&SkippedRanges> {
         let Thing::Ranges { executor, .. } = batch.thing else { return None };
-        self.ranges.iter().find(|it| it.predication() == executor)
+        self.ranges.iter().find(|range| range.predication() == executor)
     }
 
     /// Draws patches that show, in one rendering without a test or in two with a test of the

@@ -36,9 +36,10 @@ pub(super) fn measure(device: &Device) -> Result<ResetPrices, Error> {
         let [many, few] = shortest_ns;
         Ok(((many - few) / QUERIES as f64).max(0.0) as f32)
     };
-    let cpu_ns = match device.capabilities().has(Optional::HostQueryReset) {
-        true => each_ns(Resubmission::Never)?,
-        false => f32::NAN,
+    let cpu_ns = if device.capabilities().has(Optional::HostQueryReset) {
+        each_ns(Resubmission::Never)?
+    } else {
+        f32::NAN
     };
     Ok(ResetPrices { command_ns: each_ns(Resubmission::Allowed)?, cpu_ns })
 }

@@ -139,10 +139,12 @@ impl LeafTable {
     /// As for [`LeafTable::begin`].
     pub(crate) fn make_room(&mut self) -> Result<(), Error> {
         let DrawLayout::Bucketed(cells) = &self.layout else { return Ok(()) };
-        let (leaf_count, cell_count) = (cells.leaf_count(), cells.cell_count());
-        let buffers = match leaf_count > self.leaf_capacity {
-            true => Some(leaf_buffers(&self.device, leaf_count as usize)?),
-            false => None,
+        let leaf_count = cells.leaf_count();
+        let cell_count = cells.cell_count();
+        let buffers = if leaf_count > self.leaf_capacity {
+            Some(leaf_buffers(&self.device, leaf_count as usize)?)
+        } else {
+            None
         };
         if cell_count > self.cell_capacity {
             let half_more = self.cell_capacity.saturating_add(self.cell_capacity / 2);
@@ -163,7 +165,8 @@ impl LeafTable {
 
     fn count_all(&mut self, leaf_count: usize) {
         let Self { layout, counts, .. } = self;
-        *counts = LeafCounts::new((0..leaf_count as u32).map(|it| layout.count(LeafIndex(it))));
+        *counts =
+            LeafCounts::new((0..leaf_count as u32).map(|index| layout.count(LeafIndex(index))));
     }
 
     /// Marks what changed in the cells.
@@ -205,7 +208,8 @@ fn leaf_buffers(device: &Device, leaf_count: usize) -> Result<[Buffer; 2], Error
         return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
     }
     let buffer = |name, element_bytes: usize| {
-        let (bytes, usage) = (leaf_count * element_bytes, vk::BufferUsageFlags::STORAGE_BUFFER);
+        let bytes = leaf_count * element_bytes;
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         Buffer::new(device, name, bytes as u64, usage, MemoryKind::Device)
     };
     Ok([

@@ -118,7 +118,8 @@ impl Bucket {
     /// Moves spans into cells, with the empty ones shared out evenly, and one more for `place`.
     pub(super) fn spread(&mut self, place: usize, spans: Range<usize>, to: DrawRange) {
         let used = 1 + self.spans[spans.clone()].iter().map(|span| span.len).sum::<u32>();
-        let (empty, count) = (to.count.saturating_sub(used), spans.len() as u32);
+        let empty = to.count.saturating_sub(used);
+        let count = spans.len() as u32;
         let mut start = to.first;
         for (number, span) in (0..).zip(&mut self.spans[spans.clone()]) {
             span.start = start;
@@ -165,13 +166,11 @@ impl Bucket {
 impl Span {
     /// Returns the number of draws up to the first for which `is_before` does not hold.
     fn partition(&self, is_before: impl Fn(u32) -> bool) -> u32 {
-        let (mut low, mut high) = (0, self.len);
+        let mut low = 0;
+        let mut high = self.len;
         while low < high {
             let middle = (low + high) / 2;
-            match is_before(self.start + middle) {
-                true => low = middle + 1,
-                false => high = middle,
-            }
+            if is_before(self.start + middle) { low = middle + 1 } else { high = middle }
         }
         low
     }

@@ -119,7 +119,8 @@ impl Model {
                 self.replace(leaf, draws);
             }
             _ => {
-                let (leaf, draws) = (self.random.below(leaves), self.some_draws());
+                let leaf = self.random.below(leaves);
+                let draws = self.some_draws();
                 self.replace(leaf, draws);
             }
         }
@@ -147,8 +148,8 @@ impl Model {
     /// Returns the draws of a leaf that draw something, by bucket.
     fn listed(&self, leaf: usize) -> Vec<BucketDraw> {
         let mut draws = self.draws[self.objects[leaf].0 as usize].clone();
-        draws.retain(|it| it.draw.instance_count > 0);
-        draws.sort_by_key(|it| it.bucket);
+        draws.retain(|draw| draw.draw.instance_count > 0);
+        draws.sort_by_key(|draw| draw.bucket);
         draws
     }
 
@@ -172,7 +173,8 @@ impl Model {
     fn check(&mut self) {
         self.copy();
         for leaf in 0..self.objects.len() {
-            let (mut cell, index) = (self.copied_firsts[leaf], LeafIndex(leaf as u32));
+            let mut cell = self.copied_firsts[leaf];
+            let index = LeafIndex(leaf as u32);
             for draw in self.listed(leaf) {
                 let (command, link) = self.copied[cell as usize - 1];
                 assert_eq!(command, draw.draw, "leaf {leaf}");
@@ -180,7 +182,8 @@ impl Model {
                 cell = link.next;
             }
             assert_eq!(cell, DrawLink::NO_DRAW, "leaf {leaf} has no more");
-            let triangles = self.listed(leaf).iter().map(|it| u64::from(it.triangles)).sum();
+            let triangles =
+                self.listed(leaf).iter().map(|listed| u64::from(listed.triangles)).sum();
             let draws = self.listed(leaf).len() as u64;
             assert_eq!(self.cells.count(index), LeafCount { draws, triangles });
         }
@@ -192,7 +195,8 @@ impl Model {
     }
 
     fn check_range(&self, leaves: Range<usize>) {
-        let (first, count) = (LeafIndex(leaves.start as u32), leaves.len() as u32);
+        let first = LeafIndex(leaves.start as u32);
+        let count = leaves.len() as u32;
         let all: Vec<BucketDraw> = leaves.flat_map(|leaf| self.listed(leaf)).collect();
         let mut found = Vec::new();
         self.cells.ranges(LeafRange { first, count }, |bucket, cells| {
@@ -200,11 +204,14 @@ impl Model {
             let cells = cells.first as usize..(cells.first + cells.count) as usize;
             let ends = [cells.start, cells.end - 1].map(|end| self.copied[end].0.instance_count);
             assert!(ends.iter().all(|count| *count > 0), "the range ends with draws");
-            let drawn = self.copied[cells].iter().map(|it| it.0).filter(|it| it.instance_count > 0);
-            let wanted = all.iter().filter(|it| it.bucket == bucket).map(|it| it.draw);
+            let drawn = self.copied[cells]
+                .iter()
+                .map(|copied| copied.0)
+                .filter(|copied| copied.instance_count > 0);
+            let wanted = all.iter().filter(|draw| draw.bucket == bucket).map(|draw| draw.draw);
             assert!(drawn.eq(wanted), "{first:?} {count} in {bucket:?}");
         });
-        let mut buckets: Vec<BucketId> = all.iter().map(|it| it.bucket).collect();
+        let mut buckets: Vec<BucketId> = all.iter().map(|draw| draw.bucket).collect();
         buckets.sort_unstable();
         buckets.dedup();
         assert_eq!(found, buckets);
@@ -262,7 +269,7 @@ fn a_steady_replacement_writes_nothing_but_its_own_cells() {
     let written = model.cells.changes.written;
     let leaf = (0..500).find(|leaf| model.listed(*leaf).len() > 1).unwrap();
     let mut draws = model.draws[model.objects[leaf].0 as usize].clone();
-    draws.iter_mut().for_each(|it| it.draw.vertex_offset += 1);
+    draws.iter_mut().for_each(|draw| draw.draw.vertex_offset += 1);
     model.replace(leaf, draws);
     assert_eq!(model.cells.changes.written, written);
     let mut changed = Vec::new();

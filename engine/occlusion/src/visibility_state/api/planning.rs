@@ -21,9 +21,10 @@ impl VisibilityState {
         if version != leaves.version {
             return Err(PlanError::SceneChanged.into());
         }
-        match self.planned_views.is_empty() || self.planned_views == views.as_slice() {
-            true => Ok(()),
-            false => Err(PlanError::OtherViews.into()),
+        if self.planned_views.is_empty() || self.planned_views == views.as_slice() {
+            Ok(())
+        } else {
+            Err(PlanError::OtherViews.into())
         }
     }
 
@@ -94,7 +95,8 @@ impl VisibilityState {
         rings.queries.begin(frame, &[])?;
         rings.flags.begin(frame, std::iter::empty())?;
         rings.computed.begin(frame, std::iter::empty())?;
-        let (nothing, draws) = (std::iter::empty::<DrawRange>(), leaves.copied_draws());
+        let nothing = std::iter::empty::<DrawRange>();
+        let draws = leaves.copied_draws();
         rings.leaf_draws.begin(frame, (plan.frame, *generation), nothing, &draws)?;
         Ok(())
     }

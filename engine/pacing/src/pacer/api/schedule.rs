@@ -38,7 +38,8 @@ impl Pacer {
         let forecast = self.knowledge(now).forecast(&self.frames, self.ordinal_in_the_way());
         let limited = self.limit_due > now;
         let earliest = now.max(self.limit_due);
-        let [cpu, gpu] = [self.cpu.expected(), self.gpu.expected()];
+        let cpu = self.cpu.expected();
+        let gpu = self.gpu.expected();
         // Earlier it would only wait for the GPU.
         let gpu_ready = forecast.gpu_free - cpu - SAFE * self.cpu.spread();
         let mut target = None;

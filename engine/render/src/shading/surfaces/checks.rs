@@ -70,7 +70,8 @@ pub(super) fn check(scene: &Scene, surfaces: &Surfaces) -> Result<(), Error> {
         return Err(scene::SceneError::BrokenMesh { mesh: name, fault }.into());
     }
     for image in &surfaces.images {
-        let (size, check) = (image.size, image.check());
+        let size = image.size;
+        let check = image.check();
         check.map_err(|fault| Error::Image { image: image.name.clone(), size, fault })?;
     }
     Ok(())

@@ -62,7 +62,8 @@ fn lights() -> Vec<PunctualLight> {
 
 #[test]
 fn lists_hold_the_strongest_lights_that_reach_a_box() {
-    let (boxes, lights) = (boxes(), lights());
+    let boxes = boxes();
+    let lights = lights();
     let hierarchy = Hierarchy::build(&boxes).unwrap();
     let mut lists = LightLists::new(&table(lights.clone()), boxes.len());
     lists.fill(&hierarchy, 0);
@@ -92,7 +93,8 @@ fn no_list_is_longer_than_it_may_be() {
 
 #[test]
 fn what_moves_finds_its_lights_again() {
-    let (mut boxes, lights) = (boxes(), lights());
+    let mut boxes = boxes();
+    let lights = lights();
     let mut lists = LightLists::new(&table(lights.clone()), boxes.len());
     lists.fill(&Hierarchy::build(&boxes).unwrap(), 0);
     lists.submitted();
@@ -110,7 +112,8 @@ fn what_moves_finds_its_lights_again() {
 
 #[test]
 fn a_light_that_moves_is_found_around_both_its_places() {
-    let (boxes, mut lights) = (boxes(), lights());
+    let boxes = boxes();
+    let mut lights = lights();
     let hierarchy = Hierarchy::build(&boxes).unwrap();
     let mut lists = LightLists::new(&table(lights.clone()), boxes.len());
     lists.fill(&hierarchy, 0);

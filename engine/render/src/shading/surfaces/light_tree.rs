@@ -122,7 +122,8 @@ impl LightTree {
         else {
             return None;
         };
-        let (before, leaf) = (std::mem::replace(reach, now), *leaf as usize);
+        let before = std::mem::replace(reach, now);
+        let leaf = *leaf as usize;
         self.replaced += 1;
         if self.replaced > self.order.len() {
             self.rebuild();
@@ -171,12 +172,12 @@ impl LightTree {
     /// leaf, whose node is a point, rounding is the same as for the light itself, and no node above
     /// is weaker: differences, squares, sums and quotients keep their order when they are rounded.
     fn open(&self, node: usize, leaves: Range<usize>, bounds: &Aabb) -> Option<Open> {
-        let it = self.node(node);
-        let gap = (bounds.min - it.bounds.max).max(it.bounds.min - bounds.max).max(Vec3::ZERO);
+        let own = self.node(node);
+        let gap = (bounds.min - own.bounds.max).max(own.bounds.min - bounds.max).max(Vec3::ZERO);
         let distance_squared = gap.length_squared();
         // The light that arrives where the box is nearest, in lux.
-        let lux = it.candela / distance_squared.max(1.0e-4);
-        (distance_squared <= it.reach_squared).then_some((node, leaves, (lux, it.first_entry)))
+        let lux = own.candela / distance_squared.max(1.0e-4);
+        (distance_squared <= own.reach_squared).then_some((node, leaves, (lux, own.first_entry)))
     }
 }
 
@@ -218,7 +219,8 @@ impl Reach {
     pub(crate) fn of(light: &PunctualLight, entry: Option<u32>) -> Option<Self> {
         let is_local = light.kind != LightKind::Directional && is_bright(light);
         let entry = entry.filter(|_| is_local)?;
-        let (position, candela) = (light.position, strongest_part(light));
+        let position = light.position;
+        let candela = strongest_part(light);
         Some(Self { entry, position, reach_m: reach_m(light), candela })
     }
 }

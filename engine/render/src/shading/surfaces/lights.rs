@@ -54,7 +54,8 @@ impl LightEntry {
         // The cone of KHR_lights_punctual: 1 within the inner angle, 0 beyond the outer one.
         let (scale, offset) = match light.kind {
             LightKind::Spot { inner_rad, outer_rad } => {
-                let (inner, outer) = (inner_rad.cos(), outer_rad.cos());
+                let inner = inner_rad.cos();
+                let outer = outer_rad.cos();
                 let scale = (inner - outer).max(0.001).recip();
                 (scale, -outer * scale)
             }
@@ -79,9 +80,8 @@ fn picture_right(light: &PunctualLight, picture: &LightPicture) -> [f32; 3] {
     let LightKind::Spot { outer_rad, .. } = light.kind else { return [0.0; 3] };
     let direction = light.direction.normalize_or_zero();
     let right = direction.cross(picture.up.normalize_or_zero());
-    let right = right.try_normalize().unwrap_or_else(|| match direction == Vec3::ZERO {
-        true => Vec3::ZERO,
-        false => direction.any_orthonormal_vector(),
+    let right = right.try_normalize().unwrap_or_else(|| {
+        if direction == Vec3::ZERO { Vec3::ZERO } else { direction.any_orthonormal_vector() }
     });
     (right / outer_rad.clamp(0.001, WIDEST_PICTURE_RAD).tan()).to_array()
 }
@@ -236,7 +236,10 @@ impl LightTable {
         let mut entries = vec![LightEntry::default(); count];
         for (light, place) in self.lights.iter().zip(&self.places) {
             if let Some(entry) = place.and_then(|place| entries.get_mut(place as usize)) {
-                *entry = LightEntry::of(light, light.picture.and_then(|it| place_of(it.texture)));
+                *entry = LightEntry::of(
+                    light,
+                    light.picture.and_then(|picture| place_of(picture.texture)),
+                );
             }
         }
         entries

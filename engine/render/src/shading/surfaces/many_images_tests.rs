@@ -73,7 +73,7 @@ fn assert_sound(plan: &PagePlan, surfaces: &Surfaces, max_layers: u32) -> u64 {
         assert!(page.size.iter().all(|side| (1..=16_384).contains(side)));
     }
     let own: u64 = own.iter().map(|(image, _)| bytes(surfaces.images[image.0 as usize].size)).sum();
-    let all: u64 = plan.pages.iter().map(|it| bytes(it.size) * it.layers.len() as u64).sum();
+    let all: u64 = plan.pages.iter().map(|page| bytes(page.size) * page.layers.len() as u64).sum();
     assert!(all <= (2 * own).max(SMALL_PAGES_BYTES), "{all} bytes for {own}");
     all
 }
@@ -102,7 +102,7 @@ fn one_huge_image_does_not_blow_thousands_of_tiny_ones_up() {
 
 #[test]
 fn long_and_high_images_are_not_brought_to_one_that_holds_both() {
-    let sizes = (0..13).flat_map(|it| vec![[1 << it, 1 << (12 - it)]; 40]);
+    let sizes = (0..13).flat_map(|index| vec![[1 << index, 1 << (12 - index)]; 40]);
     let surfaces = plain(&sizes.chain([[8192, 8192]]).collect::<Vec<_>>());
     let plan = PagePlan::new(&surfaces, [16_384, 2048], MAX_PAGES);
     assert_sound(&plan, &surfaces, 2048);
@@ -141,7 +141,7 @@ fn an_image_is_not_copied_for_each_of_many_samplers() {
 #[test]
 fn images_of_an_encoding_fill_the_last_layer_of_all_pages() {
     // Two thirds of a page of each of 18 sizes: no two of them together save a page.
-    let sizes: Vec<_> = (0..18).flat_map(|it| vec![[it + 1, 2 * it + 1]; 40]).collect();
+    let sizes: Vec<_> = (0..18).flat_map(|index| vec![[index + 1, 2 * index + 1]; 40]).collect();
     let surfaces = plain(&sizes);
     assert_sound(&PagePlan::new(&surfaces, [16_384, 60], MAX_PAGES), &surfaces, 60);
     let plan = PagePlan::new(&surfaces, [16_384, 59], MAX_PAGES);
@@ -160,7 +160,7 @@ fn whatever_there_is_gets_a_page_within_the_bound() {
         let largest = [4, 9, 12, 15][(seed / 12 % 4) as usize];
         let mut side = || (1 << random(largest)) + random(3);
         let sizes: Vec<_> =
-            (0..count).map(|_| [side(), side()].map(|it: u32| it.min(16_384))).collect();
+            (0..count).map(|_| [side(), side()].map(|number: u32| number.min(16_384))).collect();
         let wraps = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
         let samplers = 1 + (seed % 5) as u32 * 2;
         let mut look = |image| {

@@ -106,7 +106,8 @@ fn lists_are_those_found_the_plain_way_whatever_changes() {
     let mut all_crowded = Vec::new();
     for seed in 0..40 {
         let random = &mut Random(seed);
-        let (light_count, box_count) = (1 << (seed % 11), 60);
+        let light_count = 1 << (seed % 11);
+        let box_count = 60;
         let mut lights: Vec<_> = (0..light_count).map(|_| any_light(random)).collect();
         let mut boxes: Vec<_> = (0..box_count).map(|_| any_box(random)).collect();
         let table = table(&lights);

@@ -223,7 +223,8 @@ impl MaterialSlots {
         if !dirty.is_empty() {
             let entries = dirty.iter().map(|material| self.table.entry(*material));
             let uploads = frame.uploads();
-            let (leaves, elements) = (uploads.push(dirty)?, uploads.push_iter(entries)?);
+            let leaves = uploads.push(dirty)?;
+            let elements = uploads.push_iter(entries)?;
             let io = ScatterIo { leaves, elements, array: materials };
             let bytes = size_of::<MaterialEntry>();
             scatter.record(frame.commands(), dirty.len() as u32, [(io, bytes)]);
@@ -231,7 +232,8 @@ impl MaterialSlots {
         let (dirty, entries) = self.table.transforms.dirty();
         if !dirty.is_empty() {
             let uploads = frame.uploads();
-            let (leaves, elements) = (uploads.push(dirty)?, uploads.push_iter(entries)?);
+            let leaves = uploads.push(dirty)?;
+            let elements = uploads.push_iter(entries)?;
             let io = ScatterIo { leaves, elements, array: transforms };
             let bytes = size_of::<TransformEntry>();
             scatter.record(frame.commands(), dirty.len() as u32, [(io, bytes)]);

@@ -225,7 +225,8 @@ impl Features {
     /// Returns the features that any material without blending may use, with these lights and with
     /// textures for what they are made for.
     pub(crate) fn of_any(self, plan: &PagePlan) -> Self {
-        let [colours, numbers] = [Encoding::Srgb, Encoding::Linear].map(|it| plan.bits_of(it));
+        let [colours, numbers] =
+            [Encoding::Srgb, Encoding::Linear].map(|encoding| plan.bits_of(encoding));
         let of_kind = [colours, numbers, numbers, numbers, colours];
         Self {
             is_masked: true,

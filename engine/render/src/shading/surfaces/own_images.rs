@@ -29,9 +29,10 @@ pub(crate) struct OwnImages {
 impl OwnImages {
     /// Returns the most textures that a device indexes; 0 where it indexes none.
     pub(crate) fn most(device: &Device) -> u32 {
-        match device.capabilities().has(Optional::IndexedTextures) {
-            true => device.adapter().indexed_textures.min(MAX_OWN_IMAGES),
-            false => 0,
+        if device.capabilities().has(Optional::IndexedTextures) {
+            device.adapter().indexed_textures.min(MAX_OWN_IMAGES)
+        } else {
+            0
         }
     }
 
@@ -82,9 +83,10 @@ impl OwnImages {
 
     /// Returns the reason why a texture cannot be added, but for the lack of room.
     pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), &'static str> {
-        match texture.image().size.iter().all(|side| (1..=self.max_side).contains(side)) {
-            true => Ok(()),
-            false => Err("the device has no images of its size"),
+        if texture.image().size.iter().all(|side| (1..=self.max_side).contains(side)) {
+            Ok(())
+        } else {
+            Err("the device has no images of its size")
         }
     }
 
@@ -107,7 +109,8 @@ impl OwnImages {
         &mut self,
         texture: &PreparedTexture,
     ) -> Result<(TextureId, TexturePlace), Error> {
-        let (encoding, sampler) = (texture.encoding(), texture.sampler());
+        let encoding = texture.encoding();
+        let sampler = texture.sampler();
         let size = texture.image().size;
         let blocks = self.blocks(texture);
         let page = Page { size, encoding, sampler, layers: Vec::new(), spare: 1, blocks };
@@ -177,7 +180,8 @@ mod tests {
 
     #[test]
     fn only_tables_that_are_walked_in_each_draw_are_short() {
-        let [gpu, cpu] = [vk::PhysicalDeviceType::INTEGRATED_GPU, vk::PhysicalDeviceType::CPU];
+        let gpu = vk::PhysicalDeviceType::INTEGRATED_GPU;
+        let cpu = vk::PhysicalDeviceType::CPU;
         assert_eq!(room(gpu, 5, MAX_OWN_IMAGES), 32_767);
         assert_eq!(room(cpu, 5, MAX_OWN_IMAGES), 1029);
         assert_eq!(room(cpu, 32_700, MAX_OWN_IMAGES), 32_767);

@@ -75,7 +75,8 @@ pub(super) fn joined(
     most_texels: u64,
 ) -> Vec<Group> {
     let mut groups = without_copies(groups, most_texels);
-    let pages = |groups: &[Group]| groups.iter().map(|it| it.pages(max_layers)).sum::<usize>();
+    let pages =
+        |groups: &[Group]| groups.iter().map(|group| group.pages(max_layers)).sum::<usize>();
     if groups.len() > MOST_PAIRED && pages(&groups) > max_pages {
         groups = by_classes(groups, most_texels);
     }
@@ -232,7 +233,8 @@ fn united(class: Vec<Group>, size: impl Fn([u32; 2], [u32; 2]) -> [u32; 2]) -> O
         let sizes = class.iter().map(|group| group.size);
         sizes.reduce(|a, b| [choose(a[0], b[0]), choose(a[1], b[1])])
     };
-    let (least, most) = (extreme(u32::min)?, extreme(u32::max)?);
+    let least = extreme(u32::min)?;
+    let most = extreme(u32::max)?;
     let mut pixels: HashMap<Sampler, u64> = HashMap::new();
     for group in &class {
         *pixels.entry(group.sampler).or_default() += group.pixels();

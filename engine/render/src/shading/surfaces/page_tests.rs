@@ -67,7 +67,8 @@ fn assert_sound(plan: &PagePlan, surfaces: &Surfaces, max_layers: u32) {
 #[test]
 fn what_is_alike_shares_a_page_and_equal_images_a_layer() {
     let plain = Sampler::default();
-    let (srgb, linear) = (Encoding::Srgb, Encoding::Linear);
+    let srgb = Encoding::Srgb;
+    let linear = Encoding::Linear;
     let surfaces = surfaces(
         &[[8, 8], [8, 8], [4, 8]],
         &[

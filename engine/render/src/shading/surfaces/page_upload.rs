@@ -19,7 +19,8 @@ pub(super) fn plan(
     rooms: &[TextureRoom],
 ) -> Result<PagePlan, Error> {
     let limits = &device.adapter().limits;
-    let (max_side, max_layers) = (limits.max_image_dimension2_d, limits.max_image_array_layers);
+    let max_side = limits.max_image_dimension2_d;
+    let max_layers = limits.max_image_array_layers;
     limits::check(
         "kinds of textures that may come",
         rooms.len() as u64,

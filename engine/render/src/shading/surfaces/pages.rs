@@ -91,7 +91,8 @@ impl PagePlan {
                 let next = groups.len();
                 let number = *of_key.entry((size, encoding, sampler)).or_insert(next);
                 if number == next {
-                    let (images, members) = (Vec::new(), vec![number]);
+                    let images = Vec::new();
+                    let members = vec![number];
                     groups.push(Group { size, encoding, sampler, images, members });
                 }
                 if known.insert((number, image)) {
@@ -110,7 +111,7 @@ impl PagePlan {
             page_groups.extend(group.members.iter().map(|member| (*member, page_group)));
             let place = |place: u32| (first + (place / max_layers) as usize, place % max_layers);
             layers.extend(
-                (0..).zip(&group.images).map(|(it, image)| ((page_group, *image), place(it))),
+                (0..).zip(&group.images).map(|(layer, image)| ((page_group, *image), place(layer))),
             );
         }
         plan.places = surfaces
@@ -191,7 +192,7 @@ impl PagePlan {
 
     fn count_resampled(&mut self, surfaces: &Surfaces) {
         let layers =
-            self.pages.iter().flat_map(|page| page.layers.iter().map(move |it| (page, it)));
+            self.pages.iter().flat_map(|page| page.layers.iter().map(move |layer| (page, layer)));
         for (page, image) in layers {
             let Some(image) = surfaces.images.get(image.0 as usize) else { continue };
             self.resampled += usize::from(image.size != page.size);

@@ -218,9 +218,10 @@ impl SurfaceResources {
     /// Returns the reason why a texture cannot be removed.
     pub(crate) fn check_texture_removal(&self, texture: TextureId) -> Result<(), &'static str> {
         self.textures.check_removal(texture)?;
-        match self.material_slots.uses_texture(texture) {
-            true => Err("materials use it, or lights project it: change those first"),
-            false => Ok(()),
+        if self.material_slots.uses_texture(texture) {
+            Err("materials use it, or lights project it: change those first")
+        } else {
+            Ok(())
         }
     }
 
@@ -373,12 +374,14 @@ impl SurfaceResources {
         if count > 0 {
             let places: Vec<u32> = changed().map(|(place, _)| place).collect();
             let entry = |light: &PunctualLight| {
-                let picture = light.picture.and_then(|it| self.material_slots.place(it.texture));
+                let picture =
+                    light.picture.and_then(|picture| self.material_slots.place(picture.texture));
                 LightEntry::of(light, picture)
             };
             let entries: Vec<LightEntry> = changed().map(|(_, light)| entry(light)).collect();
             let uploads = frame.uploads();
-            let (leaves, elements) = (uploads.push(&places)?, uploads.push(&entries)?);
+            let leaves = uploads.push(&places)?;
+            let elements = uploads.push(&entries)?;
             let io = ScatterIo { leaves, elements, array: self.lights.whole() };
             scatter.record(frame.commands(), count as u32, [(io, size_of::<LightEntry>())]);
         }

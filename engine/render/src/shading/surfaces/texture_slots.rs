@@ -104,7 +104,7 @@ impl TextureSlots {
         let place = number.and_then(|number| self.places.get_mut(number as usize));
         let Some(TexturePlace { page, layer, .. }) = place.and_then(Option::take) else { return };
         self.ids.free(texture.0..texture.0 + 1);
-        if let Some(page) = self.pages.iter_mut().find(|it| it.page == page) {
+        if let Some(page) = self.pages.iter_mut().find(|known| known.page == page) {
             page.layers.free(layer..layer + 1);
         }
     }

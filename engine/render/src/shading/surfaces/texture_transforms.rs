@@ -133,7 +133,10 @@ impl TextureTransforms {
     pub(crate) fn dirty(&self) -> (&[u32], impl ExactSizeIterator<Item = TransformEntry> + '_) {
         let entry = |number: &u32| self.entries.get(*number as usize).copied();
         let entries = self.dirty.list().iter();
-        (self.dirty.list(), entries.map(move |it| entry(it).unwrap_or_else(TransformEntry::zeroed)))
+        (
+            self.dirty.list(),
+            entries.map(move |transform| entry(transform).unwrap_or_else(TransformEntry::zeroed)),
+        )
     }
 
     /// Notes that the GPU gets them.
@@ -169,7 +172,7 @@ mod tests {
         assert!(transforms.check_room(two()).is_err(), "another texture uses it");
         transforms.free(scaled(2.0));
         transforms.check_room(two()).unwrap();
-        let mut taken = two().map(|it| transforms.take(it)).collect::<Vec<_>>();
+        let mut taken = two().map(|key| transforms.take(key)).collect::<Vec<_>>();
         taken.sort_unstable();
         assert_eq!(taken, [1, 3]);
         assert_eq!(transforms.entries().len(), 4);

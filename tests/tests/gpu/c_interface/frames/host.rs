@@ -86,28 +86,29 @@ impl Recording<'_> {
 
 unsafe extern "C" fn bind(user: *mut c_void, binding: *const AntumbraBinding) {
     // SAFETY: `draw` passes this as user; the binding is that of the call.
-    let (it, binding) = unsafe { (&*user.cast::<Recording<'_>>(), &*binding) };
-    let view = &it.views[it.number(binding.view)];
-    it.pipeline.bind(binding.commands, view, binding.bucket);
+    let (host, binding) = unsafe { (&*user.cast::<Recording<'_>>(), &*binding) };
+    let view = &host.views[host.number(binding.view)];
+    host.pipeline.bind(binding.commands, view, binding.bucket);
 }
 
 unsafe extern "C" fn begin(user: *mut c_void, rendering: *const AntumbraRendering) {
     // SAFETY: as above.
-    let (it, begun) = unsafe { (&*user.cast::<Recording<'_>>(), &*rendering) };
+    let (host, begun) = unsafe { (&*user.cast::<Recording<'_>>(), &*rendering) };
     let rendering = if begun.is_first == 1 { Rendering::First } else { Rendering::Next };
-    it.images[it.number(begun.view)].begin(it.host, begun.commands, rendering);
+    host.images[host.number(begun.view)].begin(host.host, begun.commands, rendering);
 }
 
 unsafe extern "C" fn end(user: *mut c_void, rendering: *const AntumbraRendering) {
     // SAFETY: as above.
-    let (it, ended) = unsafe { (&*user.cast::<Recording<'_>>(), &*rendering) };
-    it.images[it.number(ended.view)].end(it.host, ended.commands);
+    let (host, ended) = unsafe { (&*user.cast::<Recording<'_>>(), &*rendering) };
+    host.images[host.number(ended.view)].end(host.host, ended.commands);
 }
 
 /// Returns the two halves of a box.
-fn halves(it: &Aabb) -> [Aabb; 2] {
-    let (mut left, mut right) = (*it, *it);
-    let middle = (it.min.x + it.max.x) * 0.5;
+fn halves(bounds: &Aabb) -> [Aabb; 2] {
+    let mut left = *bounds;
+    let mut right = *bounds;
+    let middle = (bounds.min.x + bounds.max.x) * 0.5;
     (left.max.x, right.min.x) = (middle, middle);
     [left, right]
 }
@@ -213,7 +214,8 @@ impl<'a> DrawingHost<'a> {
         let mut prices = AntumbraPrices { id: 0 };
         // SAFETY: pointers to values on this stack.
         unsafe {
-            let (x, error) = (self.context, &raw mut self.error);
+            let x = self.context;
+            let error = &raw mut self.error;
             let without_queue = AntumbraPricesDesc { device: self.device, ..desc };
             let refused = antumbra_prices_measure(x, &without_queue, &mut prices, error);
             assert_eq!(refused, AntumbraResult::BadArgument);
@@ -244,16 +246,18 @@ impl<'a> DrawingHost<'a> {
     /// Adds all boxes in one call.
     fn add(&mut self, boxes: &[Aabb]) {
         let mut draws = Vec::new();
-        let objects = boxes.iter().enumerate().map(|(number, it)| {
+        let objects = boxes.iter().enumerate().map(|(number, bounds)| {
             let own = draws_of(number as u32);
-            let (first_draw, draw_count) = (draws.len() as u32, own.len() as u32);
+            let first_draw = draws.len() as u32;
+            let draw_count = own.len() as u32;
             draws.extend(own);
-            let bounds = AntumbraAabb { min: it.min.to_array(), max: it.max.to_array() };
+            let bounds = AntumbraAabb { min: bounds.min.to_array(), max: bounds.max.to_array() };
             AntumbraObject { bounds, first_draw, draw_count }
         });
         let objects: Vec<AntumbraObject> = objects.collect();
         let mut ids = vec![0; objects.len()];
-        let (o, d) = (objects.as_ptr(), draws.as_ptr());
+        let o = objects.as_ptr();
+        let d = draws.as_ptr();
         let counts = [objects.len(), draws.len()];
         // SAFETY: arrays of these lengths.
         let added = unsafe {
@@ -268,9 +272,11 @@ impl<'a> DrawingHost<'a> {
 
     /// Removes some objects, in one call.
     pub fn remove_some(&mut self) {
-        let is_some = |it: &mut (u32, Vec<_>)| it.0 % 7 == 3;
-        let gone: Vec<u32> = self.objects.extract_if(.., is_some).map(|it| it.0).collect();
-        let (first, count) = (gone.as_ptr(), gone.len());
+        let is_some = |number: &mut (u32, Vec<_>)| number.0 % 7 == 3;
+        let gone: Vec<u32> =
+            self.objects.extract_if(.., is_some).map(|removed| removed.0).collect();
+        let first = gone.as_ptr();
+        let count = gone.len();
         // SAFETY: an array of this length.
         let removed = unsafe {
             antumbra_scene_remove(self.context, self.scene, first, count, &mut self.error)
@@ -282,7 +288,8 @@ impl<'a> DrawingHost<'a> {
     pub fn change_draws(&mut self) {
         let (wall, draws) = &mut self.objects[0];
         draws[0].bucket = BUCKETS - 1;
-        let (first, count) = (draws.as_ptr(), draws.len());
+        let first = draws.as_ptr();
+        let count = draws.len();
         // SAFETY: an array of this length.
         let changed = unsafe {
             let error = &mut self.error;
@@ -365,16 +372,16 @@ impl<'a> DrawingHost<'a> {
             assert_eq!(told, AntumbraResult::Ok, "{}", text(error));
             lists
         });
-        self.revealed_lists += lists.iter().map(|it| it.revealed_count).sum::<usize>();
-        let draw = |it: &Self, commands, rendering| {
-            for ((view, lists), [culled, _]) in views.iter().zip(&lists).zip(&it.images) {
+        self.revealed_lists += lists.iter().map(|list| list.revealed_count).sum::<usize>();
+        let draw = |recording: &Self, commands, rendering| {
+            for ((view, lists), [culled, _]) in views.iter().zip(&lists).zip(&recording.images) {
                 if rendering == Rendering::First {
-                    culled.prepare(it.host, commands);
+                    culled.prepare(recording.host, commands);
                 }
-                let io = (culled, &it.pipeline);
-                lists::record(it.host, commands, io, (lists, view, rendering));
+                let io = (culled, &recording.pipeline);
+                lists::record(recording.host, commands, io, (lists, view, rendering));
                 if rendering == Rendering::Next {
-                    culled.restore(it.host, commands);
+                    culled.restore(recording.host, commands);
                 }
             }
         };
@@ -406,9 +413,10 @@ impl<'a> DrawingHost<'a> {
                 for bucket in 0..BUCKETS {
                     self.pipeline.bind(commands, view, bucket);
                     let draws = self.objects.iter().flat_map(|(_, draws)| draws);
-                    for it in draws.filter(|it| it.bucket == bucket) {
-                        let (count, first) = (it.instance_count, it.first_instance);
-                        device.cmd_draw_indexed(commands, it.index_count, count, 0, 0, first);
+                    for drawn in draws.filter(|draw| draw.bucket == bucket) {
+                        let count = drawn.instance_count;
+                        let first = drawn.first_instance;
+                        device.cmd_draw_indexed(commands, drawn.index_count, count, 0, 0, first);
                     }
                 }
             }

@@ -26,7 +26,8 @@ pub struct ViewImages {
 impl ViewImages {
     pub fn new(host: &Host, options: &FrameOptions) -> Self {
         use vk::ImageUsageFlags as U;
-        let (samples, one) = (options.samples, vk::SampleCountFlags::TYPE_1);
+        let samples = options.samples;
+        let one = vk::SampleCountFlags::TYPE_1;
         let usage = U::COLOR_ATTACHMENT | U::TRANSFER_SRC | U::TRANSFER_DST;
         let colour = OwnImage::new(host, SIZE, COLOUR, samples, usage);
         let resolved = (samples != one).then(|| OwnImage::new(host, SIZE, COLOUR, one, usage));
@@ -134,7 +135,10 @@ impl ViewImages {
     /// Destroys them. The GPU is done with them.
     pub fn destroy(self, host: &Host) {
         self.passes.into_iter().for_each(OwnPasses::destroy);
-        [self.colour, self.depth].into_iter().chain(self.resolved).for_each(|it| it.destroy(host));
+        [self.colour, self.depth]
+            .into_iter()
+            .chain(self.resolved)
+            .for_each(|image| image.destroy(host));
     }
 
     fn change(
@@ -151,10 +155,8 @@ impl ViewImages {
             }
             _ => vk::ImageAspectFlags::DEPTH,
         };
-        let (all, access) = (
-            vk::PipelineStageFlags2::ALL_COMMANDS,
-            vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE,
-        );
+        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+        let access = vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE;
         let barriers = [vk::ImageMemoryBarrier2::default()
             .image(image.image)
             .old_layout(old)

@@ -50,12 +50,15 @@ pub fn record(
         for list in listed(lists, rendering) {
             let AntumbraDrawList { bucket, most, commands: buffer, .. } = *list;
             pipeline.bind(commands, view, bucket);
-            let (offset, count, at) = (list.commands_offset, list.count, list.count_offset);
-            match count == vk::Buffer::null() {
-                true => device.cmd_draw_indexed_indirect(commands, buffer, offset, most, stride),
-                false => device.cmd_draw_indexed_indirect_count(
+            let offset = list.commands_offset;
+            let count = list.count;
+            let at = list.count_offset;
+            if count == vk::Buffer::null() {
+                device.cmd_draw_indexed_indirect(commands, buffer, offset, most, stride)
+            } else {
+                device.cmd_draw_indexed_indirect_count(
                     commands, buffer, offset, count, at, most, stride,
-                ),
+                )
             }
         }
     }

@@ -71,7 +71,10 @@ impl BoxPipeline {
         let layout = unsafe { device.create_pipeline_layout(&info, None) }.unwrap();
         let pipeline = create(&device, layout, (formats, samples, pass));
         let corners = CORNERS.iter().flat_map(|corner| corner.to_ne_bytes());
-        let places = boxes.iter().flat_map(|it| [it.min, it.max]).flat_map(|it| it.to_array());
+        let places = boxes
+            .iter()
+            .flat_map(|bounds| [bounds.min, bounds.max])
+            .flat_map(|bounds| bounds.to_array());
         let bytes: Vec<u8> = corners.chain(places.flat_map(f32::to_ne_bytes)).collect();
         let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;
         let buffer = OwnBuffer::filled(host, &bytes, usage);
@@ -83,8 +86,9 @@ impl BoxPipeline {
         let floats = view.view_proj.to_cols_array().into_iter().chain(view.snap_steps);
         let words = floats.map(f32::to_bits).chain([bucket]);
         let constants: Vec<u8> = words.flat_map(u32::to_ne_bytes).collect();
-        let (device, buffer, point) =
-            (&self.device, self.buffer.buffer, vk::PipelineBindPoint::GRAPHICS);
+        let device = &self.device;
+        let buffer = self.buffer.buffer;
+        let point = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: the host's own objects, in a rendering that fits the pipeline.
         unsafe {
             device.cmd_bind_pipeline(commands, point, self.pipeline);

@@ -19,10 +19,11 @@ fn a_lost_device_is_told_by_each_frame_and_the_renderer_goes() {
         let entry = Machine::default().entry();
         let host = Host::through(entry, driver, Purpose::Renderer, &[], Features::default());
         let mut c = CHost::new(&host);
-        let (mesh, objects) = (box_of([0.8, 0.5, 0.2]), objects());
+        let mesh = box_of([0.8, 0.5, 0.2]);
+        let objects = objects();
         let vertices = vertices_of(&mesh);
-        let it = mesh_desc(&vertices, &mesh.indices);
-        let meshes = [&raw const it];
+        let mesh_desc = mesh_desc(&vertices, &mesh.indices);
+        let meshes = [&raw const mesh_desc];
         let desc = AntumbraRendererDesc {
             width: SIZE[0],
             height: SIZE[1],
@@ -35,7 +36,8 @@ fn a_lost_device_is_told_by_each_frame_and_the_renderer_goes() {
         let (created, renderer) = c.create(&desc);
         assert_eq!(created, Ok, "{}", text(&c.error));
         c.same_image(renderer);
-        let (call, code) = (c"vkQueueSubmit2", vk::Result::ERROR_DEVICE_LOST);
+        let call = c"vkQueueSubmit2";
+        let code = vk::Result::ERROR_DEVICE_LOST;
         let faults = vec![Fault { call, fails: 0..usize::MAX, code }];
         Machine { faults, ..Machine::default() }.install();
         let camera = camera();

@@ -49,9 +49,10 @@ fn mistakes_of_a_scene_and_of_a_frame_are_named() {
     let host = Host::new(Driver::Lavapipe, Purpose::Renderer);
     let mut c = CHost::new(&host);
     let mesh = box_of([0.5; 3]);
-    let (vertices, objects) = (vertices_of(&mesh), objects());
-    let it = mesh_desc(&vertices, &mesh.indices);
-    let good_meshes = [&raw const it];
+    let vertices = vertices_of(&mesh);
+    let objects = objects();
+    let desc = mesh_desc(&vertices, &mesh.indices);
+    let good_meshes = [&raw const desc];
     let good = AntumbraRendererDesc {
         width: SIZE[0],
         height: SIZE[1],
@@ -68,11 +69,11 @@ fn mistakes_of_a_scene_and_of_a_frame_are_named() {
         (mesh_desc(&vertices, &[0, 1]), BadArgument, "no multiple of 3"),
         (mesh_desc(&broken, &[0, 1, 2]), BadArgument, "not a finite number"),
         (
-            AntumbraMeshDesc { vertices: null(), ..it },
+            AntumbraMeshDesc { vertices: null(), ..desc },
             BadPointer,
             "desc.meshes[0].vertices is null",
         ),
-        (AntumbraMeshDesc { struct_size: 20, ..it }, BadStructSize, "AntumbraMeshDesc"),
+        (AntumbraMeshDesc { struct_size: 20, ..desc }, BadStructSize, "AntumbraMeshDesc"),
     ] {
         let meshes = [&raw const mesh];
         let (refused, _) = c.create(&AntumbraRendererDesc { meshes: meshes.as_ptr(), ..good });
@@ -95,8 +96,10 @@ fn mistakes_of_a_scene_and_of_a_frame_are_named() {
     }
     let (created, renderer) = c.create(&good);
     assert_eq!(created, Ok, "{}", text(&c.error));
-    let (x, error) = (c.context, &mut no_error());
-    let (mut image, mut id) = (AntumbraFinishedImage::INIT, 9);
+    let x = c.context;
+    let error = &mut no_error();
+    let mut image = AntumbraFinishedImage::INIT;
+    let mut id = 9;
     let camera = camera();
     // SAFETY: pointers to values on this stack.
     unsafe {

@@ -42,10 +42,11 @@ impl CHost<'_> {
         &mut self,
         change: impl FnOnce(&mut AntumbraRendererDesc),
     ) -> (AntumbraResult, AntumbraRenderer) {
-        let (mesh, objects) = (box_of([0.8; 3]), objects());
+        let mesh = box_of([0.8; 3]);
+        let objects = objects();
         let vertices = vertices_of(&mesh);
-        let it = mesh_desc(&vertices, &mesh.indices);
-        let meshes = [&raw const it];
+        let mesh_desc = mesh_desc(&vertices, &mesh.indices);
+        let meshes = [&raw const mesh_desc];
         let light =
             AntumbraSunlight { towards_sun: [0.4, 0.6, 1.0], sun: [1.0; 3], ..Versioned::INIT };
         let mut desc = AntumbraRendererDesc {
@@ -206,7 +207,7 @@ fn impossible_shadows_and_samples_are_named_and_change_nothing() {
     ] {
         let refused = c.set_shadows(renderer, desc);
         expect(refused, result, words, &c.error);
-        let (refused, _) = c.lit(|it| it.shadows = &raw const desc);
+        let (refused, _) = c.lit(|renderer_desc| renderer_desc.shadows = &raw const desc);
         expect(refused, result, words, &c.error);
         assert!(c.same_image(renderer) == before, "{words}: something changed");
     }

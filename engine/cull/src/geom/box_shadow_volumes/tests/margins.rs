@@ -15,14 +15,17 @@ struct Shaded {
 fn shaded(numbers: &mut Numbers) -> Shaded {
     let spread_m = numbers.between(0.0, 3.0);
     let reach = LightReach { spread_m, ..reaches(numbers) };
-    let (size, low) = (numbers.point(4.0).abs() + 0.05, numbers.point(25.0));
+    let size = numbers.point(4.0).abs() + 0.05;
+    let low = numbers.point(25.0);
     let caster = low + size * (numbers.point(0.5) + 0.5);
-    let [l, w] = [reach.light.truncate(), Vec3::splat(reach.light.w)];
+    let l = reach.light.truncate();
+    let w = Vec3::splat(reach.light.w);
     // Half of them between the lead and the box.
     let far = if reach.light.w == 0.0 { 30.0 } else { 3.0 };
-    let k = match numbers.between(0.0, 1.0) < 0.5 {
-        true => -reach.lead * numbers.between(0.0, 1.0),
-        false => numbers.between(0.0, far) * numbers.between(0.0, 1.0),
+    let k = if numbers.between(0.0, 1.0) < 0.5 {
+        -reach.lead * numbers.between(0.0, 1.0)
+    } else {
+        numbers.between(0.0, far) * numbers.between(0.0, 1.0)
     };
     let aside = numbers.point(1.0).normalize_or_zero() * spread_m * numbers.between(0.8, 0.9999);
     let receiver = caster + k * (w * caster - l) + aside;
@@ -32,7 +35,8 @@ fn shaded(numbers: &mut Numbers) -> Shaded {
 /// Returns true if a point is in the volume of an enlarged box: if some point of the box is drawn
 /// to it, by a factor that meets the bounds of all axes. Computed in 64 bits.
 fn holds(proxy: &Aabb, length: VolumeLength, light: Vec4, point: Vec3) -> bool {
-    let (light, point) = (light.as_dvec4(), point.as_dvec3());
+    let light = light.as_dvec4();
+    let point = point.as_dvec3();
     let mut range = [-length.towards, length.away].map(f64::from);
     // Of `min <= (point + k l) / (1 + k w) <= max` each side is a bound of k.
     let mut bound = |slope: f64, most: f64| {
@@ -53,12 +57,12 @@ fn holds(proxy: &Aabb, length: VolumeLength, light: Vec4, point: Vec3) -> bool {
 }
 
 /// Returns true if the receiver is in the volume of the box, with margins that `change` changed.
-fn is_held(view: &View, it: &Shaded, change: impl FnOnce(&mut LightReach)) -> bool {
-    let mut reach = it.reach;
+fn is_held(view: &View, shaded: &Shaded, change: impl FnOnce(&mut LightReach)) -> bool {
+    let mut reach = shaded.reach;
     change(&mut reach);
     let volumes = BoxShadowVolumes::new(view, reach, RECEIVERS, &[]);
-    let proxy = volumes.enlarged(&it.bounds);
-    holds(&proxy, volumes.length(&proxy), reach.light, it.receiver)
+    let proxy = volumes.enlarged(&shaded.bounds);
+    holds(&proxy, volumes.length(&proxy), reach.light, shaded.receiver)
 }
 
 #[test]
@@ -68,27 +72,31 @@ fn what_filters_find_aside_and_deeper_is_in_the_volume_by_its_margins() {
     // Many pixels: what proxies need for themselves is small.
     let camera = Camera { eye: Vec3::ZERO, forward: Vec3::X, up: Vec3::Y, projection, near: 0.1 };
     let view = View::new(&camera, [8192, 8192], 8);
-    let (mut counted, mut lost_without) = ([0; 2], [[0; 2]; 2]);
+    let mut counted = [0; 2];
+    let mut lost_without = [[0; 2]; 2];
     for round in 0..20_000 {
-        let it = shaded(&mut numbers);
-        let LightReach { light, reach_m, .. } = it.reach;
+        let scene = shaded(&mut numbers);
+        let LightReach { light, reach_m, .. } = scene.reach;
         let is_sun = light.w == 0.0;
-        let is_lit = is_sun || it.receiver.distance(light.truncate()) <= reach_m;
-        if !is_lit || !RECEIVERS.contains_point(it.receiver) {
+        let is_lit = is_sun || scene.receiver.distance(light.truncate()) <= reach_m;
+        if !is_lit || !RECEIVERS.contains_point(scene.receiver) {
             continue;
         }
         let kind = usize::from(is_sun);
         counted[kind] += 1;
-        assert!(is_held(&view, &it, |_| {}), "{round}: {:?} {:?}", it.reach, it.bounds);
+        assert!(is_held(&view, &scene, |_| {}), "{round}: {:?} {:?}", scene.reach, scene.bounds);
         let without = [
-            is_held(&view, &it, |reach| reach.spread_m = 0.0),
-            is_held(&view, &it, |reach| reach.lead = 0.0),
+            is_held(&view, &scene, |reach| reach.spread_m = 0.0),
+            is_held(&view, &scene, |reach| reach.lead = 0.0),
         ];
         for (lost, is_held) in lost_without[kind].iter_mut().zip(without) {
             *lost += u32::from(!is_held);
         }
     }
-    assert!(counted.iter().all(|it| *it > 2_000), "{counted:?}");
+    assert!(counted.iter().all(|counted| *counted > 2_000), "{counted:?}");
     let lost = lost_without.as_flattened();
-    assert!(lost.iter().all(|it| *it > 100), "{lost_without:?} of {counted:?} need their margins");
+    assert!(
+        lost.iter().all(|count| *count > 100),
+        "{lost_without:?} of {counted:?} need their margins"
+    );
 }

@@ -31,7 +31,8 @@ impl SwapchainState {
                 "what is shown was drawn in no frame that was submitted",
             ));
         }
-        let (size, image) = (chain.size, chain.image(held.index)?);
+        let size = chain.size;
+        let image = chain.image(held.index)?;
         frame.commands().pass("copy to window", |commands| {
             copy_to_window(target, commands, image.raw, size);
         });
