@@ -22,9 +22,11 @@ pub fn is_blocked(boxes: &[Aabb], from: Vec3, along: Vec3, end: f32) -> bool {
 /// angle of 1 radian, and the normal there.
 pub fn shown_at(
     boxes: &[Aabb],
-    (camera, size): (&Camera, [u32; 2]),
-    [x, y]: [f32; 2],
+    camera: &Camera,
+    size: [u32; 2],
+    places: [f32; 2],
 ) -> Option<(Vec3, Vec3)> {
+    let [x, y] = places;
     let [width, height] = size.map(|side| side as f32);
     let half = 0.5_f32.tan();
     let right = camera.forward.cross(camera.up).normalize();

@@ -87,7 +87,8 @@ impl<'a> HostCommands<'a> {
 /// its number and what `record` returns.
 pub fn record_frame<R>(
     ring: &mut FrameRing,
-    (commands, numbers): (vk::CommandBuffer, FrameNumbers),
+    commands: vk::CommandBuffer,
+    numbers: FrameNumbers,
     record: impl FnOnce(&mut Frame<'_>) -> R,
 ) -> (Tick, R) {
     // SAFETY: the command buffer is being recorded; the frames up to the safe one were waited for.

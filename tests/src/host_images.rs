@@ -100,14 +100,14 @@ impl OwnImage {
         unsafe {
             let mut image = self.image;
             if let Some(resolved) = resolved {
-                let change = |layouts: [vk::ImageLayout; 2], accesses: [A; 2]| {
-                    let barrier = change(resolved.image, layouts, accesses);
+                let transition = |old_layout, new_layout, before, after| {
+                    let barrier = change(resolved.image, old_layout, new_layout, before, after);
                     let device = &host.device;
                     let all = [barrier];
                     device.cmd_pipeline_barrier(commands, transfer, transfer, none, &[], &[], &all);
                 };
                 let undefined = vk::ImageLayout::UNDEFINED;
-                change([undefined, written], [A::TRANSFER_READ, A::TRANSFER_WRITE]);
+                transition(undefined, written, A::TRANSFER_READ, A::TRANSFER_WRITE);
                 let region = vk::ImageResolve::default()
                     .src_subresource(layers)
                     .dst_subresource(layers)
@@ -115,7 +115,7 @@ impl OwnImage {
                 let from = image;
                 let to = resolved.image;
                 host.device.cmd_resolve_image(commands, from, read, to, written, &[region]);
-                change([written, read], [A::TRANSFER_WRITE, A::TRANSFER_READ]);
+                transition(written, read, A::TRANSFER_WRITE, A::TRANSFER_READ);
                 image = resolved.image;
             }
             let region =
@@ -197,8 +197,10 @@ impl OwnBuffer {
 /// Returns the change of the whole of a colour image.
 fn change(
     image: vk::Image,
-    [old, new]: [vk::ImageLayout; 2],
-    [before, after]: [vk::AccessFlags; 2],
+    old: vk::ImageLayout,
+    new: vk::ImageLayout,
+    before: vk::AccessFlags,
+    after: vk::AccessFlags,
 ) -> vk::ImageMemoryBarrier<'static> {
     vk::ImageMemoryBarrier::default()
         .image(image)

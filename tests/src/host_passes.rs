@@ -18,7 +18,8 @@ impl OwnPasses {
     /// Creates passes over images of so many samples.
     pub fn new(
         host: &Host,
-        [colour, depth]: [&OwnImage; 2],
+        colour: &OwnImage,
+        depth: &OwnImage,
         samples: vk::SampleCountFlags,
         size: [u32; 2],
     ) -> Self {

@@ -246,14 +246,14 @@ impl<'a> ComparedScene<'a> {
             culled.boxes.set_boxes(boxes);
             all.boxes.set_boxes(boxes);
             state.collect(completed, hierarchy, &executor.leaves);
-            state.plan_frame(hierarchy, &executor.leaves, strategy, (&view, 4096));
+            state.plan_frame(hierarchy, &executor.leaves, strategy, &view, 4096);
             let shaders = &self.shaders;
             match self.draw_phases {
-                DrawPhases::PerRound => execute(frame, executor, state, culled, (shaders, &view))?,
+                DrawPhases::PerRound => execute(frame, executor, state, culled, shaders, &view)?,
                 DrawPhases::Two => {
                     let tests = list_draws(frame, executor, state, &view)?;
                     culled.draw_lists(frame, state.visible_lists(), &view, Rendering::First);
-                    tests.record(frame, executor, state, (&mut culled.target, shaders))?;
+                    tests.record(frame, executor, state, &mut culled.target, shaders)?;
                     culled.draw_lists(frame, state.revealed_lists(), &view, Rendering::Next);
                 }
             }
@@ -384,7 +384,7 @@ fn images_of(host: &Host, device: &Device, options: &BoxOptions<'_>) -> HostTarg
     // SAFETY: the images live until all frames are over, and nothing else uses them in between.
     let target = unsafe { Target::of_host(device, &images) }.unwrap();
     let passes = (options.renderings == RenderingOwner::Host)
-        .then(|| OwnPasses::new(host, [&colour, &depth], samples, SIZE));
+        .then(|| OwnPasses::new(host, &colour, &depth, samples, SIZE));
     (target, colour, depth, passes, resolved)
 }
 

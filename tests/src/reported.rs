@@ -124,7 +124,8 @@ impl Blocks {
     }
 
     /// Places a mesh so that its unit cube fills a box. Returns the object's index.
-    fn place(&mut self, mesh: u32, low: Vec3, high: Vec3, [r, g, b]: [f32; 3]) -> usize {
+    fn place(&mut self, mesh: u32, low: Vec3, high: Vec3, colour: [f32; 3]) -> usize {
+        let [r, g, b] = colour;
         let transform = Affine3A::from_scale_rotation_translation(high - low, Quat::IDENTITY, low);
         let tint = pack_unorm([r, g, b, 1.0]);
         self.objects.push(Object { mesh: MeshId(mesh), transform, tint });

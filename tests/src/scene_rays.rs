@@ -61,7 +61,8 @@ impl SceneRays {
     }
 
     /// Returns what a place in an image of `size` pixels shows to a camera of an angle of 1 radian.
-    pub fn shown_at(&self, (camera, size): (&Camera, [u32; 2]), [x, y]: [f64; 2]) -> Option<Met> {
+    pub fn shown_at(&self, camera: &Camera, size: [u32; 2], place: [f64; 2]) -> Option<Met> {
+        let [x, y] = place;
         let [width, height] = size.map(f64::from);
         let half = 0.5_f64.tan();
         let right = camera.forward.cross(camera.up).normalize();
@@ -116,7 +117,8 @@ fn enters(bounds: &Aabb, from: DVec3, along: DVec3) -> Option<f64> {
 }
 
 /// Returns where a ray meets a triangle, in lengths of `along`, and true for its front.
-fn hit([a, b, c]: &[DVec3; 3], from: DVec3, along: DVec3) -> Option<(f64, bool)> {
+fn hit(corners: &[DVec3; 3], from: DVec3, along: DVec3) -> Option<(f64, bool)> {
+    let [a, b, c] = corners;
     let ab = b - a;
     let ac = c - a;
     let across = along.cross(ac);
@@ -147,10 +149,11 @@ mod tests {
             let at = [pixel % size[0], pixel / size[0]].map(|side| f64::from(side) + 0.5);
             let of_boxes = crate::box_rays::shown_at(
                 &boxes,
-                (&yard::camera(), size),
+                &yard::camera(),
+                size,
                 at.map(|side| side as f32),
             );
-            let found = rays.shown_at((&yard::camera(), size), at);
+            let found = rays.shown_at(&yard::camera(), size, at);
             assert_eq!(found.is_some(), of_boxes.is_some(), "{at:?}");
             let (Some(found), Some((place, normal))) = (found, of_boxes) else { continue };
             if (found.place.as_vec3() - place).length() < 1e-3 {

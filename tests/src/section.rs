@@ -62,7 +62,8 @@ impl Solid {
     }
 
     /// Adds a quad, counter-clockwise from outside.
-    pub fn push_quad(&mut self, [a, b, c, d]: [Vec3; 4]) {
+    pub fn push_quad(&mut self, corners: [Vec3; 4]) {
+        let [a, b, c, d] = corners;
         self.triangles.push([a, b, c]);
         self.triangles.push([a, c, d]);
     }

@@ -75,7 +75,7 @@ pub fn image(
 
     let plain = OpaquePass::depth_only(device, &shaders, Attachments::default()).expect("a pass");
     let pass = |kind| {
-        SurfacePass::new(device, (&shaders, Attachments::default()), kind, &surfaces, None)
+        SurfacePass::new(device, &shaders, Attachments::default(), kind, &surfaces, None)
             .expect("a pass")
     };
     let [masked, colour, transparent_pass] =
@@ -169,7 +169,8 @@ pub fn mesh(
 /// sets; `change` may change the vertices.
 pub fn quad(
     side: u32,
-    [from, to]: [[u32; 2]; 2],
+    from: [u32; 2],
+    to: [u32; 2],
     distance_m: f32,
     uv: [[f32; 2]; 2],
     material: u32,

@@ -124,7 +124,8 @@ impl Seen {
     }
 
     /// Sends an input event as a device would.
-    fn fake(&self, event: u8, detail: u8, [x, y]: [i16; 2]) {
+    fn fake(&self, event: u8, detail: u8, place: [i16; 2]) {
+        let [x, y] = place;
         self.connection.xtest_fake_input(event, detail, 0, self.root, x, y, 0).unwrap();
         self.settle();
     }
@@ -148,7 +149,8 @@ impl Seen {
     }
 
     /// Moves the mouse, in small steps as a hand does.
-    pub fn move_by(&self, steps: u16, [x, y]: [i16; 2]) {
+    pub fn move_by(&self, steps: u16, place: [i16; 2]) {
+        let [x, y] = place;
         const RELATIVE: u8 = 1;
         for _ in 0..steps {
             self.fake(MOTION_NOTIFY_EVENT, RELATIVE, [x, y]);

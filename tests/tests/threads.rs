@@ -42,8 +42,8 @@ fn a_host_that_draws_has_the_threads_that_it_had_before() {
         let mut commands = HostCommands::new(&host, IN_FLIGHT);
         let mut ring = FrameRing::new(&device, IN_FLIGHT).unwrap();
         for frame in 0..8 {
-            let begun = commands.begin();
-            let (tick, slot) = record_frame(&mut ring, begun, |recorded| {
+            let (buffer, numbers) = commands.begin();
+            let (tick, slot) = record_frame(&mut ring, buffer, numbers, |recorded| {
                 scene.record(recorded, &[camera(frame)], Strategy::ANTUMBRA).unwrap();
                 recorded.slot()
             });

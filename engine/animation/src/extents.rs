@@ -44,7 +44,8 @@ fn lengthens(matrix: &Affine3A) -> f32 {
     axes.iter().map(|axis| row(*axis)).fold(0.0, f64::max).sqrt() as f32
 }
 
-fn turns_inside_out([least, largest]: &[Vec3; 2]) -> bool {
+fn turns_inside_out(ends: &[Vec3; 2]) -> bool {
+    let [least, largest] = ends;
     (least.cmplt(Vec3::ZERO) & largest.cmpgt(Vec3::ZERO)).any()
 }
 
@@ -75,7 +76,7 @@ impl Extents {
             let Some(extent) = self.nodes.get_mut(channel.node.0 as usize) else { continue };
             match &channel.track.values {
                 Values::Translation(values) => {
-                    hull(&channel.track, values, (1, 0), &mut |at: Vec3| {
+                    hull(&channel.track, values, 1, 0, &mut |at: Vec3| {
                         extent.farthest = extent.farthest.max(at.length());
                     });
                 }
@@ -86,7 +87,7 @@ impl Extents {
                         _ => Vec3::ONE,
                     };
                     let range = self.scales.entry(channel.node).or_insert([rest; 2]);
-                    hull(&channel.track, values, (1, 0), &mut |scale: Vec3| {
+                    hull(&channel.track, values, 1, 0, &mut |scale: Vec3| {
                         extent.lengthens = extent.lengthens.max(scale.abs().max_element());
                         let [least, largest] = range;
                         (*least, *largest) = (least.min(scale), largest.max(scale));
@@ -204,7 +205,7 @@ impl WeightRanges {
             let list = node.or_insert_with(|| at_rest(rig, channel.node));
             let count = list.len();
             for (target, [least, largest]) in list.iter_mut().enumerate() {
-                hull(&channel.track, values, (count, target), &mut |weight: f32| {
+                hull(&channel.track, values, count, target, &mut |weight: f32| {
                     (*least, *largest) = (least.min(weight), largest.max(weight));
                 });
             }

@@ -9,7 +9,8 @@ use crate::sample::Mix;
 pub(crate) fn hull<T: Mix>(
     track: &Track,
     values: &[T],
-    (stride, target): (usize, usize),
+    stride: usize,
+    target: usize,
     visit: &mut impl FnMut(T),
 ) {
     const THIRD: f32 = 1.0 / 3.0;

@@ -50,7 +50,7 @@ struct ShadowsPage;
 /// # let strategy = antumbra::Strategy::ANTUMBRA;
 /// let used = |state: &VisibilityState| state.plan().query_count();
 /// shares.plan_views(4096, &mut states, used, |number, state, share| {
-///     state.plan_frame(hierarchy, &executor.leaves, strategy, (&views[number], share));
+///     state.plan_frame(hierarchy, &executor.leaves, strategy, &views[number], share);
 /// });
 /// # }
 /// ```

@@ -211,14 +211,15 @@ impl Culler {
         query_budget: usize,
         plan: &mut FramePlan,
     ) {
-        self.plan_views(hierarchy, strategy, (views.into(), query_budget), plan);
+        self.plan_views(hierarchy, strategy, views.into(), query_budget, plan);
     }
 
     fn plan_views(
         &mut self,
         hierarchy: &Hierarchy,
         strategy: Strategy,
-        (views, query_budget): (MultiView<'_>, usize),
+        views: MultiView<'_>,
+        query_budget: usize,
         plan: &mut FramePlan,
     ) {
         let now = self.begin(hierarchy, plan);
@@ -278,7 +279,7 @@ impl Culler {
             shared_proxies::share_proxies(plan, &scratch.tests, views, &mut self.fronts);
         }
         let prices = costs.map(|cost| cost.round_prices(tester, scratch.revealed_ns));
-        rounds::schedule(plan, (tester, testers.draw_phases), (slabs, prices), &config);
+        rounds::schedule(plan, tester, testers.draw_phases, slabs, prices, &config);
         if let Some(costs) = costs {
             plan.stats.rounds_by_compute = costs.hand_to_compute(views, plan);
         }

@@ -50,9 +50,11 @@ impl Budget {
 /// Finds the bytes of the buffers that are used; the bytes of placeholders are zeros.
 pub(crate) fn resolve(
     root: &Root,
-    (binary, placeholders): (Option<&Range<usize>>, &[bool]),
+    binary: Option<&Range<usize>>,
+    placeholders: &[bool],
     folder: Option<&Path>,
-    (budget, verdict): (&mut Budget, &mut Verdict),
+    budget: &mut Budget,
+    verdict: &mut Verdict,
 ) -> Result<Vec<BufferBytes>, Fault> {
     let mut buffers = Vec::with_capacity(root.buffers.len());
     for (index, buffer) in root.buffers.iter().enumerate() {

@@ -51,6 +51,6 @@ pub(crate) fn structure(
     leave_out::dependants(root, verdict)?;
     prune::channels(root, verdict);
     animations::check(root, verdict)?;
-    budget::check(root, &instancing, (limits, verdict))?;
+    budget::check(root, &instancing, limits, verdict)?;
     Ok(instancing)
 }

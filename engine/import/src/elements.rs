@@ -88,7 +88,8 @@ fn index_bytes<'a>(root: &Root, store: &'a Store, sparse: &Sparse) -> (&'a [u8],
 /// Calls `visit` with the picked elements of an accessor of unsigned integers, all without `picks`;
 /// `None` without a call if it is another one, or does not have `N` components. Picks increase.
 pub(crate) fn for_each_integers<const N: usize>(
-    (root, store): (&Root, &Store),
+    root: &Root,
+    store: &Store,
     accessor: usize,
     picks: Option<&[u32]>,
     visit: impl FnMut([u32; N]),
@@ -106,7 +107,8 @@ pub(crate) fn for_each_integers<const N: usize>(
 /// Calls `visit` with the picked elements of an accessor as floats, all without `picks`; `None`
 /// without a call if it does not have `N` components. Picks increase.
 pub(crate) fn for_each_floats<const N: usize>(
-    (root, store): (&Root, &Store),
+    root: &Root,
+    store: &Store,
     accessor: usize,
     picks: Option<&[u32]>,
     visit: impl FnMut([f32; N]),
@@ -119,7 +121,8 @@ pub(crate) fn for_each_floats<const N: usize>(
 /// Calls `visit` with each element of an accessor as the stored numbers, also where they are
 /// normalised; `None` without a call if it does not have `N` components.
 pub(crate) fn for_each_raw<const N: usize>(
-    (root, store): (&Root, &Store),
+    root: &Root,
+    store: &Store,
     accessor: usize,
     visit: impl FnMut([f32; N]),
 ) -> Option<()> {

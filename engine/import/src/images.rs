@@ -44,18 +44,29 @@ pub(crate) struct Images {
     pub(crate) placeholders: BTreeSet<usize>,
 }
 
+/// The file whose images are decoded.
+pub(crate) struct EncodedImages<'a> {
+    pub(crate) root: &'a Root,
+    pub(crate) store: &'a Store,
+    /// The image of each texture.
+    pub(crate) texture_images: &'a [Option<usize>],
+    /// The folder that URIs are relative to.
+    pub(crate) folder: Option<&'a Path>,
+    pub(crate) limits: &'a Limits,
+}
+
 /// Decodes the images that materials show; the others stay `None`. Images that cannot be read
 /// become placeholders, with a note.
 ///
 /// # Errors
 /// Images beyond the limits; a progress function that stopped the loading.
 pub(crate) fn decode(
-    root: &Root,
-    store: &Store,
-    (texture_images, folder): (&[Option<usize>], Option<&Path>),
-    (budget, limits): (&mut Budget, &Limits),
-    (verdict, read_progress): (&mut Verdict, &mut ReadProgress<'_>),
+    file: &EncodedImages<'_>,
+    budget: &mut Budget,
+    verdict: &mut Verdict,
+    read_progress: &mut ReadProgress<'_>,
 ) -> Result<Images, Fault> {
+    let &EncodedImages { root, store, texture_images, folder, limits } = file;
     let used: BTreeSet<usize> = texture_images.iter().flatten().copied().collect();
     let mut list = vec![None; root.images.len()];
     let mut jobs = Vec::new();

@@ -49,7 +49,8 @@ enum Filter {
 pub(crate) fn compressed(
     root: &Root,
     placeholders: &[bool],
-    (limits, verdict): (&Limits, &mut Verdict),
+    limits: &Limits,
+    verdict: &mut Verdict,
 ) -> Result<Vec<Compressed>, Fault> {
     let mut all = Vec::new();
     let mut total: u64 = 0;
@@ -57,7 +58,7 @@ pub(crate) fn compressed(
         let Some((name, extension)) = compression_of(view) else { continue };
         let at = || format!("buffer view {index}, {name}");
         let element = Kind::View.at(index);
-        let compressed = of_view(root, (index, view), (name, extension)).and_then(|compressed| {
+        let compressed = of_view(root, index, view, name, extension).and_then(|compressed| {
             let from = compressed.from_buffer;
             let is_into_placeholder = placeholders.get(view.buffer.value()) == Some(&true);
             if is_into_placeholder && placeholders.get(from) == Some(&true) {
@@ -108,8 +109,10 @@ pub(crate) fn placeholders(root: &Root, has_binary: bool) -> Vec<bool> {
 
 fn of_view(
     root: &Root,
-    (index, view): (usize, &View),
-    (extension, said): (&'static str, &Value),
+    index: usize,
+    view: &View,
+    extension: &'static str,
+    said: &Value,
 ) -> Result<Compressed, Reason> {
     let json = said.as_object().ok_or_else(|| Reason::malformed("it is no object"))?;
     let number = |key: &str| -> Result<usize, Reason> {

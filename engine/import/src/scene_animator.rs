@@ -191,10 +191,9 @@ impl SceneAnimator {
         self.changes.clear();
         self.parts.begin();
         for mover in self.movers.moved.iter().chain(&self.movers.behind) {
-            let posed = (&self.rig, &self.pose);
             let changes = &mut self.changes;
             self.parts.change_place(*mover, &self.world, &mut self.lights, changes);
-            self.parts.change(*mover, posed, views, changes);
+            self.parts.change(*mover, &self.rig, &self.pose, views, changes);
         }
         if self.playing.settles(seconds) | std::mem::take(&mut self.is_new) {
             // The nodes of clips that played before are at rest again, and are not visited any

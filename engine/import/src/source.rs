@@ -120,8 +120,8 @@ impl Source {
         picks: Option<&[u32]>,
     ) -> Option<Vec<[f32; N]>> {
         let mut all = Vec::with_capacity(self.count_of(accessor, picks));
-        let file = (self.document.as_json(), &self.store);
-        elements::for_each_floats(file, accessor, picks, |each| all.push(each))?;
+        let json = self.document.as_json();
+        elements::for_each_floats(json, &self.store, accessor, picks, |each| all.push(each))?;
         Some(all)
     }
 
@@ -133,8 +133,8 @@ impl Source {
         picks: Option<&[u32]>,
     ) -> Option<Vec<[u32; N]>> {
         let mut all = Vec::with_capacity(self.count_of(accessor, picks));
-        let file = (self.document.as_json(), &self.store);
-        elements::for_each_integers(file, accessor, picks, |each| all.push(each))?;
+        let json = self.document.as_json();
+        elements::for_each_integers(json, &self.store, accessor, picks, |each| all.push(each))?;
         Some(all)
     }
 
@@ -291,11 +291,13 @@ fn check_and_decode(
     let mut instancing = check::structure(&mut root, limits, verdict)?;
 
     let placeholders = meshopt::placeholders(&root, binary.is_some());
-    let compressed = meshopt::compressed(&root, &placeholders, (limits, verdict))?;
+    let compressed = meshopt::compressed(&root, &placeholders, limits, verdict)?;
 
     let mut budget = Budget::new(limits);
-    let given = (binary.as_ref(), placeholders.as_slice());
-    let buffers = buffers::resolve(&root, given, folder, (&mut budget, verdict))?;
+    let given_binary = binary.as_ref();
+    let given_placeholders = placeholders.as_slice();
+    let buffers =
+        buffers::resolve(&root, given_binary, given_placeholders, folder, &mut budget, verdict)?;
     let file = if binary.is_some() { bytes } else { Vec::new() };
     let mut store = Store { file, buffers };
     meshopt::decompress(&root, &compressed, &mut store, verdict)?;
@@ -306,9 +308,14 @@ fn check_and_decode(
     check::bounds(&mut root, &store, verdict);
 
     let texture_images = textures::images_of(&root, verdict);
-    let used = (texture_images.as_slice(), folder);
-    let images =
-        images::decode(&root, &store, used, (&mut budget, limits), (verdict, read_progress))?;
+    let encoded = images::EncodedImages {
+        root: &root,
+        store: &store,
+        texture_images: &texture_images,
+        folder,
+        limits,
+    };
+    let images = images::decode(&encoded, &mut budget, verdict, read_progress)?;
     prune::elements(&mut root, verdict);
     instancing.retain(|node, _| root.nodes.get(*node).is_some_and(|node| node.mesh.is_some()));
     let (losses, notes) = own_verdict.finish();

@@ -38,7 +38,7 @@ pub(crate) fn fetch(
     limit: u64,
 ) -> Result<Vec<u8>, Reason> {
     let bytes = match data_part(uri) {
-        Some(data) => inline(data?, limit)?,
+        Some(part) => inline(&part?, limit)?,
         None => return below(folder, &relative_path(uri)?, wanted, limit),
     };
     cut(bytes, wanted)
@@ -61,7 +61,7 @@ fn shorter(there: u64, wanted: u64) -> Reason {
 }
 
 /// Returns the part after `data:`: true if it is base64, and its text.
-fn data_part(uri: &str) -> Option<Result<(bool, &str), Reason>> {
+fn data_part(uri: &str) -> Option<Result<DataPart<'_>, Reason>> {
     let scheme = uri.get(..5)?;
     if !scheme.eq_ignore_ascii_case("data:") {
         return None;
@@ -71,10 +71,17 @@ fn data_part(uri: &str) -> Option<Result<(bool, &str), Reason>> {
     };
     let is_base64 =
         header.rsplit(';').next().is_some_and(|last| last.trim().eq_ignore_ascii_case("base64"));
-    Some(Ok((is_base64 && header.contains(';'), text)))
+    Some(Ok(DataPart { is_base64: is_base64 && header.contains(';'), text }))
 }
 
-fn inline((is_base64, text): (bool, &str), limit: u64) -> Result<Vec<u8>, Reason> {
+/// The bytes of a data URI, as they are written in it.
+struct DataPart<'a> {
+    is_base64: bool,
+    text: &'a str,
+}
+
+fn inline(part: &DataPart<'_>, limit: u64) -> Result<Vec<u8>, Reason> {
+    let DataPart { is_base64, text } = *part;
     let most = if is_base64 { text.len() as u64 / 4 * 3 } else { text.len() as u64 };
     if most > limit {
         return Err(Reason::too_large("bytes in data URIs and files beside this one", most, limit));

@@ -16,7 +16,7 @@ use std::ops::Range;
 
 use cull::{
     Batch, BatchDraw, BlockingCuller, BlockingKind, BlockingStats, FirstPass, LeafIndex,
-    NextAction, PlanStats, Strategy, TestAnswer, TestToken,
+    NextAction, PlanStats, Strategy, TestAnswer, TestToken, View,
 };
 use gpu::{
     BlockingQueryPool, BufferSlice, Commands, Counting, Frame, IndirectDraw, Optional, QueryIndex,
@@ -151,8 +151,8 @@ impl BlockingMethod {
             if is_first || !batch.is_empty() {
                 let io = BatchIo::write(frame, &batch, queries, &scene.executor.leaves)?;
                 let rendering = if is_first { Rendering::First } else { Rendering::Next };
-                let batch = (&batch, &io);
-                self.record_batch(frame.commands(), batch, queries, scene, (request, rendering));
+                let recorded = RecordedBatch { batch: &batch, io: &io, rendering };
+                self.record_batch(frame.commands(), &recorded, queries, scene, request.view);
                 is_first = false;
                 if step != NextAction::Done {
                     let tick = frame.flush(request.after)?;
@@ -182,20 +182,20 @@ impl BlockingMethod {
     fn record_batch(
         &self,
         commands: &Commands,
-        (batch, io): (&Batch, &BatchIo),
+        recorded: &RecordedBatch<'_>,
         queries: &BlockingQueryPool,
         scene: &mut MethodScene<'_>,
-        (request, rendering): (&MethodRequest<'_>, Rendering),
+        view: &View,
     ) {
+        let RecordedBatch { batch, io, rendering } = *recorded;
         let counting = self.counting();
-        let view = request.view;
         let is_depth_first = self.is_depth_first(scene);
         let pass = if is_depth_first { ObjectPass::Depth } else { ObjectPass::Visibility };
         let MethodScene { executor, objects, .. } = scene;
         let proxies = &executor.passes.proxies;
         objects.target().prepare(commands);
         commands.pass("draw and query", |commands| {
-            render(*objects, commands, (view, rendering), |commands, objects| {
+            render(*objects, commands, view, rendering, |commands, objects| {
                 if !batch.draws.is_empty() {
                     objects.bind(commands, view, BucketId(0), pass);
                     draw(commands, &batch.draws, io.draws, queries, counting);
@@ -245,6 +245,13 @@ impl BlockingMethod {
         }
         Ok(())
     }
+}
+
+/// A batch in the memory of its frame.
+struct RecordedBatch<'a> {
+    batch: &'a Batch,
+    io: &'a BatchIo,
+    rendering: Rendering,
 }
 
 impl BatchIo {

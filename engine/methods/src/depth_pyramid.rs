@@ -210,7 +210,7 @@ impl PyramidFrame {
             &[Access::CopyWrite, Access::ComputeWrite],
             &[Access::ComputeRead, Access::ComputeWrite],
         ));
-        self.record_phases(commands, &kept, (executor, *objects), view);
+        self.record_phases(commands, &kept, executor, *objects, view);
         state.put_method_state(kept);
         Ok(())
     }
@@ -219,7 +219,8 @@ impl PyramidFrame {
         &self,
         commands: &Commands,
         kept: &PyramidState,
-        (executor, objects): (&PlanExecutor, &mut dyn ObjectRenderer),
+        executor: &PlanExecutor,
+        objects: &mut dyn ObjectRenderer,
         view: &View,
     ) {
         let io = PyramidCullIo {
@@ -237,7 +238,7 @@ impl PyramidFrame {
         });
         objects.target().prepare(commands);
         commands.pass("draw visible", |commands| {
-            render(objects, commands, (view, Rendering::First), |commands, objects| {
+            render(objects, commands, view, Rendering::First, |commands, objects| {
                 objects.bind(commands, view, BucketId(0), ObjectPass::Visibility);
                 self.draw(commands, Phase::First);
             });
@@ -254,7 +255,7 @@ impl PyramidFrame {
         });
         objects.target().prepare(commands);
         commands.pass("draw revealed", |commands| {
-            render_last(objects, commands, (view, Rendering::Next), |commands, objects| {
+            render_last(objects, commands, view, Rendering::Next, |commands, objects| {
                 objects.bind(commands, view, BucketId(0), ObjectPass::Visibility);
                 self.draw(commands, Phase::Second);
             });

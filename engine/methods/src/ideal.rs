@@ -43,7 +43,7 @@ impl Method for Ideal {
     ) -> Result<MethodStats, Error> {
         let MethodScene { hierarchy, executor, objects, shaders, .. } = scene;
         state.plan_known(hierarchy, &executor.leaves, request.visible);
-        execute(frame, executor, state, *objects, (shaders, request.view))?;
+        execute(frame, executor, state, *objects, shaders, request.view)?;
         Ok(MethodStats::default())
     }
 

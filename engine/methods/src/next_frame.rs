@@ -34,7 +34,7 @@ impl Method for NextFrame {
     ) -> Result<MethodStats, Error> {
         let MethodScene { hierarchy, executor, objects, shaders, .. } = scene;
         state.plan_next_frame(hierarchy, &executor.leaves, request.view);
-        execute(frame, executor, state, *objects, (shaders, request.view))?;
+        execute(frame, executor, state, *objects, shaders, request.view)?;
         Ok(MethodStats::of(state.plan()))
     }
 

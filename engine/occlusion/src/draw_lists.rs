@@ -11,7 +11,7 @@ use gpu::{
 use crate::error::Error;
 use crate::leaf_table::{BucketId, LeafTable};
 use crate::passes::{ListDrawsIo, ListedRange, RANGE_SIZE_BYTES};
-use crate::test_layout::{RevealedRange, RoundLayout, TestLayout, take_bucket};
+use crate::test_layout::{RevealedRange, StepRounds, TestLayout, take_bucket};
 use crate::trust::Trust;
 
 /// The indirect draws of one bucket in one phase of a frame. Their buffers live until the frame is
@@ -115,8 +115,10 @@ impl DrawLists {
         &mut self,
         frame: &mut Frame<'_>,
         device: &Device,
-        (layout, leaves): (&TestLayout, &LeafTable),
-        (visible, trust): (BufferSlice, &Trust),
+        layout: &TestLayout,
+        leaves: &LeafTable,
+        visible: BufferSlice,
+        trust: &Trust,
     ) -> Result<Option<ListDrawsIo>, Error> {
         let limit = CountLimit::of(device, trust);
         self.visible.clear();
@@ -136,8 +138,8 @@ impl DrawLists {
         }));
         self.clear_revealed();
         let round = layout.rounds.first();
-        self.lay_out(layout, [round, round]);
-        self.write_revealed(frame, device, (leaves, limit))
+        self.lay_out(layout, StepRounds { before: round, known: round });
+        self.write_revealed(frame, device, leaves, limit)
     }
 
     /// Lists the draws that the tests of a frame may reveal, step by step. Returns the buffers by
@@ -146,7 +148,8 @@ impl DrawLists {
         &mut self,
         frame: &mut Frame<'_>,
         device: &Device,
-        (layout, leaves): (&TestLayout, &LeafTable),
+        layout: &TestLayout,
+        leaves: &LeafTable,
     ) -> Result<Option<ListDrawsIo>, Error> {
         self.visible.clear();
         self.clear_revealed();
@@ -154,7 +157,7 @@ impl DrawLists {
             self.lay_out(layout, layout.step(step));
         }
         let limit = CountLimit::of(device, &Trust::default());
-        self.write_revealed(frame, device, (leaves, limit))
+        self.write_revealed(frame, device, leaves, limit)
     }
 
     fn clear_revealed(&mut self) {
@@ -169,7 +172,8 @@ impl DrawLists {
         &mut self,
         frame: &mut Frame<'_>,
         device: &Device,
-        (leaves, limit): (&LeafTable, CountLimit),
+        leaves: &LeafTable,
+        limit: CountLimit,
     ) -> Result<Option<ListDrawsIo>, Error> {
         let Some((_, last)) = self.places.last() else { return Ok(None) };
         let slot = frame.slot().0 % self.slots.len();
@@ -180,11 +184,11 @@ impl DrawLists {
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
         let bytes = u64::from(last.end) * DRAW_BYTES;
-        let all = reserve(device, memory, ("listed draws", usage), bytes)?;
+        let all = reserve(device, memory, "listed draws", usage, bytes)?;
         let bytes = self.places.len() as u64 * 4;
-        let counts = reserve(device, counts, ("list counts", usage), bytes)?;
+        let counts = reserve(device, counts, "list counts", usage, bytes)?;
         let bytes = self.ranges.len() as u64 * RANGE_SIZE_BYTES;
-        let sizes = reserve(device, sizes, ("list sizes", usage), bytes)?;
+        let sizes = reserve(device, sizes, "list sizes", usage, bytes)?;
         let is_counted = |place: &Range<u32>| limit.counts(place.len() as u32);
         if !self.places.iter().all(|(_, place)| is_counted(place)) {
             frame.commands().fill(all, 0);
@@ -212,9 +216,9 @@ impl DrawLists {
 
     /// Lays out the ranges of a step, bucket by bucket, in the order of their tests: those of the
     /// leaves that boxes of the round `before` enable, and those that the `known` round reveals.
-    fn lay_out(&mut self, layout: &TestLayout, [before, known]: [Option<&RoundLayout>; 2]) {
-        let mut enabled = layout.revealed(before, Reveal::EnabledDraws);
-        let mut whole = layout.revealed(known, Reveal::Draws);
+    fn lay_out(&mut self, layout: &TestLayout, rounds: StepRounds<'_>) {
+        let mut enabled = layout.revealed(rounds.before, Reveal::EnabledDraws);
+        let mut whole = layout.revealed(rounds.known, Reveal::Draws);
         let first = |list: &[RevealedRange]| list.first().map(|first| first.bucket);
         let mut end = self.places.last().map_or(0, |(_, place)| place.end);
         let first_range = self.ranges.len() as u32;
@@ -262,7 +266,8 @@ fn commands(all: BufferSlice, range: &Range<u32>) -> BufferSlice {
 fn reserve(
     device: &Device,
     memory: &mut Option<Buffer>,
-    (name, usage): (&str, vk::BufferUsageFlags),
+    name: &str,
+    usage: vk::BufferUsageFlags,
     bytes: u64,
 ) -> Result<BufferSlice, Error> {
     if let Some(buffer) = memory.as_ref().filter(|buffer| buffer.size_bytes() >= bytes) {

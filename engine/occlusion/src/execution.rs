@@ -29,12 +29,13 @@ pub fn execute<'v>(
     executor: &mut PlanExecutor,
     state: &mut VisibilityState,
     objects: &mut dyn ObjectRenderer,
-    (shaders, views): (&ShaderSet, impl Into<MultiView<'v>>),
+    shaders: &ShaderSet,
+    views: impl Into<MultiView<'v>>,
 ) -> Result<(), Error> {
     let views: MultiView<'_> = views.into();
     state.check_plan(&executor.leaves, views)?;
-    check_target(executor, state, (objects.target(), views))?;
-    make_compute_test(executor, state, (shaders, objects.target().size()))?;
+    check_target(executor, state, objects.target(), views)?;
+    make_compute_test(executor, state, shaders, objects.target().size())?;
     let mut io = FrameIo::write(frame, state, &mut executor.leaves, views)?;
     if executor.leaves.predicates.predication() == Predication::Compacted {
         make_list_pass(executor, state, shaders)?;
@@ -48,7 +49,8 @@ pub fn execute<'v>(
 fn check_target(
     executor: &PlanExecutor,
     state: &VisibilityState,
-    (target, views): (&Target, MultiView<'_>),
+    target: &Target,
+    views: MultiView<'_>,
 ) -> Result<(), Error> {
     let passes = executor.passes.attachments();
     let attachments = target.attachments();
@@ -82,7 +84,8 @@ fn check_target(
 fn make_compute_test(
     executor: &mut PlanExecutor,
     state: &VisibilityState,
-    (shaders, size): (&ShaderSet, [u32; 2]),
+    shaders: &ShaderSet,
+    size: [u32; 2],
 ) -> Result<(), Error> {
     if executor.passes.compute_test.is_none() && state.layout.tests_by_compute() {
         let test = ComputeTest::new(state.device(), shaders, size)?;

@@ -43,7 +43,7 @@ impl PlanExecutor {
     ///
     /// # Errors
     /// A size that is too large for a test.
-    pub fn check_resize(&self, device: &Device, [from, to]: [[u32; 2]; 2]) -> Result<(), Error> {
+    pub fn check_resize(&self, device: &Device, from: [u32; 2], to: [u32; 2]) -> Result<(), Error> {
         match ComputeTest::check(device, from) {
             Ok(()) => ComputeTest::check(device, to),
             Err(_) => Ok(()),

@@ -51,7 +51,7 @@ impl HostScene {
         object_capacity: usize,
         draws: BucketTableInfo,
     ) -> Result<Self, Error> {
-        Self::by(device, (passes, draws), object_capacity, None)
+        Self::by(device, passes, draws, object_capacity, None)
     }
 
     /// Creates the same, and decides by the [measured](crate::measure) prices of the device: about
@@ -72,19 +72,21 @@ impl HostScene {
         draws: BucketTableInfo,
         prices: &DevicePrices,
     ) -> Result<Self, Error> {
-        Self::by(device, (passes, draws), object_capacity, Some(prices))
+        Self::by(device, passes, draws, object_capacity, Some(prices))
     }
 
     fn by(
         device: &Device,
-        (passes, draws): (OcclusionPasses, BucketTableInfo),
+        passes: OcclusionPasses,
+        draws: BucketTableInfo,
         object_capacity: usize,
         prices: Option<&DevicePrices>,
     ) -> Result<Self, Error> {
         check_memory(object_capacity)?;
         let hierarchy = Hierarchy::build(&vec![Aabb::EMPTY; object_capacity])?;
-        let cells = (u64::from(draws.cell_capacity()), 0);
-        let executors = passes.trust().usable_executors(device, draws.predication, cells)?;
+        let cells_draws = u64::from(draws.cell_capacity());
+        let executors =
+            passes.trust().usable_executors(device, draws.predication, cells_draws, 0)?;
         let leaves = (object_capacity as u32).max(draws.draw_capacity);
         let work = SkippedWork::of_leaves(leaves).in_buckets(draws.bucket_count);
         let request = ChoiceRequest { executors: &executors, work };

@@ -50,8 +50,8 @@
 //!         let view = View::new(camera, size, bits);
 //!         let mut frame = frames.begin()?; // waits for the frame of two frames ago
 //!         state.collect(device.completed()?, &hierarchy, &executor.leaves);
-//!         state.plan_frame(&hierarchy, &executor.leaves, Strategy::ANTUMBRA, (&view, 4096));
-//!         execute(&mut frame, &mut executor, &mut state, objects, (&shaders, &view))?;
+//!         state.plan_frame(&hierarchy, &executor.leaves, Strategy::ANTUMBRA, &view, 4096);
+//!         execute(&mut frame, &mut executor, &mut state, objects, &shaders, &view)?;
 //!         let tick = frame.submit(None)?;
 //!         state.submitted(tick, &executor.leaves, None);
 //!     }

@@ -154,7 +154,8 @@ pub trait ObjectRenderer {
 pub fn render_last(
     objects: &mut dyn ObjectRenderer,
     commands: &Commands,
-    (view, rendering): (&View, Rendering),
+    view: &View,
+    rendering: Rendering,
     record: impl FnOnce(&Commands, &mut dyn ObjectRenderer),
 ) {
     if objects.begin_last_rendering(commands, view, rendering) {
@@ -167,7 +168,8 @@ pub fn render_last(
 pub fn render(
     objects: &mut dyn ObjectRenderer,
     commands: &Commands,
-    (view, rendering): (&View, Rendering),
+    view: &View,
+    rendering: Rendering,
     record: impl FnOnce(&Commands, &mut dyn ObjectRenderer),
 ) {
     if objects.begin_rendering(commands, view, rendering) {

@@ -43,7 +43,7 @@ impl Method for PlannedMethod {
     ) {
         let MethodRequest { strategy, view, .. } = *request;
         let leaves = &scene.executor.leaves;
-        state.plan_frame(scene.hierarchy, leaves, strategy, (view, query_budget));
+        state.plan_frame(scene.hierarchy, leaves, strategy, view, query_budget);
     }
 
     fn record(
@@ -54,7 +54,7 @@ impl Method for PlannedMethod {
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
         let MethodScene { executor, objects, shaders, .. } = scene;
-        execute(frame, executor, state, *objects, (shaders, request.view))?;
+        execute(frame, executor, state, *objects, shaders, request.view)?;
         Ok(MethodStats::of(state.plan()))
     }
 

@@ -65,6 +65,15 @@ pub(crate) struct RoundLayout {
     enabled_draws: Range<usize>,
 }
 
+/// The rounds whose results a rendering draws.
+#[derive(Clone, Copy)]
+pub(crate) struct StepRounds<'a> {
+    /// The round before, if its leaves were tested individually.
+    pub(crate) before: Option<&'a RoundLayout>,
+    /// The round just tested, if there is one.
+    pub(crate) known: Option<&'a RoundLayout>,
+}
+
 impl TestLayout {
     /// Lays out `plan` for a scene as it is now.
     pub(crate) fn lay_out(&mut self, plan: &FramePlan, leaves: &LeafTable) {
@@ -123,7 +132,7 @@ impl TestLayout {
         ];
         for (reveal, revealed) in kinds {
             let first = self.revealed.len();
-            self.reveal(plan, (tests.clone(), first_query), reveal, leaves);
+            self.reveal(plan, tests.clone(), first_query, reveal, leaves);
             *revealed = first..self.revealed.len();
             // Draws of one pipeline follow each other, front to back.
             self.revealed[revealed.clone()]
@@ -140,7 +149,8 @@ impl TestLayout {
     fn reveal(
         &mut self,
         plan: &FramePlan,
-        (tests, mut next_query): (Range<usize>, u32),
+        tests: Range<usize>,
+        mut next_query: u32,
         reveal: Reveal,
         leaves: &LeafTable,
     ) {
@@ -226,11 +236,13 @@ impl TestLayout {
         self.rounds.len() + usize::from(refined)
     }
 
-    /// Returns the rounds whose results a rendering draws: the one before, if its leaves were
-    /// tested one by one, and the one just tested.
-    pub(crate) fn step(&self, step: usize) -> [Option<&RoundLayout>; 2] {
+    /// Returns the rounds whose results a rendering draws.
+    pub(crate) fn step(&self, step: usize) -> StepRounds<'_> {
         let before = step.checked_sub(1).and_then(|round| self.rounds.get(round));
-        [before.filter(|round| round.has_leaf_tests), self.rounds.get(step)]
+        StepRounds {
+            before: before.filter(|round| round.has_leaf_tests),
+            known: self.rounds.get(step),
+        }
     }
 
     /// Returns true if nothing of this frame depends on a round of queries, which serves later

@@ -182,7 +182,8 @@ impl TransparentList {
         &self,
         passes: &OcclusionPasses,
         commands: &Commands,
-        (view, viewport): (&View, Viewport),
+        view: &View,
+        viewport: Viewport,
     ) {
         let (Some((_, tested, leaf_draws)), Some(pass)) = (self.tested(), &passes.leaf_boxes)
         else {

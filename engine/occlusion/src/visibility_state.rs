@@ -233,9 +233,10 @@ impl VisibilityState {
         &mut self,
         frame: &mut Frame<'_>,
         leaves: &LeafTable,
-        visible: (BufferSlice, &Trust),
+        visible: BufferSlice,
+        trust: &Trust,
     ) -> Result<Option<ListDrawsIo>, Error> {
-        self.lists.write(frame, &self.device, (&self.layout, leaves), visible)
+        self.lists.write(frame, &self.device, &self.layout, leaves, visible, trust)
     }
 
     /// Lists the draws that the tests of the newest plan may reveal, step by step. Returns the
@@ -245,7 +246,7 @@ impl VisibilityState {
         frame: &mut Frame<'_>,
         leaves: &LeafTable,
     ) -> Result<Option<ListDrawsIo>, Error> {
-        self.lists.compact(frame, &self.device, (&self.layout, leaves))
+        self.lists.compact(frame, &self.device, &self.layout, leaves)
     }
 
     /// Returns a step of the newest frame whose draws are compacted, with its lists.
@@ -306,12 +307,12 @@ impl VisibilityState {
         queries.collect(completed, |test, samples| reader.read_query(&test, samples));
         flags.collect(completed, |tests, results| reader.read_flags(tests, results));
         computed.collect(completed, |tests, results| reader.read_computed(tests, results));
-        leaf_draws.collect(completed, |frame, listed| {
+        leaf_draws.collect(completed, |(frame, generation), listed| {
             let list = match listed {
                 EnabledLeaves::These(leaves) => LeafList::These(leaves),
                 EnabledLeaves::TooMany(_) => LeafList::TooMany,
             };
-            reader.read_leaves(hierarchy, frame, list, |range| leaves.count(range));
+            reader.read_leaves(hierarchy, frame, generation, list, |range| leaves.count(range));
         });
         reader.finish();
     }

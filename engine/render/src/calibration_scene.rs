@@ -41,9 +41,10 @@ pub fn measure_prices(device: &Device, options: &RendererOptions) -> Result<Devi
     let mut renderer = Renderer::new(device, &scene(), &untested)?;
     let Renderer { passes, executor, shaders, .. } = &mut renderer;
     let trust = executor.passes.trust();
-    let of = (1, options.threshold_samples);
-    let executors = trust.usable_executors(device, options.predication, of)?;
-    measure(passes, (&executor.passes, &executors), shaders, &options.cancellation)
+
+    let executors =
+        trust.usable_executors(device, options.predication, 1, options.threshold_samples)?;
+    measure(passes, &executor.passes, &executors, shaders, &options.cancellation)
 }
 
 /// Measures the prices of tests and draws on the device of `passes`, and of these executors.
@@ -52,14 +53,15 @@ pub fn measure_prices(device: &Device, options: &RendererOptions) -> Result<Devi
 /// No memory, a failed call, [`gpu::Error::Cancelled`].
 pub(crate) fn measure(
     passes: &mut FramePasses,
-    (occlusion_passes, executors): (&OcclusionPasses, &[Predication]),
+    occlusion_passes: &OcclusionPasses,
+    executors: &[Predication],
     shaders: &ShaderSet,
     cancellation: &CancellationToken,
 ) -> Result<DevicePrices, Error> {
     let device = passes.device.clone();
     let scene = scene();
     let hierarchy = Hierarchy::build(&object_bounds(&scene)?)?;
-    let geometry = Geometry::upload(&device, &scene, &hierarchy, (&SurfaceOptions::default(), 0))?;
+    let geometry = Geometry::upload(&device, &scene, &hierarchy, &SurfaceOptions::default(), 0)?;
     let draws = [0, 1].map(|object| {
         let leaf = hierarchy.leaf_of(cull::ObjectId(object)).map_or(0, |leaf| leaf.0);
         IndirectDraw { first_instance: leaf, ..geometry.mesh_draw(MeshId(object)) }

@@ -14,18 +14,27 @@ use crate::shadows::{can_skip, caster_executor};
 /// are measured if that is asked for. Casters are skipped alike, each range by itself.
 pub(crate) fn decide(
     passes: &mut FramePasses,
-    (occlusion_passes, shaders): (&OcclusionPasses, &ShaderSet),
-    (draws, options): (u64, &RendererOptions),
+    occlusion_passes: &OcclusionPasses,
+    shaders: &ShaderSet,
+    draws: u64,
+    options: &RendererOptions,
 ) -> Result<PriceChoice, Error> {
     let device = passes.device.clone();
     let trust = occlusion_passes.trust();
-    let of = (draws, options.threshold_samples);
-    let executors = trust.usable_executors(&device, options.predication, of)?;
+
+    let executors =
+        trust.usable_executors(&device, options.predication, draws, options.threshold_samples)?;
     let work = SkippedWork::of_leaves(draws as u32);
     let request = ChoiceRequest { executors: &executors, work };
     let choice = PriceChoice::by(options.costs, &request, || {
-        let of = (occlusion_passes, &executors[..]);
-        let measured = calibration_scene::measure(passes, of, shaders, &options.cancellation);
+        let of_executors = &executors[..];
+        let measured = calibration_scene::measure(
+            passes,
+            occlusion_passes,
+            of_executors,
+            shaders,
+            &options.cancellation,
+        );
         // What is given up is no failure of the device to warn of: the renderer is refused below.
         if options.cancellation.is_cancelled() { Ok(DevicePrices::default()) } else { measured }
     });

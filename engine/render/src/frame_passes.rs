@@ -177,6 +177,16 @@ impl ObjectRenderer for FramePasses {
     }
 }
 
+/// The options of the passes of a frame.
+#[derive(Clone, Copy)]
+pub(crate) struct FrameOptions<'a> {
+    pub(crate) frames_in_flight: usize,
+    pub(crate) surfaces: &'a SurfaceOptions,
+    /// The bytes of meshes and textures that a frame uploads.
+    pub(crate) upload_bytes_per_frame: usize,
+    pub(crate) shadows: ShadowOptions,
+}
+
 impl FramePasses {
     /// Uploads a scene, with a hierarchy over its objects, and compiles the passes that draw it.
     ///
@@ -186,17 +196,20 @@ impl FramePasses {
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,
-        (scene, hierarchy): (&Scene, &Hierarchy),
+        scene: &Scene,
+        hierarchy: &Hierarchy,
         target: Target,
-        (frames_in_flight, (room, shadows)): (usize, ((&SurfaceOptions, usize), ShadowOptions)),
+        options: &FrameOptions<'_>,
     ) -> Result<Self, crate::Error> {
-        let needs_of = (scene.surfaces.is_some(), frames_in_flight);
-        let shadows = Shadows::new(device, shadows, &target, needs_of)?;
-        let mut geometry = Geometry::upload(device, scene, hierarchy, room)?;
-        let cancellation = &room.0.cancellation;
+        let FrameOptions { frames_in_flight, surfaces, upload_bytes_per_frame, shadows } = *options;
+        let has_surfaces = scene.surfaces.is_some();
+        let shadows = Shadows::new(device, shadows, &target, has_surfaces, frames_in_flight)?;
+        let mut geometry =
+            Geometry::upload(device, scene, hierarchy, surfaces, upload_bytes_per_frame)?;
+        let cancellation = &surfaces.cancellation;
         cancellation.check()?;
         let samples = target.attachments().samples;
-        let fragments = Fragments::new(device, room.0.transparency, samples, frames_in_flight);
+        let fragments = Fragments::new(device, surfaces.transparency, samples, frames_in_flight);
         let transparent = Transparent::new(device, scene, fragments)?;
         let first_vertex = |mesh| geometry.first_vertex(mesh);
         let skinned_meshes = SkinnedMeshes::new(device, scene, frames_in_flight, first_vertex)?;
@@ -324,8 +337,8 @@ impl FramePasses {
         strategy: Strategy,
     ) -> Result<u32, crate::Error> {
         let Some(transparent) = &mut self.transparent else { return Ok(0) };
-        let scene = (&self.geometry, &executor.passes);
-        transparent.gather(frame, scene, (view, strategy.culls_occluded()))
+
+        transparent.gather(frame, &self.geometry, &executor.passes, view, strategy.culls_occluded())
     }
 
     /// Changes a transparent object, if it is there, and finds its lights again.
@@ -355,7 +368,9 @@ impl FramePasses {
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
         executor: &mut PlanExecutor,
-        (uploads, views, uses): (PoseUploads<'_>, &[View], MapUses),
+        uploads: PoseUploads<'_>,
+        views: &[View],
+        uses: MapUses,
     ) -> Result<(), crate::Error> {
         self.geometry.relight(hierarchy, &mut executor.leaves);
         if let Some(fragments) = self.fragments_mut() {
@@ -364,17 +379,14 @@ impl FramePasses {
         let opaque = hierarchy.root().map_or(Aabb::EMPTY, |root| hierarchy.bounds(root));
         let transparent = self.transparent.as_ref().filter(|_| self.shadows.culls_casters());
         let transparent = transparent.map_or(Aabb::EMPTY, Transparent::bounds);
-        let scene = (&self.geometry, hierarchy);
-        self.shadows.plan(scene, opaque.union(&transparent), views, uses)?;
+        let opaque_and_transparent = opaque.union(&transparent);
+        self.shadows.plan(&self.geometry, hierarchy, opaque_and_transparent, views, uses)?;
         self.geometry.upload_changes(frame, hierarchy, executor)?;
         self.edges.upload(frame, executor, &self.geometry, hierarchy)?;
         self.upload_poses(frame, hierarchy, uploads)?;
         let Self { geometry, pipelines, shadows, section, .. } = self;
-        shadows.record(
-            frame,
-            (geometry, hierarchy, section),
-            (pipelines, executor.leaves.predicates()),
-        )
+        let predicates = executor.leaves.predicates();
+        shadows.record(frame, geometry, hierarchy, section, pipelines, predicates)
     }
 
     fn upload_poses(
@@ -419,7 +431,7 @@ impl FramePasses {
             can_be_tested.then(|| hierarchy.leaf_of(geometry.owner(state.mesh)?)).flatten()
         };
         let completed = device.completed()?;
-        skinned_meshes.upload(frame, completed, (pass, vertices), is_seen, leaf_of)
+        skinned_meshes.upload(frame, completed, pass, vertices, is_seen, leaf_of)
     }
 
     /// Writes the vertices of meshes that the last frames left to a test: a draw of objects that
@@ -436,7 +448,7 @@ impl FramePasses {
         };
         let completed = device.completed()?;
         let is_stale = |state: &SkinnedMeshState| state.is_stale;
-        skinned_meshes.upload(frame, completed, (pass, vertices), is_stale, |_| None)
+        skinned_meshes.upload(frame, completed, pass, vertices, is_stale, |_| None)
     }
 
     /// Notes that the frame of the last [`FramePasses::write_stale`] was submitted.

@@ -21,9 +21,8 @@ use crate::debug::depth_complexity::LayerCounts;
 use crate::debug::visible_set::{SceneRevision, SeenLeaves};
 use crate::error::Error;
 use crate::executor_choice::decide;
-use crate::frame_passes::FramePasses;
-use crate::resources::geometry::Geometry;
-use crate::resources::limits::check_memory;
+use crate::frame_passes::{FrameOptions, FramePasses};
+use crate::resources::limits::{check_leaves, check_memory};
 use crate::resources::object_bounds::{check_hierarchy, object_bounds};
 use crate::resources::spare_room::SpareRoom;
 use crate::resources::sprites::has_sprites;
@@ -211,7 +210,7 @@ impl Renderer {
         options.check(device)?;
         let mut bounds = object_bounds(scene)?;
         let count = bounds.len().saturating_add(options.spare_objects);
-        Geometry::check_size(device, count)?;
+        check_leaves(device, count)?;
         check_memory("the boxes of the objects", count, size_of::<Aabb>())?;
         bounds.resize(count, Aabb::EMPTY);
         let hierarchy = Hierarchy::build(&bounds)?;
@@ -247,14 +246,19 @@ impl Renderer {
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
         let surfaces = SurfaceOptions { transparency, ..options.surfaces() };
-        let room = (&surfaces, options.upload_bytes_per_frame);
-        let made_of = (slots, (room, shadows));
-        let mut passes = FramePasses::new(device, &shaders, (scene, &hierarchy), target, made_of)?;
+        let frame_options = FrameOptions {
+            frames_in_flight: slots,
+            surfaces: &surfaces,
+            upload_bytes_per_frame: options.upload_bytes_per_frame,
+            shadows,
+        };
+        let mut passes =
+            FramePasses::new(device, &shaders, scene, &hierarchy, target, &frame_options)?;
         options.cancellation.check()?;
         let draws = hierarchy.leaf_objects().len() as u64;
         let threshold_samples = options.threshold_samples;
-        let of = (&occlusion_passes, &shaders);
-        let choice = decide(&mut passes, of, (draws, options))?;
+
+        let choice = decide(&mut passes, &occlusion_passes, &shaders, draws, options)?;
         let leaves = LeafTableInfo {
             mesh_draws: passes.geometry.mesh_draws().clone(),
             predication: Some(choice.predication),

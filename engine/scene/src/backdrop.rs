@@ -158,7 +158,8 @@ impl Panorama {
     }
 }
 
-fn texels_of([width, height]: [u32; 2]) -> u64 {
+fn texels_of(size: [u32; 2]) -> u64 {
+    let [width, height] = size;
     u64::from(width) * u64::from(height)
 }
 

@@ -9,11 +9,21 @@ use super::{Scene, bounds_of_transformed};
 /// eight of them or more.
 const WEIGHT_SLACK: f32 = 1.0 / 32.0;
 
-/// A kind of part of the surfaces, and the part's place among its kind.
-type Part = (&'static str, usize);
+/// A part of the surfaces.
+#[derive(Clone, Copy)]
+struct Part {
+    kind: &'static str,
+    /// The place among its kind.
+    index: usize,
+}
 
-fn broken((part, index): Part, fault: &'static str) -> Result<(), SceneError> {
-    Err(SceneError::BrokenSurfaces { part, index, fault })
+/// Returns a part of the surfaces.
+fn part_of(kind: &'static str, index: usize) -> Part {
+    Part { kind, index }
+}
+
+fn broken(part: Part, fault: &'static str) -> Result<(), SceneError> {
+    Err(SceneError::BrokenSurfaces { part: part.kind, index: part.index, fault })
 }
 
 fn are_finite<const N: usize>(numbers: &[f32; N]) -> bool {
@@ -27,12 +37,12 @@ fn are_finite<const N: usize>(numbers: &[f32; N]) -> bool {
 pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     if surfaces.meshes.len() != scene.meshes.len() {
         return broken(
-            ("mesh", surfaces.meshes.len().min(scene.meshes.len())),
+            part_of("mesh", surfaces.meshes.len().min(scene.meshes.len())),
             "there must be as many as the scene has meshes",
         );
     }
     for (index, (surface, mesh)) in surfaces.meshes.iter().zip(&scene.meshes).enumerate() {
-        let part = ("mesh", index);
+        let part = part_of("mesh", index);
         if surface.vertices.len() != mesh.vertices.len() {
             return broken(part, "it has not as many surface vertices as vertices");
         }
@@ -42,19 +52,19 @@ pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), S
     }
     for (index, texture) in surfaces.textures.iter().enumerate() {
         if texture.image.0 as usize >= surfaces.images.len() {
-            return broken(("texture", index), "the scene does not have its image");
+            return broken(part_of("texture", index), "the scene does not have its image");
         }
     }
     for (index, material) in surfaces.materials.iter().enumerate() {
         let checked = material.check(surfaces.textures.len());
-        checked.or_else(|fault| broken(("material", index), fault))?;
+        checked.or_else(|fault| broken(part_of("material", index), fault))?;
     }
     for (index, light) in surfaces.lights.iter().enumerate() {
         let checked = light.check_picture(surfaces.textures.len());
-        checked.or_else(|fault| broken(("light", index), fault))?;
+        checked.or_else(|fault| broken(part_of("light", index), fault))?;
     }
     if !surfaces.exposure.is_finite() {
-        return broken(("exposure", 0), "it is not a finite number");
+        return broken(part_of("exposure", 0), "it is not a finite number");
     }
     check_transparent(scene, surfaces)?;
     check_levels(scene, surfaces)?;
@@ -75,7 +85,7 @@ pub(super) fn sprite_meshes(scene: &Scene) -> Vec<bool> {
 
 fn check_sprites(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     for (index, sprites) in surfaces.sprites.iter().enumerate() {
-        let part = ("sprites", index);
+        let part = part_of("sprites", index);
         let Some(mesh) = scene.meshes.get(sprites.mesh.0 as usize) else {
             return broken(part, "the scene does not have its mesh");
         };
@@ -92,19 +102,19 @@ fn check_sprites(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     let are_sprites = sprite_meshes(scene);
     let is_sprites = |mesh: super::MeshId| are_sprites.get(mesh.0 as usize) == Some(&true);
     if let Some(index) = surfaces.transparent.iter().position(|object| is_sprites(object.mesh)) {
-        return broken(("transparent object", index), "its mesh is one of sprites");
+        return broken(part_of("transparent object", index), "its mesh is one of sprites");
     }
     if let Some(index) =
         surfaces.skinned_meshes.iter().position(|skinned_mesh| is_sprites(skinned_mesh.mesh))
     {
-        return broken(("skinned mesh", index), "its mesh is one of sprites");
+        return broken(part_of("skinned mesh", index), "its mesh is one of sprites");
     }
     Ok(())
 }
 
 fn check_transparent(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     for (index, object) in surfaces.transparent.iter().enumerate() {
-        let part = ("transparent object", index);
+        let part = part_of("transparent object", index);
         let Some(mesh) = scene.mesh_of(object) else {
             return broken(part, "the scene does not have its mesh");
         };
@@ -119,12 +129,12 @@ fn check_transparent(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneErro
 fn check_levels(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     if !surfaces.levels.is_empty() && surfaces.levels.len() != scene.meshes.len() {
         return broken(
-            ("the levels of mesh", surfaces.levels.len()),
+            part_of("the levels of mesh", surfaces.levels.len()),
             "there are as many as meshes, or none",
         );
     }
     for (index, (mesh, levels)) in scene.meshes.iter().zip(&surfaces.levels).enumerate() {
-        let part = ("the levels of mesh", index);
+        let part = part_of("the levels of mesh", index);
         let is_in_mesh = |vertex: &u32| (*vertex as usize) < mesh.vertices.len();
         let mut before_m = 0.0;
         for level in levels {
@@ -150,7 +160,7 @@ fn check_skinned_meshes(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneE
     }
     let mut is_skinned = vec![false; scene.meshes.len()];
     for (index, skinned_mesh) in surfaces.skinned_meshes.iter().enumerate() {
-        let part = ("skinned mesh", index);
+        let part = part_of("skinned mesh", index);
         let mesh = skinned_mesh.mesh.0 as usize;
         let (Some(users), Some(is_skinned)) = (users.get(mesh), is_skinned.get_mut(mesh)) else {
             return broken(part, "the scene does not have its mesh");

@@ -209,7 +209,8 @@ fn sampled(direction: Vec3, texel: impl Fn(usize) -> Vec3) -> Vec3 {
 }
 
 /// Returns the texel that lies where one beyond an edge would.
-fn wrapped([x, y]: [i64; 2], side: i64) -> [i64; 2] {
+fn wrapped(place: [i64; 2], side: i64) -> [i64; 2] {
+    let [x, y] = place;
     let last = side - 1;
     let mut x = x;
     let mut y = y;

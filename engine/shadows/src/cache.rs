@@ -266,7 +266,7 @@ impl ShadowCache {
         let mut side = known.map_or(wanted, |[_, side]| side);
         while side >= MIN_SIDE {
             faces.clear();
-            faces_of(light, (&options, side), around, |face| faces.push(face));
+            faces_of(light, &options, side, around, |face| faces.push(face));
             debug_assert_eq!(
                 faces.len() as u32,
                 face_count(&light.shape, &options, around.eyes.len())

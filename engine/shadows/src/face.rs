@@ -127,7 +127,8 @@ pub fn wanted_side(shape: &LightShape, options: &ShadowOptions) -> u32 {
 /// numbers; for a directional light view by view.
 pub fn faces_of(
     light: &ShadowLight,
-    (options, side): (&ShadowOptions, u32),
+    options: &ShadowOptions,
+    side: u32,
     around: &FaceSurroundings<'_>,
     mut found: impl FnMut(Face),
 ) {
@@ -155,12 +156,12 @@ pub fn faces_of(
             if outer_rad <= WIDEST_CONE_RAD =>
         {
             let up = direction.any_orthonormal_vector();
-            let camera = from_point(position, (direction, up), outer_rad.tan());
+            let camera = from_point(position, direction, up, outer_rad.tan());
             found(local(0, camera, (position, reach_m)));
         }
         LightShape::Spot { position, reach_m, .. } | LightShape::Point { position, reach_m } => {
-            for (number, side) in (0..).zip(SIDES) {
-                found(local(number, from_point(position, side, 1.0), (position, reach_m)));
+            for (number, (forward, up)) in (0..).zip(SIDES) {
+                found(local(number, from_point(position, forward, up, 1.0), (position, reach_m)));
             }
         }
     }
@@ -174,7 +175,7 @@ pub fn cascade_reach_m(distance_m: f32, cascades: u32, number: u32) -> f32 {
     distance_m / CASCADE_RATIO.powi(farther as i32)
 }
 
-fn from_point(position: Vec3, (forward, up): (Vec3, Vec3), tangent: f32) -> Camera {
+fn from_point(position: Vec3, forward: Vec3, up: Vec3, tangent: f32) -> Camera {
     let fov_y = 2.0 * (tangent * (1.0 + BORDER)).atan();
     let projection = Projection::Perspective { fov_y: fov_y.min(PI - 0.1) };
     Camera { eye: position, forward, up, projection, near: NEAR_M }
@@ -259,7 +260,7 @@ mod tests {
         let eyes = [eye];
         let around = surroundings(&eyes, SCENE);
         let mut all = Vec::new();
-        faces_of(&light, (&options, side), &around, |face| all.push(face));
+        faces_of(&light, &options, side, &around, |face| all.push(face));
         assert_eq!(all.len() as u32, face_count(&shape, &options, 1));
         all
     }
@@ -327,7 +328,7 @@ mod tests {
                     let mut all = Vec::new();
                     let eyes = [eye];
                     let around = surroundings(&eyes, scene);
-                    faces_of(&light, (&options, 2048), &around, |face| all.push(face));
+                    faces_of(&light, &options, 2048, &around, |face| all.push(face));
                     all
                 });
                 for (before, after) in before.iter().zip(&after) {
@@ -361,7 +362,7 @@ mod tests {
         let view_in = |scene| {
             let around = surroundings(&[Vec3::ZERO], scene);
             let mut all = Vec::new();
-            faces_of(&light, (&options, 512), &around, |face| all.push(face.view));
+            faces_of(&light, &options, 512, &around, |face| all.push(face.view));
             all
         };
         let grown = Aabb::new(SCENE.min, SCENE.max + vec3(0.3, 0.5, 0.2));

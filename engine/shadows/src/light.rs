@@ -88,7 +88,7 @@ impl LightShape {
             for _ in 0..CONE_STEPS {
                 let last_m = lit.corners().map(along_m).into_iter().fold(0.0, f32::max);
                 let slant_m = last_m / outer_rad.cos().max(f32::MIN_POSITIVE);
-                let cone = cone_box(position, (direction, outer_rad), reach_m.min(slant_m));
+                let cone = cone_box(position, direction, outer_rad, reach_m.min(slant_m));
                 lit = both(cone, &lit);
             }
         }
@@ -119,7 +119,7 @@ impl LightShape {
 }
 
 /// Returns the box around the rays of a cone as far as they reach.
-fn cone_box(position: Vec3, (direction, outer_rad): (Vec3, f32), reach_m: f32) -> Aabb {
+fn cone_box(position: Vec3, direction: Vec3, outer_rad: f32, reach_m: f32) -> Aabb {
     // The cosine of the least angle of a ray to an axis.
     let farthest = |axis: Vec3| {
         let off_rad = direction.dot(axis).clamp(-1.0, 1.0).acos() - outer_rad;

@@ -92,13 +92,16 @@ struct Canvas<'a> {
 }
 
 impl Canvas<'_> {
-    fn fill(&mut self, [left, top]: [usize; 2], [width, height]: [usize; 2], colour: [u8; 3]) {
+    fn fill(&mut self, corner: [usize; 2], size: [usize; 2], colour: [u8; 3]) {
+        let [left, top] = corner;
+        let [width, height] = size;
         for y in top..top + height {
             (left..left + width).for_each(|x| self.blend([x, y], colour, u8::MAX));
         }
     }
 
-    fn text(&mut self, [left, top]: [usize; 2], text: &str, colour: [u8; 3]) {
+    fn text(&mut self, corner: [usize; 2], text: &str, colour: [u8; 3]) {
+        let [left, top] = corner;
         for (letter, left) in text.chars().zip((left..).step_by(LETTER)) {
             let Some(raster) = get_raster(letter, FONT.0, FONT.1) else { continue };
             for (row, y) in raster.rows().zip(top..) {
@@ -109,7 +112,8 @@ impl Canvas<'_> {
         }
     }
 
-    fn blend(&mut self, [x, y]: [usize; 2], colour: [u8; 3], share: u8) {
+    fn blend(&mut self, place: [usize; 2], colour: [u8; 3], share: u8) {
+        let [x, y] = place;
         let Some(pixel) = self.pixels.get_mut(y * self.width + x) else { return };
         let share = u32::from(share);
         for (part, new) in pixel.iter_mut().zip(colour) {

@@ -140,7 +140,7 @@ impl RunMeasurement {
 
     /// Adds the comparison of a frame with its image by plain frustum culling and
     /// that by the filter `fixed64`, which is empty where nothing is compared with it.
-    pub fn compare(&mut self, step: &WalkStep, image: &[u8], [reference, fixed64]: [&[u8]; 2]) {
+    pub fn compare(&mut self, step: &WalkStep, image: &[u8], reference: &[u8], fixed64: &[u8]) {
         let pixels_wrong = pixels_that_differ(reference, image);
         if step.timed {
             self.verified(pixels_wrong)

@@ -97,7 +97,8 @@ pub fn cameras(
     animator: &mut SceneAnimator,
     camera: &import::SceneCamera,
     clock: FrameClock,
-    (frames, size): (u32, [u32; 2]),
+    frames: u32,
+    size: [u32; 2],
 ) -> CameraTrack {
     animator.pose(clock.seconds(0));
     let first = animator.seen_by(camera, size);

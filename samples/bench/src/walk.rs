@@ -206,7 +206,7 @@ impl<'a> Walk<'a> {
         for (image, step) in self.images.iter().zip(compared) {
             let of = |shadows| self.references.get(&(shadows, step.frame));
             let of = |shadows: Option<usize>| shadows.and_then(of).map_or(&[][..], Vec::as_slice);
-            run.measurement.compare(step, &image.rgba8()?, [of(Some(reference)), of(fixed64)]);
+            run.measurement.compare(step, &image.rgba8()?, of(Some(reference)), of(fixed64));
         }
         Ok(())
     }

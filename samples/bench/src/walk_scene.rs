@@ -123,7 +123,7 @@ impl WalkScene {
         let path = match (way, camera) {
             (Way::Recorded(path), _) => CameraTrack::Recorded(path, orbit.camera(0, 1)),
             (_, Some(camera)) => {
-                playback::cameras(&mut animator, camera, clock, (options.frames, size))
+                playback::cameras(&mut animator, camera, clock, options.frames, size)
             }
             (_, None) => CameraTrack::Around(orbit, options.frames),
         };

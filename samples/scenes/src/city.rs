@@ -252,7 +252,8 @@ impl City {
         }
     }
 
-    fn props(&mut self, limit: usize, [column, row]: [i32; 2], court: Court, random: &mut Random) {
+    fn props(&mut self, limit: usize, cell: [i32; 2], court: Court, random: &mut Random) {
+        let [column, row] = cell;
         let centre = block_centre(column, row);
         for side in 0..4 {
             let lamp = choose(&self.kit.lamps, random);

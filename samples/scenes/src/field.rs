@@ -68,7 +68,7 @@ pub fn field(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> 
         down_rad: 0.785,
         inwards_rad: AIRCRAFT_INWARDS_RAD,
     };
-    let streets = Streets { xs: aisles(x), zs: aisles(z), turn_radius_m: 2.5 };
+    let streets = Streets { xs: aisles(x[0], x[1]), zs: aisles(z[0], z[1]), turn_radius_m: 2.5 };
     let scene = Scene {
         name: "field".to_owned(),
         meshes,
@@ -80,7 +80,7 @@ pub fn field(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> 
 }
 
 /// Returns the lines between the cells, near the origin.
-fn aisles([low, high]: [f32; 2]) -> Vec<f32> {
+fn aisles(low: f32, high: f32) -> Vec<f32> {
     let low = (low.max(-WALK_M) / CELL_M) as i32;
     let high = (high.min(WALK_M) / CELL_M) as i32;
     (low..=high).map(|line| line as f32 * CELL_M).collect()

@@ -107,7 +107,8 @@ fn columns(rows: &[Row]) -> [f32; 3] {
     [label, about, about + widest(|row| &row.about)]
 }
 
-fn draw(ui: &Ui, row: &Row, corner: Pos2, [label, about, _]: [f32; 3], is_selected: bool) {
+fn draw(ui: &Ui, row: &Row, corner: Pos2, widths: [f32; 3], is_selected: bool) {
+    let [label, about, _] = widths;
     let top = corner.y + PADDING;
     let painter = ui.painter();
     painter.galley(pos2(corner.x, top), Arc::clone(&row.number), NUMBER.colour);

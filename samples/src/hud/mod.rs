@@ -121,7 +121,8 @@ impl Hud {
     }
 
     /// Returns true if a place, in pixels from the upper left, is on a list that is shown.
-    pub fn is_on_list(&self, [x, y]: [f64; 2]) -> bool {
+    pub fn is_on_list(&self, place: [f64; 2]) -> bool {
+        let [x, y] = place;
         self.list.is_some_and(|area| area.contains(egui::pos2(x as f32, y as f32)))
     }
 

@@ -65,7 +65,8 @@ fn legend(area: Option<render::Rect>) -> Legend {
 }
 
 /// Returns a page with everything, and a view from above in the lower right.
-fn page([width, height]: [u32; 2]) -> HudPage {
+fn page(image_size: [u32; 2]) -> HudPage {
+    let [width, height] = image_size;
     let part = [width * 2 / 5, height * 2 / 5];
     let area = render::Rect { origin: [width - part[0], height - part[1]], size: part };
     HudPage {

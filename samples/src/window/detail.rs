@@ -71,7 +71,8 @@ impl Detail {
     pub fn choose(
         &self,
         renderer: &mut Renderer,
-        (camera, view): (Camera, &ViewState),
+        camera: Camera,
+        view: &ViewState,
     ) -> Result<(), RunError> {
         renderer.choose_detail_seen(&[(camera, view)], &self.policy)?;
         Ok(())

@@ -41,7 +41,7 @@ impl Differences {
             }
             let bottom = (first + TILE_PIXELS).min(rows);
             let top = number * TILE_PIXELS;
-            found.add_runs(&is_marked, width, [top as u32, bottom as u32]);
+            found.add_runs(&is_marked, width, top as u32, bottom as u32);
         }
         if found.areas.len() > MOST_AREAS {
             let around = found.areas.iter().copied().reduce(union);
@@ -52,7 +52,7 @@ impl Differences {
 
     /// Adds the marked tiles of a row. Neighbours become one area, joined with the area that they
     /// continue.
-    fn add_runs(&mut self, is_marked: &[bool], width: usize, [top, bottom]: [u32; 2]) {
+    fn add_runs(&mut self, is_marked: &[bool], width: usize, top: u32, bottom: u32) {
         let mut tile = 0;
         while tile < is_marked.len() {
             let end = tile + is_marked[tile..].iter().take_while(|is_marked| **is_marked).count();

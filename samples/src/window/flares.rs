@@ -33,7 +33,7 @@ pub fn flares_of(daylight: &Daylight, moved: Option<LightMove>, eye: Vec3) -> Ve
         LightKind::Directional => of_sun(&to),
         LightKind::Point => of_lamp(&to, daylight.glass, strength),
         LightKind::Spot { inner_rad, outer_rad } => {
-            of_spot(&to, [inner_rad, outer_rad], (eye, strength))
+            of_spot(&to, inner_rad, outer_rad, eye, strength)
         }
     };
     let nothing = LensFlare {
@@ -67,8 +67,10 @@ fn of_lamp(lamp: &PunctualLight, glass: Vec3, strength: f32) -> Option<LensFlare
 /// Returns the flare of a spot: as strong as it shines at the eye.
 fn of_spot(
     spot: &PunctualLight,
-    [inner_rad, outer_rad]: [f32; 2],
-    (eye, strength): (Vec3, f32),
+    inner_rad: f32,
+    outer_rad: f32,
+    eye: Vec3,
+    strength: f32,
 ) -> Option<LensFlare> {
     let kind = LightKind::Point;
     let flare = LensFlare::of_light(&PunctualLight { kind, picture: None, ..*spot })?;

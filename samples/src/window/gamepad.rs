@@ -47,7 +47,7 @@ pub struct PadState {
 
 impl PadState {
     /// Sets an axis that goes from `least` to `most` to a device's number.
-    pub fn set(&mut self, axis: StickAxis, value: i32, [least, most]: [i32; 2]) {
+    pub fn set(&mut self, axis: StickAxis, value: i32, least: i32, most: i32) {
         let span = (f64::from(most) - f64::from(least)).max(1.0);
         let share = ((f64::from(value) - f64::from(least)) / span).clamp(0.0, 1.0) as f32;
         let both_ways = share * 2.0 - 1.0;
@@ -77,7 +77,8 @@ impl PadState {
 
 /// Returns a stick's position without the dead zone in its middle, with fine control near it: by
 /// its distance, so that its direction is kept.
-fn shaped([x, y]: [f32; 2]) -> [f32; 2] {
+fn shaped(place: [f32; 2]) -> [f32; 2] {
+    let [x, y] = place;
     let distance = x.hypot(y);
     if distance <= DEAD_ZONE {
         return [0.0, 0.0];
@@ -164,7 +165,7 @@ fn read(device: &mut Device, state: &Mutex<PadState>, actions: &mpsc::Sender<Act
                     let range = ranges.iter().find(|(axis, _)| *axis == code);
                     if let (Some(axis), Some((_, range))) = (axis_of(code), range) {
                         let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
-                        state.set(axis, value, *range);
+                        state.set(axis, value, range[0], range[1]);
                     }
                 }
                 _ => {}
@@ -197,7 +198,9 @@ mod tests {
 
     fn pad(axes: &[(StickAxis, i32, [i32; 2])]) -> PadState {
         let mut state = PadState::default();
-        axes.iter().for_each(|(axis, value, range)| state.set(*axis, *value, *range));
+        for (axis, value, [least, most]) in axes {
+            state.set(*axis, *value, *least, *most);
+        }
         state
     }
 

@@ -179,7 +179,7 @@ impl SceneLoader<'_> {
             Renderer::with_hierarchy(self.device, &imported.scene, hierarchy, &renderer_options)
                 .map_err(|error| RunError::from(error).about(file))?;
         let covered = if self.options.hud == HudLevel::Off { 0.0 } else { PANEL_SHARE };
-        let mut scene_view = SceneView::of_file(file, imported, settings, (self.size, covered))?;
+        let mut scene_view = SceneView::of_file(file, imported, settings, self.size, covered)?;
         scene_view.notes.extend(renderer.degradations().texts());
         scene_view.notes.extend(renderer.distrust());
         Ok(LoadedScene { renderer, scene_view, daylight: None, lit: None })

@@ -198,7 +198,7 @@ impl Opened {
         }
         let seconds =
             self.last_frame.replace(now).map_or(0.0, |last| now.since(last).as_secs_f32());
-        if let Some(title) = self.title.count(now, self.session.subject()) {
+        if let Some(title) = self.title.count(now, &self.session.title_words()) {
             self.window.set_title(&title);
         }
         let mut steering = input.steering();

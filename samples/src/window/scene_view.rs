@@ -145,7 +145,8 @@ impl SceneView {
         file: &Path,
         imported: GltfScene,
         settings: &FileSource,
-        (size, covered): ([u32; 2], f32),
+        size: [u32; 2],
+        covered: f32,
     ) -> Result<Self, RunError> {
         let names = MeshNames::of(&imported.scene);
         let detail = settings.detail_pixels.map(|pixels| Detail::new(&imported.scene, pixels));

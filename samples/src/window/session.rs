@@ -31,6 +31,7 @@ use super::selection::Selection;
 use super::shader_watch::ShaderWatch;
 use super::show::{FlareChoice, ShowOptions};
 use super::source::SceneSource;
+use super::title::TitleWords;
 use super::toast::Toast;
 use super::trace::Trace;
 use crate::hud::{Hud, HudLevel, HudOverlay};
@@ -184,9 +185,9 @@ impl Session {
     }
 
     /// Returns the names of the scene, of the strategy, and of the counted frames per second.
-    pub fn subject(&self) -> [&str; 3] {
+    pub fn title_words(&self) -> TitleWords<'_> {
         let unit = self.comparison.as_ref().map_or("frames/s", |_| "pairs/s");
-        [&self.scene_view.name, self.strategy.name(), unit]
+        TitleWords { scene: &self.scene_view.name, strategy: self.strategy.name(), unit }
     }
 
     /// Returns the renderer.
@@ -270,7 +271,7 @@ impl Session {
             let is_only = self.debug_overlay == DebugOverlay::default();
             self.scene_view.show(&mut self.renderer, is_only.then_some(&camera))?;
             if let Some(detail) = &self.scene_view.detail {
-                detail.choose(&mut self.renderer, (camera, &self.history))?;
+                detail.choose(&mut self.renderer, camera, &self.history)?;
             }
             self.follow_flares(camera.eye)?;
         }
@@ -348,7 +349,7 @@ impl Session {
         let passes = if has_times { self.renderer.pass_times() } else { &[] };
         self.profiler.frame(passes);
         if let Some(trace) = &mut self.trace {
-            trace.submitted([began, known], self.renderer.frames_in_flight(), passes)?;
+            trace.submitted(began, known, self.renderer.frames_in_flight(), passes)?;
         }
         Ok(())
     }

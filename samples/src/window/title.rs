@@ -7,6 +7,17 @@ use antumbra::pacing::Time;
 /// The interval of changes to the title.
 const INTERVAL: Duration = Duration::from_millis(500);
 
+/// The words of a title.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TitleWords<'a> {
+    /// The name of the scene.
+    pub scene: &'a str,
+    /// The name of the strategy.
+    pub strategy: &'a str,
+    /// The name of frames per second.
+    pub unit: &'a str,
+}
+
 /// A counter of the frames between two titles.
 #[derive(Clone, Debug, Default)]
 pub struct Title {
@@ -17,9 +28,9 @@ pub struct Title {
 }
 
 impl Title {
-    /// Counts a frame that began at `now`; returns the next title when one is due. The `unit` is
-    /// the name of frames per second.
-    pub fn count(&mut self, now: Time, [scene, strategy, unit]: [&str; 3]) -> Option<String> {
+    /// Counts a frame that began at `now`; returns the next title when one is due.
+    pub fn count(&mut self, now: Time, words: &TitleWords<'_>) -> Option<String> {
+        let TitleWords { scene, strategy, unit } = *words;
         if self.subject != [scene, strategy, unit] {
             // Frames of another scene or strategy say nothing of these.
             let subject = [scene, strategy, unit].map(str::to_owned);
@@ -47,15 +58,19 @@ fn text(scene: &str, strategy: &str, rate: String) -> String {
 mod tests {
     use super::*;
 
+    fn words(scene: &str) -> TitleWords<'_> {
+        TitleWords { scene, strategy: "antumbra", unit: "frames/s" }
+    }
+
     #[test]
     fn it_says_how_many_frames_there_were_in_a_second() {
         for (frame_ms, said) in [(20, "50 frames/s"), (400, "2.5 frames/s")] {
             let mut title = Title::default();
             let at = |frame: u64| Time::from_nanos(frame * frame_ms * 1_000_000);
-            let subject = ["city", "frustum", "frames/s"];
-            let first = title.count(at(0), subject);
+            let words = TitleWords { scene: "city", strategy: "frustum", unit: "frames/s" };
+            let first = title.count(at(0), &words);
             assert_eq!(first.as_deref(), Some("city - frustum - Antumbra"));
-            let titles = (1..=100).filter_map(|frame| title.count(at(frame), subject));
+            let titles = (1..=100).filter_map(|frame| title.count(at(frame), &words));
             let titles: Vec<String> = titles.collect();
             assert_eq!(
                 titles.len() as u64,
@@ -71,9 +86,9 @@ mod tests {
         let mut title = Title::default();
         let at = |ms: u64| Time::from_nanos(ms * 1_000_000);
         for ms in 0..400 {
-            title.count(at(ms), ["nothing", "antumbra", "frames/s"]);
+            title.count(at(ms), &words("nothing"));
         }
-        let mut next = |ms: u64| title.count(at(ms), ["rooms", "antumbra", "frames/s"]);
+        let mut next = |ms: u64| title.count(at(ms), &words("rooms"));
         assert_eq!(next(400).as_deref(), Some("rooms - antumbra - Antumbra"));
         assert_eq!(next(1400).as_deref(), Some("rooms - antumbra - 1.0 frames/s - Antumbra"));
     }

@@ -139,7 +139,8 @@ impl Trace {
     /// A failed call.
     pub fn submitted(
         &mut self,
-        [began, known]: [Time; 2],
+        began: Time,
+        known: Time,
         frames_in_flight: usize,
         passes: &[PassTime],
     ) -> Result<(), gpu::Error> {

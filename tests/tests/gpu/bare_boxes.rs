@@ -167,13 +167,13 @@ fn a_plan_of_many_rounds_is_refused_as_lists_and_drawn_by_the_engine() {
         };
         let view = View::new(&camera, SIZE, device.adapter().limits.sub_pixel_precision_bits);
         let mut frame = frames.begin().unwrap();
-        state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, (&view, 4096));
+        state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, &view, 4096);
         assert!(state.plan().rounds.len() > 1, "{:?}", state.plan().rounds);
         let refused = list_draws(&mut frame, executor, state, &view).err().unwrap();
         assert!(matches!(refused, Error::DrawsAmongTests(_)), "{refused}");
         assert!(refused.to_string().contains("DrawPhases::Two"), "{refused}");
         assert!(state.visible_lists().is_empty() && state.revealed_lists().is_empty());
-        execute(&mut frame, executor, state, objects, (&*shaders, &view)).unwrap();
+        execute(&mut frame, executor, state, objects, &*shaders, &view).unwrap();
         let tick = frame.submit(None).unwrap();
         state.submitted(tick, &executor.leaves, None);
         device.drain().unwrap();

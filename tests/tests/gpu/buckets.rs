@@ -110,7 +110,8 @@ fn change(host: &mut Host, random: &mut Random, frame: u32, buckets: u32) {
 fn furnished(
     device: &Device,
     buckets: u32,
-    (predication, recorder): (Predication, Recorder),
+    predication: Predication,
+    recorder: Recorder,
     random: &mut Random,
 ) -> Host {
     furnish(Host::new(device, buckets, predication, recorder), buckets, random)
@@ -143,12 +144,13 @@ fn camera(side: f32, along: f32) -> Camera {
 fn compare(
     device: &Device,
     buckets: u32,
-    (predication, recorder): (Predication, Recorder),
+    predication: Predication,
+    recorder: Recorder,
     strategy: Strategy,
 ) {
     const FRAMES: u32 = 24;
     let mut random = Random(u64::from(buckets) + 7);
-    let mut host = furnished(device, buckets, (predication, recorder), &mut random);
+    let mut host = furnished(device, buckets, predication, recorder, &mut random);
     for frame in 0..FRAMES {
         change(&mut host, &mut random, frame, buckets);
         let side = (frame / 5 % 3) as f32 - 1.0;
@@ -181,15 +183,15 @@ fn objects_of_any_draws_in_any_buckets_look_like_all_draws_while_they_change() {
     run_on_all(|device| {
         let executors = executors(device);
         for buckets in [1, 16, 256] {
-            compare(device, buckets, (executors[0], Recorder::Engine), Strategy::ANTUMBRA);
+            compare(device, buckets, executors[0], Recorder::Engine, Strategy::ANTUMBRA);
         }
         for predication in &executors[1..] {
-            compare(device, 16, (*predication, Recorder::Engine), Strategy::ANTUMBRA);
+            compare(device, 16, *predication, Recorder::Engine, Strategy::ANTUMBRA);
         }
         // Flags are the first choice of the plain strategy.
         for strategy in [Strategy::ANTUMBRA_QUERIES, Strategy::ANTUMBRA_COMPUTE] {
             let last = executors[executors.len() - 1];
-            compare(device, 16, (last, Recorder::Engine), strategy);
+            compare(device, 16, last, Recorder::Engine, strategy);
         }
     });
 }
@@ -199,9 +201,13 @@ fn transparent_objects_are_drawn_untested_where_flags_are_distrusted() {
     run_on_all(|device| {
         let mut random = Random(7);
         let buckets = 3;
-        let how = (buckets, Predication::Instances, Recorder::Engine);
+
         let trust = Trust::without(&[Assumption::FlagWrites]);
-        let mut host = furnish(Host::with_trust(device, how, trust), buckets, &mut random);
+        let mut host = furnish(
+            Host::with_trust(device, buckets, Predication::Instances, Recorder::Engine, trust),
+            buckets,
+            &mut random,
+        );
         for frame in 0..6 {
             host.draw(Strategy::ANTUMBRA, &camera(frame as f32 / 5.0 - 0.5, 0.0));
         }
@@ -225,7 +231,7 @@ fn draws_that_a_host_records_from_lists_look_like_all_draws() {
             (16, last, Strategy::ANTUMBRA_COMPUTE),
             (256, last, Strategy::ANTUMBRA),
         ] {
-            compare(device, buckets, (predication, Recorder::Host), strategy);
+            compare(device, buckets, predication, Recorder::Host, strategy);
         }
     });
 }
@@ -241,7 +247,7 @@ fn a_host_that_draws_depth_first_shades_what_shows_and_nothing_else() {
             (16, last, Strategy::ANTUMBRA),
             (16, first, Strategy::ANTUMBRA_QUERIES),
         ] {
-            compare(device, buckets, (predication, Recorder::EngineDepthFirst), strategy);
+            compare(device, buckets, predication, Recorder::EngineDepthFirst, strategy);
         }
     });
 }
@@ -250,8 +256,8 @@ fn a_host_that_draws_depth_first_shades_what_shows_and_nothing_else() {
 fn a_host_that_draws_visible_objects_alone_is_right_again_when_all_stands_still() {
     run_on_all(|device| {
         let mut random = Random(11);
-        let how = (executors(device)[0], Recorder::HostLate);
-        let mut host = furnished(device, 16, how, &mut random);
+        let predication = executors(device)[0];
+        let mut host = furnished(device, 16, predication, Recorder::HostLate, &mut random);
         for frame in 0..24 {
             let side = if frame < 12 { -1.0 } else { 1.0 };
             host.draw(Strategy::ANTUMBRA, &camera(side, 0.0));

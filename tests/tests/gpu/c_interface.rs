@@ -287,7 +287,8 @@ impl<'a> CHost<'a> {
         &mut self,
         views: &[*const AntumbraViewFrame],
         change: impl FnOnce(&mut AntumbraFrameDesc),
-        (wanted, words): (AntumbraResult, &str),
+        wanted: AntumbraResult,
+        words: &str,
         good: &AntumbraViewFrame,
     ) {
         let result = self.record(views, change);
@@ -404,11 +405,11 @@ fn mistakes_in_a_frame_are_named_and_the_next_frame_is_recorded() {
             (AntumbraViewFrame { camera: null(), ..good }, BadPointer, "desc.views.camera is null"),
             (AntumbraViewFrame { view: foreign, ..good }, UnknownHandle, "no view 0x7"),
         ] {
-            c.refuse(&[&view], |_| {}, (result, words), &good);
+            c.refuse(&[&view], |_| {}, result, words, &good);
         }
         let good_at = from_ref(&good);
-        c.refuse(&[good_at, good_at], |_| {}, (BadArgument, "a view twice"), &good);
-        c.refuse(&[null()], |_| {}, (BadPointer, "a view of desc.views is null"), &good);
+        c.refuse(&[good_at, good_at], |_| {}, BadArgument, "a view twice", &good);
+        c.refuse(&[null()], |_| {}, BadPointer, "a view of desc.views is null", &good);
         let one = [good_at];
         let refusals: [(Change, AntumbraResult, &str); 5] = [
             (&|desc| desc.bind = None, BadPointer, "desc.bind is null"),
@@ -418,7 +419,7 @@ fn mistakes_in_a_frame_are_named_and_the_next_frame_is_recorded() {
             (&|desc| desc.end_rendering = Some(end), BadArgument, "both or none"),
         ];
         for (change, result, words) in refusals {
-            c.refuse(&one, change, (result, words), &good);
+            c.refuse(&one, change, result, words, &good);
         }
         c.finish();
         host.finish();

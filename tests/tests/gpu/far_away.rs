@@ -133,8 +133,9 @@ fn sun_maps_agree_with_ray_casting_at_every_distance() {
             };
             assert_eq!([lit, culled_lit], [&expected[0]; 2], "{away}");
             assert!(hard == culled_hard && soft == culled_soft, "{away}");
-            let of = (&boxes[..], &camera(Vec3::ZERO), &sun);
-            let Judged { checked, dark, wrong } = judge(of, lit, hard);
+            let of_boxes = &boxes[..];
+            let of_camera = &camera(Vec3::ZERO);
+            let Judged { checked, dark, wrong } = judge(of_boxes, of_camera, &sun, lit, hard);
             assert!(wrong.is_empty(), "{away}: {} of {checked}: {wrong:#?}", wrong.len());
             assert!(checked > 500 && dark > 10, "{checked}, {dark}");
             // The texels lie elsewhere: at the edges of shadows.

@@ -148,7 +148,7 @@ fn the_fraction_is_that_of_the_depth_n_frames_earlier() {
             let options = options(frames_in_flight);
             let mut renderer = Renderer::new(device, &scene, &options).unwrap();
             for strategy in STRATEGIES {
-                cross(device, (&mut renderer, &scene), strategy, frames_in_flight as u64);
+                cross(device, &mut renderer, &scene, strategy, frames_in_flight as u64);
             }
         }
     });
@@ -157,12 +157,7 @@ fn the_fraction_is_that_of_the_depth_n_frames_earlier() {
 /// The way of the fence in a frame.
 const STEP_M: f32 = 0.045;
 
-fn cross(
-    device: &Device,
-    (renderer, scene): (&mut Renderer, &Scene),
-    strategy: Strategy,
-    age: u64,
-) {
+fn cross(device: &Device, renderer: &mut Renderer, scene: &Scene, strategy: Strategy, age: u64) {
     let mut view = renderer.new_view().unwrap();
     let camera = |frame: u32| Camera { eye: Vec3::X * (0.01 * frame as f32), ..square_camera() };
     let mut expected: Vec<[Expected; 3]> = Vec::new();

@@ -64,14 +64,17 @@ impl Rings {
     fn draw(
         &mut self,
         ring: usize,
-        (raw, FrameNumbers { current, safe }): (vk::CommandBuffer, FrameNumbers),
+        raw: vk::CommandBuffer,
+        numbers: FrameNumbers,
         scenes: &mut [&mut ComparedScene<'_>],
-        (frame, runs): (u64, Runs),
+        frame: u64,
+        runs: Runs,
     ) {
+        let FrameNumbers { current, safe } = numbers;
         let turn = ring as u64;
         let safe = if safe == Tick::ZERO { safe } else { Tick(2 * safe.0 + turn) };
         let numbers = FrameNumbers { current: Tick(2 * current.0 + turn), safe };
-        let (tick, slot) = record_frame(&mut self.0[ring], (raw, numbers), |recorded| {
+        let (tick, slot) = record_frame(&mut self.0[ring], raw, numbers, |recorded| {
             for scene in &mut *scenes {
                 scene.compare(recorded.slot().0, &format!("frame {}", frame - IN_FLIGHT as u64));
                 scene.record(recorded, &cameras(frame), Strategy::ANTUMBRA).unwrap();
@@ -107,8 +110,8 @@ fn walk(driver: Driver, options: &BoxOptions<'_>) {
         change(&mut scene, &mut random, frame);
         // Among them the first frame, which uploads everything.
         let runs = if frame % 3 == 2 { Runs::Never } else { Runs::Once };
-        let begun = commands.begin();
-        rings.draw(0, begun, &mut [&mut scene], (frame, runs));
+        let (buffer, numbers) = commands.begin();
+        rings.draw(0, buffer, numbers, &mut [&mut scene], frame, runs);
         commands.end(runs).unwrap();
     }
     host.say_all_is_over(&device);
@@ -173,20 +176,20 @@ fn two_scenes(driver: Driver, sharing: Sharing) {
         }
         let runs = if frame % 4 == 0 { Runs::Never } else { Runs::Once };
         let [first, second] = &mut commands;
-        let begun = first.begin();
+        let (buffer, numbers) = first.begin();
         match sharing {
             Sharing::Frame if frame % 2 == 0 => {
-                rings.draw(0, begun, &mut [&mut one, &mut other], (frame, runs));
+                rings.draw(0, buffer, numbers, &mut [&mut one, &mut other], frame, runs);
             }
-            Sharing::Frame => rings.draw(0, begun, &mut [&mut one], (frame, runs)),
+            Sharing::Frame => rings.draw(0, buffer, numbers, &mut [&mut one], frame, runs),
             Sharing::Commands => {
-                rings.draw(0, begun, &mut [&mut one], (frame, runs));
-                rings.draw(1, begun, &mut [&mut other], (frame, runs));
+                rings.draw(0, buffer, numbers, &mut [&mut one], frame, runs);
+                rings.draw(1, buffer, numbers, &mut [&mut other], frame, runs);
             }
             Sharing::Device => {
-                rings.draw(0, begun, &mut [&mut one], (frame, Runs::Once));
-                let begun = second.begin();
-                rings.draw(1, begun, &mut [&mut other], (frame, runs));
+                rings.draw(0, buffer, numbers, &mut [&mut one], frame, Runs::Once);
+                let (buffer, numbers) = second.begin();
+                rings.draw(1, buffer, numbers, &mut [&mut other], frame, runs);
                 second.end(runs).unwrap();
             }
         }
@@ -222,8 +225,8 @@ fn two_devices_and_two_adoptions_of_one_draw_side_by_side() {
     for frame in 2..14 {
         for (scene, commands, rings, random) in &mut parts {
             change(scene, random, frame);
-            let begun = commands.begin();
-            rings.draw(0, begun, &mut [scene], (frame, Runs::Once));
+            let (buffer, numbers) = commands.begin();
+            rings.draw(0, buffer, numbers, &mut [scene], frame, Runs::Once);
             commands.end(Runs::Once).unwrap();
         }
     }
@@ -254,8 +257,8 @@ fn after_the_loss_of_a_device_without_a_queue_another_one_draws() {
             let mut rings = Rings::new(&device);
             fill(&mut scene);
             let submits = (2..14).map(|frame| {
-                let begun = commands.begin();
-                rings.draw(0, begun, &mut [&mut scene], (frame, Runs::Once));
+                let (buffer, numbers) = commands.begin();
+                rings.draw(0, buffer, numbers, &mut [&mut scene], frame, Runs::Once);
                 commands.end(Runs::Once)
             });
             let told: Vec<_> = submits.take_while(Result::is_ok).collect();

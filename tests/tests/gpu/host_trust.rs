@@ -45,9 +45,9 @@ fn walk(host: &Host, options: &BoxOptions<'_>, strategy: Strategy) -> Walked {
         has_leaf_boxes: scene.scene.executor().passes.leaf_boxes.is_some(),
     };
     for frame in 0..12 {
-        let begun = commands.begin();
+        let (buffer, numbers) = commands.begin();
         let cameras = [camera(frame)];
-        let (tick, slot) = record_frame(&mut ring, begun, |recorded| {
+        let (tick, slot) = record_frame(&mut ring, buffer, numbers, |recorded| {
             scene.compare(recorded.slot().0, &format!("a frame before {frame}"));
             scene.record(recorded, &cameras, strategy).unwrap();
             scene.record_all(recorded, &cameras);

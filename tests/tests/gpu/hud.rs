@@ -48,7 +48,8 @@ impl Studio {
     }
 }
 
-fn pixel(image: &[u8], [x, y]: [u32; 2]) -> [u8; 4] {
+fn pixel(image: &[u8], place: [u32; 2]) -> [u8; 4] {
+    let [x, y] = place;
     let start = (y * SIZE[0] + x) as usize * 4;
     image[start..start + 4].try_into().unwrap()
 }

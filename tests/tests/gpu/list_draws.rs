@@ -84,7 +84,7 @@ impl Ranges {
     }
 
     /// Uploads all of it, with room for the lists.
-    fn io(&self, device: &Device, frame: &mut Frame<'_>, [all, counts]: [&Buffer; 2]) -> Listed {
+    fn io(&self, device: &Device, frame: &mut Frame<'_>, all: &Buffer, counts: &Buffer) -> Listed {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let bytes = self.ranges.len() as u64 * RANGE_SIZE_BYTES;
         let sizes = Buffer::new(device, "sizes", bytes, usage, MemoryKind::Device).unwrap();
@@ -134,7 +134,7 @@ fn thousands_of_ranges_become_lists_in_their_order() {
         let all = buffer("lists", size_of_val(&ranges.draws[..]) as u64).unwrap();
         let counts = buffer("counts", RANGES.len() as u64 * 4).unwrap();
         let mut frame = ring.begin().unwrap();
-        let listed = ranges.io(device, &mut frame, [&all, &counts]);
+        let listed = ranges.io(device, &mut frame, &all, &counts);
         frame.commands().fill(counts.whole(), 77);
         pass.record(frame.commands(), &listed.io);
         frame.submit(None).unwrap();

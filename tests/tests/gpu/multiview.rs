@@ -101,8 +101,8 @@ impl Host {
         let views = MultiView::new(views).unwrap();
         let mut frame = frames.begin().unwrap();
         state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
-        state.plan_frame(hierarchy, &executor.leaves, strategy, (views, 4096));
-        execute(&mut frame, executor, state, objects, (&*shaders, views)).unwrap();
+        state.plan_frame(hierarchy, &executor.leaves, strategy, views, 4096);
+        execute(&mut frame, executor, state, objects, &*shaders, views).unwrap();
         let [width, height] = SIZE;
         let layers = views.as_slice().len() as u32;
         let image = Readback::new(device, [width, height * layers]).unwrap();
@@ -248,8 +248,8 @@ fn views_without_a_layer_each_are_refused() {
         let Host { shaders, frames, hierarchy, executor, objects, state, .. } = &mut host;
         let mut frame = frames.begin().unwrap();
         let pair = MultiView::new(&pair).unwrap();
-        state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, (pair, 4096));
-        let refused = execute(&mut frame, executor, state, objects, (&*shaders, pair));
+        state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, pair, 4096);
+        let refused = execute(&mut frame, executor, state, objects, &*shaders, pair);
         assert!(matches!(refused, Err(Error::Target(TargetError::Views { views: 2, target: 1 }))));
         assert!(Target::layered(device, SIZE, 7, "too many").is_err());
     });

@@ -210,8 +210,9 @@ fn check(
     view: &mut ViewState,
     camera: &Camera,
     scene: &Scene,
-    [drawn, hidden, outside]: &mut [usize; 3],
+    counts: &mut [usize; 3],
 ) {
+    let [drawn, hidden, outside] = counts;
     let seen = renderer.view_of(camera);
     let snapshot = renderer.snapshot(view, seen).unwrap();
     for (number, object) in (0..).zip(&scene.objects) {

@@ -247,7 +247,8 @@ fn passes_are_timed_by_their_labels() {
 }
 
 /// Returns the farthest of the texels of `below` under texel (x, y) of the level above.
-fn farthest(below: &[f32], [width, height]: [u32; 2], x: u32, y: u32) -> f32 {
+fn farthest(below: &[f32], size: [u32; 2], x: u32, y: u32) -> f32 {
+    let [width, height] = size;
     let mut farthest = f32::INFINITY;
     for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
         let x = 2 * x + dx;

@@ -59,12 +59,13 @@ struct Studio {
 
 impl Studio {
     fn new(device: &Device, has_surfaces: bool, shaders: Option<ShaderSet>) -> Self {
-        Self::sampled(device, (has_surfaces, SampleCount::One), shaders)
+        Self::sampled(device, has_surfaces, SampleCount::One, shaders)
     }
 
     fn sampled(
         device: &Device,
-        (has_surfaces, samples): (bool, SampleCount),
+        has_surfaces: bool,
+        samples: SampleCount,
         shaders: Option<ShaderSet>,
     ) -> Self {
         let coherent = CoherentOptions { first_pass: FirstPass::DepthOnly, ..Default::default() };
@@ -181,19 +182,23 @@ fn every_pass_has_the_other_shaders() {
     run_on_all(|device| {
         let one = SampleCount::One;
         let four = SampleCount::Four;
-        for kind in [(false, one), (true, one), (false, four), (true, four)] {
-            let mut studio = Studio::sampled(device, kind, None);
+        for (is_sampled, samples) in [(false, one), (true, one), (false, four), (true, four)] {
+            let mut studio = Studio::sampled(device, is_sampled, samples, None);
             if studio.renderer.supports(Strategy::ANTUMBRA).is_err() {
-                assert!(!device.capabilities().has(Optional::SampleDepths), "{kind:?}");
+                assert!(
+                    !device.capabilities().has(Optional::SampleDepths),
+                    "{is_sampled}, {samples:?}"
+                );
                 continue;
             }
             let before = studio.shown();
             studio.renderer.reload(changed.clone()).unwrap();
             let after = studio.shown();
-            let expected = Studio::sampled(device, kind, Some(changed.clone())).shown();
+            let expected =
+                Studio::sampled(device, is_sampled, samples, Some(changed.clone())).shown();
             for ((before, after), expected) in before.iter().zip(&after).zip(&expected) {
-                assert!(before.1 != after.1, "{}, {kind:?}", before.0);
-                assert!(after.1 == expected.1, "{}, {kind:?}", after.0);
+                assert!(before.1 != after.1, "{}, {is_sampled}, {samples:?}", before.0);
+                assert!(after.1 == expected.1, "{}, {is_sampled}, {samples:?}", after.0);
             }
         }
     });

@@ -56,10 +56,11 @@ impl Lit<'_> {
     }
 
     /// Returns what a pixel shows and whether it is lit, if both are so one pixel around it.
-    fn seen(&self, camera: &Camera, [x, y]: [u32; 2]) -> Option<(Met, bool)> {
+    fn seen(&self, camera: &Camera, place: [u32; 2]) -> Option<(Met, bool)> {
+        let [x, y] = place;
         let at = |right: f64, down: f64| {
             let middle = [f64::from(x) + 0.5 + right, f64::from(y) + 0.5 + down];
-            self.rays.shown_at((camera, SIZE), middle)
+            self.rays.shown_at(camera, SIZE, middle)
         };
         let here = at(0.0, 0.0)?;
         let (along, _) = self.towards(here.place);

@@ -69,7 +69,8 @@ fn patch(origin: [u32; 2], scale: Vec3, material: u32) -> (Mesh, SurfaceMesh) {
 
 /// Returns the surface normal at a pixel of a patch: transformed into the world's space at the
 /// corners by `to_world`, and interpolated over the triangle that the pixel's middle is in.
-fn normal_at([x, y]: [u32; 2], to_world: DMat3) -> DVec3 {
+fn normal_at(place: [u32; 2], to_world: DMat3) -> DVec3 {
+    let [x, y] = place;
     let at = |column, row| {
         let [x, y, z, _] = snorm16(normal(column, row), 0).map(|part| f64::from(part) / 32767.0);
         (to_world * DVec3::new(x, y, z)).normalize()

@@ -64,7 +64,7 @@ fn one(image: Image, texture: Texture, material: Material) -> Surfaces {
 
 /// Returns a square over the whole image.
 fn whole(uv: [[f32; 2]; 2], change: impl Fn(&mut SurfaceVertex)) -> (Mesh, SurfaceMesh) {
-    studio::quad(SIDE, [[0, 0], [SIDE, SIDE]], 4.0, uv, 0, change)
+    studio::quad(SIDE, [0, 0], [SIDE, SIDE], 4.0, uv, 0, change)
 }
 
 fn scene_of(meshes: Vec<(Mesh, SurfaceMesh)>, surfaces: Surfaces) -> Scene {

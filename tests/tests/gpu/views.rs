@@ -59,18 +59,20 @@ fn render(
 fn check_pair(
     device: &Device,
     scene: &GeneratedScene,
-    walked: (PathKind, u32),
+    path: PathKind,
+    percent: u32,
     options: &RendererOptions,
     frames: u32,
 ) {
-    check_pair_with(device, Strategy::ANTUMBRA, scene, walked, options, frames);
+    check_pair_with(device, Strategy::ANTUMBRA, scene, path, percent, options, frames);
 }
 
 fn check_pair_with(
     device: &Device,
     strategy: Strategy,
     GeneratedScene { scene, routes }: &GeneratedScene,
-    (path, percent): (PathKind, u32),
+    path: PathKind,
+    percent: u32,
     options: &RendererOptions,
     frames: u32,
 ) {
@@ -112,9 +114,9 @@ fn a_stereo_pair_is_exact() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(1_500);
         for in_flight in 1..=3 {
-            check_pair(device, &scene, (PathKind::Street, 0), &options(in_flight), 16);
+            check_pair(device, &scene, PathKind::Street, 0, &options(in_flight), 16);
         }
-        check_pair(device, &scene, (PathKind::Cut, 0), &options(2), 24);
+        check_pair(device, &scene, PathKind::Cut, 0, &options(2), 24);
     });
 }
 
@@ -133,7 +135,7 @@ fn a_stereo_pair_is_exact_with_every_tester() {
             Strategy::ANTUMBRA_COMPUTE,
         ] {
             for path in [PathKind::Street, PathKind::Cut] {
-                check_pair_with(device, strategy, &scene, (path, 20), &options(2), 20);
+                check_pair_with(device, strategy, &scene, path, 20, &options(2), 20);
             }
         }
     });
@@ -193,7 +195,7 @@ fn a_stereo_pair_is_exact_while_objects_move() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(1_200);
         for percent in [10, 100] {
-            check_pair(device, &scene, (PathKind::Street, percent), &options(2), 20);
+            check_pair(device, &scene, PathKind::Street, percent, &options(2), 20);
         }
     });
 }
@@ -204,7 +206,7 @@ fn every_way_to_skip_draws_knows_its_view() {
         let scene = SceneKind::City.build(1_200);
         for predication in Predication::ALL {
             let options = RendererOptions { predication: Some(predication), ..options(2) };
-            check_pair(device, &scene, (PathKind::Cut, 20), &options, 22);
+            check_pair(device, &scene, PathKind::Cut, 20, &options, 22);
         }
     });
 }

@@ -86,7 +86,7 @@ fn each_of_two_views_has_a_mask_of_its_own() {
         let draw = |shown: &[usize]| {
             let mut renderer = renderer(device, &scene, volumes());
             let mut views: Vec<_> = shown.iter().map(|_| renderer.new_view().unwrap()).collect();
-            draw_parts(&mut renderer, &mut views, shown, (cameras, parts))
+            draw_parts(&mut renderer, &mut views, shown, cameras, parts)
         };
         let both = draw(&[0, 1]);
         for (view, part) in parts.iter().enumerate() {
@@ -106,7 +106,8 @@ fn draw_parts(
     renderer: &mut Renderer,
     views: &mut [ViewState],
     shown: &[usize],
-    (cameras, parts): ([Camera; 2], [Rect; 2]),
+    cameras: [Camera; 2],
+    parts: [Rect; 2],
 ) -> Vec<u8> {
     let image = Readback::new(renderer.device(), SIZE).unwrap();
     let target = |(state, view): (_, &usize)| ViewTarget {

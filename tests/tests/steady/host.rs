@@ -77,13 +77,13 @@ fn made_and_allocated(
     let mut late_made = 0;
     let mut late_allocated = 0;
     for frame in 0..2 * BEFORE {
-        let begun = commands.begin();
+        let (buffer, numbers) = commands.begin();
         if moves == Moves::InEachFrame {
             let by = if frame % 2 == 0 { 0.25 } else { -0.25 };
             scene.move_by(&objects[100..120], Vec3::Y * by);
         }
         let before = (made(), allocations());
-        let (tick, slot) = record_frame(&mut ring, begun, |recorded| {
+        let (tick, slot) = record_frame(&mut ring, buffer, numbers, |recorded| {
             scene.record(recorded, &[camera(8), camera(14)], strategy).unwrap();
             recorded.slot()
         });

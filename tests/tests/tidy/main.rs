@@ -95,6 +95,16 @@ fn statements_are_plain() {
     );
     let taken = "let (a, b) = c;\nlet (a, b) = (c, d).e();\nif let (a, b) = (c, d) {}";
     assert_permits(plain::one_variable_per_let, &[("a.rs", taken)]);
+    assert_obeyed(plain::parameters_have_names);
+    assert_catches(
+        plain::parameters_have_names,
+        &[
+            ("a.rs", "fn a(b: C, (d, e): (D, E)) {}"),
+            ("a.rs", "fn a<B: Fn(C) -> D>([e, f]: [E; 2]) {}"),
+        ],
+    );
+    let named = "fn a(b: (C, D), E { f, .. }: E) {\n    g.map(|(h, i)| h);\n}";
+    assert_permits(plain::parameters_have_names, &[("a.rs", named)]);
     assert_obeyed(plain::if_for_a_choice_of_two);
     assert_catches(
         plain::if_for_a_choice_of_two,

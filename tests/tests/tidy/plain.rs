@@ -45,6 +45,52 @@ fn closing(text: &str) -> Option<usize> {
     None
 }
 
+/// Finds parameters of functions that are tuples or arrays taken apart: their values have no names
+/// where the function is called.
+pub fn parameters_have_names(files: &[SourceFile]) -> Vec<String> {
+    let is_packed = |code: &str, at: usize| {
+        let rest = &code[at..];
+        let Some(begin) = parameters_begin(rest) else { return false };
+        let Some(end) = closing(&rest[begin..]) else { return false };
+        let parameters = &rest[begin + 1..begin + end];
+        first_characters(parameters).any(|first| first == '(' || first == '[')
+            // A property of `proptest` takes values apart that it makes itself.
+            && !parameters.contains(" in ")
+    };
+    findings(files, "fn ", "a parameter has a name, or is a struct", is_packed)
+}
+
+/// Returns the place of the bracket that begins the parameters of the function that begins here.
+fn parameters_begin(function: &str) -> Option<usize> {
+    let mut angles = 0_i32;
+    let mut before = ' ';
+    for (at, character) in function.char_indices() {
+        match character {
+            '<' => angles += 1,
+            '>' if before != '-' => angles -= 1,
+            '(' if angles == 0 => return Some(at),
+            '{' | ';' => return None,
+            _ => {}
+        }
+        before = character;
+    }
+    None
+}
+
+/// Returns the first character of each parameter.
+fn first_characters(parameters: &str) -> impl Iterator<Item = char> {
+    let mut depth = 0_i32;
+    let is_end = move |character: char| {
+        match character {
+            '(' | '[' | '{' | '<' => depth += 1,
+            ')' | ']' | '}' | '>' => depth -= 1,
+            _ => {}
+        }
+        character == ',' && depth == 0
+    };
+    parameters.split(is_end).filter_map(|parameter| parameter.trim_start().chars().next())
+}
+
 /// Finds a `match` whose first arm is `true` or `false`.
 pub fn if_for_a_choice_of_two(files: &[SourceFile]) -> Vec<String> {
     let is_choice = |code: &str, at: usize| {

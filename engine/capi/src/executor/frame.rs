@@ -224,9 +224,9 @@ pub(crate) unsafe fn record(
     };
     // SAFETY: as above.
     unsafe {
-        plan_views(&mut parts, &mut scene.shared_budget, (desc, views))?;
+        plan_views(&mut parts, &mut scene.shared_budget, desc, views)?;
         for view in views {
-            record_view(&mut frame, &mut parts, (desc, &read("a view of desc.views", *view)?))?;
+            record_view(&mut frame, &mut parts, desc, &read("a view of desc.views", *view)?)?;
         }
     }
     let tick = frame.end()?;
@@ -267,7 +267,8 @@ pub(crate) struct SharedBudget {
 unsafe fn plan_views(
     parts: &mut Parts<'_>,
     SharedBudget { shares, used }: &mut SharedBudget,
-    (desc, views): (&AntumbraFrameDesc, &[*const AntumbraViewFrame]),
+    desc: &AntumbraFrameDesc,
+    views: &[*const AntumbraViewFrame],
 ) -> Result<(), Failure> {
     used.clear();
     for view in views {
@@ -338,7 +339,7 @@ unsafe fn plan_view(
     };
     let (hierarchy, executor) = scene.parts_mut();
     state.collect(device.completed()?, hierarchy, &executor.leaves);
-    state.plan_frame(hierarchy, &executor.leaves, strategy, (&eye, query_budget));
+    state.plan_frame(hierarchy, &executor.leaves, strategy, &eye, query_budget);
     Ok(state.plan().query_count())
 }
 
@@ -349,7 +350,8 @@ unsafe fn plan_view(
 unsafe fn record_view(
     frame: &mut Frame<'_>,
     Parts { device, scene, views, shaders, attachments, draw_phases, .. }: &mut Parts<'_>,
-    (desc, view): (&AntumbraFrameDesc, &AntumbraViewFrame),
+    desc: &AntumbraFrameDesc,
+    view: &AntumbraViewFrame,
 ) -> Result<(), Failure> {
     let hosted = views.find(view.view)?;
     let mut hosted = hosted.write()?;
@@ -367,11 +369,11 @@ unsafe fn record_view(
         DrawPhases::PerRound => {
             let bind = desc.bind.ok_or_else(|| Failure::null("desc.bind"))?;
             let mut objects = HostObjects { desc, bind, view: view.view, target };
-            execute(frame, executor, state, &mut objects, (shaders, &eye))?;
+            execute(frame, executor, state, &mut objects, shaders, &eye)?;
         }
         DrawPhases::Two => {
             let tests = list_draws(frame, executor, state, &eye)?;
-            tests.record(frame, executor, state, (target, shaders))?;
+            tests.record(frame, executor, state, target, shaders)?;
             lists.update(state);
         }
     }

@@ -200,7 +200,8 @@ impl<'a> BoxShadowVolumes<'a> {
 }
 
 /// Returns true if no point `from + way * u`, with `u` in a range, is in a box.
-fn is_missed(bounds: &Aabb, from: Vec3, way: Vec3, [mut first, mut last]: [f32; 2]) -> bool {
+fn is_missed(bounds: &Aabb, from: Vec3, way: Vec3, range: [f32; 2]) -> bool {
+    let [mut first, mut last] = range;
     if !(bounds.is_finite() && from.is_finite() && way.is_finite()) {
         return false;
     }

@@ -92,7 +92,8 @@ impl Outline {
     }
 
     /// Returns the part on the screen, which may be empty.
-    pub(crate) fn clipped(&self, [width, height]: [f32; 2]) -> Self {
+    pub(crate) fn clipped(&self, size: [f32; 2]) -> Self {
+        let [width, height] = size;
         let sides = [(Vec2::X, 0.0), (Vec2::NEG_X, width), (Vec2::Y, 0.0), (Vec2::NEG_Y, height)];
         sides.into_iter().fold(*self, |outline, (normal, offset)| {
             let mut kept = Self::EMPTY;

@@ -289,7 +289,8 @@ fn from_origin(view_proj: &Mat4, rays: &Rays) -> Mat4 {
 }
 
 /// Returns the projection of a camera's rays, y down.
-fn projection(rays: &Rays, [half_width, half_height]: [f32; 2]) -> Mat4 {
+fn projection(rays: &Rays, half_size: [f32; 2]) -> Mat4 {
+    let [half_width, half_height] = half_size;
     let [constant, scaled] = rays.depth;
     let (z_column, w_column) = match rays.kind {
         ProjectionKind::Perspective => {

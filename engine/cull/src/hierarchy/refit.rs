@@ -94,14 +94,15 @@ pub(super) struct Scratch {
 pub(super) fn refit(
     topology: &Topology,
     nodes: &mut Nodes,
-    (scratch, log): (&mut Scratch, &mut BoxLog),
+    scratch: &mut Scratch,
+    log: &mut BoxLog,
     moved: impl IntoIterator<Item = (ObjectId, Aabb)>,
     mut touched: impl FnMut(&Nodes, u32),
 ) -> Result<(), HierarchyError> {
     scratch.is_stale.resize(nodes.bounds.len(), false);
     let outcome = moved
         .into_iter()
-        .try_for_each(|(object, target)| place(topology, nodes, (scratch, log), object, target));
+        .try_for_each(|(object, target)| place(topology, nodes, scratch, log, object, target));
     // In pre-order children have larger numbers than their parents.
     scratch.stale.sort_unstable_by(|a, b| b.cmp(a));
     for node in scratch.stale.drain(..) {
@@ -116,7 +117,8 @@ pub(super) fn refit(
 fn place(
     topology: &Topology,
     nodes: &mut Nodes,
-    (scratch, log): (&mut Scratch, &mut BoxLog),
+    scratch: &mut Scratch,
+    log: &mut BoxLog,
     object: ObjectId,
     target: Aabb,
 ) -> Result<(), HierarchyError> {

@@ -98,7 +98,7 @@ mod tests {
 
     /// Returns the area that a rebuild of four leaves saves, under nodes 1 and 4 under node 0, with
     /// the box around them.
-    fn worn([left, right]: [Aabb; 2], wear: &mut Wear) -> (Aabb, Option<f32>) {
+    fn worn(left: Aabb, right: Aabb, wear: &mut Wear) -> (Aabb, Option<f32>) {
         wear.update(1, &left, [2, 3]);
         wear.update(4, &right, [5, 6]);
         let both = left.union(&right);
@@ -113,19 +113,19 @@ mod tests {
     #[test]
     fn moving_and_growing_as_a_whole_is_no_wear() {
         let mut wear = Wear::new(7);
-        let (both, _) = worn([cube(0.0, 1.0), cube(2.0, 1.0)], &mut wear);
+        let (both, _) = worn(cube(0.0, 1.0), cube(2.0, 1.0), &mut wear);
         wear.reset(0, &both);
-        assert_eq!(worn([cube(50.0, 1.0), cube(52.0, 1.0)], &mut wear).1, None);
-        assert_eq!(worn([cube(0.0, 10.0), cube(20.0, 10.0)], &mut wear).1, None);
+        assert_eq!(worn(cube(50.0, 1.0), cube(52.0, 1.0), &mut wear).1, None);
+        assert_eq!(worn(cube(0.0, 10.0), cube(20.0, 10.0), &mut wear).1, None);
     }
 
     #[test]
     fn parts_that_mingle_are_wear_until_the_next_build() {
         let mut wear = Wear::new(7);
-        let (both, _) = worn([cube(0.0, 1.0), cube(20.0, 1.0)], &mut wear);
+        let (both, _) = worn(cube(0.0, 1.0), cube(20.0, 1.0), &mut wear);
         wear.reset(0, &both);
         let mingled = [cube(0.0, 1.0).union(&cube(20.0, 1.0)); 2];
-        let (both, excess) = worn(mingled, &mut wear);
+        let (both, excess) = worn(mingled[0], mingled[1], &mut wear);
         assert!(excess.is_some_and(|area| area > both.half_area()), "{excess:?}");
         wear.reset(0, &both);
         assert_eq!(wear.excess(0, &both), None);
@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn what_has_no_objects_is_not_worn() {
         let mut wear = Wear::new(7);
-        let (both, excess) = worn([Aabb::EMPTY; 2], &mut wear);
+        let (both, excess) = worn(Aabb::EMPTY, Aabb::EMPTY, &mut wear);
         assert_eq!((both, excess), (Aabb::EMPTY, None));
     }
 }

@@ -95,7 +95,8 @@ impl<C: Copy> ResultReader<C> {
     pub fn read_leaves(
         &mut self,
         hierarchy: &Hierarchy,
-        (frame, generation): (FrameId, Generation),
+        frame: FrameId,
+        generation: Generation,
         list: LeafList<'_>,
         contents: impl Fn(LeafRange) -> C,
     ) {
@@ -175,7 +176,7 @@ mod tests {
         let mut reader = ResultReader::default();
         reader.read_flags(&tests, &[value, 0]);
         if let Some(list) = list {
-            reader.read_leaves(&hierarchy, (FrameId(7), Generation(0)), list, |_| 1);
+            reader.read_leaves(&hierarchy, FrameId(7), Generation(0), list, |_| 1);
         }
         reader.finish();
         let shown = |test_result: &TestResult<u32>| {
@@ -246,8 +247,9 @@ mod tests {
         reader.read_query(&node, 4);
         node.tag.frame = FrameId(8);
         reader.read_query(&node, 5);
-        let frame = (FrameId(7), Generation(0));
-        reader.read_leaves(&hierarchy, frame, LeafList::These(&[2]), |_| 1);
+        let frame_frame = FrameId(7);
+        let generation = Generation(0);
+        reader.read_leaves(&hierarchy, frame_frame, generation, LeafList::These(&[2]), |_| 1);
         let shows: Vec<bool> =
             reader.results().iter().map(|result| result.answer.shows()).collect();
         assert_eq!(shows, [false, true, true]);

@@ -107,16 +107,18 @@ pub(crate) fn explain(
         level: hierarchy.level(node),
         frame: plan.frame,
         history: known(node),
-        decision: decision((hierarchy, views), plan, (leaf, node), known),
+        decision: decision(hierarchy, views, plan, leaf, node, known),
         leaf,
         node,
     })
 }
 
 fn decision(
-    (hierarchy, views): (&Hierarchy, MultiView<'_>),
+    hierarchy: &Hierarchy,
+    views: MultiView<'_>,
     plan: &FramePlan,
-    (leaf, node): (LeafIndex, NodeId),
+    leaf: LeafIndex,
+    node: NodeId,
     known: impl Fn(NodeId) -> NodeHistory,
 ) -> Decision {
     if plan.queried_draws.iter().any(|(queried, _)| *queried == leaf) {

@@ -100,7 +100,8 @@ impl Fronts {
         &mut self,
         front: SharedProxy,
         views: MultiView<'_>,
-        (least_area, most): (f32, usize),
+        least_area: f32,
+        most: usize,
     ) {
         let views = views.as_slice();
         let sharp = |(view, outlines): (&View, &BoxOutline)| {

@@ -61,8 +61,10 @@ const ROUNDS_MAX: u32 = 16;
 /// and no more than pay by these prices, if there are any.
 pub(crate) fn schedule(
     plan: &mut FramePlan,
-    (tester, draw_phases): (Tester, DrawPhases),
-    (slabs, prices): (Slabs, Option<RoundPrices>),
+    tester: Tester,
+    draw_phases: DrawPhases,
+    slabs: Slabs,
+    prices: Option<RoundPrices>,
     config: &CullConfig,
 ) {
     let most = match (draw_phases, tester, slabs) {

@@ -93,7 +93,7 @@ fn share_in_order(
         if most_behind > 0 {
             let bounds = test.bounds;
             let front = SharedProxy { test: number, bounds, leaves_behind: 0, most_behind };
-            fronts.add(front, views, (least_area, limits.fronts));
+            fronts.add(front, views, least_area, limits.fronts);
         }
     }
     behind
@@ -168,7 +168,8 @@ mod tests {
     fn shares_after(
         hidden_frames: Option<u32>,
         leaves_behind: u32,
-        [front, behind]: [Aabb; 2],
+        front: Aabb,
+        behind: Aabb,
         view: &View,
     ) -> bool {
         let leaves = LeafRange { first: LeafIndex(0), count: 4 };
@@ -196,7 +197,7 @@ mod tests {
     }
 
     fn shares(front: Aabb, behind: Aabb, view: &View) -> bool {
-        shares_after(Some(100), 100, [front, behind], view)
+        shares_after(Some(100), 100, front, behind, view)
     }
 
     #[test]
@@ -212,7 +213,7 @@ mod tests {
         let view = View::new(&camera, [640, 360], 8);
         let at = |z: f32| Aabb::new(Vec3::new(-1.0, -1.0, z - 1.0), Vec3::new(1.0, 1.0, z));
         let after =
-            |hidden_frames, most| shares_after(hidden_frames, most, [at(-4.0), at(-20.0)], &view);
+            |hidden_frames, most| shares_after(hidden_frames, most, at(-4.0), at(-20.0), &view);
         assert!(![None, Some(0), Some(1)].into_iter().any(|frames| after(frames, 100)));
         assert!([Some(2), Some(3), Some(u32::MAX)].into_iter().all(|frames| after(frames, 100)));
         assert!(!after(Some(u32::MAX), 3), "more than any may");

@@ -76,7 +76,7 @@ impl Written {
         } else {
             LeafList::These(&self.leaves)
         };
-        reader.read_leaves(hierarchy, self.frame, list, |_| ());
+        reader.read_leaves(hierarchy, self.frame.0, self.frame.1, list, |_| ());
         reader.finish();
         let answers: Vec<Answer> = reader.results().iter().map(|result| result.answer).collect();
         if hierarchy.generation() == self.frame.1 {
@@ -231,7 +231,7 @@ impl Device {
             let tests = &plan.tests[round.clone()];
             written.values.extend(tests.iter().map(|test| match test.tester {
                 Tester::SharedProxy(_) => 0,
-                _ => self.test(views, (test.tag.node, &test.bounds)),
+                _ => self.test(views, test.tag.node, &test.bounds),
             }));
             for (number, test) in round.clone().zip(tests) {
                 let samples = match test.tester {
@@ -262,7 +262,7 @@ impl Device {
 
     /// Counts the samples of the proxy of a node. A device rounds the same box in the same way in
     /// every frame.
-    fn test(&self, views: MultiView<'_>, (node, proxy): (NodeId, &Aabb)) -> u32 {
+    fn test(&self, views: MultiView<'_>, node: NodeId, proxy: &Aabb) -> u32 {
         let shift = self.shift(node);
         let images = views.as_slice().iter().zip(&self.images);
         images.map(|(view, image)| image.test(view, proxy, shift)).sum()

@@ -37,7 +37,7 @@ impl Image {
     pub fn draw(&mut self, view: &View, bounds: &Aabb, shift: Shift) -> u32 {
         let mut passed = 0;
         let solid = ClipBox::of_object(view, bounds);
-        cast(self.size, view, &solid, (bounds, shift), |pixel, depth| {
+        cast(self.size, view, &solid, bounds, shift, |pixel, depth| {
             let stored = &mut self.depths[pixel];
             if depth >= *stored {
                 *stored = depth;
@@ -77,7 +77,7 @@ impl Image {
         let proxy = ClipBox::of_proxy(view, bounds);
         // Proxies are not cut.
         let view = &View { section: SectionPlanes::default(), ..*view };
-        cast(self.size, view, &proxy, (bounds, shift), |pixel, depth| {
+        cast(self.size, view, &proxy, bounds, shift, |pixel, depth| {
             passed += u32::from(depth >= self.depths[pixel]);
         });
         passed
@@ -133,7 +133,8 @@ fn cast(
     size: [u32; 2],
     view: &View,
     clip_box: &ClipBox,
-    (bounds, shift): (&Aabb, Shift),
+    bounds: &Aabb,
+    shift: Shift,
     mut hit: impl FnMut(usize, f32),
 ) {
     let Some([columns, rows]) = rectangle(size, clip_box) else {

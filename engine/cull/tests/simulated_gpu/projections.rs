@@ -106,7 +106,8 @@ fn on_screen() -> impl Strategy<Value = [f32; 3]> {
 }
 
 /// Returns the world position of a point on the screen.
-fn unproject(view: &View, [x, y, depth]: [f32; 3]) -> Vec3 {
+fn unproject(view: &View, point: [f32; 3]) -> Vec3 {
+    let [x, y, depth] = point;
     view.rays.point(Vec2::new(x, y) * 2.0 - 1.0, depth)
 }
 
@@ -116,7 +117,7 @@ fn reach() -> impl Strategy<Value = [[f32; 3]; 2]> {
     [[axis(), axis(), axis()], [axis(), axis(), axis()]]
 }
 
-fn around(point: Vec3, [low, high]: [[f32; 3]; 2], scale: f32) -> Aabb {
+fn around(point: Vec3, low: [f32; 3], high: [f32; 3], scale: f32) -> Aabb {
     let [low, high] = [low, high].map(|reach| Vec3::from_array(reach) * scale);
     Aabb::new(point - low, point + high)
 }
@@ -182,7 +183,7 @@ proptest! {
         reach in reach(),
         parent in small_box(),
     ) {
-        let bounds = around(unproject(&view, at), reach, 1.0);
+        let bounds = around(unproject(&view, at), reach[0], reach[1], 1.0);
         let (above, mask) = view.frustum.classify(&parent.union(&bounds), PlaneMask::ALL);
         prop_assert_ne!(above, Containment::Outside);
         prop_assert_ne!(view.frustum.classify(&bounds, mask).0, Containment::Outside);
@@ -192,7 +193,7 @@ proptest! {
     /// Checks that a box inside of all planes is on the screen with every corner.
     #[test]
     fn what_is_inside_is_on_the_screen(view in view(), at in on_screen(), reach in reach()) {
-        let bounds = around(unproject(&view, at), reach, 0.1);
+        let bounds = around(unproject(&view, at), reach[0], reach[1], 0.1);
         let (containment, _) = view.frustum.classify(&bounds, PlaneMask::ALL);
         if containment != Containment::Inside {
             return Ok(());
@@ -219,7 +220,7 @@ proptest! {
         angles in [0.0_f64..6.3, 0.0..6.3],
     ) {
         let view = optics.view(&camera, 5, size, bits as u32);
-        let bounds = around(unproject(&view, seen), reach, 0.5);
+        let bounds = around(unproject(&view, seen), reach[0], reach[1], 0.5);
         let Some(proxy) = view.margin.proxy(&bounds) else {
             return Ok(());
         };

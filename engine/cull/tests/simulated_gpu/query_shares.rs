@@ -43,8 +43,10 @@ impl SharingView {
 
 /// Plans and executes a frame, and checks images and plans. Returns the share of each view.
 fn draw(
-    (scene, hierarchy): (&Scene, &Hierarchy),
-    (shares, query_budget): (&mut QueryShares, usize),
+    scene: &Scene,
+    hierarchy: &Hierarchy,
+    shares: &mut QueryShares,
+    query_budget: usize,
     strategy: Strategy,
     views: &mut [SharingView],
 ) -> Vec<usize> {
@@ -102,7 +104,7 @@ fn verify(seed: u64) -> [u64; 2] {
             let object = scene.move_one(&mut random);
             hierarchy.refit([(ObjectId(object as u32), scene.bounds[object])]).unwrap();
         }
-        draw((&scene, &hierarchy), (&mut shares, query_budget), strategy, &mut views);
+        draw(&scene, &hierarchy, &mut shares, query_budget, strategy, &mut views);
         for SharingView { device, plan, .. } in &views {
             drawn[0] += device.drawn.len() as u64;
             drawn[1] += (plan.draws.len() + plan.queried_draws.len()) as u64;
@@ -142,8 +144,8 @@ fn queries_go_where_they_are_asked_for() {
         let mut views = new_views();
         let mut shares = QueryShares::default();
         let frames = (0..40).map(|_| {
-            let sharing = (&mut shares, query_budget);
-            let given = draw((&scene, &hierarchy), sharing, Strategy::ANTUMBRA, &mut views);
+            let strategy = Strategy::ANTUMBRA;
+            let given = draw(&scene, &hierarchy, &mut shares, query_budget, strategy, &mut views);
             (given, [0, 1, 2].map(|view: usize| views[view].queries()))
         });
         frames.collect::<Vec<_>>()

@@ -35,7 +35,8 @@ impl PendingUploads {
     /// Adds the copy of the whole of `from` to `to`. The token belongs to the owner of `to`.
     pub(crate) fn push(
         &mut self,
-        (from, allocation): (vk::Buffer, Allocation),
+        from: vk::Buffer,
+        allocation: Allocation,
         to: vk::Buffer,
         size_bytes: u64,
     ) -> UploadToken {
@@ -49,7 +50,8 @@ impl PendingUploads {
     /// frame needs: done in a frame up to `confirmed`, or no longer wanted.
     pub(crate) fn record(
         &mut self,
-        [current, confirmed]: [Tick; 2],
+        current: Tick,
+        confirmed: Tick,
         mut copy: impl FnMut(&PendingUpload),
         mut retire: impl FnMut(Retired),
     ) {

@@ -124,10 +124,10 @@ impl Buffer {
     /// Lets the next frame of a host copy `staging` here, whole.
     pub(crate) fn upload_later(&mut self, mut staging: Self) {
         if let Some(allocation) = staging.allocation.take() {
-            let from = (staging.raw, allocation);
             let size_bytes = staging.size_bytes;
             let mut pending = self.device.pending_uploads();
-            let token = pending.push(from, self.raw, size_bytes.min(self.size_bytes));
+            let token =
+                pending.push(staging.raw, allocation, self.raw, size_bytes.min(self.size_bytes));
             drop(pending);
             self.upload = Some(token);
         }

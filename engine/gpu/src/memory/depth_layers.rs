@@ -63,7 +63,7 @@ impl DepthLayers {
             | vk::ImageUsageFlags::SAMPLED
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::TRANSFER_DST;
-        let image = Image::depth_array(device, name, ([side; 2], layers), DEPTH_FORMAT, usage)?;
+        let image = Image::depth_array(device, name, [side; 2], layers, DEPTH_FORMAT, usage)?;
         // Owned from here on: dropped incomplete, it retires what is there.
         let mut made = Self {
             device: device.clone(),

@@ -29,7 +29,7 @@ impl Image {
         usage: vk::ImageUsageFlags,
         aspect: vk::ImageAspectFlags,
     ) -> Result<Self, Error> {
-        Self::layered(device, name, (size, 1), formats, usage, aspect)
+        Self::layered(device, name, size, 1, formats, usage, aspect)
     }
 
     /// Creates the same with so many layers, within the device's limits. The view is that of an
@@ -37,18 +37,19 @@ impl Image {
     pub(crate) fn layered(
         device: &Device,
         name: &str,
-        (size, layers): ([u32; 2], u32),
-        [format, view_format]: [vk::Format; 2],
+        size: [u32; 2],
+        layers: u32,
+        formats: [vk::Format; 2],
         usage: vk::ImageUsageFlags,
         aspect: vk::ImageAspectFlags,
     ) -> Result<Self, Error> {
-        let formats = [format, view_format];
+        let [format, view_format] = formats;
         let mut list = vk::ImageFormatListCreateInfo::default().view_formats(&formats);
-        let mut info = plain_image(format, size, [1, layers]).usage(usage);
+        let mut info = plain_image(format, size, 1, layers).usage(usage);
         if format != view_format {
             info = info.flags(vk::ImageCreateFlags::MUTABLE_FORMAT).push_next(&mut list);
         }
-        let mut view = plain_view(view_format, aspect, [1, layers]);
+        let mut view = plain_view(view_format, aspect, 1, layers);
         if layers > 1 {
             view = view.view_type(vk::ImageViewType::TYPE_2D_ARRAY);
         }
@@ -61,13 +62,14 @@ impl Image {
     pub(crate) fn multisampled(
         device: &Device,
         name: &str,
-        (size, samples): ([u32; 2], vk::SampleCountFlags),
+        size: [u32; 2],
+        samples: vk::SampleCountFlags,
         format: vk::Format,
         usage: vk::ImageUsageFlags,
         aspect: vk::ImageAspectFlags,
     ) -> Result<Self, Error> {
-        let info = plain_image(format, size, [1, 1]).usage(usage).samples(samples);
-        Self::with_view(device, name, &info, plain_view(format, aspect, [1, 1]))
+        let info = plain_image(format, size, 1, 1).usage(usage).samples(samples);
+        Self::with_view(device, name, &info, plain_view(format, aspect, 1, 1))
     }
 
     /// Creates a 2D array of colours with so many levels and layers, all within the device's
@@ -76,12 +78,13 @@ impl Image {
         device: &Device,
         name: &str,
         size: [u32; 2],
-        levels_and_layers: [u32; 2],
+        levels: u32,
+        layers: u32,
         format: vk::Format,
         usage: vk::ImageUsageFlags,
     ) -> Result<Self, Error> {
-        let info = plain_image(format, size, levels_and_layers).usage(usage);
-        let view = plain_view(format, vk::ImageAspectFlags::COLOR, levels_and_layers)
+        let info = plain_image(format, size, levels, layers).usage(usage);
+        let view = plain_view(format, vk::ImageAspectFlags::COLOR, levels, layers)
             .view_type(vk::ImageViewType::TYPE_2D_ARRAY);
         Self::with_view(device, name, &info, view)
     }
@@ -90,12 +93,13 @@ impl Image {
     pub(crate) fn depth_array(
         device: &Device,
         name: &str,
-        (size, layers): ([u32; 2], u32),
+        size: [u32; 2],
+        layers: u32,
         format: vk::Format,
         usage: vk::ImageUsageFlags,
     ) -> Result<Self, Error> {
-        let info = plain_image(format, size, [1, layers]).usage(usage);
-        let view = plain_view(format, vk::ImageAspectFlags::DEPTH, [1, layers])
+        let info = plain_image(format, size, 1, layers).usage(usage);
+        let view = plain_view(format, vk::ImageAspectFlags::DEPTH, 1, layers)
             .view_type(vk::ImageViewType::TYPE_2D_ARRAY);
         Self::with_view(device, name, &info, view)
     }
@@ -104,15 +108,16 @@ impl Image {
     pub(crate) fn volume(
         device: &Device,
         name: &str,
-        [width, height, depth]: [u32; 3],
+        size: [u32; 3],
         format: vk::Format,
         usage: vk::ImageUsageFlags,
     ) -> Result<Self, Error> {
-        let info = plain_image(format, [width, height], [1, 1])
+        let [width, height, depth] = size;
+        let info = plain_image(format, [width, height], 1, 1)
             .image_type(vk::ImageType::TYPE_3D)
             .extent(vk::Extent3D { width, height, depth })
             .usage(usage);
-        let view = plain_view(format, vk::ImageAspectFlags::COLOR, [1, 1])
+        let view = plain_view(format, vk::ImageAspectFlags::COLOR, 1, 1)
             .view_type(vk::ImageViewType::TYPE_3D);
         Self::with_view(device, name, &info, view)
     }
@@ -202,9 +207,11 @@ fn lazy_types(memory: &vk::PhysicalDeviceMemoryProperties) -> u32 {
 
 fn plain_image<'a>(
     format: vk::Format,
-    [width, height]: [u32; 2],
-    [levels, layers]: [u32; 2],
+    size: [u32; 2],
+    levels: u32,
+    layers: u32,
 ) -> vk::ImageCreateInfo<'a> {
+    let [width, height] = size;
     vk::ImageCreateInfo::default()
         .image_type(vk::ImageType::TYPE_2D)
         .format(format)
@@ -217,7 +224,8 @@ fn plain_image<'a>(
 fn plain_view<'a>(
     format: vk::Format,
     aspect_mask: vk::ImageAspectFlags,
-    [level_count, layer_count]: [u32; 2],
+    level_count: u32,
+    layer_count: u32,
 ) -> vk::ImageViewCreateInfo<'a> {
     let whole =
         vk::ImageSubresourceRange { aspect_mask, level_count, layer_count, ..Default::default() };
@@ -258,7 +266,7 @@ impl DepthView {
         image: vk::Image,
         format: vk::Format,
     ) -> Result<Self, Error> {
-        let view = plain_view(format, vk::ImageAspectFlags::DEPTH, [1, 1]).image(image);
+        let view = plain_view(format, vk::ImageAspectFlags::DEPTH, 1, 1).image(image);
         // SAFETY: a live image of this format, with depths.
         let raw = unsafe { device.raw().create_image_view(&view, device.callbacks()) }
             .called("vkCreateImageView")?;

@@ -103,7 +103,8 @@ fn decoded(pixel: &[u8], decode: &[f32; 256]) -> [f32; 4] {
     [light(0), light(1), light(2), f32::from(byte(3)) / 255.0]
 }
 
-fn encoded([red, green, blue, alpha]: [f32; 4], format: vk::Format) -> [u8; 4] {
+fn encoded(colour: [f32; 4], format: vk::Format) -> [u8; 4] {
+    let [red, green, blue, alpha] = colour;
     let encode = |value: f32| match format {
         vk::Format::R8G8B8A8_SRGB if value > 0.003_130_8 => 1.055 * value.powf(1.0 / 2.4) - 0.055,
         vk::Format::R8G8B8A8_SRGB => value * 12.92,

@@ -130,8 +130,8 @@ impl TextureArray {
         let usage = vk::ImageUsageFlags::SAMPLED
             | vk::ImageUsageFlags::TRANSFER_DST
             | vk::ImageUsageFlags::TRANSFER_SRC;
-        let counts = [levels, info.layers];
-        let image = Image::array(device, info.name, info.size, counts, info.format, usage)?;
+        let TextureArrayInfo { name, size, layers, format, .. } = *info;
+        let image = Image::array(device, name, size, levels, layers, format, usage)?;
         Ok(Self {
             device: device.clone(),
             image,
@@ -226,7 +226,8 @@ impl TextureArray {
         &self,
         layer: u32,
         levels: std::ops::Range<u32>,
-        [from, to]: [Access; 2],
+        from: Access,
+        to: Access,
     ) -> LayoutChange {
         let part = vk::ImageSubresourceRange {
             aspect_mask: vk::ImageAspectFlags::COLOR,
@@ -278,7 +279,8 @@ impl TextureArray {
             commands.change_layouts([self.change(
                 layer,
                 source,
-                [Access::CopyWrite, Access::CopyRead],
+                Access::CopyWrite,
+                Access::CopyRead,
             )]);
             let corner = |level| {
                 let [width, height] = self.level_size(level);
@@ -307,13 +309,15 @@ impl TextureArray {
         commands.change_layouts([self.change(
             layer,
             last..self.levels,
-            [Access::CopyWrite, Access::FragmentSample],
+            Access::CopyWrite,
+            Access::FragmentSample,
         )]);
         if last > 0 {
             commands.change_layouts([self.change(
                 layer,
                 0..last,
-                [Access::CopyRead, Access::FragmentSample],
+                Access::CopyRead,
+                Access::FragmentSample,
             )]);
         }
     }

@@ -144,8 +144,12 @@ impl TextureUploads {
         let changed: &TextureArray = array;
         self.device.run_once("texture room", |commands| {
             for layer in layers.clone() {
-                let change = [Access::Nothing, Access::FragmentSample];
-                commands.change_layouts([changed.change(layer, 0..changed.levels, change)]);
+                commands.change_layouts([changed.change(
+                    layer,
+                    0..changed.levels,
+                    Access::Nothing,
+                    Access::FragmentSample,
+                )]);
             }
         })?;
         let rows = array.level_rows(0);
@@ -177,7 +181,8 @@ impl TextureUploads {
                 commands.change_layouts([written.change(
                     layer,
                     all,
-                    [Access::Nothing, Access::CopyWrite],
+                    Access::Nothing,
+                    Access::CopyWrite,
                 )]);
             }
             written.copy_rows(commands, staging.whole(), layer, 0, rows);
@@ -229,8 +234,12 @@ impl TextureUploads {
         let changed: &TextureArray = array;
         self.device.run_once("texture levels", |commands| {
             let all = 0..changed.levels;
-            let sampled = [Access::CopyWrite, Access::FragmentSample];
-            commands.change_layouts([changed.change(layer, all, sampled)]);
+            commands.change_layouts([changed.change(
+                layer,
+                all,
+                Access::CopyWrite,
+                Access::FragmentSample,
+            )]);
         })?;
         let rows = array.level_rows(0);
         if let Some(layer) = array.layers.get_mut(layer as usize) {

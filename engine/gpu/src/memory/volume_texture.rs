@@ -108,7 +108,8 @@ impl VolumeTexture {
         Ok(made)
     }
 
-    fn copy(&self, commands: &Commands, staging: &Buffer, [width, height, depth]: [u32; 3]) {
+    fn copy(&self, commands: &Commands, staging: &Buffer, size: [u32; 3]) {
+        let [width, height, depth] = size;
         let colour = vk::ImageAspectFlags::COLOR;
         let change = |from, to| {
             commands.change_layouts([LayoutChange::new(self.image.raw, colour, from, to)])

@@ -93,8 +93,14 @@ impl BlockingQueryPool {
         }
         match self.page(query.0) {
             Some(page) => {
-                let number = (&self.recorded, query.0);
-                page.pool.scope(commands, query.0 % PAGE, counting, number, record);
+                page.pool.scope(
+                    commands,
+                    query.0 % PAGE,
+                    counting,
+                    &self.recorded,
+                    query.0,
+                    record,
+                );
             }
             // Not taken for this frame: draw without a query.
             None => record(commands),

@@ -64,7 +64,8 @@ impl OcclusionPool {
         commands: &Commands,
         query: u32,
         counting: Counting,
-        (recorded, number): (&RecordedQueries, u32),
+        recorded: &RecordedQueries,
+        number: u32,
         record: impl FnOnce(&Commands),
     ) {
         if !recorded.note(number) {

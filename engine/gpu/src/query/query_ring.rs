@@ -148,8 +148,8 @@ impl<T: Copy> QueryRing<T> {
         if slot.memory.as_ref().is_none_or(|queries| !queries.holds(tags.len(), views)) {
             let name = format!("{} {}", self.name, slot.number);
             slot.memory = None; // retired: the slot's own tick is over
-            let capacity = (ResultBuffer::roomy(tags.len()), views);
-            slot.memory = Some(Queries::new(&self.device, capacity, &name)?);
+            let capacity_capacity = ResultBuffer::roomy(tags.len());
+            slot.memory = Some(Queries::new(&self.device, capacity_capacity, views, &name)?);
         }
         let wanted = u32::try_from(tags.len()).unwrap_or(u32::MAX);
         self.recorded.restart(wanted);
@@ -164,9 +164,8 @@ impl<T: Copy> QueryRing<T> {
     pub fn scope(&self, commands: &Commands, query: QueryIndex, record: impl FnOnce(&Commands)) {
         match self.begun(commands) {
             Some(queries) if query.0 < self.recorded.count() => {
-                let number = (&self.recorded, query.0);
                 let place = query.0.saturating_mul(self.views);
-                queries.pool.scope(commands, place, self.counting, number, record);
+                queries.pool.scope(commands, place, self.counting, &self.recorded, query.0, record);
             }
             // Not begun for this frame: draw without a query.
             _ => record(commands),
@@ -229,7 +228,7 @@ impl<T: Copy> QueryRing<T> {
 }
 
 impl Queries {
-    fn new(device: &Device, (capacity, views): (usize, u32), name: &str) -> Result<Self, Error> {
+    fn new(device: &Device, capacity: usize, views: u32, name: &str) -> Result<Self, Error> {
         let results = ResultBuffer::new(device, &format!("{name} results"), capacity)?;
         let places = u32::try_from(capacity).unwrap_or(u32::MAX).saturating_mul(views);
         let of_views = (views > 1).then(|| {

@@ -47,7 +47,7 @@ impl CapturePipeline {
         }
         use vk::ShaderStageFlags as Stage;
         let stages = Stage::VERTEX | Stage::TESSELLATION_CONTROL | Stage::TESSELLATION_EVALUATION;
-        PipelineKind::new(device, info.name, (info.storage, None), stages, |layout| {
+        PipelineKind::new(device, info.name, info.storage, None, stages, |layout| {
             info.vertex.with_stage(device, Stage::VERTEX, |vertex| {
                 info.control.with_stage(device, Stage::TESSELLATION_CONTROL, |control| {
                     info.evaluation.with_stage(

@@ -376,7 +376,7 @@ impl Frame<'_> {
         };
         device
             .pending_uploads()
-            .record([current, confirmed], copy, |pending_upload| device.retire(pending_upload));
+            .record(current, confirmed, copy, |pending_upload| device.retire(pending_upload));
         if copies > 0 {
             commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
         }

@@ -47,14 +47,16 @@ impl Multisampling {
     /// Creates both for a target of `size` pixels, within the device's limits.
     pub(super) fn new(
         device: &Device,
-        (size, samples): ([u32; 2], SampleCount),
+        size: [u32; 2],
+        samples: SampleCount,
         usage: vk::ImageUsageFlags,
         name: &str,
     ) -> Result<Self, Error> {
         let average = TargetImage::new(
             device,
             &format!("{name} average colour"),
-            (size, 1),
+            size,
+            1,
             [COLOUR_BYTES, COLOUR_FORMAT],
             usage,
             vk::ImageAspectFlags::COLOR,
@@ -78,7 +80,8 @@ impl Multisampling {
         &self,
         commands: &Commands,
         depth: vk::ImageView,
-        [origin, size]: [[u32; 2]; 2],
+        origin: [u32; 2],
+        size: [u32; 2],
         to: BufferSlice,
     ) {
         let between = MemoryBarrier::between;

@@ -272,8 +272,8 @@ impl GraphicsPipeline {
         if info.geometry.is_some() {
             stages |= Stage::GEOMETRY;
         }
-        let layouts = (info.storage, info.table);
-        PipelineKind::new(device, info.name, layouts, stages, |layout| {
+
+        PipelineKind::new(device, info.name, info.storage, info.table, stages, |layout| {
             info.vertex.with_stage(device, Stage::VERTEX, |vertex| {
                 with_optional(device, info.geometry, Stage::GEOMETRY, |geometry| {
                     with_optional(device, info.fragment, Stage::FRAGMENT, |fragment| {
@@ -302,8 +302,7 @@ impl ComputePipeline {
         shader: &Spirv,
         storage: StorageLayout,
     ) -> Result<Self, Error> {
-        let layouts = (storage, None);
-        PipelineKind::new(device, name, layouts, vk::ShaderStageFlags::COMPUTE, |layout| {
+        PipelineKind::new(device, name, storage, None, vk::ShaderStageFlags::COMPUTE, |layout| {
             shader.with_stage(device, vk::ShaderStageFlags::COMPUTE, |stage| {
                 let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
                 let cache = device.pipeline_cache();
@@ -335,7 +334,8 @@ impl PipelineKind {
     pub(super) fn new(
         device: &Device,
         name: &str,
-        (layout, table): (StorageLayout, Option<&TextureTable>),
+        layout: StorageLayout,
+        table: Option<&TextureTable>,
         stages: vk::ShaderStageFlags,
         make: impl FnOnce(vk::PipelineLayout) -> Result<vk::Pipeline, Error>,
     ) -> Result<Self, Error> {

@@ -59,8 +59,9 @@ impl StencilTarget {
         attachments.check(device)?;
         let size = target.size();
         let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
-        let samples = (size, attachments.samples);
-        let image = Image::multisampled(device, name, samples, FORMAT, usage, both())?;
+
+        let image =
+            Image::multisampled(device, name, size, attachments.samples, FORMAT, usage, both())?;
         Ok(Self { device: device.clone(), image, size })
     }
 

@@ -87,7 +87,7 @@ impl Target {
         let depth = vk::ImageAspectFlags::DEPTH;
         let image = |what, formats, usage, aspect| {
             let name = format!("{name} {what}");
-            TargetImage::new(device, &name, (size, views), formats, usage, aspect)
+            TargetImage::new(device, &name, size, views, formats, usage, aspect)
         };
         Ok(Self {
             device: device.clone(),
@@ -121,8 +121,8 @@ impl Target {
         let attachments = Attachments { samples: samples.flags(), ..Attachments::default() };
         let image = |what, format, usage, aspect| {
             let name = format!("{name} {what} samples");
-            let size = (size, samples);
-            TargetImage::multisampled(device, &name, size, format, usage, aspect)
+
+            TargetImage::multisampled(device, &name, size, samples, format, usage, aspect)
         };
         // Averaged where they are drawn, unless something is drawn over the finished image.
         let colour_usage =
@@ -131,14 +131,14 @@ impl Target {
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
         let colour = vk::ImageAspectFlags::COLOR;
         let depth = vk::ImageAspectFlags::DEPTH;
-        let finished = (size, samples);
+
         Ok(Self {
             device: device.clone(),
             colours: vec![image("colour", COLOUR_FORMAT, colour_usage, colour)?],
             depth: image("depth", DEPTH_FORMAT, depth_usage, depth)?,
             size,
             attachments,
-            multisampling: Some(Multisampling::new(device, finished, FINISHED_USAGE, name)?),
+            multisampling: Some(Multisampling::new(device, size, samples, FINISHED_USAGE, name)?),
             can_copy_depth: true,
             recording: None,
             submitted: None,
@@ -167,12 +167,12 @@ impl Target {
             SampleCount::One => {
                 let usage = attached | vk::ImageUsageFlags::TRANSFER_SRC;
                 let formats = [DEPTH_AND_STENCIL_FORMAT; 2];
-                TargetImage::new(device, &name, (size, 1), formats, usage, aspect)?
+                TargetImage::new(device, &name, size, 1, formats, usage, aspect)?
             }
             _ => {
                 let usage = attached | vk::ImageUsageFlags::SAMPLED;
                 let format = DEPTH_AND_STENCIL_FORMAT;
-                TargetImage::multisampled(device, &name, (size, samples), format, usage, aspect)?
+                TargetImage::multisampled(device, &name, size, samples, format, usage, aspect)?
                     .with_depth_view(device, format)?
             }
         };

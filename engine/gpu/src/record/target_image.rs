@@ -37,12 +37,13 @@ impl TargetImage {
     pub(super) fn new(
         device: &Device,
         name: &str,
-        (size, layers): ([u32; 2], u32),
+        size: [u32; 2],
+        layers: u32,
         formats: [vk::Format; 2],
         usage: vk::ImageUsageFlags,
         aspect: vk::ImageAspectFlags,
     ) -> Result<Self, Error> {
-        let image = Image::layered(device, name, (size, layers), formats, usage, aspect)?;
+        let image = Image::layered(device, name, size, layers, formats, usage, aspect)?;
         Ok(Self::of_ours(image, layers, aspect))
     }
 
@@ -50,13 +51,14 @@ impl TargetImage {
     pub(super) fn multisampled(
         device: &Device,
         name: &str,
-        (size, samples): ([u32; 2], SampleCount),
+        size: [u32; 2],
+        samples: SampleCount,
         format: vk::Format,
         usage: vk::ImageUsageFlags,
         aspect: vk::ImageAspectFlags,
     ) -> Result<Self, Error> {
-        let size = (size, samples.flags());
-        let image = Image::multisampled(device, name, size, format, usage, aspect)?;
+        let size_samples = samples.flags();
+        let image = Image::multisampled(device, name, size, size_samples, format, usage, aspect)?;
         Ok(Self::of_ours(image, 1, aspect))
     }
 

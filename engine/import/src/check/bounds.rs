@@ -82,7 +82,7 @@ fn extents_of<const N: usize>(
 ) -> Option<[Vec<f32>; 2]> {
     let mut least = [f32::INFINITY; N];
     let mut most = [f32::NEG_INFINITY; N];
-    elements::for_each_raw::<N>((root, store), accessor, |element| {
+    elements::for_each_raw::<N>(root, store, accessor, |element| {
         for (place, number) in element.into_iter().enumerate() {
             least[place] = least[place].min(number);
             most[place] = most[place].max(number);

@@ -59,7 +59,8 @@ impl Cost {
 pub(super) fn check(
     root: &Root,
     instancing: &BTreeMap<usize, Instancing>,
-    (limits, verdict): (&Limits, &Verdict),
+    limits: &Limits,
+    verdict: &Verdict,
 ) -> Result<(), Fault> {
     let is_shown = |kind: Kind, index: usize| verdict.is_used(kind.at(index));
     let cost = |(index, mesh): (usize, &Mesh)| {

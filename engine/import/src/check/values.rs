@@ -167,7 +167,7 @@ impl<'a> Greatest<'a> {
         let store = self.store;
         *self.known.entry(accessor.value()).or_insert_with(|| {
             let mut greatest = 0;
-            elements::for_each_integers::<N>((root, store), accessor.value(), None, |values| {
+            elements::for_each_integers::<N>(root, store, accessor.value(), None, |values| {
                 greatest = values.into_iter().fold(greatest, u32::max);
             });
             greatest
@@ -195,7 +195,7 @@ impl<'a> Greatest<'a> {
         let store = self.store;
         let other = *self.without_restarts.entry(indices.value()).or_insert_with(|| {
             let mut other = None;
-            elements::for_each_integers::<1>((root, store), indices.value(), None, |[index]| {
+            elements::for_each_integers::<1>(root, store, indices.value(), None, |[index]| {
                 other = other.max(Some(index).filter(|index| *index != greatest));
             });
             other
@@ -223,13 +223,13 @@ impl<'a> Greatest<'a> {
         let store = self.store;
         let greatest = |[joints, weights]: [usize; 2]| {
             let mut has_weight: Vec<u8> = Vec::new();
-            elements::for_each_floats::<4>((root, store), weights, None, |weights| {
+            elements::for_each_floats::<4>(root, store, weights, None, |weights| {
                 let bits = (0..4).zip(weights).filter(|(_, weight)| *weight > 0.0);
                 has_weight.push(bits.map(|(place, _)| 1 << place).sum());
             })?;
             let mut vertices = has_weight.iter();
             let mut greatest = None;
-            elements::for_each_integers::<4>((root, store), joints, None, |joints| {
+            elements::for_each_integers::<4>(root, store, joints, None, |joints| {
                 let bits = vertices.next().copied().unwrap_or_default();
                 let followed = (0..4).zip(joints).filter(|(place, _)| bits & 1 << place != 0);
                 greatest = greatest.max(followed.map(|(_, joint)| joint).max());

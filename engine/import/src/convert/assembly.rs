@@ -187,7 +187,7 @@ impl<'a> Assembly<'a> {
             let skin = skin.filter(|_| primitive.is_skinned());
             if skin.is_some() || self.is_morphed(node, &primitive) {
                 let name = self.name_of(mesh, number);
-                place_skinned(self, (&primitive, kind.material, name), node, skin, &locals)?;
+                place_skinned(self, &primitive, kind.material, name, node, skin, &locals)?;
             } else {
                 place_shared(self, kind, &primitive, node, &locals)?;
             }

@@ -23,18 +23,26 @@ const MOST_STEPS: usize = 1 << 26;
 /// The number of clips that are tried even with very many nodes.
 const LEAST_TRIES: usize = 8;
 
+/// The contents of a scene that clips move.
+pub(super) struct MovedContents<'a> {
+    pub(super) placements: &'a [NodeAttachment],
+    pub(super) scene: &'a Scene,
+    pub(super) surfaces: &'a Surfaces,
+    pub(super) skins: &'a [Skin],
+    pub(super) cameras: &'a [SceneCamera],
+}
+
 /// Removes from `clips` those that could move something farther than anything can be, and notes
 /// them. `extents` belong to all of the clips.
 pub(super) fn refuse_far(
-    (tree, extents): (&Tree, &Extents),
+    tree: &Tree,
+    extents: &Extents,
     clips: &mut Vec<Clip>,
-    placements: &[NodeAttachment],
-    (scene, surfaces, skins): (&Scene, &Surfaces, &[Skin]),
-    cameras: &[SceneCamera],
+    contents: &MovedContents<'_>,
     notes: &mut Notes,
 ) {
     let rig = &tree.rig;
-    let distances = distances(rig, placements, (scene, surfaces, skins), cameras);
+    let distances = distances(rig, contents);
     let is_too_far = |extents: &Extents| {
         let farthest = extents.farthest(rig, &distances);
         farthest.filter(|(_, distance)| *distance > MAX_COORDINATE).map(|(node, _)| node)
@@ -67,9 +75,7 @@ pub(super) fn refuse_far(
 /// Returns the reach of each node's contents from its origin; -1 for a node without any.
 fn distances(
     rig: &Rig,
-    placements: &[NodeAttachment],
-    (scene, surfaces, skins): (&Scene, &Surfaces, &[Skin]),
-    cameras: &[SceneCamera],
+    &MovedContents { placements, scene, surfaces, skins, cameras }: &MovedContents<'_>,
 ) -> Vec<f32> {
     let mut distances = vec![-1.0_f32; rig.nodes().len()];
     let mut spaces = HashMap::new();

@@ -90,9 +90,15 @@ pub(crate) fn convert(
     } = assembly;
     (surfaces.materials, surfaces.textures, surfaces.images) = materials.finish(&mut source);
     renderable::check_textures(&source, &surfaces)?;
-    let made = (&scene, &surfaces, skins.list.as_slice());
-    let moved = (&tree, &skinned_extents.into_extents());
-    distances::refuse_far(moved, &mut clips, &placements, made, &cameras, &mut notes);
+    let contents = distances::MovedContents {
+        placements: &placements,
+        scene: &scene,
+        surfaces: &surfaces,
+        skins: &skins.list,
+        cameras: &cameras,
+    };
+    let extents = skinned_extents.into_extents();
+    distances::refuse_far(&tree, &extents, &mut clips, &contents, &mut notes);
     let is_empty = scene.objects.is_empty() && surfaces.transparent.is_empty();
     if is_empty {
         note_empty(&mut losses, &source.file, &mut notes)?;

@@ -128,7 +128,8 @@ impl Primitive<'_> {
         &self,
         variant: Variant,
         material: &MaterialUse,
-        (sight, to_world): (&InitialView<'_>, &Affine3A),
+        sight: &InitialView<'_>,
+        to_world: &Affine3A,
         budget: &mut Budget,
         notes: &mut Notes,
     ) -> Result<Option<Geometry>, ImportError> {

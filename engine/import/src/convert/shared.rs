@@ -13,7 +13,7 @@ use super::assembly::{Assembly, NO_TINT, rigid};
 use super::geometry::Geometry;
 use super::materials::{MaterialUse, Shading};
 use super::primitives::{Facing, Primitive, Variant};
-use super::sprites::{is_crowd, sprites_of};
+use super::sprites::{WantedSprites, is_crowd, sprites_of};
 use super::{components, pieces};
 use crate::ImportError;
 
@@ -197,11 +197,11 @@ fn make_sprites(
         kind.material =
             assembly.materials.use_of(assembly.source, None, Shading::Unlit, &mut assembly.notes);
     }
-    let look = (tint, kind.uses == 1);
-    let seen = (&assembly.sight, to_world);
+    let wanted =
+        WantedSprites { tint, is_seen_once: kind.uses == 1, sight: &assembly.sight, to_world };
     let budget = &mut assembly.budget;
     let notes = &mut assembly.notes;
-    let sprites = sprites_of(primitive, &kind.material, look, seen, budget, notes);
+    let sprites = sprites_of(primitive, &kind.material, &wanted, budget, notes);
     let sprites = assembly.unbroken(sprites.map(Some))?.unwrap_or_default();
     let name = assembly.name_of(kind.mesh, kind.number);
     let made = sprites.into_iter().enumerate().map(|(number, sprites)| {
@@ -223,9 +223,15 @@ fn make(
     if kind.made[place].is_some() {
         return Ok(());
     }
-    let seen = (&assembly.sight, to_world);
-    let geometry =
-        primitive.build(variant, &kind.material, seen, &mut assembly.budget, &mut assembly.notes);
+
+    let geometry = primitive.build(
+        variant,
+        &kind.material,
+        &assembly.sight,
+        to_world,
+        &mut assembly.budget,
+        &mut assembly.notes,
+    );
     let geometry = assembly.unbroken(geometry)?;
     let mut name = assembly.name_of(kind.mesh, kind.number);
     name.push_str(match variant.facing {

@@ -19,7 +19,9 @@ use crate::{Cause, ImportError};
 /// Those of [`Primitive::build`]; more skinned meshes than can be searched.
 pub(super) fn place_skinned(
     assembly: &mut Assembly<'_>,
-    (primitive, material, name): (&Primitive<'_>, MaterialUse, String),
+    primitive: &Primitive<'_>,
+    material: MaterialUse,
+    name: String,
     node: RigNodeId,
     skin: Option<usize>,
     locals: &[Affine3A],
@@ -48,9 +50,15 @@ pub(super) fn place_skinned(
         };
         let joints = skin.map(|skin| skin.joints);
         let variant = Variant { facing, joints, is_morphed: true };
-        let seen = (&assembly.sight, &place);
-        let built =
-            primitive.build(variant, &material, seen, &mut assembly.budget, &mut assembly.notes);
+
+        let built = primitive.build(
+            variant,
+            &material,
+            &assembly.sight,
+            &place,
+            &mut assembly.budget,
+            &mut assembly.notes,
+        );
         let Some(geometry) = assembly.unbroken(built)? else {
             return Ok(());
         };
@@ -77,13 +85,17 @@ pub(super) fn place_skinned(
             assembly.leave_out_huge(node);
             continue;
         }
-        add_skinned(
-            assembly,
-            (geometry, &material, name.clone()),
+        let part = SkinnedPart {
+            geometry,
+            material: &material,
+            name: name.clone(),
             node,
-            (skin, form),
-            (transform, *local),
-        )?;
+            skin,
+            form,
+            transform,
+            local: *local,
+        };
+        add_skinned(assembly, part)?;
     }
     Ok(())
 }
@@ -99,18 +111,26 @@ fn facing_of(assembly: &mut Assembly<'_>, skin: Used, node: RigNodeId) -> Facing
     if skin.is_mirrored { Facing::Mirrored } else { Facing::Plain }
 }
 
-fn add_skinned(
-    assembly: &mut Assembly<'_>,
-    (mut geometry, material, name): (Geometry, &MaterialUse, String),
+/// A mesh that skins or morph targets change, at its place.
+struct SkinnedPart<'a> {
+    geometry: Geometry,
+    material: &'a MaterialUse,
+    name: String,
     node: RigNodeId,
-    (skin, form): (Option<Used>, SkinnedExtent),
-    (transform, local): (Affine3A, Affine3A),
-) -> Result<(), ImportError> {
+    skin: Option<Used>,
+    form: SkinnedExtent,
+    transform: Affine3A,
+    /// The place relative to its node.
+    local: Affine3A,
+}
+
+fn add_skinned(assembly: &mut Assembly<'_>, part: SkinnedPart<'_>) -> Result<(), ImportError> {
+    let SkinnedPart { mut geometry, material, name, node, skin, form, transform, local } = part;
     assembly.budget.take_skinned(geometry.positions.len() as u64).map_err(|over| {
         assembly.source.error(Cause::TooLarge, assembly.tree.name(node), over.to_string())
     })?;
     let used = skin.and_then(|used| assembly.skins.list.get(used.skin));
-    let seen_at_rest = form.seen_at_rest(&geometry, (node, used), assembly.tree, &transform);
+    let seen_at_rest = form.seen_at_rest(&geometry, node, used, assembly.tree, &transform);
     let mesh = assembly.add_mesh(&geometry, material, name);
     let skinned_mesh = SkinnedMeshId(assembly.surfaces.skinned_meshes.len() as u32);
     assembly.surfaces.skinned_meshes.push(SkinnedMesh {

@@ -36,7 +36,8 @@ impl SkinnedExtent {
     pub(super) fn seen_at_rest(
         &self,
         geometry: &Geometry,
-        (node, skin): (RigNodeId, Option<&Skin>),
+        node: RigNodeId,
+        skin: Option<&Skin>,
         tree: &Tree,
         transform: &Affine3A,
     ) -> Aabb {
@@ -141,10 +142,11 @@ impl SkinnedExtents {
         let weights = geometry.skin.as_ref();
         let bounds =
             PoseBounds::new(geometry.positions.iter().copied(), weights, &geometry.targets);
-        let skin = skin.zip(weights);
-        let skeleton = match skin {
-            Some((skin, weights)) => self.skeleton(rig, primitive, skin, weights)?,
-            None => None,
+        let skeleton = match (skin, weights) {
+            (Some((index, skin)), Some(weights)) => {
+                self.skeleton(rig, primitive, index, skin, weights)?
+            }
+            _ => None,
         };
         let skeleton = skeleton.and_then(|skeleton| self.skeletons.get(skeleton));
         let ranges = self.weights.of(rig, node);
@@ -170,7 +172,8 @@ impl SkinnedExtents {
         &mut self,
         rig: &Rig,
         primitive: &Primitive<'_>,
-        (number, skin): (usize, &Skin),
+        number: usize,
+        skin: &Skin,
         weights: &SkinWeights,
     ) -> Result<Option<usize>, ImportError> {
         let key = (number, used_joints(weights));

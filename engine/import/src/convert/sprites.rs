@@ -47,15 +47,22 @@ pub(super) fn is_crowd(primitive: &Primitive<'_>) -> bool {
     primitive.is_thin() && count > MOST_SOLIDS
 }
 
-/// Returns a primitive as sprites, sized for `sight`, if it is made of points or lines.
+/// The look of sprites, and the view that they are sized for.
+pub(super) struct WantedSprites<'a> {
+    pub(super) tint: [f32; 4],
+    pub(super) is_seen_once: bool,
+    pub(super) sight: &'a InitialView<'a>,
+    pub(super) to_world: &'a Affine3A,
+}
+
+/// Returns a primitive as sprites, if it is made of points or lines.
 ///
 /// # Errors
 /// Positions that are not finite; more vertices than the limits allow.
 pub(super) fn sprites_of(
     primitive: &Primitive<'_>,
     material: &MaterialUse,
-    (tint, is_seen_once): ([f32; 4], bool),
-    (sight, to_world): (&InitialView<'_>, &Affine3A),
+    wanted: &WantedSprites<'_>,
     budget: &mut Budget,
     notes: &mut Notes,
 ) -> Result<Vec<Sprites>, ImportError> {
@@ -63,6 +70,7 @@ pub(super) fn sprites_of(
     let Some((geometry, elements)) = read else { return Ok(Vec::new()) };
     let ends = elements.vertices().len() as u64;
     budget.take(ends, 0).map_err(|over| primitive.over(&over))?;
+    let &WantedSprites { tint, is_seen_once, sight, to_world } = wanted;
     let height = sight.height_at(&geometry.bounds(), to_world);
     // Where positions overflow, so do sizes.
     let radius_m = |size: f32| if size.is_finite() { size * 0.5 } else { 0.0 };

@@ -89,11 +89,11 @@ fn read<const N: usize>(
     let file = (&file.0, &file.1);
     let mut floats = Vec::new();
     let mut integers = Vec::new();
-    let is_float = for_each_floats::<N>(file, accessor, picks, |element| {
+    let is_float = for_each_floats::<N>(file.0, file.1, accessor, picks, |element| {
         floats.push(element.map(f32::to_bits))
     });
     let is_integer =
-        for_each_integers::<N>(file, accessor, picks, |element| integers.push(element));
+        for_each_integers::<N>(file.0, file.1, accessor, picks, |element| integers.push(element));
     [is_float.map(|()| floats), is_integer.map(|()| integers)]
 }
 

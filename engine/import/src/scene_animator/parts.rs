@@ -223,7 +223,8 @@ impl Parts {
     pub(super) fn change(
         &mut self,
         part: usize,
-        (rig, pose): (&Rig, &Pose),
+        rig: &Rig,
+        pose: &Pose,
         views: Option<&[View]>,
         changes: &mut SceneUpdate,
     ) {

@@ -37,7 +37,7 @@ pub fn notes(imported: &GltfScene, beginning: &str) -> bool {
 }
 
 /// Returns true if a note whose object and reason begin with these counts so many.
-pub fn counts(imported: &GltfScene, (object, reason, count): (&str, &str, u64)) -> bool {
+pub fn counts(imported: &GltfScene, object: &str, reason: &str, count: u64) -> bool {
     let is_it = |note: &Note| note.object.starts_with(object) && note.reason.starts_with(reason);
     imported.notes.iter().any(|note| is_it(note) && note.count == count)
 }

@@ -94,13 +94,13 @@ fn places_that_are_none_are_left_out_and_noted() {
     scene.set("/scenes/0/nodes", json!([0, 1, 3, 4, 5, 6, 7]));
     let imported = load(&scene);
     assert_near(&tips(&imported), &[Vec3::X, Vec3::X, vec3(1.0, 7.0, 0.0)]);
-    for note in [
+    for (object, reason, count) in [
         ("node 2", "its place is beyond all numbers, and it is left out", 1),
         ("node 3", "it is scaled to nothing, and left out", 2),
         ("node 6", "it reaches beyond all numbers, and is left out", 1),
         ("node", "its rotation is of length 0", 1),
     ] {
-        assert!(counts(&imported, note), "{note:?}: {:?}", imported.notes);
+        assert!(counts(&imported, object, reason, count), "{reason}: {:?}", imported.notes);
     }
 }
 

@@ -117,7 +117,7 @@ impl MethodState for PyramidState {
             let counters = slot.counters.read::<Counters>(0..2);
             let phase = |number: usize| counters.get(number).copied().unwrap_or_default();
             if let Some(outcome) = outcomes.of(frame) {
-                count(outcome, [phase(0), phase(1)]);
+                count(outcome, phase(0), phase(1));
             }
             newest = newest.max(Some(frame));
         }
@@ -138,7 +138,7 @@ impl MethodState for PyramidState {
 }
 
 /// Writes what the two phases of a frame drew into its outcome.
-fn count(outcome: &mut FrameOutcome, [first, second]: [Counters; 2]) {
+fn count(outcome: &mut FrameOutcome, first: Counters, second: Counters) {
     outcome.draws = u64::from(first.draws) + u64::from(second.draws);
     outcome.triangles = first.triangles() + second.triangles();
     outcome.revealed = second.draws.into();

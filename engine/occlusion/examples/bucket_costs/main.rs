@@ -117,8 +117,8 @@ fn measure(
         scene.upload(&mut frame)?;
         let (hierarchy, executor) = scene.parts_mut();
         state.collect(device.completed()?, hierarchy, &executor.leaves);
-        state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, (&view, 4096));
-        execute(&mut frame, executor, &mut state, &mut owner, (&shaders, &view))?;
+        state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, &view, 4096);
+        execute(&mut frame, executor, &mut state, &mut owner, &shaders, &view)?;
         frame_times.push(begun.elapsed());
         let tick = frame.submit(None)?;
         state.submitted(tick, &executor.leaves, None);

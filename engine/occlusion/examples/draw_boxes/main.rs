@@ -53,8 +53,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let view = View::new(&camera, size, device.adapter().limits.sub_pixel_precision_bits);
         let mut frame = frames.begin()?;
         state.collect(device.completed()?, &hierarchy, &executor.leaves);
-        state.plan_frame(&hierarchy, &executor.leaves, Strategy::ANTUMBRA, (&view, 4096));
-        execute(&mut frame, &mut executor, &mut state, &mut objects, (&shaders, &view))?;
+        state.plan_frame(&hierarchy, &executor.leaves, Strategy::ANTUMBRA, &view, 4096);
+        execute(&mut frame, &mut executor, &mut state, &mut objects, &shaders, &view)?;
         let tick = frame.submit(None)?;
         state.submitted(tick, &executor.leaves, None);
         // The outcomes of earlier frames, which are known by now.

@@ -57,7 +57,8 @@ impl SkippedRanges {
         device: &Device,
         shaders: &ShaderSet,
         predication: Predication,
-        (draw, draws): (IndirectDraw, u32),
+        draw: IndirectDraw,
+        draws: u32,
     ) -> Result<Self, Error> {
         let most = draws.max(1);
         let predicates = Predicates::new(device, Some(predication), &vec![draw; most as usize], 2)?;
@@ -81,7 +82,8 @@ impl SkippedRanges {
         &mut self,
         frame: &mut Frame<'_>,
         flags: Option<BufferSlice>,
-        (ranges, width): (u32, u32),
+        ranges: u32,
+        width: u32,
     ) -> Result<(), Error> {
         self.count = ranges;
         let result_of = |number| if flags.is_some() { number } else { 0 };

@@ -52,7 +52,7 @@ pub struct ListedTests<'v> {
 ///     let (_, executor) = scene.parts_mut();
 ///     let tests = list_draws(frame, executor, state, view)?;
 ///     state.visible_lists().iter().for_each(&mut draw); // in the host's first rendering
-///     tests.record(frame, executor, state, (target, shaders))?;
+///     tests.record(frame, executor, state, target, shaders)?;
 ///     target.restore(frame.commands());
 ///     state.revealed_lists().iter().for_each(&mut draw); // in its second
 ///     Ok(())
@@ -75,8 +75,8 @@ pub fn list_draws<'v>(
         return Err(DrawsAmongTests.into());
     }
     let io = FrameIo::write(frame, state, &mut executor.leaves, views)?;
-    let visible = (io.visible, executor.passes.trust());
-    let lists = state.list(frame, &executor.leaves, visible)?;
+    let trust = executor.passes.trust();
+    let lists = state.list(frame, &executor.leaves, io.visible, trust)?;
     Ok(ListedTests { views, io, lists })
 }
 
@@ -93,14 +93,15 @@ impl ListedTests<'_> {
         frame: &mut Frame<'_>,
         executor: &mut PlanExecutor,
         state: &VisibilityState,
-        (target, shaders): (&mut Target, &ShaderSet),
+        target: &mut Target,
+        shaders: &ShaderSet,
     ) -> Result<(), Error> {
-        check_target(executor, state, (target, self.views))?;
-        make_compute_test(executor, state, (shaders, target.size()))?;
+        check_target(executor, state, target, self.views)?;
+        make_compute_test(executor, state, shaders, target.size())?;
         make_list_pass(executor, state, shaders)?;
         let Some(pass) = &executor.passes.list_draws else { return Ok(()) };
         let recording = Recording { executor, state, view: self.views.first(), io: &self.io };
-        recording.record_tests(frame.commands(), &mut TestsAlone { target }, (pass, self.lists));
+        recording.record_tests(frame.commands(), &mut TestsAlone { target }, pass, self.lists);
         Ok(())
     }
 }

@@ -29,7 +29,7 @@ use crate::object_renderer::{
 };
 use crate::passes::{ComputeTestIo, LeafBoxIo, ListDrawsIo, ListDrawsPass};
 use crate::rect::Rect;
-use crate::test_layout::{RevealedRange, RoundLayout, take_bucket};
+use crate::test_layout::{RevealedRange, RoundLayout, StepRounds, take_bucket};
 use crate::visibility_state::VisibilityState;
 use crate::visible_draws::QueriedDraws;
 
@@ -68,11 +68,11 @@ impl Recording<'_> {
             };
             match steps {
                 0 => is_shaded = self.render_last(commands, objects, Rendering::First, draw),
-                _ => render(objects, commands, (view, Rendering::First), draw),
+                _ => render(objects, commands, view, Rendering::First, draw),
             }
         });
         for step in 0..steps {
-            let [_, known] = layout.step(step);
+            let known = layout.step(step).known;
             let next = layout.rounds.get(step + 1);
             self.test_by_compute(commands, objects, known);
             commands.pass("resolve tests", |commands| self.resolve(commands, step));
@@ -90,7 +90,7 @@ impl Recording<'_> {
                 if step + 1 == steps {
                     is_shaded = self.render_last(commands, objects, Rendering::Next, draw)
                 } else {
-                    render(objects, commands, (view, Rendering::Next), draw)
+                    render(objects, commands, view, Rendering::Next, draw)
                 }
             });
         }
@@ -119,7 +119,7 @@ impl Recording<'_> {
         draw: impl FnOnce(&Commands, &mut dyn ObjectRenderer),
     ) -> bool {
         let shades = objects.prepare_to_shade_within(commands);
-        render_last(objects, commands, (self.view, rendering), |commands, objects| {
+        render_last(objects, commands, self.view, rendering, |commands, objects| {
             draw(commands, objects);
             if shades {
                 objects.shade_within(self.executor, commands, self.view, &|commands, bind| {
@@ -136,7 +136,9 @@ impl Recording<'_> {
         let layout = &self.state.layout;
         let steps = layout.step_count();
         match steps.checked_sub(1).map(|last| layout.step(last)) {
-            Some([None, Some(last)]) if layout.is_for_later(last) => steps - 1,
+            Some(StepRounds { before: None, known: Some(last) }) if layout.is_for_later(last) => {
+                steps - 1
+            }
             _ => steps,
         }
     }
@@ -147,7 +149,8 @@ impl Recording<'_> {
         &self,
         commands: &Commands,
         objects: &mut dyn ObjectRenderer,
-        (pass, lists): (&ListDrawsPass, Option<ListDrawsIo>),
+        pass: &ListDrawsPass,
+        lists: Option<ListDrawsIo>,
     ) {
         let state = self.state;
         let view = self.view;
@@ -155,7 +158,7 @@ impl Recording<'_> {
         self.wait_for_reset(commands);
         objects.target().prepare(commands);
         commands.pass("test proxies", |commands| {
-            render(objects, commands, (view, Rendering::Next), |commands, objects| {
+            render(objects, commands, view, Rendering::Next, |commands, objects| {
                 self.draw_proxies(commands, objects, Some(round));
             });
         });
@@ -164,7 +167,7 @@ impl Recording<'_> {
         if round.has_leaf_tests {
             objects.target().prepare(commands);
             commands.pass("test leaves", |commands| {
-                render(objects, commands, (view, Rendering::Next), |commands, objects| {
+                render(objects, commands, view, Rendering::Next, |commands, objects| {
                     self.test_leaves(commands, objects, Some(round));
                 });
             });
@@ -298,7 +301,7 @@ impl Recording<'_> {
     /// leaves under the round before it. Where its draws are listed, results alone do.
     fn resolve(&self, commands: &Commands, step: usize) {
         let state = self.state;
-        let [before, known] = state.layout.step(step);
+        let StepRounds { before, known } = state.layout.step(step);
         if before.is_some() {
             let enabled = MemoryBarrier::between(
                 &[Access::FragmentWrite],
@@ -335,11 +338,7 @@ impl Recording<'_> {
             [Reveal::Draws, Reveal::Boxes].map(|reveal| layout.revealed(known, reveal));
         let predicate = |revealed_range: &RevealedRange| {
             let leaves = draw_range(tests.get(revealed_range.test as usize)?.leaves);
-            predicates.predicate(
-                (revealed_range.source, revealed_range.predicate),
-                leaves,
-                threshold,
-            )
+            predicates.predicate(revealed_range.source, revealed_range.predicate, leaves, threshold)
         };
         // A test decides about its leaves once, however many buckets they have draws in.
         let mut decided: Vec<&RevealedRange> = draws.iter().chain(boxes).collect();
@@ -364,18 +363,18 @@ impl Recording<'_> {
         }
     }
 
-    /// Draws, bucket by bucket, the leaves that boxes of the round `before` switched on one by one,
-    /// and the ranges of the `known` round that showed.
+    /// Draws, bucket by bucket, the leaves that boxes of the round before switched on individually,
+    /// and the ranges of the known round that showed.
     fn draw_revealed(
         &self,
         commands: &Commands,
-        [before, known]: [Option<&RoundLayout>; 2],
+        rounds: StepRounds<'_>,
         bind: &dyn Fn(&Commands, BucketId),
     ) {
         let layout = &self.state.layout;
         let predicates = &self.executor.leaves.predicates;
-        let mut enabled = layout.revealed(before, Reveal::EnabledDraws);
-        let mut whole = layout.revealed(known, Reveal::Draws);
+        let mut enabled = layout.revealed(rounds.before, Reveal::EnabledDraws);
+        let mut whole = layout.revealed(rounds.known, Reveal::Draws);
         let first = |list: &[RevealedRange]| list.first().map(|first| first.bucket);
         while let Some(bucket) = [enabled, whole].into_iter().filter_map(first).min() {
             bind(commands, bucket);

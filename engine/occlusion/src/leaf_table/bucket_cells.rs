@@ -377,7 +377,7 @@ impl BucketCells {
     fn make_room(&mut self, bucket: usize, place: usize) {
         if let Some((spans, to)) = self.buckets[bucket].loose_window(place) {
             self.lift_spans(bucket, spans.clone());
-            self.spread(bucket, (place, spans), to);
+            self.spread(bucket, place, spans, to);
             return;
         }
         let all = 0..self.buckets[bucket].spans.len();
@@ -393,7 +393,7 @@ impl BucketCells {
         // Where the region belonged to another bucket, its old commands are still on the GPU.
         (region.first..region.first + region.count).for_each(|cell| self.changes.empty(cell));
         self.buckets[bucket].region = region;
-        self.spread(bucket, (place, all), region);
+        self.spread(bucket, place, all, region);
     }
 
     /// Notes the draws of some spans of a bucket in `moving`, in their order.
@@ -406,7 +406,7 @@ impl BucketCells {
 
     /// Spreads the draws in `moving` over cells as those of spans, with room for one more in the
     /// span `place`.
-    fn spread(&mut self, bucket: usize, (place, spans): (usize, Range<usize>), to: DrawRange) {
+    fn spread(&mut self, bucket: usize, place: usize, spans: Range<usize>, to: DrawRange) {
         let moving = take(&mut self.moving);
         let mut spread = take(&mut self.spread);
         spread.clear();

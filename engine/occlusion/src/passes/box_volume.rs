@@ -82,7 +82,8 @@ impl BoxVolumePass {
         &self,
         commands: &Commands,
         io: &BoxVolumeIo,
-        (view, light): (&View, Vec4),
+        view: &View,
+        light: Vec4,
         tests: std::ops::Range<u32>,
     ) {
         let view_proj = view.proxy_view_proj().to_cols_array();

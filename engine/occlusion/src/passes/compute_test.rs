@@ -186,7 +186,8 @@ impl ComputeTest {
     }
 }
 
-fn product([width, height]: [u32; 2]) -> u64 {
+fn product(size: [u32; 2]) -> u64 {
+    let [width, height] = size;
     u64::from(width) * u64::from(height)
 }
 

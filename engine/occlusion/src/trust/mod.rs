@@ -79,7 +79,8 @@ impl Trust {
         &self,
         device: &Device,
         wanted: Option<Predication>,
-        (draws, threshold_samples): (u64, u32),
+        draws: u64,
+        threshold_samples: u32,
     ) -> Result<Vec<Predication>, Error> {
         let first = Predication::choose(device, wanted, draws, threshold_samples)?;
         let has = |predication| {

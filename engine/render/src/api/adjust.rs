@@ -19,7 +19,7 @@ impl Renderer {
         if size == self.size() {
             return Ok(());
         }
-        self.executor.check_resize(&self.device, [self.size(), size])?;
+        self.executor.check_resize(&self.device, self.size(), size)?;
         let create = if self.passes.target.has_stencil() {
             Target::with_stencil
         } else {

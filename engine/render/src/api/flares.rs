@@ -55,14 +55,21 @@ impl Renderer {
     /// Compiles the passes of flares, unless they are compiled already.
     fn prepare_flares(&mut self) -> Result<(), Error> {
         let Self { device, shaders, passes, .. } = self;
-        let drawn = (&*shaders, passes.target.attachments());
+        let attachments = passes.target.attachments();
         let pipelines = &mut passes.pipelines;
         pipelines.flares.prepare(device, shaders)?;
         let can_veil = device.capabilities().has(Optional::FragmentStores);
         let surfaces = passes.geometry.surfaces.as_ref();
         let surfaces = surfaces.filter(|_| can_veil && pipelines.transparent.is_some());
         if let (Some(surfaces), None) = (surfaces, &pipelines.veil) {
-            let pass = SurfacePass::new(device, drawn, SurfaceKind::Veil, surfaces, None)?;
+            let pass = SurfacePass::new(
+                device,
+                &*shaders,
+                attachments,
+                SurfaceKind::Veil,
+                surfaces,
+                None,
+            )?;
             pipelines.veil = Some(pass);
         }
         Ok(())

@@ -86,35 +86,43 @@ impl Renderer {
         let mut frame = frames.begin()?;
         note_times(&frame, &mut self.pass_times, &mut self.frame_times);
         passes.begin_section(&mut frame, hierarchy)?;
-        passes.upload_changes(&mut frame, hierarchy, executor, (uploads, &views, map_uses))?;
+        passes.upload_changes(&mut frame, hierarchy, executor, uploads, &views, map_uses)?;
         if is_timed {
             frame.begin_timing();
         }
         let mut report = FrameReport::default();
         let method = &mut methods[method];
         let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
-        let shares = (&mut self.query_shares, self.query_budget);
-        plan_views(shares, (&mut **method, &mut scene), (targets, &views), request)?;
+
+        plan_views(
+            &mut self.query_shares,
+            self.query_budget,
+            &mut **method,
+            &mut scene,
+            targets,
+            &views,
+            request,
+        )?;
         for (number, (ViewTarget { state, visible, .. }, view)) in
             (0..).zip(targets.iter_mut().zip(&views))
         {
-            let scene = (&*executor, &*hierarchy);
+            let strategy = request.strategy;
             report.transparent +=
-                begin_view(passes, &mut frame, scene, (number, view), request.strategy)?;
-            begin_scopes(passes, (state, flares), (number, after_views));
+                begin_view(passes, &mut frame, executor, hierarchy, number, view, strategy)?;
+            begin_scopes(passes, state, flares, number, after_views);
             let wanted = method_request(*visible, view, request);
             let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
             let stats = method.record(&mut frame, &mut state.visibility, &mut scene, &wanted)?;
             report.tests += stats.tests;
             report.queries += stats.queries;
-            let scene = (&*executor, &*hierarchy, &flares[..]);
-            finish_view(passes, &mut frame, scene, state, view)?;
+            finish_view(passes, &mut frame, executor, hierarchy, flares, state, view)?;
         }
         finish_scene(&mut frame, passes, scene_image)?;
         let debug_overlay = self.debug_overlay;
         let overlays = Overlays { debug_overlay, outlined, scopes: after_views };
-        let scene = (&mut *passes, &*executor, &*hierarchy);
-        report.overlay_cpu = overlays.record(&mut frame, scene, targets.first(), request)?;
+        let first = targets.first();
+        report.overlay_cpu =
+            overlays.record(&mut frame, passes, executor, hierarchy, first, request)?;
         passes.read_back(frame.commands());
         let waited = frame.waited();
         report.waits = frame.waits();
@@ -305,9 +313,12 @@ impl Renderer {
 
 /// Reads the results that are there, and plans the views of a frame.
 fn plan_views(
-    (shares, query_budget): (&mut QueryShares, usize),
-    (method, scene): (&mut dyn Method, &mut MethodScene<'_>),
-    (targets, views): (&mut [ViewTarget<'_>], &[View]),
+    shares: &mut QueryShares,
+    query_budget: usize,
+    method: &mut dyn Method,
+    scene: &mut MethodScene<'_>,
+    targets: &mut [ViewTarget<'_>],
+    views: &[View],
     request: &ViewsRequest<'_>,
 ) -> Result<(), Error> {
     let completed = scene.device.completed()?;
@@ -326,12 +337,14 @@ fn plan_views(
 fn begin_view(
     passes: &mut FramePasses,
     frame: &mut Frame<'_>,
-    (executor, hierarchy): (&PlanExecutor, &Hierarchy),
-    (number, view): (u32, &View),
+    executor: &PlanExecutor,
+    hierarchy: &Hierarchy,
+    number: u32,
+    view: &View,
     strategy: Strategy,
 ) -> Result<u32, Error> {
     let FramePasses { geometry, pipelines, shadows, .. } = passes;
-    shadows.begin_view(frame, (number, view), (geometry, hierarchy), pipelines)?;
+    shadows.begin_view(frame, number, view, geometry, hierarchy, pipelines)?;
     passes.begin_section_view(frame, hierarchy, view)?;
     passes.record_caps(frame.commands(), view);
     passes.gather_transparent(frame, executor, view, strategy)
@@ -340,8 +353,10 @@ fn begin_view(
 /// Notes the renderings of a view, by its number in the frame. Overlays follow those of the first.
 fn begin_scopes(
     passes: &mut FramePasses,
-    (state, flares): (&ViewState, &[LensFlare]),
-    (number, after_views): (u32, ViewScopes),
+    state: &ViewState,
+    flares: &[LensFlare],
+    number: u32,
+    after_views: ViewScopes,
 ) {
     let has_flares = !flares.is_empty();
     let shades = passes.pipelines.shading.is_some();
@@ -372,14 +387,16 @@ fn begin_scopes(
 fn finish_view(
     passes: &mut FramePasses,
     frame: &mut Frame<'_>,
-    (executor, hierarchy, flares): (&PlanExecutor, &Hierarchy, &[LensFlare]),
+    executor: &PlanExecutor,
+    hierarchy: &Hierarchy,
+    flares: &[LensFlare],
     state: &mut ViewState,
     view: &View,
 ) -> Result<(), Error> {
     let ViewState { counts, pointer, flares: flare_counts, visibility, .. } = state;
-    count_samples(passes, frame, (executor, hierarchy), (counts, visibility), view)?;
+    count_samples(passes, frame, executor, hierarchy, counts, visibility, view)?;
     record_pointer(passes, frame, executor, hierarchy, pointer, visibility, view)?;
-    record_flares(passes, frame, (executor, flares), (flare_counts, visibility), view)?;
+    record_flares(passes, frame, executor, flares, flare_counts, visibility, view)?;
     record_edges(passes, frame, hierarchy, view)?;
     record_outlines(passes, frame, hierarchy, &executor.leaves, view)
 }
@@ -409,7 +426,9 @@ impl Overlays {
     fn record(
         self,
         frame: &mut Frame<'_>,
-        (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
+        passes: &mut FramePasses,
+        executor: &PlanExecutor,
+        hierarchy: &Hierarchy,
         target: Option<&ViewTarget<'_>>,
         request: &ViewsRequest<'_>,
     ) -> Result<Duration, Error> {
@@ -420,8 +439,8 @@ impl Overlays {
             if !self.debug_overlay.is_empty() {
                 passes.begin_section_view(frame, hierarchy, &view)?;
             }
-            let scene = (&mut *passes, executor, hierarchy);
-            self.debug_overlay.record(frame, scene, (target.state, &view))?;
+            let state = &*target.state;
+            self.debug_overlay.record(frame, passes, executor, hierarchy, state, &view)?;
             if let Some(bounds) = self.outlined {
                 record_outline(frame, passes, bounds, &view)?;
             }

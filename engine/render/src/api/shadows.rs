@@ -37,8 +37,14 @@ impl Renderer {
             return Ok(());
         }
         let has_surfaces = self.passes.geometry.surfaces.is_some();
-        let needs = (has_surfaces, self.frames_in_flight());
-        let mut shadows = Shadows::new(&self.device, options, &self.passes.target, needs)?;
+        let frames_in_flight = self.frames_in_flight();
+        let mut shadows = Shadows::new(
+            &self.device,
+            options,
+            &self.passes.target,
+            has_surfaces,
+            frames_in_flight,
+        )?;
         if let Some(executor) = caster_executor(trust, self.predication(), can) {
             shadows.skip_by(executor, self.frames_in_flight())?;
         }

@@ -141,9 +141,16 @@ impl Renderer {
         };
         let mut frame = frames.begin()?;
         passes.scopes = None;
-        let uploads = (PoseUploads::All, std::slice::from_ref(&view), MapUses::Anywhere);
+        let views = std::slice::from_ref(&view);
         passes.begin_section(&mut frame, hierarchy)?;
-        passes.upload_changes(&mut frame, hierarchy, executor, uploads)?;
+        passes.upload_changes(
+            &mut frame,
+            hierarchy,
+            executor,
+            PoseUploads::All,
+            views,
+            MapUses::Anywhere,
+        )?;
         passes.begin_section_view(&mut frame, hierarchy, &view)?;
         passes.gather_transparent(&mut frame, executor, &view, Strategy::FRUSTUM)?;
         let draws = snapshot.upload(&mut frame, &executor.leaves)?;
@@ -165,8 +172,8 @@ impl Renderer {
                 }
             });
         });
-        let scene = (&mut *passes, &*executor, &*hierarchy);
-        debug_overlay.record_snapshot(&mut frame, scene, &view, (snapshot, draws))?;
+        debug_overlay.record_snapshot(&mut frame, passes, executor, &view, draws)?;
+        debug_overlay.record_corner(&mut frame, passes, executor, hierarchy, snapshot, draws)?;
         if let Some(bounds) = outlined {
             record_outline(&mut frame, passes, bounds, &view)?;
         }

@@ -54,7 +54,7 @@ impl Renderer {
         for ((id, place), texture) in added.iter().zip(textures) {
             let texture = surfaces.textures.ready(texture);
             let levels = surfaces.levels_by_cpu(*place, &texture);
-            geometry.uploads.push_texture(*id, texture, (*place, levels));
+            geometry.uploads.push_texture(*id, texture, *place, levels);
         }
         Ok(added.into_iter().map(|(id, _)| id).collect())
     }

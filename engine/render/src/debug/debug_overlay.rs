@@ -73,8 +73,11 @@ impl DebugOverlay {
     pub(crate) fn record(
         &self,
         frame: &mut Frame<'_>,
-        (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
-        (state, view): (&ViewState, &View),
+        passes: &mut FramePasses,
+        executor: &PlanExecutor,
+        hierarchy: &Hierarchy,
+        state: &ViewState,
+        view: &View,
     ) -> Result<(), Error> {
         if self.is_empty() {
             return Ok(());
@@ -91,41 +94,53 @@ impl DebugOverlay {
             (hierarchy.bounds(test.tag.node), colour)
         });
         let boxes = self.has_boxes.then(|| Sketch::through(boxes).upload(frame)).transpose()?;
-        if self.has_depth_complexity {
-            let drawn = (draws.1 > 0).then_some(draws.0);
-            record_depth_complexity(passes, frame, executor, view, drawn)?;
-        }
-        self.record_lines(frame, (passes, executor), view, (draws, boxes));
-        self.record_corner(frame, (passes, executor, hierarchy), (&snapshot, draws))
+        self.record_depth_complexity(frame, passes, executor, view, draws)?;
+        self.record_lines(frame, passes, executor, view, draws, boxes);
+        self.record_corner(frame, passes, executor, hierarchy, &snapshot, draws)
     }
 
-    /// Draws the overlay of a frozen moment over its image from another eye: its depth complexity,
-    /// its wires, and the view from above. That image has its hidden boxes already.
+    /// Draws the overlay of a frozen moment over its image from another eye: its depth complexity
+    /// and its wires. That image has its hidden boxes already.
     pub(crate) fn record_snapshot(
         &self,
         frame: &mut Frame<'_>,
-        (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
+        passes: &mut FramePasses,
+        executor: &PlanExecutor,
         view: &View,
-        (snapshot, draws): (&VisibilitySnapshot, (BufferSlice, u32)),
+        draws: Option<BufferSlice>,
     ) -> Result<(), Error> {
-        if self.has_depth_complexity {
-            let drawn = (draws.1 > 0).then_some(draws.0);
-            record_depth_complexity(passes, frame, executor, view, drawn)?;
+        self.record_depth_complexity(frame, passes, executor, view, draws)?;
+        self.record_lines(frame, passes, executor, view, draws, None);
+        Ok(())
+    }
+
+    /// Draws the depth complexity of draws, if that is requested.
+    fn record_depth_complexity(
+        &self,
+        frame: &mut Frame<'_>,
+        passes: &mut FramePasses,
+        executor: &PlanExecutor,
+        view: &View,
+        draws: Option<BufferSlice>,
+    ) -> Result<(), Error> {
+        if !self.has_depth_complexity {
+            return Ok(());
         }
-        self.record_lines(frame, (passes, executor), view, (draws, None));
-        self.record_corner(frame, (passes, executor, hierarchy), (snapshot, draws))
+        record_depth_complexity(passes, frame, executor, view, draws)
     }
 
     /// Draws the edges of the triangles of `draws`, if they are requested, and boxes.
     fn record_lines(
         &self,
         frame: &mut Frame<'_>,
-        (passes, executor): (&mut FramePasses, &PlanExecutor),
+        passes: &mut FramePasses,
+        executor: &PlanExecutor,
         view: &View,
-        (draws, boxes): ((BufferSlice, u32), Option<OverlayIo>),
+        draws: Option<BufferSlice>,
+        boxes: Option<OverlayIo>,
     ) {
         let has_wireframe =
-            self.has_wireframe && draws.1 > 0 && passes.pipelines.wireframe.get().is_some();
+            self.has_wireframe && draws.is_some() && passes.pipelines.wireframe.get().is_some();
         let has_boxes = boxes.is_some() && passes.pipelines.overlay.get().is_some();
         if !has_wireframe && !has_boxes {
             return;
@@ -134,13 +149,13 @@ impl DebugOverlay {
         let target = passes.target_of(view, None);
         let target = passes.scope_target(frame.commands(), ViewScope::DebugLines, target);
         let Pipelines { wireframe, overlay, .. } = &passes.pipelines;
-        let wireframe = wireframe.get().filter(|_| has_wireframe);
+        let wireframe = wireframe.get().zip(draws).filter(|_| has_wireframe);
         let boxes = overlay.get().zip(boxes);
         frame.commands().pass(BOXES_AND_WIREFRAME, |commands| {
             commands.rendering(target, |commands| {
-                if let Some(wireframe) = wireframe {
+                if let Some((wireframe, draws)) = wireframe {
                     wireframe.bind(commands, &passes.opaque_io(), view, &passes.light);
-                    executor.leaves.predicates().draw_after_counted(commands, draws.0);
+                    executor.leaves.predicates().draw_after_counted(commands, draws);
                 }
                 if let Some((overlay, boxes)) = &boxes {
                     overlay.record(commands, boxes, view);
@@ -150,11 +165,14 @@ impl DebugOverlay {
     }
 
     /// Draws a moment from above, if that is requested.
-    fn record_corner(
+    pub(crate) fn record_corner(
         &self,
         frame: &mut Frame<'_>,
-        (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
-        (snapshot, draws): (&VisibilitySnapshot, (BufferSlice, u32)),
+        passes: &mut FramePasses,
+        executor: &PlanExecutor,
+        hierarchy: &Hierarchy,
+        snapshot: &VisibilitySnapshot,
+        draws: Option<BufferSlice>,
     ) -> Result<(), Error> {
         let Some(area) = self.top_down else { return Ok(()) };
         let reach = reach(hierarchy, snapshot);

@@ -250,8 +250,10 @@ impl SampleCounts {
 pub(crate) fn count_samples(
     passes: &mut FramePasses,
     frame: &mut Frame<'_>,
-    (executor, hierarchy): (&PlanExecutor, &Hierarchy),
-    (counts, visibility): (&mut SampleCounts, &VisibilityState),
+    executor: &PlanExecutor,
+    hierarchy: &Hierarchy,
+    counts: &mut SampleCounts,
+    visibility: &VisibilityState,
     view: &View,
 ) -> Result<(), Error> {
     counts.is_asking = false;
@@ -284,7 +286,8 @@ pub(crate) fn count_samples(
             draw_counted(
                 passes,
                 commands,
-                (&counts.asked, queries),
+                &counts.asked,
+                queries,
                 &executor.passes.proxies,
                 &io,
                 view,
@@ -299,7 +302,8 @@ pub(crate) fn count_samples(
 fn draw_counted(
     passes: &FramePasses,
     commands: &Commands,
-    (asked, queries): (&CountRequests, &QueryRing<CountTag>),
+    asked: &CountRequests,
+    queries: &QueryRing<CountTag>,
     proxies: &ProxyPass,
     io: &ProxyIo,
     view: &View,

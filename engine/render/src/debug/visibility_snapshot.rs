@@ -43,17 +43,20 @@ impl VisibilitySnapshot {
         }
     }
 
-    /// Uploads the draws of the drawn leaves, as far as they still exist.
+    /// Uploads the draws of the drawn leaves, as far as they still exist. `None` without any.
     pub(crate) fn upload(
         &self,
         frame: &mut Frame<'_>,
         table: &LeafTable,
-    ) -> Result<(BufferSlice, u32), Error> {
+    ) -> Result<Option<BufferSlice>, Error> {
         let leaves = self.drawn.iter().flat_map(|range| {
             let first = range.first.0;
             (first..first.saturating_add(range.count)).map(LeafIndex)
         });
         let draws: Vec<IndirectDraw> = leaves.map(|leaf| table.draw(leaf)).collect();
-        Ok((frame.uploads().push(&draws)?, draws.len() as u32))
+        if draws.is_empty() {
+            return Ok(None);
+        }
+        Ok(Some(frame.uploads().push(&draws)?))
     }
 }

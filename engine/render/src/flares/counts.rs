@@ -89,7 +89,7 @@ impl FlareCounts {
             let FlareTag { flare, frame, block, .. } = tag;
             match (tag.count, collected.last_mut()) {
                 (FlareCount::Total, _) => {
-                    collected.push((flare, FlareSamples::of(frame, [samples, block])));
+                    collected.push((flare, FlareSamples::of(frame, samples, block)));
                 }
                 (FlareCount::Visible, Some((_, counts))) => counts.visible = samples,
                 (FlareCount::Veiled, Some((_, counts))) if counts.visible > 0 => {
@@ -112,7 +112,8 @@ impl FlareCounts {
         &mut self,
         flares: &[LensFlare],
         view: &View,
-        (frame, has_veil): (FrameId, bool),
+        frame: FrameId,
+        has_veil: bool,
         samples_per_pixel: u32,
     ) {
         self.histories.resize_with(flares.len(), FlareHistory::default);
@@ -126,7 +127,7 @@ impl FlareCounts {
             let block = FlareBlock::of(flare, view);
             let seen = block.and_then(|block| Some((block, block.area(view.size)?)));
             let Some((block, area)) = seen else {
-                history.take(FlareSamples::of(frame, [0; 2]));
+                history.take(FlareSamples::of(frame, 0, 0));
                 continue;
             };
             let pixels = block.pixels();

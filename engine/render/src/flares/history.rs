@@ -26,7 +26,7 @@ pub struct FlareSamples {
 impl FlareSamples {
     /// Returns the counts of a block of so many samples in the image and altogether, all of them
     /// hidden.
-    pub(super) fn of(frame: FrameId, [total, block]: [u32; 2]) -> Self {
+    pub(super) fn of(frame: FrameId, total: u32, block: u32) -> Self {
         Self { frame, age_frames: 0, visible: 0, total, block, let_through: 1.0 }
     }
 

@@ -21,8 +21,10 @@ use crate::view_scopes::ViewScope;
 pub(crate) fn record_flares(
     passes: &mut FramePasses,
     frame: &mut Frame<'_>,
-    (executor, flares): (&PlanExecutor, &[LensFlare]),
-    (counts, visibility): (&mut FlareCounts, &VisibilityState),
+    executor: &PlanExecutor,
+    flares: &[LensFlare],
+    counts: &mut FlareCounts,
+    visibility: &VisibilityState,
     view: &View,
 ) -> Result<(), Error> {
     counts.is_asking = false;
@@ -30,7 +32,7 @@ pub(crate) fn record_flares(
     let slots = visibility.frames_in_flight();
     let has_veil = passes.pipelines.veil.is_some() && has_transparent(passes);
     let samples_per_pixel = passes.target.attachments().samples.as_raw();
-    counts.lay_out(flares, view, (now, has_veil), samples_per_pixel);
+    counts.lay_out(flares, view, now, has_veil, samples_per_pixel);
     counts.advance(now, slots);
     if flares.is_empty() {
         return Ok(());
@@ -46,13 +48,13 @@ pub(crate) fn record_flares(
         counts.is_asking = true;
         let blocks = frame.uploads().push(&counts.asked.rows)?;
         let veil = if has_veil {
-            Some(record_veil(passes, frame, executor, (counts, blocks), view)?)
+            Some(record_veil(passes, frame, executor, counts, blocks, view)?)
         } else {
             None
         };
         record_counts(passes, frame, counts, FlareBlockIo { blocks, veil }, view);
     }
-    record_sprites(passes, frame, (counts, flares), view)
+    record_sprites(passes, frame, counts, flares, view)
 }
 
 /// Returns true if there are transparent objects in the view being recorded.
@@ -66,7 +68,8 @@ fn record_veil(
     passes: &mut FramePasses,
     frame: &mut Frame<'_>,
     executor: &PlanExecutor,
-    (counts, blocks): (&FlareCounts, BufferSlice),
+    counts: &FlareCounts,
+    blocks: BufferSlice,
     view: &View,
 ) -> Result<BufferSlice, Error> {
     let cells = std::iter::repeat_n(0_u32, counts.asked.cells as usize);
@@ -87,7 +90,7 @@ fn record_veil(
             };
             commands.clip(origin, size);
             transparent.draw_bound(executor, commands, surfaces, &|commands, surfaces| {
-                pass.bind_veil(commands, surfaces, [blocks, veil], (view, &passes.light));
+                pass.bind_veil(commands, surfaces, blocks, veil, view, &passes.light);
             });
         });
         let to_counts = MemoryBarrier::between(&[Access::FragmentWrite], &[Access::FragmentRead]);
@@ -129,7 +132,8 @@ fn record_counts(
 fn record_sprites(
     passes: &mut FramePasses,
     frame: &mut Frame<'_>,
-    (counts, flares): (&mut FlareCounts, &[LensFlare]),
+    counts: &mut FlareCounts,
+    flares: &[LensFlare],
     view: &View,
 ) -> Result<(), Error> {
     let mut sprites_drawn = std::mem::take(&mut counts.sprites);
@@ -137,7 +141,7 @@ fn record_sprites(
     let drawn = flares.iter().zip(counts.states()).filter_map(|(flare, state)| {
         let is_bright = state.brightness > 0.0;
         let block = is_bright.then(|| FlareBlock::of(flare, view)).flatten()?;
-        Some(sprites(flare, (block.middle, state.brightness), view.size))
+        Some(sprites(flare, block.middle, state.brightness, view.size))
     });
     sprites_drawn.extend(drawn.flatten());
     let count = sprites_drawn.len() as u32;

@@ -29,7 +29,8 @@ const GHOSTS: [Ghost; 6] = [
 /// an image of `size` pixels. There are none without brightness.
 pub(super) fn sprites(
     flare: &LensFlare,
-    (middle, brightness): (Vec2, f32),
+    middle: Vec2,
+    brightness: f32,
     size: [u32; 2],
 ) -> impl Iterator<Item = FlareSprite> + use<> {
     let [width, height] = size.map(|side| side.max(1) as f32);
@@ -70,7 +71,7 @@ mod tests {
     #[test]
     fn sprites_lie_on_the_line_through_the_middle_and_are_round() {
         let middle = Vec2::new(0.6, -0.3);
-        let found: Vec<FlareSprite> = sprites(&FLARE, (middle, 0.5), [200, 100]).collect();
+        let found: Vec<FlareSprite> = sprites(&FLARE, middle, 0.5, [200, 100]).collect();
         assert_eq!(found.len(), 1 + GHOSTS.len());
         assert_eq!(found[0].middle, middle.to_array());
         assert_eq!(found[0].colour, [0.5, 0.25, 0.125]);
@@ -85,7 +86,7 @@ mod tests {
     #[test]
     fn nothing_is_drawn_that_adds_nothing() {
         let count = |flare: LensFlare, brightness| {
-            sprites(&flare, (Vec2::ZERO, brightness), [64, 64]).count()
+            sprites(&flare, Vec2::ZERO, brightness, [64, 64]).count()
         };
         assert_eq!(count(FLARE, 0.0), 0);
         assert_eq!(count(LensFlare { ghosts: 0.0, ..FLARE }, 1.0), 1);

@@ -160,8 +160,15 @@ impl CasterPass {
     ) -> Result<Self, Error> {
         Ok(if surfaces.is_masked() {
             let kind = SurfaceKind::Casters(side);
-            let shaders = (shaders, DepthLayers::attachments());
-            Self::Masked(SurfacePass::new(device, shaders, kind, surfaces, None)?)
+            let shaders_attachments = DepthLayers::attachments();
+            Self::Masked(SurfacePass::new(
+                device,
+                shaders,
+                shaders_attachments,
+                kind,
+                surfaces,
+                None,
+            )?)
         } else {
             Self::Whole(WholeCasters::new(device, shaders, side)?)
         })

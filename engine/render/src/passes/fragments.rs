@@ -38,7 +38,6 @@ impl FragmentPasses {
         surfaces: &SurfaceResources,
         shadows: Option<SurfaceShadows>,
     ) -> Result<Self, Error> {
-        let drawn = (shaders, attachments);
         let sorting = GraphicsPipelineInfo {
             fragment: Some(shaders.find("sorted_fragments.frag")?),
             storage: StorageLayout { buffers: 2, ..StorageLayout::default() },
@@ -48,7 +47,14 @@ impl FragmentPasses {
             ..GraphicsPipelineInfo::of("sorted fragments", shaders.find("sky.vert")?)
         };
         Ok(Self {
-            storing: SurfacePass::new(device, drawn, SurfaceKind::Fragments, surfaces, shadows)?,
+            storing: SurfacePass::new(
+                device,
+                shaders,
+                attachments,
+                SurfaceKind::Fragments,
+                surfaces,
+                shadows,
+            )?,
             sorting: GraphicsPipeline::new(device, &sorting)?,
         })
     }

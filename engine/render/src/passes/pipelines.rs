@@ -83,14 +83,20 @@ impl Pipelines {
         former: Option<&Self>,
     ) -> Result<Self, Error> {
         let PassNeeds { attachments, surfaces, has_transparent, has_skinned_meshes, .. } = needs;
-        let drawn = (shaders, attachments);
         let options = needs.shadows;
         let shadows = surface_shadows(options);
         let veiled = surfaces.filter(|_| has_transparent);
         let transparent = veiled;
         let transparent = transparent
             .map(|transparent| {
-                SurfacePass::new(device, drawn, SurfaceKind::Transparent, transparent, shadows)
+                SurfacePass::new(
+                    device,
+                    shaders,
+                    attachments,
+                    SurfaceKind::Transparent,
+                    transparent,
+                    shadows,
+                )
             })
             .transpose()?;
         let fragments = veiled.filter(|_| needs.sorts_fragments);
@@ -112,17 +118,17 @@ impl Pipelines {
             && device.capabilities().has(Optional::FragmentStores);
         let shadow_tests =
             can_cull.then(|| BoxVolumePass::new(device, shaders, attachments)).transpose()?;
-        let on_demand = Former { device, drawn, former };
+        let on_demand = Former { device, shaders, attachments, former };
         let veil = match (veiled, former.and_then(|former| former.veil.as_ref())) {
             (Some(pass), Some(_)) => {
-                Some(SurfacePass::new(device, drawn, SurfaceKind::Veil, pass, None)?)
+                Some(SurfacePass::new(device, shaders, attachments, SurfaceKind::Veil, pass, None)?)
             }
             _ => None,
         };
         Ok(Self {
             opaque: OpaquePass::new(device, shaders, attachments)?,
             shading: surfaces
-                .map(|surface| Shading::new(device, drawn, surface, shadows))
+                .map(|surface| Shading::new(device, shaders, attachments, surface, shadows))
                 .transpose()?,
             transparent,
             fragments,
@@ -176,7 +182,8 @@ impl<P> OnDemand<P> {
 /// The passes with the shaders before, if there were any.
 struct Former<'a> {
     device: &'a Device,
-    drawn: (&'a ShaderSet, Attachments),
+    shaders: &'a ShaderSet,
+    attachments: Attachments,
     former: Option<&'a Pipelines>,
 }
 
@@ -187,10 +194,9 @@ impl Former<'_> {
         pass_of: fn(&Pipelines) -> &OnDemand<P>,
         compile: Constructor<P>,
     ) -> Result<OnDemand<P>, Error> {
-        let (shaders, attachments) = self.drawn;
-        let mut pass = OnDemand { compile, attachments, pass: None };
+        let mut pass = OnDemand { compile, attachments: self.attachments, pass: None };
         if self.former.is_some_and(|former| pass_of(former).get().is_some()) {
-            pass.prepare(self.device, shaders)?;
+            pass.prepare(self.device, self.shaders)?;
         }
         Ok(pass)
     }

@@ -178,7 +178,8 @@ impl SurfacePass {
     /// A failed call.
     pub fn new(
         device: &Device,
-        (shaders, attachments): (&ShaderSet, Attachments),
+        shaders: &ShaderSet,
+        attachments: Attachments,
         kind: SurfaceKind,
         surfaces: &SurfaceResources,
         shadows: Option<SurfaceShadows>,
@@ -264,8 +265,10 @@ impl SurfacePass {
         &self,
         commands: &Commands,
         io: &SurfaceIo<'_>,
-        [blocks, veil]: [BufferSlice; 2],
-        (view, light): (&View, &Light),
+        blocks: BufferSlice,
+        veil: BufferSlice,
+        view: &View,
+        light: &Light,
     ) {
         let [materials, transforms, ..] = io.surfaces.buffers();
         let own = [io.instances, materials, transforms, blocks, veil];

@@ -59,7 +59,8 @@ impl VolumeConstants {
     /// Returns the constants of the draws of a group of casters.
     pub(super) fn new(
         view: &View,
-        (light, ends): (Vec4, &[VolumeEnd]),
+        light: Vec4,
+        ends: &[VolumeEnd],
         VolumeGroup { counting, kind, end }: VolumeGroup,
     ) -> Self {
         let end = ends.get(end).copied().unwrap_or(VolumeEnd::INFINITY);

@@ -252,15 +252,17 @@ impl VolumePass {
         &mut self,
         commands: &Commands,
         io: &VolumeIo,
-        (view, from): (&View, &mut Target),
-        (draws, culled): (&VolumeDraws, DrawGroup<'_>),
+        view: &View,
+        from: &mut Target,
+        draws: &VolumeDraws,
+        culled: DrawGroup<'_>,
     ) {
         commands.pass("count shadow volumes", |commands| {
             let fits = (0..2).all(|side| view.size[side] <= self.target.size()[side]);
             self.load_depth(commands, io, view, from);
             match &self.extruder {
                 _ if !fits => {}
-                None => self.draw_lights(commands, io, view, (&draws.lights, culled)),
+                None => self.draw_lights(commands, io, view, &draws.lights, culled),
                 Some(extruder) => {
                     for (number, light) in (1..).zip(&draws.lights) {
                         let last = if number == draws.lights.len() {
@@ -268,7 +270,7 @@ impl VolumePass {
                         } else {
                             AttachmentStore::Keep
                         };
-                        self.draw_extruded(commands, io, view, (extruder, light, last));
+                        self.draw_extruded(commands, io, view, extruder, light, last);
                     }
                 }
             }
@@ -299,7 +301,8 @@ impl VolumePass {
         commands: &Commands,
         io: &VolumeIo,
         view: &View,
-        (lights, culled): (&[LightDraws], DrawGroup<'_>),
+        lights: &[LightDraws],
+        culled: DrawGroup<'_>,
     ) {
         // The mask holds all that anybody reads.
         let target = self.target.render_target(view.size).forgotten();
@@ -310,7 +313,7 @@ impl VolumePass {
                     let pipeline = self.pipeline(group.counting);
                     commands.bind(pipeline, &[io.instances]);
                     commands.bind_geometry(io.vertices, Some(io.adjacency));
-                    let constants = VolumeConstants::new(view, (light.light, &light.ends), *group);
+                    let constants = VolumeConstants::new(view, light.light, &light.ends, *group);
                     commands.push_constants(pipeline, &constants);
                     match work {
                         Work::Draws(draws) => {
@@ -332,7 +335,9 @@ impl VolumePass {
         commands: &Commands,
         io: &VolumeIo,
         view: &View,
-        (extruder, light, last): (&Extruder, &LightDraws, AttachmentStore),
+        extruder: &Extruder,
+        light: &LightDraws,
+        last: AttachmentStore,
     ) {
         let batches = light.work.iter().filter_map(|(group, work)| match work {
             Work::Batch(batch) => Some((group, batch)),
@@ -343,7 +348,7 @@ impl VolumePass {
         while is_first || batches.peek().is_some() {
             let next = batches.next();
             if let Some((group, batch)) = next {
-                let constants = VolumeConstants::new(view, (light.light, &light.ends), *group);
+                let constants = VolumeConstants::new(view, light.light, &light.ends, *group);
                 extruder.extrude(commands, io, batch, &constants);
             }
             let is_last = batches.peek().is_none();

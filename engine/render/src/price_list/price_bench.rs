@@ -69,7 +69,7 @@ impl PriceBench {
             Predication::choose(device, Some(*predication), most.into(), 0).is_ok()
         };
         let ranges = Predication::ALL.into_iter().filter(has);
-        let ranges = ranges.map(|range| SkippedRanges::new(device, &shaders, range, (draw, most)));
+        let ranges = ranges.map(|range| SkippedRanges::new(device, &shaders, range, draw, most));
         let is_chosen = device.capabilities().has(Optional::RepresentativeFragments);
         let attachments = renderer.executor.passes.attachments();
         let all_fragments = is_chosen
@@ -130,7 +130,7 @@ impl PriceBench {
         self.queries.begin(&mut frame, &vec![(); queries as usize])?;
         self.flags.begin(&frame, std::iter::repeat_n((), results as usize))?;
         self.computed.begin(&frame, std::iter::repeat_n((), results as usize))?;
-        begin_ranges(&mut self.ranges, &self.flags, &mut frame, (item, count))?;
+        begin_ranges(&mut self.ranges, &self.flags, &mut frame, item, count)?;
         let draw = renderer.passes.geometry.mesh_draw(scene::MeshId(0));
         let draw = IndirectDraw { instance_count: 1, ..draw };
         let bounds = match item {
@@ -158,7 +158,7 @@ impl PriceBench {
             view: &self.view,
         };
         frame.commands().pass("price", |commands| {
-            recorder.record(commands, passes, (item, count), &io);
+            recorder.record(commands, passes, item, count, &io);
         });
         let began = Instant::now();
         let tick = frame.submit(None)?;
@@ -202,7 +202,8 @@ fn begin_ranges(
     ranges: &mut [SkippedRanges],
     flags: &FlagRing<()>,
     frame: &mut Frame<'_>,
-    (item, count): (PricedItem, u32),
+    item: PricedItem,
+    count: u32,
 ) -> Result<(), Error> {
     let PricedItem::Predicates(executor, result) = item else { return Ok(()) };
     // All flags are zero, and what has no result is drawn.
@@ -211,7 +212,7 @@ fn begin_ranges(
         PredicateResult::Taken => None,
     };
     for ranges in ranges.iter_mut().filter(|range| range.predication() == executor) {
-        ranges.begin(frame, results, (count, 1))?;
+        ranges.begin(frame, results, count, 1)?;
     }
     Ok(())
 }
@@ -240,7 +241,8 @@ impl Recorder<'_> {
         &self,
         commands: &Commands,
         passes: &mut FramePasses,
-        (item, count): (PricedItem, u32),
+        item: PricedItem,
+        count: u32,
         io: &Io,
     ) {
         let ranges = match item {
@@ -267,9 +269,9 @@ impl Recorder<'_> {
                     }
                 }
                 PricedItem::Queries => self.each_query(commands, count, |_, _| {}),
-                PricedItem::Boxes(tester, _) => self.draw_boxes(commands, (tester, count), io),
+                PricedItem::Boxes(tester, _) => self.draw_boxes(commands, tester, count, io),
                 PricedItem::BoxesOfAllFragments(_) => {
-                    self.draw_boxes(commands, (Tester::Flag, count), io);
+                    self.draw_boxes(commands, Tester::Flag, count, io);
                 }
                 PricedItem::Breaks | PricedItem::Resets(_) => {}
             }
@@ -300,7 +302,7 @@ impl Recorder<'_> {
         }
     }
 
-    fn draw_boxes(&self, commands: &Commands, (tester, count): (Tester, u32), io: &Io) {
+    fn draw_boxes(&self, commands: &Commands, tester: Tester, count: u32, io: &Io) {
         let proxies = ProxyIo { boxes: io.boxes, flags: self.flags };
         match tester {
             Tester::Flag if count > 0 => {

@@ -65,7 +65,7 @@ impl EdgeMeshes {
         const SIMPLER: &str = "use simpler meshes, or leave edges and outlines off";
         let vertex_bytes = size_of::<Vertex>() as u64;
         let vertices = geometry.vertices.size_bytes() / vertex_bytes;
-        check_storage(device, "vertices with edges", (vertices, vertex_bytes), SIMPLER)?;
+        check_storage(device, "vertices with edges", vertices, vertex_bytes, SIMPLER)?;
         let contents = Contents::copied_back(device, geometry, skinned_meshes)?;
         let mut all = Vec::new();
         let mut draws = vec![0..0; geometry.mesh_draws().len()];
@@ -238,7 +238,7 @@ fn segments_usage() -> vk::BufferUsageFlags {
 /// each can name.
 fn check_segments(device: &Device, count: usize) -> Result<(), Error> {
     const SIMPLER: &str = "use simpler meshes, or leave edges and outlines off";
-    check_storage(device, "segments of edges", (count as u64, SEGMENT_BYTES), SIMPLER)
+    check_storage(device, "segments of edges", count as u64, SEGMENT_BYTES, SIMPLER)
 }
 
 /// Appends the segments of triangles. Returns their places.

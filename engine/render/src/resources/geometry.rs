@@ -10,7 +10,6 @@ use cull::{Aabb, DetailPolicy, Hierarchy, LeafIndex, ObjectId};
 use glam::Affine3A;
 use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, vk};
 use occlusion::{LeafElements, LeafTable, MeshDraw, MeshDrawId, PlanExecutor, ProxyBox};
-use scene::limits::INSTANCE_BYTES;
 use scene::{
     MeshId, Object, PreparedMesh, Scene, SurfaceVertex, TransparentId, Vertex,
     bounds_of_transformed, unpack_unorm,
@@ -19,7 +18,7 @@ use scene::{
 use crate::error::Error;
 use crate::resources::instance::{Instance, rows_of, with_lights};
 use crate::resources::joined_meshes::JoinedMeshes;
-use crate::resources::limits::{check_memory, check_storage};
+use crate::resources::limits::{check_leaves, check_memory, check_storage};
 use crate::resources::lod::{LodTable, stretch};
 use crate::resources::mesh_slots::{MeshSlots, Residency, draws_of};
 use crate::resources::skinned_meshes::{SkinnedVertices, are_skinned, skinned_vertices};
@@ -72,36 +71,24 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    /// Refuses more leaves than a hierarchy or the device can hold, before anything is made for
-    /// them.
-    pub(crate) fn check_size(device: &Device, leaf_count: usize) -> Result<(), Error> {
-        if leaf_count > cull::MAX_OBJECTS {
-            return Err(cull::HierarchyError::TooMany { count: leaf_count }.into());
-        }
-        check_storage(
-            device,
-            "objects, with room for those that come",
-            (leaf_count as u64, INSTANCE_BYTES),
-            "split the scene, or join objects that stand still",
-        )
-    }
-
     pub(crate) fn upload(
         device: &Device,
         scene: &Scene,
         hierarchy: &Hierarchy,
-        (options, frame_bytes): (&SurfaceOptions, usize),
+        options: &SurfaceOptions,
+        frame_bytes: usize,
     ) -> Result<Self, Error> {
         let spare = &options.spare;
         let leaf_count = hierarchy.leaf_objects().len();
         check_memory("the objects on their way to the GPU", leaf_count, UPLOAD_BYTES_PER_OBJECT)?;
         let joined = JoinedMeshes::new(scene, spare)?;
-        Self::check_size(device, leaf_count)?;
+        check_leaves(device, leaf_count)?;
         sprites::check_size(device, scene, leaf_count)?;
         check_storage(
             device,
             "vertices of skinned meshes",
-            (skinned_vertices(scene), size_of::<SurfaceVertex>() as u64),
+            skinned_vertices(scene),
+            size_of::<SurfaceVertex>() as u64,
             "make those meshes simpler, or fewer",
         )?;
         options.cancellation.check()?;
@@ -204,11 +191,11 @@ impl Geometry {
         }
         let casts_volumes = self.casts_volumes(id);
         let volumes = self.volumes.as_mut().filter(|_| casts_volumes);
-        let adjacency = volumes.map(|volumes| volumes.add((id, &mesh), &place));
+        let adjacency = volumes.map(|volumes| volumes.add(id, &mesh, &place));
         if let Some(section_meshes) = &mut self.section_meshes {
             section_meshes.add(id, &mesh, &place);
         }
-        self.uploads.push_mesh(id, mesh, (place, adjacency.unwrap_or_default()));
+        self.uploads.push_mesh(id, mesh, place, adjacency.unwrap_or_default());
         Ok(id)
     }
 

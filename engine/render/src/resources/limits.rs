@@ -3,6 +3,7 @@
 use gpu::Device;
 
 use crate::error::Error;
+use crate::resources::instance::Instance;
 
 /// Refuses a number beyond its limit.
 pub(crate) fn check(
@@ -21,7 +22,8 @@ pub(crate) fn check(
 pub(crate) fn check_storage(
     device: &Device,
     what: &'static str,
-    (count, bytes): (u64, u64),
+    count: u64,
+    bytes: u64,
     instead: &'static str,
 ) -> Result<(), Error> {
     let limit = u64::from(device.adapter().limits.max_storage_buffer_range);
@@ -41,7 +43,8 @@ pub(crate) fn check_memory(
 }
 
 /// Refuses an image of blocks without enough memory for its texels.
-pub(crate) fn check_unpacking([width, height]: [u32; 2]) -> Result<(), Error> {
+pub(crate) fn check_unpacking(size: [u32; 2]) -> Result<(), Error> {
+    let [width, height] = size;
     let texels = (width as usize).saturating_mul(height as usize);
     check_memory("a compressed image that is unpacked", texels, 4)
 }
@@ -52,6 +55,21 @@ pub(crate) fn room<T>(what: &'static str, count: usize) -> Result<Vec<T>, Error>
     let size_bytes = count.saturating_mul(size_of::<T>());
     let reserved = list.try_reserve_exact(count);
     reserved.map(|()| list).map_err(|_| Error::NoMemory { what, size_bytes })
+}
+
+/// Refuses more leaves than a hierarchy or the device can hold, before anything is made for
+/// them.
+pub(crate) fn check_leaves(device: &Device, leaf_count: usize) -> Result<(), Error> {
+    if leaf_count > cull::MAX_OBJECTS {
+        return Err(cull::HierarchyError::TooMany { count: leaf_count }.into());
+    }
+    check_storage(
+        device,
+        "objects, with room for those that come",
+        leaf_count as u64,
+        size_of::<Instance>() as u64,
+        "split the scene, or join objects that stand still",
+    )
 }
 
 #[cfg(test)]

@@ -46,7 +46,8 @@ impl SkinnedMeshState {
     /// Appends the data of a skinned mesh to the values of all.
     pub(super) fn new(
         skinned_mesh: &SkinnedMesh,
-        (mesh, surface): (&Mesh, &[SurfaceVertex]),
+        mesh: &Mesh,
+        surface: &[SurfaceVertex],
         first_vertex: u32,
         values: &mut Vec<u32>,
     ) -> Self {
@@ -192,7 +193,7 @@ mod tests {
         for skin in [Some(skin), None] {
             let skinned = SkinnedMesh { mesh: MeshId(0), skin, targets: targets.clone() };
             let mut values = vec![7; 5];
-            let state = SkinnedMeshState::new(&skinned, (&mesh, &surface), 0, &mut values);
+            let state = SkinnedMeshState::new(&skinned, &mesh, &surface, 0, &mut values);
             let (positions, motions) = state.at_rest(&values);
             let places = mesh.vertices.iter().map(|vertex| Vec3::from(vertex.position));
             assert_eq!(positions, places.collect::<Vec<_>>());

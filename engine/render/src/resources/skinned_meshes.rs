@@ -91,8 +91,8 @@ impl SkinnedMeshes {
         const FEWER: &str = "leave out joints or morph targets, or make those meshes simpler";
         let [mesh_data, poses] = value_counts(scene);
         let what = "values of joints, weights and morph targets";
-        check_storage(device, what, (mesh_data, 4), FEWER)?;
-        check_storage(device, "poses", (poses, 4), FEWER)?;
+        check_storage(device, what, mesh_data, 4, FEWER)?;
+        check_storage(device, "poses", poses, 4, FEWER)?;
         let transparent = (0..).map(TransparentId).zip(&surfaces.transparent);
         let transparent: HashMap<_, _> =
             transparent.map(|(id, object)| (object.mesh, id)).collect();
@@ -109,7 +109,8 @@ impl SkinnedMeshes {
             let surface = &surface.vertices;
             let state = SkinnedMeshState::new(
                 skinned_mesh,
-                (at_rest, surface),
+                at_rest,
+                surface,
                 first_vertices(mesh),
                 &mut values,
             );
@@ -233,7 +234,8 @@ impl SkinnedMeshes {
         &mut self,
         frame: &mut Frame<'_>,
         completed: Tick,
-        (pass, target): (&SkinningPass, SkinnedVertices),
+        pass: &SkinningPass,
+        target: SkinnedVertices,
         is_seen: impl Fn(&SkinnedMeshState) -> bool,
         leaf_of: impl Fn(&SkinnedMeshState) -> Option<LeafIndex>,
     ) -> Result<(), Error> {

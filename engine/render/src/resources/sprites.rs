@@ -43,7 +43,8 @@ pub(crate) fn check_size(device: &Device, scene: &Scene, instances: usize) -> Re
     check_storage(
         device,
         "objects, of which four points count as one,",
-        ((instances + blocks(scene)) as u64, INSTANCE_BYTES),
+        (instances + blocks(scene)) as u64,
+        INSTANCE_BYTES,
         "split the scene, or leave points out",
     )
 }

@@ -106,7 +106,8 @@ impl UploadQueue {
         &mut self,
         id: MeshId,
         mesh: PreparedMesh,
-        (place, adjacency): (MeshPlace, Vec<Vec<u32>>),
+        place: MeshPlace,
+        adjacency: Vec<Vec<u32>>,
     ) {
         self.queue.push_back(PendingUpload::Mesh { id, mesh, place, adjacency });
     }
@@ -134,7 +135,8 @@ impl UploadQueue {
         &mut self,
         id: TextureId,
         texture: PreparedTexture,
-        (place, levels): (TexturePlace, Vec<Vec<u8>>),
+        place: TexturePlace,
+        levels: Vec<Vec<u8>>,
     ) {
         self.queue.push_back(PendingUpload::Texture { id, texture, place, levels, is_new: true });
     }
@@ -266,22 +268,27 @@ impl UploadQueue {
 impl PendingUpload {
     /// Returns the bytes of the mesh or the texture, and the place that each run of them goes to.
     fn sections(&self, targets: UploadTargets<'_>) -> impl Iterator<Item = Section<'_>> {
-        let (mesh, texture) = match self {
+        let of_mesh = match self {
             Self::Mesh { mesh, place, adjacency, .. } => {
-                (Some((mesh, place, &adjacency[..])), None)
+                Some(sections_of_mesh(mesh, place, adjacency, targets))
             }
-            Self::Texture { texture, place, levels, .. } => (None, Some((texture, *place, levels))),
+            Self::Texture { .. } => None,
         };
-        let UploadTargets { vertices, surfaces, indices, adjacency, .. } = targets;
-        let targets = [Some(vertices), surfaces, Some(indices), adjacency];
-        let of_mesh = mesh.into_iter().flat_map(move |mesh| sections_of_mesh(mesh, targets));
-        of_mesh.chain(texture.into_iter().flat_map(sections_of_texture))
+        let of_texture = match self {
+            Self::Mesh { .. } => None,
+            Self::Texture { texture, place, levels, .. } => {
+                Some(sections_of_texture(texture, *place, levels))
+            }
+        };
+        of_mesh.into_iter().flatten().chain(of_texture.into_iter().flatten())
     }
 }
 
 fn sections_of_mesh<'a>(
-    (mesh, place, adjacency): (&'a PreparedMesh, &'a MeshPlace, &'a [Vec<u32>]),
-    [vertices, surfaces, indices, all_adjacency]: [Option<BufferSlice>; 4],
+    mesh: &'a PreparedMesh,
+    place: &'a MeshPlace,
+    adjacency: &'a [Vec<u32>],
+    targets: UploadTargets<'_>,
 ) -> impl Iterator<Item = Section<'a>> {
     let first = u64::from(place.vertices.start);
     let section = |bytes, array: BufferSlice, begin: u64| {
@@ -289,26 +296,28 @@ fn sections_of_mesh<'a>(
         Section { bytes, to: Destination::Array(to) }
     };
     let bytes = bytemuck::cast_slice(&mesh.mesh().vertices);
-    let vertices = vertices.map(|array| section(bytes, array, first * size_of::<Vertex>() as u64));
-    let surface = mesh.surface().zip(surfaces).map(|(surface, array)| {
+    let vertices = section(bytes, targets.vertices, first * size_of::<Vertex>() as u64);
+    let surface = mesh.surface().zip(targets.surfaces).map(|(surface, array)| {
         let bytes = bytemuck::cast_slice(&surface.vertices);
         section(bytes, array, first * size_of::<SurfaceVertex>() as u64)
     });
     let levels = mesh.levels().iter().map(|level| &level.indices);
     let parts = std::iter::once(&mesh.mesh().indices).chain(levels).zip(&place.indices);
-    let indices = parts.filter_map(move |(part, place)| {
+    let indices = parts.map(move |(part, place)| {
         let begin = u64::from(place.start) * size_of::<u32>() as u64;
-        Some(section(bytemuck::cast_slice(part), indices?, begin))
+        section(bytemuck::cast_slice(part), targets.indices, begin)
     });
     let adjacency = adjacency.iter().zip(&place.indices).filter_map(move |(values, place)| {
         let begin = ADJACENCY_PER_INDEX as u64 * u64::from(place.start) * size_of::<u32>() as u64;
-        Some(section(bytemuck::cast_slice(values), all_adjacency?, begin))
+        Some(section(bytemuck::cast_slice(values), targets.adjacency?, begin))
     });
-    vertices.into_iter().chain(surface).chain(indices).chain(adjacency)
+    std::iter::once(vertices).chain(surface).chain(indices).chain(adjacency)
 }
 
 fn sections_of_texture<'a>(
-    (texture, place, levels): (&'a PreparedTexture, TexturePlace, &'a Vec<Vec<u8>>),
+    texture: &'a PreparedTexture,
+    place: TexturePlace,
+    levels: &'a Vec<Vec<u8>>,
 ) -> impl Iterator<Item = Section<'a>> {
     let image = texture.image();
     let (whole, levels) = match &image.texels {

@@ -74,9 +74,9 @@ impl VolumeMeshes {
             const SIMPLER: &str = "use simpler meshes, or shadow maps";
             let vertex_bytes = size_of::<Vertex>() as u64;
             let count = vertices.size_bytes / vertex_bytes;
-            check_storage(device, "vertices with shadow volumes", (count, vertex_bytes), SIMPLER)?;
+            check_storage(device, "vertices with shadow volumes", count, vertex_bytes, SIMPLER)?;
             let count = (ADJACENCY_PER_INDEX * index_count) as u64;
-            check_storage(device, "indices of shadow volumes", (count, 4), SIMPLER)?;
+            check_storage(device, "indices of shadow volumes", count, 4, SIMPLER)?;
         }
         let mut adjacency =
             room("the triangles of shadow volumes", ADJACENCY_PER_INDEX * index_count)?;
@@ -101,7 +101,7 @@ impl VolumeMeshes {
             for (id, indices) in place.draws(mesh) {
                 let triangles =
                     contents.indices.read::<u32>(indices.start as usize..indices.end as usize);
-                if let Some(volumes) = volume_mesh((&positions, &motions), triangles) {
+                if let Some(volumes) = volume_mesh(&positions, &motions, triangles) {
                     put(id, indices.start, &volumes, !motions.is_empty());
                 }
             }
@@ -130,7 +130,8 @@ impl VolumeMeshes {
     /// Takes a mesh on its way to the GPU. Returns the values to upload for each of its draws.
     pub(crate) fn add(
         &mut self,
-        (id, mesh): (MeshId, &PreparedMesh),
+        id: MeshId,
+        mesh: &PreparedMesh,
         place: &MeshPlace,
     ) -> Vec<Vec<u32>> {
         let mut values = Vec::with_capacity(place.indices.len());
@@ -209,11 +210,11 @@ fn volumes_of(mesh: &PreparedMesh) -> impl Iterator<Item = Option<VolumeMesh>> {
         of_mesh.vertices.iter().map(|vertex| vertex.position.into()).collect();
     let levels = mesh.levels().iter().map(|level| &level.indices);
     let all = std::iter::once(&of_mesh.indices).chain(levels);
-    all.map(move |indices| volume_mesh((&positions, &[]), indices))
+    all.map(move |indices| volume_mesh(&positions, &[], indices))
 }
 
 /// Returns the volumes of triangles that were checked when they were loaded.
-fn volume_mesh((positions, motions): (&[Vec3], &[u32]), triangles: &[u32]) -> Option<VolumeMesh> {
+fn volume_mesh(positions: &[Vec3], motions: &[u32], triangles: &[u32]) -> Option<VolumeMesh> {
     let volumes = VolumeMesh::new(&VolumeSource { positions, triangles, motions });
     volumes.inspect_err(|error| tracing::error!("a mesh casts no shadow volumes: {error}")).ok()
 }

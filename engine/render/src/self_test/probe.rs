@@ -294,7 +294,7 @@ impl Probe {
         };
         let listed = lists
             .as_ref()
-            .map(|lists| lists.io(&mut frame, &decided_ranges(), (source, results), &predicates))
+            .map(|lists| lists.io(&mut frame, &decided_ranges(), source, results, &predicates))
             .transpose()?;
         let io = ProxyIo { boxes: frame.uploads().push(boxes)?, flags: flags.results() };
         let proxies = &executor.passes.proxies;
@@ -302,8 +302,8 @@ impl Probe {
         frame.commands().pass("self-test predicates", |commands| {
             wait_for_reset(commands);
             rendering(passes, commands, HIDES_NOTHING, |_, commands| {
-                let tests = (&queries, source, numbers.clone());
-                test_even((proxies, &io), commands, view, tests);
+                let tests_numbers = numbers.clone();
+                test_even(proxies, &io, commands, view, &queries, source, tests_numbers);
             });
             queries.resolve(commands, numbers.clone());
             match (&lists, &listed) {
@@ -375,10 +375,13 @@ fn shows(frame: u32, query: u32) -> bool {
 
 /// Draws every other proxy, from the first on, by queries and by flags where these are asked for.
 fn test_even(
-    (proxies, io): (&ProxyPass, &ProxyIo),
+    proxies: &ProxyPass,
+    io: &ProxyIo,
     commands: &Commands,
     view: &View,
-    (queries, source, numbers): (&QueryRing<()>, ResultSource, Range<u32>),
+    queries: &QueryRing<()>,
+    source: ResultSource,
+    numbers: Range<u32>,
 ) {
     if source == ResultSource::Fragments {
         proxies.bind_flags(commands, io, view);

@@ -37,7 +37,8 @@ impl ProbeLists {
         &self,
         frame: &mut Frame<'_>,
         decided: &[PredicatedRange],
-        (source, results): (ResultSource, Option<BufferSlice>),
+        source: ResultSource,
+        results: Option<BufferSlice>,
         predicates: &Predicates,
     ) -> Result<ListDrawsIo, Error> {
         let listed = |predicated_range: &PredicatedRange| ListedRange {

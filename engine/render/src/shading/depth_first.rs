@@ -42,11 +42,12 @@ impl Shading {
     /// A failed call.
     pub(crate) fn new(
         device: &Device,
-        (shaders, attachments): (&ShaderSet, Attachments),
+        shaders: &ShaderSet,
+        attachments: Attachments,
         surfaces: &SurfaceResources,
         shadows: Option<SurfaceShadows>,
     ) -> Result<Self, Error> {
-        let pass = |kind| SurfacePass::new(device, (shaders, attachments), kind, surfaces, shadows);
+        let pass = |kind| SurfacePass::new(device, shaders, attachments, kind, surfaces, shadows);
         let depth = if surfaces.is_masked() {
             DepthPass::Masked(pass(SurfaceKind::Depth)?)
         } else {

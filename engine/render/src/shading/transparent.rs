@@ -154,8 +154,10 @@ impl Transparent {
     fn write(
         &mut self,
         frame: &mut Frame<'_>,
-        (geometry, passes): (&Geometry, &OcclusionPasses),
-        (view, tests): (&View, bool),
+        geometry: &Geometry,
+        passes: &OcclusionPasses,
+        view: &View,
+        tests: bool,
     ) -> Result<(), Error> {
         let Self { sorted, objects, list, .. } = self;
         list.clear();
@@ -194,11 +196,13 @@ impl Transparent {
     pub(crate) fn gather(
         &mut self,
         frame: &mut Frame<'_>,
-        scene: (&Geometry, &OcclusionPasses),
-        (view, tests): (&View, bool),
+        geometry: &Geometry,
+        passes: &OcclusionPasses,
+        view: &View,
+        tests: bool,
     ) -> Result<u32, Error> {
         self.sort(view);
-        self.write(frame, scene, (view, tests))?;
+        self.write(frame, geometry, passes, view, tests)?;
         if let Some(fragments) = self.fragments.as_mut().filter(|_| !self.list.is_empty()) {
             fragments.begin_view(frame, view)?;
         }
@@ -242,10 +246,12 @@ impl Transparent {
     /// Draws the objects of the view to the current attachments.
     pub(crate) fn draw(
         &self,
-        (pass, executor): (&SurfacePass, &PlanExecutor),
+        pass: &SurfacePass,
+        executor: &PlanExecutor,
         commands: &Commands,
         surfaces: SurfaceIo<'_>,
-        (view, light): (&View, &Light),
+        view: &View,
+        light: &Light,
     ) {
         self.draw_bound(executor, commands, surfaces, &|commands, surfaces| {
             pass.bind(commands, surfaces, view, light);

@@ -186,8 +186,10 @@ impl CasterCulling {
     /// Plans groups of casters of a light that reaches this area of the view.
     pub(super) fn plan(
         &mut self,
-        (light, area): (ShadowLightId, LitArea),
-        (scene, volumes): (&CastersInView<'_>, &BoxShadowVolumes<'_>),
+        light: ShadowLightId,
+        area: LitArea,
+        scene: &CastersInView<'_>,
+        volumes: &BoxShadowVolumes<'_>,
         groups: &[CasterGroup<'_>],
     ) {
         let casters = groups.iter().map(|group| group.casters.len()).sum::<usize>();
@@ -196,12 +198,12 @@ impl CasterCulling {
         if casters == 0 {
             self.draws.add_untested(scene, groups);
         } else if is_local && (casters <= FEW_CASTERS || !has_room) {
-            self.draws.add_light(scene, (volumes, area), groups);
+            self.draws.add_light(scene, volumes, area, groups);
         } else if has_room {
             let history = self.histories.entry(light).or_insert_with(LightHistory::new);
             history.used = self.frame;
             history.plan(scene, volumes);
-            self.draws.add_nodes(light, &history.plan, (scene, volumes, area), groups);
+            self.draws.add_nodes(light, &history.plan, scene, volumes, area, groups);
         } else {
             self.draws.add_untested(scene, groups);
         }
@@ -261,7 +263,8 @@ impl CasterCulling {
         &self,
         commands: &Commands,
         pass: &BoxVolumePass,
-        (depth, view): (RenderTarget, &View),
+        depth: RenderTarget,
+        view: &View,
     ) {
         commands.pass("test shadows", |commands| {
             commands.rendering(depth, |commands| self.test(commands, pass, view));
@@ -279,7 +282,7 @@ impl CasterCulling {
             // Nothing is in shadow elsewhere.
             let origin = [0, 1].map(|side| view.origin[side].saturating_add(area.origin[side]));
             commands.clip(origin, area.size);
-            pass.draw(commands, io, (view, *light), tests.clone());
+            pass.draw(commands, io, view, *light, tests.clone());
         }
     }
 

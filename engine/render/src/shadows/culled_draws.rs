@@ -99,7 +99,8 @@ impl CulledDraws {
     pub(super) fn add_light(
         &mut self,
         scene: &CastersInView<'_>,
-        (volumes, area): (&BoxShadowVolumes<'_>, LitArea),
+        volumes: &BoxShadowVolumes<'_>,
+        area: LitArea,
         groups: &[CasterGroup<'_>],
     ) {
         // Where the eye is in its light there is nothing to test.
@@ -129,7 +130,9 @@ impl CulledDraws {
         &mut self,
         light: ShadowLightId,
         plan: &FramePlan,
-        (scene, volumes, area): (&CastersInView<'_>, &BoxShadowVolumes<'_>, LitArea),
+        scene: &CastersInView<'_>,
+        volumes: &BoxShadowVolumes<'_>,
+        area: LitArea,
         groups: &[CasterGroup<'_>],
     ) {
         let first_test = self.begin_light(volumes, area);

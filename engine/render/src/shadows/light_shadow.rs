@@ -31,7 +31,8 @@ const FARTHEST_M: f32 = 9.0e6;
 /// Lists the lights that shine and have shadows, each with its place in the table.
 pub(super) fn list(
     table: &LightTable,
-    (options, own): (&ShadowOptions, &HashMap<LightId, LightShadow>),
+    options: &ShadowOptions,
+    own: &HashMap<LightId, LightShadow>,
     lights: &mut Vec<ShadowLight>,
     places: &mut Vec<u32>,
 ) {

@@ -33,18 +33,29 @@ pub(super) struct MapImages {
     tiles: Vec<DepthTile>,
 }
 
+/// The debug names of the depths of casters.
+struct CasterDepthNames<'a> {
+    /// Of the only image.
+    near: &'a str,
+    /// Of the front faces, where there is an image of back faces, too.
+    fronts: &'a str,
+    /// Of the back faces.
+    backs: &'a str,
+}
+
 impl CasterDepths {
-    /// Creates images for a bias; the name is of the one without backs.
+    /// Creates images for a bias.
     fn new(
         device: &Device,
-        (side, layers): (u32, u32),
+        side: u32,
+        layers: u32,
         bias: ShadowBias,
-        [name, fronts, backs]: [&str; 3],
+        names: &CasterDepthNames<'_>,
     ) -> Result<Self, Error> {
         let of = |name| DepthLayers::new(device, side, layers, name);
         let (near, backs) = match bias {
-            ShadowBias::Plane | ShadowBias::BackFaces => (of(name)?, None),
-            ShadowBias::Midpoint => (of(fronts)?, Some(of(backs)?)),
+            ShadowBias::Plane | ShadowBias::BackFaces => (of(names.near)?, None),
+            ShadowBias::Midpoint => (of(names.fronts)?, Some(of(names.backs)?)),
         };
         Ok(Self { near, backs, is_used: false })
     }
@@ -53,14 +64,15 @@ impl CasterDepths {
     fn draw(
         &mut self,
         commands: &Commands,
-        (casters, passes): (&CasterDraws<'_>, &MapPasses),
+        casters: &CasterDraws<'_>,
+        passes: &MapPasses,
         faces: &[PlannedFace],
         part: impl Fn(&FaceWork) -> Option<TileDraws>,
     ) {
         self.is_used = true;
-        casters.draw(commands, (&passes.casters, &mut self.near), faces, &part);
+        casters.draw(commands, &passes.casters, &mut self.near, faces, &part);
         if let (Some((pass, _)), Some(backs)) = (&passes.midpoints, &mut self.backs) {
-            casters.draw(commands, (pass, backs), faces, &part);
+            casters.draw(commands, pass, backs, faces, &part);
         }
     }
 
@@ -92,13 +104,15 @@ impl MapImages {
         options: &ShadowOptions,
         layers: u32,
     ) -> Result<Self, Error> {
-        let size = (options.layer_side(), layers);
-        let names = ["shadow maps", "fronts of casters", "backs of casters"];
-        let casters = CasterDepths::new(device, size, options.bias, names)?;
-        let midpoints = casters.backs.is_some().then(|| {
-            let (side, layers) = size;
-            DepthLayers::new(device, side, layers, "shadow maps")
-        });
+        let side = options.layer_side();
+        let names = CasterDepthNames {
+            near: "shadow maps",
+            fronts: "fronts of casters",
+            backs: "backs of casters",
+        };
+        let casters = CasterDepths::new(device, side, layers, options.bias, &names)?;
+        let midpoints =
+            casters.backs.is_some().then(|| DepthLayers::new(device, side, layers, "shadow maps"));
         Ok(Self { casters, resting: None, midpoints: midpoints.transpose()?, tiles: Vec::new() })
     }
 
@@ -117,10 +131,14 @@ impl MapImages {
         options: &ShadowOptions,
     ) -> Result<(), Error> {
         if self.resting.is_none() {
-            let size = (options.layer_side(), self.layers());
-            let names =
-                ["resting shadow maps", "fronts of resting casters", "backs of resting casters"];
-            self.resting = Some(CasterDepths::new(device, size, options.bias, names)?);
+            let side = options.layer_side();
+            let layers = self.layers();
+            let names = CasterDepthNames {
+                near: "resting shadow maps",
+                fronts: "fronts of resting casters",
+                backs: "backs of resting casters",
+            };
+            self.resting = Some(CasterDepths::new(device, side, layers, options.bias, &names)?);
         }
         Ok(())
     }
@@ -151,12 +169,12 @@ impl MapImages {
     pub(super) fn draw(
         &mut self,
         commands: &Commands,
-        (casters, passes): (&CasterDraws<'_>, &MapPasses),
+        casters: &CasterDraws<'_>,
+        passes: &MapPasses,
         plan: &ShadowPlan,
     ) {
-        let draws = (casters, passes);
         let faces = &plan.faces[..];
-        commands.pass("shadow maps", |commands| self.draw_casters(commands, draws, plan));
+        commands.pass("shadow maps", |commands| self.draw_casters(commands, casters, passes, plan));
         let Self { casters: CasterDepths { near, backs, .. }, midpoints, .. } = self;
         if let (Some((_, pass)), Some(backs), Some(midpoints)) =
             (&passes.midpoints, backs, midpoints)
@@ -165,7 +183,7 @@ impl MapImages {
             near.prepare(commands);
             backs.prepare(commands);
             commands.pass("shadow midpoints", |commands| {
-                draw_midpoints(commands, (pass, [near, backs]), midpoints, faces);
+                draw_midpoints(commands, pass, near, backs, midpoints, faces);
             });
         }
     }
@@ -173,7 +191,8 @@ impl MapImages {
     fn draw_casters(
         &mut self,
         commands: &Commands,
-        draws: (&CasterDraws<'_>, &MapPasses),
+        draws: &CasterDraws<'_>,
+        passes: &MapPasses,
         plan: &ShadowPlan,
     ) {
         let Self { casters, resting, tiles, .. } = self;
@@ -184,7 +203,7 @@ impl MapImages {
                 }
                 _ => None,
             };
-            resting.draw(commands, draws, &plan.faces, part);
+            resting.draw(commands, draws, passes, &plan.faces, part);
             let is_layered = |face: &&PlannedFace| matches!(face.work, FaceWork::Layered { .. });
             let layered = plan.faces.iter().filter(is_layered).map(|face| DepthTile {
                 layer: face.tile.layer,
@@ -195,7 +214,7 @@ impl MapImages {
             tiles.extend(layered);
             casters.copy_from(commands, resting, tiles);
         }
-        casters.draw(commands, draws, &plan.faces, |work| match work {
+        casters.draw(commands, draws, passes, &plan.faces, |work| match work {
             FaceWork::Keep | FaceWork::Cull(_) => None,
             FaceWork::Draw(all) => Some(TileDraws::Afresh(all.clone())),
             FaceWork::Layered { moving, .. } => Some(TileDraws::OnTop(moving.clone())),
@@ -214,7 +233,9 @@ impl MapImages {
 /// Makes the midpoints of maps that were drawn.
 fn draw_midpoints(
     commands: &Commands,
-    (pass, [fronts, backs]): (&MidpointPass, [&DepthLayers; 2]),
+    pass: &MidpointPass,
+    fronts: &DepthLayers,
+    backs: &DepthLayers,
     midpoints: &mut DepthLayers,
     faces: &[PlannedFace],
 ) {

@@ -54,7 +54,8 @@ impl Shadows {
         device: &Device,
         options: ShadowOptions,
         target: &Target,
-        (has_surfaces, frames_in_flight): (bool, usize),
+        has_surfaces: bool,
+        frames_in_flight: usize,
     ) -> Result<Self, Error> {
         options.check()?;
         if options.method != ShadowMethod::Off && !has_surfaces {
@@ -97,21 +98,24 @@ impl Shadows {
     /// A lost device.
     pub(crate) fn plan(
         &mut self,
-        (geometry, hierarchy): (&Geometry, &Hierarchy),
+        geometry: &Geometry,
+        hierarchy: &Hierarchy,
         receivers: Aabb,
         views: &[View],
         uses: MapUses,
     ) -> Result<(), Error> {
         let Some(surfaces) = &geometry.surfaces else { return Ok(()) };
-        let of_lights = (&surfaces.table, &self.own);
         let Some(view) = views.first() else { return Ok(()) };
         let triangles =
             |geometry: &Geometry, object, leaf| geometry.caster_draw(object, leaf).index_count / 3;
         let scene = CastersInView { hierarchy, geometry, receivers, view, triangles };
         if let Some(volumes) = &mut self.volumes {
-            volumes.plan(of_lights, &scene, views, uses)?;
+            volumes.plan(&surfaces.table, &self.own, &scene, views, uses)?;
         }
-        self.maps.as_mut().map_or(Ok(()), |maps| maps.plan(of_lights, &scene, views, uses))
+        if let Some(maps) = &mut self.maps {
+            maps.plan(&surfaces.table, &self.own, &scene, views, uses)?;
+        }
+        Ok(())
     }
 
     /// Returns true if casters may be culled, for which receivers must be known.
@@ -143,13 +147,15 @@ impl Shadows {
     pub(crate) fn record_culled(
         &mut self,
         commands: &Commands,
-        (geometry, pipelines): (&Geometry, &Pipelines),
-        target: (RenderTarget, &View),
+        geometry: &Geometry,
+        pipelines: &Pipelines,
+        target: RenderTarget,
+        view: &View,
     ) {
         if let (Some(maps), Some(tests), Some(passes)) =
             (&mut self.maps, &pipelines.shadow_tests, &pipelines.maps)
         {
-            maps.record_culled(commands, geometry, (tests, &passes.casters), target);
+            maps.record_culled(commands, geometry, tests, &passes.casters, target, view);
         }
     }
 
@@ -166,11 +172,16 @@ impl Shadows {
     pub(crate) fn record(
         &mut self,
         frame: &mut Frame<'_>,
-        scene: (&Geometry, &Hierarchy, &Section),
-        (pipelines, predicates): (&Pipelines, &Predicates),
+        geometry: &Geometry,
+        hierarchy: &Hierarchy,
+        section: &Section,
+        pipelines: &Pipelines,
+        predicates: &Predicates,
     ) -> Result<(), Error> {
         match (&mut self.maps, &pipelines.maps) {
-            (Some(maps), Some(passes)) => maps.record(frame, scene, (passes, predicates)),
+            (Some(maps), Some(passes)) => {
+                maps.record(frame, geometry, hierarchy, section, passes, predicates)
+            }
             _ => Ok(()),
         }
     }
@@ -182,15 +193,19 @@ impl Shadows {
     pub(crate) fn begin_view(
         &mut self,
         frame: &mut Frame<'_>,
-        view: (u32, &View),
-        scene: (&Geometry, &Hierarchy),
+        number: u32,
+        view: &View,
+        geometry: &Geometry,
+        hierarchy: &Hierarchy,
         pipelines: &Pipelines,
     ) -> Result<(), Error> {
         if let Some(maps) = &mut self.maps {
-            maps.begin_view(view.0);
+            maps.begin_view(number);
         }
         match (&mut self.volumes, &pipelines.volumes) {
-            (Some(volumes), Some(pass)) => volumes.begin_view(frame, view, scene, pass),
+            (Some(volumes), Some(pass)) => {
+                volumes.begin_view(frame, number, view, geometry, hierarchy, pass)
+            }
             _ => Ok(()),
         }
     }
@@ -199,11 +214,13 @@ impl Shadows {
     pub(crate) fn count_volumes(
         &mut self,
         commands: &Commands,
-        (geometry, pipelines): (&Geometry, &mut Pipelines),
-        view: (&View, &mut Target),
+        geometry: &Geometry,
+        pipelines: &mut Pipelines,
+        view: &View,
+        target: &mut Target,
     ) {
         if let (Some(volumes), Some(pass)) = (&mut self.volumes, &mut pipelines.volumes) {
-            volumes.record(commands, geometry, (pass, pipelines.shadow_tests.as_ref()), view);
+            volumes.record(commands, geometry, pass, pipelines.shadow_tests.as_ref(), view, target);
         }
     }
 

@@ -126,8 +126,10 @@ fn depth_of(view: &View) -> [f32; 4] {
 /// many views of the scene and [`ShadowOptions::cascade_blend`](::shadows::ShadowOptions).
 pub(super) fn light_records(
     plan: &ShadowPlan,
-    (lights, places): (&[ShadowLight], &[u32]),
-    (views, cascade_blend): (u32, f32),
+    lights: &[ShadowLight],
+    places: &[u32],
+    views: u32,
+    cascade_blend: f32,
     records: &mut Vec<LightRecord>,
 ) {
     records.clear();

@@ -166,15 +166,16 @@ impl ShadowMaps {
     /// A lost device.
     pub(crate) fn plan(
         &mut self,
-        (table, own): (&LightTable, &HashMap<LightId, LightShadow>),
+        table: &LightTable,
+        own: &HashMap<LightId, LightShadow>,
         scene: &CastersInView<'_>,
         views: &[View],
         uses: MapUses,
     ) -> Result<(), Error> {
         let hierarchy = scene.hierarchy;
         let Scratch { changes, eyes, casters: sorted, .. } = &mut self.scratch;
-        let of_lights = (&mut self.lights, &mut self.places);
-        super::light_shadow::list(table, (&self.options, own), of_lights.0, of_lights.1);
+        let lights = &mut self.lights;
+        super::light_shadow::list(table, &self.options, own, lights, &mut self.places);
         changes.clear();
         let are_known = hierarchy
             .box_changes_since(self.changes_read)
@@ -217,7 +218,7 @@ impl ShadowMaps {
             for planned in &self.plan.lights {
                 let light = self.lights.iter().find(|light| light.id == planned.light);
                 let Some(light) = light else { continue };
-                plan_casters(culling, (&self.plan, planned), (light, scene), self.options.filter);
+                plan_casters(culling, &self.plan, planned, light, scene, self.options.filter);
             }
         }
         Ok(())
@@ -235,13 +236,23 @@ impl ShadowMaps {
     pub(crate) fn record(
         &mut self,
         frame: &mut Frame<'_>,
-        (geometry, hierarchy, section): (&Geometry, &Hierarchy, &Section),
-        (passes, predicates): (&MapPasses, &Predicates),
+        geometry: &Geometry,
+        hierarchy: &Hierarchy,
+        section: &Section,
+        passes: &MapPasses,
+        predicates: &Predicates,
     ) -> Result<(), Error> {
         self.sections.upload(frame, section, &self.plan.faces)?;
         let Self { plan, lights, places, views, scratch, .. } = self;
-        let of_views = (*views, self.options.cascade_blend);
-        light_records(plan, (lights, places), of_views, &mut scratch.records);
+
+        light_records(
+            plan,
+            lights,
+            places,
+            *views,
+            self.options.cascade_blend,
+            &mut scratch.records,
+        );
         scratch.faces.clear();
         scratch.faces.extend(plan.faces.iter().map(FaceRecord::of));
         // Shaders find at least one of each: memory that nothing was written to holds anything.
@@ -277,7 +288,7 @@ impl ShadowMaps {
             return Ok(());
         }
         let casters = CasterDraws { geometry, predicates, draws, section: &self.sections };
-        self.images.draw(commands, (&casters, passes), &self.plan);
+        self.images.draw(commands, &casters, passes, &self.plan);
         Ok(())
     }
 
@@ -292,14 +303,16 @@ impl ShadowMaps {
         &mut self,
         commands: &Commands,
         geometry: &Geometry,
-        (tests, casters): (&BoxVolumePass, &CasterPass),
-        (target, view): (RenderTarget, &View),
+        tests: &BoxVolumePass,
+        casters: &CasterPass,
+        target: RenderTarget,
+        view: &View,
     ) {
         let Some(culling) = self.culling.as_ref().filter(|culling| !culling.groups().is_empty())
         else {
             return;
         };
-        culling.record_tests(commands, tests, (target, view));
+        culling.record_tests(commands, tests, target, view);
         let Some(io) = caster_io(geometry) else { return };
         let faces = &self.plan.faces;
         commands.pass("culled shadow maps", |commands| {
@@ -361,8 +374,10 @@ impl ShadowMaps {
 /// Plans the casters of those maps of a light that are culled.
 fn plan_casters(
     culling: &mut CasterCulling,
-    (plan, planned): (&ShadowPlan, &PlannedLight),
-    (light, scene): (&ShadowLight, &CastersInView<'_>),
+    plan: &ShadowPlan,
+    planned: &PlannedLight,
+    light: &ShadowLight,
+    scene: &CastersInView<'_>,
     filter: ShadowFilter,
 ) {
     let faces =
@@ -383,5 +398,5 @@ fn plan_casters(
     let volumes = BoxShadowVolumes::new(scene.view, reach, scene.receivers, &frusta);
     let area = LitArea::of(scene.view, &light.shape, &scene.receivers);
     let area = area.unwrap_or(LitArea::whole(scene.view));
-    culling.plan((light.id, area), (scene, &volumes), &groups);
+    culling.plan(light.id, area, scene, &volumes, &groups);
 }

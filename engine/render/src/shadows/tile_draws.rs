@@ -94,7 +94,8 @@ impl CasterDraws<'_> {
     pub(super) fn draw(
         &self,
         commands: &Commands,
-        (pass, layers): (&CasterPass, &mut DepthLayers),
+        pass: &CasterPass,
+        layers: &mut DepthLayers,
         faces: &[PlannedFace],
         part: impl Fn(&FaceWork) -> Option<TileDraws>,
     ) {
@@ -106,7 +107,7 @@ impl CasterDraws<'_> {
                     .iter()
                     .enumerate()
                     .filter(|(_, face)| is_here(face))
-                    .filter_map(|(number, face)| Some(((number, face), part(&face.work)?)))
+                    .filter_map(|(number, face)| Some((number, face, part(&face.work)?)))
                     .peekable();
                 let (Some(target), true) = (layers.target(layer), work.peek().is_some()) else {
                     continue;
@@ -117,7 +118,9 @@ impl CasterDraws<'_> {
                     .filter_map(|face| Some((face.tile, part(&face.work)?.start())));
                 commands.rendering(tiles_target(target, tiles), |commands| {
                     self.section.bind(commands, pass, &io);
-                    work.for_each(|(face, part)| self.draw_face(commands, (pass, &io), face, part));
+                    work.for_each(|(number, face, part)| {
+                        self.draw_face(commands, pass, &io, number, face, part)
+                    });
                 });
             }
         });
@@ -126,8 +129,10 @@ impl CasterDraws<'_> {
     fn draw_face(
         &self,
         commands: &Commands,
-        (pass, io): (&CasterPass, &CasterIo<'_>),
-        (number, face): (usize, &PlannedFace),
+        pass: &CasterPass,
+        io: &CasterIo<'_>,
+        number: usize,
+        face: &PlannedFace,
         part: TileDraws,
     ) {
         begin_tile(commands, face, part.start());

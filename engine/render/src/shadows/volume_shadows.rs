@@ -141,7 +141,8 @@ impl VolumeShadows {
     /// A lost device.
     pub(super) fn plan(
         &mut self,
-        (table, own): (&LightTable, &HashMap<LightId, LightShadow>),
+        table: &LightTable,
+        own: &HashMap<LightId, LightShadow>,
         scene: &CastersInView<'_>,
         views: &[View],
         uses: MapUses,
@@ -154,8 +155,8 @@ impl VolumeShadows {
             culling.begin();
         }
         (self.view, self.prepared, self.masked) = (0, None, None);
-        let of_lights = (&mut self.lights, &mut self.places);
-        super::light_shadow::list(table, (&self.options, own), of_lights.0, of_lights.1);
+        let lights = &mut self.lights;
+        super::light_shadow::list(table, &self.options, own, lights, &mut self.places);
         self.plans.resize_with(views.len(), VolumePlan::default);
         self.plan_views(hierarchy, views);
         let mask_bytes = |(plan, view)| mask_bytes(plan, view);
@@ -200,8 +201,10 @@ impl VolumeShadows {
     pub(super) fn begin_view(
         &mut self,
         frame: &mut Frame<'_>,
-        (number, view): (u32, &View),
-        (geometry, hierarchy): (&Geometry, &Hierarchy),
+        number: u32,
+        view: &View,
+        geometry: &Geometry,
+        hierarchy: &Hierarchy,
         pass: &VolumePass,
     ) -> Result<(), Error> {
         (self.view, self.prepared, self.masked) = (number as usize, None, None);
@@ -229,7 +232,7 @@ impl VolumeShadows {
         if let Some(culling) = &mut culling {
             for (number, (planned, casters)) in plan.lights.iter().zip(&casters).enumerate() {
                 let Some(light) = lights.get(planned.light) else { continue };
-                groups.push(plan_casters(culling, &scene, (light, planned), (number, casters)));
+                groups.push(plan_casters(culling, &scene, light, planned, number, casters));
             }
             culling.upload(frame, |leaf| casting.draw(*leaf).unwrap_or_default())?;
         }
@@ -261,8 +264,10 @@ impl VolumeShadows {
         &mut self,
         commands: &Commands,
         geometry: &Geometry,
-        (pass, tests): (&mut VolumePass, Option<&BoxVolumePass>),
-        (view, target): (&View, &mut Target),
+        pass: &mut VolumePass,
+        tests: Option<&BoxVolumePass>,
+        view: &View,
+        target: &mut Target,
     ) {
         let culling = self.culling.as_ref().filter(|_| self.is_culled);
         let (Some(Prepared { draws, lights, mask_bytes }), Some(meshes)) =
@@ -280,7 +285,7 @@ impl VolumeShadows {
             target.prepare_tests(commands);
             let mut depth = target.render_target(None).within(view.origin, view.size).depth_only();
             depth.depth_store = AttachmentStore::Unchanged;
-            culling.record_tests(commands, tests, (depth, view));
+            culling.record_tests(commands, tests, depth, view);
         }
         let draw_group = |commands: &Commands, number: usize| {
             let Some(culling) = culling else { return };
@@ -290,7 +295,7 @@ impl VolumeShadows {
                 culling.draw(commands, group);
             }
         };
-        pass.record(commands, &io, (view, target), (draws, &draw_group));
+        pass.record(commands, &io, view, target, draws, &draw_group);
         if let Some(culling) = culling {
             culling.read_back(commands);
         }
@@ -329,15 +334,16 @@ impl Casting<'_> {
         let ranges = self.plan.ranges_of(planned).iter();
         let leaves =
             ranges.flat_map(|range| range.leaves.iter().map(|leaf| (leaf, range.counting)));
-        let of = (light, &planned.ends[..]);
-        leaves.filter_map(|(leaf, counting)| self.caster(leaf, counting, of)).collect()
+        let ends = &planned.ends[..];
+        leaves.filter_map(|(leaf, counting)| self.caster(leaf, counting, light, ends)).collect()
     }
 
     fn caster(
         &self,
         leaf: LeafIndex,
         counting: VolumeCounting,
-        (light, ends): (Vec4, &[VolumeEnd]),
+        light: Vec4,
+        ends: &[VolumeEnd],
     ) -> Option<VolumeCaster> {
         let object = *self.hierarchy.leaf_objects().get(leaf.0 as usize)?;
         let (_, volumes) = self.geometry.volume_draw(object)?;
@@ -362,8 +368,10 @@ impl Casting<'_> {
 fn plan_casters(
     culling: &mut CasterCulling,
     scene: &CastersInView<'_>,
-    (light, planned): (&ShadowLight, &PlannedVolumes),
-    (number, casters): (usize, &[VolumeCaster]),
+    light: &ShadowLight,
+    planned: &PlannedVolumes,
+    number: usize,
+    casters: &[VolumeCaster],
 ) -> Vec<(VolumeGroup, usize)> {
     // Volumes have sharp edges: no filter looks around.
     let reach = LightReach {
@@ -384,7 +392,7 @@ fn plan_casters(
     let there = numbered.filter(|((_, casters), _)| !casters.is_empty());
     let groups: Vec<_> =
         there.clone().map(|((_, casters), number)| CasterGroup { number, casters }).collect();
-    culling.plan((light.id, planned.area), (scene, &volumes), &groups);
+    culling.plan(light.id, planned.area, scene, &volumes, &groups);
     there.map(|((group, _), number)| (group, number)).collect()
 }
 

@@ -25,7 +25,8 @@ pub(super) fn unpacked(format: BlockFormat, size: [u32; 2], blocks: &[u8]) -> Ve
 }
 
 /// Returns the texels of a row of blocks: blue, green, red, alpha from the lowest byte on.
-fn decoded(format: BlockFormat, blocks: &[u8], [width, height]: [usize; 2]) -> Vec<u32> {
+fn decoded(format: BlockFormat, blocks: &[u8], size: [usize; 2]) -> Vec<u32> {
+    let [width, height] = size;
     let mut texels = vec![0; width * height];
     let four_coloured: Vec<u8>;
     let blocks = match format {

@@ -61,12 +61,18 @@ impl Extrusion {
         for [from, far, to] in edges {
             // The neighbour runs along the edge in the other direction.
             if far.0 == from.0 || self.faces([to, from, far]) != faces {
-                self.add_side(if faces { [from.1, to.1] } else { [to.1, from.1] }, boundary);
+                let from = from.1;
+                let to = to.1;
+                if faces {
+                    self.add_side(from, to, boundary);
+                } else {
+                    self.add_side(to, from, boundary);
+                }
             }
         }
     }
 
-    fn add_side(&self, [from, to]: [Vec3; 2], boundary: &mut Vec<VolumeTriangle>) {
+    fn add_side(&self, from: Vec3, to: Vec3, boundary: &mut Vec<VolumeTriangle>) {
         let [far_from, far_to] = [from, to].map(|corner| self.end.behind(corner, self.light));
         let [from, to] = [from, to].map(|corner| corner.extend(1.0));
         boundary.push([from, far_from, to]);

@@ -52,7 +52,8 @@ fn crossing(from: DVec4, to: DVec4, triangle: VolumeTriangle) -> Option<i32> {
 }
 
 /// Returns the crossing of a ray with a triangle at infinity, which it reaches in its direction.
-fn crossing_at_infinity(from: DVec4, to: DVec4, [a, b, c]: [DVec4; 3]) -> Option<i32> {
+fn crossing_at_infinity(from: DVec4, to: DVec4, cornerss: [DVec4; 3]) -> Option<i32> {
+    let [a, b, c] = cornerss;
     let towards = to.truncate();
     let corners = [a, b, c].map(|corner| corner.truncate());
     let of = |p: DVec3, q: DVec3, r: DVec3| {

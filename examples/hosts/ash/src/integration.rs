@@ -45,9 +45,9 @@ impl AshCulling {
         let shaders = ShaderSet::embedded()?;
         let [depth, colour] = images(renderer);
         let samples = vk::SampleCountFlags::TYPE_1;
-let near_depth = NearDepth::One;
+        let near_depth = NearDepth::One;
         let views = 1;
-let size = walk::SIZE;
+        let size = walk::SIZE;
         let images = HostImages { depth, colours: &[colour], samples, near_depth, views, size };
         // SAFETY: the host's images live as long, and nothing but its frames uses them.
         let target = unsafe { Target::of_host(&device, &images) }?;
@@ -84,7 +84,8 @@ let size = walk::SIZE;
     pub fn record(
         &mut self,
         commands: vk::CommandBuffer,
-        [current, over]: [u64; 2],
+        current: u64,
+        over: u64,
         camera: &Camera,
         strategy: Strategy,
     ) -> Result<(), Box<dyn Error>> {
@@ -96,10 +97,10 @@ let size = walk::SIZE;
         let sub_pixel_bits = self.device.adapter().limits.sub_pixel_precision_bits;
         let view = View::new(camera, walk::SIZE, sub_pixel_bits);
         self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
-        self.view.plan_frame(hierarchy, &executor.leaves, strategy, (&view, QUERY_BUDGET));
+        self.view.plan_frame(hierarchy, &executor.leaves, strategy, &view, QUERY_BUDGET);
         let objects = &mut self.objects;
-let shaders = &self.shaders;
-        execute(&mut frame, executor, &mut self.view, objects, (shaders, &view))?;
+        let shaders = &self.shaders;
+        execute(&mut frame, executor, &mut self.view, objects, shaders, &view)?;
         objects.target.restore(frame.commands());
         let tick = frame.end()?;
         self.view.submitted(tick, &executor.leaves, None);
@@ -128,7 +129,7 @@ impl ObjectRenderer for HostObjects {
 
     fn bind(&self, commands: &Commands, view: &View, bucket: BucketId, _pass: ObjectPass) {
         let view_proj = view.view_proj.to_cols_array();
-let snap_steps = view.snap_steps;
+        let snap_steps = view.snap_steps;
         self.renderer.bind(commands.raw(), bucket.0, &ViewConstants { view_proj, snap_steps });
     }
 }
@@ -163,7 +164,7 @@ fn images(renderer: &HostRenderer) -> [HostImage; 2] {
         exit,
     };
     let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
-let stages = S::ALL_TRANSFER;
+    let stages = S::ALL_TRANSFER;
     let copied = ImageState { layout, stages, access: A::TRANSFER_READ };
     let depth = image(&renderer.depth, ImageState::depth_attachment(), None);
     [depth, image(&renderer.colour, copied, Some(copied))]

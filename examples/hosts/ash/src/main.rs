@@ -26,7 +26,7 @@ fn draw(host: &Arc<AshDevice>, strategy: Strategy) -> Result<DrawnWalk, Box<dyn 
         let over = number.saturating_sub(FRAMES_IN_FLIGHT);
         walked.images.extend((over > 0).then_some(image));
         let commands = renderer.begin(number)?;
-        culling.record(commands, [number, over], &camera(number), strategy)?;
+        culling.record(commands, number, over, &camera(number), strategy)?;
         renderer.submit(number)?;
     }
     for number in FRAMES + 1..=FRAMES + FRAMES_IN_FLIGHT {
@@ -42,8 +42,9 @@ fn draw(host: &Arc<AshDevice>, strategy: Strategy) -> Result<DrawnWalk, Box<dyn 
 fn run() -> Result<bool, Box<dyn Error>> {
     let wanted = std::env::args().nth(1).unwrap_or_default();
     let host = Arc::new(AshDevice::new(&wanted, Purpose::Executor)?);
-    let [plain, culled] = [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|strategy| draw(&host, strategy));
-    let is_same = walk::report("ash", [&plain?, &culled?]);
+    let [plain, culled] =
+        [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|strategy| draw(&host, strategy));
+    let is_same = walk::report("ash", &plain?, &culled?);
     let host = Arc::into_inner(host).ok_or("the device is still in use")?;
     let messages = host.destroy();
     println!("ash: {messages} messages of the validation layer");

@@ -33,7 +33,7 @@ impl HostRenderer {
     pub fn new(host: &Arc<AshDevice>, scene: &BoxScene) -> Result<Self, Box<dyn Error>> {
         use vk::{BufferUsageFlags as B, ImageAspectFlags as A, ImageUsageFlags as U};
         let rgba = vk::Format::R8G8B8A8_UNORM;
-let d32 = vk::Format::D32_SFLOAT;
+        let d32 = vk::Format::D32_SFLOAT;
         let colour = AshImage::new(host, rgba, A::COLOR, U::COLOR_ATTACHMENT | U::TRANSFER_SRC)?;
         let depth_usage = U::DEPTH_STENCIL_ATTACHMENT | U::TRANSFER_SRC;
         let depth = AshImage::new(host, d32, A::DEPTH, depth_usage)?;
@@ -93,15 +93,15 @@ let d32 = vk::Format::D32_SFLOAT;
             .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
             .dst_access_mask(vk::AccessFlags::HOST_READ);
         let from = vk::PipelineStageFlags::TRANSFER;
-let to = vk::PipelineStageFlags::HOST;
+        let to = vk::PipelineStageFlags::HOST;
         let raw = &self.host.raw;
-let commands = [slot.commands];
+        let commands = [slot.commands];
         let submit = vk::SubmitInfo::default().command_buffers(&commands);
         // SAFETY: a command buffer in recording, and an image in the layout that is named.
         unsafe {
             let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
             let image = self.colour.raw;
-let buffer = slot.image.raw;
+            let buffer = slot.image.raw;
             raw.cmd_copy_image_to_buffer(slot.commands, image, layout, buffer, &[region]);
             let flags = vk::DependencyFlags::empty();
             raw.cmd_pipeline_barrier(slot.commands, from, to, flags, &[visible], &[], &[]);

@@ -34,7 +34,7 @@ impl ImageCopies {
             let commands = host.raw.allocate_command_buffers(&info)?[0];
             let fence = host.raw.create_fence(&vk::FenceCreateInfo::default(), None)?;
             let host = host.clone();
-let lock = lock.clone();
+            let lock = lock.clone();
             Ok(Self { host, lock, pool, commands, fence, buffer })
         }
     }
@@ -43,7 +43,7 @@ let lock = lock.clone();
     /// in its state again.
     pub fn copy(&self, finished: &FinishedImage) -> Result<Vec<u8>, Box<dyn Error>> {
         let raw = &self.host.raw;
-let buffers = [self.commands];
+        let buffers = [self.commands];
         let once = vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT;
         let begin = vk::CommandBufferBeginInfo::default().flags(once);
         let submit = vk::SubmitInfo::default().command_buffers(&buffers);
@@ -65,8 +65,8 @@ let buffers = [self.commands];
     fn record(&self, finished: &FinishedImage) {
         use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
         let layout = L::TRANSFER_SRC_OPTIMAL;
-let stages = S::COPY;
-let access = A::TRANSFER_READ;
+        let stages = S::COPY;
+        let access = A::TRANSFER_READ;
         let copied = ImageState { layout, stages, access };
         let [width, height] = finished.size;
         let region = vk::BufferImageCopy::default()
@@ -82,18 +82,18 @@ let access = A::TRANSFER_READ;
             .dst_stage_mask(S::HOST)
             .dst_access_mask(A::HOST_READ)];
         let to_copy = [barrier(finished.image, finished.state, copied)];
-let back = [barrier(finished.image, copied, finished.state)];
+        let back = [barrier(finished.image, copied, finished.state)];
         let before = vk::DependencyInfo::default().image_memory_barriers(&to_copy);
         let behind =
             vk::DependencyInfo::default().image_memory_barriers(&back).memory_barriers(&visible);
         let raw = &self.host.raw;
-let commands = self.commands;
-let buffer = self.buffer.raw;
+        let commands = self.commands;
+        let buffer = self.buffer.raw;
         // SAFETY: a command buffer in recording, and an image in the state that it says.
         unsafe {
             raw.cmd_pipeline_barrier2(commands, &before);
             let image = finished.image;
-let layout = copied.layout;
+            let layout = copied.layout;
             raw.cmd_copy_image_to_buffer(commands, image, layout, buffer, &[region]);
             raw.cmd_pipeline_barrier2(commands, &behind);
         }

@@ -31,7 +31,7 @@ impl DrawnScene {
         let device = unsafe { Device::adopt(description(host, lock)) }?;
         // Tests are made whether they pay or not: the program counts what they hide.
         let size = walk::SIZE;
-let costs = Costs::Ignored;
+        let costs = Costs::Ignored;
         let options = RendererOptions { size, costs, ..Default::default() };
         let renderer = Renderer::new(&device, &scene_of(walk), &options)?;
         let view = renderer.new_view()?;

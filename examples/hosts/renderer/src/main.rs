@@ -34,8 +34,9 @@ fn draw(host: &Arc<AshDevice>, strategy: Strategy) -> Result<DrawnWalk, Box<dyn 
 fn run() -> Result<bool, Box<dyn Error>> {
     let wanted = std::env::args().nth(1).unwrap_or_default();
     let host = Arc::new(AshDevice::new(&wanted, Purpose::Renderer)?);
-    let [plain, culled] = [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|strategy| draw(&host, strategy));
-    let is_same = walk::report("renderer", [&plain?, &culled?]);
+    let [plain, culled] =
+        [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|strategy| draw(&host, strategy));
+    let is_same = walk::report("renderer", &plain?, &culled?);
     let host = Arc::into_inner(host).ok_or("the device is still in use")?;
     let messages = host.destroy();
     println!("renderer: {messages} messages of the validation layer");

@@ -52,9 +52,9 @@ impl GraphCulling {
         let shaders = ShaderSet::embedded()?;
         let [depth, colour] = images(renderer)?;
         let samples = vk::SampleCountFlags::TYPE_1;
-let near_depth = NearDepth::One;
+        let near_depth = NearDepth::One;
         let views = 1;
-let size = walk::SIZE;
+        let size = walk::SIZE;
         let images = HostImages { depth, colours: &[colour], samples, near_depth, views, size };
         // SAFETY: the host's images live as long, and nothing but its frames uses them.
         let target = unsafe { Target::of_host(&device, &images) }?;
@@ -91,7 +91,8 @@ let size = walk::SIZE;
     pub fn record(
         &mut self,
         commands: vk::CommandBuffer,
-        [current, over]: [u64; 2],
+        current: u64,
+        over: u64,
         camera: &Camera,
         strategy: Strategy,
     ) -> Result<(), Box<dyn Error>> {
@@ -103,10 +104,10 @@ let size = walk::SIZE;
         let sub_pixel_bits = self.device.adapter().limits.sub_pixel_precision_bits;
         let view = View::new(camera, walk::SIZE, sub_pixel_bits);
         self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
-        self.view.plan_frame(hierarchy, &executor.leaves, strategy, (&view, QUERY_BUDGET));
+        self.view.plan_frame(hierarchy, &executor.leaves, strategy, &view, QUERY_BUDGET);
         let objects = &mut self.objects;
-let shaders = &self.shaders;
-        execute(&mut frame, executor, &mut self.view, objects, (shaders, &view))?;
+        let shaders = &self.shaders;
+        execute(&mut frame, executor, &mut self.view, objects, shaders, &view)?;
         objects.target.restore(frame.commands());
         let tick = frame.end()?;
         self.view.submitted(tick, &executor.leaves, None);
@@ -135,7 +136,7 @@ impl ObjectRenderer for HostObjects {
 
     fn bind(&self, commands: &Commands, view: &View, bucket: BucketId, _pass: ObjectPass) {
         let view_proj = view.view_proj.to_cols_array();
-let snap_steps = view.snap_steps;
+        let snap_steps = view.snap_steps;
         self.renderer.bind(commands.raw(), bucket.0, &ViewConstants { view_proj, snap_steps });
     }
 }
@@ -162,11 +163,13 @@ fn description(host: &HostInstance, device: &GraphDevice) -> gpu::HostDevice {
 /// Describes depth and colour in the states of the accesses that the graph's command declares:
 /// vk-graph brings them there before, and goes on from there.
 fn images(renderer: &GraphRenderer) -> Result<[HostImage; 2], Box<dyn Error>> {
-    let image = |source: &vk_graph::driver::image::Image, entry| -> Result<HostImage, Box<dyn Error>> {
+    let image = |source: &vk_graph::driver::image::Image,
+                 entry|
+     -> Result<HostImage, Box<dyn Error>> {
         let image = source.handle;
-let info = source.info;
+        let info = source.info;
         let format = info.format;
-let usage = info.usage;
+        let usage = info.usage;
         Ok(HostImage { image, view: source.view(info.into())?, format, usage, entry, exit: None })
     };
     Ok([

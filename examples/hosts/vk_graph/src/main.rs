@@ -29,7 +29,7 @@ fn draw(
     let culling = Arc::new(Mutex::new(GraphCulling::new(host, &renderer, &scene)?));
     let mut pool = HashPool::new(&device.raw);
     let mut walked = DrawnWalk::default();
-let mut sent = VecDeque::new();
+    let mut sent = VecDeque::new();
     // A frame of an engine has a number above 0.
     for number in 1..=FRAMES {
         let over = number.saturating_sub(FRAMES_IN_FLIGHT);
@@ -37,8 +37,8 @@ let mut sent = VecDeque::new();
             let oldest: renderer::SentFrame = sent.pop_front().ok_or("no frame is on its way")?;
             walked.images.push(oldest.wait()?);
         }
-        let view = (camera(number), strategy);
-        sent.push_back(renderer.draw(&mut pool, &culling, [number, over], view)?);
+        let camera = camera(number);
+        sent.push_back(renderer.draw(&mut pool, &culling, number, over, camera, strategy)?);
     }
     for frame in sent {
         walked.images.push(frame.wait()?);
@@ -55,7 +55,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let device = Arc::new(GraphDevice::new(&host, host.find(&wanted)?)?);
     let [plain, culled] =
         [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|strategy| draw(&host, &device, strategy));
-    let is_same = walk::report("vk-graph", [&plain?, &culled?]);
+    let is_same = walk::report("vk-graph", &plain?, &culled?);
     drop(device);
     let messages = host.destroy();
     println!("vk-graph: {messages} messages of the validation layer");

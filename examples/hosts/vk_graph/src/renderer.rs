@@ -43,7 +43,7 @@ impl GraphRenderer {
     pub fn new(device: &Arc<GraphDevice>, scene: &BoxScene) -> Result<Self, Box<dyn Error>> {
         use vk::{BufferUsageFlags as B, ImageUsageFlags as U};
         let [width, height] = walk::SIZE;
-let raw = &device.raw;
+        let raw = &device.raw;
         let formats = [vk::Format::R8G8B8A8_UNORM, vk::Format::D32_SFLOAT];
         let image = |format, usage| {
             let info = ImageInfo::image_2d(width, height, format, usage | U::TRANSFER_SRC);
@@ -73,8 +73,10 @@ let raw = &device.raw;
         &self,
         pool: &mut HashPool,
         culling: &Arc<Mutex<GraphCulling>>,
-        numbers: [u64; 2],
-        (camera, strategy): (Camera, Strategy),
+        current: u64,
+        over: u64,
+        camera: Camera,
+        strategy: Strategy,
     ) -> Result<SentFrame, Box<dyn Error>> {
         let [width, height] = walk::SIZE;
         let zeros = vec![0; (width * height * 4) as usize];
@@ -82,11 +84,11 @@ let raw = &device.raw;
         let image = Arc::new(Buffer::create_from_slice(&self.device.raw, usage, &zeros)?);
         let mut graph = Graph::default();
         let colour = graph.bind_resource(&self.colour);
-let depth = graph.bind_resource(&self.depth);
+        let depth = graph.bind_resource(&self.depth);
         let copied = graph.bind_resource(&image);
         let recorded: Recorded = Arc::new(Mutex::new(Err("was not called".to_owned())));
         let outcome = recorded.clone();
-let culling = culling.clone();
+        let culling = culling.clone();
         graph
             .begin_cmd()
             .debug_name("antumbra")
@@ -94,7 +96,7 @@ let culling = culling.clone();
             .resource_access(depth, AccessType::DepthStencilAttachmentWrite)
             .record_cmd(move |cmd| {
                 let mut culling = culling.lock().unwrap_or_else(PoisonError::into_inner);
-                let recorded = culling.record(cmd.handle, numbers, &camera, strategy);
+                let recorded = culling.record(cmd.handle, current, over, &camera, strategy);
                 *outcome.lock().unwrap_or_else(PoisonError::into_inner) =
                     recorded.map_err(|error| error.to_string());
             })

@@ -67,7 +67,7 @@ fn create_device(
     needs: &Requirements,
 ) -> Result<ash::Device, Box<dyn Error>> {
     let extensions = needs.extensions();
-let mut features = needs.features().structures();
+    let mut features = needs.features().structures();
     let mut chain = features.link(&extensions);
     let names: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
     let queues = [vk::DeviceQueueCreateInfo::default()

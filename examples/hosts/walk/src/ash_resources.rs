@@ -112,7 +112,7 @@ impl AshBuffer {
     /// A failed call.
     pub fn bytes(&self, host: &AshDevice) -> Result<Vec<u8>, vk::Result> {
         let mut bytes = vec![0; self.size_bytes as usize];
-let flags = vk::MemoryMapFlags::empty();
+        let flags = vk::MemoryMapFlags::empty();
         // SAFETY: mapped, read, and unmapped again, while nobody writes.
         unsafe {
             let mapped = host.raw.map_memory(self.memory, 0, self.size_bytes, flags)?;

@@ -47,10 +47,12 @@ impl HostInstance {
         }
         // SAFETY: every pointer in `info` lives until the call returns.
         let raw = unsafe { entry.create_instance(&info, None) }?;
-        let debug = if is_validated { Some(listen(&entry, &raw)?) } else {
-                println!("the validation layer is not installed");
-                None
-            };
+        let debug = if is_validated {
+            Some(listen(&entry, &raw)?)
+        } else {
+            println!("the validation layer is not installed");
+            None
+        };
         Ok(Self { entry, raw, debug })
     }
 

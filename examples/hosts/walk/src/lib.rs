@@ -99,7 +99,10 @@ impl BoxScene {
     /// Returns the low and the high corner of each part, as the vertex shader reads them.
     #[must_use]
     pub fn corners(&self) -> Vec<[[f32; 3]; 2]> {
-        self.parts.iter().map(|part| [part.bounds.min.to_array(), part.bounds.max.to_array()]).collect()
+        self.parts
+            .iter()
+            .map(|part| [part.bounds.min.to_array(), part.bounds.max.to_array()])
+            .collect()
     }
 
     fn add(&mut self, parts: &[Part]) {
@@ -122,7 +125,7 @@ pub fn camera(frame: u64) -> Camera {
 /// Compares the images of two walks, prints the outcome, and returns true if they are the same to
 /// the bit and something was left out.
 #[must_use]
-pub fn report(host: &str, [plain, culled]: [&DrawnWalk; 2]) -> bool {
+pub fn report(host: &str, plain: &DrawnWalk, culled: &DrawnWalk) -> bool {
     let differ = plain.images.iter().zip(&culled.images).filter(|(a, b)| a != b).count();
     let is_blank = culled.images.iter().any(|image| image.iter().all(|byte| *byte == image[0]));
     let complete = culled.images.len() as u64 == FRAMES && plain.images.len() as u64 == FRAMES;

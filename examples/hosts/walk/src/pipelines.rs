@@ -43,8 +43,9 @@ impl BoxPipelines {
         let layout = vk::PipelineLayoutCreateInfo::default().push_constant_ranges(&range);
         // SAFETY: a plain object of the host's own device.
         let layout = unsafe { device.create_pipeline_layout(&layout, None) }?;
+        let [colour, depth] = formats;
         let buckets = crate::FRAGMENTS.iter();
-        let buckets = buckets.map(|code| create_pipeline(device, layout, code, formats));
+        let buckets = buckets.map(|code| create_pipeline(device, layout, code, colour, depth));
         let buckets = buckets.collect::<Result<_, _>>()?;
         Ok(Self { device: device.clone(), layout, buckets })
     }
@@ -61,9 +62,9 @@ impl BoxPipelines {
         constants: &ViewConstants,
     ) {
         let device = &self.device;
-let bytes = bytemuck::bytes_of(constants);
+        let bytes = bytemuck::bytes_of(constants);
         let graphics = vk::PipelineBindPoint::GRAPHICS;
-let stage = vk::ShaderStageFlags::VERTEX;
+        let stage = vk::ShaderStageFlags::VERTEX;
         // SAFETY: the caller's promise.
         unsafe {
             device.cmd_bind_pipeline(commands, graphics, self.buckets[bucket as usize]);
@@ -87,7 +88,8 @@ fn create_pipeline(
     device: &ash::Device,
     layout: vk::PipelineLayout,
     fragment: &[u8],
-    [colour, depth]: [vk::Format; 2],
+    colour: vk::Format,
+    depth: vk::Format,
 ) -> Result<vk::Pipeline, Box<dyn Error>> {
     let modules = [create_module(device, crate::BOX_VERT)?, create_module(device, fragment)?];
     let stages = [vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT];

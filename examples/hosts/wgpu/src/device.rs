@@ -66,7 +66,8 @@ impl WgpuDevice {
                     let info = std::mem::take(args.create_info)
                         .push_next(&mut rendering)
                         .push_next(&mut synchronization);
-                    *args.create_info = if has_conditions { info.push_next(&mut conditional) } else { info };
+                    *args.create_info =
+                        if has_conditions { info.push_next(&mut conditional) } else { info };
                 })),
             )
         }?;

@@ -7,8 +7,7 @@ use std::sync::Arc;
 
 use ash::vk;
 use cull::{
-    Camera, ClipY, CullConfig, DepthConvention, DrawPhases, Strategy, View,
-    ViewProjection,
+    Camera, ClipY, CullConfig, DepthConvention, DrawPhases, Strategy, View, ViewProjection,
 };
 use glam::{Mat4, vec3};
 use gpu::{
@@ -51,10 +50,10 @@ impl WgpuCulling {
         let device = unsafe { Device::adopt(description(host, &renderer.host)) }?;
         let shaders = ShaderSet::embedded()?;
         let samples = vk::SampleCountFlags::TYPE_1;
-let near_depth = NearDepth::One;
+        let near_depth = NearDepth::One;
         let depth = depth_image(renderer)?;
         let views = 1;
-let size = walk::SIZE;
+        let size = walk::SIZE;
         let images = HostImages { depth, colours: &[], samples, near_depth, views, size };
         // SAFETY: the host's texture lives as long, and nothing but its frames uses it.
         let target = unsafe { Target::of_host(&device, &images) }?;
@@ -89,7 +88,8 @@ let size = walk::SIZE;
     /// Encodes a frame: its number, and the newest frame that is over.
     pub fn encode(
         &mut self,
-        [current, over]: [u64; 2],
+        current: u64,
+        over: u64,
         camera: &Camera,
         strategy: Strategy,
         image: &wgpu::Buffer,
@@ -106,7 +106,8 @@ let size = walk::SIZE;
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
         let snap_steps = View::new(camera, walk::SIZE, bits).snap_steps;
         let constants = ViewConstants { view_proj: view_proj.to_cols_array(), snap_steps };
-        let draws = |lists: &[DrawList]| lists.iter().map(|list| self.draws(list)).collect::<Vec<_>>();
+        let draws =
+            |lists: &[DrawList]| lists.iter().map(|list| self.draws(list)).collect::<Vec<_>>();
         let [visible, revealed] =
             [self.view.visible_lists(), self.view.revealed_lists()].map(draws);
         let first = self.renderer.encode(&visible, &constants, None);
@@ -133,10 +134,9 @@ let size = walk::SIZE;
         let projection = ViewProjection { matrix, depth: DepthConvention::Reversed, y: ClipY::Up };
         let view = View::from_matrix(&projection, walk::SIZE, bits)?;
         self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
-        self.view.plan_frame(hierarchy, &executor.leaves, strategy, (&view, QUERY_BUDGET));
+        self.view.plan_frame(hierarchy, &executor.leaves, strategy, &view, QUERY_BUDGET);
         let tests = list_draws(&mut frame, executor, &mut self.view, &view)?;
-        let io = (&mut self.target, &self.shaders);
-        tests.record(&mut frame, executor, &self.view, io)?;
+        tests.record(&mut frame, executor, &self.view, &mut self.target, &self.shaders)?;
         self.target.restore(frame.commands());
         let tick = frame.end()?;
         self.view.submitted(tick, &executor.leaves, None);
@@ -162,7 +162,7 @@ let size = walk::SIZE;
             (buffer, slice.offset_bytes)
         };
         let commands = buffer(list.commands);
-let count = list.count.map(buffer);
+        let count = list.count.map(buffer);
         WgpuDraws { bucket: list.bucket.0, commands, most: list.most, count }
     }
 

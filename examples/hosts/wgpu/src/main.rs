@@ -27,7 +27,7 @@ fn draw(
     let renderer = Arc::new(WgpuRenderer::new(device, &scene));
     let mut culling = WgpuCulling::new(host, &renderer, &scene)?;
     let mut walked = DrawnWalk::default();
-let mut sent = VecDeque::new();
+    let mut sent = VecDeque::new();
     // A frame of an engine has a number above 0.
     for number in 1..=FRAMES {
         let over = number.saturating_sub(FRAMES_IN_FLIGHT);
@@ -36,7 +36,7 @@ let mut sent = VecDeque::new();
             walked.images.push(renderer.wait(oldest)?);
         }
         let image = renderer.new_image();
-        let frame = culling.encode([number, over], &camera(number), strategy, &image)?;
+        let frame = culling.encode(number, over, &camera(number), strategy, &image)?;
         sent.push_back(renderer.submit(frame, image));
     }
     for frame in sent {
@@ -53,7 +53,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let device = Arc::new(WgpuDevice::new(&host, host.find(&wanted)?)?);
     let [plain, culled] =
         [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|strategy| draw(&host, &device, strategy));
-    let is_same = walk::report("wgpu", [&plain?, &culled?]);
+    let is_same = walk::report("wgpu", &plain?, &culled?);
     drop(device);
     let messages = host.destroy();
     println!("wgpu: {messages} messages of the validation layer");

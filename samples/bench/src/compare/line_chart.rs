@@ -190,7 +190,8 @@ fn parts_below_the_top(points: &[Point], shown: &Range<f64>) -> Vec<Vec<(f64, f6
 /// When it cannot be drawn.
 pub fn picture_with_legend(
     description: &str,
-    (series, marks): (&[Series], Marks),
+    series: &[Series],
+    marks: Marks,
     draw: impl FnOnce(&Area<'_>) -> Result<(), DrawError>,
 ) -> Result<String, DrawError> {
     picture(SIZE, description, |area| {
@@ -247,7 +248,7 @@ mod tests {
             goals: vec![(5.0, 1.0)],
             marks: Marks::Dots,
         };
-        picture_with_legend("A test", (series, chart.marks), |area| {
+        picture_with_legend("A test", series, chart.marks, |area| {
             chart.draw(area, logarithmic(1.0, 100.0), RangedCoordf64::from(0.0..4.0))
         })
         .unwrap()

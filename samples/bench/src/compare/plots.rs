@@ -72,7 +72,7 @@ pub fn ratios(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
     if over == IDEAL {
         caption.push_str(" Short horizontal bars: the goals of antumbra.");
     }
-    let svg = picture_with_legend(&describe, (&series, all.marks), |area| {
+    let svg = picture_with_legend(&describe, &series, all.marks, |area| {
         let y = logarithmic(least * 0.9, most * 1.15);
         if over != IDEAL {
             return all.draw(area, size_axis(&sizes), y);
@@ -118,7 +118,7 @@ pub fn cpu_times(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
         goals: vec![],
         marks: Marks::Dots,
     };
-    let svg = picture_with_legend(chart.title, (&series, chart.marks), |area| {
+    let svg = picture_with_legend(chart.title, &series, chart.marks, |area| {
         let y = logarithmic(least * 0.8, most * 1.25);
         chart.draw(area, size_axis(&sizes_of(&series)), y)
     })?;
@@ -156,7 +156,7 @@ pub fn frame_times(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, Dra
         goals: vec![],
         marks: Marks::Line,
     };
-    let svg = picture_with_legend(chart.title, (&series, chart.marks), |area| {
+    let svg = picture_with_legend(chart.title, &series, chart.marks, |area| {
         let x = RangedCoordf64::from(0.0..last);
         if is_wide {
             return chart.draw(area, x, logarithmic(least * 0.9, most * 1.1));

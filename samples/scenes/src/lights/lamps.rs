@@ -55,7 +55,8 @@ pub(super) enum LampKind {
 pub(super) fn light_lamps(
     mut scene: Scene,
     eyes: &[Vec3],
-    (kind, count): (LampKind, RangeInclusive<u32>),
+    kind: LampKind,
+    count: RangeInclusive<u32>,
 ) -> Result<Scene, GeneratorError> {
     let mut lamps = lamps_of(&scene);
     if (lamps.len() as u64) < u64::from(*count.start()) {

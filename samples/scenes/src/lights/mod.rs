@@ -75,7 +75,7 @@ impl LightSet {
             }
             Self::Sun(hour) => Ok(keep(scene, is_sun, || sun_of(hour))),
             Self::Torches if is_plain => {
-                light_lamps(night(scene), eyes, (LampKind::Torch, 1..=MOST_TORCHES))
+                light_lamps(night(scene), eyes, LampKind::Torch, 1..=MOST_TORCHES)
             }
             Self::Torches => {
                 let is_torch = |light: &PunctualLight| !is_sun(light);
@@ -85,7 +85,7 @@ impl LightSet {
                 }
                 Ok(keep(scene, is_torch, || None))
             }
-            Self::Lamps(lamps) => light_lamps(night(scene), eyes, (LampKind::Spot, lamps..=lamps)),
+            Self::Lamps(lamps) => light_lamps(night(scene), eyes, LampKind::Spot, lamps..=lamps),
         }
     }
 }
@@ -127,7 +127,7 @@ impl Daylight {
     /// # Errors
     /// As [`LightSet::light`].
     pub fn new(scene: Scene, eyes: &[Vec3], lamps: u32) -> Result<(Scene, Self), GeneratorError> {
-        let scene = light_lamps(night(scene), eyes, (LampKind::Spot, 0..=lamps))?;
+        let scene = light_lamps(night(scene), eyes, LampKind::Spot, 0..=lamps)?;
         let surfaces = scene.surfaces.as_ref();
         let lights = surfaces.map_or(&[][..], |surfaces| &surfaces.lights);
         let numbered = (0..).map(LightId).zip(lights);

@@ -117,7 +117,7 @@ impl Opened {
 
     /// Returns the list of scenes, with the one shown selected.
     pub(crate) fn scenes(&self) -> Menu {
-        let [shown, ..] = self.session.subject();
+        let shown = self.session.title_words().scene;
         menu::scenes(scene_files::to_choose(&self.files), shown)
     }
 

@@ -232,14 +232,16 @@ pub fn draw_all<'a>(
 pub fn draw_glass(
     frame: &Frame<'_>,
     boxes: &mut Boxes,
-    (list, passes, predicates): (&TransparentList, &OcclusionPasses, &Predicates),
+    list: &TransparentList,
+    passes: &OcclusionPasses,
+    predicates: &Predicates,
     view: &View,
 ) {
     let commands = frame.commands();
     list.prepare(commands);
     boxes.target.prepare(commands);
     commands.rendering(boxes.rendering(view, Rendering::Next), |commands| {
-        list.test(passes, commands, (view, boxes.viewport(view)));
+        list.test(passes, commands, view, boxes.viewport(view));
     });
     list.decide(commands);
     boxes.target.prepare(commands);

@@ -77,14 +77,15 @@ impl Host {
         predication: Predication,
         recorder: Recorder,
     ) -> Self {
-        let how = (bucket_count, predication, recorder);
-        Self::with_trust(device, how, Trust::default())
+        Self::with_trust(device, bucket_count, predication, recorder, Trust::default())
     }
 
     /// Creates the same on a driver that is trusted with this.
     pub fn with_trust(
         device: &Device,
-        (bucket_count, predication, recorder): (u32, Predication, Recorder),
+        bucket_count: u32,
+        predication: Predication,
+        recorder: Recorder,
         trust: Trust,
     ) -> Self {
         let shaders = ShaderSet::embedded().unwrap();
@@ -200,17 +201,17 @@ impl Host {
         let (hierarchy, executor) = self.scene.parts_mut();
         let state = &mut self.state;
         state.collect(self.device.completed().unwrap(), hierarchy, &executor.leaves);
-        state.plan_frame(hierarchy, &executor.leaves, strategy, (&view, 4096));
+        state.plan_frame(hierarchy, &executor.leaves, strategy, &view, 4096);
         match self.recorder {
             Recorder::Engine | Recorder::EngineDepthFirst => {
-                let io = (&self.shaders, &view);
-                execute(&mut frame, executor, state, &mut self.culled, io).unwrap();
+                execute(&mut frame, executor, state, &mut self.culled, &self.shaders, &view)
+                    .unwrap();
             }
             Recorder::Host => {
                 let tests = list_draws(&mut frame, executor, state, &view).unwrap();
                 draw_lists(&mut frame, &mut self.culled, state.visible_lists(), &view, None);
-                let io = (&mut self.culled.target, &self.shaders);
-                tests.record(&mut frame, executor, state, io).unwrap();
+                let target = &mut self.culled.target;
+                tests.record(&mut frame, executor, state, target, &self.shaders).unwrap();
                 let bytes = u64::from(self.bucket_count) * 4;
                 let usage = vk::BufferUsageFlags::TRANSFER_DST;
                 let name = "listed draws read back";
@@ -226,8 +227,8 @@ impl Host {
                 let visible = state.plan().draws.iter().map(object);
                 let parts = visible.filter_map(|object| self.parts.get(&object));
                 draw_all(&mut frame, &mut self.culled, parts, &view);
-                let io = (&mut self.culled.target, &self.shaders);
-                tests.record(&mut frame, executor, state, io).unwrap();
+                let target = &mut self.culled.target;
+                tests.record(&mut frame, executor, state, target, &self.shaders).unwrap();
             }
         }
         draw_all(&mut frame, &mut self.all, self.parts.values(), &view);
@@ -243,7 +244,7 @@ impl Host {
                 self.list.push(&view, bounds, &draws_of(*first, parts));
             }
             self.list.write(&mut frame, passes).unwrap();
-            draw_glass(&frame, boxes, (&self.list, passes, predicates), &view);
+            draw_glass(&frame, boxes, &self.list, passes, predicates, &view);
         }
         let images = [&mut self.culled, &mut self.all].map(|boxes| {
             let image = Readback::new(&self.device, SIZE).unwrap();
@@ -264,7 +265,7 @@ impl Host {
         if mistake == Mistake::SceneChangedBehindThePlan {
             let hierarchy = self.scene.hierarchy();
             let leaves = &self.scene.executor().leaves;
-            self.state.plan_frame(hierarchy, leaves, Strategy::ANTUMBRA, (&view, 4096));
+            self.state.plan_frame(hierarchy, leaves, Strategy::ANTUMBRA, &view, 4096);
             let wall = self.wall;
             let bounds = Aabb::new(Vec3::ZERO, Vec3::ONE);
             self.scene.move_to(&[(wall, bounds)]).unwrap();
@@ -282,18 +283,19 @@ impl Host {
         let side = View { view_proj: Mat4::IDENTITY, ..view };
         let planned = if mistake == Mistake::LargeView { large } else { view };
         if ![Mistake::NoPlan, Mistake::SceneChangedBehindThePlan].contains(&mistake) {
-            state.plan_frame(hierarchy, leaves, Strategy::ANTUMBRA, (&planned, 4096));
+            state.plan_frame(hierarchy, leaves, Strategy::ANTUMBRA, &planned, 4096);
         }
         let executed = match mistake {
             Mistake::LargeView => &large,
             Mistake::OtherView => &side,
             _ => &view,
         };
-        let io = (&self.shaders, executed);
+
         if mistake == Mistake::SamePlanAgain {
-            execute(&mut frame, executor, state, &mut self.culled, io).unwrap();
+            execute(&mut frame, executor, state, &mut self.culled, &self.shaders, executed)
+                .unwrap();
         }
-        execute(&mut frame, executor, state, &mut self.culled, io).unwrap_err()
+        execute(&mut frame, executor, state, &mut self.culled, &self.shaders, executed).unwrap_err()
     }
 
     /// Submits a frame that uploads nothing of the scene, and says that it did.
@@ -312,9 +314,11 @@ impl Host {
         if uploaded.is_err() {
             let (hierarchy, executor) = self.scene.parts_mut();
             let state = &mut self.state;
-            state.plan_frame(hierarchy, &executor.leaves, Strategy::FRUSTUM, (&view, 0));
-            let io = (&self.shaders, &view);
-            let refused = execute(&mut frame, executor, state, &mut self.culled, io).unwrap_err();
+            state.plan_frame(hierarchy, &executor.leaves, Strategy::FRUSTUM, &view, 0);
+
+            let refused =
+                execute(&mut frame, executor, state, &mut self.culled, &self.shaders, &view)
+                    .unwrap_err();
             assert!(matches!(refused, Error::NotUploaded(_)), "{refused}");
         }
         self.scene.submitted(frame.submit(None).unwrap());

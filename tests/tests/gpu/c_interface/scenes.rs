@@ -87,7 +87,7 @@ fn a_view_of_another_scene_is_unknown() {
     let good =
         AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
     let view = AntumbraViewFrame { view: foreign, ..good };
-    c.refuse(&[&view], |_| {}, (UnknownHandle, "no view"), &good);
+    c.refuse(&[&view], |_| {}, UnknownHandle, "no view", &good);
     c.finish();
     host.finish();
 }

@@ -35,7 +35,7 @@ type Quad = (Mesh, SurfaceMesh);
 
 /// Returns a square between columns of pixels, all over the block's rows.
 fn columns(from: u32, to: u32, distance_m: f32, material: u32) -> Quad {
-    quad(SIDE, [[from, 20], [to, 110]], distance_m, [[0.0; 2], [1.0; 2]], material, |_| {})
+    quad(SIDE, [from, 20], [to, 110], distance_m, [[0.0; 2], [1.0; 2]], material, |_| {})
 }
 
 fn with_materials(quads: Vec<Quad>, materials: Vec<Material>) -> Scene {
@@ -59,7 +59,7 @@ fn holes_of_masked_objects_let_light_through() {
         let change = |vertex: &mut scene::SurfaceVertex| {
             vertex.colour[3] = if vertex.uv[0][0] > 0.5 { u16::MAX } else { 0 };
         };
-        let graded = quad(SIDE, corners, 5.0, [[0.0; 2], [1.0; 2]], 0, change);
+        let graded = quad(SIDE, corners[0], corners[1], 5.0, [[0.0; 2], [1.0; 2]], 0, change);
         let materials = vec![masked(1.0), masked(0.4)];
         let mut scene = with_materials(vec![graded, columns(0, SIDE, 4.0, 1)], materials);
         let mut renderer = Renderer::new(device, &scene, &super::options(2)).unwrap();

@@ -62,7 +62,7 @@ impl Boxes {
     /// Draws in render passes of the host from now on.
     pub fn take_passes(&mut self, host: &Host, device: &Device, images: [&OwnImage; 2]) {
         let samples = self.target.attachments().samples;
-        self.passes = Some(OwnPasses::new(host, images, samples, SIZE));
+        self.passes = Some(OwnPasses::new(host, images[0], images[1], samples, SIZE));
         self.boxes.take_attachments(device, self.attachments());
     }
 }
@@ -70,7 +70,10 @@ impl Boxes {
 /// Returns the owner of the boxes, who draws to these images.
 pub fn boxes_of(
     device: &Device,
-    (colour, depth, samples, near_depth): (&OwnImage, &OwnImage, vk::SampleCountFlags, NearDepth),
+    colour: &OwnImage,
+    depth: &OwnImage,
+    samples: vk::SampleCountFlags,
+    near_depth: NearDepth,
     leaves: &LeafTable,
 ) -> Boxes {
     use vk::{AccessFlags2 as A, PipelineStageFlags2 as S};

@@ -174,8 +174,8 @@ impl<'a> HostLoop<'a> {
             DepthConvention::Reversed => NearDepth::One,
             DepthConvention::Standard => NearDepth::Zero,
         };
-        let images = (&colour, &depth, samples, near_depth);
-        let mut objects = boxes_of(&device, images, &leaves);
+
+        let mut objects = boxes_of(&device, &colour, &depth, samples, near_depth, &leaves);
         if passes == Passes::Host {
             objects.take_passes(host, &device, [&colour, &depth]);
         }
@@ -291,8 +291,8 @@ impl<'a> HostLoop<'a> {
         let PlanExecutor { passes, leaves } = executor;
         leaves.upload(&mut frame, hierarchy, &passes.scatter, None).unwrap();
         state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
-        state.plan_frame(hierarchy, &executor.leaves, strategy, (&view, 4096));
-        execute(&mut frame, executor, state, objects, (shaders, &view))?;
+        state.plan_frame(hierarchy, &executor.leaves, strategy, &view, 4096);
+        execute(&mut frame, executor, state, objects, shaders, &view)?;
         objects.target.restore(frame.commands());
         let tick = frame.end().unwrap();
         state.submitted(tick, &executor.leaves, None);

@@ -25,7 +25,8 @@ fn texture_of(number: u32) -> PreparedTexture {
 }
 
 /// Returns all mip maps of blocks of one colour.
-fn blocks_of([red, green, blue, _]: [u8; 4], size: [u32; 2]) -> Texels {
+fn blocks_of(colour: [u8; 4], size: [u32; 2]) -> Texels {
+    let [red, green, blue, _] = colour;
     let bits = u16::from(red >> 3) << 11 | u16::from(green >> 2) << 5 | u16::from(blue >> 3);
     let block = [bits.to_le_bytes(), bits.to_le_bytes(), [0; 2], [0; 2]].concat();
     let blocks = |level: u32| size.map(|side: u32| (side >> level).max(1).div_ceil(4));

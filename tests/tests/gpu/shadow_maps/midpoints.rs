@@ -117,7 +117,7 @@ fn looking(eye: Vec3, at: Vec3) -> Camera {
 }
 
 /// Draws a frame of a scene with each of some shadows.
-fn draw(device: &Device, (scene, camera): (&Scene, Camera), all: &[ShadowOptions]) -> Vec<Vec<u8>> {
+fn draw(device: &Device, scene: &Scene, camera: Camera, all: &[ShadowOptions]) -> Vec<Vec<u8>> {
     let mut renderer = renderer(device, scene, ShadowOptions::default());
     let mut view = renderer.new_view().unwrap();
     let draw = |options: &ShadowOptions| {
@@ -145,7 +145,7 @@ fn hollows_under_wide_filters_are_lit_by_midpoints_and_not_by_first_surfaces() {
         let camera = looking(vec3(0.3, 2.0, 1.4), vec3(0.0, 0.0, 0.2));
         for light in lights_above() {
             let scene = scene(sheet(waves, Some(0.3)), 0.0, &[], &[light]);
-            let images = draw(device, (&scene, camera), &all);
+            let images = draw(device, &scene, camera, &all);
             let counts: Vec<usize> =
                 images[1..].iter().map(|found| wrong(&images[0], found)).collect();
             println!("{:?}: {counts:?}", light.kind);
@@ -170,7 +170,7 @@ fn open_meshes_do_not_shadow_themselves_and_keep_their_shadow() {
                 ..finer
             });
             let all = [&[ShadowOptions::default()][..], &all].concat();
-            let images = draw(device, (&alone, camera), &all);
+            let images = draw(device, &alone, camera, &all);
             for (found, options) in images.iter().zip(&all) {
                 assert_eq!(wrong(&images[0], found), 0, "{options:?} under {light:?}");
             }
@@ -188,7 +188,7 @@ fn open_meshes_do_not_shadow_themselves_and_keep_their_shadow() {
             single,
             ShadowOptions { bias: ShadowBias::Midpoint, ..single },
         ];
-        let [lit, planes, midpoints] = &draw(device, (&roofed, camera), &options)[..] else {
+        let [lit, planes, midpoints] = &draw(device, &roofed, camera, &options)[..] else {
             panic!()
         };
         let dark = wrong(lit, planes);

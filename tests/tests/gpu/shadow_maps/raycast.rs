@@ -12,7 +12,7 @@ use super::{SIZE, image, renderer, shadows};
 /// Returns what a pixel shows, unless an edge is near.
 fn shown(boxes: &[Aabb], camera: &Camera, x: u32, y: u32) -> Option<(Vec3, Vec3)> {
     let at = |right: f32, down: f32| {
-        shown_at(boxes, (camera, SIZE), [x as f32 + 0.5 + right, y as f32 + 0.5 + down])
+        shown_at(boxes, camera, SIZE, [x as f32 + 0.5 + right, y as f32 + 0.5 + down])
     };
     let middle = at(0.0, 0.0)?;
     let around = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
@@ -51,7 +51,9 @@ pub struct Judged {
 
 /// Compares an image of boxes with rays, where no edge is near: `lit` is the same without shadows.
 pub fn judge(
-    (boxes, camera, light): (&[Aabb], &Camera, &PunctualLight),
+    boxes: &[Aabb],
+    camera: &Camera,
+    light: &PunctualLight,
     lit: &[u8],
     shadowed: &[u8],
 ) -> Judged {
@@ -100,7 +102,7 @@ fn maps_agree_with_ray_casting_away_from_edges() {
             let shadowed = image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
             renderer.set_shadows(ShadowOptions::default()).unwrap();
             let lit = image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
-            let Judged { checked, dark, wrong } = judge((&boxes, &camera, &light), &lit, &shadowed);
+            let Judged { checked, dark, wrong } = judge(&boxes, &camera, &light, &lit, &shadowed);
             assert!(wrong.is_empty(), "{bias:?} under {:?}: {wrong:#?}", light.kind);
             assert!(checked > 500 && dark > 10, "{checked} places, {dark} dark: {:?}", light.kind);
         }

@@ -11,7 +11,8 @@ use super::{image, renderer, shadows};
 
 /// Checks that an image is the same with all casters and with those that matter.
 fn compare(
-    (light, boxes): (PunctualLight, &[Aabb]),
+    light: PunctualLight,
+    boxes: &[Aabb],
     camera: Camera,
     options: ShadowOptions,
     exposure: f32,
@@ -71,7 +72,7 @@ fn receivers_that_a_lamp_grazes_have_all_of_their_casters() {
             let boxes: Vec<_> = fillers(low).chain([plate, caster]).collect();
             for filter in [ShadowFilter::Adaptive, ShadowFilter::Pcf3, ShadowFilter::Pcss64] {
                 let options = ShadowOptions { filter, ..shadows() };
-                compare((light, &boxes), camera, options, 1.0);
+                compare(light, &boxes, camera, options, 1.0);
             }
         }
     }
@@ -95,7 +96,7 @@ fn lights_without_a_range_end_where_their_shadows_do() {
         };
         for method in [ShadowMethod::Maps, ShadowMethod::Volumes] {
             let options = ShadowOptions { method, ..shadows() };
-            compare((light, boxes), camera, options, 8.0);
+            compare(light, boxes, camera, options, 8.0);
         }
     }
 }

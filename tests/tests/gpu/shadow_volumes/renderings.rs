@@ -135,7 +135,7 @@ impl Renderings {
             instances: self.instances.whole(),
             mask: self.mask.whole(),
         };
-        self.volumes.record(commands, &io, (&view, &mut self.target), (&draws, &|_, _| {}));
+        self.volumes.record(commands, &io, &view, &mut self.target, &draws, &|_, _| {});
         commands.copy_buffer(self.mask.whole(), self.readback.whole());
         let to_host = MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
         commands.barrier(to_host);

@@ -66,7 +66,8 @@ fn bumpy(
     texel: [u8; 4],
     scale: f32,
     sign: i16,
-    (transform, has_both_sides): (Affine3A, bool),
+    transform: Affine3A,
+    has_both_sides: bool,
 ) -> Vec<[u8; 4]> {
     let material = Material { normal_texture: using(0), normal_scale: scale, ..matt() };
     let mut surfaces =
@@ -103,8 +104,8 @@ fn normals_lean_along_tangent_and_bitangent() {
             for scale in [1.0, 0.5, -1.0] {
                 for mirrored in [1.0, -1.0] {
                     let transform = Affine3A::from_scale(Vec3::new(mirrored, 1.0, 1.0));
-                    let found = bumpy(device, texel, scale, sign, (transform, false));
-                    let both = bumpy(device, texel, scale, sign, (transform, true));
+                    let found = bumpy(device, texel, scale, sign, transform, false);
+                    let both = bumpy(device, texel, scale, sign, transform, true);
                     assert_eq!(found, both, "with both sides, mirrored {mirrored}");
                     let [x, y, z] = stored;
                     let lean = f64::from(scale);
@@ -209,7 +210,7 @@ fn textures_of_many_kinds_share_pages_and_each_is_found() {
         let column = |number: u32| {
             let from = [number * 4, 0];
             let to = [number * 4 + 4, SIDE];
-            tests::studio::quad(SIDE, [from, to], 4.0, ONCE, number, |_| {})
+            tests::studio::quad(SIDE, from, to, 4.0, ONCE, number, |_| {})
         };
         let found = draw(device, &scene_of((0..count).map(column).collect(), surfaces));
         for (pixel, found) in found.into_iter().enumerate() {

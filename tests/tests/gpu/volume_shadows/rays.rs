@@ -21,7 +21,7 @@ struct Seen {
 impl Seen {
     fn at(boxes: &[Aabb], camera: &Camera, light: &PunctualLight, pixel: [u32; 2]) -> Option<Self> {
         let middle = pixel.map(|side| side as f32 + 0.5);
-        let (place, normal) = shown_at(boxes, (camera, SIZE), middle)?;
+        let (place, normal) = shown_at(boxes, camera, SIZE, middle)?;
         let from = place + normal * 1e-3;
         let (along, end) = towards(light, from);
         Some(Self { place, normal, is_lit: !is_blocked(boxes, from, along, end) })
@@ -71,7 +71,7 @@ fn volumes_agree_with_ray_casting_one_pixel_from_edges() {
             let mut checked = 0;
             let mut dark = 0;
             for (camera, (lit, shadowed)) in cameras().iter().zip(lit.iter().zip(&shadowed)) {
-                let [of_camera, in_shadow] = judge((&boxes, camera, &light), lit, shadowed);
+                let [of_camera, in_shadow] = judge(&boxes, camera, &light, lit, shadowed);
                 (checked, dark) = (checked + of_camera, dark + in_shadow);
             }
             by_light.push((checked, dark));
@@ -83,7 +83,9 @@ fn volumes_agree_with_ray_casting_one_pixel_from_edges() {
 
 /// Compares an image with rays; returns how many pixels were judged, and how many are in shadow.
 fn judge(
-    (boxes, camera, light): (&[Aabb], &Camera, &PunctualLight),
+    boxes: &[Aabb],
+    camera: &Camera,
+    light: &PunctualLight,
     lit: &[u8],
     shadowed: &[u8],
 ) -> [u32; 2] {

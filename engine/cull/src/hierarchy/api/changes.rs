@@ -39,7 +39,7 @@ impl Hierarchy {
         let Self { topology, nodes, refit_scratch, boxes, worn, work, .. } = self;
         let moved = moved.into_iter().inspect(|_| work.placed_leaves += 1);
         let mut refitted = 0;
-        let outcome = refit(topology, nodes, (refit_scratch, boxes), moved, |nodes, node| {
+        let outcome = refit(topology, nodes, refit_scratch, boxes, moved, |nodes, node| {
             refitted += 1;
             worn.consider(topology, nodes, node, LEAVES_PER_UPDATE);
         });

@@ -230,7 +230,7 @@ impl WindowImage<'_> {
     /// frame was not [submitted](Target::submitted); those without a name in [`PresentSkipped`].
     pub fn show(self, target: &Target) -> Result<PresentResult, Error> {
         let Self { frame, screen, slot_wait, acquire_wait } = self;
-        match screen.show(frame, target, [slot_wait, acquire_wait]) {
+        match screen.show(frame, target, slot_wait, acquire_wait) {
             Ok(presented) => Ok(presented),
             Err(error) => Ok(PresentResult::Not(screen.settle(error)?)),
         }

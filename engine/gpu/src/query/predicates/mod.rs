@@ -84,7 +84,7 @@ impl Predicates {
     ) -> Result<Self, Error> {
         let predication = Predication::choose(device, predication, draws.len() as u64, 0)?;
         let draws = device.upload("indirect draws", draws, DRAW_USAGE)?;
-        Self::over(device, predication, (draws, None), frames_in_flight)
+        Self::over(device, predication, draws, None, frames_in_flight)
     }
 
     /// Prepares `predication` (if `None`, the device's best for so many) for `count` draws that are
@@ -101,7 +101,7 @@ impl Predicates {
     ) -> Result<Self, Error> {
         let predication = Predication::choose(device, predication, count.into(), 0)?;
         let [draws, links] = linked_buffers(device, count)?;
-        Self::over(device, predication, (draws, Some(links)), frames_in_flight)
+        Self::over(device, predication, draws, Some(links), frames_in_flight)
     }
 
     /// Prepares `predication` (if `None`, the device's best for so many) for `count` draws of one
@@ -116,14 +116,18 @@ impl Predicates {
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
         let predication = Predication::choose(device, predication, count.into(), 0)?;
-        let draws = (draw_buffer(device, count)?, None);
-        Ok(Self { is_alone: false, ..Self::over(device, predication, draws, frames_in_flight)? })
+        let draws_draws = draw_buffer(device, count)?;
+        Ok(Self {
+            is_alone: false,
+            ..Self::over(device, predication, draws_draws, None, frames_in_flight)?
+        })
     }
 
     fn over(
         device: &Device,
         predication: Predication,
-        (draws, links): (Buffer, Option<Buffer>),
+        draws: Buffer,
+        links: Option<Buffer>,
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
         check_frames_in_flight(frames_in_flight)?;
@@ -306,7 +310,8 @@ impl Predicates {
     /// results, with a barrier before those.
     pub fn predicate(
         &self,
-        (source, decision): (ResultSource, u32),
+        source: ResultSource,
+        decision: u32,
         leaves: DrawRange,
         threshold_samples: u32,
     ) -> Option<Predicate> {

@@ -104,7 +104,7 @@ impl Target {
         }
         if let Some(multisampling) = &self.multisampling {
             commands.change_layouts([self.depth.change(Access::ComputeSample)]);
-            multisampling.copy_farthest(commands, self.depth.depth_view(), [origin, size], to);
+            multisampling.copy_farthest(commands, self.depth.depth_view(), origin, size, to);
             return;
         }
         commands.change_layouts([self.depth.change(Access::CopyRead)]);

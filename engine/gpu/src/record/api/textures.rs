@@ -27,9 +27,13 @@ impl Commands {
         if self.admit(array).is_err() {
             return;
         }
-        let opened = [Access::Nothing, Access::FragmentSample];
         for layer in 0..array.layers() {
-            self.change_layouts([array.change(layer, 0..array.levels, opened)]);
+            self.change_layouts([array.change(
+                layer,
+                0..array.levels,
+                Access::Nothing,
+                Access::FragmentSample,
+            )]);
         }
     }
 
@@ -57,11 +61,19 @@ impl Commands {
             return;
         }
         let levels = level..level + 1;
-        let sampled = [Access::FragmentSample, Access::CopyWrite];
-        self.change_layouts([array.change(layer, levels.clone(), sampled)]);
+        self.change_layouts([array.change(
+            layer,
+            levels.clone(),
+            Access::FragmentSample,
+            Access::CopyWrite,
+        )]);
         array.copy_rows(self, from, layer, level, first..first + count);
-        let copied = [Access::CopyWrite, Access::FragmentSample];
-        self.change_layouts([array.change(layer, levels, copied)]);
+        self.change_layouts([array.change(
+            layer,
+            levels,
+            Access::CopyWrite,
+            Access::FragmentSample,
+        )]);
     }
 
     /// Makes the mip maps of a layer, whose rows were all [copied](Commands::write_texture), if the
@@ -76,8 +88,12 @@ impl Commands {
         }
         if array.blits_levels() {
             let all = 0..array.levels;
-            let sampled = [Access::FragmentSample, Access::CopyWrite];
-            self.change_layouts([array.change(layer, all, sampled)]);
+            self.change_layouts([array.change(
+                layer,
+                all,
+                Access::FragmentSample,
+                Access::CopyWrite,
+            )]);
             array.blit_levels(self, layer);
         }
     }

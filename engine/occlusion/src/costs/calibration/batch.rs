@@ -152,7 +152,7 @@ impl<'a> Bench<'a> {
         let most = SkipTimes::RANGES * SkipTimes::WIDE_DRAWS;
         let ranges = executors
             .iter()
-            .map(|executor| SkippedRanges::new(device, shaders, *executor, (draws[0], most)));
+            .map(|executor| SkippedRanges::new(device, shaders, *executor, draws[0], most));
         Ok(Self {
             ranges: ranges.collect::<Result<_, _>>()?,
             compute: ComputeTest::new(device, shaders, size)
@@ -200,7 +200,7 @@ impl<'a> Bench<'a> {
         if let Thing::Ranges { executor, width } = batch.thing {
             let results = self.flags.results();
             for ranges in self.ranges.iter_mut().filter(|range| range.predication() == executor) {
-                ranges.begin(frame, results, (batch.count, width))?;
+                ranges.begin(frame, results, batch.count, width)?;
             }
         }
         let [single, patch] = self.draws;

@@ -29,7 +29,7 @@ pub(super) fn measure(device: &Device) -> Result<ResetPrices, Error> {
         // The first turn makes the pool.
         for turn in 0..=ROUNDS {
             for (count, shortest_ns) in [2 * QUERIES, QUERIES].into_iter().zip(&mut shortest_ns) {
-                let ns = time_ns(device, (&mut frames, by), &mut queries, count)?;
+                let ns = time_ns(device, &mut frames, by, &mut queries, count)?;
                 *shortest_ns = if turn == 0 { f64::NAN } else { shortest_ns.min(ns) };
             }
         }
@@ -48,7 +48,8 @@ pub(super) fn measure(device: &Device) -> Result<ResetPrices, Error> {
 /// commands on the GPU; where there are no timestamps from submit to end.
 fn time_ns(
     device: &Device,
-    (frames, by): (&mut FrameRing, Resubmission),
+    frames: &mut FrameRing,
+    by: Resubmission,
     queries: &mut QueryRing<()>,
     count: usize,
 ) -> Result<f64, Error> {

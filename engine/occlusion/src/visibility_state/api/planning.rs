@@ -37,7 +37,8 @@ impl VisibilityState {
         hierarchy: &Hierarchy,
         leaves: &LeafTable,
         strategy: Strategy,
-        (views, query_budget): (impl Into<MultiView<'v>>, usize),
+        views: impl Into<MultiView<'v>>,
+        query_budget: usize,
     ) {
         let views = views.into();
         self.planned_views.clear();

@@ -67,6 +67,6 @@ impl FramePasses {
             return;
         };
         let surfaces = SurfaceIo { fragments: Some(fragments), ..surfaces };
-        transparent.draw((&passes.storing, executor), commands, surfaces, (view, &self.light));
+        transparent.draw(&passes.storing, executor, commands, surfaces, view, &self.light);
     }
 }

@@ -24,7 +24,7 @@ impl FramePasses {
         }
         self.draw_culled_maps(commands, view);
         let Self { geometry, pipelines, shadows, target, .. } = self;
-        shadows.count_volumes(commands, (geometry, pipelines), (view, target));
+        shadows.count_volumes(commands, geometry, pipelines, view, target);
         if let Some(transparent) = &self.transparent {
             transparent.list().prepare(commands);
         }
@@ -54,7 +54,7 @@ impl FramePasses {
         }
         if let Some(transparent) = &self.transparent {
             let viewport = Viewport::covering(view.origin, view.size);
-            transparent.list().test(&executor.passes, commands, (view, viewport));
+            transparent.list().test(&executor.passes, commands, view, viewport);
         }
     }
 
@@ -67,7 +67,7 @@ impl FramePasses {
         let target = self.target_of(view, None).depth_only();
         let target = self.scope_target(commands, ViewScope::CasterTests, target);
         let Self { geometry, pipelines, shadows, .. } = self;
-        shadows.record_culled(commands, (geometry, pipelines), (target, view));
+        shadows.record_culled(commands, geometry, pipelines, target, view);
     }
 
     fn draw_surfaces(
@@ -100,11 +100,11 @@ impl FramePasses {
         executor: &PlanExecutor,
         commands: &Commands,
         view: &View,
-        (draws, count): (BufferSlice, u32),
+        draws: Option<BufferSlice>,
         backdrop: Option<[f32; 3]>,
     ) {
         let draw = |commands: &Commands| {
-            if count > 0 {
+            if let Some(draws) = draws {
                 executor.leaves.predicates().draw_after_counted(commands, draws);
             }
         };
@@ -146,7 +146,7 @@ impl FramePasses {
             return;
         };
         if let Some(surfaces) = self.surface_io() {
-            transparent.draw((pass, executor), commands, surfaces, (view, &self.light));
+            transparent.draw(pass, executor, commands, surfaces, view, &self.light);
         }
     }
 }

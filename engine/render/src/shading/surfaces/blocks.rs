@@ -32,7 +32,8 @@ impl SampledBlocks {
     pub(crate) fn of_image(
         self,
         image: &Image,
-        (encoding, sampler): (Encoding, Sampler),
+        encoding: Encoding,
+        sampler: Sampler,
         max_side: u32,
     ) -> Option<PageBlocks> {
         let Texels::Blocks { format, levels } = &image.texels else { return None };
@@ -107,18 +108,18 @@ mod tests {
             (BlockFormat::Bc1, COLOURS, SampledBlocks::default(), false),
         ] {
             let image = image(format, [8, 8], 1);
-            let found = among.of_image(&image, (encoding, Sampler::default()), 64);
+            let found = among.of_image(&image, encoding, Sampler::default(), 64);
             assert_eq!(found.is_some(), is_sampled, "{format:?} {encoding:?} {among:?}");
         }
         let bytes = Image::of_rgba8("", [1, 1], vec![0; 4]);
-        assert_eq!(BOTH.of_image(&bytes, (COLOURS, Sampler::default()), 64), None);
+        assert_eq!(BOTH.of_image(&bytes, COLOURS, Sampler::default(), 64), None);
     }
 
     #[test]
     fn an_image_beyond_the_devices_size_begins_with_the_mip_map_that_fits() {
         let part = |levels, sampler, max_side| {
             let image = image(BlockFormat::Bc7, [100, 40], levels);
-            let part = BOTH.of_image(&image, (COLOURS, sampler), max_side)?;
+            let part = BOTH.of_image(&image, COLOURS, sampler, max_side)?;
             Some((part.first_level, part.levels))
         };
         let plain = Sampler::default();

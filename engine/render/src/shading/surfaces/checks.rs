@@ -24,17 +24,29 @@ pub(super) fn check_counts(
     let transparent = surfaces.transparent.len() as u64;
     check_lights(surfaces, spare)?;
     let materials = surfaces.materials.len() as u64 + u64::from(spare.materials) + 1;
-    let entries = (materials, size_of::<MaterialEntry>() as u64);
-    limits::check_storage(device, "materials, with room", entries, "let meshes share materials")?;
+    let bytes = size_of::<MaterialEntry>() as u64;
+    limits::check_storage(
+        device,
+        "materials, with room",
+        materials,
+        bytes,
+        "let meshes share materials",
+    )?;
     limits::check_memory("materials", materials as usize, MATERIAL_BYTES)?;
     const SPLIT: &str = "split the scene, or join objects that stand still";
-    let instances = (transparent, scene::limits::INSTANCE_BYTES);
-    limits::check_storage(device, "transparent objects", instances, SPLIT)?;
+
+    limits::check_storage(
+        device,
+        "transparent objects",
+        transparent,
+        scene::limits::INSTANCE_BYTES,
+        SPLIT,
+    )?;
     let is_local = |light: &PunctualLight| light.kind != LightKind::Directional;
     if spare.lights > 0 || surfaces.lights.iter().any(is_local) {
         let slots = hierarchy.leaf_objects().len() as u64 + transparent;
-        let lists = (slots, LIST_VALUES as u64 * 4);
-        limits::check_storage(device, "objects in the light of lamps", lists, SPLIT)?;
+        let lists_bytes = LIST_VALUES as u64 * 4;
+        limits::check_storage(device, "objects in the light of lamps", slots, lists_bytes, SPLIT)?;
     }
     Ok(())
 }

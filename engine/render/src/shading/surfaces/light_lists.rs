@@ -147,7 +147,8 @@ impl LightLists {
         &mut self,
         hierarchy: &Hierarchy,
         first_slot: u32,
-        (centre, radius_m): (Vec3, f32),
+        centre: Vec3,
+        radius_m: f32,
     ) {
         if self.doubts_all() {
             return;

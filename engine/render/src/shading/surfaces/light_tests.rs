@@ -125,8 +125,8 @@ fn a_light_that_moves_is_found_around_both_its_places() {
         (7, bulb(Vec3::NAN, 3.0, None)),
     ] {
         lights[moved] = to;
-        for around in lists.replace(moved, Some(moved as u32), &to) {
-            lists.doubt(&hierarchy, 0, around);
+        for (centre, radius_m) in lists.replace(moved, Some(moved as u32), &to) {
+            lists.doubt(&hierarchy, 0, centre, radius_m);
         }
         let doubtful = lists.take_doubtful();
         assert!(doubtful.len() < 80, "not all objects are asked: {}", doubtful.len());

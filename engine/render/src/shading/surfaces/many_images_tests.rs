@@ -45,7 +45,8 @@ fn plain(sizes: &[[u32; 2]]) -> Surfaces {
 }
 
 /// Returns the bytes of an image with all mip maps.
-fn bytes([mut width, mut height]: [u32; 2]) -> u64 {
+fn bytes(size: [u32; 2]) -> u64 {
+    let [mut width, mut height] = size;
     let mut sum = 0;
     loop {
         sum += 4 * u64::from(width) * u64::from(height);
@@ -82,10 +83,10 @@ fn assert_sound(plan: &PagePlan, surfaces: &Surfaces, max_layers: u32) -> u64 {
 fn thousands_of_sizes_lose_nothing_while_they_are_small() {
     let sizes: Vec<_> = (0..3000).map(|number| [1 + number % 64, 1 + number / 64]).collect();
     let surfaces = plain(&sizes);
-    let plan = PagePlan::new(&surfaces, [16_384, 2048], MAX_PAGES);
+    let plan = PagePlan::new(&surfaces, 16_384, 2048, MAX_PAGES);
     assert_sound(&plan, &surfaces, 2048);
     assert_eq!(plan.shrunk, 0);
-    assert_eq!(plan, PagePlan::new(&surfaces, [16_384, 2048], MAX_PAGES), "the same again");
+    assert_eq!(plan, PagePlan::new(&surfaces, 16_384, 2048, MAX_PAGES), "the same again");
 }
 
 #[test]
@@ -94,7 +95,7 @@ fn one_huge_image_does_not_blow_thousands_of_tiny_ones_up() {
         let mut sizes = vec![[16_384, 16_384]];
         sizes.extend((0..4000).map(|number| [1 + number % tiny, 1 + number / 7 % tiny]));
         let surfaces = plain(&sizes);
-        let plan = PagePlan::new(&surfaces, [16_384, 2048], MAX_PAGES);
+        let plan = PagePlan::new(&surfaces, 16_384, 2048, MAX_PAGES);
         assert_sound(&plan, &surfaces, 2048);
         assert_eq!(plan.shrunk, 0, "the huge one stays as it is: {tiny}");
     }
@@ -104,7 +105,7 @@ fn one_huge_image_does_not_blow_thousands_of_tiny_ones_up() {
 fn long_and_high_images_are_not_brought_to_one_that_holds_both() {
     let sizes = (0..13).flat_map(|index| vec![[1 << index, 1 << (12 - index)]; 40]);
     let surfaces = plain(&sizes.chain([[8192, 8192]]).collect::<Vec<_>>());
-    let plan = PagePlan::new(&surfaces, [16_384, 2048], MAX_PAGES);
+    let plan = PagePlan::new(&surfaces, 16_384, 2048, MAX_PAGES);
     assert_sound(&plan, &surfaces, 2048);
     let huge = plan.places[520].unwrap().0;
     assert_eq!(plan.pages[huge].size, [8192, 8192]);
@@ -130,10 +131,10 @@ fn an_image_is_not_copied_for_each_of_many_samplers() {
         })
         .collect();
     let large = surfaces(&[[16_384, 16_384]], &looks);
-    let plan = PagePlan::new(&large, [16_384, 2048], MAX_PAGES);
+    let plan = PagePlan::new(&large, 16_384, 2048, MAX_PAGES);
     assert_eq!(assert_sound(&plan, &large, 2048), 2 * bytes([16_384; 2]));
     let small = surfaces(&[[64, 64]], &looks);
-    let plan = PagePlan::new(&small, [16_384, 2048], MAX_PAGES);
+    let plan = PagePlan::new(&small, 16_384, 2048, MAX_PAGES);
     assert_sound(&plan, &small, 2048);
     assert_eq!(plan.pages.len(), MAX_PAGES, "small ones keep as many samplers as they can");
 }
@@ -143,8 +144,8 @@ fn images_of_an_encoding_fill_the_last_layer_of_all_pages() {
     // Two thirds of a page of each of 18 sizes: no two of them together save a page.
     let sizes: Vec<_> = (0..18).flat_map(|index| vec![[index + 1, 2 * index + 1]; 40]).collect();
     let surfaces = plain(&sizes);
-    assert_sound(&PagePlan::new(&surfaces, [16_384, 60], MAX_PAGES), &surfaces, 60);
-    let plan = PagePlan::new(&surfaces, [16_384, 59], MAX_PAGES);
+    assert_sound(&PagePlan::new(&surfaces, 16_384, 60, MAX_PAGES), &surfaces, 60);
+    let plan = PagePlan::new(&surfaces, 16_384, 59, MAX_PAGES);
     assert!(plan.pages.len() > MAX_PAGES, "more images than layers is for the caller to refuse");
 }
 
@@ -171,8 +172,8 @@ fn whatever_there_is_gets_a_page_within_the_bound() {
         };
         let looks: Vec<_> = (0..2 * count).map(|number| look(number % count)).collect();
         let surfaces = surfaces(&sizes, &looks);
-        let plan = PagePlan::new(&surfaces, [16_384, 512], MAX_PAGES);
+        let plan = PagePlan::new(&surfaces, 16_384, 512, MAX_PAGES);
         assert_sound(&plan, &surfaces, 512);
-        assert_eq!(plan, PagePlan::new(&surfaces, [16_384, 512], MAX_PAGES), "seed {seed}");
+        assert_eq!(plan, PagePlan::new(&surfaces, 16_384, 512, MAX_PAGES), "seed {seed}");
     }
 }

@@ -120,8 +120,8 @@ fn lists_are_those_found_the_plain_way_whatever_changes() {
             let light = (random.next() * light_count as f32) as usize;
             let now = PunctualLight { kind: lights[light].kind, ..any_light(random) };
             lights[light] = now;
-            for around in lists.replace(light, table.places[light], &now) {
-                lists.doubt(&hierarchy, 0, around);
+            for (centre, radius_m) in lists.replace(light, table.places[light], &now) {
+                lists.doubt(&hierarchy, 0, centre, radius_m);
             }
             let moved = (random.next() * box_count as f32) as usize;
             boxes[moved] = any_box(random);
@@ -213,8 +213,8 @@ fn many_lights_that_change_are_one_search_an_object_and_frame() {
     for _ in 0..3 {
         // As if no frame were drawn.
         for (place, light) in (0..).zip(&lights) {
-            for around in lists.replace(place as usize, Some(place), light) {
-                lists.doubt(&hierarchy, 0, around);
+            for (centre, radius_m) in lists.replace(place as usize, Some(place), light) {
+                lists.doubt(&hierarchy, 0, centre, radius_m);
             }
         }
         let visits = lists.doubt_visits();

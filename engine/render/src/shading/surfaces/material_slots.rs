@@ -217,7 +217,8 @@ impl MaterialSlots {
         &self,
         frame: &mut Frame<'_>,
         scatter: &ScatterPass,
-        [materials, transforms]: [BufferSlice; 2],
+        materials: BufferSlice,
+        transforms: BufferSlice,
     ) -> Result<(), Error> {
         let dirty = self.dirty.list();
         if !dirty.is_empty() {

@@ -92,8 +92,9 @@ impl OwnImages {
 
     /// Returns the compressed blocks of a texture that lie on the GPU as they are.
     fn blocks(&self, texture: &PreparedTexture) -> Option<PageBlocks> {
-        let meaning = (texture.encoding(), texture.sampler());
-        self.sampled.of_image(texture.image(), meaning, self.max_side)
+        let encoding = texture.encoding();
+        let sampler = texture.sampler();
+        self.sampled.of_image(texture.image(), encoding, sampler, self.max_side)
     }
 
     /// Returns true if the blocks of a texture lie on the GPU as they are.

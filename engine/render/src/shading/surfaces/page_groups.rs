@@ -50,7 +50,8 @@ fn texels(size: [u32; 2]) -> u64 {
     (0..=levels).map(|level| pixels(size.map(|side| (side >> level).max(1)))).sum()
 }
 
-fn pixels([width, height]: [u32; 2]) -> u64 {
+fn pixels(size: [u32; 2]) -> u64 {
+    let [width, height] = size;
     u64::from(width) * u64::from(height)
 }
 
@@ -71,7 +72,8 @@ pub(super) fn most_texels(groups: &[Group]) -> u64 {
 /// number of pages can fail, where there are more images of an encoding than all pages hold.
 pub(super) fn joined(
     groups: Vec<Group>,
-    (max_layers, max_pages): (u32, usize),
+    max_layers: u32,
+    max_pages: usize,
     most_texels: u64,
 ) -> Vec<Group> {
     let mut groups = without_copies(groups, most_texels);

@@ -80,7 +80,7 @@ fn what_is_alike_shares_a_page_and_equal_images_a_layer() {
             (1, srgb, clamped()),
         ],
     );
-    let plan = PagePlan::new(&surfaces, [4096, 256], MAX_PAGES);
+    let plan = PagePlan::new(&surfaces, 4096, 256, MAX_PAGES);
     let places: Vec<_> = plan.places.iter().map(|place| place.unwrap()).collect();
     assert_eq!(places, [(0, 0), (0, 1), (0, 0), (1, 0), (2, 0), (3, 0)]);
     assert_eq!((plan.pages.len(), plan.resampled, plan.resampled_by_others), (4, 0, 0));
@@ -94,10 +94,10 @@ fn what_nobody_uses_or_has_takes_no_place() {
         surfaces(&[[8, 8]], &[texture, (7, Encoding::Srgb, Sampler::default()), texture]);
     surfaces.materials.truncate(2);
     surfaces.textures[2].encoding = Encoding::Linear;
-    let plan = PagePlan::new(&surfaces, [4096, 256], MAX_PAGES);
+    let plan = PagePlan::new(&surfaces, 4096, 256, MAX_PAGES);
     assert_eq!(plan.places, [Some((0, 0)), None, None]);
     assert_eq!(plan.pages.len(), 1);
-    assert_eq!(PagePlan::new(&Surfaces::default(), [4096, 256], MAX_PAGES), PagePlan::default());
+    assert_eq!(PagePlan::new(&Surfaces::default(), 4096, 256, MAX_PAGES), PagePlan::default());
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn more_images_than_layers_go_on_with_the_next_page() {
     let textures: Vec<_> =
         (0..10).map(|image| (image, Encoding::Srgb, Sampler::default())).collect();
     let surfaces = surfaces(&sizes, &textures);
-    let plan = PagePlan::new(&surfaces, [4096, 4], MAX_PAGES);
+    let plan = PagePlan::new(&surfaces, 4096, 4, MAX_PAGES);
     assert_eq!(plan.pages.iter().map(|page| page.layers.len()).collect::<Vec<_>>(), [4, 4, 2]);
     assert_sound(&plan, &surfaces, 4);
 }
@@ -114,7 +114,7 @@ fn more_images_than_layers_go_on_with_the_next_page() {
 #[test]
 fn images_beyond_the_device_are_halved() {
     let surfaces = surfaces(&[[60_000, 100]], &[(0, Encoding::Srgb, Sampler::default())]);
-    let plan = PagePlan::new(&surfaces, [16_384, 256], MAX_PAGES);
+    let plan = PagePlan::new(&surfaces, 16_384, 256, MAX_PAGES);
     assert_eq!((plan.pages[0].size, plan.resampled), ([15_000, 25], 1));
 }
 
@@ -124,7 +124,7 @@ fn too_many_sizes_are_made_larger_first() {
     let textures: Vec<_> =
         (0..20).map(|image| (image, Encoding::Srgb, Sampler::default())).collect();
     let surfaces = surfaces(&sizes, &textures);
-    let plan = PagePlan::new(&surfaces, [4096, 256], MAX_PAGES);
+    let plan = PagePlan::new(&surfaces, 4096, 256, MAX_PAGES);
     assert_sound(&plan, &surfaces, 256);
     assert_eq!((plan.pages.len(), plan.resampled_by_others), (MAX_PAGES, 0));
     assert!(plan.resampled >= 8);
@@ -144,7 +144,7 @@ fn samplers_are_given_up_last_and_encodings_never() {
         }
     }
     let surfaces = surfaces(&[[64, 64]], &textures);
-    let plan = PagePlan::new(&surfaces, [4096, 256], MAX_PAGES);
+    let plan = PagePlan::new(&surfaces, 4096, 256, MAX_PAGES);
     assert_sound(&plan, &surfaces, 256);
     assert!(plan.resampled_by_others > 0);
     // Six of the nine ways to wrap are left for each encoding; none is lost that need not be.

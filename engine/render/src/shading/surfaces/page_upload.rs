@@ -33,7 +33,7 @@ pub(super) fn plan(
         limits::check("textures of one kind", room.layers.into(), layers, FEWER)?;
     }
     let max_pages = MAX_PAGES - rooms.len();
-    let mut plan = PagePlan::new(surfaces, [max_side, max_layers], max_pages);
+    let mut plan = PagePlan::new(surfaces, max_side, max_layers, max_pages);
     if plan.pages.len() > max_pages {
         let most = max_pages as u64 * u64::from(max_layers.min(MAX_LAYERS));
         let wanted = plan.pages.iter().map(|page| page.layers.len() as u64).sum();
@@ -119,7 +119,7 @@ pub(super) fn upload_pages(
             let Some(image) = surfaces.images.get(image.0 as usize) else { continue };
             // Before it is unpacked or resampled.
             cancellation.check()?;
-            upload_image(&mut uploads, (&mut array, layer), image, page)?;
+            upload_image(&mut uploads, &mut array, layer, image, page)?;
         }
         let used = page.layers.len() as u32;
         uploads.reserve(&mut array, used..used + page.spare)?;
@@ -131,7 +131,8 @@ pub(super) fn upload_pages(
 /// Fills a layer of a page with an image, unpacked and resampled where it must be.
 fn upload_image(
     uploads: &mut TextureUploads,
-    (array, layer): (&mut TextureArray, u32),
+    array: &mut TextureArray,
+    layer: u32,
     image: &Image,
     page: &Page,
 ) -> Result<(), Error> {

@@ -73,7 +73,7 @@ impl PagePlan {
     /// [`SMALL_PAGES_BYTES`](super::page_groups::SMALL_PAGES_BYTES) if more. An image that is
     /// sampled as colours and as numbers counts twice.
     #[must_use]
-    pub fn new(surfaces: &Surfaces, [max_side, max_layers]: [u32; 2], max_pages: usize) -> Self {
+    pub fn new(surfaces: &Surfaces, max_side: u32, max_layers: u32, max_pages: usize) -> Self {
         let max_layers = max_layers.clamp(1, MAX_LAYERS);
         let used = used_textures(surfaces);
         let size_of = |texture: &Texture| {
@@ -102,7 +102,7 @@ impl PagePlan {
             })
             .collect();
         let most_texels = most_texels(&groups);
-        let groups = joined(groups, (max_layers, max_pages), most_texels);
+        let groups = joined(groups, max_layers, max_pages, most_texels);
         let mut plan = Self::default();
         let mut page_groups: HashMap<usize, usize> = HashMap::new();
         let mut layers: HashMap<(usize, ImageId), (usize, u32)> = HashMap::new();
@@ -143,7 +143,7 @@ impl PagePlan {
                 let page = *known.entry(*texture).or_insert(next);
                 if page == next {
                     let Texture { image: layer, encoding, sampler } = *texture;
-                    let blocks = sampled.of_image(image, (encoding, sampler), max_side);
+                    let blocks = sampled.of_image(image, encoding, sampler, max_side);
                     let size = match blocks {
                         Some(blocks) => image.level_size(blocks.first_level),
                         None => fitting(image.size, max_side.max(1)),

@@ -99,7 +99,7 @@ impl SurfaceResources {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let beside = vk::BufferUsageFlags::VERTEX_BUFFER | storage;
         let degradations = degradations_of(&plan, &table);
-        let features = features(surfaces, (&plan, &places), (&table, &light_lists), &options.spare);
+        let features = features(surfaces, &plan, &places, &table, &light_lists, &options.spare);
         let materials = MaterialTable::new(surfaces, places, options.spare.materials)?;
         let light_entries = table.entries(|texture| materials.place(texture));
         let default_material = materials.entries.len() as u32 - 1;
@@ -298,9 +298,14 @@ impl SurfaceResources {
             *there = to;
             self.dirty_lights.mark_dirty(light.0);
         }
-        for around in self.light_lists.replace(number, place, &to) {
-            self.light_lists.doubt(hierarchy, 0, around);
-            self.light_lists.doubt(&self.transparent, self.first_transparent_slot, around);
+        for (centre, radius_m) in self.light_lists.replace(number, place, &to) {
+            self.light_lists.doubt(hierarchy, 0, centre, radius_m);
+            self.light_lists.doubt(
+                &self.transparent,
+                self.first_transparent_slot,
+                centre,
+                radius_m,
+            );
         }
     }
 
@@ -352,8 +357,9 @@ impl SurfaceResources {
         frame: &mut Frame<'_>,
         scatter: &ScatterPass,
     ) -> Result<(), Error> {
-        let to = [&self.materials, &self.transforms].map(Buffer::whole);
-        self.material_slots.upload_changes(frame, scatter, to)?;
+        let materials = self.materials.whole();
+        let transforms = self.transforms.whole();
+        self.material_slots.upload_changes(frame, scatter, materials, transforms)?;
         let dirty = self.light_lists.dirty();
         if !dirty.is_empty() {
             let uploads = frame.uploads();
@@ -439,8 +445,10 @@ fn degradations_of(plan: &PagePlan, table: &LightTable) -> SceneDegradations {
 
 fn features(
     surfaces: &Surfaces,
-    (plan, places): (&PagePlan, &[Option<TexturePlace>]),
-    (table, lists): (&LightTable, &LightLists),
+    plan: &PagePlan,
+    places: &[Option<TexturePlace>],
+    table: &LightTable,
+    lists: &LightLists,
     spare: &SpareRoom,
 ) -> [Features; 2] {
     [false, true].map(|is_transparent| {

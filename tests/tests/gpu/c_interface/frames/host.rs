@@ -378,8 +378,16 @@ impl<'a> DrawingHost<'a> {
                 if rendering == Rendering::First {
                     culled.prepare(recording.host, commands);
                 }
-                let io = (culled, &recording.pipeline);
-                lists::record(recording.host, commands, io, (lists, view, rendering));
+
+                lists::record(
+                    recording.host,
+                    commands,
+                    culled,
+                    &recording.pipeline,
+                    lists,
+                    view,
+                    rendering,
+                );
                 if rendering == Rendering::Next {
                     culled.restore(recording.host, commands);
                 }

@@ -35,7 +35,7 @@ impl ViewImages {
         let usage = U::DEPTH_STENCIL_ATTACHMENT | sampled;
         let depth = OwnImage::new(host, SIZE, options.depth, samples, usage);
         let passes = (options.renderings == RenderingOwner::Host)
-            .then(|| OwnPasses::new(host, [&colour, &depth], samples, SIZE));
+            .then(|| OwnPasses::new(host, &colour, &depth, samples, SIZE));
         Self { colour, depth, resolved, passes }
     }
 
@@ -75,16 +75,16 @@ impl ViewImages {
     /// Changes both from anything to attachments.
     pub fn prepare(&self, host: &Host, commands: vk::CommandBuffer) {
         use vk::ImageLayout as L;
-        self.change(host, commands, &self.colour, [L::UNDEFINED, L::COLOR_ATTACHMENT_OPTIMAL]);
+        self.change(host, commands, &self.colour, L::UNDEFINED, L::COLOR_ATTACHMENT_OPTIMAL);
         let attached = L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-        self.change(host, commands, &self.depth, [L::UNDEFINED, attached]);
+        self.change(host, commands, &self.depth, L::UNDEFINED, attached);
     }
 
     /// Changes the colour from an attachment to a source of copies.
     pub fn restore(&self, host: &Host, commands: vk::CommandBuffer) {
         use vk::ImageLayout as L;
         let layouts = [L::COLOR_ATTACHMENT_OPTIMAL, L::TRANSFER_SRC_OPTIMAL];
-        self.change(host, commands, &self.colour, layouts);
+        self.change(host, commands, &self.colour, layouts[0], layouts[1]);
     }
 
     /// Begins a rendering by a render pass of the host if it has one, else by dynamic rendering.
@@ -146,7 +146,8 @@ impl ViewImages {
         host: &Host,
         commands: vk::CommandBuffer,
         image: &OwnImage,
-        [old, new]: [vk::ImageLayout; 2],
+        old: vk::ImageLayout,
+        new: vk::ImageLayout,
     ) {
         let aspect_mask = match image.format {
             COLOUR => vk::ImageAspectFlags::COLOR,

@@ -35,8 +35,11 @@ fn listed(lists: &AntumbraDrawLists, rendering: Rendering) -> &[AntumbraDrawList
 pub fn record(
     host: &Host,
     commands: vk::CommandBuffer,
-    (images, pipeline): (&ViewImages, &BoxPipeline),
-    (lists, view, rendering): (&AntumbraDrawLists, &View, Rendering),
+    images: &ViewImages,
+    pipeline: &BoxPipeline,
+    lists: &AntumbraDrawLists,
+    view: &View,
+    rendering: Rendering,
 ) {
     let device = &host.device;
     let [width, height] = super::SIZE.map(|pixels| pixels as f32);

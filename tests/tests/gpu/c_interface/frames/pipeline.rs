@@ -69,7 +69,7 @@ impl BoxPipeline {
             .push_constant_ranges(std::slice::from_ref(&range));
         // SAFETY: a plain layout.
         let layout = unsafe { device.create_pipeline_layout(&info, None) }.unwrap();
-        let pipeline = create(&device, layout, (formats, samples, pass));
+        let pipeline = create(&device, layout, formats, samples, pass);
         let corners = CORNERS.iter().flat_map(|corner| corner.to_ne_bytes());
         let places = boxes
             .iter()
@@ -110,13 +110,14 @@ impl BoxPipeline {
     }
 }
 
-type Attachments = ([vk::Format; 2], vk::SampleCountFlags, Option<vk::RenderPass>);
-
 fn create(
     device: &ash::Device,
     layout: vk::PipelineLayout,
-    ([colour, depth], samples, pass): Attachments,
+    formats: [vk::Format; 2],
+    samples: vk::SampleCountFlags,
+    pass: Option<vk::RenderPass>,
 ) -> vk::Pipeline {
+    let [colour, depth] = formats;
     let modules =
         [("vert", format!("#version 460\n{SNAP}{VERTEX}")), ("frag", FRAGMENT.to_owned())]
             .map(|(stage, source)| module(device, stage, &source));

@@ -20,7 +20,8 @@ impl SwapchainState {
         &mut self,
         frame: Frame<'_>,
         target: &Target,
-        [slot_wait, acquire_wait]: [Duration; 2],
+        slot_wait: Duration,
+        acquire_wait: Duration,
     ) -> Result<PresentResult, Error> {
         let (Some(held), Some(chain)) = (self.held, &mut self.chain) else {
             return Err(Error::WrongCommands("an image is shown that was not acquired"));
