@@ -247,9 +247,9 @@ mod tests {
         reader.read_query(&node, 4);
         node.tag.frame = FrameId(8);
         reader.read_query(&node, 5);
-        let frame_frame = FrameId(7);
+        let frame = FrameId(7);
         let generation = Generation(0);
-        reader.read_leaves(&hierarchy, frame_frame, generation, LeafList::These(&[2]), |_| 1);
+        reader.read_leaves(&hierarchy, frame, generation, LeafList::These(&[2]), |_| 1);
         let shows: Vec<bool> =
             reader.results().iter().map(|result| result.answer.shows()).collect();
         assert_eq!(shows, [false, true, true]);

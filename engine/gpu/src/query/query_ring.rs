@@ -148,8 +148,8 @@ impl<T: Copy> QueryRing<T> {
         if slot.memory.as_ref().is_none_or(|queries| !queries.holds(tags.len(), views)) {
             let name = format!("{} {}", self.name, slot.number);
             slot.memory = None; // retired: the slot's own tick is over
-            let capacity_capacity = ResultBuffer::roomy(tags.len());
-            slot.memory = Some(Queries::new(&self.device, capacity_capacity, views, &name)?);
+            let roomy = ResultBuffer::roomy(tags.len());
+            slot.memory = Some(Queries::new(&self.device, roomy, views, &name)?);
         }
         let wanted = u32::try_from(tags.len()).unwrap_or(u32::MAX);
         self.recorded.restart(wanted);

@@ -55,11 +55,10 @@ fn holes_of_masked_objects_let_light_through() {
         // Alpha grows from 0 at the left to 1 at the right: it covers from the middle on.
         let from = left - 9;
         let to = left + 17;
-        let corners = [[from, 20], [to, 110]];
         let change = |vertex: &mut scene::SurfaceVertex| {
             vertex.colour[3] = if vertex.uv[0][0] > 0.5 { u16::MAX } else { 0 };
         };
-        let graded = quad(SIDE, corners[0], corners[1], 5.0, [[0.0; 2], [1.0; 2]], 0, change);
+        let graded = quad(SIDE, [from, 20], [to, 110], 5.0, [[0.0; 2], [1.0; 2]], 0, change);
         let materials = vec![masked(1.0), masked(0.4)];
         let mut scene = with_materials(vec![graded, columns(0, SIDE, 4.0, 1)], materials);
         let mut renderer = Renderer::new(device, &scene, &super::options(2)).unwrap();

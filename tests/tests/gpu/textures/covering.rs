@@ -10,7 +10,6 @@ use super::{
     SHARP, SIDE, assert_close, draw, image, one, reference, scene_of, texture, unlit, using, whole,
 };
 
-const ALL: [[u32; 2]; 2] = [[0, 0], [SIDE, SIDE]];
 const ONCE: [[f32; 2]; 2] = [[0.0; 2], [1.0; 2]];
 
 #[test]
@@ -31,10 +30,9 @@ fn masks_cut_holes_where_alpha_is_below_the_cutoff() {
             };
             let mut surfaces = one(image([16, 1], ramp), texture(0, Encoding::Srgb, SHARP), masked);
             surfaces.materials.push(behind);
-            let upper = [[0, 0], [SIDE, SIDE / 2]];
             let meshes = vec![
                 whole(ONCE, |_| {}),
-                studio::quad(SIDE, upper[0], upper[1], 5.0, ONCE, 1, |_| {}),
+                studio::quad(SIDE, [0, 0], [SIDE, SIDE / 2], 5.0, ONCE, 1, |_| {}),
             ];
             let mut scene = scene_of(meshes, surfaces);
             scene.light.sky = [1.0, 1.0, 0.0];
@@ -62,7 +60,8 @@ fn ties_do_not_depend_on_the_order_of_draws() {
         let draw_in = |order: [usize; 3]| {
             let materials = order.map(|place| material(colours[place])).to_vec();
             let surfaces = Surfaces { materials, ..Surfaces::default() };
-            let square = |material| studio::quad(SIDE, ALL[0], ALL[1], 4.0, ONCE, material, |_| {});
+            let square =
+                |material| studio::quad(SIDE, [0, 0], [SIDE, SIDE], 4.0, ONCE, material, |_| {});
             draw(device, &scene_of((0..3).map(square).collect(), surfaces))
         };
         let first = draw_in([0, 1, 2]);
@@ -107,10 +106,10 @@ fn blended_surfaces_mix_and_are_hidden_but_hide_nothing() {
         ];
         let surfaces = Surfaces { materials, ..Surfaces::default() };
         let meshes = vec![
-            studio::quad(SIDE, ALL[0], ALL[1], 4.0, ONCE, 0, |_| {}),
-            studio::quad(SIDE, ALL[0], ALL[1], 3.0, ONCE, 1, |_| {}),
-            studio::quad(SIDE, ALL[0], ALL[1], 2.0, ONCE, 2, |_| {}),
-            studio::quad(SIDE, ALL[0], ALL[1], 5.0, ONCE, 2, |_| {}),
+            studio::quad(SIDE, [0, 0], [SIDE, SIDE], 4.0, ONCE, 0, |_| {}),
+            studio::quad(SIDE, [0, 0], [SIDE, SIDE], 3.0, ONCE, 1, |_| {}),
+            studio::quad(SIDE, [0, 0], [SIDE, SIDE], 2.0, ONCE, 2, |_| {}),
+            studio::quad(SIDE, [0, 0], [SIDE, SIDE], 5.0, ONCE, 2, |_| {}),
         ];
         let mut scene = scene_of(meshes, surfaces);
         let transparent: Vec<Object> = scene.objects.drain(1..).collect();

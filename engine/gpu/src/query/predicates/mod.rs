@@ -116,10 +116,10 @@ impl Predicates {
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
         let predication = Predication::choose(device, predication, count.into(), 0)?;
-        let draws_draws = draw_buffer(device, count)?;
+        let draw_commands = draw_buffer(device, count)?;
         Ok(Self {
             is_alone: false,
-            ..Self::over(device, predication, draws_draws, None, frames_in_flight)?
+            ..Self::over(device, predication, draw_commands, None, frames_in_flight)?
         })
     }
 
