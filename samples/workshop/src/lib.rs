@@ -2,7 +2,7 @@
 //!
 //! The state of the viewer is a pure value, a [`document::Document`]: commands of a [`script`]
 //! change it, and a [`viewport::ModelViewport`] on the GPU follows. A [`session::WorkshopSession`]
-//! holds both. In a [`window`] the commands come from hands.
+//! holds both. In a [`window`] the commands come from the user.
 #![forbid(unsafe_code)]
 
 pub mod args;

@@ -105,8 +105,8 @@ impl OrbitCamera {
         }
     }
 
-    /// Returns the camera turned about its target, by angles in radians: the model follows the hand
-    /// to the right and down.
+    /// Returns the camera turned about its target, by angles in radians: the model follows the
+    /// pointer to the right and down.
     #[must_use]
     pub fn turned_by(&self, right_rad: f32, down_rad: f32) -> Self {
         let pitch_rad = (self.pitch_rad - down_rad).clamp(-FRAC_PI_2, FRAC_PI_2);
@@ -114,7 +114,7 @@ impl OrbitCamera {
         Self { yaw_rad, pitch_rad, ..*self }
     }
 
-    /// Returns the camera moved so that the target's plane follows the hand, in shares of the
+    /// Returns the camera moved so that the target's plane follows the pointer, in shares of the
     /// image's height.
     #[must_use]
     pub fn panned(&self, right: f32, down: f32) -> Self {
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn hands_keep_what_they_hold() {
+    fn what_is_held_stays_under_the_pointer() {
         let flat = OrbitCamera { flatness: 1.0, ..OrbitCamera::around(Vec3::ZERO, 1.0) };
         for camera in [OrbitCamera::around(Vec3::ZERO, 1.0), flat] {
             let held = camera.right() * 0.3 + camera.up() * 0.2 + camera.forward() * 0.4;

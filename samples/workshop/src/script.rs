@@ -85,11 +85,11 @@ pub enum Command {
     },
     /// Turns the camera to a view of the cube.
     View(CubeView),
-    /// Moves the camera. Hands and animations do so, no script.
+    /// Moves the camera. Windows and animations do so, no script.
     Camera(OrbitCamera),
-    /// Selects objects, as hands do.
+    /// Selects objects, as windows do.
     SelectObjects(Vec<ObjectId>),
-    /// Changes the way in which objects are shown, as hands do.
+    /// Changes the way in which objects are shown, as windows do.
     DisplayObjects {
         /// The objects.
         objects: Vec<ObjectId>,
@@ -208,7 +208,7 @@ impl Command {
 }
 
 impl Command {
-    /// Returns its first word in a script, or one of its kind that a hand gave.
+    /// Returns its first word in a script, or one of its kind from a window.
     pub fn verb(&self) -> &'static str {
         match self {
             Self::Pick(_) => "pick",

@@ -371,7 +371,7 @@ impl WorkshopSession {
 
 /// The part of it that windows use.
 impl WorkshopSession {
-    /// Returns the camera, as hands move it.
+    /// Returns the camera, as the user moves it.
     pub fn orbit(&self) -> OrbitCamera {
         self.camera
     }

@@ -1,4 +1,4 @@
-//! Works in the window of `workshop` as hands do, on an X server without a screen.
+//! Works in the window of `workshop` as a user does, on an X server without a screen.
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
@@ -77,7 +77,7 @@ fn has_colour(found: &[[u8; 3]], colour: [u8; 3]) -> bool {
 }
 
 #[test]
-fn hands_hover_select_open_the_lid_and_cut() {
+fn the_pointer_hovers_selects_opens_the_lid_and_cuts() {
     let server = Xvfb::start();
     let scratch = Scratch::new("workshop-window");
     fs::write(scratch.0.join("script"), "image expected.png\n").unwrap();
@@ -126,7 +126,7 @@ fn hands_hover_select_open_the_lid_and_cut() {
     let verbs: Vec<&str> = steps.iter().map(|step| step["command"].as_str().unwrap()).collect();
     assert_eq!(verbs, ["image", "select", "deselect", "lid", "section"], "{steps:#?}");
     let degrees = steps[3]["lid"]["degrees"].as_f64().unwrap();
-    assert!(degrees > 5.0, "a hand's way of 120 pixels upwards: {degrees}");
+    assert!(degrees > 5.0, "120 pixels upwards: {degrees}");
 }
 
 #[test]

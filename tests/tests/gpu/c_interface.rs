@@ -414,7 +414,7 @@ fn mistakes_in_a_frame_are_named_and_the_next_frame_is_recorded() {
         let refusals: [(Change, AntumbraResult, &str); 5] = [
             (&|desc| desc.bind = None, BadPointer, "desc.bind is null"),
             (&|desc| desc.current = 1, BadArgument, "frame 1"),
-            (&|desc| desc.safe = desc.current, BadArgument, "no frame is over before desc begins"),
+            (&|desc| desc.safe = desc.current, BadArgument, "no frame is over before it begins"),
             (&|desc| desc.commands = vk::CommandBuffer::null(), BadPointer, "desc.commands"),
             (&|desc| desc.end_rendering = Some(end), BadArgument, "both or none"),
         ];

@@ -1,4 +1,4 @@
-//! The camera's path: recorded from the hand, or the model's own, and played.
+//! The camera's path: recorded from the user's motion, or the model's own, and played.
 
 use crate::orbit::OrbitCamera;
 

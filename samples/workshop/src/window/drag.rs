@@ -4,7 +4,7 @@ use antumbra::cull::{Aabb, View};
 use antumbra::glam::{Vec2, Vec3};
 use antumbra::render::PointedSurface;
 
-use super::seen::Sight;
+use super::context::InteractionContext;
 use super::tools::{AxisPlane, MM, Tools, handle_of};
 use crate::document::Lid;
 use crate::hinge::rotation;
@@ -37,7 +37,11 @@ pub enum Drag {
 
 impl Drag {
     /// Returns the drag that a press begins on what a frame showed there.
-    pub fn on(surface: &Option<PointedSurface>, tools: &Tools, seen: &Sight<'_>) -> Self {
+    pub fn on(
+        surface: &Option<PointedSurface>,
+        tools: &Tools,
+        seen: &InteractionContext<'_>,
+    ) -> Self {
         // Parts that are apart do not turn.
         let lid = seen.document.lid.filter(|_| tools.gap_mm == 0.0);
         let (Some(surface), Some(lid)) = (surface, lid) else { return Self::Turn };

@@ -1,4 +1,4 @@
-//! The gestures of hands that are not over yet.
+//! Gestures that are not over yet.
 
 use antumbra::cull::FrameId;
 use antumbra::glam::Vec2;
@@ -7,6 +7,11 @@ use winit::event::MouseButton;
 use super::drag::Drag;
 use crate::orbit::{CubeView, OrbitCamera};
 use crate::script::Pixel;
+use crate::viewport::PointedPixel;
+
+/// The frames by which an answer may be older than the press or click that takes it: those that are
+/// on their way to the screen, whose image is what was clicked.
+const SHOWN_FRAMES: u64 = 3;
 
 /// A button that is pressed over the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,4 +44,10 @@ pub(super) struct CubeTurn {
     pub(super) view: CubeView,
     pub(super) from: OrbitCamera,
     pub(super) seconds: f32,
+}
+
+/// Returns true if an answer is about an image that was on the screen, or on its way there, when
+/// this frame was the newest.
+pub(super) fn is_shown_at(pointed: &PointedPixel, newest: FrameId) -> bool {
+    pointed.frame.0 + SHOWN_FRAMES > newest.0
 }

@@ -1,12 +1,12 @@
-//! The events of hands, and the keys.
+//! Input events of the window, and the keys.
 
 use antumbra::glam::Vec2;
 use winit::event::MouseButton;
 use winit::keyboard::{KeyCode, ModifiersState};
 
-/// An event of a hand. Places are in pixels from the upper left.
+/// An input event. Places are in pixels from the upper left.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum HandEvent {
+pub enum InputEvent {
     /// The pointer moved over the model.
     Moved(Vec2),
     /// The pointer left the model, for a panel or another window.
@@ -15,7 +15,7 @@ pub enum HandEvent {
     Pressed(MouseButton),
     /// A button was released.
     Released(MouseButton),
-    /// The wheel turned by so many notches, away from the hand.
+    /// The wheel turned away from the user, in notches.
     Wheel(f32),
     /// A key was struck.
     Key(KeyCode),

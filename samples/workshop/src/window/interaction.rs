@@ -1,20 +1,20 @@
-//! The hands of the viewer: events and late results go in, commands come out. A pure value.
+//! The interaction with the viewer: events and late results go in, commands come out. A pure value.
 
 use std::f32::consts::PI;
 
 use antumbra::ObjectId;
-use antumbra::cull::{Aabb, FrameId};
+use antumbra::cull::Aabb;
 use antumbra::glam::Vec2;
 use antumbra::render::PointedSurface;
 use winit::event::MouseButton;
 use winit::keyboard::{KeyCode, ModifiersState};
 
 use super::camera_path::OrbitPath;
+use super::context::InteractionContext;
 use super::drag::{Drag, PlaneGrab, place_of};
-use super::gesture::{Click, CubeTurn, Held};
-use super::input::HandEvent;
+use super::gesture::{Click, CubeTurn, Held, is_shown_at};
+use super::input::InputEvent;
 use super::keys::{KeyEffect, effect_of};
-use super::seen::Sight;
 use super::tools::{MeasuredLine, Measuring, Tools, handle_of};
 use super::view_cube::ViewCube;
 use crate::orbit::{CubeView, OrbitCamera};
@@ -34,14 +34,10 @@ const LONGEST_WAIT_S: f32 = 0.5;
 /// The time that a turn to a view takes, and a change of the projection, in seconds.
 const TURN_S: f32 = 0.4;
 
-/// The frames by which an answer may be older than the press or click that takes it: those that are
-/// on their way to the screen, whose image is what was clicked.
-const SHOWN_FRAMES: u64 = 3;
-
 /// The factor of the image's height per notch of the wheel.
 const NOTCH: f32 = 0.85;
 
-/// The state of hands.
+/// The state of interaction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interaction {
     tools: Tools,
@@ -131,7 +127,7 @@ impl Interaction {
     }
 
     /// Returns the pixel that frames are asked about.
-    pub fn pointer(&self, seen: &Sight<'_>) -> Option<Pixel> {
+    pub fn pointer(&self, seen: &InteractionContext<'_>) -> Option<Pixel> {
         if let Some(click) = &self.click {
             return Some(click.pixel);
         }
@@ -143,12 +139,12 @@ impl Interaction {
     }
 
     /// Returns true if a place belongs to the cube or a handle, and not to the model.
-    fn is_on_sign(&self, place: Vec2, seen: &Sight<'_>) -> bool {
+    fn is_on_sign(&self, place: Vec2, seen: &InteractionContext<'_>) -> bool {
         self.cube.view_at(&seen.camera, place).is_some() || self.handle_at(place, seen).is_some()
     }
 
     /// Returns the number of the section plane whose handle is at a place.
-    pub fn handle_at(&self, place: Vec2, seen: &Sight<'_>) -> Option<usize> {
+    pub fn handle_at(&self, place: Vec2, seen: &InteractionContext<'_>) -> Option<usize> {
         let radius = self.cube.half_edge * HANDLE_SHARE;
         self.tools.planes.iter().enumerate().position(|(axis, plane)| {
             let handle = place_of(&seen.view, handle_of(&seen.bounds, axis, plane));
@@ -157,37 +153,37 @@ impl Interaction {
     }
 
     /// Takes an event.
-    pub fn handle(&mut self, input: HandEvent, seen: &Sight<'_>) -> Vec<Command> {
+    pub fn handle(&mut self, input: InputEvent, seen: &InteractionContext<'_>) -> Vec<Command> {
         match input {
-            HandEvent::Moved(place) => {
+            InputEvent::Moved(place) => {
                 self.cursor = Some(place);
                 if let Some(held) = &mut self.held {
                     held.is_dragging |= held.pressed_at.distance(place) >= DRAG_PIXELS;
                 }
                 Vec::new()
             }
-            HandEvent::Left => {
+            InputEvent::Left => {
                 if self.held.is_none() {
                     self.cursor = None;
                     self.hovered = None;
                 }
                 Vec::new()
             }
-            HandEvent::Pressed(button) => {
+            InputEvent::Pressed(button) => {
                 self.press(button, seen);
                 Vec::new()
             }
-            HandEvent::Released(button) => self.release(button, seen),
-            HandEvent::Wheel(notches) => self.wheel(notches, seen),
-            HandEvent::Key(key) => self.key(key, seen),
-            HandEvent::Modifiers(modifiers) => {
+            InputEvent::Released(button) => self.release(button, seen),
+            InputEvent::Wheel(notches) => self.wheel(notches, seen),
+            InputEvent::Key(key) => self.key(key, seen),
+            InputEvent::Modifiers(modifiers) => {
                 self.modifiers = modifiers;
                 Vec::new()
             }
         }
     }
 
-    fn press(&mut self, button: MouseButton, seen: &Sight<'_>) {
+    fn press(&mut self, button: MouseButton, seen: &InteractionContext<'_>) {
         let Some(place) = self.cursor.filter(|_| self.held.is_none()) else { return };
         self.end_motion();
         self.click = None;
@@ -215,7 +211,7 @@ impl Interaction {
         });
     }
 
-    fn release(&mut self, button: MouseButton, seen: &Sight<'_>) -> Vec<Command> {
+    fn release(&mut self, button: MouseButton, seen: &InteractionContext<'_>) -> Vec<Command> {
         let Some(held) = self.held.filter(|held| held.button == button) else { return Vec::new() };
         let commands = self.follow(seen);
         self.held = None;
@@ -237,12 +233,12 @@ impl Interaction {
         self.path.stop_playing();
     }
 
-    fn turn_to(&mut self, view: CubeView, seen: &Sight<'_>) {
+    fn turn_to(&mut self, view: CubeView, seen: &InteractionContext<'_>) {
         self.end_motion();
         self.turn = Some(CubeTurn { view, from: seen.camera, seconds: 0.0 });
     }
 
-    fn wheel(&mut self, notches: f32, seen: &Sight<'_>) -> Vec<Command> {
+    fn wheel(&mut self, notches: f32, seen: &InteractionContext<'_>) -> Vec<Command> {
         let Some(cursor) = self.cursor.filter(|_| notches.is_finite()) else { return Vec::new() };
         self.end_motion();
         let camera = self.at_hovered(&seen.camera);
@@ -259,7 +255,11 @@ impl Interaction {
     }
 
     /// Takes what a frame showed at the pixel that was asked for.
-    pub fn learn_pointed(&mut self, pointed: &PointedPixel, seen: &Sight<'_>) -> Vec<Command> {
+    pub fn learn_pointed(
+        &mut self,
+        pointed: &PointedPixel,
+        seen: &InteractionContext<'_>,
+    ) -> Vec<Command> {
         let surface = pointed.surface;
         if let Some(held) = &mut self.held
             && held.drag.is_none()
@@ -284,7 +284,11 @@ impl Interaction {
     }
 
     /// Selects or measures what was clicked.
-    fn clicked(&mut self, surface: &Option<PointedSurface>, seen: &Sight<'_>) -> Vec<Command> {
+    fn clicked(
+        &mut self,
+        surface: &Option<PointedSurface>,
+        seen: &InteractionContext<'_>,
+    ) -> Vec<Command> {
         match (self.tools.measuring, surface) {
             (Measuring::Off, None) if !self.modifiers.control_key() => vec![Command::Deselect],
             (_, None) => Vec::new(),
@@ -361,7 +365,7 @@ impl Interaction {
     }
 
     /// Lets time pass before the next frame: animations go on, and what is dragged follows.
-    pub fn advance(&mut self, seconds: f32, seen: &Sight<'_>) -> Vec<Command> {
+    pub fn advance(&mut self, seconds: f32, seen: &InteractionContext<'_>) -> Vec<Command> {
         let mut commands = self.follow(seen);
         let before = match commands[..] {
             [Command::Camera(camera)] => camera,
@@ -405,7 +409,7 @@ impl Interaction {
     }
 
     /// Lets what is dragged follow the pointer.
-    fn follow(&mut self, seen: &Sight<'_>) -> Vec<Command> {
+    fn follow(&mut self, seen: &InteractionContext<'_>) -> Vec<Command> {
         let hovered = self.hovered;
         let (Some(held), Some(cursor)) = (&mut self.held, self.cursor) else { return Vec::new() };
         let Some(drag) = held.drag.filter(|_| held.is_dragging) else { return Vec::new() };
@@ -446,7 +450,7 @@ impl Interaction {
     }
 
     /// Carries out a key.
-    fn key(&mut self, key: KeyCode, seen: &Sight<'_>) -> Vec<Command> {
+    fn key(&mut self, key: KeyCode, seen: &InteractionContext<'_>) -> Vec<Command> {
         if !self.takes_keys() {
             return Vec::new();
         }
@@ -485,12 +489,6 @@ impl Interaction {
         }
         Vec::new()
     }
-}
-
-/// Returns true if an answer is about an image that was on the screen, or on its way there, when
-/// this frame was the newest.
-fn is_shown_at(pointed: &PointedPixel, newest: FrameId) -> bool {
-    pointed.frame.0 + SHOWN_FRAMES > newest.0
 }
 
 #[cfg(test)]

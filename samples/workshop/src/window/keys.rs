@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use winit::keyboard::KeyCode;
 
-use super::seen::Sight;
+use super::context::InteractionContext;
 use super::tools::{Measuring, Tools};
 use crate::orbit::{CubeView, OrbitCamera};
 use crate::script::Command;
@@ -36,7 +36,7 @@ pub enum KeyEffect {
 }
 
 /// Returns the effect of a key.
-pub fn effect_of(key: KeyCode, tools: &Tools, seen: &Sight<'_>) -> KeyEffect {
+pub fn effect_of(key: KeyCode, tools: &Tools, seen: &InteractionContext<'_>) -> KeyEffect {
     let command = match key {
         KeyCode::Escape => return KeyEffect::Escape,
         KeyCode::KeyR => return KeyEffect::Record,
@@ -62,7 +62,7 @@ pub fn effect_of(key: KeyCode, tools: &Tools, seen: &Sight<'_>) -> KeyEffect {
 }
 
 /// Returns the settings of the tools after a key.
-fn tools_of(key: KeyCode, mut tools: Tools, seen: &Sight<'_>) -> Option<Tools> {
+fn tools_of(key: KeyCode, mut tools: Tools, seen: &InteractionContext<'_>) -> Option<Tools> {
     let toggle = |measuring: Measuring| {
         if tools.measuring == measuring { Measuring::Off } else { measuring }
     };

@@ -1,6 +1,6 @@
 //! The viewer in a window.
 //!
-//! An [`interaction`] is the pure heart of it: events of hands ([`input`]) and late results of
+//! An [`interaction`] is the pure heart of it: input events ([`input`]) and late results of
 //! frames go in, commands of a [session](crate::session) come out. It moves the camera, drags
 //! ([`drag`]) the lid and [section planes](tools), turns with the [cube](view_cube), and records
 //! a [path](camera_path). An open window shows the [`panel`] of tools with its
@@ -9,6 +9,7 @@
 
 pub mod app;
 pub mod camera_path;
+pub mod context;
 pub mod drag;
 mod gesture;
 pub mod input;
@@ -17,7 +18,6 @@ pub mod keys;
 mod opened;
 pub mod panel;
 pub mod part_rows;
-pub mod seen;
 pub mod signs;
 pub mod tools;
 pub mod view_cube;

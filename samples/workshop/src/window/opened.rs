@@ -1,4 +1,4 @@
-//! An open window: hands on a session, and its frames.
+//! An open window: interaction with a session, and its frames.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -23,10 +23,10 @@ use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::{Fullscreen, Window};
 
 use super::camera_path::OrbitPath;
-use super::input::HandEvent;
+use super::context::InteractionContext;
+use super::input::InputEvent;
 use super::interaction::Interaction;
 use super::panel::{PanelPage, ToolPanel};
-use super::seen::Sight;
 use super::signs;
 use super::tools::Tools;
 use crate::args::WorkshopArguments;
@@ -60,7 +60,7 @@ const ROOMY_POINTS: f32 = 600.0;
 /// The window and the objects that draw in it. Later ones are dropped first by [`Opened::close`].
 pub(super) struct Opened {
     session: WorkshopSession,
-    hands: Interaction,
+    interaction: Interaction,
     panel: ToolPanel,
     late: LateResults,
     /// The box around the whole model at rest.
@@ -123,12 +123,12 @@ impl Opened {
         let bounds = session.bounds();
         let middle = (bounds.min + bounds.max) * 0.5;
         let own = session.path().iter().map(|camera| OrbitCamera::of_camera(camera, middle));
-        let mut hands = Interaction::new(&bounds, OrbitPath::new(own.collect()));
+        let mut interaction = Interaction::new(&bounds, OrbitPath::new(own.collect()));
         let measures = Measures::of(size, window.scale_factor() as f32);
         let has_panel = size[0] as f32 / measures.scale >= ROOMY_POINTS;
-        hands.use_tools(Tools { has_panel, ..*hands.tools() });
+        interaction.use_tools(Tools { has_panel, ..*interaction.tools() });
         if let Err(error) = session.check_pointer() {
-            hands.tell(&format!("nothing is found below the pointer: {error}"));
+            interaction.tell(&format!("nothing is found below the pointer: {error}"));
         }
         let context = Context::default();
         context.options_mut(|options| options.zoom_with_keyboard = false);
@@ -138,7 +138,7 @@ impl Opened {
             panel: ToolPanel::new(&session.document),
             overlay: HudOverlay::new(&device),
             session,
-            hands,
+            interaction,
             late: LateResults::default(),
             rest: bounds,
             room: Rect::NOTHING,
@@ -176,7 +176,7 @@ impl Opened {
                 if response.consumed || Popup::is_any_open(&self.context) => {}
             _ => {
                 if let Some(input) = self.input_of(event) {
-                    let commands = self.hands.handle(input, &seen_of(&self.session));
+                    let commands = self.interaction.handle(input, &context_of(&self.session));
                     self.act(commands)?;
                 }
             }
@@ -184,45 +184,45 @@ impl Opened {
         Ok(())
     }
 
-    /// Returns an event for the hands, unless it is meant for the panel.
-    fn input_of(&mut self, event: &WindowEvent) -> Option<HandEvent> {
+    /// Returns an event for the interaction, unless it is meant for the panel.
+    fn input_of(&mut self, event: &WindowEvent) -> Option<InputEvent> {
         match event {
             WindowEvent::CursorMoved { position, .. } => {
                 self.cursor = Vec2::new(position.x as f32, position.y as f32);
                 Some(if self.is_on_panel() {
-                    HandEvent::Left
+                    InputEvent::Left
                 } else {
-                    HandEvent::Moved(self.cursor)
+                    InputEvent::Moved(self.cursor)
                 })
             }
-            WindowEvent::CursorLeft { .. } | WindowEvent::Focused(false) => Some(HandEvent::Left),
+            WindowEvent::CursorLeft { .. } | WindowEvent::Focused(false) => Some(InputEvent::Left),
             WindowEvent::MouseInput { state: ElementState::Pressed, button, .. } => {
-                (!self.is_on_panel()).then_some(HandEvent::Pressed(*button))
+                (!self.is_on_panel()).then_some(InputEvent::Pressed(*button))
             }
             WindowEvent::MouseInput { state: ElementState::Released, button, .. } => {
-                Some(HandEvent::Released(*button))
+                Some(InputEvent::Released(*button))
             }
             WindowEvent::MouseWheel { delta, .. } => {
                 let notches = match delta {
                     MouseScrollDelta::LineDelta(_, notches) => *notches,
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / PIXELS_A_NOTCH,
                 };
-                (!self.is_on_panel()).then_some(HandEvent::Wheel(notches))
+                (!self.is_on_panel()).then_some(InputEvent::Wheel(notches))
             }
             WindowEvent::ModifiersChanged(modifiers) => {
-                Some(HandEvent::Modifiers(modifiers.state()))
+                Some(InputEvent::Modifiers(modifiers.state()))
             }
             WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => {
                 let PhysicalKey::Code(key) = event.physical_key else { return None };
                 if !event.state.is_pressed() || event.repeat {
                     return None;
                 }
-                if key == KeyCode::F11 && self.hands.takes_keys() {
+                if key == KeyCode::F11 && self.interaction.takes_keys() {
                     let is_full = self.window.fullscreen().is_some();
                     let wanted = (!is_full).then_some(Fullscreen::Borderless(None));
                     self.window.set_fullscreen(wanted);
                 }
-                Some(HandEvent::Key(key))
+                Some(InputEvent::Key(key))
             }
             _ => None,
         }
@@ -245,7 +245,7 @@ impl Opened {
                 .keep_model(&command)
                 .and_then(|()| self.session.act(&command))
                 .unwrap_or_else(|error| CommandOutcome::Refused(error.to_string()));
-            self.hands.learn_outcome(&command, &outcome);
+            self.interaction.learn_outcome(&command, &outcome);
             self.frames_due = SETTLING_FRAMES;
             if matches!(command, Command::Camera(_)) {
                 continue;
@@ -287,7 +287,7 @@ impl Opened {
         if self.repaint_at.take_if(|at| *at <= now).is_some() {
             self.frames_due = self.frames_due.max(1);
         }
-        let is_moving = self.hands.is_moving(&self.session.orbit());
+        let is_moving = self.interaction.is_moving(&self.session.orbit());
         if self.size.contains(&0) || self.is_occluded || (self.frames_due == 0 && !is_moving) {
             let idle = now.after(IDLE_INTERVAL);
             return Ok(Next::At(self.repaint_at.map_or(idle, |at| at.min(idle))));
@@ -315,15 +315,15 @@ impl Opened {
         self.late = self.session.late_results();
         self.late.drawn = self.late.drawn.or(drawn);
         if let Some(pointed) = self.late.pointed {
-            let commands = self.hands.learn_pointed(&pointed, &seen_of(&self.session));
+            let commands = self.interaction.learn_pointed(&pointed, &context_of(&self.session));
             self.act(commands)?;
         }
-        let commands = self.hands.advance(seconds, &seen_of(&self.session));
+        let commands = self.interaction.advance(seconds, &context_of(&self.session));
         self.act(commands)?;
         self.lay_out(now)?;
         let questions = FrameQuestions {
-            pointer: self.hands.pointer(&seen_of(&self.session)),
-            hovered: self.hands.hovered().map(|hovered| hovered.object),
+            pointer: self.interaction.pointer(&context_of(&self.session)),
+            hovered: self.interaction.hovered().map(|hovered| hovered.object),
             watched: self.panel.listed().to_vec(),
         };
         self.session.draw(&questions, self.overlay.shown())?;
@@ -346,22 +346,22 @@ impl Opened {
         let scale = Measures::of(self.size, window_scale).scale;
         self.context.set_zoom_factor(scale / window_scale);
         let [width, height] = self.size.map(|side| side as f32);
-        self.hands.lay_out(Vec2::new(width, height), scale);
+        self.interaction.lay_out(Vec2::new(width, height), scale);
         let input = self.egui.take_egui_input(&self.window);
         let page = PanelPage {
             document: &self.session.document,
             rest: self.rest,
-            tools: *self.hands.tools(),
+            tools: *self.interaction.tools(),
             seen: &self.late.seen,
             drawn: self.late.drawn,
         };
-        let seen = seen_of(&self.session);
+        let seen = context_of(&self.session);
         let notice = self.session.transparency_notice();
         let mut answer = None;
         let mut output = self.context.run_ui(input, |ui| {
             answer = Some(self.panel.show(ui, &page));
             self.room = ui.available_rect_before_wrap();
-            signs::paint(ui.painter(), self.room, &self.hands, &seen, notice.as_deref());
+            signs::paint(ui.painter(), self.room, &self.interaction, &seen, notice.as_deref());
         });
         let platform = std::mem::take(&mut output.platform_output);
         self.egui.handle_platform_output(&self.window, platform);
@@ -373,7 +373,7 @@ impl Opened {
         self.overlay.show(HudFrame::of(&self.context, output))?;
         if let Some(answer) = answer {
             let mut commands = answer.commands;
-            commands.extend(self.hands.use_tools(answer.tools));
+            commands.extend(self.interaction.use_tools(answer.tools));
             self.act(commands)?;
         }
         Ok(())
@@ -397,9 +397,9 @@ impl Opened {
     }
 }
 
-/// Returns what hands see of a session.
-fn seen_of(session: &WorkshopSession) -> Sight<'_> {
-    Sight {
+/// Returns the context of interaction with a session.
+fn context_of(session: &WorkshopSession) -> InteractionContext<'_> {
+    InteractionContext {
         document: &session.document,
         camera: session.orbit(),
         view: session.view(),

@@ -1,4 +1,5 @@
-//! The panel of tools: the tree of parts, sections, edges, and what else hands set without a key.
+//! The panel of tools: the tree of parts, sections, edges, and what else the user sets without a
+//! key.
 
 use std::ops::RangeInclusive;
 
@@ -39,7 +40,7 @@ const INDENT: f32 = 10.0;
 /// The largest gap of the slider of exploded views, in millimetres.
 const MOST_GAP_MM: f32 = 100.0;
 
-/// The most parts that move apart by hand: all pairs are compared.
+/// The most parts that move apart in a window: all pairs are compared.
 const MOST_EXPLODED: u32 = 3000;
 
 /// The contents of the panel.
@@ -56,7 +57,7 @@ pub struct PanelPage<'a> {
     pub drawn: Option<u64>,
 }
 
-/// The effect of a hand in the panel.
+/// The effect of input in the panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelAnswer {
     /// The settings of the tools.
@@ -279,7 +280,7 @@ fn section(ui: &mut Ui, page: &PanelPage<'_>, tools: &mut Tools) {
     }
 }
 
-/// Shows a slider. It changes a value where a hand does, and does not round or clamp by itself.
+/// Shows a slider. It changes a value where the user does, and does not round or clamp by itself.
 fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, suffix: &str) {
     let mut shown = *value;
     let slider = Slider::new(&mut shown, range).clamping(SliderClamping::Edits);

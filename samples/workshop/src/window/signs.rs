@@ -4,9 +4,9 @@ use antumbra::glam::Vec2;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 use samples::hud::style::{DIM, MARGIN, MARK, NAME, PANEL, SELECTED, VALUE};
 
+use super::context::InteractionContext;
 use super::drag::place_of;
 use super::interaction::{HANDLE_SHARE, Interaction};
-use super::seen::Sight;
 use super::tools::{MM, handle_of};
 
 /// The colours of the axes x, y and z.
@@ -28,16 +28,16 @@ const LEAST_FACING: f32 = 0.42;
 pub fn paint(
     painter: &Painter,
     room: Rect,
-    hands: &Interaction,
-    seen: &Sight<'_>,
+    interaction: &Interaction,
+    seen: &InteractionContext<'_>,
     notice: Option<&str>,
 ) {
     let scale = painter.ctx().pixels_per_point();
-    cube(painter, hands, seen, scale);
-    handles(painter, hands, seen, scale);
-    measured(painter, hands, seen, scale);
-    hovered(painter, room, hands, seen, scale);
-    let state = match hands.path() {
+    cube(painter, interaction, seen, scale);
+    handles(painter, interaction, seen, scale);
+    measured(painter, interaction, seen, scale);
+    hovered(painter, room, interaction, seen, scale);
+    let state = match interaction.path() {
         path if path.is_recording() => Some("recording the path"),
         path if path.is_playing() => Some("playing the path"),
         _ => None,
@@ -47,7 +47,7 @@ pub fn paint(
         let at = pos2(room.center().x, room.min.y + MARGIN);
         text(painter, room, at, Align2::CENTER_TOP, &above.join("\n"));
     }
-    if let Some(message) = hands.message() {
+    if let Some(message) = interaction.message() {
         let at = pos2(room.center().x, room.max.y - MARGIN);
         text(painter, room, at, Align2::CENTER_BOTTOM, message);
     }
@@ -57,9 +57,9 @@ fn points(place: Vec2, scale: f32) -> Pos2 {
     pos2(place.x / scale, place.y / scale)
 }
 
-fn cube(painter: &Painter, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
-    let cube = hands.cube();
-    let meant = hands.cursor().and_then(|cursor| cube.view_at(&seen.camera, cursor));
+fn cube(painter: &Painter, interaction: &Interaction, seen: &InteractionContext<'_>, scale: f32) {
+    let cube = interaction.cube();
+    let meant = interaction.cursor().and_then(|cursor| cube.view_at(&seen.camera, cursor));
     for cell in cube.cells(&seen.camera) {
         let corners = cell.corners.map(|corner| points(corner, scale)).to_vec();
         let light = (70.0 + 60.0 * cell.facing) as u8;
@@ -80,10 +80,15 @@ fn cube(painter: &Painter, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
     }
 }
 
-fn handles(painter: &Painter, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
-    let radius = hands.cube().half_edge * HANDLE_SHARE / scale;
-    let under = hands.cursor().and_then(|cursor| hands.handle_at(cursor, seen));
-    for (axis, plane) in hands.tools().planes.iter().enumerate() {
+fn handles(
+    painter: &Painter,
+    interaction: &Interaction,
+    seen: &InteractionContext<'_>,
+    scale: f32,
+) {
+    let radius = interaction.cube().half_edge * HANDLE_SHARE / scale;
+    let under = interaction.cursor().and_then(|cursor| interaction.handle_at(cursor, seen));
+    for (axis, plane) in interaction.tools().planes.iter().enumerate() {
         let handle = place_of(&seen.view, handle_of(&seen.bounds, axis, plane));
         let Some(at) = handle.filter(|_| plane.is_on) else { continue };
         let at = points(at, scale);
@@ -94,8 +99,13 @@ fn handles(painter: &Painter, hands: &Interaction, seen: &Sight<'_>, scale: f32)
     }
 }
 
-fn measured(painter: &Painter, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
-    let Some(line) = hands.measured() else { return };
+fn measured(
+    painter: &Painter,
+    interaction: &Interaction,
+    seen: &InteractionContext<'_>,
+    scale: f32,
+) {
+    let Some(line) = interaction.measured() else { return };
     let place = |point: antumbra::glam::DVec3| {
         place_of(&seen.view, point.as_vec3()).map(|place| points(place, scale))
     };
@@ -114,8 +124,16 @@ fn measured(painter: &Painter, hands: &Interaction, seen: &Sight<'_>, scale: f32
 }
 
 /// Writes the name of what is below the pointer beside it.
-fn hovered(painter: &Painter, room: Rect, hands: &Interaction, seen: &Sight<'_>, scale: f32) {
-    let (Some(surface), Some(cursor)) = (hands.hovered(), hands.cursor()) else { return };
+fn hovered(
+    painter: &Painter,
+    room: Rect,
+    interaction: &Interaction,
+    seen: &InteractionContext<'_>,
+    scale: f32,
+) {
+    let (Some(surface), Some(cursor)) = (interaction.hovered(), interaction.cursor()) else {
+        return;
+    };
     let name = seen.document.name(surface.object);
     if !name.is_empty() {
         let at = points(cursor, scale) + vec2(14.0, 12.0);

@@ -1,4 +1,4 @@
-//! The sight of hands: a session as it is now.
+//! The context of interaction: a session as it is now.
 
 use antumbra::cull::{Aabb, FrameId, View};
 use antumbra::glam::Vec2;
@@ -7,9 +7,9 @@ use crate::document::Document;
 use crate::orbit::OrbitCamera;
 use crate::script::Pixel;
 
-/// The sight of hands.
+/// The context of interaction.
 #[derive(Clone, Copy)]
-pub struct Sight<'a> {
+pub struct InteractionContext<'a> {
     /// The document.
     pub document: &'a Document,
     /// The camera.
@@ -22,7 +22,7 @@ pub struct Sight<'a> {
     pub frame: FrameId,
 }
 
-impl Sight<'_> {
+impl InteractionContext<'_> {
     /// Returns the pixel of a place of the image; `None` beside it.
     pub fn pixel_at(&self, place: Vec2) -> Option<Pixel> {
         let size = Vec2::from(self.view.size.map(|side| side as f32));
