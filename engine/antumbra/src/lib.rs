@@ -6,7 +6,7 @@
 //!
 //! ```no_run
 //! use antumbra::scene::{Mesh, Scene};
-//! use antumbra::{Camera, FrameRequest, Projection, Readback, Renderer, Strategy, glam::Vec3};
+//! use antumbra::{Camera, FrameRequest, Readback, Renderer, Strategy};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let device = antumbra::open()?;
@@ -17,8 +17,7 @@
 //! let mut view = renderer.new_view()?;
 //! let image = Readback::new(&device, renderer.size())?;
 //!
-//! let [eye, forward, up] = [Vec3::Z * 3.0, Vec3::NEG_Z, Vec3::Y];
-//! let camera = Camera { eye, forward, up, projection: Projection::perspective(0.9), near: 0.1 };
+//! let camera = Camera::look_at([0.0, 0.0, 3.0], [0.0; 3]);
 //! let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
 //! renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request })?;
 //! renderer.drain(&mut view)?;

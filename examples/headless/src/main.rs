@@ -15,9 +15,9 @@ const SIZE: [u32; 2] = [320, 180];
 /// Returns a square of 2 m that faces +z.
 fn square(name: &str, colour: [f32; 3]) -> Mesh {
     let a = [-1.0, -1.0, 0.0];
-let b = [1.0, -1.0, 0.0];
+    let b = [1.0, -1.0, 0.0];
     let c = [1.0, 1.0, 0.0];
-let d = [-1.0, 1.0, 0.0];
+    let d = [-1.0, 1.0, 0.0];
     Mesh::of_triangles(name, &[a, b, c, a, c, d].map(|corner| (corner, colour)))
 }
 

@@ -2,6 +2,9 @@
 
 use glam::Vec3;
 
+/// The largest vertical part of a direction of sight with an upward direction of +y.
+const STEEPEST: f32 = 0.999;
+
 /// A camera in a right-handed world.
 ///
 /// [`View::new`](crate::View::new) repairs values that describe no camera, and says how.
@@ -17,6 +20,24 @@ pub struct Camera {
     pub projection: Projection,
     /// Distance of the near plane along `forward` (metres), above 0 in perspective.
     pub near: f32,
+}
+
+impl Camera {
+    /// The vertical angle of sight of [`Camera::look_at`] (radians): 60 degrees.
+    pub const USUAL_FOV_Y: f32 = std::f32::consts::FRAC_PI_3;
+
+    /// Returns a camera at `eye` that looks at `target` (metres), in a perspective of
+    /// [`Camera::USUAL_FOV_Y`] from 0.1 m on. Up is +y, or +z where it looks along y; where both
+    /// places are the same it looks along -z.
+    #[must_use]
+    pub fn look_at(eye: impl Into<Vec3>, target: impl Into<Vec3>) -> Self {
+        let eye = eye.into();
+        let forward = (target.into() - eye).normalize_or(Vec3::NEG_Z);
+        let is_vertical = forward.y.abs() > STEEPEST;
+        let up = if is_vertical { Vec3::Z } else { Vec3::Y };
+        let projection = Projection::perspective(Self::USUAL_FOV_Y);
+        Self { eye, forward, up, projection, near: 0.1 }
+    }
 }
 
 /// The projection of a camera.
@@ -50,5 +71,24 @@ impl Projection {
             Self::Perspective { fov_y } => 2.0 * (fov_y * 0.5).tan() * depth_m,
             Self::Orthographic { height, .. } => height,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::View;
+
+    #[test]
+    fn a_target_is_in_the_middle_of_the_image_wherever_it_is() {
+        let eye = Vec3::new(1.0, 2.0, 3.0);
+        for target in [Vec3::X * 9.0, eye + Vec3::Y, eye - Vec3::Y * 5.0, Vec3::NEG_ONE * 1e4] {
+            let camera = Camera::look_at(eye, target);
+            let clip = View::new(&camera, [640, 480], 8).clip(target);
+            assert!((clip.truncate().truncate() / clip.w).abs().max_element() < 1e-3, "{target}");
+            assert!(clip.w > 0.0 && camera.up.cross(camera.forward).length() > 0.01);
+        }
+        assert_eq!(Camera::look_at(eye, eye).forward, Vec3::NEG_Z);
+        assert_eq!(Camera::look_at([1.0, 2.0, 3.0], [0.0; 3]).eye, eye);
     }
 }
