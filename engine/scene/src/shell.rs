@@ -37,11 +37,13 @@ impl Shell {
         }
         let is_twice = !triangles.is_empty() && triangles.values().all(|[up, down]| up == down);
         let mut borders = HashSet::new();
+        let mut encloses = false;
         for ([a, b, c], [up, down]) in &triangles {
             let count = if is_twice { *up } else { up + down };
             if count % 2 == 0 {
                 continue;
             }
+            encloses = true;
             for edge in [[*a, *b], [*b, *c], [*a, *c]] {
                 if !borders.remove(&edge) {
                     borders.insert(edge);
@@ -49,7 +51,7 @@ impl Shell {
             }
         }
         match is_twice {
-            _ if triangles.is_empty() || !borders.is_empty() => Self::Open,
+            _ if !encloses || !borders.is_empty() => Self::Open,
             true => Self::ClosedTwice,
             false => Self::Closed,
         }
@@ -93,6 +95,10 @@ mod tests {
         assert_eq!(Shell::of(&positions, &indices[3..]), Shell::Open);
         assert_eq!(Shell::of(&[], &[]), Shell::Open);
         assert_eq!(Shell::of(&positions, &[0, 1, 99]), Shell::Open);
+        // Each triangle again: a ray meets all of them twice, and is nowhere inside.
+        indices.truncate(36);
+        assert_eq!(Shell::of(&positions, &indices.repeat(2)), Shell::Open);
+        assert_eq!(Shell::of(&positions, &indices.repeat(3)), Shell::Closed);
     }
 
     #[test]

@@ -299,10 +299,13 @@ impl Arguments {
             )?;
         }
         let shadows = self.lighting.choices(&self.scene)?;
+        let section = self.section.planes()?;
+        // A piece of a solid is no solid, and would have no cap.
+        let cut_above_triangles = self.file.cut_above_triangles().filter(|_| section.is_empty());
         Ok(Options {
             scene,
             broken_parts: self.file.broken_parts(),
-            cut_above_triangles: self.file.cut_above_triangles(),
+            cut_above_triangles,
             lights: self.lighting.lights,
             shadows,
             path,
@@ -325,7 +328,7 @@ impl Arguments {
             trust: self.trust,
             predicates,
             threshold_pixels: threshold,
-            section: self.section.planes()?,
+            section,
             shaders: self.device.shaders.clone(),
             output: self.out.clone(),
             report: self.report.clone(),

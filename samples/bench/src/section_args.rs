@@ -11,7 +11,8 @@ use crate::report::SectionReport;
 #[derive(Clone, Debug, Args)]
 pub struct SectionArguments {
     /// Up to six section planes: each keeps the points x, y, z (metres) with X*x + Y*y + Z*z + D at
-    /// least 0, and cuts the rest away [default: none]
+    /// least 0, and cuts the rest away. Large meshes of a file stay whole, as with --whole-meshes,
+    /// since pieces have no caps [default: none]
     #[arg(long, value_name = "X,Y,Z,D[;...]", help_heading = "Scene", allow_hyphen_values = true)]
     #[arg(value_parser = parse_planes)]
     pub section: Option<PlaneList>,

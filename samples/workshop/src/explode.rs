@@ -14,6 +14,9 @@ use antumbra::glam::{DVec3, Vec3};
 /// The angle between neighbours of the spiral, in radians: the golden angle.
 const GOLDEN_ANGLE_RAD: f64 = 2.399_963_229_728_653;
 
+/// The share of a coordinate that two places in single precision are rounded by together.
+const PLACE_SHARE: f64 = 2.0 * f32::EPSILON as f64;
+
 /// The share of the assembly's size under which a box counts as central.
 const CENTRAL_SHARE: f64 = 1e-6;
 
@@ -27,6 +30,8 @@ pub fn explode(boxes: &[Aabb], gap_m: f32) -> Vec<Vec3> {
     let all = boxes.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
     let middle = centre(&all);
     let size = (all.max - all.min).as_dvec3().length();
+    let farthest = all.min.abs().max(all.max.abs()).max_element();
+    let place_rounding = if farthest.is_finite() { f64::from(farthest) * PLACE_SHARE } else { 0.0 };
     let gap = f64::from(gap_m.max(0.0));
     let mut reach = size;
     let mut order: Vec<usize> = (0..boxes.len()).collect();
@@ -45,7 +50,7 @@ pub fn explode(boxes: &[Aabb], gap_m: f32) -> Vec<Vec3> {
         };
         let least = free_distance(&bounds, direction, &placed, gap);
         reach = reach.max(size + least * (1.0 + ROUNDING_SHARE));
-        let roomy = gap + reach * ROUNDING_SHARE;
+        let roomy = gap + reach * ROUNDING_SHARE + place_rounding;
         let distance = free_distance(&bounds, direction, &placed, roomy);
         let displacement = (direction * distance).as_vec3();
         placed.push(bounds.moved(displacement.as_dvec3()));
@@ -158,6 +163,14 @@ mod tests {
         let central = [cube(Vec3::ZERO, 5.0), cube(Vec3::ZERO, 1.0), cube(Vec3::ZERO, 0.1)];
         for boxes in [&touching[..], &coincident, &central] {
             assert_apart(boxes, 0.25);
+        }
+    }
+
+    #[test]
+    fn parts_far_from_the_origin_separate() {
+        for far_m in [1.0e4, 1.0e5, 1.0e6] {
+            let at = |x: f32| cube(Vec3::new(far_m + x, 0.0, -far_m), 0.5);
+            assert_apart(&[at(0.0), at(1.0), at(2.0)], 0.01);
         }
     }
 

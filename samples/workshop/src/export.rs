@@ -5,8 +5,9 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use antumbra::ObjectId;
-use antumbra::glam::Mat4;
-use antumbra::scene::{Mesh, MeshId, unpack_normal};
+use antumbra::cull::Aabb;
+use antumbra::glam::{Affine3A, Mat4};
+use antumbra::scene::{Mesh, MeshId, pack_normal, unpack_normal};
 use gltf::binary::{Glb, Header};
 use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf::json::buffer::Target;
@@ -47,8 +48,15 @@ pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
         let Some(object) = part.object.filter(is_shown) else { continue };
         let Some(mesh) = document.mesh(object) else { continue };
         let id = document.scene.objects[object.0 as usize].mesh;
-        let mesh = *meshes.entry(id).or_insert_with(|| writer.mesh(document, id, mesh));
-        let matrix = Mat4::from(document.transform(object));
+        let mut transform = document.transform(object);
+        let mesh = if is_sheared(&transform) {
+            // Such a matrix is no matrix of a node: the vertices take it.
+            let placed = placed(mesh, &std::mem::take(&mut transform));
+            writer.mesh(document, id, &placed)
+        } else {
+            *meshes.entry(id).or_insert_with(|| writer.mesh(document, id, mesh))
+        };
+        let matrix = Mat4::from(transform);
         // A node without a matrix stands at the origin.
         let matrix = (matrix != Mat4::IDENTITY).then(|| matrix.to_cols_array());
         let node = Node { matrix, mesh: Some(mesh), ..named(part) };
@@ -58,6 +66,33 @@ pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
     let scene = json::Scene { name: None, nodes: roots, extensions: None, extras: None };
     writer.root.scene = Some(writer.root.push(scene));
     writer.finish()
+}
+
+/// Returns true unless a transform is a scale, then a rotation, then a translation, as those of
+/// nodes must be.
+fn is_sheared(transform: &Affine3A) -> bool {
+    let (scale, rotation, translation) = transform.to_scale_rotation_translation();
+    let again = Affine3A::from_scale_rotation_translation(scale, rotation, translation);
+    // The tolerance of the format's validator, and less.
+    !again.abs_diff_eq(*transform, 1.0e-5)
+}
+
+/// Returns a mesh whose vertices are at their places in the world.
+fn placed(mesh: &Mesh, transform: &Affine3A) -> Mesh {
+    let of_normals = transform.matrix3.inverse().transpose();
+    let mut placed = mesh.clone();
+    placed.bounds = Aabb::EMPTY;
+    for vertex in &mut placed.vertices {
+        let position = transform.transform_point3(vertex.position.into());
+        vertex.position = position.to_array();
+        vertex.normal =
+            pack_normal((of_normals * unpack_normal(vertex.normal)).normalize_or_zero());
+        placed.bounds = placed.bounds.union(&Aabb::new(position, position));
+    }
+    if transform.matrix3.determinant() < 0.0 {
+        placed.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|corners| corners.swap(1, 2));
+    }
+    placed
 }
 
 /// Returns a sentence about what is shown and not in the [file](glb), if there is anything.
@@ -179,7 +214,10 @@ impl Writer {
         material.pbr_metallic_roughness.roughness_factor.0 = of.map_or(1.0, |of| of.roughness);
         if let Some(of) = of {
             material.name = Some(of.name.clone());
-            material.pbr_metallic_roughness.base_color_factor.0 = of.base_colour;
+            // The colours of vertices have the material's already, but for its opacity.
+            let [.., alpha] = of.base_colour;
+            material.pbr_metallic_roughness.base_color_factor.0 = [1.0, 1.0, 1.0, alpha];
+            material.emissive_factor.0 = of.emission.map(|part| part.clamp(0.0, 1.0));
         }
         self.root.push(material)
     }
@@ -281,6 +319,50 @@ mod tests {
         let expected = document.shown_bounds();
         assert!((found.min - expected.min).length() < 1e-4, "{found:?} {expected:?}");
         assert!((found.max - expected.max).length() < 1e-4, "{found:?} {expected:?}");
+    }
+
+    #[test]
+    fn colours_light_and_sheared_parts_are_what_they_were_after_a_round_trip() {
+        let colour = [0.5, 0.25, 0.75];
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = Mesh::of_triangles("part", &corners.map(|corner| (corner, colour)));
+        let mut scene = antumbra::scene::Scene::single(mesh).with_surfaces();
+        let material = &mut scene.surfaces.as_mut().unwrap().materials[0];
+        material.base_colour = [0.5, 0.25, 0.75, 1.0];
+        material.emission = [0.1, 0.2, 0.3];
+        let turned = Affine3A::from_rotation_z(0.5);
+        // A scale above a rotation, and a mirror: no node has such a matrix.
+        scene.objects[0].transform =
+            Affine3A::from_scale(antumbra::glam::Vec3::new(-2.0, 1.0, 1.0)) * turned;
+        let before = scene.clone();
+        let parts = scenes::PartTree {
+            nodes: vec![PartNode {
+                name: "part".to_owned(),
+                parent: None,
+                object: Some(ObjectId(0)),
+            }],
+        };
+        let document = Document::new(scene, parts, None);
+        let bytes = glb(&document).unwrap();
+        let read = gltf::Gltf::from_slice(&bytes).unwrap();
+        let node = read.nodes().next().unwrap();
+        assert_eq!(node.transform().matrix(), Mat4::IDENTITY.to_cols_array_2d());
+        let mut progress = |_| ControlFlow::Continue(());
+        let loaded = load_bytes(bytes, None, &LoadOptions::default(), &mut progress).unwrap();
+        assert!(loaded.notes.is_empty(), "{:?}", loaded.notes);
+        let found = &loaded.scene.meshes[0].vertices;
+        assert_eq!(found.len(), 3);
+        for (found, vertex) in found.iter().zip(&before.meshes[0].vertices) {
+            assert_eq!(found.colour & 0xff_ffff, vertex.colour & 0xff_ffff);
+            let place = before.objects[0].transform.transform_point3(vertex.position.into());
+            assert!(place.distance(found.position.into()) < 1e-5);
+        }
+        let [a, b, c] = loaded.scene.meshes[0].indices[..3] else { panic!() };
+        let corner = |index: u32| antumbra::glam::Vec3::from(found[index as usize].position);
+        let facing = (corner(b) - corner(a)).cross(corner(c) - corner(a));
+        assert!(facing.dot(unpack_normal(found[0].normal)) > 0.0, "it faces where it faced");
+        let material = &loaded.scene.surfaces.as_ref().unwrap().materials[0];
+        assert!((material.emission[1] - 0.2).abs() < 1e-6);
     }
 
     #[test]

@@ -12,6 +12,7 @@ pub mod export;
 pub mod file_parts;
 pub mod hinge;
 pub mod hit;
+pub mod inputs;
 pub mod measure;
 pub mod orbit;
 pub mod report;

@@ -107,7 +107,7 @@ pub enum CommandOutcome {
 pub fn not_blended(fragments: &FragmentsReport) -> Option<String> {
     let FragmentsReport { without_room, left_out, .. } = *fragments;
     let without_room = (without_room > 0).then(|| {
-        format!("{without_room} fragments of ghosts found no room: more --fragments-per-pixel help")
+        format!("{without_room} fragments of ghosts found no room: more --fragments-per-pixel help, as far as a buffer of the device has room")
     });
     let left_out = (left_out > 0).then(|| {
         format!("{left_out} fragments of ghosts lie behind too many others: ghost fewer parts")

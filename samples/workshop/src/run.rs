@@ -1,23 +1,23 @@
 //! From the command line to the report.
 
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use antumbra::Camera;
 use antumbra::gpu::{Device, DeviceOptions};
 use antumbra::import::LoadOptions;
 use bench::choices::DeviceChoice;
-use bench::options::UsageError;
 use bench::outputs::{OutputFile, Outputs, write_file};
 use bench::run::{open_instance, pick_adapter, pipeline_cache_file};
 use bench::run_error::RunError;
 use bench::scene_file;
+use bench::terminal::Ending;
 use bench::terminal::output::say_wrote;
-use bench::terminal::{Ending, shown};
 
 use crate::args::WorkshopArguments;
 use crate::document::{CurvedPart, Document, Lid};
 use crate::file_parts::file_parts;
+use crate::inputs::{files_of, keep_inputs, keep_outputs};
 use crate::report::{CommandOutcome, ScriptReport, ScriptStep};
 use crate::script::{self, ScriptLine};
 use crate::session::WorkshopSession;
@@ -56,10 +56,13 @@ fn carry_out(
 ) -> Result<(), RunError> {
     let lines = script::read(script)?;
     let report_file = OutputFile::of("--report", arguments.report.as_deref());
-    let written = lines.iter().filter_map(|line| line.command.written_file());
-    let written = written.filter_map(|file| OutputFile::of("--script", Some(file)));
+    let written: Vec<&Path> = lines.iter().filter_map(|line| line.command.written_file()).collect();
+    keep_outputs(arguments.report.as_deref(), &written)?;
+    let written = written.iter().filter_map(|file| OutputFile::of("--script", Some(file)));
     let files: Vec<OutputFile<'_>> = report_file.into_iter().chain(written).collect();
-    keep_inputs(&files, &[Path::new(&arguments.model), script])?;
+    let mut inputs = files_of(Path::new(&arguments.model));
+    inputs.push(script.to_owned());
+    keep_inputs(&files, &inputs)?;
     let _outputs = Outputs::prepare(None, files)?;
     let instance = open_instance(arguments.validation, None)?;
     let adapter =
@@ -99,24 +102,6 @@ fn carry_out(
     }
     write_report(arguments, &report, ending);
     failed
-}
-
-/// Refuses to write over what is read.
-///
-/// # Errors
-/// The option that names such a file.
-pub(crate) fn keep_inputs(outputs: &[OutputFile<'_>], inputs: &[&Path]) -> Result<(), UsageError> {
-    let inputs: Vec<PathBuf> =
-        inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
-    for OutputFile { option, path } in outputs {
-        if path.canonicalize().is_ok_and(|path| inputs.contains(&path)) {
-            let path = shown(path);
-            return Err(UsageError(format!(
-                "{option}: '{path}' is read by this run and would be lost; choose another name"
-            )));
-        }
-    }
-    Ok(())
 }
 
 /// Returns the report of a model before the first command.

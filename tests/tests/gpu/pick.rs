@@ -182,6 +182,43 @@ fn with_several_samples_object_and_depth_are_of_one_surface() {
 }
 
 #[test]
+fn with_several_samples_every_pixel_of_a_wall_has_its_owner() {
+    run(Driver::Lavapipe, |device| {
+        // A rectangle that fills its box before a wall: a sample may be in it and the middle of the
+        // pixel beside it.
+        let wall = [[-30.0, -30.0, -8.0], [90.0, -30.0, -8.0], [-30.0, 90.0, -8.0]];
+        let corner = |x: f32, y: f32| [x, y, -2.0];
+        let [a, b] = [corner(-1.013, -0.517), corner(1.307, -0.517)];
+        let [c, d] = [corner(1.307, 0.711), corner(-1.013, 0.711)];
+        let near = [a, b, c, a, c, d];
+        let mut scene = Scene::single(Mesh::of_triangles("wall", &wall.map(|at| (at, [1.0; 3]))));
+        scene.meshes.push(Mesh::of_triangles("near", &near.map(|at| (at, [1.0; 3]))));
+        scene.objects.push(Object { mesh: MeshId(1), ..scene.objects[0] });
+        let options = RendererOptions { samples: SampleCount::Four, ..options() };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let seen = renderer.view_of(&square_camera());
+        let mut found = [0; 2];
+        for edge in [a, c] {
+            let clip = seen.clip(edge.into());
+            let place = (clip.truncate().truncate() / clip.w + 1.0) * 0.5;
+            let [x, y] = [place.x * f64::from(SIZE[0]), place.y * f64::from(SIZE[1])];
+            let middle = [SIZE[0] / 2, SIZE[1] / 2];
+            for step in 0..3 {
+                for pixel in [[x as u32 + step - 1, middle[1]], [middle[0], y as u32 + step - 1]] {
+                    let Some(surface) = pointed(&mut renderer, &mut view, square_camera(), pixel)
+                    else {
+                        panic!("{pixel:?}: the wall is everywhere");
+                    };
+                    found[surface.object.0 as usize] += 1;
+                }
+            }
+        }
+        assert!(found.iter().all(|count| *count > 2), "{found:?}");
+    });
+}
+
+#[test]
 fn what_is_explained_of_objects_is_what_was_drawn() {
     run(Driver::Lavapipe, |device| {
         let GeneratedScene { scene, routes } = city(1000, 5).unwrap();

@@ -120,6 +120,46 @@ fn one_looks_into_an_open_shell() {
 }
 
 #[test]
+fn one_looks_into_a_box_whose_walls_are_meshes_of_their_own() {
+    run_on_all(|device| {
+        let mut walls: Vec<(Vec3, Solid)> = Vec::new();
+        for [a, b, c] in Solid::cube(0.02).triangles {
+            let normal = (b - a).cross(c - a).normalize().round();
+            let wall = walls.iter_mut().find(|(other, _)| *other == normal);
+            match wall {
+                Some((_, wall)) => wall.triangles.push([a, b, c]),
+                None => walls.push((normal, Solid { triangles: vec![[a, b, c]] })),
+            }
+        }
+        assert_eq!(walls.len(), 6);
+        let walls: Vec<_> = walls.into_iter().map(|(_, wall)| (wall, RED, Vec3::ZERO)).collect();
+        let mut shown = CutScene::new(device, &scene_of(&walls), options());
+        shown.renderer.set_section(behind(0.0)).unwrap();
+        let pixels = shown.pixels(front(HEIGHT_M), Strategy::ANTUMBRA);
+        // The far wall, which no plane meets.
+        assert_eq!(area_mm2(&pixels, 0), 400.0);
+    });
+}
+
+#[test]
+fn a_plane_that_touches_a_solid_at_its_place_cuts_nothing() {
+    run_on_all(|device| {
+        for z_m in [-0.77_f32, -0.53, -0.33, -0.11] {
+            let scene = scene_of(&[(Solid::cube(0.02), RED, Vec3::Z * z_m)]);
+            let mut shown = CutScene::new(device, &scene, options());
+            let whole = shown.pixels(front(HEIGHT_M), Strategy::ANTUMBRA);
+            assert_eq!(area_mm2(&whole, 0), 400.0, "{z_m} m");
+            let face_m = |offset_m: f64| (f64::from(z_m) * 100.0).round() * 0.01 + offset_m;
+            shown.renderer.set_section(behind(face_m(0.01))).unwrap();
+            assert!(whole == shown.pixels(front(HEIGHT_M), Strategy::ANTUMBRA), "{z_m} m");
+            shown.renderer.set_section(behind(face_m(-0.01))).unwrap();
+            let pixels = shown.pixels(front(HEIGHT_M), Strategy::ANTUMBRA);
+            assert_eq!(area_mm2(&pixels, 0), 0.0, "{z_m} m");
+        }
+    });
+}
+
+#[test]
 fn solids_that_share_a_wall_keep_their_own_colours() {
     run_on_all(|device| {
         let scene = scene_of(&[

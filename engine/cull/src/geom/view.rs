@@ -184,6 +184,18 @@ impl View {
         Frustum::new(&(smaller * self.from_anchor), self.anchor, self.depth, &self.rays)
     }
 
+    /// Returns the frustum of a pixel, counted from the upper left: what owns one of its samples
+    /// meets that.
+    #[must_use]
+    pub fn frustum_of_pixel(&self, pixel: [u32; 2]) -> Frustum {
+        let size = self.size.map(|side| side.max(1) as f32);
+        let middle = [0, 1].map(|axis| (pixel[axis] as f32 + 0.5) / size[axis] * 2.0 - 1.0);
+        let to_middle = Mat4::from_translation(Vec3::new(-middle[0], -middle[1], 0.0));
+        // A little more than the pixel, for the rounding of its sides.
+        let larger = Mat4::from_scale(Vec3::new(size[0] * 0.99, size[1] * 0.99, 1.0));
+        Frustum::new(&(larger * to_middle * self.from_anchor), self.anchor, self.depth, &self.rays)
+    }
+
     /// Returns the clip coordinates of a point (metres), as exact far from the origin of the world
     /// as near it.
     #[must_use]

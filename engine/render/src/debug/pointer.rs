@@ -194,14 +194,14 @@ pub(crate) fn record_pointer(
     Ok(())
 }
 
-/// Returns the leaves along the ray of a pixel, ascending, and their objects.
+/// Returns the leaves that may own a sample of a pixel, ascending, and their objects. Which place
+/// of the pixel a sample has is the device's choice.
 fn candidates(hierarchy: &Hierarchy, view: &View, pixel: [u32; 2]) -> Vec<(LeafIndex, ObjectId)> {
-    let ndc = middle_of(pixel, view.size);
-    let origin = view.rays.point(ndc, 0.0);
+    let mut ranges = Vec::new();
+    hierarchy.leaves_in(&view.frustum_of_pixel(pixel), view, &mut ranges);
     let objects = hierarchy.leaf_objects();
-    let met = hierarchy.leaves_along(origin, view.rays.along(ndc)).into_iter();
-    let met = met.filter_map(|(_, leaf)| Some((leaf, *objects.get(leaf.0 as usize)?)));
-    let mut candidates: Vec<(LeafIndex, ObjectId)> = met.collect();
-    candidates.sort_unstable_by_key(|(leaf, _)| *leaf);
-    candidates
+    let leaves = ranges.into_iter().flat_map(|range| {
+        (range.first.0..range.first.0.saturating_add(range.count)).map(LeafIndex)
+    });
+    leaves.filter_map(|leaf| Some((leaf, *objects.get(leaf.0 as usize)?))).collect()
 }

@@ -15,7 +15,8 @@ use crate::resources::mesh_slots::MeshPlace;
 #[derive(Default)]
 pub(crate) struct SectionMeshes {
     meshes: HashMap<MeshId, SectionMesh>,
-    shells: HashMap<u32, Shell>,
+    /// By the number of a draw.
+    shells: Vec<Shell>,
 }
 
 /// A mesh whose shape does not change.
@@ -32,6 +33,8 @@ pub(crate) struct Extent {
     pub(crate) low_m: f64,
     pub(crate) high_m: f64,
     pub(crate) size_m: f64,
+    /// The size of its place, the sum of its parts along the normal.
+    pub(crate) place_m: f64,
 }
 
 impl SectionMeshes {
@@ -58,13 +61,15 @@ impl SectionMeshes {
         let Some(mesh) = self.meshes.get(&id) else { return };
         let positions: Vec<[f32; 3]> = mesh.points.iter().map(Vec3::to_array).collect();
         for (draw, triangles) in draws {
-            self.shells.insert(draw.0, Shell::of(&positions, triangles));
+            let place = draw.0 as usize;
+            self.shells.resize(self.shells.len().max(place + 1), Shell::Open);
+            self.shells[place] = Shell::of(&positions, triangles);
         }
     }
 
     /// Returns what the triangles of a draw enclose.
     pub(crate) fn shell(&self, draw: MeshDrawId) -> Shell {
-        self.shells.get(&draw.0).copied().unwrap_or_default()
+        self.shells.get(draw.0 as usize).copied().unwrap_or_default()
     }
 
     /// Returns the colour of a mesh, as vertices have it.
@@ -86,7 +91,8 @@ impl SectionMeshes {
         let [x, y, z] = rows;
         let normal = plane.normal();
         let along = x * normal.x + y * normal.y + z * normal.z;
-        let mut extent = Extent { low_m: f64::INFINITY, high_m: f64::NEG_INFINITY, size_m: 0.0 };
+        let mut extent =
+            Extent { low_m: f64::INFINITY, high_m: f64::NEG_INFINITY, size_m: 0.0, place_m: 0.0 };
         for point in points {
             let at = along.dot(point.as_dvec3());
             extent.low_m = extent.low_m.min(at);
@@ -94,6 +100,7 @@ impl SectionMeshes {
         }
         let from = plane.distance_m(origin);
         extent.size_m = extent.low_m.abs().max(extent.high_m.abs());
+        extent.place_m = (origin * normal).abs().element_sum();
         extent.low_m += from;
         extent.high_m += from;
         Some(extent)

@@ -32,8 +32,12 @@ const KEPT: u16 = (1 << SectionPlanes::MAX) - 1;
 const BACKS: u16 = 1 << (2 * SectionPlanes::MAX);
 
 /// The share of an object's size within which a plane touches it and does not cut: a bound on the
-/// rounding of single precision in its vertices and in its transform.
+/// rounding of single precision in its vertices and in its scale and rotation.
 const TOUCHING: f64 = 8.0 * f32::EPSILON as f64;
+
+/// The share of the coordinates of an object's place to which these were rounded: half a unit in
+/// the last place, and a little more.
+const PLACE_ROUNDING: f64 = 0.51 * f32::EPSILON as f64;
 
 /// The effect of a plane on an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,7 +49,7 @@ enum PlaneEffect {
 
 impl PlaneEffect {
     fn of(extent: &Extent) -> Self {
-        let touching_m = extent.size_m * TOUCHING;
+        let touching_m = extent.size_m * TOUCHING + extent.place_m * PLACE_ROUNDING;
         match extent {
             _ if extent.low_m >= -touching_m => Self::Keeps,
             _ if extent.high_m <= touching_m => Self::Removes,
@@ -136,9 +140,18 @@ impl Section {
         let leaves = hierarchy.leaf_objects().len();
         self.states.clear();
         self.states.resize(leaves.next_multiple_of(2).max(2), 0);
+        let section = self.planes;
+        if hierarchy.root().is_some_and(|root| section.meets(&hierarchy.bounds(root))) {
+            // Through what is cut open one sees shells from inside, met by a plane or not.
+            for (state, object) in self.states.iter_mut().zip(hierarchy.leaf_objects()) {
+                if meshes.shell(geometry.draw_of(*object)) == Shell::Open {
+                    *state = BACKS;
+                }
+            }
+        }
         for met in &self.met {
             if let Some(state) = self.states.get_mut(met.leaf.0 as usize) {
-                *state = met.state;
+                *state |= met.state;
             }
         }
         for leaf in hierarchy.whole_leaves() {
@@ -227,9 +240,6 @@ impl Section {
                 PlaneEffect::Cuts => met.cuts |= 1 << number,
             }
         }
-        if met.cuts != 0 && met.shell == Shell::Open {
-            met.state |= BACKS;
-        }
         self.met.push(met);
     }
 
@@ -286,11 +296,15 @@ mod tests {
 
     #[test]
     fn a_plane_that_touches_keeps_or_removes_all() {
-        let at = |low_m, high_m| PlaneEffect::of(&Extent { low_m, high_m, size_m: 1.0 });
+        let at =
+            |low_m, high_m| PlaneEffect::of(&Extent { low_m, high_m, size_m: 1.0, place_m: 0.0 });
         assert_eq!(at(0.0, 1.0), PlaneEffect::Keeps);
         assert_eq!(at(-1.0e-7, 1.0), PlaneEffect::Keeps);
         assert_eq!(at(-1.0, 1.0e-7), PlaneEffect::Removes);
         assert_eq!(at(-1.0, 1.0e-4), PlaneEffect::Cuts);
         assert_eq!(at(-0.5, 0.5), PlaneEffect::Cuts);
+        // A place of 7.7 m is one of 7.699_999_8 m in single precision.
+        let placed = Extent { low_m: -1.9e-7, high_m: 0.02, size_m: 0.01, place_m: 7.7 };
+        assert_eq!(PlaneEffect::of(&placed), PlaneEffect::Keeps);
     }
 }

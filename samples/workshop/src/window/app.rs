@@ -17,7 +17,8 @@ use winit::window::WindowId;
 
 use super::opened::{Next, Opened};
 use crate::args::WorkshopArguments;
-use crate::run::{Model, keep_inputs, model, write_report};
+use crate::inputs::{files_of, keep_inputs};
+use crate::run::{Model, model, write_report};
 
 /// The longest sleep of the loop, since no signal wakes it.
 const LONGEST_SLEEP: Duration = Duration::from_millis(250);
@@ -31,7 +32,7 @@ const LONGEST_SLEEP: Duration = Duration::from_millis(250);
 pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), RunError> {
     let report_file = OutputFile::of("--report", arguments.report.as_deref());
     let files: Vec<OutputFile<'_>> = report_file.into_iter().collect();
-    keep_inputs(&files, &[Path::new(&arguments.model)])?;
+    keep_inputs(&files, &files_of(Path::new(&arguments.model)))?;
     let _outputs = Outputs::prepare(None, files)?;
     let signals = Signals::watch()?;
     let event_loop = display::event_loop().map_err(display::no_display)?;

@@ -1,6 +1,6 @@
 //! An open window: interaction with a session, and its frames.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -30,9 +30,10 @@ use super::panel::{PanelPage, ToolPanel};
 use super::signs;
 use super::tools::Tools;
 use crate::args::WorkshopArguments;
+use crate::inputs::{files_of, keep_inputs};
 use crate::orbit::OrbitCamera;
 use crate::report::{CommandOutcome, ScriptReport, ScriptStep};
-use crate::run::{Model, begin_report, keep_inputs};
+use crate::run::{Model, begin_report};
 use crate::script::Command;
 use crate::session::{FrameQuestions, LateResults, WorkshopSession};
 
@@ -75,8 +76,8 @@ pub(super) struct Opened {
     window: Arc<Window>,
     instance: Instance,
     display: DisplayLink,
-    /// The file of the model, if it is one.
-    model_file: PathBuf,
+    /// The files of the model.
+    inputs: Vec<PathBuf>,
     report: ScriptReport,
     size: [u32; 2],
     frames_due: u32,
@@ -149,7 +150,7 @@ impl Opened {
             window,
             instance,
             display,
-            model_file: PathBuf::from(&arguments.model),
+            inputs: files_of(Path::new(&arguments.model)),
             report,
             size,
             frames_due: SETTLING_FRAMES,
@@ -272,10 +273,10 @@ impl Opened {
         Ok(())
     }
 
-    /// Refuses to write over the model.
+    /// Refuses to write over files of the model.
     fn keep_model(&self, command: &Command) -> Result<(), RunError> {
         let output = OutputFile::of(command.verb(), command.written_file());
-        Ok(keep_inputs(output.as_slice(), &[&self.model_file])?)
+        Ok(keep_inputs(output.as_slice(), &self.inputs)?)
     }
 
     /// Runs one turn of the loop, and returns its next step.

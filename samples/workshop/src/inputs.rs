@@ -1,0 +1,100 @@
+//! The files that a run reads, which it may not write.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use bench::options::UsageError;
+use bench::outputs::OutputFile;
+use bench::terminal::shown;
+
+/// Returns the file of a model and the files that it names: buffers and images of glTF, and
+/// materials of OBJ. Files that cannot be read name nothing.
+pub fn files_of(model: &Path) -> Vec<PathBuf> {
+    let folder = model.parent().unwrap_or(Path::new(""));
+    let extension = model.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let names = match extension.to_ascii_lowercase().as_str() {
+        "gltf" => fs::read(model).map(|bytes| uris(&bytes)).unwrap_or_default(),
+        "obj" => fs::read(model).map(|bytes| libraries(&bytes)).unwrap_or_default(),
+        _ => Vec::new(),
+    };
+    let named = names.into_iter().map(|name| folder.join(name));
+    std::iter::once(model.to_owned()).chain(named).collect()
+}
+
+/// Returns the files beside a glTF file that its buffers and images are in.
+fn uris(gltf: &[u8]) -> Vec<String> {
+    let Ok(root) = serde_json::from_slice::<serde_json::Value>(gltf) else { return Vec::new() };
+    let lists = ["buffers", "images"].into_iter().filter_map(|list| root[list].as_array());
+    let uris = lists.flatten().filter_map(|element| element["uri"].as_str());
+    let files = uris.filter(|uri| !uri.starts_with("data:"));
+    files.map(|uri| uri.replace("%20", " ")).collect()
+}
+
+/// Returns the files of materials that an OBJ file names.
+fn libraries(obj: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(obj);
+    let names = text.lines().filter_map(|line| line.trim().strip_prefix("mtllib "));
+    names.map(|name| name.trim().to_owned()).collect()
+}
+
+/// Refuses to write over what is read.
+///
+/// # Errors
+/// The option that names such a file.
+pub fn keep_inputs(outputs: &[OutputFile<'_>], inputs: &[PathBuf]) -> Result<(), UsageError> {
+    let inputs: Vec<PathBuf> =
+        inputs.iter().filter_map(|input| input.canonicalize().ok()).collect();
+    for OutputFile { option, path } in outputs {
+        if path.canonicalize().is_ok_and(|path| inputs.contains(&path)) {
+            let path = shown(path);
+            return Err(UsageError(format!(
+                "{option}: '{path}' is read by this run and would be lost; choose another name"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a report over what the same run writes.
+///
+/// # Errors
+/// The name of the report.
+pub fn keep_outputs(report: Option<&Path>, written: &[&Path]) -> Result<(), UsageError> {
+    let Some(report) = report else { return Ok(()) };
+    let place = |file: &Path| {
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+        Some(folder.join(file.file_name()?))
+    };
+    if place(report).is_some() && written.iter().any(|file| place(file) == place(report)) {
+        let report = shown(report);
+        return Err(UsageError(format!(
+            "--report: the script writes '{report}', too; choose another name"
+        )));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_that_a_model_names_are_its_inputs() {
+        let gltf = br#"{ "buffers": [{ "uri": "a%20b.bin" }, { "uri": "data:," }, {}],
+                         "images": [{ "uri": "c.png" }] }"#;
+        assert_eq!(uris(gltf), ["a b.bin", "c.png"]);
+        assert_eq!(uris(b"no json"), [""; 0]);
+        assert_eq!(libraries(b"o x\n mtllib a b.mtl \nusemtl c\n"), ["a b.mtl"]);
+        assert_eq!(files_of(Path::new("d/e.stl")), [PathBuf::from("d/e.stl")]);
+    }
+
+    #[test]
+    fn a_report_over_an_image_is_refused_however_it_is_written() {
+        let refused = |report: &str, file: &str| {
+            keep_outputs(Some(Path::new(report)), &[Path::new(file)]).is_err()
+        };
+        assert!(refused("a.png", "./a.png") && refused("./src/../a.png", "a.png"));
+        assert!(!refused("a.json", "a.png") && !refused("nowhere/a", "nowhere/b"));
+    }
+}
