@@ -188,8 +188,10 @@ fn with_several_samples_every_pixel_of_a_wall_has_its_owner() {
         // pixel beside it.
         let wall = [[-30.0, -30.0, -8.0], [90.0, -30.0, -8.0], [-30.0, 90.0, -8.0]];
         let corner = |x: f32, y: f32| [x, y, -2.0];
-        let [a, b] = [corner(-1.013, -0.517), corner(1.307, -0.517)];
-        let [c, d] = [corner(1.307, 0.711), corner(-1.013, 0.711)];
+        let a = corner(-1.013, -0.517);
+        let b = corner(1.307, -0.517);
+        let c = corner(1.307, 0.711);
+        let d = corner(-1.013, 0.711);
         let near = [a, b, c, a, c, d];
         let mut scene = Scene::single(Mesh::of_triangles("wall", &wall.map(|at| (at, [1.0; 3]))));
         scene.meshes.push(Mesh::of_triangles("near", &near.map(|at| (at, [1.0; 3]))));
@@ -202,7 +204,8 @@ fn with_several_samples_every_pixel_of_a_wall_has_its_owner() {
         for edge in [a, c] {
             let clip = seen.clip(edge.into());
             let place = (clip.truncate().truncate() / clip.w + 1.0) * 0.5;
-            let [x, y] = [place.x * f64::from(SIZE[0]), place.y * f64::from(SIZE[1])];
+            let x = place.x * f64::from(SIZE[0]);
+            let y = place.y * f64::from(SIZE[1]);
             let middle = [SIZE[0] / 2, SIZE[1] / 2];
             for step in 0..3 {
                 for pixel in [[x as u32 + step - 1, middle[1]], [middle[0], y as u32 + step - 1]] {
