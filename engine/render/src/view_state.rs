@@ -85,9 +85,10 @@ impl ViewState {
     }
 
     /// Finds the object at a pixel of the view's part of the image, from the upper left, in every
-    /// frame from now on; `None` ends it. Costs a draw of the objects along the pixel's ray, cut to
-    /// that pixel; nothing is waited for. Opaque objects count; transparent ones and the background
-    /// do not. With several samples per pixel, the object that owns the first of them is found.
+    /// frame from now on; `None` ends it. Costs a draw of the objects whose box meets the pixel,
+    /// cut to that pixel; nothing is waited for. Opaque objects count; transparent ones and the
+    /// background do not. With several samples per pixel, the object that owns the first of them is
+    /// found.
     ///
     /// # Errors
     /// A device whose fragment shaders cannot write to buffers

@@ -1,11 +1,16 @@
 //! The files that a run reads, which it may not write.
 
-use std::fs;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use bench::options::UsageError;
 use bench::outputs::OutputFile;
 use bench::terminal::shown;
+use percent_encoding::percent_decode_str;
+
+/// The most bytes of a model that names are looked for in. Those of glTF are in front.
+const MOST_BYTES: u64 = 1 << 28;
 
 /// Returns the file of a model and the files that it names: buffers and images of glTF, and
 /// materials of OBJ. Files that cannot be read name nothing.
@@ -13,21 +18,42 @@ pub fn files_of(model: &Path) -> Vec<PathBuf> {
     let folder = model.parent().unwrap_or(Path::new(""));
     let extension = model.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let names = match extension.to_ascii_lowercase().as_str() {
-        "gltf" => fs::read(model).map(|bytes| uris(&bytes)).unwrap_or_default(),
-        "obj" => fs::read(model).map(|bytes| libraries(&bytes)).unwrap_or_default(),
+        "gltf" | "glb" => uris(json_of(&beginning(model))),
+        "obj" => libraries(&beginning(model)),
         _ => Vec::new(),
     };
     let named = names.into_iter().map(|name| folder.join(name));
     std::iter::once(model.to_owned()).chain(named).collect()
 }
 
+/// Returns the beginning of a file; nothing of one that cannot be read.
+fn beginning(file: &Path) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let read = File::open(file).and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes));
+    if read.is_err() {
+        bytes.clear();
+    }
+    bytes
+}
+
+/// Returns the JSON of a glTF file: all of it, or the first chunk of a binary one.
+fn json_of(file: &[u8]) -> &[u8] {
+    if !file.starts_with(b"glTF") {
+        return file;
+    }
+    // The header is 12 bytes, that of the chunk 8, which begins with the chunk's length.
+    let length = file.get(12..16).and_then(|bytes| <[u8; 4]>::try_from(bytes).ok());
+    let length = length.map_or(0, u32::from_le_bytes) as usize;
+    file.get(20..20_usize.saturating_add(length)).unwrap_or_default()
+}
+
 /// Returns the files beside a glTF file that its buffers and images are in.
-fn uris(gltf: &[u8]) -> Vec<String> {
-    let Ok(root) = serde_json::from_slice::<serde_json::Value>(gltf) else { return Vec::new() };
+fn uris(json: &[u8]) -> Vec<String> {
+    let Ok(root) = serde_json::from_slice::<serde_json::Value>(json) else { return Vec::new() };
     let lists = ["buffers", "images"].into_iter().filter_map(|list| root[list].as_array());
     let uris = lists.flatten().filter_map(|element| element["uri"].as_str());
     let files = uris.filter(|uri| !uri.starts_with("data:"));
-    files.map(|uri| uri.replace("%20", " ")).collect()
+    files.map(|uri| percent_decode_str(uri).decode_utf8_lossy().into_owned()).collect()
 }
 
 /// Returns the files of materials that an OBJ file names.
@@ -81,9 +107,13 @@ mod tests {
 
     #[test]
     fn files_that_a_model_names_are_its_inputs() {
-        let gltf = br#"{ "buffers": [{ "uri": "a%20b.bin" }, { "uri": "data:," }, {}],
+        let gltf = br#"{ "buffers": [{ "uri": "a%20%C3%BCb.bin" }, { "uri": "data:," }, {}],
                          "images": [{ "uri": "c.png" }] }"#;
-        assert_eq!(uris(gltf), ["a b.bin", "c.png"]);
+        assert_eq!(uris(gltf), ["a \u{fc}b.bin", "c.png"]);
+        let length = (gltf.len() as u32).to_le_bytes();
+        let binary = [&b"glTF\x02\0\0\0\0\0\0\0"[..], &length, b"JSON", gltf, b"rest"].concat();
+        assert_eq!(uris(json_of(&binary)), uris(gltf));
+        assert_eq!(uris(json_of(&binary[..30])), [""; 0]);
         assert_eq!(uris(b"no json"), [""; 0]);
         assert_eq!(libraries(b"o x\n mtllib a b.mtl \nusemtl c\n"), ["a b.mtl"]);
         assert_eq!(files_of(Path::new("d/e.stl")), [PathBuf::from("d/e.stl")]);

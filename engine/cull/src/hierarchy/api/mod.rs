@@ -2,5 +2,4 @@
 
 pub(crate) mod changes;
 mod in_frustum;
-mod ray;
 pub(crate) mod whole;
